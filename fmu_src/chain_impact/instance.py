@@ -1,0 +1,221 @@
+"""The instance: one flat record that holds everything a running simulation knows.
+
+Parameters, inputs, the integrator's memory, statistics, outputs and work space are the fields of one NumPy
+record without pointers, so the state of an FMU is a copy of its bytes. Every scalar takes eight bytes (a
+double or an integer), so each has an index counted in doubles from the start of the record: the slave
+needs no other knowledge of the layout.
+
+N links, points 0…N (0 the base, N the tip), C candidates (pairs of a point and a wall), state vector
+y = (x₀, θ, ẋ₀, ω, dissipated energy, energy supplied) of n = 2(N+2)+2 numbers.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from chain_impact.kernel.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.explicit import DENSE_COEFFICIENTS, STAGES
+from chain_impact.scene import SOLVER_METHODS, WALLS, Scene
+
+REAL, INTEGER = np.float64, np.int64
+LOG_SIZE = 32  # finished contacts kept until they are collected, besides one for each candidate
+
+
+def _record(*fields: tuple) -> np.dtype:
+    return np.dtype(list(fields), align=True)
+
+
+def output_dtype(links: int, candidates: int) -> np.dtype:
+    """What an observer sees at the communication point; one row of a time series."""
+    points = links + 1
+    return _record(
+        ("point_position", REAL, (points, 2)),  # m
+        ("point_velocity", REAL, (points, 2)),  # m/s
+        ("point_acceleration", REAL, (points, 2)),  # m/s²
+        ("angle", REAL, (links,)),  # rad, absolute, from +x
+        ("angular_velocity", REAL, (links,)),  # rad/s
+        ("angular_acceleration", REAL, (links,)),  # rad/s²
+        ("force", REAL, (candidates,)),  # N, wall on point, along the inward normal
+        ("penetration", REAL, (candidates,)),  # m, 0 when apart
+        ("penetration_rate", REAL, (candidates,)),  # m/s, > 0 compressing, 0 when apart
+        ("kinetic", REAL),  # J
+        ("potential", REAL),  # J, gravity, zero at the origin
+        ("elastic", REAL),  # J, stored in the contacts
+        ("dissipated", REAL),  # J, by contacts and joint damping since the start
+        ("supplied", REAL),  # J, by the inputs since the start
+        ("total", REAL),  # J, kinetic + potential + elastic
+    )
+
+
+def instance_dtype(links: int, candidates: int) -> np.dtype:
+    """The record of an instance with N = ``links`` links and C = ``candidates`` candidates."""
+    points = links + 1
+    state = 2 * (links + 2) + 2
+    log = LOG_SIZE + candidates
+    model = _record(
+        ("gravity", REAL, (2,)),  # m/s²
+        ("length", REAL, (links,)),  # m
+        ("mass", REAL, (links,)),  # kg
+        ("center_of_mass", REAL, (links,)),  # m from the proximal joint
+        ("inertia", REAL, (links,)),  # kg·m² about the centre of mass
+        ("joint_damping", REAL, (links,)),  # N·m·s/rad at the proximal joint
+        ("wall", REAL, (len(WALLS),)),  # m, position of x_min, x_max, y_min, y_max
+        ("candidate_point", INTEGER, (candidates,)),  # 0…N
+        ("candidate_wall", INTEGER, (candidates,)),  # index into `wall`
+        ("pinned", INTEGER),  # 1: the base cannot move
+        ("driven", INTEGER),  # 1: there are inputs
+        # derived at initialization
+        ("damped", INTEGER),  # 1: some joint has damping
+        ("center_of_mass_ratio", REAL, (links,)),  # centre of mass / length
+        ("joint_inertia", REAL, (links,)),  # kg·m² about the proximal joint
+        ("size", REAL),  # m, longest link: the absolute scale of positions
+    )
+    contact = _record(
+        ("law", INTEGER),  # id of the force law, counted from 1
+        ("stiffness", REAL),  # N/m^exponent
+        ("exponent", REAL),
+        ("restitution", REAL),
+        ("radius", REAL),  # m
+        ("minimum_impact_speed", REAL),  # m/s, floor of the latched impact speed
+        ("damping_factor", REAL),  # λ, derived whenever law or restitution changes
+    )
+    initial = _record(
+        ("position", REAL, (2,)),  # m
+        ("velocity", REAL, (2,)),  # m/s
+        ("angle", REAL, (links,)),  # rad
+        ("angular_velocity", REAL, (links,)),  # rad/s
+    )
+    solver = _record(
+        ("method", INTEGER),  # index into SOLVER_METHODS, counted from 1
+        ("tolerance", REAL),
+    )
+    inputs = _record(
+        ("joint_torque", REAL, (links,)),  # N·m
+        ("tip_force", REAL, (2,)),  # N
+        ("changed", INTEGER),  # 1: an input or a tunable parameter was set since the last step
+    )
+    # the last accepted step and its dense output, valid from `start` to `end`
+    step = _record(
+        ("time", REAL),  # s, the communication point; start ≤ time ≤ end
+        ("start", REAL),  # s
+        ("end", REAL),  # s, start + size, or the event that cut the step short
+        ("size", REAL),  # s
+        ("next_size", REAL),  # s, proposed
+        ("flight_size", REAL),  # s, of the last step before the first of the present contacts
+        ("state", REAL, (state,)),  # y at `start`
+        ("state_end", REAL, (state,)),  # y at `end`
+        ("dense", REAL, (DENSE_COEFFICIENTS, state)),  # interpolant over `size`
+        ("rate_known", INTEGER),  # 1: the last stage is ẏ at `end`
+    )
+    # per candidate; what is latched at onset holds until the contact ends
+    touch = _record(
+        ("active_count", INTEGER),
+        ("active_index", INTEGER, (candidates,)),  # the candidates in contact, packed
+        ("active", INTEGER, (candidates,)),  # 1: in contact
+        ("event", INTEGER, (candidates,)),  # 1: onset or end at `step.end`, not yet applied
+        ("onset", REAL, (candidates,)),  # s
+        ("onset_speed", REAL, (candidates,)),  # m/s, normal approach speed at onset
+        ("impact_speed", REAL, (candidates,)),  # m/s, v0 of the force law
+        ("effective_mass", REAL, (candidates,)),  # kg, 1/(J M⁻¹ Jᵀ) at onset
+        ("depth_scale", REAL, (candidates,)),  # m, expected penetration
+        ("speed", REAL, (candidates,)),  # m/s, δ̇ and …
+        ("force_rate", REAL, (candidates,)),  # N/s, dF/dt at the start of the step, to find the peaks
+        ("peak_force", REAL, (candidates,)),  # N
+        ("max_penetration", REAL, (candidates,)),  # m
+    )
+    impact = _record(
+        ("count", INTEGER),  # onsets since the start
+        ("last_time", REAL),  # s
+        ("last_point", INTEGER),  # 0…N, −1 before the first impact
+        ("last_wall", INTEGER),  # 1…4 in the order of WALLS, 0 before the first impact
+        ("last_speed", REAL),  # m/s
+        ("storm_start", REAL),  # s, events are counted over short windows of time
+        ("storm_count", INTEGER),
+    )
+    finished = _record(
+        ("count", INTEGER),  # contacts ended since last collected
+        ("point", INTEGER, (log,)),
+        ("wall", INTEGER, (log,)),
+        ("onset", REAL, (log,)),  # s
+        ("end", REAL, (log,)),  # s
+        ("impact_speed", REAL, (log,)),  # m/s, approach speed at onset
+        ("separation_speed", REAL, (log,)),  # m/s
+        ("peak_force", REAL, (log,)),  # N
+        ("max_penetration", REAL, (log,)),  # m
+        ("effective_mass", REAL, (log,)),  # kg
+    )
+    statistics = _record(
+        ("steps", INTEGER),  # accepted
+        ("rejected_steps", INTEGER),
+        ("rhs_evaluations", INTEGER),  # by the solver; looking at outputs is not counted
+        ("implicit_steps", INTEGER),
+        ("status", INTEGER),  # see kernel/status.py
+    )
+    work = _record(
+        ("stage", REAL, (STAGES, state)),  # ẏ at the stages
+        ("y", REAL, (state,)),
+        ("error", REAL, (2, state)),  # the two embedded error estimates
+        *((name, REAL, (points,)) for name in ("link_x", "link_y")),  # m
+        *((name, REAL, (points,)) for name in ("load_x", "load_y")),  # N on each point
+        ("moment", REAL, (links,)),  # N·m on each link, from its joints
+        *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "bias")),  # of the elimination
+        *((name, REAL, (points,)) for name in ("x", "y_", "vx", "vy", "ax", "ay")),  # of the points
+        ("curvature", REAL, (points,)),  # m/s², bound on a point's acceleration over the step
+        ("clear_start", REAL, (candidates,)),  # m, clearance of each candidate at the ends …
+        ("clear_end", REAL, (candidates,)),
+        ("clear_start_rate", REAL, (candidates,)),  # m/s … of the interval searched for events
+        ("clear_end_rate", REAL, (candidates,)),
+    )
+    return _record(
+        ("model", model),
+        ("contact", contact),
+        ("initial", initial),
+        ("solver", solver),
+        ("inputs", inputs),
+        ("step", step),
+        ("touch", touch),
+        ("impact", impact),
+        ("finished", finished),
+        ("statistics", statistics),
+        ("output", output_dtype(links, candidates)),
+        ("work", work),
+    )
+
+
+def candidates(scene: Scene) -> list[tuple[int, int]]:
+    """The pairs (point, index into WALLS) that can touch: listed points and existing walls only."""
+    walls = [w for w, name in enumerate(WALLS) if getattr(scene.box, name) is not None]
+    return [(point, wall) for point in scene.contact.points for wall in walls]
+
+
+def new_instance(scene: Scene) -> np.ndarray:
+    """An instance with the parameters of the scene, not yet initialized; an array with one record."""
+    pairs = candidates(scene)
+    links = scene.chain.links
+    block = np.zeros(1, instance_dtype(len(links), len(pairs)))
+    d = block[0]
+
+    model = d["model"]
+    model["gravity"] = scene.gravity
+    for name in ("length", "mass", "center_of_mass", "inertia", "joint_damping"):
+        model[name] = [getattr(link, name) for link in links]
+    # the position of a wall that is not there is never looked at
+    model["wall"] = [getattr(scene.box, name) or 0.0 for name in WALLS]
+    if pairs:
+        model["candidate_point"], model["candidate_wall"] = np.transpose(pairs)
+    model["pinned"] = scene.chain.base == "pinned"
+    model["driven"] = scene.inputs.joint_torques or scene.inputs.tip_force
+
+    contact = d["contact"]
+    contact["law"] = CONTACT_LAWS[scene.contact.model].number
+    for name in ("stiffness", "exponent", "restitution", "radius", "minimum_impact_speed"):
+        contact[name] = getattr(scene.contact, name)
+
+    initial = d["initial"]
+    initial["position"], initial["velocity"] = scene.initial.position, scene.initial.velocity
+    initial["angle"] = scene.initial.angles
+    initial["angular_velocity"] = scene.initial.angular_velocities
+
+    d["solver"]["method"] = SOLVER_METHODS.index(scene.solver.method) + 1
+    d["solver"]["tolerance"] = scene.solver.tolerance
+    return block

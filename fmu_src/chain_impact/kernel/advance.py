@@ -1,0 +1,158 @@
+"""Advance an instance in time: phases, step control, and the run-ahead to the communication point.
+
+The solver takes its own steps and runs ahead of the communication point, which is answered from the dense
+output; so neither result nor cost depends on the communication step. What happens at the end of a step
+(a contact begins or ends, a peak is passed) takes effect at the start of the next one, hence not before
+the communication point has passed it.
+"""
+
+import math
+
+from chain_impact.kernel.contact import apply_contacts, clear_loads, latch, locate_points
+from chain_impact.kernel.equations import state_rate
+from chain_impact.kernel.events import find_event
+from chain_impact.kernel.explicit import LAST, accept, attempt, interpolate
+from chain_impact.kernel.impacts import finish, follow_contacts
+from chain_impact.kernel.initialize import derive_law, still
+from chain_impact.kernel.jit import jit
+from chain_impact.kernel.status import EVENT_STORM, LOG_FULL, NOT_FINITE, OK, STEP_TOO_SMALL
+
+LONGEST_STEP = 1.0  # s; a chain in flight without spin has no other limit
+SHORTEST_STEP = 1e-18  # s
+SAFETY, SHRINK, GROW = 0.9, 1.0 / 3.0, 6.0  # of the step size
+EXPONENT = -1.0 / 8.0
+ONSET_FRACTION = 0.03  # first step of a contact, in parts of its expected duration
+STORM_WINDOW = 1e-3  # s, in which a candidate can have …
+STORM_EVENTS = 1000  # … this many onsets and ends before it is called a storm
+
+
+@jit
+def advance(d, time, room):
+    """Bring the instance to ``time`` [s], not before its present time.
+
+    Returns:
+        A status. After a fault the instance stays at the last time it reached; at LOG_FULL, when ``room``
+        finished contacts wait to be collected, it can go on once they are.
+    """
+    if d.statistics.status == OK and d.inputs.changed:
+        d.statistics.status = restart(d)
+    if d.statistics.status != OK:
+        return d.statistics.status
+    while d.step.end < time:
+        if d.finished.count >= room:
+            return LOG_FULL
+        d.statistics.status = take_step(d)
+        if d.statistics.status != OK:
+            d.step.time = d.step.end
+            return d.statistics.status
+    d.step.time = time
+    return OK
+
+
+@jit
+def restart(d):
+    """Drop what lies beyond the communication point, as an input or parameter changed; returns a status."""
+    d.inputs.changed = 0
+    interpolate(d.step, (d.step.time - d.step.start) / d.step.size, d.work.y)
+    still(d, d.step.time, d.work.y)
+    for c in range(len(d.touch.event)):
+        d.touch.event[c] = 0
+    clear_loads(d)
+    return derive_law(d)
+
+
+@jit
+def take_step(d):
+    """Take one accepted step, up to the first event in it; returns a status."""
+    if not begin(d):
+        return EVENT_STORM
+    h = min(d.step.next_size, LONGEST_STEP)
+    grow = GROW
+    while True:
+        error = attempt(d, h)
+        if error <= 1.0:
+            break
+        d.statistics.rejected_steps += 1
+        h *= max(SHRINK, SAFETY * error**EXPONENT) if math.isfinite(error) else 0.1
+        grow = 1.0
+        if h < SHORTEST_STEP or d.step.end + h == d.step.end:
+            return STEP_TOO_SMALL if math.isfinite(error) else NOT_FINITE
+    accept(d, h)
+    d.statistics.steps += 1
+    d.step.next_size = h * min(grow, max(SHRINK, SAFETY * max(error, 1e-16) ** EXPONENT))
+    cut(d, find_event(d))
+    return OK
+
+
+@jit
+def cut(d, theta):
+    """End the last step at its fraction θ, at which an event was found; θ < 0: none was."""
+    if theta >= 0.0:
+        interpolate(d.step, theta, d.step.state_end)
+        d.step.end = d.step.start + theta * d.step.size
+        d.step.rate_known = 0
+
+
+@jit
+def begin(d):
+    """Let what happened at the end of the last step take effect; False in a storm of events."""
+    events = 0
+    for c in range(len(d.touch.event)):
+        events += d.touch.event[c]
+
+    # the first stage
+    rate = d.work.stage[0]
+    if d.step.rate_known:
+        for j in range(len(d.work.y)):
+            rate[j] = d.work.stage[LAST, j]
+    else:
+        state_rate(d, d.step.state_end, rate)
+        d.statistics.rhs_evaluations += 1
+
+    if d.touch.active_count > 0:
+        follow_contacts(d, rate)
+    if events == 0:
+        return True
+    apply_events(d, rate)
+    return count_events(d, events)
+
+
+@jit
+def apply_events(d, rate):
+    """End and begin the contacts that the last step found, and choose the step that follows."""
+    y, touch = d.step.state_end, d.touch
+    locate_points(d.model, y, d.work)
+    apply_contacts(d)
+    in_flight = touch.active_count == 0
+    if in_flight:
+        d.step.flight_size = d.step.next_size
+    for c in range(len(touch.event)):
+        if touch.event[c]:
+            if touch.active[c]:
+                finish(d, c)
+            else:
+                latch(d, c, y, rate, d.work.y)
+                # the force rises as δⁿ, unseen at onset: begin with a part of the contact's duration
+                duration = 3.0 * touch.depth_scale[c] / touch.impact_speed[c]
+                d.step.next_size = min(d.step.next_size, ONSET_FRACTION * duration)
+            touch.active[c] = 1 - touch.active[c]
+            touch.event[c] = 0
+
+    touch.active_count = 0
+    for c in range(len(touch.active)):
+        if touch.active[c]:
+            touch.active_index[touch.active_count] = c
+            touch.active_count += 1
+    if touch.active_count == 0:
+        clear_loads(d)
+        d.step.next_size = d.step.flight_size
+
+
+@jit
+def count_events(d, events):
+    """Count events over windows of time; False when there are too many."""
+    if d.step.end > d.impact.storm_start + STORM_WINDOW:
+        d.impact.storm_start = d.step.end
+        d.impact.storm_count = 0
+    d.impact.storm_count += events
+    return d.impact.storm_count <= STORM_EVENTS * len(d.touch.active)

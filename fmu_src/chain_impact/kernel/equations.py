@@ -1,0 +1,80 @@
+"""The equations of motion ẏ = f(y): the table of contents of the model.
+
+y = (x₀, θ, ẋ₀, ω, dissipated energy, energy supplied by the inputs).
+"""
+
+from chain_impact.kernel.contact import apply_contacts, locate_points
+from chain_impact.kernel.jit import jit
+from chain_impact.kernel.recursion import accelerations, link_vectors
+
+
+@jit
+def state_rate(d, y, rate):
+    """Set rate = f(y) for the contacts that are active and the inputs that hold now."""
+    n = len(d.model.length)
+    omega = y[n + 4 : 2 * n + 4]
+    dissipated = 0.0
+
+    # in free flight no point is located and no force evaluated
+    if d.touch.active_count > 0 or d.model.driven:
+        locate_points(d.model, y, d.work)
+        dissipated = apply_contacts(d)
+    else:
+        link_vectors(d.model, y[2 : 2 + n], d.work)
+
+    supplied = 0.0
+    if d.model.damped or d.model.driven:
+        damped, supplied = joint_moments(d, omega)
+        dissipated += damped
+
+    rate[0] = y[n + 2]
+    rate[1] = y[n + 3]
+    for i in range(n):
+        rate[2 + i] = omega[i]
+    accelerations(d.model, omega, d.work, rate[n + 2 : n + 4], rate[n + 4 : 2 * n + 4])
+    rate[2 * n + 4] = dissipated
+    rate[2 * n + 5] = supplied
+
+
+@jit
+def joint_moments(d, omega):
+    """Set the net joint moment on each link; return the power [W] dissipated and supplied.
+
+    The proximal joint of link i carries τ_i = u_i − c_i (ω_i − ω_{i−1}): +τ_i on link i, −τ_i on link
+    i − 1. A free base has no joint to carry τ_1.
+    """
+    dissipated = 0.0
+    # force on the tip
+    tip = len(d.model.length)
+    supplied = d.inputs.tip_force[0] * d.work.vx[tip] + d.inputs.tip_force[1] * d.work.vy[tip]
+    before = 0.0
+    for i in range(len(d.model.length)):
+        torque = 0.0
+        if i > 0 or d.model.pinned:
+            relative = omega[i] - before
+            damping = d.model.joint_damping[i] * relative
+            torque = d.inputs.joint_torque[i] - damping
+            dissipated += damping * relative
+            supplied += d.inputs.joint_torque[i] * relative
+        d.work.moment[i] = torque
+        if i > 0:
+            d.work.moment[i - 1] -= torque
+        before = omega[i]
+    return dissipated, supplied
+
+
+@jit
+def mechanical_energy(d, y):
+    """Kinetic and potential energy [J] of the chain, for the located points."""
+    n = len(d.model.length)
+    kinetic, potential = 0.0, 0.0
+    for i in range(n):
+        m, ratio, omega = d.model.mass[i], d.model.center_of_mass_ratio[i], y[n + 4 + i]
+        # centre of mass: p_C = p_i + c, v_C = v_i + ω c⊥
+        vx = d.work.vx[i] - omega * ratio * d.work.link_y[i]
+        vy = d.work.vy[i] + omega * ratio * d.work.link_x[i]
+        kinetic += 0.5 * m * (vx * vx + vy * vy) + 0.5 * d.model.inertia[i] * omega * omega
+        x = d.work.x[i] + ratio * d.work.link_x[i]
+        y_ = d.work.y_[i] + ratio * d.work.link_y[i]
+        potential -= m * (d.model.gravity[0] * x + d.model.gravity[1] * y_)
+    return kinetic, potential

@@ -1,0 +1,164 @@
+"""Events: the moments at which contacts begin and end, located on the dense output.
+
+An event is a descent through zero: of the clearance for a candidate that is apart, of the penetration for
+one in contact. Looking only for a sign change between the ends of a step misses a point that dips through
+a wall and returns. So each step is cleared by a bound: with |φ̈| ≤ A over an interval of width w, φ stays
+above its chord less A w²/8, and φ̇ keeps its sign if it has the same one at both ends and |φ̇_a| + |φ̇_b| > A w.
+An interval for which neither settles the matter is halved.
+"""
+
+import math
+
+from chain_impact.kernel.contact import clearance, locate_points
+from chain_impact.kernel.explicit import interpolate, rate_bounds
+from chain_impact.kernel.jit import jit
+
+SIMULTANEOUS = 1e-12  # s, events closer than this are one event
+RESOLUTION = 1e-15  # of a link length: curvature below it is round-off
+QUIET, SPLIT, EVENT = 0, 1, 2
+
+
+@jit
+def find_event(d):
+    """Search the last step for the earliest event.
+
+    Returns:
+        The fraction θ ∈ [0, 1] of the step at which it happens, or −1. Every candidate whose event it is has
+        ``touch.event`` set.
+    """
+    if len(d.touch.active) == 0:
+        return -1.0
+    bound_curvature(d)
+    measure(d, 0.0)
+    keep_start(d)
+    a, b = 0.0, 1.0
+    while True:
+        measure(d, b)
+        verdict = inspect(d, (b - a) * d.step.size)
+        if verdict == SPLIT:
+            b = 0.5 * (a + b)
+        elif verdict == EVENT:
+            return locate(d, a, b)
+        elif b == 1.0:
+            return -1.0
+        else:
+            keep_start(d)
+            # the next interval is as wide as its place in the bisection allows
+            a, width = b, b - a
+            while a + width < 1.0 and a % (2.0 * width) == 0.0:
+                width *= 2.0
+            b = min(1.0, a + width)
+
+
+@jit
+def bound_curvature(d):
+    """Bound the acceleration of every point over the last step.
+
+    |a_k| ≤ |a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²)
+    """
+    n = len(d.model.length)
+    _, ax = rate_bounds(d.step, n + 2)
+    _, ay = rate_bounds(d.step, n + 3)
+    bound = math.sqrt(ax * ax + ay * ay)
+    d.work.curvature[0] = bound
+    for i in range(n):
+        omega, alpha = rate_bounds(d.step, n + 4 + i)
+        bound += d.model.length[i] * (alpha + omega * omega)
+        d.work.curvature[i + 1] = bound
+
+
+@jit
+def measure(d, theta):
+    """Set φ and φ̇ of every candidate at the fraction θ of the step, as the end of the interval."""
+    interpolate(d.step, theta, d.work.y)
+    locate_points(d.model, d.work.y, d.work)
+    for c in range(len(d.touch.active)):
+        gap, gap_rate = clearance(d, c)
+        sign = -1.0 if d.touch.active[c] else 1.0
+        d.work.clear_end[c] = sign * gap
+        d.work.clear_end_rate[c] = sign * gap_rate
+
+
+@jit
+def keep_start(d):
+    """Make the end of the interval the start of the next one."""
+    for c in range(len(d.touch.active)):
+        d.work.clear_start[c] = d.work.clear_end[c]
+        d.work.clear_start_rate[c] = d.work.clear_end_rate[c]
+
+
+@jit
+def inspect(d, width):
+    """QUIET if no candidate can have an event in the interval, EVENT if one has, SPLIT if unsettled."""
+    verdict = QUIET
+    for c in range(len(d.touch.active)):
+        judged = inspect_candidate(d, c, width)
+        if judged == SPLIT:
+            return SPLIT
+        verdict = max(verdict, judged)
+    return verdict
+
+
+@jit
+def inspect_candidate(d, c, width):
+    """The verdict on one candidate over an interval of a width in seconds."""
+    start, end = d.work.clear_start[c], d.work.clear_end[c]
+    rate_start, rate_end = d.work.clear_start_rate[c], d.work.clear_end_rate[c]
+    curvature = d.work.curvature[d.model.candidate_point[c]]
+    sag = curvature * width * width / 8.0
+    if start > sag and end > sag:
+        return QUIET
+    settled = rate_start * rate_end > 0.0 and abs(rate_start) + abs(rate_end) > curvature * width
+    if settled or sag < RESOLUTION * d.model.size:
+        return EVENT if end < 0.0 and rate_end < 0.0 else QUIET
+    return SPLIT
+
+
+@jit
+def locate(d, a, b):
+    """Find the earliest event in (a, b], in which every candidate is settled, and mark whose it is."""
+    width = (b - a) * d.step.size
+    first = b
+    for c in range(len(d.touch.active)):
+        d.touch.event[c] = inspect_candidate(d, c, width) == EVENT
+    for c in range(len(d.touch.active)):
+        # `first` is measured: whoever is still clear there comes later
+        if d.touch.event[c] and d.work.clear_end[c] < 0.0:
+            first = root(d, c, a, first)
+    measure(d, first)
+    within = SIMULTANEOUS + 4e-16 * d.step.end
+    for c in range(len(d.touch.active)):
+        d.touch.event[c] = d.touch.event[c] and (
+            d.work.clear_end[c] <= within * abs(d.work.clear_end_rate[c])
+        )
+    return first
+
+
+@jit
+def root(d, c, a, b):
+    """θ in [a, b] at which φ of candidate c, negative at b, falls through zero; measured there.
+
+    Newton's method kept inside a shrinking bracket. The start of the bracket when φ is not positive there:
+    the event is overdue.
+    """
+    if d.work.clear_start[c] <= 0.0:
+        measure(d, a)
+        return a
+    resolution = max(4e-16 * d.step.end, 1e-16) / d.step.size
+    low, high, theta = a, b, b
+    for _ in range(100):
+        value, slope = d.work.clear_end[c], d.work.clear_end_rate[c] * d.step.size
+        if value > 0.0:
+            low = theta
+        else:
+            high = theta
+        if value == 0.0 or high - low <= resolution:
+            break
+        guess = theta - value / slope
+        if not low < guess < high:
+            guess = 0.5 * (low + high)
+        if abs(guess - theta) <= 0.25 * resolution:
+            break
+        theta = guess
+        measure(d, theta)
+    return theta

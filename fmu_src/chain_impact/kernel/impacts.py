@@ -1,0 +1,102 @@
+"""What is known of each impact: its peak values, followed during contact, and the log of finished ones."""
+
+from chain_impact.kernel.contact import accelerate_points, clearance, contact_force, inward, locate_points
+from chain_impact.kernel.contact_laws import elastic_force
+from chain_impact.kernel.explicit import interpolate
+from chain_impact.kernel.jit import jit
+
+FORCE, PENETRATION = 0, 1
+
+
+@jit
+def follow_contacts(d, rate):
+    """Follow every active contact over the last step: peak force, largest penetration, and v₀.
+
+    Args:
+        d: the instance.
+        rate: ẏ at the end of the step.
+    """
+    touch = d.touch
+    for k in range(touch.active_count):
+        c = touch.active_index[k]
+        locate_points(d.model, d.step.state_end, d.work)
+        accelerate_points(d.model, d.step.state_end, rate, d.work)
+        force, penetration, speed, _ = contact_force(d, c)
+        touch.peak_force[c] = max(touch.peak_force[c], force)
+        touch.max_penetration[c] = max(touch.max_penetration[c], penetration)
+        # a point pushed in faster than it arrived (see contact_laws.force_over_elastic)
+        touch.impact_speed[c] = max(touch.impact_speed[c], speed)
+
+        # both have a maximum inside the step when their rate falls through zero
+        force_rate = rate_of_force(d, c)
+        force_peaked = touch.force_rate[c] > 0.0 and force_rate <= 0.0
+        depth_peaked = touch.speed[c] > 0.0 and speed <= 0.0
+        touch.force_rate[c] = force_rate
+        touch.speed[c] = speed
+        if force_peaked:
+            touch.peak_force[c] = max(touch.peak_force[c], maximum(d, c, FORCE))
+        if depth_peaked:
+            touch.max_penetration[c] = max(touch.max_penetration[c], maximum(d, c, PENETRATION))
+
+
+@jit
+def rate_of_force(d, c):
+    """dF/dt [N/s] of candidate c, from the located and accelerated points; its sign is what counts."""
+    gap, gap_rate = clearance(d, c)
+    if gap >= 0.0:
+        return 0.0
+    point, wall = d.model.candidate_point[c], d.model.candidate_wall[c]
+    acceleration = inward(wall) * (d.work.ax[point] if wall < 2 else d.work.ay[point])  # noqa: PLR2004
+    # Ḟ = K δⁿ [n δ̇/δ (1 + λ δ̇/v₀) + λ δ̈/v₀]
+    slope = d.contact.damping_factor / d.touch.impact_speed[c]
+    growth = d.contact.exponent * gap_rate / gap * (1.0 - slope * gap_rate)
+    return elastic_force(d.contact, -gap) * (growth - slope * acceleration)
+
+
+@jit
+def maximum(d, c, quantity):
+    """The maximum of FORCE or PENETRATION of candidate c inside the last step.
+
+    Parabolas through three points, ever closer to the top of the last one.
+    """
+    end = (d.step.end - d.step.start) / d.step.size
+    middle, reach, best = 0.5 * end, 0.5 * end, 0.0
+    for _ in range(4):
+        left = sample(d, c, quantity, middle - reach)
+        top = sample(d, c, quantity, middle)
+        right = sample(d, c, quantity, middle + reach)
+        best = max(best, max(left, max(top, right)))
+        bend = left - 2.0 * top + right
+        if bend >= 0.0:
+            break
+        middle += 0.5 * reach * (left - right) / bend
+        reach *= 0.1
+        middle = min(max(middle, reach), end - reach)
+    return best
+
+
+@jit
+def sample(d, c, quantity, theta):
+    """FORCE [N] or PENETRATION [m] of candidate c at the fraction θ of the last step."""
+    interpolate(d.step, theta, d.work.y)
+    locate_points(d.model, d.work.y, d.work)
+    force, penetration, _, _ = contact_force(d, c)
+    return force if quantity == FORCE else penetration
+
+
+@jit
+def finish(d, c):
+    """Log the contact of candidate c, which ends now. When nobody collects the log the oldest are lost."""
+    touch, log = d.touch, d.finished
+    _, gap_rate = clearance(d, c)
+    row = log.count % len(log.point)
+    log.point[row] = d.model.candidate_point[c]
+    log.wall[row] = d.model.candidate_wall[c]
+    log.onset[row] = touch.onset[c]
+    log.end[row] = d.step.end
+    log.impact_speed[row] = touch.onset_speed[c]
+    log.separation_speed[row] = gap_rate
+    log.peak_force[row] = touch.peak_force[c]
+    log.max_penetration[row] = touch.max_penetration[c]
+    log.effective_mass[row] = touch.effective_mass[c]
+    log.count += 1

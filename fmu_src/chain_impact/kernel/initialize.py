@@ -1,0 +1,134 @@
+"""From parameters to the state at the start: what is derived once, and what is checked."""
+
+import math
+
+from chain_impact.kernel.contact import clear_loads, clearance, locate_points
+from chain_impact.kernel.contact_laws import LAW_COUNT, damping_factor
+from chain_impact.kernel.equations import state_rate
+from chain_impact.kernel.jit import jit
+from chain_impact.kernel.status import (
+    NOT_FINITE,
+    OK,
+    PARAMETER_OUT_OF_RANGE,
+    RESTITUTION_NOT_ALLOWED,
+    STARTS_INSIDE_WALL,
+    UNKNOWN_LAW,
+    UNKNOWN_METHOD,
+)
+
+METHODS = 2  # auto, explicit
+OVERLAP = 1e-12  # m, of a start that counts as touching
+
+
+@jit
+def initialize(d, time):
+    """Set the state at ``time`` [s] from the parameters and initial values; returns a status."""
+    derive_chain(d.model)
+    d.statistics.status = check_parameters(d)
+    if d.statistics.status == OK:
+        d.statistics.status = derive_law(d)
+    if d.statistics.status != OK:
+        return d.statistics.status
+    n = len(d.model.length)
+    y = d.work.y
+    for j in range(2):
+        y[j] = d.initial.position[j]
+        y[n + 2 + j] = d.initial.velocity[j]
+    for i in range(n):
+        y[2 + i] = d.initial.angle[i]
+        y[n + 4 + i] = d.initial.angular_velocity[i]
+    y[2 * n + 4] = 0.0
+    y[2 * n + 5] = 0.0
+    still(d, time, y)
+    clear_loads(d)
+    d.step.next_size = first_size(d)
+    d.step.flight_size = d.step.next_size
+    d.impact.last_time = time
+    d.impact.last_point = -1
+    d.inputs.changed = 0
+    d.statistics.status = check_start(d)
+    return d.statistics.status
+
+
+@jit
+def derive_chain(model):
+    """Find what the recursion needs of each link, and the absolute scale of positions."""
+    model.damped = 0
+    model.size = 0.0
+    for i in range(len(model.length)):
+        c = model.center_of_mass[i]
+        model.center_of_mass_ratio[i] = c / model.length[i]
+        # I + m c²
+        model.joint_inertia[i] = model.inertia[i] + model.mass[i] * c * c
+        model.size = max(model.size, model.length[i])
+        if model.joint_damping[i] != 0.0 and (i > 0 or model.pinned):
+            model.damped = 1
+
+
+@jit
+def derive_law(d):
+    """Find λ for the law and the restitution; returns a status."""
+    if not 1 <= d.contact.law <= LAW_COUNT:
+        return UNKNOWN_LAW
+    if not 0.0 <= d.contact.restitution <= 1.0 or not d.contact.stiffness > 0.0:
+        return PARAMETER_OUT_OF_RANGE
+    d.contact.damping_factor = damping_factor(d.contact.law, d.contact.restitution)
+    return OK if math.isfinite(d.contact.damping_factor) else RESTITUTION_NOT_ALLOWED
+
+
+@jit
+def check_parameters(d):
+    """Check what a division or a loop relies on; the importer may have set anything. Returns a status."""
+    for i in range(len(d.model.length)):
+        for value in (d.model.length[i], d.model.mass[i], d.model.inertia[i]):
+            if not (value > 0.0 and math.isfinite(value)):
+                return PARAMETER_OUT_OF_RANGE
+    for value in (d.solver.tolerance, d.contact.minimum_impact_speed, d.contact.exponent):
+        if not (value > 0.0 and math.isfinite(value)):
+            return PARAMETER_OUT_OF_RANGE
+    if not 1 <= d.solver.method <= METHODS:
+        return UNKNOWN_METHOD
+    return OK
+
+
+@jit
+def still(d, time, y):
+    """Stand at ``time`` in state y, with a last step of no length."""
+    for j in range(len(d.step.state)):
+        d.step.state[j] = y[j]
+        d.step.state_end[j] = y[j]
+        for m in range(len(d.step.dense)):
+            d.step.dense[m, j] = 0.0
+    d.step.time = time
+    d.step.start = time
+    d.step.end = time
+    d.step.size = 1.0
+    d.step.rate_known = 0
+
+
+@jit
+def first_size(d):
+    """A first step [s] that speeds and accelerations call for: the error control does the rest."""
+    n = len(d.model.length)
+    state_rate(d, d.step.state, d.work.stage[0])
+    speed, acceleration = 0.0, 0.0
+    for j in range(n + 2):
+        scale = d.model.size if j < 2 else 1.0  # noqa: PLR2004
+        speed = max(speed, abs(d.step.state[n + 2 + j]) / scale)
+        acceleration = max(acceleration, abs(d.work.stage[0, n + 2 + j]) / scale)
+    # a tenth of the time in which the chain moves by its own size
+    return 0.1 / max(speed, math.sqrt(acceleration), 1.0)
+
+
+@jit
+def check_start(d):
+    """Refuse a start that is not finite or lies beyond a wall; returns a status."""
+    locate_points(d.model, d.step.state, d.work)
+    for j in range(len(d.work.y)):
+        if not math.isfinite(d.step.state[j] + d.work.stage[0, j]):
+            return NOT_FINITE
+    for c in range(len(d.touch.active)):
+        gap, _ = clearance(d, c)
+        if gap < -OVERLAP:
+            return STARTS_INSIDE_WALL
+    return OK

@@ -1,0 +1,47 @@
+"""What an observer sees at the communication point."""
+
+from chain_impact.kernel.contact import (
+    accelerate_points,
+    contact_force,
+    locate_points,
+    stored_energy,
+)
+from chain_impact.kernel.equations import mechanical_energy, state_rate
+from chain_impact.kernel.explicit import interpolate
+from chain_impact.kernel.jit import jit
+
+
+@jit
+def observe(d, out):
+    """Fill the output record ``out`` with what holds at ``step.time``.
+
+    Contacts count as the solver held them during the step that contains that time: an impact that it has
+    already found later on does not show yet.
+    """
+    n = len(d.model.length)
+    y, rate = d.work.y, d.work.error[0]
+    interpolate(d.step, (d.step.time - d.step.start) / d.step.size, y)
+    state_rate(d, y, rate)
+    locate_points(d.model, y, d.work)
+    accelerate_points(d.model, y, rate, d.work)
+    work = d.work
+    for k in range(n + 1):
+        out.point_position[k, 0], out.point_position[k, 1] = work.x[k], work.y_[k]
+        out.point_velocity[k, 0], out.point_velocity[k, 1] = work.vx[k], work.vy[k]
+        out.point_acceleration[k, 0], out.point_acceleration[k, 1] = work.ax[k], work.ay[k]
+    for i in range(n):
+        out.angle[i] = y[2 + i]
+        out.angular_velocity[i] = y[n + 4 + i]
+        out.angular_acceleration[i] = rate[n + 4 + i]
+    for c in range(len(d.touch.active)):
+        out.force[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        force, penetration, speed, _ = contact_force(d, c)
+        if penetration > 0.0:
+            out.force[c], out.penetration[c], out.penetration_rate[c] = force, penetration, speed
+    out.kinetic, out.potential = mechanical_energy(d, y)
+    out.elastic = stored_energy(d)
+    out.dissipated = y[2 * n + 4]
+    out.supplied = y[2 * n + 5]
+    out.total = out.kinetic + out.potential + out.elastic

@@ -1,0 +1,24 @@
+"""Status codes of the kernel, with the sentence that users read."""
+
+OK = 0
+STEP_TOO_SMALL = 1
+NOT_FINITE = 2
+EVENT_STORM = 3
+STARTS_INSIDE_WALL = 4
+RESTITUTION_NOT_ALLOWED = 5
+UNKNOWN_LAW = 6
+UNKNOWN_METHOD = 7
+PARAMETER_OUT_OF_RANGE = 8
+LOG_FULL = -1  # not a fault: collect the finished contacts and go on
+
+STATUS_TEXT = {
+    OK: "no fault",
+    STEP_TOO_SMALL: "the error control asks for a step smaller than the resolution of time",
+    NOT_FINITE: "the state is no longer finite",
+    EVENT_STORM: "too many contacts begin and end in too short a time",
+    STARTS_INSIDE_WALL: "a contact point starts beyond a wall",
+    RESTITUTION_NOT_ALLOWED: "the contact law does not allow this restitution",
+    UNKNOWN_LAW: "contact.model is not the number of a law",
+    UNKNOWN_METHOD: "solver.method is not the number of a method",
+    PARAMETER_OUT_OF_RANGE: "a parameter is not finite or lies outside its range",
+}

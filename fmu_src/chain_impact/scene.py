@@ -1,0 +1,400 @@
+"""The scene file: a chain, its box and how it starts, read from TOML into frozen dataclasses.
+
+The dataclass fields are the one table of what a scene may hold. Unit, description, range and default stand
+in each field's metadata, from which come the validation here, the scene reference in the docs and the
+parameters of the FMU. All values are in SI units, angles in radians from +x.
+"""
+
+import functools
+import math
+import operator
+import os
+import re
+import tomllib
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import MISSING, Field, asdict, dataclass, field, fields, is_dataclass
+from difflib import SequenceMatcher
+from numbers import Integral, Real
+from pathlib import Path
+from typing import Any, TypedDict, Unpack, get_args, get_origin
+
+from chain_impact.kernel.contact_laws import CONTACT_LAWS
+
+SCENE_FILE = "scene.toml"
+SOLVER_METHODS = ("auto", "explicit")
+WALLS = ("x_min", "x_max", "y_min", "y_max")
+MAX_LINKS = 1000
+START_TOLERANCE = 1e-12  # m, penetration at the start that counts as round-off
+
+_IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "a C identifier")
+_XML_TEXT = (r"[\t\n\r\x20-\uD7FF\uE000-\uFFFD\U00010000-\U0010FFFF]*", "text without control characters")
+_KEEPS: dict[str, Callable[[Any, Any], Any]] = {  # whether a value keeps each limit
+    "minimum": operator.ge,
+    "above": operator.gt,
+    "maximum": operator.le,
+    "choices": lambda value, choices: value in choices,
+    "matching": lambda value, matching: re.fullmatch(matching[0], value),
+}
+_SHOWN = 60  # characters of a value that a message shows
+
+
+class SceneError(ValueError):
+    """A scene that cannot be used: one line naming the file, the key, the value and what is allowed."""
+
+    def __init__(self, message: str) -> None:
+        """Keep the message to one line, whatever names and values it quotes."""
+        super().__init__(" ".join(message.splitlines()))
+
+
+class Limits(TypedDict, total=False):
+    """What a value, or each value of a list, may be."""
+
+    minimum: float  # value >= minimum
+    above: float  # value > above
+    maximum: float  # value <= maximum
+    choices: tuple[str, ...]
+    matching: tuple[str, str]  # regular expression for the whole text, and its meaning in words
+    per_link: bool  # a list with one value for each link
+
+
+@dataclass(frozen=True, slots=True)
+class Derived:
+    """A default that follows from the values read before it: in words, and computed."""
+
+    text: str
+    value: Callable[[Mapping[str, Any]], Any]
+
+
+def quantity(unit: str, description: str, default: Any = MISSING, **limits: Unpack[Limits]) -> Any:
+    """Return a dataclass field with the metadata of one key of the scene file.
+
+    Its keys are `unit` ("1" for a pure number, "" for what is no number), `description`, `default` (a value,
+    a `Derived`, or `dataclasses.MISSING` if it must be given) and those of `Limits`, None for no limit.
+    """
+    metadata = {"unit": unit, "description": description, "default": default}
+    metadata |= dict.fromkeys(Limits.__annotations__) | limits
+    return field(default=MISSING if isinstance(default, Derived) else default, metadata=metadata)
+
+
+_MIDDLE = Derived("length / 2", lambda link: link["length"] / 2)
+_ROD = Derived("mass * length^2 / 12", lambda link: link["mass"] * link["length"] * link["length"] / 12)
+_MOVABLE = Derived("all that move", lambda known: tuple(_movable_points(known["chain"])))
+_ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Link:
+    """One rigid link, from its proximal joint (towards the base) to its distal one."""
+
+    length: float = quantity("m", "length", above=0.0)
+    mass: float = quantity("kg", "mass", above=0.0)
+    center_of_mass: float = quantity("m", "centre of mass, from the proximal joint", _MIDDLE, minimum=0.0)
+    inertia: float = quantity("kg.m2", "inertia about the centre of mass", _ROD, above=0.0)
+    joint_damping: float = quantity("N.m.s/rad", "viscous damping of the proximal joint", 0.0, minimum=0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Chain:
+    """The links from base to tip, and whether the base moves."""
+
+    base: str = quantity("", "base point: free to move, or pinned", "free", choices=("free", "pinned"))
+    links: tuple[Link, ...] = quantity("", f"links from base to tip, 1 to {MAX_LINKS}")
+
+
+def _movable_points(chain: Chain) -> range:
+    return range(1 if chain.base == "pinned" else 0, len(chain.links) + 1)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Box:
+    """The walls; a missing key (None) is a missing wall."""
+
+    x_min: float | None = quantity("m", "left wall", None)
+    x_max: float | None = quantity("m", "right wall", None)
+    y_min: float | None = quantity("m", "floor", None)
+    y_max: float | None = quantity("m", "ceiling", None)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Contact:
+    """The force of the walls, and the points that may touch them."""
+
+    model: str = quantity("", "force law", "zhang_sharf", choices=tuple(CONTACT_LAWS))
+    stiffness: float = quantity("N/m^exponent", "contact stiffness", 1e8, above=0.0)
+    exponent: float = quantity("1", "exponent of penetration, 3/2 for Hertz", 1.5, minimum=1.0, maximum=3.0)
+    restitution: float = quantity("1", "prescribed restitution", 0.7, minimum=0.0, maximum=1.0)
+    radius: float = quantity("m", "radius of every candidate point", 0.0, minimum=0.0)
+    points: tuple[int, ...] = quantity("", "points that may touch, base (0) to tip (N)", _MOVABLE)
+    minimum_impact_speed: float = quantity("m/s", "floor of the latched impact speed", 1e-3, above=0.0)
+
+    def __post_init__(self) -> None:
+        """Sort the points: their order means nothing, so equal sets make equal scenes."""
+        object.__setattr__(self, "points", tuple(sorted(self.points)))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Inputs:
+    """The inputs that the FMU shall have."""
+
+    joint_torques: bool = quantity("", "torques at the joints between links and at a pinned base", False)
+    tip_force: bool = quantity("", "force on the tip", False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Initial:
+    """The state at time 0."""
+
+    position: tuple[float, float] = quantity("m", "position of the base", (0.0, 0.0))
+    angles: tuple[float, ...] = quantity("rad", "angle of each link, absolute, from +x", per_link=True)
+    velocity: tuple[float, float] = quantity("m/s", "velocity of the base", (0.0, 0.0))
+    angular_velocities: tuple[float, ...] = quantity(
+        "rad/s", "angular velocity of each link, absolute", _ZEROS, per_link=True
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Solver:
+    """How the equations of motion are integrated."""
+
+    method: str = quantity("", "integration method", "auto", choices=SOLVER_METHODS)
+    tolerance: float = quantity("1", "relative error tolerance", 1e-8, minimum=1e-13, maximum=1e-2)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Simulation:
+    """The default experiment."""
+
+    stop_time: float = quantity("s", "end of the simulation", 1.0, above=0.0)
+    step_size: float = quantity("s", "communication step", 1e-3, above=0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scene:
+    """All that a simulation needs. Made, and validated, by the functions of this module."""
+
+    name: str = quantity("", "model name", matching=_IDENTIFIER)
+    description: str = quantity("", "what the scene shows", "", matching=_XML_TEXT)
+    gravity: tuple[float, float] = quantity("m/s2", "acceleration of gravity", (0.0, -9.81))
+    chain: Chain
+    box: Box
+    contact: Contact
+    inputs: Inputs
+    initial: Initial
+    solver: Solver
+    simulation: Simulation
+
+
+def scene_keys(table: Any = Scene, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
+    """Yield every table and key of the scene file, `chain.links[].mass` for one, with its dataclass field."""
+    for entry in fields(table):
+        key = prefix + entry.name
+        yield key, entry
+        kind, *_ = get_args(entry.type) or (entry.type,)
+        if is_dataclass(kind):
+            yield from scene_keys(kind, f"{key}." if kind is entry.type else f"{key}[].")
+
+
+def allowed(kind: Any, rule: Mapping[str, Any]) -> str:
+    """Say what one value of type `kind` with the metadata `rule` may be: "a finite number > 0 [m]"."""
+    if rule["choices"] is not None:
+        return "one of " + ", ".join(f'"{choice}"' for choice in rule["choices"])
+    if kind is str:
+        return str(rule["matching"][1])
+    if kind in (bool, int):
+        return "true or false" if kind is bool else "a whole number"
+    signs = {"minimum": ">=", "above": ">", "maximum": "<="}
+    bounds = " and ".join(f"{signs[limit]} {rule[limit]:g}" for limit in signs if rule[limit] is not None)
+    unit = "" if rule["unit"] == "1" else f"[{rule['unit']}]"
+    return " ".join(filter(None, ("a finite number", bounds, unit)))
+
+
+def models_folder() -> Path:
+    """Return the folder of the models: inside the package when installed, else the repository's."""
+    packaged = Path(__file__).parent / "models"
+    return packaged if packaged.is_dir() else Path(__file__).parents[2] / "models"
+
+
+def model_names() -> list[str]:
+    """Return the names of the models, sorted: the folders of `models_folder()` that hold a scene."""
+    return sorted(file.parent.name for file in models_folder().glob(f"*/{SCENE_FILE}"))
+
+
+def load_scene(source: str | os.PathLike[str]) -> Scene:
+    """Load a scene file, the scene file of a folder, or a model by its name, tried in this order.
+
+    Raises SceneError when there is no such file, it cannot be read, or it does not hold a valid scene.
+    """
+    try:
+        path = Path(source)
+        if path.is_dir() and (path / SCENE_FILE).exists():
+            path = path / SCENE_FILE
+        elif not path.is_file() and str(source) in model_names():
+            path = models_folder() / source / SCENE_FILE
+        text = path.read_bytes().decode()
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else error
+        wanted = f"a scene file, a folder with {SCENE_FILE}, or a model: {', '.join(model_names())}"
+        raise SceneError(f"{source}: cannot be read ({reason}); must be {wanted}") from None
+    return parse_scene(text, str(path))
+
+
+def parse_scene(text: str, source: str) -> Scene:
+    """Return the scene that the TOML `text` describes; errors (SceneError) name it `source`."""
+    try:
+        data = tomllib.loads(text)
+    except (ValueError, RecursionError) as error:  # also Python's own limits on digits and nesting
+        raise SceneError(f"{source}: not valid TOML: {error}") from None
+    return scene_from_dict(data, source)
+
+
+def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
+    """Return the validated scene of a parsed scene file; errors (SceneError) name it `source`."""
+    try:
+        scene: Scene = _read_table(Scene, data, "", {})
+        _check_together(scene)
+        _check_start(scene)
+    except SceneError as error:
+        raise SceneError(f"{source}: {error}") from None
+    return scene
+
+
+def scene_to_dict(scene: Scene) -> dict[str, Any]:
+    """Return the scene as plain dicts, lists and values that TOML can hold, without missing walls."""
+
+    def plain(items: list[tuple[str, Any]]) -> dict[str, Any]:
+        return {key: list(one) if isinstance(one, tuple) else one for key, one in items if one is not None}
+
+    return asdict(scene, dict_factory=plain)
+
+
+def with_values(scene: Scene, changes: Mapping[tuple[str | int, ...], Any]) -> Scene:
+    """Return the validated scene with some values changed.
+
+    A change is a path and its value: `{("chain", "links", 0, "mass"): 2.0}`. None takes the key away, so
+    that its default holds. All else keeps its value, also what a default made of a value that changes.
+
+    Raises SceneError when a path leads nowhere or the scene becomes invalid.
+    """
+    data: Any = scene_to_dict(scene)
+    for path, value in changes.items():
+        try:
+            *parents, last = path
+            functools.reduce(operator.getitem, parents, data)[last] = value
+        except (LookupError, TypeError, ValueError):
+            raise SceneError(f"{scene.name}: {_shown(path)} is no path to a value of the scene") from None
+    return scene_from_dict(data, scene.name)
+
+
+def _read(kind: Any, rule: Mapping[str, Any], value: Any, key: str, known: Mapping[str, Any]) -> Any:
+    """Return `value` as a `kind` that keeps the `rule`; `key` is dotted, `known` is what was read before."""
+    if is_dataclass(kind):
+        return _read_table(kind, value, key, known)
+    if get_origin(kind) is tuple:
+        return _read_list(kind, rule, value, key, known)
+    kept = ((limit, keeps) for limit, keeps in _KEEPS.items() if rule[limit] is not None)
+    result = _convert(kind, value)
+    if result is None or not all(keeps(result, rule[limit]) for limit, keeps in kept):
+        raise SceneError(f"{key} = {_shown(value)} must be {allowed(kind, rule)}")
+    return result
+
+
+def _read_table(table: Any, data: Any, key: str, known: Mapping[str, Any]) -> Any:
+    if not isinstance(data, Mapping):
+        raise SceneError(f"{key or 'scene'} = {_shown(data)} must be a table")
+    prefix = f"{key}." if key else ""
+    for name in data:
+        if name not in table.__dataclass_fields__:
+            raise SceneError(_unknown(prefix, name))
+    values: dict[str, Any] = {}
+    for entry in fields(table):
+        rule, where, scope = entry.metadata, prefix + entry.name, {**known, **values}
+        value = data.get(entry.name)
+        if value is None:
+            value = rule.get("default", {})  # a table has no default but those of its keys
+        if value is MISSING:
+            raise SceneError(f"{where} is missing ({rule['description']})")
+        if isinstance(value, Derived):
+            value = value.value(scope)
+        # what is None still is a missing wall
+        values[entry.name] = None if value is None else _read(entry.type, rule, value, where, scope)
+    return table(**values)
+
+
+def _read_list(kind: Any, rule: Mapping[str, Any], value: Any, key: str, known: Mapping[str, Any]) -> Any:
+    item, *rest = get_args(kind)
+    length = len(known["chain"].links) if rule["per_link"] else None if ... in rest else 1 + len(rest)
+    if not isinstance(value, list | tuple) or length not in (None, len(value)):
+        expected = "" if length is None else f", expected length {length} ({rule['description']})"
+        raise SceneError(f"{key} = {_shown(value)} must be a list{expected}")
+    if item is Link and not 1 <= len(value) <= MAX_LINKS:
+        raise SceneError(f"{key} has {len(value)} entries, must have 1 to {MAX_LINKS}")
+    return tuple(_read(item, rule, one, f"{key}[{i}]", known) for i, one in enumerate(value))
+
+
+def _convert(kind: Any, value: Any) -> Any:
+    """Return `value` as a bool, str, int or finite float; None when it is no such thing."""
+    if kind in (bool, str):
+        return value if isinstance(value, kind) else None
+    if isinstance(value, bool) or not isinstance(value, Integral if kind is int else Real):
+        return None
+    try:
+        number = int(value) if kind is int else float(value)  # type: ignore[call-overload]
+    except OverflowError:  # an integer beyond the largest float
+        return None
+    return number if kind is int or math.isfinite(number) else None
+
+
+def _check_together(scene: Scene) -> None:
+    """Refuse what no key can tell alone."""
+    contact, box, movable = scene.contact, scene.box, _movable_points(scene.chain)
+    for point in contact.points:
+        if point not in movable:
+            span = f"{movable[0]} to {movable[-1]} with a {scene.chain.base} base"
+            raise SceneError(f"contact.points holds {_shown(point)}, must be {span}")
+    if len(set(contact.points)) < len(contact.points):
+        raise SceneError(f"contact.points = {_shown(list(contact.points))} must be unique")
+    if contact.restitution == 0.0 and not CONTACT_LAWS[contact.model].allows_zero:
+        raise SceneError(f"contact.restitution = 0.0 must be > 0 for the contact model {contact.model}")
+    if scene.chain.base == "pinned" and any(scene.initial.velocity):
+        raise SceneError(f"initial.velocity = {list(scene.initial.velocity)} must be zero for a pinned base")
+    for axis, low, high in (("x", box.x_min, box.x_max), ("y", box.y_min, box.y_max)):
+        if low is not None and high is not None and not high - low > 2 * contact.radius:
+            least = f"{low + 2 * contact.radius} [m], which is {axis}_min + 2 contact.radius"
+            raise SceneError(f"box.{axis}_max = {high} must be > {least}")
+
+
+def _check_start(scene: Scene) -> None:
+    """Refuse a start in which a candidate point is already in a wall."""
+    x, y = scene.initial.position
+    positions = [(x, y)]
+    for link, angle in zip(scene.chain.links, scene.initial.angles, strict=True):
+        x, y = x + link.length * math.cos(angle), y + link.length * math.sin(angle)
+        positions.append((x, y))
+    for point in scene.contact.points:
+        for number, wall in enumerate(WALLS):
+            at, limit = positions[point][number // 2], getattr(scene.box, wall)
+            gap = math.inf if limit is None else (limit - at if number % 2 else at - limit)
+            depth = scene.contact.radius - gap
+            if not depth <= START_TOLERANCE:  # this way round, as a sum that overflowed is NaN
+                place = f"point {point} at {wall[0]} = {at:.6g} m is {depth:.6g} m deep in"
+                raise SceneError(f"initial: {place} the wall {wall} = {limit}; must be outside")
+
+
+def _shown(value: Any) -> str:
+    try:
+        text = " ".join(repr(value).split())
+    except (ValueError, RecursionError):  # an integer of too many digits, or too deep a list
+        text = f"<{type(value).__name__}>"
+    return text if len(text) <= _SHOWN else text[:_SHOWN] + "..."
+
+
+def _unknown(prefix: str, name: Any) -> str:
+    """Name the known key most like `name`, in whatever table: TOML makes it easy to be in the wrong one."""
+    home, name = re.sub(r"\d+", "", prefix), _shown(name).strip("'")
+
+    def likeness(key: str) -> tuple[float, bool]:
+        table, _, last = key.rpartition(".")
+        return SequenceMatcher(None, name, last).ratio(), f"{table}." == home
+
+    nearest = max((key for key, _ in scene_keys()), key=likeness)
+    return f"{prefix}{name} is unknown; the nearest key is {nearest}"

@@ -1,0 +1,223 @@
+"""Simulate a scene in this process, with the compiled kernel that its FMU would carry."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from chain_impact.export.aot import kernel_library
+from chain_impact.instance import new_instance
+from chain_impact.kernel.status import OK, STATUS_TEXT
+from chain_impact.scene import Scene, with_values
+
+IMPACT_DTYPE = np.dtype(
+    [
+        ("point", np.int64),
+        ("wall", np.int64),
+        ("onset", np.float64),
+        ("end", np.float64),
+        ("impact_speed", np.float64),
+        ("separation_speed", np.float64),
+        ("peak_force", np.float64),
+        ("max_penetration", np.float64),
+        ("effective_mass", np.float64),
+    ]
+)
+"""One contact: point 0…N; wall as index into WALLS; onset and end [s]; impact and separation speed [m/s];
+peak force [N]; largest penetration [m]; effective mass at onset [kg]. The end and the separation speed of
+a contact that lasts to the end of the simulation are NaN."""
+
+
+class SimulationError(RuntimeError):
+    """The solver could not go on.
+
+    Attributes:
+        status: the code, see ``chain_impact.kernel.status``.
+        time: where it stopped [s].
+        result: the ``Result`` up to there.
+    """
+
+    def __init__(self, status: int, time: float, result: Result | None) -> None:
+        """Say what happened and when."""
+        super().__init__(f"the simulation stopped at t = {time:.9g} s: {STATUS_TEXT[status]}")
+        self.status, self.time, self.result = status, time, result
+
+
+@dataclass(frozen=True)
+class Result:
+    """What happened in a simulation.
+
+    Attributes:
+        scene: the scene as it was simulated.
+        time: communication points, shape (T,) [s].
+        outputs: all outputs at these times, a structured array of shape (T,), see
+            ``instance.output_dtype``.
+        impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``.
+        statistics: steps, rejected_steps, rhs_evaluations, implicit_steps, status.
+    """
+
+    scene: Scene
+    time: np.ndarray
+    outputs: np.ndarray
+    impacts: np.ndarray
+    statistics: dict[str, int]
+
+    @property
+    def points(self) -> np.ndarray:
+        """Positions of the points 0…N, shape (T, N+1, 2) [m]."""
+        return self.outputs["point_position"]
+
+    @property
+    def angles(self) -> np.ndarray:
+        """Absolute angles of the links, shape (T, N) [rad]."""
+        return self.outputs["angle"]
+
+    @property
+    def angular_velocities(self) -> np.ndarray:
+        """Angular velocities of the links, shape (T, N) [rad/s]."""
+        return self.outputs["angular_velocity"]
+
+    @property
+    def energy(self) -> np.ndarray:
+        """The ledger [J], a structured array of shape (T,).
+
+        Fields kinetic, potential, elastic, dissipated, supplied and total = kinetic + potential + elastic;
+        total + dissipated − supplied is constant.
+        """
+        return self.outputs[["kinetic", "potential", "elastic", "dissipated", "supplied", "total"]]
+
+
+def simulate(
+    scene: Scene,
+    stop_time: float | None = None,
+    output_step: float | None = None,
+    method: str | None = None,
+    tolerance: float | None = None,
+    *,
+    notify: Callable[[str], None] = lambda _: None,
+    progress: Callable[[float], None] = lambda _: None,
+) -> Result:
+    """Simulate a scene from t = 0.
+
+    Args:
+        scene: what to simulate; inputs, if it has any, are zero.
+        stop_time: end [s]; the scene's by default.
+        output_step: distance of the rows of the result [s]; the scene's communication step by default. It
+            changes neither the solution nor its cost.
+        method: solver method instead of the scene's.
+        tolerance: relative tolerance instead of the scene's.
+        notify: called with a sentence before the kernel is compiled, once for a number of links and walls.
+        progress: called with the fraction done.
+
+    Raises:
+        SceneError: when one of the arguments is outside its range.
+        SimulationError: when the solver cannot go on; it holds the result up to there.
+        BuildError: when the kernel cannot be compiled.
+    """
+    changes = {
+        ("simulation", "stop_time"): stop_time,
+        ("simulation", "step_size"): output_step,
+        ("solver", "method"): method,
+        ("solver", "tolerance"): tolerance,
+    }
+    scene = with_values(scene, {path: value for path, value in changes.items() if value is not None})
+    instance = Instance(scene, notify)
+    # n steps and, if the stop time is no multiple of the step, a shorter one
+    step, stop = scene.simulation.step_size, scene.simulation.stop_time
+    times = np.append(np.arange(np.ceil(stop / step * (1 - 1e-12))) * step, stop)
+    outputs = np.zeros(len(times), instance.record.dtype["output"])
+    done, impacts = 0, []
+    while done < len(times) and instance.status == OK:
+        # in chunks, for the progress bar's sake
+        done += instance.trajectory(times[done : done + 5000], outputs[done : done + 5000])
+        impacts.append(instance.collect())
+        progress(done / len(times))
+    impacts.append(instance.open_contacts())
+    result = Result(
+        scene=scene,
+        time=times[:done],
+        outputs=outputs[:done],
+        impacts=np.sort(np.concatenate(impacts), order=["onset", "point", "wall"]),
+        statistics=instance.statistics,
+    )
+    if instance.status != OK:
+        raise SimulationError(instance.status, instance.time, result)
+    return result
+
+
+class Instance:
+    """An initialized instance and the kernel that works on it."""
+
+    def __init__(self, scene: Scene, notify: Callable[[str], None] = lambda _: None) -> None:
+        """Load or compile the kernel and set the instance to its start.
+
+        Raises:
+            SimulationError: when the scene cannot start.
+        """
+        self._block = new_instance(scene)
+        self.record = self._block[0]
+        library = kernel_library(len(scene.chain.links), len(self.record["touch"]["active"]), notify=notify)
+        self._kernel = load_kernel(library)
+        self._address = self._block.ctypes.data
+        if self._kernel.initialize(self._address, 0.0) != OK:
+            raise SimulationError(self.status, 0.0, None)
+
+    def trajectory(self, times: np.ndarray, outputs: np.ndarray) -> int:
+        """Advance to each of the times [s], filling a row of outputs for each; return how many were filled."""
+        rows: int = self._kernel.trajectory(self._address, times.ctypes.data, len(times), outputs.ctypes.data)
+        return rows
+
+    def collect(self) -> np.ndarray:
+        """Take the finished contacts out of the log."""
+        log = self.record["finished"]
+        rows = _impact_rows(int(log["count"]), {name: log[name] for name in IMPACT_DTYPE.names or ()})
+        log["count"] = 0
+        return rows
+
+    def open_contacts(self) -> np.ndarray:
+        """The contacts that have not ended yet."""
+        touch, model = self.record["touch"], self.record["model"]
+        active = touch["active"] == 1
+        columns = {name: touch[name] for name in ("onset", "peak_force", "max_penetration", "effective_mass")}
+        columns |= {"point": model["candidate_point"], "wall": model["candidate_wall"]}
+        columns["impact_speed"] = touch["onset_speed"]
+        columns |= {name: np.full(len(active), np.nan) for name in ("end", "separation_speed")}
+        return _impact_rows(int(active.sum()), {name: column[active] for name, column in columns.items()})
+
+    @property
+    def status(self) -> int:
+        """The status code, 0 when all is well."""
+        return int(self.record["statistics"]["status"])
+
+    @property
+    def time(self) -> float:
+        """The time reached [s]."""
+        return float(self.record["step"]["time"])
+
+    @property
+    def statistics(self) -> dict[str, int]:
+        """The solver's counts."""
+        counts = self.record["statistics"]
+        return {name: int(counts[name]) for name in counts.dtype.names or ()}
+
+
+def _impact_rows(count: int, columns: dict[str, np.ndarray]) -> np.ndarray:
+    rows = np.zeros(count, IMPACT_DTYPE)
+    for name in IMPACT_DTYPE.names or ():
+        rows[name] = columns[name][:count]
+    return rows
+
+
+def load_kernel(library: Path) -> ctypes.CDLL:
+    """Load a compiled kernel and declare its entry points (see kernel/entry.py)."""
+    kernel = ctypes.CDLL(str(library))
+    pointer, real = ctypes.c_void_p, ctypes.c_double
+    kernel.initialize.argtypes = kernel.advance.argtypes = [pointer, real]
+    kernel.observe.argtypes = [pointer]
+    kernel.trajectory.argtypes = [pointer, pointer, ctypes.c_int64, pointer]
+    kernel.trajectory.restype = ctypes.c_int64
+    return kernel
