@@ -112,7 +112,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("active_count", INTEGER),
         ("active_index", INTEGER, (candidates,)),  # the candidates in contact, packed
         ("active", INTEGER, (candidates,)),  # 1: in contact
-        ("event", INTEGER, (candidates,)),  # 1: onset or end at `step.end`, not yet applied
+        ("event", INTEGER, (candidates,)),  # at `step.end` and not yet applied, see kernel/events.py
         ("onset", REAL, (candidates,)),  # s
         ("onset_speed", REAL, (candidates,)),  # m/s, normal approach speed at onset
         ("impact_speed", REAL, (candidates,)),  # m/s, v0 of the force law

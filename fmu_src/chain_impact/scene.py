@@ -348,11 +348,9 @@ def _check_together(scene: Scene) -> None:
     """Refuse what no key can tell alone."""
     contact, box, movable = scene.contact, scene.box, _movable_points(scene.chain)
     for point in contact.points:
-        if point not in movable:
-            span = f"{movable[0]} to {movable[-1]} with a {scene.chain.base} base"
-            raise SceneError(f"contact.points holds {_shown(point)}, must be {span}")
-    if len(set(contact.points)) < len(contact.points):
-        raise SceneError(f"contact.points = {_shown(list(contact.points))} must be unique")
+        if point not in movable or contact.points.count(point) > 1:
+            span = f"{movable[0]} to {movable[-1]} with a {scene.chain.base} base, each once"
+            raise SceneError(f"contact.points holds {_shown(point)}, must hold {span}")
     if contact.restitution == 0.0 and not CONTACT_LAWS[contact.model].allows_zero:
         raise SceneError(f"contact.restitution = 0.0 must be > 0 for the contact model {contact.model}")
     if scene.chain.base == "pinned" and any(scene.initial.velocity):
@@ -375,7 +373,7 @@ def _check_start(scene: Scene) -> None:
             at, limit = positions[point][number // 2], getattr(scene.box, wall)
             gap = math.inf if limit is None else (limit - at if number % 2 else at - limit)
             depth = scene.contact.radius - gap
-            if not depth <= START_TOLERANCE:  # this way round, as a sum that overflowed is NaN
+            if depth > START_TOLERANCE:
                 place = f"point {point} at {wall[0]} = {at:.6g} m is {depth:.6g} m deep in"
                 raise SceneError(f"initial: {place} the wall {wall} = {limit}; must be outside")
 
@@ -390,11 +388,7 @@ def _shown(value: Any) -> str:
 
 def _unknown(prefix: str, name: Any) -> str:
     """Name the known key most like `name`, in whatever table: TOML makes it easy to be in the wrong one."""
-    home, name = re.sub(r"\d+", "", prefix), _shown(name).strip("'")
-
-    def likeness(key: str) -> tuple[float, bool]:
-        table, _, last = key.rpartition(".")
-        return SequenceMatcher(None, name, last).ratio(), f"{table}." == home
-
-    nearest = max((key for key, _ in scene_keys()), key=likeness)
+    name = _shown(name).strip("'")
+    keys = [key for key, _ in scene_keys()]
+    nearest = max(keys, key=lambda key: SequenceMatcher(None, name, key.rpartition(".")[2]).ratio())
     return f"{prefix}{name} is unknown; the nearest key is {nearest}"

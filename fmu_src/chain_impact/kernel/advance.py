@@ -10,7 +10,7 @@ import math
 
 from chain_impact.kernel.contact import apply_contacts, clear_loads, latch, locate_points
 from chain_impact.kernel.equations import state_rate
-from chain_impact.kernel.events import find_event
+from chain_impact.kernel.events import RELATCH, RELATCH_RATIO, TOUCH, find_event
 from chain_impact.kernel.explicit import LAST, accept, attempt, interpolate
 from chain_impact.kernel.impacts import finish, follow_contacts
 from chain_impact.kernel.initialize import derive_law, still
@@ -98,7 +98,7 @@ def begin(d):
     """Let what happened at the end of the last step take effect; False in a storm of events."""
     events = 0
     for c in range(len(d.touch.event)):
-        events += d.touch.event[c]
+        events += d.touch.event[c] != 0
 
     # the first stage
     rate = d.work.stage[0]
@@ -127,16 +127,18 @@ def apply_events(d, rate):
     if in_flight:
         d.step.flight_size = d.step.next_size
     for c in range(len(touch.event)):
-        if touch.event[c]:
-            if touch.active[c]:
-                finish(d, c)
-            else:
-                latch(d, c, y, rate, d.work.y)
-                # the force rises as δⁿ, unseen at onset: begin with a part of the contact's duration
-                duration = 3.0 * touch.depth_scale[c] / touch.impact_speed[c]
-                d.step.next_size = min(d.step.next_size, ONSET_FRACTION * duration)
-            touch.active[c] = 1 - touch.active[c]
-            touch.event[c] = 0
+        if touch.event[c] == RELATCH:
+            touch.impact_speed[c] *= RELATCH_RATIO
+        elif touch.event[c] == TOUCH and touch.active[c]:
+            finish(d, c)
+            touch.active[c] = 0
+        elif touch.event[c] == TOUCH:
+            latch(d, c, y, rate, d.work.y)
+            touch.active[c] = 1
+            # the force rises as δⁿ, unseen at onset: begin with a part of the contact's duration
+            duration = 3.0 * touch.depth_scale[c] / touch.impact_speed[c]
+            d.step.next_size = min(d.step.next_size, ONSET_FRACTION * duration)
+        touch.event[c] = 0
 
     touch.active_count = 0
     for c in range(len(touch.active)):

@@ -279,12 +279,8 @@ def elastic_force(contact, penetration):
 
 @jit
 def force_over_elastic(contact, rate, impact_speed):
-    """1 + λ δ̇/v₀, the ratio of the contact force to its elastic part; at least 0, as walls do not pull.
-
-    A point pushed in faster than it arrived raises v₀: the force stays bounded by 1 + λ times the elastic
-    one, however small the speed at onset was.
-    """
-    return max(0.0, 1.0 + contact.damping_factor * rate / max(impact_speed, rate))
+    """1 + λ δ̇/v₀, the ratio of the contact force to its elastic part; at least 0, as walls do not pull."""
+    return max(0.0, 1.0 + contact.damping_factor * rate / impact_speed)
 
 
 @jit

@@ -5,6 +5,10 @@ one in contact. Looking only for a sign change between the ends of a step misses
 a wall and returns. So each step is cleared by a bound: with |φ̈| ≤ A over an interval of width w, φ stays
 above its chord less A w²/8, and φ̇ keeps its sign if it has the same one at both ends and |φ̇_a| + |φ̇_b| > A w.
 An interval for which neither settles the matter is halved.
+
+A third event concerns a contact whose point is pushed in much faster than it arrived: a second hit, or a
+touch-down so slow that gravity soon outruns it. The v₀ latched at onset would then make λ δ̇/v₀, and the
+force, grow without bound; v₀ is latched anew.
 """
 
 import math
@@ -16,6 +20,8 @@ from chain_impact.kernel.jit import jit
 SIMULTANEOUS = 1e-12  # s, events closer than this are one event
 RESOLUTION = 1e-15  # of a link length: curvature below it is round-off
 QUIET, SPLIT, EVENT = 0, 1, 2
+TOUCH, RELATCH = 1, 2  # kinds of event: contact begins or ends, v₀ is latched anew
+RELATCH_RATIO = 2.0  # δ̇/v₀ at which it is; the speed that gravity adds after an onset stays far below
 
 
 @jit
@@ -23,12 +29,20 @@ def find_event(d):
     """Search the last step for the earliest event.
 
     Returns:
-        The fraction θ ∈ [0, 1] of the step at which it happens, or −1. Every candidate whose event it is has
-        ``touch.event`` set.
+        The fraction θ ∈ [0, 1] of the step at which it happens, or −1. ``touch.event`` tells whose it is.
     """
     if len(d.touch.active) == 0:
         return -1.0
     bound_curvature(d)
+    theta = find_touch(d)
+    if d.touch.active_count > 0:
+        theta = find_relatch(d, theta)
+    return theta
+
+
+@jit
+def find_touch(d):
+    """θ of the first onset or end of a contact in the last step, or −1; marks whose it is."""
     measure(d, 0.0)
     keep_start(d)
     a, b = 0.0, 1.0
@@ -48,6 +62,34 @@ def find_event(d):
             while a + width < 1.0 and a % (2.0 * width) == 0.0:
                 width *= 2.0
             b = min(1.0, a + width)
+
+
+@jit
+def find_relatch(d, touch):
+    """θ of the first of the event at ``touch`` (−1: none) and a contact to latch anew; marks whose it is."""
+    first = touch if touch >= 0.0 else 1.0
+    measure(d, first)
+    found = -1
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        fast = RELATCH_RATIO * d.touch.impact_speed[c]
+        if d.work.clear_end_rate[c] > fast:
+            low, high = 0.0, first
+            while (high - low) * d.step.size > SIMULTANEOUS:
+                middle = 0.5 * (low + high)
+                measure(d, middle)
+                if d.work.clear_end_rate[c] > fast:
+                    high = middle
+                else:
+                    low = middle
+            found, first = c, high
+            measure(d, first)
+    if found < 0:
+        return touch
+    for c in range(len(d.touch.event)):
+        d.touch.event[c] = 0
+    d.touch.event[found] = RELATCH
+    return first
 
 
 @jit
@@ -120,7 +162,7 @@ def locate(d, a, b):
     width = (b - a) * d.step.size
     first = b
     for c in range(len(d.touch.active)):
-        d.touch.event[c] = inspect_candidate(d, c, width) == EVENT
+        d.touch.event[c] = TOUCH if inspect_candidate(d, c, width) == EVENT else 0
     for c in range(len(d.touch.active)):
         # `first` is measured: whoever is still clear there comes later
         if d.touch.event[c] and d.work.clear_end[c] < 0.0:
@@ -128,9 +170,8 @@ def locate(d, a, b):
     measure(d, first)
     within = SIMULTANEOUS + 4e-16 * d.step.end
     for c in range(len(d.touch.active)):
-        d.touch.event[c] = d.touch.event[c] and (
-            d.work.clear_end[c] <= within * abs(d.work.clear_end_rate[c])
-        )
+        if d.work.clear_end[c] > within * abs(d.work.clear_end_rate[c]):
+            d.touch.event[c] = 0
     return first
 
 

@@ -10,7 +10,7 @@ FORCE, PENETRATION = 0, 1
 
 @jit
 def follow_contacts(d, rate):
-    """Follow every active contact over the last step: peak force, largest penetration, and v₀.
+    """Follow every active contact over the last step: peak force and largest penetration.
 
     Args:
         d: the instance.
@@ -24,8 +24,6 @@ def follow_contacts(d, rate):
         force, penetration, speed, _ = contact_force(d, c)
         touch.peak_force[c] = max(touch.peak_force[c], force)
         touch.max_penetration[c] = max(touch.max_penetration[c], penetration)
-        # a point pushed in faster than it arrived (see contact_laws.force_over_elastic)
-        touch.impact_speed[c] = max(touch.impact_speed[c], speed)
 
         # both have a maximum inside the step when their rate falls through zero
         force_rate = rate_of_force(d, c)

@@ -1,0 +1,399 @@
+"""Scene files: what they mean, what is refused and how, and that nothing else ever happens."""
+
+# ruff: noqa: D103 - the name of a test is its docstring
+
+import copy
+import functools
+import json
+import math
+import operator
+from dataclasses import fields, is_dataclass
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from chain_impact.kernel.contact_laws import CONTACT_LAWS
+from chain_impact.scene import (
+    MAX_LINKS,
+    SOLVER_METHODS,
+    Link,
+    Scene,
+    SceneError,
+    load_scene,
+    model_names,
+    models_folder,
+    parse_scene,
+    scene_from_dict,
+    scene_keys,
+    scene_to_dict,
+    with_values,
+)
+
+SOURCE = "somewhere/scene.toml"
+MINIMAL = "name = 'Rod'\nchain.links = [{length = 2.0, mass = 3.0}]\ninitial.angles = [0.5]"
+
+
+def refusal(make, *arguments) -> str:
+    """Return the message with which `make(*arguments)` refuses, after checking its form."""
+    with pytest.raises(SceneError) as caught:
+        make(*arguments)
+    message = str(caught.value)
+    assert message.isprintable(), "one line"
+    return message
+
+
+def refused(*changes) -> str:
+    """Return the message for the four-link scene with (path, value) changes; it starts with the source."""
+    message = refusal(with_values, load_scene("four_link_box"), dict(changes))
+    assert message.startswith("FourLinkBox: ")
+    return message.removeprefix("FourLinkBox: ")
+
+
+def test_minimal_scene_gets_the_documented_defaults():
+    scene = parse_scene(MINIMAL, SOURCE)
+    link = scene.chain.links[0]
+    assert (link.center_of_mass, link.inertia, link.joint_damping) == (1.0, 1.0, 0.0)  # uniform: m L²/12
+    assert (scene.description, scene.gravity, scene.chain.base) == ("", (0.0, -9.81), "free")
+    assert [scene.box.x_min, scene.box.x_max, scene.box.y_min, scene.box.y_max] == [None] * 4
+    contact = scene.contact
+    assert (contact.model, contact.stiffness, contact.exponent) == ("zhang_sharf", 1e8, 1.5)
+    assert (contact.restitution, contact.radius, contact.minimum_impact_speed) == (0.7, 0.0, 1e-3)
+    assert contact.points == (0, 1)
+    assert load_scene("pinned_arm").contact.points == (1, 2), "a pinned base cannot move"
+    assert (scene.inputs.joint_torques, scene.inputs.tip_force) == (False, False)
+    assert (scene.initial.position, scene.initial.velocity) == ((0.0, 0.0), (0.0, 0.0))
+    assert scene.initial.angular_velocities == (0.0,)
+    assert (scene.solver.method, scene.solver.tolerance) == ("auto", 1e-8)
+    assert (scene.simulation.stop_time, scene.simulation.step_size) == (1.0, 1e-3)
+
+
+def test_integers_and_number_types_of_other_libraries_are_floats_afterwards():
+    numbers = {("chain", "links", 0, "mass"): 2, ("gravity",): [np.float32(0.5), Fraction(-39, 4)]}
+    scene = with_values(load_scene("rod_drop"), numbers)
+    values = (scene.chain.links[0].mass, *scene.gravity)
+    assert values == (2.0, 0.5, -9.75)
+    assert set(map(type, values)) == {float}
+
+
+def test_points_are_sorted_so_that_equal_scenes_are_equal():
+    scene = load_scene("four_link_box")
+    shuffled = with_values(scene, {("contact", "points"): [4, 2, 0, 1, 3]})
+    assert {shuffled} == {scene}
+
+
+def test_models_are_found_by_name_folder_and_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert model_names() == ["four_link_box", "pinned_arm", "rod_drop"]
+    for name in model_names():
+        folder = models_folder() / name
+        assert load_scene(name) == load_scene(folder) == load_scene(folder / "scene.toml")
+    assert [load_scene(name).name for name in model_names()] == ["FourLinkBox", "PinnedArm", "RodDrop"]
+
+
+def test_an_output_folder_of_the_same_name_does_not_hide_a_model(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "rod_drop").mkdir()
+    assert load_scene("rod_drop").name == "RodDrop"
+
+
+def test_four_link_box_is_the_scene_of_the_design():
+    scene = load_scene("four_link_box")
+    rod = Link(length=0.5, mass=1.0, center_of_mass=0.25, inertia=0.5**2 / 12, joint_damping=0.0)
+    assert scene.chain.links == (rod,) * 4
+    # energy at the start, the plane as complex numbers; value of physics.md
+    velocity, omega = complex(*scene.initial.velocity), np.array(scene.initial.angular_velocities)
+    links = 0.5 * np.exp(1j * np.array(scene.initial.angles))
+    heights = scene.initial.position[1] + np.imag(np.cumsum(links) - links / 2)
+    speeds = np.abs(velocity + np.cumsum(1j * omega * links) - 1j * omega * links / 2)
+    energy = np.sum(speeds**2 / 2 + rod.inertia * omega**2 / 2 + 9.81 * heights)
+    assert energy == pytest.approx(61.6630096858, abs=1e-10)
+
+
+def test_every_key_says_its_unit_and_meaning_and_every_number_has_a_unit():
+    for key, entry in scene_keys():
+        if is_dataclass(entry.type):
+            assert entry.type.__doc__, key
+            continue
+        assert entry.metadata["description"], key
+        numbers = entry.type in (float, float | None) or "float" in str(entry.type)
+        assert bool(entry.metadata["unit"]) == numbers, key
+
+
+def test_the_choices_are_those_of_the_registries():
+    choices = {key: entry.metadata.get("choices") for key, entry in scene_keys()}
+    assert choices["contact.model"] == tuple(CONTACT_LAWS)
+    assert choices["solver.method"] == SOLVER_METHODS
+
+
+LINK_2 = ("chain", "links", 2)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "message"),
+    [
+        ((*LINK_2, "mass"), -1.0, "chain.links[2].mass = -1.0 must be a finite number > 0 [kg]"),
+        ((*LINK_2, "length"), 0, "chain.links[2].length = 0 must be a finite number > 0 [m]"),
+        ((*LINK_2, "mass"), True, "chain.links[2].mass = True must be a finite number > 0 [kg]"),
+        ((*LINK_2, "mass"), "1", "chain.links[2].mass = '1' must be a finite number > 0 [kg]"),
+        (("gravity", 1), math.nan, "gravity[1] = nan must be a finite number [m/s2]"),
+        (("box", "x_max"), math.inf, "box.x_max = inf must be a finite number [m]"),
+        (("contact", "stiffness"), 10**400, f"contact.stiffness = 1{'0' * 59}... must be a finite number"),
+        (("contact", "restitution"), 1.1, "contact.restitution = 1.1 must be a finite number >= 0 and <= 1"),
+        (("solver", "tolerance"), 1, "solver.tolerance = 1 must be a finite number >= 1e-13 and <= 0.01"),
+        (("chain", "base"), "hinged", 'chain.base = \'hinged\' must be one of "free", "pinned"'),
+        (("solver", "method"), 1, 'solver.method = 1 must be one of "auto", "explicit"'),
+        (("inputs", "tip_force"), 1, "inputs.tip_force = 1 must be true or false"),
+        (("name",), "4 links", "name = '4 links' must be a C identifier"),
+        (("name",), "Größe", "name = 'Größe' must be a C identifier"),
+        (("name",), None, "name is missing (model name)"),
+        (("description",), "bell\a", r"description = 'bell\x07' must be text without control characters"),
+        (("contact",), [], "contact = [] must be a table"),
+        (("chain", "links"), [], "chain.links has 0 entries, must have 1 to 1000"),
+        (("chain", "links", 1), 7, "chain.links[1] = 7 must be a table"),
+        (("initial", "angles"), [1.0], "initial.angles = [1.0] must be a list, expected length 4 "),
+        (("gravity",), 9.81, "gravity = 9.81 must be a list, expected length 2 (acceleration of gravity)"),
+        (("contact", "points"), [1, 5], "contact.points holds 5, must hold 0 to 4 with a free base, each"),
+        (("contact", "points"), [-1], "contact.points holds -1, must hold 0 to 4 with a free base, each"),
+        (("contact", "points"), [2, 2], "contact.points holds 2, must hold 0 to 4 with a free base, each"),
+        (("contact", "points"), [1.0], "contact.points[0] = 1.0 must be a whole number"),
+        (("chain", "base"), "pinned", "contact.points holds 0, must hold 1 to 4 with a pinned base"),
+        (("box", "x_max"), 0.0, "box.x_max = 0.0 must be > 0.0 [m], which is x_min + 2 contact.radius"),
+        (("contact", "radius"), 1.25, "box.y_max = 2.5 must be > 2.5 [m], which is y_min + 2 contact.radius"),
+        (("chain", "links", 9, "mass"), 1, "('chain', 'links', 9, 'mass') is no path to a value"),
+        ((), 1, "() is no path to a value of the scene"),
+    ],
+)
+def test_a_bad_value_is_refused_by_key_value_and_what_is_allowed(path, value, message):
+    assert refused((path, value)).startswith(message)
+
+
+@pytest.mark.parametrize(
+    ("path", "known"),
+    [
+        (("contact", "stifness"), "contact.stiffness"),
+        (("contact", "tolerance"), "solver.tolerance"),  # right key, wrong table
+        (("simulation", "gravity"), "gravity"),
+        (("contcat",), "contact"),
+        (("chain", "links", 3, "lenght"), "chain.links[].length"),
+    ],
+)
+def test_an_unknown_key_names_the_nearest(path, known):
+    assert refused((path, 1.0)).endswith(f"{path[-1]} is unknown; the nearest key is {known}")
+
+
+def test_no_rebound_is_refused_by_the_laws_that_divide_by_restitution():
+    for law in CONTACT_LAWS.values():
+        plastic = {("contact", "model"): law.id, ("contact", "restitution"): 0.0}
+        if law.allows_zero:
+            assert with_values(load_scene("rod_drop"), plastic).contact.restitution == 0.0
+        else:
+            message = refused(*plastic.items())
+            assert message == f"contact.restitution = 0.0 must be > 0 for the contact model {law.id}"
+
+
+def test_a_pinned_base_cannot_have_a_velocity():
+    message = refusal(with_values, load_scene("pinned_arm"), {("initial", "velocity"): [0.0, 1e-9]})
+    assert message == "PinnedArm: initial.velocity = [0.0, 1e-09] must be zero for a pinned base"
+
+
+@pytest.mark.parametrize(
+    ("wall", "at", "point"),
+    [("x_min", 0.7, 0), ("y_min", 1.45, 0), ("x_max", 2.3, 4), ("y_max", 1.6, 3)],
+)
+def test_a_start_inside_a_wall_is_refused(wall, at, point):
+    message = refused((("box", wall), at))
+    assert message.startswith(f"initial: point {point} at {wall[0]} = ")
+    assert message.endswith(f" m deep in the wall {wall} = {at}; must be outside")
+
+
+def test_the_start_may_touch_a_wall_but_not_by_more_than_round_off():
+    touching = {("initial", "position"): [0.0, 0.25], ("contact", "radius"): 0.25}
+    rod = with_values(load_scene("rod_drop"), touching)
+    with_values(rod, {("initial", "position", 1): 0.25 - 1e-13})
+    message = refusal(with_values, rod, {("initial", "position", 1): 0.125})
+    assert "point 0 at y = 0.125 m is 0.125 m deep in the wall y_min = 0.0" in message
+    # a point that is no candidate passes through walls, so it may be anywhere
+    with_values(rod, {("initial", "position", 1): 0.125, ("contact", "points"): [1]})
+
+
+def test_a_chain_has_at_most_a_thousand_links():
+    def chain(count):
+        links, zeros = [{"length": 1e-3, "mass": 1.0}] * count, [0.0] * count
+        angles = {("initial", "angles"): zeros, ("initial", "angular_velocities"): zeros}
+        return with_values(load_scene("rod_drop"), {("chain", "links"): links, **angles})
+
+    assert len(chain(MAX_LINKS).chain.links) == MAX_LINKS
+    assert refusal(chain, MAX_LINKS + 1) == "RodDrop: chain.links has 1001 entries, must have 1 to 1000"
+
+
+def test_with_values_changes_only_what_it_is_told():
+    scene = load_scene("four_link_box")
+    before = scene_to_dict(scene)
+    changed = with_values(scene, {("contact", "stiffness"): 1e9, ("chain", "links", 0, "mass"): 2})
+    expected = copy.deepcopy(before)
+    expected["contact"]["stiffness"], expected["chain"]["links"][0]["mass"] = 1e9, 2.0
+    assert scene_to_dict(changed) == expected
+    assert scene_to_dict(scene) == before
+    opened = with_values(changed, {("box", "x_max"): None, ("chain", "links", 0, "inertia"): None})
+    assert opened.box.x_max is None
+    assert opened.chain.links[0].inertia == pytest.approx(2.0 * 0.25 / 12)
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (b"name = ", "(at end of document)"),
+        (b"name = 'a'\ngravity = [0,, 1]", "(at line 2, column 14)"),
+        (b"\xff\xfe", "can't decode byte 0xff in position 0"),
+        (b"a = " + b"[" * 100_000, "recursion"),
+        (b"a = " + b"9" * 10_000, "digits"),
+        (b"name = 0x" + b"f" * 10_000, "name = <int> must be a C identifier"),
+        (b"", "name is missing"),
+        (b"name = 'A'", "chain.links is missing"),
+    ],
+)
+def test_a_bad_file_is_refused_by_name_and_reason(tmp_path, content, reason):
+    file = tmp_path / "bad.toml"
+    file.write_bytes(content)
+    message = refusal(load_scene, file)
+    assert message.startswith(f"{file}: ")
+    assert reason in message
+
+
+def test_a_message_is_one_line_even_for_a_file_name_of_two():
+    assert refusal(parse_scene, "", "two\nlines.toml") == "two lines.toml: name is missing (model name)"
+
+
+@pytest.mark.parametrize("name", ["no_such_model", "missing.toml", "empty", "a\0b", "x" * 5000, ""])
+def test_what_is_no_scene_file_is_refused_with_the_models(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(SceneError, match="a model: four_link_box, pinned_arm, rod_drop") as caught:
+        load_scene(name)
+    assert str(caught.value).startswith(f"{name}: cannot be read (")
+
+
+finite = st.floats(-1e6, 1e6)
+positive = st.floats(1e-6, 1e6)
+
+
+@st.composite
+def scene_dicts(draw):
+    """Draw a valid scene file, without some of the keys that may be missing."""
+    count = draw(st.integers(1, 6))
+    pinned = draw(st.booleans())
+
+    def table(**keys):
+        return draw(st.fixed_dictionaries({}, optional=keys))
+
+    def per_link(values):
+        return st.lists(values, min_size=count, max_size=count)
+
+    def link():
+        optional = table(center_of_mass=st.floats(0, 10), inertia=positive, joint_damping=st.floats(0, 10))
+        return {"length": draw(st.floats(1e-3, 10)), "mass": draw(positive)} | optional
+
+    far = st.floats(1e3, 1e6)  # out of reach of the chain
+    start = st.lists(st.floats(-100, 100), min_size=2, max_size=2)
+    return {
+        "name": draw(st.from_regex(r"[A-Za-z_]\w*", fullmatch=True, alphabet=st.characters(codec="ascii"))),
+        **table(description=st.text(st.characters(codec="utf-8", exclude_categories=["C"]))),
+        **table(gravity=st.lists(finite, min_size=2, max_size=2)),
+        "chain": {"base": "pinned" if pinned else "free", "links": [link() for _ in range(count)]},
+        "box": table(x_min=far.map(lambda x: -x), x_max=far, y_min=far.map(lambda x: -x), y_max=far),
+        "contact": table(
+            model=st.sampled_from(list(CONTACT_LAWS)),
+            stiffness=positive,
+            exponent=st.floats(1, 3),
+            restitution=st.floats(1e-3, 1),
+            radius=st.floats(0, 100),
+            points=st.lists(st.integers(int(pinned), count), unique=True),
+            minimum_impact_speed=positive,
+        ),
+        "inputs": table(joint_torques=st.booleans(), tip_force=st.booleans()),
+        "initial": {"angles": draw(per_link(finite))}
+        | table(position=start, angular_velocities=per_link(finite))
+        | ({} if pinned else table(velocity=st.lists(finite, min_size=2, max_size=2))),
+        "solver": table(method=st.sampled_from(SOLVER_METHODS), tolerance=st.floats(1e-13, 1e-2)),
+        "simulation": table(stop_time=positive, step_size=positive),
+    }
+
+
+def toml(value) -> str:
+    """Write one TOML value."""
+    if isinstance(value, list):
+        return f"[{', '.join(map(toml, value))}]"
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{key} = {toml(one)}' for key, one in value.items())}}}"
+    return json.dumps(value, ensure_ascii=False)
+
+
+@given(scene_dicts())
+def test_every_valid_scene_survives_the_round_trip(data):
+    scene = scene_from_dict(data, SOURCE)
+    plain = scene_to_dict(scene)
+    assert scene_from_dict(plain, SOURCE) == scene
+    assert parse_scene("\n".join(f"{key} = {toml(plain[key])}" for key in plain), SOURCE) == scene
+    assert data["box"] == plain["box"]
+    assert data["initial"].items() <= plain["initial"].items()
+
+
+junk = st.recursive(
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.builds(pow, st.just(10), st.just(5000))  # too long to print
+    | st.sampled_from([10**400, math.nan, math.inf, -math.inf, 5e-324, 1e308, -0.0])
+    | st.floats()
+    | st.text()
+    | st.binary()
+    | st.dates(),
+    lambda inner: st.lists(inner, max_size=5) | st.dictionaries(st.text() | st.integers(), inner, max_size=3),
+    max_leaves=8,
+)
+
+
+def spots(data, path=()):
+    """Yield the path to every place in nested dicts and lists."""
+    for key, value in data.items() if isinstance(data, dict) else enumerate(data):
+        yield (*path, key)
+        if isinstance(value, dict | list):
+            yield from spots(value, (*path, key))
+
+
+FULL = [scene_to_dict(load_scene(name)) for name in model_names()]
+
+
+@settings(max_examples=1000)
+@given(st.data())
+def test_a_broken_scene_gives_a_scene_or_one_clear_line(draws):
+    data = copy.deepcopy(draws.draw(st.sampled_from(FULL)))
+    for _ in range(draws.draw(st.integers(1, 3))):
+        *parents, last = draws.draw(st.sampled_from(list(spots(data))))
+        place = functools.reduce(operator.getitem, parents, data)
+        action = draws.draw(st.sampled_from(["replace", "delete", "add"]))
+        if action == "delete":
+            del place[last]
+        elif action == "add" and isinstance(place, dict):
+            place[draws.draw(st.text() | st.sampled_from([entry.name for entry in fields(Scene)]))] = 1
+        else:
+            place[last] = draws.draw(junk)
+    try:
+        scene, message = scene_from_dict(data, SOURCE), ""
+    except SceneError as error:
+        scene, message = None, str(error)
+    if scene:
+        assert scene_from_dict(scene_to_dict(scene), SOURCE) == scene
+    else:
+        assert message.startswith(f"{SOURCE}: ")
+        assert len(message.splitlines()) == 1
+
+
+@given(st.binary() | (st.text() | st.text(alphabet="[]{}=.\"'#\n ab1-:\\")).map(str.encode))
+def test_any_other_file_is_refused(tmp_path_factory, content):
+    file = tmp_path_factory.getbasetemp() / "any.toml"
+    file.write_bytes(content)
+    assert refusal(load_scene, str(file)).startswith(f"{file}: ")
