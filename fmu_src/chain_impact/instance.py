@@ -21,7 +21,7 @@ REAL, INTEGER = np.float64, np.int64
 LOG_SIZE = 32  # finished contacts kept until they are collected, besides one for each candidate
 
 
-def _record(*fields: tuple) -> np.dtype:
+def _record(*fields: tuple[object, ...]) -> np.dtype:
     return np.dtype(list(fields), align=True)
 
 

@@ -167,7 +167,7 @@ class Instance:
             raise SimulationError(self.status, 0.0, None)
 
     def trajectory(self, times: np.ndarray, outputs: np.ndarray) -> int:
-        """Advance to each of the times [s], filling a row of outputs for each; return how many were filled."""
+        """Advance to each of the times [s], filling a row of outputs for each; return how many are filled."""
         rows: int = self._kernel.trajectory(self._address, times.ctypes.data, len(times), outputs.ctypes.data)
         return rows
 

@@ -30,12 +30,13 @@ PORTABLE_CPU = "x86-64-v2"  # every x86 processor since 2009
 ENTRY_POINTS = ("initialize", "advance", "observe", "trajectory")
 # numba's code refers to these on its error paths only, which the kernel never takes: it does not allocate
 # and its error model is NumPy's
-PYTHON_SYMBOLS = """
-NRT_Free NRT_incref NRT_decref PyErr_Clear PyErr_Occurred PyErr_SetNone PyErr_SetObject PyErr_SetString
-PyErr_WriteUnraisable PyExc_RuntimeError PyExc_StopIteration PyExc_SystemError PyUnicode_FromString
-PyUnicode_FromStringAndSize Py_DecRef Py_IncRef _Py_NoneStruct numba_do_raise numba_gil_ensure
-numba_gil_release numba_runtime_build_excinfo_struct numba_unpickle
-""".split()
+PYTHON_SYMBOLS = (
+    *("NRT_Free", "NRT_MemInfo_call_dtor", "PyBytes_FromStringAndSize", "PyErr_Clear", "PyErr_SetNone"),
+    *("PyErr_SetString", "PyErr_WriteUnraisable", "PyExc_RuntimeError", "PyExc_StopIteration"),
+    *("PyExc_SystemError", "PyUnicode_FromString", "Py_DecRef", "numba_do_raise", "numba_gil_ensure"),
+    *("numba_gil_release", "numba_runtime_build_excinfo_struct", "numba_unpickle"),
+)
+STUB = '__attribute__((visibility("hidden"))) void {}(void) {{}}\n'
 
 
 class BuildError(RuntimeError):
@@ -72,7 +73,11 @@ def kernel_library(
             fresh.replace(ir)
         notify(f"linking the kernel for {platform}")
         stubs, fresh = Path(scratch, "stubs.c"), Path(scratch, "kernel" + suffix)
-        stubs.write_text("".join(f'__attribute__((visibility("hidden"))) void {name}(void) {{}}\n' for name in PYTHON_SYMBOLS))
+        stubs.write_text(
+            "".join(
+                f'__attribute__((visibility("hidden"))) void {name}(void) {{}}\n' for name in PYTHON_SYMBOLS
+            )
+        )
         command = [sys.executable, "-m", "ziglang", "cc", "-target", target, "-O2", "-shared", "-s"]
         _run([*command, "-Wno-everything", "-o", str(fresh), str(ir), str(stubs), "-lm"])
         # at once or not at all: another process may be building the same

@@ -1,0 +1,1 @@
+"""The compiled kernel: imports nothing but math, numpy, numba and itself."""

@@ -80,17 +80,42 @@ def take_step(d):
     accept(d, h)
     d.statistics.steps += 1
     d.step.next_size = h * min(grow, max(SHRINK, SAFETY * max(error, 1e-16) ** EXPONENT))
-    cut(d, find_event(d))
+    theta = find_event(d)
+    if theta > 0.0 and ends_contact(d):
+        land(d, theta * h)
+    elif theta >= 0.0:
+        cut(d, theta)
     return OK
 
 
 @jit
 def cut(d, theta):
-    """End the last step at its fraction θ, at which an event was found; θ < 0: none was."""
-    if theta >= 0.0:
-        interpolate(d.step, theta, d.step.state_end)
-        d.step.end = d.step.start + theta * d.step.size
-        d.step.rate_known = 0
+    """End the last step at its fraction θ, at which an event was found."""
+    interpolate(d.step, theta, d.step.state_end)
+    d.step.end = d.step.start + theta * d.step.size
+    d.step.rate_known = 0
+
+
+@jit
+def land(d, h):
+    """Take the last step anew with the size h, to land on the end of a contact.
+
+    The force is not smooth there, and the interpolant of a step across it less accurate than the step.
+    """
+    d.step.end = d.step.start
+    for j in range(len(d.step.state)):
+        d.step.state_end[j] = d.step.state[j]
+    attempt(d, h)
+    accept(d, h)
+
+
+@jit
+def ends_contact(d):
+    """Whether a contact ends in the event that was found."""
+    for c in range(len(d.touch.event)):
+        if d.touch.event[c] == TOUCH and d.touch.active[c]:
+            return True
+    return False
 
 
 @jit

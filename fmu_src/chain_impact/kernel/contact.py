@@ -49,8 +49,8 @@ def accelerate_points(model, y, rate, work):
 def clearance(d, c):
     """Clearance g [m] and its rate ġ [m/s] of candidate c, from the located points."""
     point, wall = d.model.candidate_point[c], d.model.candidate_wall[c]
-    position = d.work.x[point] if wall < 2 else d.work.y_[point]  # noqa: PLR2004
-    velocity = d.work.vx[point] if wall < 2 else d.work.vy[point]  # noqa: PLR2004
+    position = d.work.x[point] if wall < 2 else d.work.y_[point]
+    velocity = d.work.vx[point] if wall < 2 else d.work.vy[point]
     side = inward(wall)
     return side * (position - d.model.wall[wall]) - d.contact.radius, side * velocity
 
@@ -65,7 +65,7 @@ def inward(wall):
 def add_load(d, c, force):
     """Add a normal force [N] of candidate c to the load on its point."""
     point, wall = d.model.candidate_point[c], d.model.candidate_wall[c]
-    if wall < 2:  # noqa: PLR2004
+    if wall < 2:
         d.work.load_x[point] += inward(wall) * force
     else:
         d.work.load_y[point] += inward(wall) * force
@@ -162,7 +162,7 @@ def normal_component(d, c, base, angular):
     With J the gradient of the clearance: J·(base, angular) = n·(base + Σ_{i<k} L⊥_i angular_i).
     """
     point, wall = d.model.candidate_point[c], d.model.candidate_wall[c]
-    if wall < 2:  # noqa: PLR2004
+    if wall < 2:
         total = base[0]
         for i in range(point):
             total -= d.work.link_y[i] * angular[i]

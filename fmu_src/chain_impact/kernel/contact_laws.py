@@ -33,18 +33,16 @@ class ContactLaw:
         damping_factor: λ(e), compiled.
     """
 
-    __slots__ = (
-        "accurate_from",
-        "accurate_to",
-        "allows_zero",
-        "damping_factor",
-        "evidence",
-        "formula",
-        "id",
-        "number",
-        "source",
-        "title",
-    )
+    id: str
+    number: int
+    title: str
+    source: str
+    formula: str
+    evidence: str
+    accurate_from: float
+    accurate_to: float
+    allows_zero: bool
+    damping_factor: object
 
     def __init__(self, **entries: object) -> None:
         for name, value in entries.items():
@@ -161,7 +159,7 @@ def zhang_sharf(e):
         return 0.0
     u = 1.0 - e
     # Near e = 1 the root is a difference of nearly equal numbers; this series is exact to u⁵
-    if u < 1e-3:  # noqa: PLR2004
+    if u < 1e-3:
         return u * (1.5 + u * (1.5 + u * (1.35 + u * 1.2)))
     # With d = λe = 1 − e^{−s} the equation reads s − d(1 + 1/e) + ln(1 + d/e) = 0. It is well conditioned
     # in s, and not in d: below e ≈ 0.03 d is 1 to double precision. The left side is concave-then-rising
@@ -270,7 +268,7 @@ damping_factor = _dispatch(tuple(law.damping_factor for law in CONTACT_LAWS.valu
 def elastic_force(contact, penetration):
     """K δⁿ [N] for a penetration δ > 0 [m]."""
     # the usual exponents without pow()
-    if contact.exponent == 1.5:  # noqa: PLR2004
+    if contact.exponent == 1.5:
         return contact.stiffness * penetration * math.sqrt(penetration)
     if contact.exponent == 1.0:
         return contact.stiffness * penetration

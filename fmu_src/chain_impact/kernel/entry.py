@@ -1,9 +1,9 @@
 """The entry points of the compiled kernel, as C functions on a pointer to the instance.
 
-    int32 initialize(instance*, double time)
-    int32 advance(instance*, double time)
-    int32 observe(instance*)
-    int64 trajectory(instance*, const double* times, int64 rows, output* out)
+int32 initialize(instance*, double time)
+int32 advance(instance*, double time)
+int32 observe(instance*)
+int64 trajectory(instance*, const double* times, int64 rows, output* out)
 """
 
 from numba import carray, float64, int32, int64, types
@@ -13,7 +13,6 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.jit import jit
 from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import OK
-
 
 UNLIMITED = 1 << 62
 

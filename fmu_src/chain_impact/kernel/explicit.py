@@ -100,7 +100,7 @@ def error_norm(d):
     size = d.model.size
     worst_5, worst_3 = 0.0, 0.0
     for j in range(2 * n + 4):
-        if j < 2:  # noqa: PLR2004
+        if j < 2:
             scale = size
         elif j < n + 2:
             scale = 1.0
@@ -172,9 +172,7 @@ def _basis_bounds():
     rest = 1.0 - theta
     powers = [(1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3)]
     values = [theta**p * rest**q for p, q in powers]
-    slopes = [
-        p * theta ** (p - 1) * rest**q - q * theta**p * rest ** max(q - 1, 0) for p, q in powers
-    ]
+    slopes = [p * theta ** (p - 1) * rest**q - q * theta**p * rest ** max(q - 1, 0) for p, q in powers]
     return (
         tuple(float(np.abs(v).max()) for v in values),
         tuple(float(np.abs(s).max()) for s in slopes),

@@ -44,7 +44,7 @@ def rate_of_force(d, c):
     if gap >= 0.0:
         return 0.0
     point, wall = d.model.candidate_point[c], d.model.candidate_wall[c]
-    acceleration = inward(wall) * (d.work.ax[point] if wall < 2 else d.work.ay[point])  # noqa: PLR2004
+    acceleration = inward(wall) * (d.work.ax[point] if wall < 2 else d.work.ay[point])
     # Ḟ = K δⁿ [n δ̇/δ (1 + λ δ̇/v₀) + λ δ̈/v₀]
     slope = d.contact.damping_factor / d.touch.impact_speed[c]
     growth = d.contact.exponent * gap_rate / gap * (1.0 - slope * gap_rate)
@@ -63,7 +63,7 @@ def maximum(d, c, quantity):
         left = sample(d, c, quantity, middle - reach)
         top = sample(d, c, quantity, middle)
         right = sample(d, c, quantity, middle + reach)
-        best = max(best, max(left, max(top, right)))
+        best = max(best, left, top, right)
         bend = left - 2.0 * top + right
         if bend >= 0.0:
             break

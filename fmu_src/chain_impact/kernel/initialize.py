@@ -113,7 +113,7 @@ def first_size(d):
     state_rate(d, d.step.state, d.work.stage[0])
     speed, acceleration = 0.0, 0.0
     for j in range(n + 2):
-        scale = d.model.size if j < 2 else 1.0  # noqa: PLR2004
+        scale = d.model.size if j < 2 else 1.0
         speed = max(speed, abs(d.step.state[n + 2 + j]) / scale)
         acceleration = max(acceleration, abs(d.work.stage[0, n + 2 + j]) / scale)
     # a tenth of the time in which the chain moves by its own size

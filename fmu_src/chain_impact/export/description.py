@@ -1,0 +1,131 @@
+"""The modelDescription.xml of a scene's FMU (FMI 2.0, section 2.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib.metadata import version
+from xml.etree.ElementTree import Element, SubElement
+
+import numpy as np
+
+from chain_impact.instance import new_instance
+from chain_impact.scene import Scene
+from chain_impact.variables import UNITS, Variable, fmu_variables, word_index
+
+DATE = "1980-01-01T00:00:00Z"  # the earliest that a zip can hold: equal scenes make equal FMUs
+LOG_CATEGORIES = {
+    "logStatusWarning": "Warnings",
+    "logStatusDiscard": "Steps that were not taken",
+    "logStatusError": "Errors",
+    "logStatusFatal": "Errors after which the instance cannot go on",
+    "logAll": "All messages",
+}
+
+
+def model_description(scene: Scene, guid: str) -> Element:
+    """The model description, with the start values of the scene's instance.
+
+    Value references are positions in ``fmu_variables(scene)``.
+    """
+    variables = fmu_variables(scene)
+    root = Element(
+        "fmiModelDescription",
+        fmiVersion="2.0",
+        modelName=scene.name,
+        guid=guid,
+        description=scene.description,
+        generationTool=f"chain-impact with PythonFMU {version('pythonfmu')}",
+        generationDateAndTime=DATE,
+        variableNamingConvention="structured",
+    )
+    SubElement(
+        root,
+        "CoSimulation",
+        modelIdentifier=scene.name,
+        needsExecutionTool="false",
+        canHandleVariableCommunicationStepSize="true",
+        canInterpolateInputs="false",
+        canBeInstantiatedOnlyOncePerProcess="false",
+        canNotUseMemoryManagementFunctions="true",
+        canGetAndSetFMUstate="true",
+        canSerializeFMUstate="true",
+    )
+    _add_units_and_types(root, variables)
+    categories = SubElement(root, "LogCategories")
+    for name, text in LOG_CATEGORIES.items():
+        SubElement(categories, "Category", name=name, description=text)
+    SubElement(
+        root,
+        "DefaultExperiment",
+        startTime="0.0",
+        stopTime=repr(scene.simulation.stop_time),
+        tolerance=repr(scene.solver.tolerance),
+        stepSize=repr(scene.simulation.step_size),
+    )
+    _add_variables(root, variables, new_instance(scene))
+    _add_structure(root, variables)
+    return root
+
+
+def _add_units_and_types(root: Element, variables: Sequence[Variable]) -> None:
+    used = {variable.unit for variable in variables}
+    units, types = SubElement(root, "UnitDefinitions"), SubElement(root, "TypeDefinitions")
+    for name, unit in UNITS.items():
+        if name in used:
+            definition = SubElement(units, "Unit", name=name)
+            if unit.powers is not None:
+                SubElement(definition, "BaseUnit", {base: str(power) for base, power in unit.powers.items()})
+            real = SubElement(types, "SimpleType", name=unit.quantity)
+            SubElement(real, "Real", quantity=unit.quantity, unit=name)
+    for variable in variables:
+        if variable.items:
+            text = variable.description
+            choice = SubElement(types, "SimpleType", name=_type_name(variable), description=text)
+            items = SubElement(choice, "Enumeration")
+            for number, item in enumerate(variable.items, 1):
+                SubElement(items, "Item", name=item.name, value=str(number), description=item.description)
+
+
+def _add_variables(root: Element, variables: Sequence[Variable], instance: np.ndarray) -> None:
+    reals, integers = instance.view(np.float64), instance.view(np.int64)
+    nodes = SubElement(root, "ModelVariables")
+    for reference, variable in enumerate(variables):
+        attributes = {"name": variable.name, "valueReference": str(reference)}
+        attributes |= {"description": variable.description, "causality": variable.causality}
+        attributes["variability"] = variable.variability
+        if variable.initial is not None:
+            attributes["initial"] = variable.initial
+        node = SubElement(nodes, "ScalarVariable", attributes)
+
+        value = SubElement(node, variable.type.capitalize())
+        if variable.type == "real":
+            value.set("declaredType", UNITS[variable.unit].quantity)
+            value.set("unit", variable.unit)
+            # an open limit is written as a closed one, which is all that FMI knows; the slave keeps it open
+            low = variable.above if variable.minimum is None else variable.minimum
+            for name, limit in (("min", low), ("max", variable.maximum)):
+                if limit is not None:
+                    value.set(name, repr(limit))
+        elif variable.items:
+            value.set("declaredType", _type_name(variable))
+        if variable.causality != "output":
+            words = reals if variable.type == "real" else integers
+            # repr of a float is the shortest text that reads back as the same number
+            value.set("start", repr(words[word_index(instance.dtype, variable.place)].item()))
+
+
+def _add_structure(root: Element, variables: Sequence[Variable]) -> None:
+    inputs = " ".join(str(n) for n, variable in enumerate(variables, 1) if variable.causality == "input")
+    structure = SubElement(root, "ModelStructure")
+    outputs, unknowns = SubElement(structure, "Outputs"), SubElement(structure, "InitialUnknowns")
+    for number, variable in enumerate(variables, 1):
+        if variable.causality == "output":
+            dependencies = inputs if variable.feedthrough else ""
+            SubElement(outputs, "Unknown", index=str(number), dependencies=dependencies)
+            # at the start they depend on all that is known then, which is what no list means
+            SubElement(unknowns, "Unknown", index=str(number))
+
+
+def _type_name(variable: Variable) -> str:
+    """ContactModel for contact.model."""
+    return "".join(part.capitalize() for part in variable.name.split("."))

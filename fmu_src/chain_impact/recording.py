@@ -1,0 +1,85 @@
+"""A recording: what an FMU or `simulate()` gave over time, under the FMU's variable names."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from chain_impact.scene import WALLS
+
+
+@dataclass(frozen=True, slots=True)
+class Impact:
+    """The onset of one contact.
+
+    Attributes:
+        time: of the onset [s].
+        point: 0…N.
+        wall: name of the wall.
+        speed: normal approach speed [m/s].
+    """
+
+    time: float
+    point: int
+    wall: str
+    speed: float
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A simulation, whoever ran it.
+
+    Attributes:
+        name: the model's name.
+        time: communication points, shape (T,) [s].
+        columns: FMU variable name → values, shape (T,).
+        impacts: in order of time; those that an FMU had between two communication points, but for the last
+            of them, are missing.
+        walls: name → position [m] of the walls that are there.
+    """
+
+    name: str
+    time: np.ndarray
+    columns: dict[str, np.ndarray]
+    impacts: list[Impact]
+    walls: dict[str, float]
+
+    @property
+    def points(self) -> np.ndarray:
+        """Positions of the points 0…N, shape (T, N+1, 2) [m]."""
+        count = sum(name.startswith("point[") and name.endswith("].x") for name in self.columns)
+        return np.stack(
+            [np.stack([self.columns[f"point[{k}].{axis}"] for axis in "xy"], axis=-1) for k in range(count)],
+            axis=1,
+        )
+
+    def point_at(self, point: int, time: float) -> tuple[float, float]:
+        """Position [m] of a point at a time [s], interpolated between communication points."""
+        x, y = (np.interp(time, self.time, self.columns[f"point[{point}].{axis}"]) for axis in "xy")
+        return float(x), float(y)
+
+    def save_csv(self, path: Path) -> None:
+        """Write time and columns as CSV, numbers in full precision."""
+        with path.open("w", newline="") as file:
+            writer = csv.writer(file)
+            writer.writerow(["time", *self.columns])
+            values = (column.tolist() for column in self.columns.values())
+            writer.writerows(zip(self.time.tolist(), *values, strict=True))
+
+
+def impacts_from_outputs(columns: dict[str, np.ndarray]) -> list[Impact]:
+    """The impacts that the outputs `impact.*` of an FMU show."""
+    count = columns["impact.count"]
+    rows = np.flatnonzero(np.diff(count, prepend=0))
+    return [
+        Impact(
+            time=float(columns["impact.last_time"][row]),
+            point=int(columns["impact.last_point"][row]),
+            wall=WALLS[int(columns["impact.last_wall"][row]) - 1],
+            speed=float(columns["impact.last_speed"][row]),
+        )
+        for row in rows
+    ]

@@ -1,0 +1,342 @@
+"""The variables of the FMU: one table of their names, kinds, units and places in the instance record.
+
+From it come the modelDescription.xml, the table that the FMU carries, the columns of a CSV file and the names
+that the command line's ``--set`` takes. What a parameter means, its unit and its range stand in the fields of
+``scene.py``; this module adds only where they are found. A scene has the variables that it needs: no wall, no
+candidate and no input that is not in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from chain_impact.instance import candidates
+from chain_impact.kernel.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.status import STATUS_TEXT
+from chain_impact.scene import (
+    SOLVER_METHODS,
+    WALLS,
+    Box,
+    Contact,
+    Initial,
+    Link,
+    Scene,
+    Solver,
+    allowed,
+)
+
+Place = tuple[str | int, ...]
+WORD = 8  # bytes of every scalar in the record
+AXES = ("x", "y")
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """One choice of an enumeration; its number is its position, counted from 1."""
+
+    name: str
+    description: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Variable:
+    """One variable of the FMU.
+
+    Attributes:
+        name: structured name, as in FMI 2.0, section 2.2.9.
+        type: ``real``, ``integer`` or ``enumeration``.
+        causality: ``parameter``, ``input`` or ``output``.
+        variability: ``fixed``, ``tunable``, ``discrete`` or ``continuous``.
+        unit: name of the unit, a key of ``UNITS``; "" unless real.
+        description: one line.
+        place: path into the instance record, ``("model", "length", 2)`` for one.
+        scene_path: path of a parameter into the scene file, for ``scene.with_values``; None for all others.
+        minimum: value >= minimum, if any.
+        above: value > above, if any.
+        maximum: value <= maximum, if any.
+        items: choices of an enumeration.
+    """
+
+    name: str
+    type: str
+    causality: str
+    variability: str
+    unit: str
+    description: str
+    place: Place
+    scene_path: Place | None = None
+    minimum: float | None = None
+    above: float | None = None
+    maximum: float | None = None
+    items: tuple[Item, ...] = ()
+
+    @property
+    def initial(self) -> str | None:
+        """How the start value comes about; an input has, by the rules of FMI 2.0, no such attribute."""
+        return {"parameter": "exact", "input": None, "output": "calculated"}[self.causality]
+
+    @property
+    def feedthrough(self) -> bool:
+        """Whether an input acts at once, without passing through a state: true of accelerations only."""
+        return str(self.place[1]).endswith("acceleration")
+
+    @property
+    def allowed(self) -> str:
+        """What a value may be, in words: "a finite number > 0 [m]"."""
+        if self.items:
+            return "one of " + ", ".join(f"{n} ({item.name})" for n, item in enumerate(self.items, 1))
+        limits = {"minimum": self.minimum, "above": self.above, "maximum": self.maximum}
+        return allowed(float, {"choices": None, "unit": self.unit, **limits})
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """What is measured in a unit, and the unit as powers of SI base units; None if these are not integers."""
+
+    quantity: str
+    powers: dict[str, int] | None
+
+
+UNITS = {
+    "1": Unit("Ratio", {}),
+    "s": Unit("Time", {"s": 1}),
+    "m": Unit("Length", {"m": 1}),
+    "m/s": Unit("Velocity", {"m": 1, "s": -1}),
+    "m/s2": Unit("Acceleration", {"m": 1, "s": -2}),
+    "rad": Unit("Angle", {"rad": 1}),
+    "rad/s": Unit("AngularVelocity", {"rad": 1, "s": -1}),
+    "rad/s2": Unit("AngularAcceleration", {"rad": 1, "s": -2}),
+    "kg": Unit("Mass", {"kg": 1}),
+    "kg.m2": Unit("MomentOfInertia", {"kg": 1, "m": 2}),
+    "N": Unit("Force", {"kg": 1, "m": 1, "s": -2}),
+    "N.m": Unit("Torque", {"kg": 1, "m": 2, "s": -2}),
+    "N.m.s/rad": Unit("RotationalDamping", {"kg": 1, "m": 2, "s": -1, "rad": -1}),
+    "N/m^exponent": Unit("ContactStiffness", None),  # the exponent is a parameter, 3/2 for Hertz
+    "J": Unit("Energy", {"kg": 1, "m": 2, "s": -2}),
+}
+"""Every unit of the FMU's variables."""
+
+_LAWS = tuple(Item(law.id, law.source) for law in CONTACT_LAWS.values())
+_METHODS = tuple(
+    Item(name, "as each phase needs" if name == "auto" else f"{name} steps only") for name in SOLVER_METHODS
+)
+_STATUSES = "; ".join(f"{code} {text}" for code, text in STATUS_TEXT.items())
+
+
+def fmu_variables(scene: Scene) -> list[Variable]:
+    """All variables of the scene's FMU, in the order of their value references: outputs come last."""
+    return [*_parameters(scene), *_inputs(scene), *_outputs(scene)]
+
+
+def parameter_paths(scene: Scene) -> dict[str, Place]:
+    """The names of the FMU's parameters, and the paths that ``scene.with_values`` takes for them.
+
+    Where the FMU takes the number of a choice, the scene takes its name: ``contact.model`` a law's id.
+    """
+    return {v.name: v.scene_path for v in _parameters(scene) if v.scene_path is not None}
+
+
+def output_columns(scene: Scene, outputs: np.ndarray) -> dict[str, np.ndarray]:
+    """The time series in ``Result.outputs`` under the names of the FMU's outputs: name → shape (T,)."""
+    columns = {}
+    for variable in _outputs(scene):
+        record, name, *index = variable.place
+        if record == "output":
+            columns[variable.name] = outputs[name][(..., *index)]  # type: ignore[arg-type]
+    return columns
+
+
+def word_index(dtype: np.dtype, place: Place) -> int:
+    """The index of a scalar of a record, counted in 8-byte words from the record's start."""
+    offset = 0
+    for step in place:
+        if isinstance(step, str):
+            dtype, start = dtype[step], dtype.fields[step][1]  # type: ignore[index]
+        else:
+            item, (length, *rest) = dtype.base, dtype.shape
+            if not 0 <= step < length:
+                raise IndexError(f"{place}: {step} is not below {length}")
+            dtype = np.dtype((item, tuple(rest)))
+            start = step * dtype.itemsize
+        offset += start
+    if dtype.fields or dtype.itemsize != WORD:
+        raise KeyError(f"{place} is not a scalar")
+    return offset // WORD
+
+
+def _rules(table: type) -> dict[str, Mapping[str, Any]]:
+    """The metadata of each key of a table of the scene."""
+    return {entry.name: entry.metadata for entry in fields(table)}
+
+
+def _parameter(
+    rule: Mapping[str, Any], name: str, place: Place, path: Place, description: str = "{}", **changes: Any
+) -> Variable:
+    """The parameter that sets the value at ``path``, by the ``rule`` of its key; {} is its description."""
+    limits = {limit: rule[limit] for limit in ("minimum", "above", "maximum")}
+    entries = {"type": "real", "variability": "fixed", "unit": rule["unit"], **limits, **changes}
+    return Variable(
+        name=name,
+        causality="parameter",
+        description=description.format(rule["description"]),
+        place=place,
+        scene_path=path,
+        **entries,
+    )
+
+
+def _parameters(scene: Scene) -> Iterator[Variable]:
+    rules = _rules(Scene) | _rules(Box) | _rules(Solver)
+    for j, axis in enumerate(AXES):
+        path: Place = ("gravity", j)
+        yield _parameter(rules["gravity"], f"gravity.{axis}", ("model", *path), path, f"{axis} of the {{}}")
+    for i in range(len(scene.chain.links)):
+        for key, rule in _rules(Link).items():
+            path = ("chain", "links", i, key)
+            yield _parameter(rule, f"link[{i + 1}].{key}", ("model", key, i), path, f"link {i + 1}: {{}}")
+    for w, wall in enumerate(WALLS):
+        if getattr(scene.box, wall) is not None:
+            path = ("box", wall)
+            yield _parameter(rules[wall], f"box.{wall}", ("model", "wall", w), path, "position of the {}")
+    if candidates(scene):
+        yield from _contact_parameters()
+    yield from _initial_values(scene)
+    path = ("solver", "method")
+    yield _parameter(rules["method"], "solver.method", path, path, type="enumeration", items=_METHODS)
+    path = ("solver", "tolerance")
+    yield _parameter(rules["tolerance"], "solver.tolerance", path, path)
+
+
+def _contact_parameters() -> Iterator[Variable]:
+    for key, rule in _rules(Contact).items():
+        changes: dict[str, Any] = {}
+        place = ("contact", key)
+        if key in ("model", "stiffness", "restitution"):
+            changes["variability"] = "tunable"
+        if key == "model":
+            changes |= {"type": "enumeration", "items": _LAWS}
+            place = ("contact", "law")
+        if key != "points":
+            yield _parameter(rule, f"contact.{key}", place, ("contact", key), **changes)
+
+
+def _initial_values(scene: Scene) -> Iterator[Variable]:
+    rules = _rules(Initial)
+    # the velocity of a pinned base can only be zero
+    vectors = {"position": ""} if scene.chain.base == "pinned" else {"position": "", "velocity": "v"}
+    for key, prefix in vectors.items():
+        for j, axis in enumerate(AXES):
+            path: Place = ("initial", key, j)
+            yield _parameter(rules[key], f"initial.{prefix}{axis}", path, path, f"initial {axis} of the {{}}")
+    for key, name in (("angles", "angle"), ("angular_velocities", "angular_velocity")):
+        text = "initial " + rules[key]["description"]
+        for i in range(len(scene.chain.links)):
+            place, path = ("initial", name, i), ("initial", key, i)
+            of_link = text.replace("each link", f"link {i + 1}")
+            yield _parameter(rules[key], f"initial.{name}[{i + 1}]", place, path, of_link)
+
+
+def _inputs(scene: Scene) -> Iterator[Variable]:
+    def entry(name: str, unit: str, description: str, *place: str | int) -> Variable:
+        return Variable(
+            name=name,
+            type="real",
+            causality="input",
+            variability="continuous",
+            unit=unit,
+            description=description,
+            place=("inputs", *place),
+        )
+
+    if scene.inputs.joint_torques:
+        for i in range(0 if scene.chain.base == "pinned" else 1, len(scene.chain.links)):
+            of = f"torque on link {i + 1} from " + (f"link {i}" if i > 0 else "the base")
+            yield entry(f"joint[{i + 1}].torque", "N.m", of, "joint_torque", i)
+    if scene.inputs.tip_force:
+        for j, axis in enumerate(AXES):
+            yield entry(f"tip.force.{axis}", "N", f"{axis} of the force on the tip", "tip_force", j)
+
+
+def _output(name: str, unit: str, description: str, *place: str | int) -> Variable:
+    """An output; the kernel's "output" record changes continuously, all else only at events and steps."""
+    return Variable(
+        name=name,
+        type="real" if unit else "integer",
+        causality="output",
+        variability="continuous" if place[0] == "output" else "discrete",
+        unit=unit,
+        description=description,
+        place=place,
+    )
+
+
+def _outputs(scene: Scene) -> Iterator[Variable]:
+    links = len(scene.chain.links)
+    vectors = (("position", "", "m"), ("velocity", "v", "m/s"), ("acceleration", "a", "m/s2"))
+    for k in range(links + 1):
+        for quantity, prefix, unit in vectors:
+            for j, axis in enumerate(AXES):
+                name, text = f"point[{k}].{prefix}{axis}", f"point {k}: {axis} of the {quantity}"
+                yield _output(name, unit, text, "output", f"point_{quantity}", k, j)
+    rotations = (("angle", "rad"), ("angular_velocity", "rad/s"), ("angular_acceleration", "rad/s2"))
+    for i in range(links):
+        for quantity, unit in rotations:
+            text = f"link {i + 1}: {quantity.replace('_', ' ')}, absolute, from +x"
+            yield _output(f"link[{i + 1}].{quantity}", unit, text, "output", quantity, i)
+    touches = (
+        ("force", "N", "force of the wall, along its normal"),
+        ("penetration", "m", "penetration, 0 when apart"),
+        ("penetration_rate", "m/s", "rate of penetration, positive when closing, 0 when apart"),
+    )
+    for c, (point, wall) in enumerate(candidates(scene)):
+        for quantity, unit, text in touches:
+            name, where = f"contact[{point}].{WALLS[wall]}.{quantity}", f"point {point} at {WALLS[wall]}"
+            yield _output(name, unit, f"{where}: {text}", "output", quantity, c)
+    yield from _energies(scene)
+    yield from _impacts()
+    yield from _statistics()
+
+
+def _energies(scene: Scene) -> Iterator[Variable]:
+    texts = {
+        "kinetic": "kinetic energy",
+        "potential": "potential energy of gravity, zero at the origin",
+        "elastic": "energy stored in the contacts",
+        "dissipated": "energy lost in contacts and joint damping since the start",
+        "supplied": "energy supplied by the inputs since the start",
+        "total": "kinetic, potential and elastic energy",
+    }
+    if not (scene.inputs.joint_torques or scene.inputs.tip_force):
+        del texts["supplied"]
+    for key, text in texts.items():
+        yield _output(f"energy.{key}", "J", text, "output", key)
+
+
+def _impacts() -> Iterator[Variable]:
+    # the wall is an integer and no enumeration: importers count those from 1, with no room for "none"
+    walls = ", ".join(f"{w} {wall}" for w, wall in enumerate(WALLS, 1))
+    texts = {
+        "count": ("", "impacts since the start"),
+        "last_time": ("s", "time of the last impact, of the start before the first"),
+        "last_point": ("", "point of the last impact, -1 before the first"),
+        "last_wall": ("", f"wall of the last impact: 0 none, {walls}"),
+        "last_speed": ("m/s", "approach speed at the last impact, 0 before the first"),
+    }
+    for key, (unit, text) in texts.items():
+        yield _output(f"impact.{key}", unit, text, "impact", key)
+
+
+def _statistics() -> Iterator[Variable]:
+    texts = {
+        "steps": "accepted steps of the solver",
+        "rejected_steps": "rejected steps of the solver",
+        "rhs_evaluations": "evaluations of the equations of motion by the solver",
+        "implicit_steps": "accepted implicit steps",
+        "status": f"status of the solver: {_STATUSES}",
+    }
+    for key, text in texts.items():
+        yield _output(f"solver.{key}", "", text, "statistics", key)
