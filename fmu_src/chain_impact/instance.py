@@ -14,7 +14,8 @@ from __future__ import annotations
 import numpy as np
 
 from chain_impact.kernel.contact_laws import CONTACT_LAWS
-from chain_impact.kernel.explicit import DENSE_COEFFICIENTS, STAGES
+from chain_impact.kernel.dense import DENSE_COEFFICIENTS
+from chain_impact.kernel.explicit import STAGES
 from chain_impact.scene import SOLVER_METHODS, WALLS, Scene
 
 REAL, INTEGER = np.float64, np.int64
@@ -106,6 +107,9 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("state_end", REAL, (state,)),  # y at `end`
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),  # interpolant over `size`
         ("rate_known", INTEGER),  # 1: the last stage is ẏ at `end`
+        ("implicit", INTEGER),  # 1: the implicit method is at work
+        ("doubts", INTEGER),  # steps in a row for which the other method would do better …
+        ("patience", INTEGER),  # … and how many make the solver change
     )
     # per candidate; what is latched at onset holds until the contact ends
     touch = _record(
@@ -151,15 +155,30 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("implicit_steps", INTEGER),
         ("status", INTEGER),  # see kernel/status.py
     )
+    vectors = _record(("x", REAL, (points,)), ("y", REAL, (points,)))
+    elimination = _record(*((name, REAL, (links,)) for name in ("gain_x", "gain_y", "bias")))
+    factors = _record(
+        *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse")),
+        ("base", REAL, (3,)),  # 1/kg, A⁻¹ of the base: xx, xy, yy
+    )
     work = _record(
         ("stage", REAL, (STAGES, state)),  # ẏ at the stages
         ("y", REAL, (state,)),
-        ("error", REAL, (2, state)),  # the two embedded error estimates
-        *((name, REAL, (points,)) for name in ("link_x", "link_y")),  # m
-        *((name, REAL, (points,)) for name in ("load_x", "load_y")),  # N on each point
+        ("error", REAL, (2, state)),  # the embedded error estimates
+        ("link", vectors),  # m, L_i; entry N is not used
+        ("load", vectors),  # N on each point
         ("moment", REAL, (links,)),  # N·m on each link, from its joints
-        *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "bias")),  # of the elimination
-        *((name, REAL, (points,)) for name in ("x", "y_", "vx", "vy", "ax", "ay")),  # of the points
+        ("elimination", elimination),  # h/H and h₀/H of each link
+        ("factors", factors),  # of an implicit step, kept over its stages
+        ("position", vectors),  # m, of the points
+        ("velocity", vectors),  # m/s
+        ("acceleration", vectors),  # m/s²
+        ("motion", vectors),  # of the points, for a given motion of the coordinates
+        ("slope", REAL, (candidates, 2)),  # N/m and N·s/m, ∂F/∂δ and ∂F/∂δ̇ at the start of a step
+        ("impulse", vectors),  # N·s on each point
+        ("impedance", vectors),  # kg, added inertia of each point
+        ("start_link", vectors),  # m, L_i and …
+        ("drift", vectors),  # m/s², J̇ẏ of each point at the start of an implicit step
         ("curvature", REAL, (points,)),  # m/s², bound on a point's acceleration over the step
         ("clear_start", REAL, (candidates,)),  # m, clearance of each candidate at the ends …
         ("clear_end", REAL, (candidates,)),

@@ -71,7 +71,6 @@ def record_fmu(path: Path, settings: Mapping[str, str]) -> Recording:
         start_values=start_values,
         output=outputs,
         output_interval=float(description.defaultExperiment.stepSize),
-        logger=_log,
     )
     columns = {name: rows[name] for name in outputs}
     walls = {wall: start_values.get(f"box.{wall}", _start(variables, f"box.{wall}")) for wall in WALLS}
@@ -82,12 +81,6 @@ def record_fmu(path: Path, settings: Mapping[str, str]) -> Recording:
         impacts=impacts_from_outputs(columns),
         walls={wall: position for wall, position in walls.items() if position is not None},
     )
-
-
-def _log(_environment: object, _instance: bytes, status: int, _category: bytes, message: bytes) -> None:
-    """Print what the FMU logs as a warning or worse."""
-    if status > 0:
-        print(message.decode())
 
 
 def _known(name: str, names: Mapping[str, Any], source: str) -> str:

@@ -21,7 +21,7 @@ from typing import Any, TypedDict, Unpack, get_args, get_origin
 from chain_impact.kernel.contact_laws import CONTACT_LAWS
 
 SCENE_FILE = "scene.toml"
-SOLVER_METHODS = ("auto", "explicit")
+SOLVER_METHODS = ("auto", "explicit", "implicit")
 WALLS = ("x_min", "x_max", "y_min", "y_max")
 MAX_LINKS = 1000
 START_TOLERANCE = 1e-12  # m, penetration at the start that counts as round-off

@@ -91,7 +91,8 @@ def cache_folder() -> Path:
     for name in ("numba", "llvmlite", "ziglang", "numpy"):
         digest.update(f"{name} {version(name)}\n".encode())
     package = Path(chain_impact.kernel.__file__).parent
-    sources = [*package.glob("*.py"), package.parent / "instance.py", *Path(__file__).parent.glob("*.py")]
+    here = Path(__file__)
+    sources = [*package.glob("*.py"), package.parent / "instance.py", here, here.with_name("lower.py")]
     for source in sorted(sources):
         digest.update(source.name.encode() + b"\0" + source.read_bytes())
     base = os.environ.get("CHAIN_IMPACT_CACHE") or platformdirs.user_cache_dir("chain-impact")

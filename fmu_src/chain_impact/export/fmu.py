@@ -64,6 +64,7 @@ def build_fmu(
         raw = _run_builder(files, scene.name, Path(scratch))
         fmu = Path(scratch, f"{scene.name}.fmu")
         _repack(raw, fmu, platforms)
+        notify("validating the FMU")
         problems = validate_fmu(fmu)
         if problems:
             raise BuildError(f"{fmu.name} is not valid: " + "; ".join(problems))

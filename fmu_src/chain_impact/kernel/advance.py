@@ -8,19 +8,20 @@ the communication point has passed it.
 
 import math
 
-from chain_impact.kernel.contact import apply_contacts, clear_loads, latch, locate_points
+from chain_impact.kernel import explicit, implicit
+from chain_impact.kernel.contact import clear_loads, latch, locate_points
+from chain_impact.kernel.dense import interpolate
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.events import RELATCH, RELATCH_RATIO, TOUCH, find_event
-from chain_impact.kernel.explicit import LAST, accept, attempt, interpolate
 from chain_impact.kernel.impacts import finish, follow_contacts
-from chain_impact.kernel.initialize import derive_law, still
+from chain_impact.kernel.initialize import derive_law, first_size, still
 from chain_impact.kernel.jit import jit
 from chain_impact.kernel.status import EVENT_STORM, LOG_FULL, NOT_FINITE, OK, STEP_TOO_SMALL
+from chain_impact.kernel.switching import choose_method, explicit_again
 
 LONGEST_STEP = 1.0  # s; a chain in flight without spin has no other limit
 SHORTEST_STEP = 1e-18  # s
 SAFETY, SHRINK, GROW = 0.9, 1.0 / 3.0, 6.0  # of the step size
-EXPONENT = -1.0 / 8.0
 ONSET_FRACTION = 0.03  # first step of a contact, in parts of its expected duration
 STORM_WINDOW = 1e-3  # s, in which a candidate can have …
 STORM_EVENTS = 1000  # … this many onsets and ends before it is called a storm
@@ -58,6 +59,8 @@ def restart(d):
     for c in range(len(d.touch.event)):
         d.touch.event[c] = 0
     clear_loads(d)
+    # a chain at rest takes steps far too long for what an input may do to it
+    d.step.next_size = min(d.step.next_size, first_size(d))
     return derive_law(d)
 
 
@@ -73,19 +76,44 @@ def take_step(d):
         if error <= 1.0:
             break
         d.statistics.rejected_steps += 1
-        h *= max(SHRINK, SAFETY * error**EXPONENT) if math.isfinite(error) else 0.1
+        h *= size_factor(d, error) if math.isfinite(error) else 0.1
         grow = 1.0
         if h < SHORTEST_STEP or d.step.end + h == d.step.end:
             return STEP_TOO_SMALL if math.isfinite(error) else NOT_FINITE
     accept(d, h)
     d.statistics.steps += 1
-    d.step.next_size = h * min(grow, max(SHRINK, SAFETY * max(error, 1e-16) ** EXPONENT))
+    d.statistics.implicit_steps += d.step.implicit
+    d.step.next_size = h * min(grow, size_factor(d, max(error, 1e-16)))
     theta = find_event(d)
     if theta > 0.0 and ends_contact(d):
         land(d, theta * h)
     elif theta >= 0.0:
         cut(d, theta)
     return OK
+
+
+@jit
+def attempt(d, h):
+    """Try a step of size h [s] by the method at work; returns its error relative to the tolerance."""
+    if d.step.implicit:
+        return implicit.attempt(d, h)
+    return explicit.attempt(d, h)
+
+
+@jit
+def accept(d, h):
+    """Make the step that was tried the last accepted one."""
+    if d.step.implicit:
+        implicit.accept(d, h)
+    else:
+        explicit.accept(d, h)
+
+
+@jit
+def size_factor(d, error):
+    """What the step size is to be multiplied with, for an error relative to the tolerance."""
+    exponent = implicit.EXPONENT if d.step.implicit else explicit.EXPONENT
+    return max(SHRINK, SAFETY * error**exponent)
 
 
 @jit
@@ -129,25 +157,24 @@ def begin(d):
     rate = d.work.stage[0]
     if d.step.rate_known:
         for j in range(len(d.work.y)):
-            rate[j] = d.work.stage[LAST, j]
+            rate[j] = d.work.stage[explicit.LAST, j]
     else:
         state_rate(d, d.step.state_end, rate)
         d.statistics.rhs_evaluations += 1
 
     if d.touch.active_count > 0:
         follow_contacts(d, rate)
-    if events == 0:
-        return True
-    apply_events(d, rate)
-    return count_events(d, events)
+    if events > 0:
+        apply_events(d)
+    choose_method(d)
+    return events == 0 or count_events(d, events)
 
 
 @jit
-def apply_events(d, rate):
+def apply_events(d):
     """End and begin the contacts that the last step found, and choose the step that follows."""
-    y, touch = d.step.state_end, d.touch
-    locate_points(d.model, y, d.work)
-    apply_contacts(d)
+    touch = d.touch
+    locate_points(d.model, d.step.state_end, d.work)
     in_flight = touch.active_count == 0
     if in_flight:
         d.step.flight_size = d.step.next_size
@@ -158,8 +185,9 @@ def apply_events(d, rate):
             finish(d, c)
             touch.active[c] = 0
         elif touch.event[c] == TOUCH:
-            latch(d, c, y, rate, d.work.y)
+            latch(d, c)
             touch.active[c] = 1
+            explicit_again(d.step)
             # the force rises as δⁿ, unseen at onset: begin with a part of the contact's duration
             duration = 3.0 * touch.depth_scale[c] / touch.impact_speed[c]
             d.step.next_size = min(d.step.next_size, ONSET_FRACTION * duration)

@@ -11,7 +11,7 @@ from chain_impact.kernel.contact_laws import (
     force_over_elastic,
 )
 from chain_impact.kernel.jit import jit
-from chain_impact.kernel.recursion import accelerations, link_vectors
+from chain_impact.kernel.recursion import factorize, link_vectors, move_points, solve
 
 
 @jit
@@ -21,14 +21,14 @@ def locate_points(model, y, work):
     link_vectors(model, y[2 : 2 + n], work)
     x, y_, vx, vy = y[0], y[1], y[n + 2], y[n + 3]
     for i in range(n):
-        work.x[i], work.y_[i], work.vx[i], work.vy[i] = x, y_, vx, vy
+        work.position.x[i], work.position.y[i], work.velocity.x[i], work.velocity.y[i] = x, y_, vx, vy
         omega = y[n + 4 + i]
         # p_{i+1} = p_i + L_i,  v_{i+1} = v_i + ω L⊥
-        x += work.link_x[i]
-        y_ += work.link_y[i]
-        vx -= omega * work.link_y[i]
-        vy += omega * work.link_x[i]
-    work.x[n], work.y_[n], work.vx[n], work.vy[n] = x, y_, vx, vy
+        x += work.link.x[i]
+        y_ += work.link.y[i]
+        vx -= omega * work.link.y[i]
+        vy += omega * work.link.x[i]
+    work.position.x[n], work.position.y[n], work.velocity.x[n], work.velocity.y[n] = x, y_, vx, vy
 
 
 @jit
@@ -37,20 +37,20 @@ def accelerate_points(model, y, rate, work):
     n = len(model.length)
     ax, ay = rate[n + 2], rate[n + 3]
     for i in range(n):
-        work.ax[i], work.ay[i] = ax, ay
+        work.acceleration.x[i], work.acceleration.y[i] = ax, ay
         alpha, w2 = rate[n + 4 + i], y[n + 4 + i] * y[n + 4 + i]
         # a_{i+1} = a_i + α L⊥ − ω² L
-        ax -= alpha * work.link_y[i] + w2 * work.link_x[i]
-        ay += alpha * work.link_x[i] - w2 * work.link_y[i]
-    work.ax[n], work.ay[n] = ax, ay
+        ax -= alpha * work.link.y[i] + w2 * work.link.x[i]
+        ay += alpha * work.link.x[i] - w2 * work.link.y[i]
+    work.acceleration.x[n], work.acceleration.y[n] = ax, ay
 
 
 @jit
 def clearance(d, c):
     """Clearance g [m] and its rate ġ [m/s] of candidate c, from the located points."""
     point, wall = d.model.candidate_point[c], d.model.candidate_wall[c]
-    position = d.work.x[point] if wall < 2 else d.work.y_[point]
-    velocity = d.work.vx[point] if wall < 2 else d.work.vy[point]
+    position = d.work.position.x[point] if wall < 2 else d.work.position.y[point]
+    velocity = d.work.velocity.x[point] if wall < 2 else d.work.velocity.y[point]
     side = inward(wall)
     return side * (position - d.model.wall[wall]) - d.contact.radius, side * velocity
 
@@ -66,9 +66,9 @@ def add_load(d, c, force):
     """Add a normal force [N] of candidate c to the load on its point."""
     point, wall = d.model.candidate_point[c], d.model.candidate_wall[c]
     if wall < 2:
-        d.work.load_x[point] += inward(wall) * force
+        d.work.load.x[point] += inward(wall) * force
     else:
-        d.work.load_y[point] += inward(wall) * force
+        d.work.load.y[point] += inward(wall) * force
 
 
 @jit
@@ -86,12 +86,10 @@ def contact_force(d, c):
 @jit
 def clear_loads(d):
     """Set the loads on the points to the inputs alone."""
-    for i in range(len(d.work.load_x)):
-        d.work.load_x[i] = 0.0
-        d.work.load_y[i] = 0.0
-    tip = len(d.work.load_x) - 1
-    d.work.load_x[tip] = d.inputs.tip_force[0]
-    d.work.load_y[tip] = d.inputs.tip_force[1]
+    zero(d.work.load)
+    tip = len(d.work.load.x) - 1
+    d.work.load.x[tip] = d.inputs.tip_force[0]
+    d.work.load.y[tip] = d.inputs.tip_force[1]
 
 
 @jit
@@ -119,55 +117,68 @@ def stored_energy(d):
 
 
 @jit
-def latch(d, c, y, rate, spare):
-    """Begin the contact of candidate c in state y: fix v₀, the effective mass and the expected depth.
+def contact_slopes(d, c):
+    """∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of an active candidate, for the located points; 0 where F is."""
+    gap, gap_rate = clearance(d, c)
+    if gap >= 0.0:
+        return 0.0, 0.0
+    elastic = elastic_force(d.contact, -gap)
+    ratio = force_over_elastic(d.contact, -gap_rate, d.touch.impact_speed[c])
+    if ratio == 0.0:
+        return 0.0, 0.0
+    # ∂F/∂δ = n F/δ,  ∂F/∂δ̇ = K δⁿ λ/v₀
+    stiffness = d.contact.exponent * elastic * ratio / -gap
+    return stiffness, elastic * d.contact.damping_factor / d.touch.impact_speed[c]
 
-    Args:
-        d: the instance; ``work`` holds the loads and link vectors that gave ``rate``.
-        c: the candidate.
-        y: the state at onset.
-        rate: ẏ in that state.
-        spare: work space of the size of the state.
-    """
-    n = len(d.model.length)
+
+@jit
+def along_normal(d, c, motion):
+    """The part along the inward normal of candidate c of a motion of the points."""
+    point, wall = d.model.candidate_point[c], d.model.candidate_wall[c]
+    return inward(wall) * (motion.x[point] if wall < 2 else motion.y[point])
+
+
+@jit
+def latch(d, c):
+    """Begin the contact of candidate c at the located points: fix v₀, effective mass and expected depth."""
     _, gap_rate = clearance(d, c)
     touch = d.touch
     touch.onset[c] = d.step.end
     touch.onset_speed[c] = -gap_rate
     touch.impact_speed[c] = max(-gap_rate, d.contact.minimum_impact_speed)
-    touch.force_rate[c] = 1.0  # rising
     touch.speed[c] = -gap_rate
+    touch.force_rate[c] = 1.0  # rising
     touch.peak_force[c] = 0.0
     touch.max_penetration[c] = 0.0
-    # a unit force at the contact changes the acceleration of the point by 1/m_eff
-    add_load(d, c, 1.0)
-    accelerations(d.model, y[n + 4 : 2 * n + 4], d.work, spare[n + 2 : n + 4], spare[n + 4 : 2 * n + 4])
-    add_load(d, c, -1.0)
-    for j in range(n + 2, 2 * n + 4):
-        spare[j] -= rate[j]
-    touch.effective_mass[c] = 1.0 / normal_component(d, c, spare[n + 2 : n + 4], spare[n + 4 : 2 * n + 4])
+    touch.effective_mass[c] = effective_mass(d, c)
     touch.depth_scale[c] = elastic_depth(d.contact, touch.effective_mass[c], touch.impact_speed[c])
-    impact = d.impact
-    impact.count += 1
-    impact.last_time = d.step.end
-    impact.last_point = d.model.candidate_point[c]
-    impact.last_wall = d.model.candidate_wall[c] + 1
-    impact.last_speed = -gap_rate
+    d.impact.count += 1
+    d.impact.last_time = d.step.end
+    d.impact.last_point = d.model.candidate_point[c]
+    d.impact.last_wall = d.model.candidate_wall[c] + 1
+    d.impact.last_speed = -gap_rate
 
 
 @jit
-def normal_component(d, c, base, angular):
-    """The part along the inward normal of candidate c of a change (base, angular) of position or velocity.
-
-    With J the gradient of the clearance: J·(base, angular) = n·(base + Σ_{i<k} L⊥_i angular_i).
-    """
+def effective_mass(d, c):
+    """1/(J M⁻¹ Jᵀ) [kg] of candidate c at the located points: what a blow along its normal has to move."""
+    work = d.work
+    n = len(d.model.length)
+    zero(work.impedance)
+    zero(work.impulse)
     point, wall = d.model.candidate_point[c], d.model.candidate_wall[c]
     if wall < 2:
-        total = base[0]
-        for i in range(point):
-            total -= d.work.link_y[i] * angular[i]
+        work.impulse.x[point] = inward(wall)
     else:
-        total = base[1]
-        for i in range(point):
-            total += d.work.link_x[i] * angular[i]
-    return inward(wall) * total
+        work.impulse.y[point] = inward(wall)
+    factorize(d.model, work.link, work.impedance, work.factors)
+    solve(work.link, work.factors, work.impulse, work.y[0:2], work.y[2 : n + 2])
+    move_points(work.link, work.y[0:2], work.y[2 : n + 2], work.motion)
+    return 1.0 / along_normal(d, c, work.motion)
+
+
+@jit
+def zero(vectors):
+    """Set the vectors of all points to zero."""
+    for k in range(len(vectors.x)):
+        vectors.x[k], vectors.y[k] = 0.0, 0.0

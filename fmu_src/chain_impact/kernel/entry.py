@@ -8,7 +8,7 @@ int64 trajectory(instance*, const double* times, int64 rows, output* out)
 
 from numba import carray, float64, int32, int64, types
 
-from chain_impact.kernel.advance import advance
+from chain_impact.kernel.advance import advance, restart
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.jit import jit
 from chain_impact.kernel.observe import observe
@@ -45,8 +45,10 @@ def entry_points(instance, output):
 
     def observe_entry(p):
         d = carray(p, (1,))[0]
+        if d.statistics.status == OK and d.inputs.changed:
+            d.statistics.status = restart(d)
         observe(d, d.output)
-        return 0
+        return d.statistics.status
 
     def trajectory_entry(p, times, count, out):
         return trajectory(carray(p, (1,))[0], carray(times, (count,)), carray(out, (count,)))

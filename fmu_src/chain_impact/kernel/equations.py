@@ -46,7 +46,7 @@ def joint_moments(d, omega):
     dissipated = 0.0
     # force on the tip
     tip = len(d.model.length)
-    supplied = d.inputs.tip_force[0] * d.work.vx[tip] + d.inputs.tip_force[1] * d.work.vy[tip]
+    supplied = d.inputs.tip_force[0] * d.work.velocity.x[tip] + d.inputs.tip_force[1] * d.work.velocity.y[tip]
     before = 0.0
     for i in range(len(d.model.length)):
         torque = 0.0
@@ -71,10 +71,10 @@ def mechanical_energy(d, y):
     for i in range(n):
         m, ratio, omega = d.model.mass[i], d.model.center_of_mass_ratio[i], y[n + 4 + i]
         # centre of mass: p_C = p_i + c, v_C = v_i + ω c⊥
-        vx = d.work.vx[i] - omega * ratio * d.work.link_y[i]
-        vy = d.work.vy[i] + omega * ratio * d.work.link_x[i]
+        vx = d.work.velocity.x[i] - omega * ratio * d.work.link.y[i]
+        vy = d.work.velocity.y[i] + omega * ratio * d.work.link.x[i]
         kinetic += 0.5 * m * (vx * vx + vy * vy) + 0.5 * d.model.inertia[i] * omega * omega
-        x = d.work.x[i] + ratio * d.work.link_x[i]
-        y_ = d.work.y_[i] + ratio * d.work.link_y[i]
+        x = d.work.position.x[i] + ratio * d.work.link.x[i]
+        y_ = d.work.position.y[i] + ratio * d.work.link.y[i]
         potential -= m * (d.model.gravity[0] * x + d.model.gravity[1] * y_)
     return kinetic, potential

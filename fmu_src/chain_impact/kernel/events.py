@@ -14,7 +14,7 @@ force, grow without bound; v₀ is latched anew.
 import math
 
 from chain_impact.kernel.contact import clearance, locate_points
-from chain_impact.kernel.explicit import interpolate, rate_bounds
+from chain_impact.kernel.dense import interpolate, rate_bounds
 from chain_impact.kernel.jit import jit
 
 SIMULTANEOUS = 1e-12  # s, events closer than this are one event

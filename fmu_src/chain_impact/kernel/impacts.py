@@ -2,7 +2,7 @@
 
 from chain_impact.kernel.contact import accelerate_points, clearance, contact_force, inward, locate_points
 from chain_impact.kernel.contact_laws import elastic_force
-from chain_impact.kernel.explicit import interpolate
+from chain_impact.kernel.dense import interpolate
 from chain_impact.kernel.jit import jit
 
 FORCE, PENETRATION = 0, 1
@@ -44,7 +44,7 @@ def rate_of_force(d, c):
     if gap >= 0.0:
         return 0.0
     point, wall = d.model.candidate_point[c], d.model.candidate_wall[c]
-    acceleration = inward(wall) * (d.work.ax[point] if wall < 2 else d.work.ay[point])
+    acceleration = inward(wall) * (d.work.acceleration.x[point] if wall < 2 else d.work.acceleration.y[point])
     # Ḟ = K δⁿ [n δ̇/δ (1 + λ δ̇/v₀) + λ δ̈/v₀]
     slope = d.contact.damping_factor / d.touch.impact_speed[c]
     growth = d.contact.exponent * gap_rate / gap * (1.0 - slope * gap_rate)

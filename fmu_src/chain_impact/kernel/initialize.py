@@ -15,8 +15,9 @@ from chain_impact.kernel.status import (
     UNKNOWN_LAW,
     UNKNOWN_METHOD,
 )
+from chain_impact.kernel.switching import explicit_again
 
-METHODS = 2  # auto, explicit
+METHODS = 3  # auto, explicit, implicit
 OVERLAP = 1e-12  # m, of a start that counts as touching
 
 
@@ -46,6 +47,7 @@ def initialize(d, time):
     d.impact.last_time = time
     d.impact.last_point = -1
     d.inputs.changed = 0
+    explicit_again(d.step)
     d.statistics.status = check_start(d)
     return d.statistics.status
 

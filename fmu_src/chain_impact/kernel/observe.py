@@ -6,8 +6,8 @@ from chain_impact.kernel.contact import (
     locate_points,
     stored_energy,
 )
+from chain_impact.kernel.dense import interpolate
 from chain_impact.kernel.equations import mechanical_energy, state_rate
-from chain_impact.kernel.explicit import interpolate
 from chain_impact.kernel.jit import jit
 
 
@@ -26,9 +26,12 @@ def observe(d, out):
     accelerate_points(d.model, y, rate, d.work)
     work = d.work
     for k in range(n + 1):
-        out.point_position[k, 0], out.point_position[k, 1] = work.x[k], work.y_[k]
-        out.point_velocity[k, 0], out.point_velocity[k, 1] = work.vx[k], work.vy[k]
-        out.point_acceleration[k, 0], out.point_acceleration[k, 1] = work.ax[k], work.ay[k]
+        out.point_position[k, 0], out.point_position[k, 1] = work.position.x[k], work.position.y[k]
+        out.point_velocity[k, 0], out.point_velocity[k, 1] = work.velocity.x[k], work.velocity.y[k]
+        out.point_acceleration[k, 0], out.point_acceleration[k, 1] = (
+            work.acceleration.x[k],
+            work.acceleration.y[k],
+        )
     for i in range(n):
         out.angle[i] = y[2 + i]
         out.angular_velocity[i] = y[n + 4 + i]

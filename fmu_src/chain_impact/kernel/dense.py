@@ -1,0 +1,56 @@
+"""The last accepted step and its dense output: y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + … + θ F₆))), 0 ≤ θ ≤ 1."""
+
+import numpy as np
+
+from chain_impact.kernel.jit import jit
+
+DENSE_COEFFICIENTS = 7
+
+
+@jit
+def extend(step, h, y):
+    """Append a step of size h [s] that ends in state y; its interpolant and final rate are yet to be set."""
+    for j in range(len(step.state)):
+        step.state[j] = step.state_end[j]
+        step.state_end[j] = y[j]
+    step.start = step.end
+    step.size = h
+    step.end = step.start + h
+    step.rate_known = 0
+
+
+@jit
+def interpolate(step, theta, y):
+    """Set y to the state at the fraction θ ∈ [0, 1] of the last step."""
+    rest = 1.0 - theta
+    for j in range(len(step.state)):
+        high = step.dense[4, j] + rest * (step.dense[5, j] + theta * step.dense[6, j])
+        low = step.dense[2, j] + rest * (step.dense[3, j] + theta * high)
+        y[j] = step.state[j] + theta * (step.dense[0, j] + rest * (step.dense[1, j] + theta * low))
+
+
+def _basis_bounds():
+    """Largest size on [0, 1] of the interpolant's basis functions and of their slopes."""
+    theta = np.linspace(0.0, 1.0, 10001)
+    rest = 1.0 - theta
+    powers = [(1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3)]
+    values = [theta**p * rest**q for p, q in powers]
+    slopes = [p * theta ** (p - 1) * rest**q - q * theta**p * rest ** max(q - 1, 0) for p, q in powers]
+    return (
+        tuple(float(np.abs(v).max()) for v in values),
+        tuple(float(np.abs(s).max()) for s in slopes),
+    )
+
+
+BASIS_BOUND, SLOPE_BOUND = _basis_bounds()
+
+
+@jit
+def rate_bounds(step, j):
+    """Bounds on |y_j| and |ẏ_j| over the last step, from the interpolant's coefficients."""
+    value, slope = abs(step.state[j]), 0.0
+    for m in range(DENSE_COEFFICIENTS):
+        f = abs(step.dense[m, j])
+        value += BASIS_BOUND[m] * f
+        slope += SLOPE_BOUND[m] * f
+    return value, slope / step.size

@@ -1,0 +1,61 @@
+"""How large an error is: its components scaled to what the tolerance speaks of."""
+
+import math
+
+from chain_impact.kernel.contact import along_normal, clearance, locate_points
+from chain_impact.kernel.jit import jit
+from chain_impact.kernel.recursion import move_points
+
+LARGEST_ERROR = 0.01  # of a penetration, relative
+
+
+@jit
+def scaled_error(d, row):
+    """Largest scaled component of an error estimate in ``work.error``, for the result in ``work.y``.
+
+    The scales, times the tolerance: 1 rad for angles and one link length for positions, whatever their
+    value (turning or shifting the scene changes nothing); speeds relative to themselves plus one of these a
+    second; and the penetration of every active contact by its own scale, which may be a millionth of a link
+    length. Energies follow and are not controlled.
+
+    Returns:
+        At most 1 when the error keeps the tolerance; infinity when the result is not finite.
+    """
+    n = len(d.model.length)
+    error, y, size = d.work.error[row], d.work.y, d.model.size
+    worst = 0.0
+    for j in range(2 * n + 4):
+        # a NaN is lost in max()
+        if not math.isfinite(error[j] + y[j]):
+            return math.inf
+        if j < 2:
+            scale = size
+        elif j < n + 2:
+            scale = 1.0
+        elif j < n + 4:
+            scale = size + abs(y[j])
+        else:
+            scale = 1.0 + abs(y[j])
+        worst = max(worst, abs(error[j]) / scale)
+    if d.touch.active_count > 0:
+        locate_points(d.model, y, d.work)
+        move_points(d.work.link, error[0:2], error[2 : n + 2], d.work.motion)
+        for k in range(d.touch.active_count):
+            c = d.touch.active_index[k]
+            scale = penetration_scale(d, c)
+            worst = max(worst, abs(along_normal(d, c, d.work.motion)) / scale)
+    return worst / d.solver.tolerance
+
+
+@jit
+def penetration_scale(d, c):
+    """The scale [m] of errors in the penetration of an active candidate, at the located points.
+
+    An error Δδ soon becomes a speed of about ω Δδ, with ω the contact's frequency, so it may be as large as
+    the error of speeds over ω. With ω ≈ v₀ over the expected depth this is the depth itself for a brisk
+    impact and more for a slow one, but never so much that the error exceeds 1 % of the depth.
+    """
+    gap, _ = clearance(d, c)
+    depth = max(d.touch.depth_scale[c], -gap)
+    leeway = min(d.model.size / d.touch.impact_speed[c], LARGEST_ERROR / d.solver.tolerance)
+    return depth * max(1.0, leeway)

@@ -1,0 +1,59 @@
+"""Which method takes the next step.
+
+The explicit one is better as long as accuracy limits its step: in flight and in impacts. In sustained
+contact its stability does. The fastest motion of a contact has the rate ρ = max(c/m, √(k/m)), with m the
+effective mass at its onset; the explicit method is stable for about hρ < 5. Its steps settle near that
+bound when it is what limits them, and that needs no evaluation to see. The way back is open when the implicit
+method's steps are so short that explicit ones would do.
+"""
+
+import math
+
+from chain_impact.kernel.contact import contact_slopes, locate_points
+from chain_impact.kernel.jit import jit
+
+AUTO, EXPLICIT, IMPLICIT = 1, 2, 3  # solver.method
+STIFF = 1.0  # hρ of explicit steps that stability limits
+NOT_STIFF = 0.5  # hρ of implicit steps that explicit ones can replace
+PATIENCE = 4  # steps in a row that have to agree
+
+
+@jit
+def choose_method(d):
+    """Decide on the method of the next step, after the last one has taken effect."""
+    step = d.step
+    if d.solver.method != AUTO:
+        step.implicit = d.solver.method == IMPLICIT
+    elif d.touch.active_count == 0:
+        explicit_again(step)
+    else:
+        z = step.size * fastest_rate(d)
+        doubtful = z < NOT_STIFF if step.implicit else z > STIFF
+        step.doubts = step.doubts + 1 if doubtful else 0
+        if step.doubts >= step.patience:
+            step.doubts = 0
+            if step.implicit:
+                # came in vain: wait longer before the next try
+                step.patience *= 2
+            step.implicit = 1 - step.implicit
+
+
+@jit
+def explicit_again(step):
+    """Begin a new phase, in which the explicit method has the first word."""
+    step.implicit = 0
+    step.doubts = 0
+    step.patience = PATIENCE
+
+
+@jit
+def fastest_rate(d):
+    """The largest max(c/m, √(k/m)) [1/s] of the active contacts, at the end of the last step."""
+    locate_points(d.model, d.step.state_end, d.work)
+    fastest = 0.0
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        stiffness, damping = contact_slopes(d, c)
+        mass = d.touch.effective_mass[c]
+        fastest = max(fastest, damping / mass, math.sqrt(stiffness / mass))
+    return fastest

@@ -1,0 +1,247 @@
+"""The slave: what pythonfmu's wrapper calls in the importing process, with the compiled kernel behind it.
+
+One file that needs nothing but Python's standard library, 3.8 or later, and knows names and status but no
+physics. The instance of the simulation is one block of memory that the kernel works on, laid out by
+chain_impact/instance.py; every variable is one 8-byte word of it. ``model.json`` says which word and what may
+be set when; ``instance.bin`` is the block with the start values. chain_impact/export/fmu.py writes both.
+
+Errors: to a pythonfmu slave only OK, Discard and, by raising, Fatal are open. Importers take Discard for a
+step that was too long: fmpy ends without a word and returns the results up to there. So whatever goes wrong
+raises a SlaveError, whose sentence goes to the importer's log and to stderr.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import gc
+import json
+import math
+import struct
+import sys
+import zlib
+from pathlib import Path
+from typing import Any, ClassVar
+from xml.etree import ElementTree
+
+from pythonfmu import Fmi2Slave
+
+INSTANTIATED, INITIALIZING, STEPPING, TERMINATED = range(4)
+PHASES = ("before initialization", "in initialization mode", "after initialization", "after terminate")
+SETTABLE_UNTIL = {"fixed": INITIALIZING, "tunable": STEPPING, "input": STEPPING, "output": -1}
+TIME_TOLERANCE = 1e-9  # relative, within which the importer's clock may differ
+STATE = struct.Struct("<36sqqdd")  # guid, phase, initialized, time [s], stop time [s]; then the block
+ENVELOPE = struct.Struct("<8sQQ")  # magic, length and CRC of a state; then the state
+MAGIC = b"chainimp"
+
+
+class SlaveError(Exception):
+    """A call to one of the slaves that cannot be answered, in one sentence."""
+
+    def __init__(self, text: str, *slaves: ChainImpact) -> None:
+        super().__init__(text)
+        # pythonfmu 0.7.0 drops its references at an exception and, when the importer frees the instance, once
+        # more: with these the importer lives on, and so does the slave until then
+        for slave in slaves:
+            for kept in (slave, type(slave), slave.log_queue):
+                ctypes.pythonapi.Py_IncRef(ctypes.py_object(kept))
+        # fmpy's log is off by default: its user would learn no more than "status 4 (fatal)"
+        print(f"{ChainImpact.model['name']}: {text}", file=sys.stderr)
+
+    def __repr__(self) -> str:
+        # what the wrapper logs: a printf format in which, by FMI's rules, # begins the number of a variable
+        return str(self).replace("%", "%%").replace("#", "##")
+
+
+class ChainImpact(Fmi2Slave):  # type: ignore[misc]
+    """One instance of the FMU."""
+
+    # common to all instances in a process: the name of this module holds a hash of the FMU's content
+    model: ClassVar[dict[str, Any]] = {}
+    start = b""
+    kernel: ctypes.CDLL | None = None
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        cls, resources = type(self), Path(self.resources)
+        if not cls.model:
+            cls.model = json.loads((resources / "model.json").read_text(encoding="utf-8"))
+            cls.start = (resources / "instance.bin").read_bytes()
+        self.modelName, self.guid, self.words = cls.model["name"], cls.model["guid"], cls.model["words"]
+        self.table = cls.model["variables"]  # value reference → name, type, word, kind, low, high, allowed
+        self.real_words = {vr: row[2] for vr, row in enumerate(self.table) if row[1] == "real"}
+        self.integer_words = {vr: row[2] for vr, row in enumerate(self.table) if row[1] == "integer"}
+        self.block = bytearray(cls.start)
+        self.reals, self.integers = memoryview(self.block).cast("d"), memoryview(self.block).cast("q")
+        self.address = ctypes.addressof(ctypes.c_char.from_buffer(self.block))
+        self.phase, self.initialized, self.observed = INSTANTIATED, False, False
+        self.time, self.stop_time = 0.0, math.inf
+
+    def to_xml(self, model_options: Any = None) -> ElementTree.Element:  # noqa: ARG002
+        """Return the complete modelDescription: pythonfmu's own has neither units, types nor unknowns.
+
+        chain_impact/export/description.py has written it, options included.
+        """
+        return ElementTree.parse(Path(self.resources, "description.xml")).getroot()
+
+    # --- the life of an instance; reset makes a new one ---
+
+    def setup_experiment(
+        self, start_time: float, stop_time: float | None = None, tolerance: float | None = None
+    ) -> None:
+        """Take the start and stop time [s]; the tolerance that counts is the parameter solver.tolerance."""
+        self._require(INSTANTIATED, "fmi2SetupExperiment")
+        if not math.isfinite(start_time) or (stop_time is not None and not stop_time >= start_time):
+            raise SlaveError(f"fmi2SetupExperiment: start time {start_time} s, stop time {stop_time} s", self)
+        if tolerance not in (None, self.reals[self.words["tolerance"]]):
+            self.log(f"the importer's tolerance {tolerance} is not used: set the parameter solver.tolerance")
+        self.time, self.stop_time = start_time, math.inf if stop_time is None else stop_time
+        self.initialized = False
+
+    def enter_initialization_mode(self) -> None:
+        """Let outputs be read, and go on taking parameters."""
+        self._require(INSTANTIATED, "fmi2EnterInitializationMode")
+        self.phase = INITIALIZING
+
+    def exit_initialization_mode(self) -> None:
+        """Start from the parameters and initial values that are set now."""
+        self._require(INITIALIZING, "fmi2ExitInitializationMode")
+        self._initialize()
+        self.phase = STEPPING
+
+    def do_step(self, current_time: float, step_size: float) -> bool:
+        """Advance from the present communication point by a step, both in s."""
+        self._require(STEPPING, "fmi2DoStep")
+        if not 0.0 < step_size < math.inf:
+            raise SlaveError(f"fmi2DoStep: the step size {step_size} s is not > 0", self)
+        slack = TIME_TOLERANCE * max(abs(self.time), step_size)
+        if not abs(current_time - self.time) <= slack:
+            raise SlaveError(
+                f"fmi2DoStep: the time {current_time!r} s is not the present {self.time!r} s", self
+            )
+        time = current_time + step_size
+        if time > self.stop_time + slack:
+            raise SlaveError(f"fmi2DoStep: {time!r} s lies beyond the stop time {self.stop_time!r} s", self)
+        self.observed = False
+        status = self._kernel().advance(self.address, time)
+        if status:
+            reached = self.reals[self.words["time"]]
+            raise SlaveError(f"the simulation stopped at t = {reached:.9g} s: {self._text(status)}", self)
+        self.time = time
+        return True
+
+    def terminate(self) -> None:
+        """Take no more steps; outputs can still be read."""
+        self.phase = TERMINATED
+
+    # --- variables ---
+
+    def get_real(self, vrs: list[int]) -> list[float]:
+        """Return reals; the kernel works outputs out at the first look at them after a change."""
+        if not self.observed and max(vrs, default=0) >= self.model["first_output"]:
+            self._initialize()
+            self._kernel().observe(self.address)
+            self.observed = True
+        reals, words = self.reals, self.real_words
+        try:
+            return [reals[words[vr]] for vr in vrs]
+        except KeyError as error:
+            raise SlaveError(f"fmi2GetReal: the value reference {error} is no Real's", self) from None
+
+    def get_integer(self, vrs: list[int]) -> list[int]:
+        """Return integers and enumerations; as outputs these are counts and codes, always up to date."""
+        if not self.initialized and max(vrs, default=0) >= self.model["first_output"]:
+            self._initialize()
+        integers, words = self.integers, self.integer_words
+        try:
+            return [integers[words[vr]] for vr in vrs]
+        except KeyError as error:
+            raise SlaveError(f"fmi2GetInteger: the value reference {error} is no Integer's", self) from None
+
+    def set_real(self, vrs: list[int], values: list[float]) -> None:
+        """Set reals."""
+        self._set("fmi2SetReal", self.real_words, self.reals, vrs, values)
+
+    def set_integer(self, vrs: list[int], values: list[int]) -> None:
+        """Set integers and enumerations."""
+        self._set("fmi2SetInteger", self.integer_words, self.integers, vrs, values)
+
+    def _no_variables(self, vrs: list[int], values: Any = None) -> list[Any]:  # noqa: ARG002
+        if vrs:
+            raise SlaveError("there are no variables of type Boolean or String", self)
+        return []
+
+    get_boolean = get_string = set_boolean = set_string = _no_variables
+
+    def _set(self, call: str, words: dict[int, int], memory: Any, vrs: list[int], values: list[Any]) -> None:
+        changed = False
+        for vr, value in zip(vrs, values):  # noqa: B905, not in Python 3.8
+            if vr not in words:
+                raise SlaveError(f"{call}: the value reference {vr} is of another type or of nothing", self)
+            name, _, word, kind, low, high, allowed = self.table[vr]
+            if self.phase > SETTABLE_UNTIL[kind]:
+                what = {"input": "an input", "output": "an output"}.get(kind, f"a {kind} parameter")
+                raise SlaveError(f"{call}: {name} is {what} and cannot be set {PHASES[self.phase]}", self)
+            if not low <= value <= high:  # false for NaN, too
+                raise SlaveError(f"{call}: {name} = {value!r} must be {allowed}", self)
+            if memory[word] != value:
+                memory[word] = value
+                changed = True
+        if changed:
+            self.observed = False
+            if self.phase == STEPPING:
+                self.integers[self.words["changed"]] = 1  # the solver starts anew from this point in time
+            else:
+                self.initialized = False
+
+    # --- FMU state: the whole block and the slave's own few numbers ---
+
+    def _get_fmu_state(self) -> bytes:
+        guid = self.guid.encode()
+        return STATE.pack(guid, self.phase, self.initialized, self.time, self.stop_time) + self.block
+
+    def _set_fmu_state(self, state: bytes) -> None:
+        guid, phase, initialized, time, stop_time = STATE.unpack_from(state)
+        if guid != self.guid.encode() or len(state) != STATE.size + len(self.block):
+            raise SlaveError("fmi2SetFMUstate: the state is that of another FMU", self)
+        self.block[:] = state[STATE.size :]
+        self.phase, self.initialized, self.observed = phase, bool(initialized), False
+        self.time, self.stop_time = time, stop_time
+
+    @staticmethod
+    def _fmu_state_to_bytes(state: bytes) -> bytes:
+        return ENVELOPE.pack(MAGIC, len(state), zlib.crc32(state)) + state
+
+    @staticmethod
+    def _fmu_state_from_bytes(data: bytes) -> bytes:
+        envelope, state = data[: ENVELOPE.size], data[ENVELOPE.size :]
+        if len(state) < STATE.size or envelope != ENVELOPE.pack(MAGIC, len(state), zlib.crc32(state)):
+            # this function is not told which instance was called
+            slaves = [slave for slave in gc.get_objects() if isinstance(slave, ChainImpact)]
+            raise SlaveError("fmi2DeSerializeFMUstate: the bytes are no state, or damaged", *slaves)
+        return state
+
+    # --- inside ---
+
+    def _require(self, phase: int, call: str) -> None:
+        if self.phase != phase:
+            raise SlaveError(f"{call} cannot be called {PHASES[self.phase]}", self)
+
+    def _kernel(self) -> ctypes.CDLL:
+        cls = type(self)
+        if cls.kernel is None:
+            name = "kernel-win64.dll" if sys.platform == "win32" else "kernel-linux64.so"
+            cls.kernel = ctypes.CDLL(str(Path(self.resources, name)))
+            cls.kernel.initialize.argtypes = cls.kernel.advance.argtypes = [ctypes.c_void_p, ctypes.c_double]
+            cls.kernel.observe.argtypes = [ctypes.c_void_p]
+        return cls.kernel
+
+    def _initialize(self) -> None:
+        """Work the start out from the parameters, unless that is done and none has changed since."""
+        if not self.initialized:
+            status = self._kernel().initialize(self.address, self.time)
+            if status:
+                raise SlaveError(f"the simulation cannot start: {self._text(status)}", self)
+            self.initialized, self.observed = True, False
+
+    def _text(self, status: int) -> str:
+        return str(self.model["statuses"][str(status)])
