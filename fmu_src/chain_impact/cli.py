@@ -14,6 +14,7 @@ from rich.table import Table
 
 from chain_impact.export.aot import HOST, ZIG_TARGETS, BuildError
 from chain_impact.recording import Recording
+from chain_impact.runs import RunError, record_fmu, record_scene
 from chain_impact.scene import SceneError, load_scene, scene_to_dict
 from chain_impact.simulate import SimulationError
 
@@ -34,7 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (SceneError, SimulationError, UsageError) as error:
         err.print(f"chain-impact: {error}", markup=False, soft_wrap=True)
         return 2
-    except BuildError as error:
+    except (BuildError, RunError) as error:
         err.print(f"chain-impact: {error}", markup=False, soft_wrap=True)
         return 3
     except OSError as error:
@@ -188,13 +189,11 @@ def is_fmu(source: str) -> bool:
 
 def record(source: str, settings: Sequence[str]) -> Recording:
     """Simulate a scene or an FMU with parameters set by ``NAME=VALUE``."""
-    from chain_impact import runs
-
     values = dict(_setting(text) for text in settings)
     with progress() as notify:
         if is_fmu(source):
-            return runs.record_fmu(Path(source), values)
-        return runs.record_scene(load_scene(source), values, notify)
+            return record_fmu(Path(source), values)
+        return record_scene(load_scene(source), values, notify)
 
 
 def _setting(text: str) -> tuple[str, str]:

@@ -16,6 +16,10 @@ from chain_impact.simulate import Result, simulate
 from chain_impact.variables import output_columns, parameter_paths
 
 
+class RunError(RuntimeError):
+    """An FMU reported a fault; what it was stands in the FMU's own message."""
+
+
 def record_scene(
     scene: Scene, settings: Mapping[str, str], notify: Callable[[str], None] = lambda _: None
 ) -> Recording:
@@ -52,7 +56,7 @@ def record_fmu(path: Path, settings: Mapping[str, str]) -> Recording:
 
     Raises:
         SceneError: when the file is no FMU of a chain, a name is unknown or a value is no number.
-        FMICallException, FMUException: fmpy's, when the FMU reports a fault.
+        RunError: when the FMU reports a fault.
     """
     try:
         description = fmpy.read_model_description(str(path))
@@ -66,12 +70,11 @@ def record_fmu(path: Path, settings: Mapping[str, str]) -> Recording:
     for name, text in settings.items():
         start_values[name] = _start_value(parameters[_known(name, parameters, str(path))], text, str(path))
     outputs = [name for name, variable in variables.items() if variable.causality == "output"]
-    rows = fmpy.simulate_fmu(
-        str(path),
-        start_values=start_values,
-        output=outputs,
-        output_interval=float(description.defaultExperiment.stepSize),
-    )
+    step = float(description.defaultExperiment.stepSize)
+    try:
+        rows = fmpy.simulate_fmu(str(path), start_values=start_values, output=outputs, output_interval=step)
+    except Exception as error:  # fmpy's exceptions have no common class
+        raise RunError(f"{path}: {error}") from None
     columns = {name: rows[name] for name in outputs}
     walls = {wall: start_values.get(f"box.{wall}", _start(variables, f"box.{wall}")) for wall in WALLS}
     return Recording(

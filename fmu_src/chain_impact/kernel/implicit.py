@@ -13,9 +13,9 @@ algebra but the recursion: (1 − hγA) x = r is solved by
 the response of the chain to impulses at the touching points, with the contacts' impedance D added to the
 articulated inertia there.
 
-As the links turn, so does J, and a point at rest against a wall needs the acceleration −J̇ẏ to stay there. This
-slow drift acts on the stiff damper c. It enters as the time derivative of f does in a Rosenbrock method, as
-an impulse h γ_i c J̇ẏ in stage i; without it the method loses its order while links that touch turn.
+As the links turn, so does J, and a point at rest against a wall needs the acceleration −J̇ẏ to stay there.
+This slow drift acts on the stiff damper c. It enters as the time derivative of f does in a Rosenbrock method,
+as an impulse h γ_i c J̇ẏ in stage i; without it errors grow while links that touch turn.
 """
 
 from chain_impact.kernel import ros34pw2

@@ -42,6 +42,7 @@ def accelerations(model, omega, work, base_acceleration, alpha):
     """
     n = len(model.length)
     gx, gy = model.gravity[0], model.gravity[1]
+    kept = work.elimination
     # beyond the tip there is only the load on it: A' = 0, b' = −f_N
     axx, axy, ayy = 0.0, 0.0, 0.0
     bx, by = -work.load.x[n], -work.load.y[n]
@@ -73,7 +74,7 @@ def accelerations(model, omega, work, base_acceleration, alpha):
         # b = b' − ω²(m c + A' L) − m g − h h₀/H, less the load on the proximal joint
         bx = dx - w2 * sx - m * gx - kx * h0 - work.load.x[i]
         by = dy - w2 * sy - m * gy - ky * h0 - work.load.y[i]
-        work.elimination.gain_x[i], work.elimination.gain_y[i], work.elimination.bias[i] = kx, ky, h0 * inverse
+        kept.gain_x[i], kept.gain_y[i], kept.bias[i] = kx, ky, h0 * inverse
 
     # the base: A a₀ + b = 0 when free, a₀ = 0 when pinned
     ax, ay = 0.0, 0.0
@@ -87,7 +88,7 @@ def accelerations(model, omega, work, base_acceleration, alpha):
     # accelerations back out
     for i in range(n):
         # α = −(h·a + h₀)/H
-        a = -(work.elimination.gain_x[i] * ax + work.elimination.gain_y[i] * ay + work.elimination.bias[i])
+        a = -(kept.gain_x[i] * ax + kept.gain_y[i] * ay + kept.bias[i])
         alpha[i] = a
         w2 = omega[i] * omega[i]
         # a_{i+1} = a_i + α L⊥ − ω² L
