@@ -1,4 +1,4 @@
-"""Pictures of a recording: the motion with its impacts, and the energy."""
+"""Pictures of a recording: the motion with its impacts, the energy, and the impacts over time."""
 
 from __future__ import annotations
 
@@ -7,115 +7,176 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.colors import Normalize
+from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
 
-from chain_impact.recording import Recording
+from chain_impact.recording import Recording, written_whole
 
-FRAMES = 45  # positions of the chain in the picture of the motion
-COLOURS = colormaps["viridis"]
-IMPACT_COLOUR = "#d62728"
+SIZE = (10.0, 5.4)  # inches
+FRAMES = 160  # positions of the chain in the picture of the motion
+# plasma without its end, which is too pale on white
+TIME_COLOURS = LinearSegmentedColormap.from_list("time", mpl.colormaps["plasma"](np.linspace(0.0, 0.87, 64)))
+ENERGY_COLOURS = {"kinetic": "#1b9e77", "potential": "#e6a100", "total": "0.2", "dissipated": "#d6267f"}
+ENERGY_COLOURS |= {"supplied": "#7570b3"}
+POINT_COLOURS = mpl.colormaps["tab10"].colors  # type: ignore[attr-defined]
+WALL_COLOUR, OUTSIDE_COLOUR, IMPACT_COLOUR = "0.25", "0.93", "0.15"
+SIDES = {"x_min": (0, 0), "x_max": (1, 0), "y_min": (0, 1), "y_max": (1, 1)}  # lower or upper, x or y
+MARGIN, BAND = 0.04, 0.13  # of the picture's width, at its edges and outside of walls
+NEAR_PLACE, NEAR_TIME = 0.025, 0.05  # of the width and of the time, within which impacts share a label
 STYLE: dict[Any, Any] = {
     "font.size": 9,
     "axes.spines.top": False,
     "axes.spines.right": False,
     "legend.frameon": False,
+    "legend.fontsize": 8,
+    "legend.borderaxespad": 0.2,
+    "legend.handlelength": 1.4,
 }
-RING: dict[str, Any] = {"color": IMPACT_COLOUR, "markersize": 7, "markerfacecolor": "none", "zorder": 3}
+ABOVE: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "columnspacing": 1.2}
 
 
 def plot(recording: Recording, path: Path) -> None:
     """Draw the recording into a file; the suffix says which kind (png, svg, pdf)."""
-    with mpl.rc_context(STYLE):
-        page = Figure(figsize=(12, 6), layout="constrained")
+    with mpl.rc_context(STYLE), written_whole(path) as fresh:
+        page = Figure(figsize=SIZE, layout="constrained")
         fill(page, recording)
-        page.savefig(path, dpi=130)
+        page.savefig(fresh, dpi=160)
 
 
 def fill(page: Figure, recording: Recording) -> None:
-    """Draw motion on the left, and energy and wall forces over time on the right, of an empty page."""
-    grid = page.add_gridspec(2, 2, width_ratios=(1.05, 1))
+    """Draw motion on the left, and energy and impacts over time on the right, of an empty page."""
+    grid = page.add_gridspec(3, 2, width_ratios=(1.1, 1), height_ratios=(1, 1, 0.06))
     draw_motion(page.add_subplot(grid[:, 0]), recording)
-    energy = page.add_subplot(grid[0, 1])
-    force = page.add_subplot(grid[1, 1], sharex=energy)
-    draw_energy(energy, recording)
-    draw_forces(force, recording)
-    for axes in (energy, force):
-        for impact in recording.impacts:
-            axes.axvline(impact.time, color=IMPACT_COLOUR, linewidth=0.6, alpha=0.5, zorder=0)
+    clock = page.add_subplot(grid[2, 1])
+    draw_clock(clock, recording)
+    for row, draw in enumerate((draw_energy, draw_impact_speeds)):
+        axes = page.add_subplot(grid[row, 1], sharex=clock)
+        axes.tick_params(labelbottom=False)
+        draw(axes, recording)
     count = len(recording.impacts)
     page.suptitle(f"{recording.name}: {count} impact{'s' if count != 1 else ''} in {recording.time[-1]:g} s")
 
 
 def draw_motion(axes: Axes, recording: Recording) -> None:
-    """The chain at evenly spaced times, darkest first, the path of the tip, and where points hit walls."""
+    """The chain at evenly spaced times, coloured by time, its start and end, the walls and the impacts."""
     time, points = recording.time, recording.points
-    shown = np.unique(np.linspace(0, len(time) - 1, FRAMES).astype(int))
-    norm = Normalize(time[0], time[-1])
-    axes.add_collection(
-        LineCollection(points[shown], colors=COLOURS(norm(time[shown])), linewidths=1.1, alpha=0.75)
-    )
-    axes.plot(*points[:, -1].T, color="0.55", linewidth=0.7, label="path of the tip")
-    for frame, marker in ((0, "start"), (-1, "end")):
-        axes.plot(*points[frame].T, "-o", color=COLOURS(norm(time[frame])), markersize=3.5, label=marker)
     draw_walls(axes, recording)
+    shown = np.unique(np.linspace(0, len(time) - 1, FRAMES).round().astype(int))
+    frames = LineCollection(list(points[shown]), cmap=TIME_COLOURS, linewidths=0.7, alpha=0.5)
+    frames.set_array(time[shown])
+    frames.set_clim(time[0], time[-1])
+    axes.add_collection(frames)
+    for frame, name in ((0, "start"), (-1, "end")):
+        style = {"linewidth": 2.4, "marker": "o", "markersize": 4.5, "markeredgecolor": "white"}
+        axes.plot(*points[frame].T, color=frames.to_rgba(time[frame]), label=name, zorder=3, **style)
     draw_impacts(axes, recording)
     axes.set_aspect("equal")
-    axes.margins(0.03)
-    axes.autoscale_view()
     axes.set_xlabel("x [m]")
     axes.set_ylabel("y [m]")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 1.09), ncols=4)
-
-
-def draw_impacts(axes: Axes, recording: Recording) -> None:
-    """Circles where points hit walls, numbered in order; numbers that would collide are stacked."""
-    spacing = 0.04 * np.ptp(axes.get_xlim())
-    places: list[tuple[float, float]] = []
-    for number, impact in enumerate(recording.impacts, start=1):
-        place = recording.point_at(impact.point, impact.time)
-        level = sum(np.hypot(place[0] - x, place[1] - y) < spacing for x, y in places)
-        places.append(place)
-        axes.plot(*place, "o", **RING, label="impacts, numbered" if number == 1 else None)
-        offset = (5, 5 + 9 * level)
-        axes.annotate(
-            str(number), place, xytext=offset, textcoords="offset points", color=IMPACT_COLOUR, fontsize=8
-        )
+    axes.legend(**ABOVE, ncols=3, handlelength=2.5)
 
 
 def draw_walls(axes: Axes, recording: Recording) -> None:
-    """The walls that are there, as thick lines."""
-    axes.autoscale_view()
-    for wall, position in recording.walls.items():
-        across = "x" if wall.startswith("y") else "y"
-        names = f"{across}_min", f"{across}_max"
-        style: dict[str, Any] = {"color": "0.2", "linewidth": 2.5, "solid_capstyle": "projecting"}
-        if recording.walls.keys() >= set(names):  # the wall ends at two others
-            ends = [recording.walls[name] for name in names]
-            xy = (ends, [position] * 2) if across == "x" else ([position] * 2, ends)
-            axes.plot(*xy, **style)
-        else:
-            (axes.axhline if across == "x" else axes.axvline)(position, **style)
+    """The room between the walls in white, all beyond them in grey; sets the limits of the axes.
+
+    A wall farther from the motion than the motion is wide is left out.
+    """
+    reach = np.array([edge(recording.points, axis=(0, 1)) for edge in (np.min, np.max)])
+    room, width = reach.copy(), np.ptp(reach, axis=0).max()
+    near = [wall for wall, at in recording.walls.items() if abs(at - reach[SIDES[wall]]) <= width]
+    for wall in near:
+        room[SIDES[wall]] = recording.walls[wall]
+    view = np.array([np.minimum(reach[0], room[0]), np.maximum(reach[1], room[1])])
+    width = np.ptp(view, axis=0).max()
+    for wall, side in SIDES.items():
+        margin = width * (BAND if wall in near else MARGIN)
+        view[side] += margin if side[0] else -margin
+        if wall not in near:
+            room[side] = view[side]
+    if near:
+        axes.set_facecolor(OUTSIDE_COLOUR)
+    axes.add_patch(Rectangle(room[0], *(room[1] - room[0]), facecolor="white", zorder=0.5))
+    for wall in near:
+        ends, (_, axis) = room.copy(), SIDES[wall]
+        ends[:, axis] = recording.walls[wall]
+        axes.plot(*ends.T, color=WALL_COLOUR, linewidth=2.0, zorder=2)
+    axes.set(xlim=view[:, 0], ylim=view[:, 1])
+
+
+def draw_impacts(axes: Axes, recording: Recording) -> None:
+    """A ring where points hit a wall, and outside of the wall the numbers of the impacts there."""
+    spacing = NEAR_PLACE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
+    places: dict[tuple[float, float, str], list[int]] = {}
+    for number, impact in enumerate(recording.impacts, start=1):
+        x, y = recording.point_at(impact.point, impact.time)
+        near = (key for key in places if key[2] == impact.wall and np.hypot(key[0] - x, key[1] - y) < spacing)
+        places.setdefault(next(near, (x, y, impact.wall)), []).append(number)
+    ring: dict[str, Any] = {"color": IMPACT_COLOUR, "markerfacecolor": "none", "linestyle": "", "zorder": 4}
+    for (x, y, wall), numbers in places.items():
+        label = "impacts, numbered" if numbers[0] == 1 else None
+        axes.plot(x, y, "o", markersize=6, label=label, **ring)
+        upper, axis = SIDES[wall]
+        outward = (2 * upper - 1) * np.eye(2)[axis]
+        axes.annotate(
+            _listed(numbers),
+            (x, y),
+            xytext=tuple(7 * outward),
+            textcoords="offset points",
+            rotation=90 if axis else 0,
+            ha="center" if axis else ("right", "left")[upper],
+            va=("top", "bottom")[upper] if axis else "center",
+            color=IMPACT_COLOUR,
+            fontsize=7.5,
+        )
+
+
+def _listed(numbers: list[int]) -> str:
+    """The numbers, of many the first and the last."""
+    return ", ".join(map(str, numbers)) if len(numbers) <= 3 else f"{numbers[0]} … {numbers[-1]}"
+
+
+def draw_clock(axes: Axes, recording: Recording) -> None:
+    """The axis of time, in the colours of the motion."""
+    start, end = recording.time[[0, -1]]
+    axes.imshow(np.linspace([0.0], [1.0], 256).T, TIME_COLOURS, aspect="auto", extent=(start, end, 0, 1))
+    margin = 0.015 * (end - start)
+    axes.set(xlabel="time [s], and its colours in the motion", yticks=[], xlim=(start - margin, end + margin))
+    axes.spines[:].set_visible(False)
 
 
 def draw_energy(axes: Axes, recording: Recording) -> None:
     """The energy ledger over time."""
-    for name in ("kinetic", "potential", "total", "dissipated"):
-        width = 1.8 if name == "total" else 1.1
-        axes.plot(recording.time, recording.columns[f"energy.{name}"], label=name, linewidth=width)
+    for impact in recording.impacts:
+        axes.axvline(impact.time, color="0.9", linewidth=0.8, zorder=0)
+    for name, colour in ENERGY_COLOURS.items():
+        energy = recording.columns.get(f"energy.{name}", np.zeros(1))
+        if name != "supplied" or energy.any():
+            width = 2.0 if name == "total" else 1.2
+            axes.plot(recording.time, energy, color=colour, label=name, linewidth=width)
     axes.set_ylabel("energy [J]")
-    axes.legend(loc="best", ncols=2)
+    axes.legend(**ABOVE, ncols=5)
 
 
-def draw_forces(axes: Axes, recording: Recording) -> None:
-    """The wall forces, as sampled at the communication points."""
-    for name, force in recording.columns.items():
-        if name.endswith(".force") and force.any():
-            axes.plot(recording.time, force, label=name.removesuffix(".force"), linewidth=1.1)
-    axes.set_ylabel("wall force [N]\n(at the communication points)")
-    axes.set_xlabel("time [s]")
-    if axes.lines:
-        axes.legend(loc="best", ncols=2, fontsize=7)
+def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
+    """The approach speed of each impact over time, coloured by point; those close together share a label."""
+    impacts, window = recording.impacts, NEAR_TIME * np.ptp(recording.time)
+    for point in sorted({impact.point for impact in impacts}):
+        times, speeds = zip(*((hit.time, hit.speed) for hit in impacts if hit.point == point), strict=True)
+        colour = POINT_COLOURS[point % len(POINT_COLOURS)]
+        axes.vlines(times, 0.0, speeds, color=colour, linewidth=1.0)
+        axes.plot(times, speeds, "o", color=colour, markersize=4, label=f"point {point}")
+    first = 0
+    for after in range(1, len(impacts) + 1):
+        if after == len(impacts) or impacts[after].time - impacts[first].time > window:
+            fastest = max(impacts[first:after], key=lambda impact: impact.speed)
+            label = str(after) if after == first + 1 else f"{first + 1}–{after}"
+            place = (fastest.time, fastest.speed)
+            axes.annotate(label, place, (0, 4), textcoords="offset points", ha="center", fontsize=7.5)
+            first = after
+    axes.set_ylabel("impact speed [m/s]")
+    axes.set_ylim(0.0, 1.15 * max((impact.speed for impact in impacts), default=1.0))
+    if impacts:
+        axes.legend(**ABOVE, ncols=6)

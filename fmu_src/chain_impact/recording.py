@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import csv
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -63,11 +66,26 @@ class Recording:
 
     def save_csv(self, path: Path) -> None:
         """Write time and columns as CSV, numbers in full precision."""
-        with path.open("w", newline="") as file:
+        with written_whole(path) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(["time", *self.columns])
             values = (column.tolist() for column in self.columns.values())
             writer.writerows(zip(self.time.tolist(), *values, strict=True))
+
+
+@contextmanager
+def written_whole(path: Path) -> Iterator[Path]:
+    """Yield a path to write to; what is written there appears at ``path`` when it is whole, or not at all."""
+    if path.is_symlink() or (path.exists() and not path.is_file()):
+        yield path  # /dev/stdout and its like cannot be replaced
+        return
+    try:
+        with tempfile.TemporaryDirectory(prefix=f".{path.name}-", dir=path.parent) as scratch:
+            fresh = Path(scratch, path.name)
+            yield fresh
+            fresh.replace(path)
+    except OSError as error:  # the user knows nothing of the scratch folder
+        raise type(error)(error.errno, error.strerror, str(path)) from None
 
 
 def impacts_from_outputs(columns: dict[str, np.ndarray]) -> list[Impact]:

@@ -14,8 +14,8 @@ the response of the chain to impulses at the touching points, with the contacts'
 articulated inertia there.
 
 As the links turn, so does J, and a point at rest against a wall needs the acceleration −J̇ẏ to stay there.
-This slow drift acts on the stiff damper c. It enters as the time derivative of f does in a Rosenbrock method,
-as an impulse h γ_i c J̇ẏ in stage i; without it errors grow while links that touch turn.
+This slow drift acts on the stiff contact. It enters as the time derivative of f does in a Rosenbrock method,
+as an impulse hγ_i (c + hγ k) J̇ẏ in stage i; without it errors grow while links that touch turn.
 """
 
 from chain_impact.kernel import ros34pw2
@@ -28,7 +28,8 @@ from chain_impact.kernel.jit import jit
 from chain_impact.kernel.recursion import factorize, move_points, solve
 
 GAMMA = ros34pw2.GAMMA_DIAGONAL
-RATE, RIGHT = 5, 6  # rows of work.stage: f of the stage, right side; rows 1 to 4 are the stages k_i
+# rows of work.stage, where rows 1 to 4 are the stages k_i: f of the stage, s_i, right side, zeros
+RATE, CORRECTION, RIGHT, ZEROS = 5, 6, 7, 8
 STEP_EVALUATIONS = len(ros34pw2.B) - 1  # the first stage has f at the start of the step
 EXPONENT = -1.0 / ros34pw2.ORDER
 
@@ -45,10 +46,12 @@ def _stage(i, rate, solve_shifted):
         point(d.work, d.step.state_end, h, d.work.y)
         rate(d, d.work.y, stages[RATE])
         # (1 − hγA)(k + s) = f + s + h γ_i ∂f/∂t
-        correction(d.work, stages[RATE], 1.0, stages[RIGHT])
+        correction(d.work, stages[ZEROS], 1.0, stages[CORRECTION])
+        for j in range(len(d.work.y)):
+            stages[RIGHT, j] = stages[RATE, j] + stages[CORRECTION, j]
         solve_shifted(d, h * GAMMA, h * drift, stages[RIGHT], stages[i])
         for j in range(len(d.work.y)):
-            stages[i, j] -= stages[RIGHT, j] - stages[RATE, j]
+            stages[i, j] -= stages[CORRECTION, j]
 
     return stage
 
@@ -70,14 +73,14 @@ def linearly_implicit(rate, solve_shifted):
 
     @jit
     def step(d, h):
+        for j in range(len(d.work.y)):
+            d.work.stage[ZEROS, j] = 0.0  # the explicit method's stages share the rows
         solve_shifted(d, h * GAMMA, h * GAMMA, d.work.stage[0], d.work.stage[1])
         second(d, h)
         third(d, h)
         fourth(d, h)
         result(d.work, d.step.state_end, h, d.work.y)
-        for j in range(len(d.work.y)):
-            d.work.error[0, j] = 0.0
-        difference(d.work, d.work.error[0], h, d.work.error[0])
+        difference(d.work, d.work.stage[ZEROS], h, d.work.error[0])
 
     return step
 
@@ -126,8 +129,8 @@ def solve_contacts(d, shift, drift, right, x):
     # Jᵀ hγ k J r_q
     move_points(links, right[0:2], right[2 : n + 2], work.motion)
     add_impulses(d, work.motion, 0.0, shift)
-    # Jᵀ hγ_i c J̇ẏ
-    add_impulses(d, work.drift, drift, 0.0)
+    # Jᵀ hγ_i (c + hγ k) J̇ẏ
+    add_impulses(d, work.drift, drift, drift * shift)
     solve(links, work.factors, work.impulse, x[n + 2 : n + 4], x[n + 4 : 2 * n + 4])
     for j in range(n + 2):
         x[n + 2 + j] = right[n + 2 + j] - x[n + 2 + j]

@@ -1,0 +1,156 @@
+"""The linearly implicit step, on generic right-hand sides: its order, and what it does when they are stiff."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from chain_impact.kernel import ros34pw2
+from chain_impact.kernel.implicit import GAMMA, linearly_implicit
+from chain_impact.kernel.jit import jit
+
+
+def problem(rate, jacobian, time_derivative=None):
+    """The compiled step for y' = f(y) with an approximate Jacobian A(y).
+
+    The time derivative is that of the part of f that A leaves out, along the solution.
+    """
+    derivative = time_derivative or jit(lambda y: np.zeros_like(y))
+
+    @jit
+    def fill(d, y, out):
+        out[:] = rate(y)
+
+    @jit
+    def solve(d, shift, drift, right, x):
+        start = d.step.state_end
+        matrix = np.eye(len(start)) - shift * jacobian(start)
+        x[:] = np.linalg.solve(matrix, right + drift * derivative(start))
+
+    generic = linearly_implicit(fill, solve)
+
+    @jit
+    def step(d, h):
+        fill(d, d.step.state_end, d.work.stage[0])
+        generic(d, h)
+
+    return step
+
+
+def record(start):
+    size = len(start)
+    work = np.dtype([("stage", float, (16, size)), ("y", float, (size,)), ("error", float, (2, size))])
+    block = np.zeros(1, [("work", work), ("step", [("state_end", float, (size,))])])
+    block[0]["step"]["state_end"] = start
+    return block[0]
+
+
+def integrate(step, start, end, steps):
+    d = record(start)
+    for _ in range(steps):
+        step(d, end / steps)
+        d["step"]["state_end"] = d["work"]["y"]
+    return d["step"]["state_end"].copy()
+
+
+@jit
+def oscillator(y):
+    """Van der Pol with a forcing; y[2] is the time."""
+    return np.array([y[1], (1.0 - y[0] ** 2) * y[1] - y[0] + np.sin(y[2]), 1.0])
+
+
+JACOBIANS = {
+    "exact": jit(
+        lambda y: np.array(
+            [[0.0, 1.0, 0.0], [-2.0 * y[0] * y[1] - 1.0, 1.0 - y[0] ** 2, np.cos(y[2])], [0.0, 0.0, 0.0]]
+        )
+    ),
+    "wrong": jit(lambda y: np.array([[0.0, 1.0, 0.0], [-3.0, -0.7, 0.2], [0.1, 0.0, 0.0]])),
+    "none": jit(lambda y: np.zeros((3, 3))),
+}
+
+
+@pytest.mark.parametrize("kind", JACOBIANS)
+def test_order_is_three_with_any_jacobian(kind):
+    start = np.array([1.0, 0.5, 0.0])
+    exact = solve_ivp(lambda _, y: oscillator(y), (0, 2), start, method="DOP853", rtol=1e-13, atol=1e-14)
+    step = problem(oscillator, JACOBIANS[kind])
+    errors = [np.abs(integrate(step, start, 2.0, n) - exact.y[:, -1]).max() for n in (40, 80, 160, 320)]
+    slopes = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert slopes == pytest.approx(ros34pw2.ORDER, abs=0.2)
+
+
+def test_embedded_error_is_of_order_two():
+    step = problem(oscillator, JACOBIANS["wrong"])
+    estimates = []
+    for h in (0.04, 0.02, 0.01):
+        d = record(np.array([1.0, 0.5, 0.0]))
+        step(d, h)
+        estimates.append(np.abs(d["work"]["error"][0]).max())
+    # the local error of an order-2 method is h³
+    assert np.log2(np.array(estimates[:-1]) / estimates[1:]) == pytest.approx(3.0, abs=0.2)
+
+
+def test_linear_problem_with_its_own_matrix_is_solved_as_the_stability_function_says():
+    matrix = np.array([[-2.0, 1.0], [0.5, -3.0]])
+    step = problem(jit(lambda y: matrix @ y), jit(lambda y: matrix))
+    d = record(np.array([1.0, -2.0]))
+    step(d, 0.3)
+    # R(z) = 1 + z bᵀ (1 − z(α + γ))⁻¹ 1, for the matrix z = h A
+    combined = np.diag([GAMMA] * 4)
+    for i in (2, 3, 4):
+        for table in (ros34pw2.ALPHA, ros34pw2.GAMMA):
+            for j, value in table[i].items():
+                combined[i - 1, j - 1] += value
+    z = 0.3 * matrix
+    weights = np.array([ros34pw2.B[i] for i in (1, 2, 3, 4)])
+    stages = np.linalg.solve(
+        np.eye(8) - np.kron(combined, z), np.kron(np.ones(4), np.array([1.0, -2.0]))
+    ).reshape(4, 2)
+    expected = np.array([1.0, -2.0]) + z @ (weights @ stages)
+    assert d["work"]["y"] == pytest.approx(expected, rel=1e-13)
+
+
+@pytest.mark.parametrize("rate", [1e3, 1e6, 1e9, 1e12])
+def test_infinitely_stiff_component_is_damped_at_once(rate):
+    step = problem(jit(lambda y: -rate * y), jit(lambda y: np.full((1, 1), -rate)))
+    d = record(np.array([1.0]))
+    step(d, 1.0)
+    # L-stable: R(∞) = 0, approached as 1/z
+    assert abs(d["work"]["y"][0]) < 4.0 / rate
+
+
+@pytest.mark.parametrize("rate", [1e4, 1e6, 1e8])
+def test_prothero_robinson_error_does_not_grow_with_stiffness(rate):
+    """y' = −λ(y − φ(t)) + φ'(t), φ = sin: follows φ, however large λ is."""
+    follow = jit(lambda y: np.array([-rate * (y[0] - np.sin(y[1])) + np.cos(y[1]), 1.0]))
+    stiff = jit(lambda y: np.array([[-rate, 0.0], [0.0, 0.0]]))
+    slow = jit(lambda y: np.array([rate * np.cos(y[1]) - np.sin(y[1]), 0.0]))
+    step = problem(follow, stiff, slow)
+    errors = [abs(integrate(step, np.zeros(2), 1.0, n)[0] - np.sin(1.0)) for n in (20, 40)]
+    assert errors[0] < 1e-4
+    assert errors[1] < 0.3 * errors[0]
+
+
+def test_van_der_pol_with_mu_of_a_million_takes_few_steps():
+    """ε = 1e−6, one fast transition inside; reference: Hairer & Wanner 1996, Solving ODEs II, IV.10."""
+    epsilon = 1e-6
+    rate = jit(lambda y: np.array([y[1], ((1.0 - y[0] ** 2) * y[1] - y[0]) / epsilon]))
+    exact = jit(
+        lambda y: np.array([[0.0, 1.0], [(-2.0 * y[0] * y[1] - 1.0) / epsilon, (1.0 - y[0] ** 2) / epsilon]])
+    )
+    step = problem(rate, exact)
+    d = record(np.array([2.0, -0.66]))
+    t, h, steps = 0.0, 1e-6, 0
+    while t < 2.0:
+        h = min(h, 2.0 - t)
+        step(d, h)
+        scale = 1e-7 * (1.0 + np.abs(d["work"]["y"]))
+        error = np.abs(d["work"]["error"][0] / scale).max()
+        if error <= 1.0:
+            t, steps = t + h, steps + 1
+            d["step"]["state_end"] = d["work"]["y"]
+        h *= min(5.0, max(0.2, 0.9 * max(error, 1e-10) ** (-1 / 3)))
+    assert d["step"]["state_end"][0] == pytest.approx(1.706167732170469, abs=2e-5)
+    assert d["step"]["state_end"][1] == pytest.approx(-0.8928097010248125, abs=2e-5)
+    # a million, were the step bound by stability
+    assert steps < 8000
