@@ -3,22 +3,29 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
+import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING, NoReturn
 
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from chain_impact.export.aot import HOST, ZIG_TARGETS, BuildError
 from chain_impact.recording import Recording
-from chain_impact.runs import RunError, record_fmu, record_scene
+from chain_impact.runs import RunError, read_fmu, record_fmu, record_scene
 from chain_impact.scene import SceneError, load_scene, scene_to_dict
-from chain_impact.simulate import SimulationError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 DEFAULT_SCENE = "four_link_box"
+PICTURES = (".png", ".svg", ".pdf")
 Notify = Callable[[str], None]
 out, err = Console(highlight=False), Console(stderr=True, highlight=False)
 
@@ -32,14 +39,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_args(arguments)
     try:
         code: int = options.run(options)
-    except (SceneError, SimulationError, UsageError) as error:
+    except (SceneError, UsageError) as error:
         err.print(f"chain-impact: {error}", markup=False, soft_wrap=True)
         return 2
     except (BuildError, RunError) as error:
         err.print(f"chain-impact: {error}", markup=False, soft_wrap=True)
         return 3
+    except BrokenPipeError:  # the reader has seen enough, as in `info | head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
     except OSError as error:
-        err.print(f"chain-impact: {error.filename}: {error.strerror}", markup=False, soft_wrap=True)
+        what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
+        err.print(f"chain-impact: {what}", markup=False, soft_wrap=True)
         return 2
     except KeyboardInterrupt:
         err.print("chain-impact: interrupted")
@@ -47,11 +58,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return code
 
 
+class Parser(argparse.ArgumentParser):
+    """Says in one line what is wrong."""
+
+    def error(self, message: str) -> NoReturn:
+        """Leave out the usage."""
+        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
+
+
 def parser() -> argparse.ArgumentParser:
     """The grammar of the command line."""
-    whole = argparse.ArgumentParser(
-        prog="chain-impact", description="Impact dynamics of planar robotic chains, as an FMU."
-    )
+    whole = Parser(prog="chain-impact", description="Impact dynamics of planar robotic chains, as an FMU.")
     verbs = whole.add_subparsers(required=True, metavar="COMMAND")
 
     build = verbs.add_parser("build", help="make the FMU of a scene")
@@ -76,7 +93,9 @@ def parser() -> argparse.ArgumentParser:
         "--set", action="append", default=[], metavar="NAME=VALUE", help="set a parameter; can be repeated"
     )
     simulate.add_argument("--show", action="store_true", help="open a window with the picture")
-    simulate.add_argument("--plot", metavar="FILE", type=Path, help="draw motion and energy (png, svg, pdf)")
+    simulate.add_argument(
+        "--plot", metavar="FILE", type=_picture, help="draw motion, energy and impacts (png, svg, pdf)"
+    )
     simulate.add_argument("--csv", metavar="FILE", type=Path, help="write all outputs over time")
     simulate.set_defaults(run=run_simulate)
 
@@ -108,6 +127,13 @@ def _platforms(text: str) -> tuple[str, ...]:
     return names
 
 
+def _picture(text: str) -> Path:
+    path = Path(text)
+    if path.suffix.lower() not in PICTURES:
+        raise argparse.ArgumentTypeError(f"{text} must end in {', '.join(PICTURES)}")
+    return path
+
+
 # ---- the verbs ------------------------------------------------------------------------------------------
 
 
@@ -120,27 +146,21 @@ def run_build(options: argparse.Namespace) -> int:
         fmu = build_fmu(scene, options.output, platforms=options.platform, notify=notify)
     out.print(f"FMU      {fmu}", markup=False, soft_wrap=True)
     if options.simulate:
-        recording = record(str(fmu), [])
-        csv, picture = fmu.with_suffix(".csv"), fmu.with_suffix(".png")
-        recording.save_csv(csv)
-        draw(recording, picture)
-        out.print(f"results  {csv}\npicture  {picture}", markup=False, soft_wrap=True)
-        summarize(recording)
+        report(str(fmu), [], fmu.with_suffix(".csv"), fmu.with_suffix(".png"))
     return 0
 
 
 def run_simulate(options: argparse.Namespace) -> int:
     """Simulate a scene or an FMU; print a summary, and write what was asked for."""
-    recording = record(options.source, options.set)
-    if options.csv:
-        recording.save_csv(options.csv)
-        out.print(f"results  {options.csv}", markup=False, soft_wrap=True)
-    if options.plot:
-        draw(recording, options.plot)
-        out.print(f"picture  {options.plot}", markup=False, soft_wrap=True)
-    summarize(recording)
-    if options.show:
-        show(recording)
+    window = open_window() if options.show else None
+    recording = report(options.source, options.set, options.csv, options.plot)
+    if window:
+        from matplotlib import pyplot
+
+        from chain_impact.plots import fill
+
+        fill(window, recording)
+        pyplot.show()
     return 0
 
 
@@ -149,21 +169,22 @@ def run_info(options: argparse.Namespace) -> int:
     if is_fmu(options.source):
         from fmpy import dump
 
-        dump(options.source)
+        read_fmu(Path(options.source))
+        dump(options.source, causalities=["parameter", "input", "output"])
         return 0
     from chain_impact.variables import fmu_variables
 
     scene = load_scene(options.source)
-    out.print(f"[bold]{scene.name}[/]  {scene.description}")
+    out.print(f"[bold]{scene.name}[/]  {escape(scene.description)}", soft_wrap=True)
     for key, value in _flatten(scene_to_dict(scene)):
         if key not in {"name", "description"}:
-            out.print(f"  {key} = {value}", markup=False)
-    table = Table("variable", "causality", "variability", "unit", "description", box=None)
-    for variable in fmu_variables(scene):
-        table.add_row(
-            variable.name, variable.causality, variable.variability, variable.unit, variable.description
-        )
-    out.print(table, markup=False)
+            out.print(f"  {key} = {value}", markup=False, soft_wrap=True)
+    out.print("\n[bold]Variables of its FMU[/]")
+    rows = [(v.name, v.causality, v.variability, v.unit, v.description) for v in fmu_variables(scene)]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        cells = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))
+        out.print(f"  {'  '.join(cells).rstrip()}", markup=False, soft_wrap=True)
     return 0
 
 
@@ -171,7 +192,11 @@ def run_validate(options: argparse.Namespace) -> int:
     """Check an FMU; the exit code is 1 if something is wrong."""
     from chain_impact.export.fmu import validate_fmu
 
-    problems = validate_fmu(options.fmu)
+    options.fmu.stat()  # a file that is not there is no FMU with problems
+    try:
+        problems = validate_fmu(options.fmu)
+    except zipfile.BadZipFile as error:
+        problems = [f"{options.fmu}: {error}"]
     for problem in problems:
         out.print(problem, markup=False, soft_wrap=True)
     if not problems:
@@ -207,7 +232,7 @@ def _setting(text: str) -> tuple[str, str]:
 def progress() -> Iterator[Notify]:
     """A progress bar for work of unknown length; yields a function that says what is being done."""
     columns = TextColumn("{task.description}"), BarColumn(pulse_style="cyan"), TimeElapsedColumn()
-    bar = Progress(*columns, console=err, transient=True)
+    bar = Progress(*columns, console=err, transient=True, disable=not err.is_terminal)
 
     def notify(sentence: str) -> None:
         if bar.task_ids:
@@ -223,24 +248,40 @@ def progress() -> Iterator[Notify]:
             bar.stop()
 
 
-def draw(recording: Recording, path: Path) -> None:
-    """Draw the recording into a file."""
-    from chain_impact.plots import plot
-
+def report(source: str, settings: Sequence[str], csv: Path | None, picture: Path | None) -> Recording:
+    """Simulate, write the files asked for and print a summary; also of what came before a fault."""
+    fault = None
     try:
-        plot(recording, path)
-    except ValueError as error:  # matplotlib's, for a suffix that it does not know
-        raise UsageError(f"{path}: {error}") from None
+        recording = record(source, settings)
+    except RunError as error:
+        if error.recording is None:
+            raise
+        recording, fault = error.recording, error
+    if csv:
+        recording.save_csv(csv)
+        out.print(f"results  {csv}", markup=False, soft_wrap=True)
+    if picture:
+        from chain_impact.plots import plot
+
+        plot(recording, picture)
+        out.print(f"picture  {picture}", markup=False, soft_wrap=True)
+    summarize(recording)
+    if fault:
+        raise fault
+    return recording
 
 
-def show(recording: Recording) -> None:
-    """Open a window with the picture and wait until it is closed."""
+def open_window() -> Figure:
+    """An empty page in a window."""
     from matplotlib import pyplot
 
-    from chain_impact.plots import fill
-
-    fill(pyplot.figure(figsize=(12, 6), layout="constrained"), recording)
-    pyplot.show()
+    try:
+        page = pyplot.figure(figsize=(12, 6.5), layout="constrained")
+    except ImportError as error:  # a backend asked for by MPLBACKEND
+        raise RunError(f"--show: {error}") from None
+    if page.canvas.required_interactive_framework is None:
+        raise RunError("--show: there is no display, or no window toolkit for matplotlib; use --plot FILE")
+    return page
 
 
 def summarize(recording: Recording) -> None:
@@ -250,7 +291,9 @@ def summarize(recording: Recording) -> None:
         table.add_row(
             str(number), f"{impact.time:.6f}", str(impact.point), impact.wall, f"{impact.speed:.4f}"
         )
-    out.print(f"\n[bold]{recording.name}[/]  0 … {recording.time[-1]:g} s, {len(recording.impacts)} impacts")
+    out.print(
+        f"\n[bold]{escape(recording.name)}[/]  0 … {recording.time[-1]:g} s, {len(recording.impacts)} impacts"
+    )
     out.print(table)
     total, dissipated = (recording.columns[f"energy.{name}"] for name in ("total", "dissipated"))
     supplied = recording.columns.get("energy.supplied", 0.0 * total)

@@ -89,6 +89,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
     solver = _record(
         ("method", INTEGER),  # index into SOLVER_METHODS, counted from 1
         ("tolerance", REAL),
+        ("work_limit", REAL),  # 1/s, evaluations for a second of simulated time
     )
     inputs = _record(
         ("joint_torque", REAL, (links,)),  # N·m
@@ -133,8 +134,6 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("last_point", INTEGER),  # 0…N, −1 before the first impact
         ("last_wall", INTEGER),  # 1…4 in the order of WALLS, 0 before the first impact
         ("last_speed", REAL),  # m/s
-        ("storm_start", REAL),  # s, events are counted over short windows of time
-        ("storm_count", INTEGER),
     )
     finished = _record(
         ("count", INTEGER),  # contacts ended since last collected
@@ -154,6 +153,13 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("rhs_evaluations", INTEGER),  # by the solver; looking at outputs is not counted
         ("implicit_steps", INTEGER),
         ("status", INTEGER),  # see kernel/status.py
+    )
+    # events and evaluations are counted over windows of time, and must not be too many
+    watch = _record(
+        ("event_start", REAL),  # s
+        ("event_count", INTEGER),
+        ("work_start", REAL),  # s
+        ("work_count", INTEGER),  # evaluations before `work_start`
     )
     vectors = _record(("x", REAL, (points,)), ("y", REAL, (points,)))
     elimination = _record(*((name, REAL, (links,)) for name in ("gain_x", "gain_y", "bias")))
@@ -196,6 +202,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("impact", impact),
         ("finished", finished),
         ("statistics", statistics),
+        ("watch", watch),
         ("output", output_dtype(links, candidates)),
         ("work", work),
     )
@@ -236,5 +243,6 @@ def new_instance(scene: Scene) -> np.ndarray:
     initial["angular_velocity"] = scene.initial.angular_velocities
 
     d["solver"]["method"] = SOLVER_METHODS.index(scene.solver.method) + 1
-    d["solver"]["tolerance"] = scene.solver.tolerance
+    for name in ("tolerance", "work_limit"):
+        d["solver"][name] = getattr(scene.solver, name)
     return block

@@ -24,7 +24,7 @@ ENERGY_COLOURS |= {"supplied": "#7570b3"}
 POINT_COLOURS = mpl.colormaps["tab10"].colors  # type: ignore[attr-defined]
 WALL_COLOUR, OUTSIDE_COLOUR, IMPACT_COLOUR = "0.25", "0.93", "0.15"
 SIDES = {"x_min": (0, 0), "x_max": (1, 0), "y_min": (0, 1), "y_max": (1, 1)}  # lower or upper, x or y
-MARGIN, BAND = 0.04, 0.13  # of the picture's width, at its edges and outside of walls
+MARGIN, BAND = 0.04, 0.14  # of the picture's width, at its edges and outside of walls
 NEAR_PLACE, NEAR_TIME = 0.025, 0.05  # of the width and of the time, within which impacts share a label
 STYLE: dict[Any, Any] = {
     "font.size": 9,
@@ -70,8 +70,10 @@ def draw_motion(axes: Axes, recording: Recording) -> None:
     frames.set_clim(time[0], time[-1])
     axes.add_collection(frames)
     for frame, name in ((0, "start"), (-1, "end")):
-        style = {"linewidth": 2.4, "marker": "o", "markersize": 4.5, "markeredgecolor": "white"}
-        axes.plot(*points[frame].T, color=frames.to_rgba(time[frame]), label=name, zorder=3, **style)
+        style: dict[str, Any] = {"marker": "o", "markersize": 4.5, "markeredgecolor": "white"}
+        axes.plot(
+            *points[frame].T, color=frames.to_rgba(time[frame]), linewidth=2.4, label=name, zorder=3, **style
+        )
     draw_impacts(axes, recording)
     axes.set_aspect("equal")
     axes.set_xlabel("x [m]")
@@ -107,7 +109,7 @@ def draw_walls(axes: Axes, recording: Recording) -> None:
 
 
 def draw_impacts(axes: Axes, recording: Recording) -> None:
-    """A ring where points hit a wall, and outside of the wall the numbers of the impacts there."""
+    """A ring where points hit a wall, and outside of it the numbers of the impacts there, or first … last."""
     spacing = NEAR_PLACE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
     places: dict[tuple[float, float, str], list[int]] = {}
     for number, impact in enumerate(recording.impacts, start=1):
@@ -121,21 +123,16 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
         upper, axis = SIDES[wall]
         outward = (2 * upper - 1) * np.eye(2)[axis]
         axes.annotate(
-            _listed(numbers),
+            ", ".join(map(str, numbers)) if not numbers[2:] else f"{numbers[0]} … {numbers[-1]}",
             (x, y),
-            xytext=tuple(7 * outward),
+            xytext=tuple(6 * outward),
             textcoords="offset points",
             rotation=90 if axis else 0,
             ha="center" if axis else ("right", "left")[upper],
             va=("top", "bottom")[upper] if axis else "center",
             color=IMPACT_COLOUR,
-            fontsize=7.5,
+            fontsize=7,
         )
-
-
-def _listed(numbers: list[int]) -> str:
-    """The numbers, of many the first and the last."""
-    return ", ".join(map(str, numbers)) if len(numbers) <= 3 else f"{numbers[0]} … {numbers[-1]}"
 
 
 def draw_clock(axes: Axes, recording: Recording) -> None:
@@ -180,3 +177,5 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
     axes.set_ylim(0.0, 1.15 * max((impact.speed for impact in impacts), default=1.0))
     if impacts:
         axes.legend(**ABOVE, ncols=6)
+    else:
+        axes.text(0.5, 0.5, "none", transform=axes.transAxes, ha="center", color="0.5")

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import io
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import redirect_stderr
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -12,12 +15,17 @@ import numpy as np
 
 from chain_impact.recording import Impact, Recording, impacts_from_outputs
 from chain_impact.scene import WALLS, Scene, SceneError, with_values
-from chain_impact.simulate import Result, simulate
-from chain_impact.variables import output_columns, parameter_paths
+from chain_impact.simulate import Result, SimulationError, simulate
+from chain_impact.variables import fmu_variables, output_columns, parameter_paths
 
 
 class RunError(RuntimeError):
-    """An FMU reported a fault; what it was stands in the FMU's own message."""
+    """A simulation that could not start or go on; ``recording`` holds what it gave until then."""
+
+    def __init__(self, message: str, recording: Recording | None = None) -> None:
+        """Keep the recording with the message."""
+        super().__init__(message)
+        self.recording = recording
 
 
 def record_scene(
@@ -27,13 +35,20 @@ def record_scene(
 
     Raises:
         SceneError: when a name is unknown or a value is out of range.
-        SimulationError: when the solver cannot go on.
+        RunError: when the solver cannot go on.
         BuildError: when the kernel cannot be compiled.
     """
     paths = parameter_paths(scene)
-    changes = {_known(name, paths, scene.name): text for name, text in settings.items()}
-    scene = with_values(scene, {paths[name]: _number(text) for name, text in changes.items()})
-    return recording_of(simulate(scene, notify=notify))
+    choices = {variable.name: [item.name for item in variable.items] for variable in fmu_variables(scene)}
+    changes = {
+        paths[_known(name, paths, scene.name)]: _scene_value(choices[name], text)
+        for name, text in settings.items()
+    }
+    try:
+        return recording_of(simulate(with_values(scene, changes), notify=notify))
+    except SimulationError as error:
+        partial = recording_of(error.result) if error.result else None
+        raise RunError(f"{scene.name}: {error}", partial) from None
 
 
 def recording_of(result: Result) -> Recording:
@@ -51,6 +66,21 @@ def recording_of(result: Result) -> Recording:
     )
 
 
+def read_fmu(path: Path) -> Any:
+    """The model description of an FMU, as fmpy gives it.
+
+    Raises:
+        SceneError: when the file is no FMU.
+    """
+    try:
+        return fmpy.read_model_description(str(path))
+    except OSError:
+        raise
+    except Exception as error:  # whatever zipfile, lxml and fmpy's own checks raise
+        reason = str(error).strip('"')
+        raise SceneError(f"{path}: not a readable FMU: {reason}") from None
+
+
 def record_fmu(path: Path, settings: Mapping[str, str]) -> Recording:
     """Simulate an FMU with fmpy, over its default experiment, with parameters set to values in text.
 
@@ -58,10 +88,7 @@ def record_fmu(path: Path, settings: Mapping[str, str]) -> Recording:
         SceneError: when the file is no FMU of a chain, a name is unknown or a value is no number.
         RunError: when the FMU reports a fault.
     """
-    try:
-        description = fmpy.read_model_description(str(path))
-    except Exception as error:  # fmpy raises whatever zipfile, lxml and its own checks raise
-        raise SceneError(f"{path}: not a readable FMU: {error}") from None
+    description = read_fmu(path)
     variables = {variable.name: variable for variable in description.modelVariables}
     if "point[0].x" not in variables:
         raise SceneError(f"{path}: not the FMU of a chain: it has no variable point[0].x")
@@ -70,20 +97,41 @@ def record_fmu(path: Path, settings: Mapping[str, str]) -> Recording:
     for name, text in settings.items():
         start_values[name] = _start_value(parameters[_known(name, parameters, str(path))], text, str(path))
     outputs = [name for name, variable in variables.items() if variable.causality == "output"]
-    step = float(description.defaultExperiment.stepSize)
-    try:
-        rows = fmpy.simulate_fmu(str(path), start_values=start_values, output=outputs, output_interval=step)
-    except Exception as error:  # fmpy's exceptions have no common class
-        raise RunError(f"{path}: {error}") from None
-    columns = {name: rows[name] for name in outputs}
     walls = {wall: start_values.get(f"box.{wall}", _start(variables, f"box.{wall}")) for wall in WALLS}
-    return Recording(
-        name=description.modelName,
-        time=np.asarray(rows["time"]),
-        columns=columns,
-        impacts=impacts_from_outputs(columns),
-        walls={wall: position for wall, position in walls.items() if position is not None},
-    )
+
+    def recording(rows: np.ndarray) -> Recording:
+        columns = {name: rows[name] for name in outputs}
+        return Recording(
+            name=description.modelName,
+            time=np.asarray(rows["time"]),
+            columns=columns,
+            impacts=impacts_from_outputs(columns),
+            walls={wall: position for wall, position in walls.items() if position is not None},
+        )
+
+    recorders: list[Any] = []  # fmpy's, after the first step
+
+    def step_finished(_: float, recorder: Any) -> bool:
+        recorders[:] = [recorder]
+        return True
+
+    said = io.StringIO()  # what the FMU prints: it runs in this Python
+    try:
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, redirect_stderr(said):
+            fmpy.extract(str(path), folder)
+            rows = fmpy.simulate_fmu(
+                folder,
+                start_values=start_values,
+                output=outputs,
+                output_interval=float(description.defaultExperiment.stepSize),
+                step_finished=step_finished,
+                model_description=description,
+            )
+    except Exception as error:  # fmpy's exceptions have no common class
+        reason = (said.getvalue().splitlines() or [str(error)])[-1]
+        partial = recording(recorders[0].result()) if recorders else None
+        raise RunError(f"{path}: {reason}", partial) from None
+    return recording(rows)
 
 
 def _known(name: str, names: Mapping[str, Any], source: str) -> str:
@@ -97,7 +145,15 @@ def _number(text: str) -> float | str:
     try:
         return float(text)
     except ValueError:
-        return text  # a choice, or what the scene will refuse
+        return text  # which the scene will refuse
+
+
+def _scene_value(choices: Sequence[str], text: str) -> float | str:
+    """The value that the scene takes for a parameter: a choice can be given by its number, counted from 1."""
+    if not choices:
+        return _number(text)
+    number = int(text) if text.isdecimal() else 0
+    return choices[number - 1] if 0 < number <= len(choices) else text
 
 
 def _start_value(variable: Any, text: str, source: str) -> float | int:

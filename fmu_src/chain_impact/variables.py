@@ -104,6 +104,7 @@ class Unit:
 UNITS = {
     "1": Unit("Ratio", {}),
     "s": Unit("Time", {"s": 1}),
+    "1/s": Unit("Frequency", {"s": -1}),
     "m": Unit("Length", {"m": 1}),
     "m/s": Unit("Velocity", {"m": 1, "s": -1}),
     "m/s2": Unit("Acceleration", {"m": 1, "s": -2}),
@@ -190,7 +191,7 @@ def _parameter(
 
 
 def _parameters(scene: Scene) -> Iterator[Variable]:
-    rules = _rules(Scene) | _rules(Box) | _rules(Solver)
+    rules = _rules(Scene) | _rules(Box)
     for j, axis in enumerate(AXES):
         path: Place = ("gravity", j)
         yield _parameter(rules["gravity"], f"gravity.{axis}", ("model", *path), path, f"{axis} of the {{}}")
@@ -205,10 +206,10 @@ def _parameters(scene: Scene) -> Iterator[Variable]:
     if candidates(scene):
         yield from _contact_parameters()
     yield from _initial_values(scene)
-    path = ("solver", "method")
-    yield _parameter(rules["method"], "solver.method", path, path, type="enumeration", items=_METHODS)
-    path = ("solver", "tolerance")
-    yield _parameter(rules["tolerance"], "solver.tolerance", path, path)
+    for key, rule in _rules(Solver).items():
+        path = ("solver", key)
+        choice: dict[str, Any] = {"type": "enumeration", "items": _METHODS} if key == "method" else {}
+        yield _parameter(rule, f"solver.{key}", path, path, **choice)
 
 
 def _contact_parameters() -> Iterator[Variable]:

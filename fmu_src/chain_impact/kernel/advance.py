@@ -16,15 +16,14 @@ from chain_impact.kernel.events import RELATCH, RELATCH_RATIO, TOUCH, find_event
 from chain_impact.kernel.impacts import finish, follow_contacts
 from chain_impact.kernel.initialize import derive_law, first_size, still
 from chain_impact.kernel.jit import jit
-from chain_impact.kernel.status import EVENT_STORM, LOG_FULL, NOT_FINITE, OK, STEP_TOO_SMALL
+from chain_impact.kernel.status import LOG_FULL, NOT_FINITE, OK, STEP_TOO_SMALL
 from chain_impact.kernel.switching import choose_method, explicit_again
+from chain_impact.kernel.watch import watch_events, watch_work
 
 LONGEST_STEP = 1.0  # s; a chain in flight without spin has no other limit
 SHORTEST_STEP = 1e-18  # s
 SAFETY, SHRINK, GROW = 0.9, 1.0 / 3.0, 6.0  # of the step size
 ONSET_FRACTION = 0.03  # first step of a contact, in parts of its expected duration
-STORM_WINDOW = 1e-3  # s, in which a candidate can have …
-STORM_EVENTS = 1000  # … this many onsets and ends before it is called a storm
 
 
 @jit
@@ -67,8 +66,11 @@ def restart(d):
 @jit
 def take_step(d):
     """Take one accepted step, up to the first event in it; returns a status."""
-    if not begin(d):
-        return EVENT_STORM
+    status = watch_work(d)
+    if status == OK:
+        status = watch_events(d, begin(d))
+    if status != OK:
+        return status
     h = min(d.step.next_size, LONGEST_STEP)
     grow = GROW
     while True:
@@ -148,7 +150,7 @@ def ends_contact(d):
 
 @jit
 def begin(d):
-    """Let what happened at the end of the last step take effect; False in a storm of events."""
+    """Let what happened at the end of the last step take effect; returns the number of events."""
     events = 0
     for c in range(len(d.touch.event)):
         events += d.touch.event[c] != 0
@@ -167,7 +169,7 @@ def begin(d):
     if events > 0:
         apply_events(d)
     choose_method(d)
-    return events == 0 or count_events(d, events)
+    return events
 
 
 @jit
@@ -201,13 +203,3 @@ def apply_events(d):
     if touch.active_count == 0:
         clear_loads(d)
         d.step.next_size = d.step.flight_size
-
-
-@jit
-def count_events(d, events):
-    """Count events over windows of time; False when there are too many."""
-    if d.step.end > d.impact.storm_start + STORM_WINDOW:
-        d.impact.storm_start = d.step.end
-        d.impact.storm_count = 0
-    d.impact.storm_count += events
-    return d.impact.storm_count <= STORM_EVENTS * len(d.touch.active)

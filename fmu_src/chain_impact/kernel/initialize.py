@@ -46,6 +46,8 @@ def initialize(d, time):
     d.step.flight_size = d.step.next_size
     d.impact.last_time = time
     d.impact.last_point = -1
+    d.watch.event_start = time
+    d.watch.work_start = time
     d.inputs.changed = 0
     explicit_again(d.step)
     d.statistics.status = check_start(d)
@@ -85,7 +87,12 @@ def check_parameters(d):
         for value in (d.model.length[i], d.model.mass[i], d.model.inertia[i]):
             if not (value > 0.0 and math.isfinite(value)):
                 return PARAMETER_OUT_OF_RANGE
-    for value in (d.solver.tolerance, d.contact.minimum_impact_speed, d.contact.exponent):
+    for value in (
+        d.solver.tolerance,
+        d.solver.work_limit,
+        d.contact.minimum_impact_speed,
+        d.contact.exponent,
+    ):
         if not (value > 0.0 and math.isfinite(value)):
             return PARAMETER_OUT_OF_RANGE
     if not 1 <= d.solver.method <= METHODS:
