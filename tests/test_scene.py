@@ -1,7 +1,5 @@
 """Scene files: what they mean, what is refused and how, and that nothing else ever happens."""
 
-# ruff: noqa: D103 - the name of a test is its docstring
-
 import copy
 import functools
 import json

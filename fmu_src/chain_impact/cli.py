@@ -166,21 +166,28 @@ def run_simulate(options: argparse.Namespace) -> int:
 
 def run_info(options: argparse.Namespace) -> int:
     """Say what a scene or an FMU holds."""
+    facts: list[tuple[str, object]] = []
     if is_fmu(options.source):
-        from fmpy import dump
+        from fmpy import supported_platforms
 
-        read_fmu(Path(options.source))
-        dump(options.source, causalities=["parameter", "input", "output"])
-        return 0
-    from chain_impact.variables import fmu_variables
+        held = read_fmu(Path(options.source))
+        name, description, variables = held.modelName, held.description or "", held.modelVariables
+        facts += [("FMI version", held.fmiVersion), ("made by", held.generationTool), ("guid", held.guid)]
+        facts += [("platforms", ", ".join(supported_platforms(options.source)))]
+        if held.defaultExperiment:
+            facts += [(key, getattr(held.defaultExperiment, key)) for key in ("stopTime", "stepSize")]
+        facts += [(v.name, v.start) for v in variables if v.causality == "parameter"]
+    else:
+        from chain_impact.variables import fmu_variables
 
-    scene = load_scene(options.source)
-    out.print(f"[bold]{scene.name}[/]  {escape(scene.description)}", soft_wrap=True)
-    for key, value in _flatten(scene_to_dict(scene)):
-        if key not in {"name", "description"}:
-            out.print(f"  {key} = {value}", markup=False, soft_wrap=True)
-    out.print("\n[bold]Variables of its FMU[/]")
-    rows = [(v.name, v.causality, v.variability, v.unit, v.description) for v in fmu_variables(scene)]
+        scene = load_scene(options.source)
+        name, description, variables = scene.name, scene.description, fmu_variables(scene)
+        facts += [pair for pair in _flatten(scene_to_dict(scene)) if pair[0] not in {"name", "description"}]
+    out.print(f"[bold]{escape(name)}[/]  {escape(description)}", soft_wrap=True)
+    for key, value in facts:
+        out.print(f"  {key} = {value}", markup=False, soft_wrap=True)
+    out.print("\n[bold]Variables of the FMU[/]")
+    rows = [(v.name, v.causality, v.variability, v.unit or "", v.description or "") for v in variables]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:
         cells = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))

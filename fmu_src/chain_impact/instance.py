@@ -70,6 +70,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("center_of_mass_ratio", REAL, (links,)),  # centre of mass / length
         ("joint_inertia", REAL, (links,)),  # kg·m² about the proximal joint
         ("size", REAL),  # m, longest link: the absolute scale of positions
+        ("energy", REAL),  # J, of the whole mass at one `size` a second: the absolute scale of energies
     )
     contact = _record(
         ("law", INTEGER),  # id of the force law, counted from 1

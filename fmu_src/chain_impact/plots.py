@@ -33,19 +33,19 @@ STYLE: dict[Any, Any] = {
     "legend.frameon": False,
     "legend.fontsize": 8,
     "legend.borderaxespad": 0.2,
-    "legend.handlelength": 1.4,
 }
 ABOVE: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "columnspacing": 1.2}
 
 
 def plot(recording: Recording, path: Path) -> None:
     """Draw the recording into a file; the suffix says which kind (png, svg, pdf)."""
-    with mpl.rc_context(STYLE), written_whole(path) as fresh:
+    with written_whole(path) as fresh:
         page = Figure(figsize=SIZE, layout="constrained")
         fill(page, recording)
         page.savefig(fresh, dpi=160)
 
 
+@mpl.rc_context(STYLE)
 def fill(page: Figure, recording: Recording) -> None:
     """Draw motion on the left, and energy and impacts over time on the right, of an empty page."""
     grid = page.add_gridspec(3, 2, width_ratios=(1.1, 1), height_ratios=(1, 1, 0.06))
@@ -78,7 +78,7 @@ def draw_motion(axes: Axes, recording: Recording) -> None:
     axes.set_aspect("equal")
     axes.set_xlabel("x [m]")
     axes.set_ylabel("y [m]")
-    axes.legend(**ABOVE, ncols=3, handlelength=2.5)
+    axes.legend(**ABOVE, ncols=3)
 
 
 def draw_walls(axes: Axes, recording: Recording) -> None:
@@ -137,7 +137,7 @@ def draw_impacts(axes: Axes, recording: Recording) -> None:
 
 def draw_clock(axes: Axes, recording: Recording) -> None:
     """The axis of time, in the colours of the motion."""
-    start, end = recording.time[[0, -1]]
+    start, end = recording.time[0], max(recording.time[-1], recording.time[0] + 1e-9)
     axes.imshow(np.linspace([0.0], [1.0], 256).T, TIME_COLOURS, aspect="auto", extent=(start, end, 0, 1))
     margin = 0.015 * (end - start)
     axes.set(xlabel="time [s], and its colours in the motion", yticks=[], xlim=(start - margin, end + margin))

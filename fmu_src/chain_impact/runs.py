@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import redirect_stderr
+from contextlib import chdir, redirect_stderr
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -117,7 +117,12 @@ def record_fmu(path: Path, settings: Mapping[str, str]) -> Recording:
 
     said = io.StringIO()  # what the FMU prints: it runs in this Python
     try:
-        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, redirect_stderr(said):
+        # fmpy leaves the working directory changed when it cannot load the FMU's library
+        with (
+            tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder,
+            redirect_stderr(said),
+            chdir("."),
+        ):
             fmpy.extract(str(path), folder)
             rows = fmpy.simulate_fmu(
                 folder,

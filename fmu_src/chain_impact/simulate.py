@@ -179,7 +179,8 @@ class Instance:
         return rows
 
     def open_contacts(self) -> np.ndarray:
-        """The contacts that have not ended yet."""
+        """The contacts that have not ended yet, with their peaks so far; drops what was solved ahead."""
+        self._kernel.follow(self._address)
         touch, model = self.record["touch"], self.record["model"]
         active = touch["active"] == 1
         columns = {name: touch[name] for name in ("onset", "peak_force", "max_penetration", "effective_mass")}
@@ -217,7 +218,7 @@ def load_kernel(library: Path) -> ctypes.CDLL:
     kernel = ctypes.CDLL(str(library))
     pointer, real = ctypes.c_void_p, ctypes.c_double
     kernel.initialize.argtypes = kernel.advance.argtypes = [pointer, real]
-    kernel.observe.argtypes = [pointer]
+    kernel.observe.argtypes = kernel.follow.argtypes = [pointer]
     kernel.trajectory.argtypes = [pointer, pointer, ctypes.c_int64, pointer]
     kernel.trajectory.restype = ctypes.c_int64
     return kernel

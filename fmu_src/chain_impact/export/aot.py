@@ -27,7 +27,6 @@ ZIG_TARGETS = {
 """FMI platform → zig target and file suffix; the platforms for which pythonfmu has a wrapper."""
 HOST = "linux64"
 PORTABLE_CPU = "x86-64-v2"  # every x86 processor since 2009
-ENTRY_POINTS = ("initialize", "advance", "observe", "trajectory")
 # numba's code refers to these on its error paths only, which the kernel never takes: it does not allocate
 # and its error model is NumPy's
 PYTHON_SYMBOLS = (

@@ -73,15 +73,16 @@ def take_step(d):
         return status
     h = min(d.step.next_size, LONGEST_STEP)
     grow = GROW
+    error = 0.0
     while True:
+        if h < SHORTEST_STEP or d.step.end + h == d.step.end:
+            return STEP_TOO_SMALL if math.isfinite(error) else NOT_FINITE
         error = attempt(d, h)
         if error <= 1.0:
             break
         d.statistics.rejected_steps += 1
         h *= size_factor(d, error) if math.isfinite(error) else 0.1
         grow = 1.0
-        if h < SHORTEST_STEP or d.step.end + h == d.step.end:
-            return STEP_TOO_SMALL if math.isfinite(error) else NOT_FINITE
     accept(d, h)
     d.statistics.steps += 1
     d.statistics.implicit_steps += d.step.implicit

@@ -4,11 +4,13 @@ int32 initialize(instance*, double time)
 int32 advance(instance*, double time)
 int32 observe(instance*)
 int64 trajectory(instance*, const double* times, int64 rows, output* out)
+    int32 follow(instance*)
 """
 
 from numba import carray, float64, int32, int64, types
 
 from chain_impact.kernel.advance import advance, restart
+from chain_impact.kernel.impacts import follow_to_now
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.jit import jit
 from chain_impact.kernel.observe import observe
@@ -50,6 +52,10 @@ def entry_points(instance, output):
         observe(d, d.output)
         return d.statistics.status
 
+    def follow_entry(p):
+        follow_to_now(carray(p, (1,))[0])
+        return 0
+
     def trajectory_entry(p, times, count, out):
         return trajectory(carray(p, (1,))[0], carray(times, (count,)), carray(out, (count,)))
 
@@ -57,5 +63,6 @@ def entry_points(instance, output):
         "initialize": (int32(pointer, float64), initialize_entry),
         "advance": (int32(pointer, float64), advance_entry),
         "observe": (int32(pointer), observe_entry),
+        "follow": (int32(pointer), follow_entry),
         "trajectory": (int64(pointer, types.CPointer(float64), int64, rows), trajectory_entry),
     }

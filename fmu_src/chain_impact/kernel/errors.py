@@ -15,8 +15,8 @@ def scaled_error(d, row):
 
     The scales, times the tolerance: 1 rad for angles and one link length for positions, whatever their
     value (turning or shifting the scene changes nothing); speeds relative to themselves plus one of these a
-    second; and the penetration of every active contact by its own scale, which may be a millionth of a link
-    length. Energies follow and are not controlled.
+    second, and dissipated energy likewise; and the penetration of every active contact by its own scale,
+    which may be a millionth of a link length. Energy supplied by inputs follows and is not controlled.
 
     Returns:
         At most 1 when the error keeps the tolerance; infinity when the result is not finite.
@@ -24,7 +24,7 @@ def scaled_error(d, row):
     n = len(d.model.length)
     error, y, size = d.work.error[row], d.work.y, d.model.size
     worst = 0.0
-    for j in range(2 * n + 4):
+    for j in range(2 * n + 5):
         # a NaN is lost in max()
         if not math.isfinite(error[j] + y[j]):
             return math.inf
@@ -34,8 +34,10 @@ def scaled_error(d, row):
             scale = 1.0
         elif j < n + 4:
             scale = size + abs(y[j])
-        else:
+        elif j < 2 * n + 4:
             scale = 1.0 + abs(y[j])
+        else:
+            scale = d.model.energy + abs(y[j])
         worst = max(worst, abs(error[j]) / scale)
     if d.touch.active_count > 0:
         locate_points(d.model, y, d.work)

@@ -3,6 +3,7 @@
 from chain_impact.kernel.contact import accelerate_points, clearance, contact_force, inward, locate_points
 from chain_impact.kernel.contact_laws import elastic_force
 from chain_impact.kernel.dense import interpolate
+from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.jit import jit
 
 FORCE, PENETRATION = 0, 1
@@ -35,6 +36,17 @@ def follow_contacts(d, rate):
             touch.peak_force[c] = max(touch.peak_force[c], maximum(d, c, FORCE))
         if depth_peaked:
             touch.max_penetration[c] = max(touch.max_penetration[c], maximum(d, c, PENETRATION))
+
+
+@jit
+def follow_to_now(d):
+    """Follow the active contacts up to the communication point, where the last step ends from now on."""
+    step, rate = d.step, d.work.stage[0]
+    interpolate(step, (step.time - step.start) / step.size, step.state_end)
+    step.end = step.time
+    step.rate_known = 0
+    state_rate(d, step.state_end, rate)
+    follow_contacts(d, rate)
 
 
 @jit

@@ -56,7 +56,7 @@ def initialize(d, time):
 
 @jit
 def derive_chain(model):
-    """Find what the recursion needs of each link, and the absolute scale of positions."""
+    """Find what the recursion needs of each link, and the absolute scales of positions and energies."""
     model.damped = 0
     model.size = 0.0
     for i in range(len(model.length)):
@@ -67,6 +67,10 @@ def derive_chain(model):
         model.size = max(model.size, model.length[i])
         if model.joint_damping[i] != 0.0 and (i > 0 or model.pinned):
             model.damped = 1
+    total = 0.0
+    for i in range(len(model.length)):
+        total += model.mass[i]
+    model.energy = total * model.size * model.size
 
 
 @jit

@@ -1,0 +1,74 @@
+"""FMUs, and a clean process to import them in.
+
+In this process the FMU could pick up the package, numba, or modules that a test has loaded. So what concerns
+its use runs in an environment of its own that holds an importer and pythonfmu, and not this package.
+"""
+
+import inspect
+import json
+import subprocess
+import sys
+import textwrap
+from collections.abc import Callable
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from chain_impact.export.fmu import build_fmu
+from chain_impact.scene import model_names
+
+HERE = Path(__file__).parent
+Clean = Callable[..., Any]
+
+
+@pytest.fixture(scope="session")
+def fmus(tmp_path_factory) -> dict[str, str]:
+    """The FMU of each model: name of the model → path."""
+    folder = tmp_path_factory.mktemp("fmus")
+    return {name: str(build_fmu(name, folder)) for name in model_names()}
+
+
+@pytest.fixture(scope="session")
+def clean_python(tmp_path_factory) -> Path:
+    """A Python that knows fmpy and pythonfmu, and neither this package nor numba."""
+    folder = tmp_path_factory.mktemp("clean")
+    subprocess.run([sys.executable, "-m", "venv", folder], check=True)
+    python = folder / "bin" / "python"
+    packages = [f"{name}=={version(name)}" for name in ("pythonfmu", "fmpy")]
+    install = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *packages]
+    subprocess.run(install, check=True)
+    return python
+
+
+@pytest.fixture(scope="session")
+def clean(clean_python) -> Clean:
+    """Run ``function(*arguments)`` in the clean Python; all that it uses is what it imports and importer.py.
+
+    Arguments and result pass as JSON, which keeps doubles to the last bit.
+    """
+
+    def run(function: Callable[..., Any], *arguments: Any) -> Any:
+        program = "\n".join(
+            (
+                "import json, sys",
+                f"sys.path.insert(0, {str(HERE)!r})",
+                "from importer import Instance, MESSAGES, refused",
+                textwrap.dedent(inspect.getsource(function)),
+                f"result = {function.__name__}(*json.loads(sys.stdin.read()))",
+                # after whatever importer and FMU have printed
+                "print('\\n' + json.dumps(result))",
+            )
+        )
+        done = subprocess.run(
+            [clean_python, "-I", "-X", "faulthandler", "-c", program],
+            input=json.dumps(arguments),
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-4000:]
+        return json.loads(done.stdout.splitlines()[-1])
+
+    return run

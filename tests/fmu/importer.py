@@ -1,0 +1,113 @@
+"""An importer as users have one: fmpy, by names. It runs in an environment without this project's package."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterable
+from ctypes import byref
+from typing import Any
+
+import fmpy
+from fmpy.fmi1 import FMICallException, calloc, free
+from fmpy.fmi2 import (
+    FMU2Slave,
+    fmi2CallbackAllocateMemoryTYPE,
+    fmi2CallbackFreeMemoryTYPE,
+    fmi2CallbackFunctions,
+    fmi2CallbackLoggerTYPE,
+)
+from fmpy.logging import addLoggerProxy
+
+MESSAGES: list[str] = []
+
+
+def _log(_environment: Any, _name: bytes, _status: int, _category: bytes, message: bytes) -> None:
+    MESSAGES.append(message.decode())
+
+
+# one for all instances, as fmpy's proxy that formats the messages calls the last logger it was given
+CALLBACKS = fmi2CallbackFunctions()
+CALLBACKS.logger = fmi2CallbackLoggerTYPE(_log)
+CALLBACKS.allocateMemory = fmi2CallbackAllocateMemoryTYPE(calloc)
+CALLBACKS.freeMemory = fmi2CallbackFreeMemoryTYPE(free)
+addLoggerProxy(byref(CALLBACKS))
+
+
+class Instance:
+    """One instance of an FMU; ``fmu`` is fmpy's own object, ``time`` the communication point [s]."""
+
+    def __init__(self, path: str, name: str = "instance") -> None:
+        """Unzip and instantiate, with logging on."""
+        description = fmpy.read_model_description(path)
+        self.variables = {variable.name: variable for variable in description.modelVariables}
+        self.outputs = [name for name, v in self.variables.items() if v.causality == "output"]
+        self.folder = fmpy.extract(path)
+        self.fmu = FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=self.folder,
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            instanceName=name,
+        )
+        self.fmu.instantiate(callbacks=CALLBACKS, loggingOn=True)
+        self.time = 0.0
+
+    def start(self, start_time: float = 0.0, stop_time: float | None = None, **values: float) -> Instance:
+        """Set up, set parameters and initialize."""
+        self.fmu.setupExperiment(startTime=start_time, stopTime=stop_time)
+        self.set(values)
+        self.fmu.enterInitializationMode()
+        self.fmu.exitInitializationMode()
+        self.time = start_time
+        return self
+
+    def get(self, names: Iterable[str]) -> list[Any]:
+        """The values of some variables."""
+        return [self[name] for name in names]
+
+    def __getitem__(self, name: str) -> Any:
+        """The value of one variable."""
+        variable = self.variables[name]
+        get = self.fmu.getReal if variable.type == "Real" else self.fmu.getInteger
+        return get([variable.valueReference])[0]
+
+    def set(self, values: dict[str, float]) -> None:
+        """Set variables."""
+        for name, value in values.items():
+            variable = self.variables[name]
+            put = self.fmu.setReal if variable.type == "Real" else self.fmu.setInteger
+            put([variable.valueReference], [value])
+
+    def step(self, time: float) -> None:
+        """Advance to a time [s]."""
+        self.fmu.doStep(currentCommunicationPoint=self.time, communicationStepSize=time - self.time)
+        self.time = time
+
+    def run(self, times: Iterable[float], names: Iterable[str] | None = None) -> list[list[Any]]:
+        """Advance to each of the times [s] that is not reached yet; a row of outputs for each."""
+        chosen, rows = list(self.outputs if names is None else names), []
+        for time in times:
+            if time > self.time:
+                self.step(time)
+            rows.append(self.get(chosen))
+        return rows
+
+    def close(self) -> None:
+        """Free the instance and what it was unzipped to."""
+        self.fmu.freeInstance()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def refused(path: str, *calls: Any) -> str:
+    """What the FMU logs when the last of the calls, functions of an instance, fails; "" if it does not."""
+    instance = Instance(path)
+    try:
+        for call in calls[:-1]:
+            call(instance)
+        MESSAGES.clear()
+        try:
+            calls[-1](instance)
+        except FMICallException:
+            return "\n".join(MESSAGES)
+        return ""
+    finally:
+        instance.close()

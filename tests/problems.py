@@ -1,0 +1,495 @@
+"""Scenes with exact answers: shared by tests, benchmarks and docs.
+
+Each builder returns the scene and what must come of it, from closed forms or from quadrature and algebra
+that share nothing with the kernel. Units are SI throughout.
+
+The chain's coordinates are q = (x₀, y₀, θ_1…θ_N): the base point and the absolute link angles. Scenes keep
+to few pairs of (links N, candidates C), as each is one compilation: (1, 1), (1, 4), (4, 0), (4, 20).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import mpmath
+import numpy as np
+
+from chain_impact.scene import WALLS, Scene, load_scene, scene_from_dict, with_values
+
+GRAVITY = 9.81  # m/s²
+FAR = 1e3  # m, a wall that is never reached
+GHOST = 1e-12  # N/m^(3/2), a wall that is felt by nobody: a crossing changes nothing
+
+# --- the exact impact of a point mass -----------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class PointImpact:
+    """The impact of a point mass on a wall, without gravity.
+
+    Attributes:
+        max_penetration: [m].
+        peak_force: [N].
+        duration: [s].
+        separation_speed: [m/s].
+        dissipated: [J].
+    """
+
+    max_penetration: float
+    peak_force: float
+    duration: float
+    separation_speed: float
+    dissipated: float
+
+
+def realised_restitution(damping_factor: float) -> float:
+    """The restitution e′ that F = K δⁿ (1 + λ δ̇/v₀) has, whatever n, K, mass and v₀.
+
+    λ(1 + e′) = ln[(1+λ)/(1−λe′)], hence e′ = [1 + W₀(−(1+λ) e^{−(1+λ)})]/λ with Lambert's W.
+    """
+    with mpmath.workdps(50):
+        return float(_restitution(mpmath.mpf(damping_factor))) if damping_factor else 1.0
+
+
+def exact_damping_factor(restitution: float) -> float:
+    """The λ whose realised restitution, by Lambert's W in 50 digits, is the given one."""
+    if restitution == 1.0:
+        return 0.0
+    with mpmath.workdps(50):
+        e = mpmath.mpf(restitution)
+        # e′(λ) falls from 1, and λe′ < 1; for small 1 − e, λ = (3/2)(1 − e) + …
+        bracket = (1 - e, 1 / e)
+        return float(
+            mpmath.findroot(lambda lam: _restitution(lam) - e, bracket, solver="anderson", tol=1e-80)
+        )
+
+
+def _restitution(lam: Any) -> Any:
+    return (1 + mpmath.lambertw(-(1 + lam) * mpmath.exp(-(1 + lam))).real) / lam
+
+
+def point_impact(mass: float, speed: float, stiffness: float, exponent: float, damping: float) -> PointImpact:
+    """The exact impact of a mass m [kg] at a speed v [m/s] under F = K δⁿ (1 + λ δ̇/v).
+
+    With u = δ̇/v from 1 down to −e′ as the variable, m v u du = −K δⁿ (1 + λu) dδ/v gives
+      K δⁿ⁺¹/((n+1) m v²) = G(u) = ∫_u¹ s/(1+λs) ds = [λ(1−u) − ln((1+λ)/(1+λu))]/λ²,
+      T = ∫ m v/F du over [−e′, 1], and F = K δⁿ (1+λu) has its peak where dF/du = 0.
+    For λ = 0 the duration is T = 2 (δ_max/v) √π Γ(1+p)/Γ(½+p), p = 1/(n+1) (Hertz 1881 for n = 3/2).
+    """
+    with mpmath.workdps(50):
+        m, v, k, n, lam = (mpmath.mpf(value) for value in (mass, speed, stiffness, exponent, damping))
+        p = 1 / (n + 1)
+        if lam == 0:
+            deepest = ((n + 1) * m * v**2 / (2 * k)) ** p
+            duration = 2 * deepest / v * mpmath.sqrt(mpmath.pi) * mpmath.gamma(1 + p) / mpmath.gamma(p + 0.5)
+            return PointImpact(float(deepest), float(k * deepest**n), float(duration), speed, 0.0)
+        e = _restitution(lam)
+
+        # G from either end, u = 1 − t and u = −e′ + r, so that nothing cancels there
+        def falling(t: Any) -> tuple[Any, Any]:
+            return 1 - t, (lam * t + mpmath.log1p(-lam * t / (1 + lam))) / lam**2
+
+        def rising(r: Any) -> tuple[Any, Any]:
+            return r - e, (mpmath.log1p(lam * r / (1 - lam * e)) - lam * r) / lam**2
+
+        def depth(g: Any) -> Any:
+            return ((n + 1) * m * v**2 / k * g) ** p
+
+        def force(u: Any, g: Any) -> Any:
+            return k * depth(g) ** n * (1 + lam * u)
+
+        duration = mpmath.quad(lambda t: m * v / force(*falling(t)), [0, 1])
+        duration += mpmath.quad(lambda r: m * v / force(*rising(r)), [0, e])
+        # dF/du = 0: n G′(1+λu) + (n+1) λ G = 0 with G′ = −u/(1+λu); the peak comes before the turn
+        top = mpmath.findroot(
+            lambda t: (n + 1) * lam * falling(t)[1] - n * falling(t)[0], (1e-9, 1), solver="anderson"
+        )
+        return PointImpact(
+            max_penetration=float(depth(falling(mpmath.mpf(1))[1])),
+            peak_force=float(force(*falling(top))),
+            duration=float(duration),
+            separation_speed=float(e * v),
+            dissipated=float(m * v**2 * (1 - e**2) / 2),
+        )
+
+
+# --- textbook dynamics: assemble M(q) and h(q, q̇), with no recursion ------------------------------------
+
+
+def point_jacobian(scene: Scene, angles: Sequence[float], point: int) -> np.ndarray:
+    """J with ṗ_k = J q̇ for the point k, shape (2, N+2)."""
+    jacobian = np.zeros((2, len(angles) + 2))
+    jacobian[0, 0] = jacobian[1, 1] = 1.0
+    before = np.array(angles[:point])
+    lengths = np.array([link.length for link in scene.chain.links[:point]])
+    jacobian[:, 2 : 2 + point] = lengths * np.array([-np.sin(before), np.cos(before)])
+    return jacobian
+
+
+def centre_jacobian(scene: Scene, angles: Sequence[float], i: int) -> np.ndarray:
+    """J with ṗ_C = J q̇ for the centre of mass of link i (from 0), shape (2, N+2)."""
+    jacobian = point_jacobian(scene, angles, i)
+    arm = scene.chain.links[i].center_of_mass
+    jacobian[:, 2 + i] = arm * np.array([-np.sin(angles[i]), np.cos(angles[i])])
+    return jacobian
+
+
+def mass_matrix(scene: Scene, angles: Sequence[float]) -> np.ndarray:
+    """M(q) = Σ m J_Cᵀ J_C + I ∇θ ∇θᵀ over the links, shape (N+2, N+2)."""
+    matrix = np.zeros((len(angles) + 2,) * 2)
+    for i, link in enumerate(scene.chain.links):
+        jacobian = centre_jacobian(scene, angles, i)
+        matrix += link.mass * jacobian.T @ jacobian
+        matrix[2 + i, 2 + i] += link.inertia
+    return matrix
+
+
+def generalized_force(
+    scene: Scene, angles: np.ndarray, omega: np.ndarray, loads: np.ndarray, moments: np.ndarray
+) -> np.ndarray:
+    """Q − c(q, q̇), the right side of M q̈ = Q − c, shape (N+2,).
+
+    Args:
+        scene: the chain and gravity.
+        angles: θ [rad].
+        omega: ω [rad/s].
+        loads: force on each point 0…N, shape (N+1, 2) [N].
+        moments: net moment on each link [N·m].
+    """
+    total = np.concatenate([[0.0, 0.0], moments])
+    drift = np.zeros(2)  # p̈ of the proximal joint for q̈ = 0: −Σ ω² L
+    for i, link in enumerate(scene.chain.links):
+        inward = -(omega[i] ** 2) * np.array([np.cos(angles[i]), np.sin(angles[i])])
+        centre_drift = drift + link.center_of_mass * inward
+        total += link.mass * centre_jacobian(scene, angles, i).T @ (np.array(scene.gravity) - centre_drift)
+        drift = drift + link.length * inward
+    for k, load in enumerate(loads):
+        total += point_jacobian(scene, angles, k).T @ load
+    return total
+
+
+def clearance_gradient(scene: Scene, angles: Sequence[float], point: int, wall: str) -> np.ndarray:
+    """∇g of a point's clearance to a wall, shape (N+2,)."""
+    axis, side = divmod(WALLS.index(wall), 2)
+    return (1 - 2 * side) * point_jacobian(scene, angles, point)[axis]
+
+
+def newton_impact(
+    scene: Scene, angles: Sequence[float], velocity: np.ndarray, contact: tuple[int, str], restitution: float
+) -> tuple[np.ndarray, float]:
+    """Velocities q̇⁺ after Newton's impact of a (point, wall), and its effective mass [kg].
+
+    q̇⁺ = q̇⁻ − M⁻¹ Jᵀ m_eff (1+e) J q̇⁻,  m_eff = 1/(J M⁻¹ Jᵀ): the rigid limit of all the force laws.
+    """
+    gradient = clearance_gradient(scene, angles, *contact)
+    response = np.linalg.solve(mass_matrix(scene, angles), gradient)
+    effective = 1.0 / (gradient @ response)
+    return velocity - response * effective * (1 + restitution) * (gradient @ velocity), effective
+
+
+# --- scenes ---------------------------------------------------------------------------------------------
+
+
+def build(
+    name: str,
+    links: Sequence[Mapping[str, float]],
+    initial: Mapping[str, Any],
+    box: Mapping[str, float],
+    contact: Mapping[str, Any],
+    *,
+    gravity: float = 0.0,
+    stop_time: float = 1.0,
+    base: str = "free",
+    tolerance: float = 1e-10,
+) -> Scene:
+    """A validated scene; ``contact`` and ``initial`` hold the keys of these tables of the scene file."""
+    table = {
+        "name": name,
+        "gravity": [0.0, -gravity],
+        "chain": {"base": base, "links": [dict(link) for link in links]},
+        "box": dict(box),
+        "contact": dict(contact),
+        "initial": dict(initial),
+        "solver": {"tolerance": tolerance},
+        "simulation": {"stop_time": stop_time, "step_size": stop_time / 100},
+    }
+    return scene_from_dict(table, name)
+
+
+def contact_table(**changes: Any) -> dict[str, Any]:
+    """The [contact] table of these scenes: Zhang–Sharf with e = 0.7 and K = 1e8, unless changed."""
+    return {"model": "zhang_sharf", "stiffness": 1e8, "restitution": 0.7} | changes
+
+
+def ball(
+    height: float = 0.0,
+    speed: float = 1.0,
+    *,
+    mass: float = 1.0,
+    gravity: float = 0.0,
+    stop_time: float = 0.1,
+    tolerance: float = 1e-10,
+    **contact: Any,
+) -> Scene:
+    """A point mass above the floor: a link with its centre of mass at the base, which is what may touch."""
+    link = {"length": 1.0, "mass": mass, "center_of_mass": 0.0, "inertia": 1.0}
+    initial = {"position": [0.0, height], "angles": [0.0], "velocity": [0.0, -speed]}
+    table = contact_table(points=[0], **contact)
+    return build(
+        "Ball",
+        [link],
+        initial,
+        {"y_min": 0.0},
+        table,
+        gravity=gravity,
+        stop_time=stop_time,
+        tolerance=tolerance,
+    )
+
+
+def struck_ball(
+    mass: float = 1.0, speed: float = 1.0, damping_factor: float = 0.0, **contact: Any
+) -> tuple[Scene, PointImpact]:
+    """A ball that flies 1 mm to the floor without gravity, and its exact impact for the law's λ."""
+    scene = ball(height=1e-3, speed=speed, mass=mass, **contact)
+    k, n = scene.contact.stiffness, scene.contact.exponent
+    exact = point_impact(mass, speed, k, n, damping_factor)
+    # long enough to come, to touch and to leave
+    return with_values(scene, {("simulation", "stop_time"): 2e-3 / speed + 2 * exact.duration}), exact
+
+
+@dataclass(frozen=True)
+class Drop:
+    """When and how fast something dropped arrives: onset [s], speed [m/s]."""
+
+    onset: float
+    speed: float
+
+
+def dropped_ball(height: float = 1.0, stop_time: float = 0.5, **contact: Any) -> tuple[Scene, Drop]:
+    """A ball dropped from rest: t = √(2h/g), v = √(2gh)."""
+    scene = ball(height, 0.0, gravity=GRAVITY, stop_time=stop_time, **contact)
+    return scene, Drop(math.sqrt(2 * height / GRAVITY), math.sqrt(2 * GRAVITY * height))
+
+
+def rest_depth(scene: Scene, points: int = 1) -> float:
+    """Penetration (m g/(k K))^(1/n) [m] at which a chain rests on k equally loaded points."""
+    weight = -scene.gravity[1] * sum(link.mass for link in scene.chain.links)
+    return (weight / (points * scene.contact.stiffness)) ** (1 / scene.contact.exponent)
+
+
+def rod(
+    tilt: float,
+    lowest: float,
+    speed: float = 1.0,
+    spin: float = 0.0,
+    *,
+    gravity: float = 0.0,
+    stop_time: float = 0.1,
+    box: Mapping[str, float] | None = None,
+    length: float = 1.0,
+    **contact: Any,
+) -> Scene:
+    """A uniform rod of 1 kg above the floor, whose lower end starts at the height ``lowest`` [m].
+
+    Args:
+        tilt: angle from the floor [rad]; the base is the lower end for a tilt > 0.
+        lowest: height of the lower end [m].
+        speed: of the centre towards the floor [m/s].
+        spin: angular velocity [rad/s].
+        gravity: [m/s²].
+        stop_time: [s].
+        box: the walls, by default the floor at 0 and a wall far away on the left.
+        length: [m].
+        contact: keys of the [contact] table.
+    """
+    rise = length * math.sin(tilt)
+    # v_base = v_centre − ω c⊥
+    initial = {
+        "position": [0.0, lowest - min(rise, 0.0)],
+        "angles": [tilt],
+        "velocity": [spin * rise / 2, -speed - spin * length * math.cos(tilt) / 2],
+        "angular_velocities": [spin],
+    }
+    walls = {"x_min": -FAR, "y_min": 0.0} if box is None else box
+    link = {"length": length, "mass": 1.0}
+    return build(
+        "Rod", [link], initial, walls, contact_table(**contact), gravity=gravity, stop_time=stop_time
+    )
+
+
+@dataclass(frozen=True)
+class RodImpact:
+    """The rigid impact of a rod's end: effective mass [kg], spin after it [rad/s], speed of the centre.
+
+    The speed [m/s] is upwards, away from the floor.
+    """
+
+    effective_mass: float
+    spin: float
+    speed: float
+
+
+def struck_rod(tilt: float, restitution: float, stiffness: float) -> tuple[Scene, RodImpact]:
+    """A rod at an angle whose end hits the floor at 1 m/s, and Newton's impact: m_eff = m/(1 + 3cos²θ).
+
+    The impulse p = m_eff (1+e) v at the distance (L/2)cosθ from the centre, with I = mL²/12 and m = L = 1.
+    """
+    scene = rod(tilt, 1e-3, restitution=restitution, stiffness=stiffness, stop_time=0.02)
+    effective = 1.0 / (1.0 + 3.0 * math.cos(tilt) ** 2)
+    impulse = effective * (1.0 + restitution)
+    # on the base, to the left of the centre for cos θ > 0: it turns the rod clockwise
+    return scene, RodImpact(effective, -6.0 * impulse * math.cos(tilt), impulse - 1.0)
+
+
+def flat_rod(tilt: float = 0.0, **contact: Any) -> Scene:
+    """A rod that hits the floor flat, both ends at once, at 1 m/s: e_out = e and no spin."""
+    return rod(tilt, 1e-3, **contact)
+
+
+def clattering_rod(restitution: float, stiffness: float = 1e10) -> tuple[Scene, float]:
+    """A rod that is all but flat: one end hits first, and the other arrives at v(3+e)/2 [m/s].
+
+    By Newton's impact of one end, in the limit of a short contact and a small angle. The tilt leaves the
+    second end so far behind (1 mm) that the first contact is over when it arrives.
+    """
+    return rod(1e-3, 1e-3, restitution=restitution, stiffness=stiffness), (3.0 + restitution) / 2.0
+
+
+def cornered_rod(restitution: float, stiffness: float = 1e8) -> Scene:
+    """A rod at 45° that flies at 1 m/s along itself into a corner: it returns at e m/s without spin.
+
+    Both walls are hit at once by the same point; by symmetry each stops its own component of the
+    velocity, as a point mass m would be.
+    """
+    s = math.sqrt(0.5)
+    initial = {"position": [1e-3, 1e-3], "angles": [math.pi / 4], "velocity": [-s, -s]}
+    table = contact_table(restitution=restitution, stiffness=stiffness)
+    link, box = {"length": 1.0, "mass": 1.0}, {"x_min": 0.0, "y_min": 0.0}
+    return build("Corner", [link], initial, box, table, stop_time=0.1)
+
+
+@dataclass(frozen=True)
+class Crossings:
+    """Contacts with walls that nobody feels, in order of onset: point, onset [s], end [s]."""
+
+    point: np.ndarray
+    onset: np.ndarray
+    end: np.ndarray
+
+
+def ghost_spinner(
+    clearance: float, spin: float = 10.0, turns: int = 6, tolerance: float = 1e-10
+) -> tuple[Scene, Crossings]:
+    """A rod of 1 m that spins about its centre above a floor it does not feel.
+
+    The centre stays at the height ½ + ``clearance`` [m]: the ends dip through the floor once a turn if that
+    is < ½, where sin φ = −2h for the angle φ of the centre → end vector, and only there.
+    """
+    height = 0.5 + clearance
+    scene = rod(0.0, height, 0.0, spin, stop_time=2 * math.pi * turns / spin, stiffness=GHOST)
+    scene = with_values(scene, {("solver", "tolerance"): tolerance})
+    if height >= 0.5:
+        return scene, Crossings(np.array([], int), np.array([]), np.array([]))
+    # the tip (1) starts at φ = 0 and the base (0) at φ = π; below the floor for φ in (π + a, 2π − a)
+    a = math.asin(2 * height)
+    first = {1: math.pi + a, 0: a}
+    rows = sorted(
+        ((first[point] + 2 * math.pi * turn) / spin, point) for turn in range(turns) for point in (0, 1)
+    )
+    onset = np.array([time for time, _ in rows])
+    return scene, Crossings(np.array([point for _, point in rows]), onset, onset + (math.pi - 2 * a) / spin)
+
+
+@dataclass(frozen=True)
+class Swing:
+    """A rod that bounces to and fro between two walls: first onset, period and duration of contacts [s]."""
+
+    first: float
+    period: float
+    duration: float
+
+
+def swinging_rod(
+    half_width: float = 0.4, spin: float = 10.0, stiffness: float = 1e8, tolerance: float = 1e-10
+) -> tuple[Scene, Swing]:
+    """A rod of 1 m turning about its centre in a corridor that is too narrow for a whole turn, elastic.
+
+    Both ends hit at once, one the floor and one the ceiling, so the centre stays and the one coordinate φ
+    obeys I φ̈ = −L cosφ K δ^{3/2} with δ = ½ sin φ − w; it swings between ±a, sin a = 2w, at the same rate
+    there and back. A contact lasts 2∫dφ/√(ω² − 4E(φ)/I), with E = (2/5)Kδ^{5/2} in each of the two.
+    """
+    box = {"y_min": -half_width, "y_max": half_width}
+    scene = rod(0.0, 0.0, 0.0, spin, stop_time=1.0, box=box, model="hertz", stiffness=stiffness)
+    scene = with_values(scene, {("solver", "tolerance"): tolerance})
+    inertia = 1.0 / 12.0
+    with mpmath.workdps(30):
+        w, k = mpmath.mpf(half_width), mpmath.mpf(stiffness)
+
+        def square(phi: Any) -> Any:  # φ̇²
+            depth = max(mpmath.sin(phi) / 2 - w, mpmath.mpf(0))
+            return spin**2 - 4 * (mpmath.mpf(2) / 5) * k * depth**2.5 / inertia
+
+        a = mpmath.asin(2 * w)
+        guess = (5 * inertia * spin**2 / (8 * k)) ** 0.4 / (mpmath.cos(a) / 2)
+        turn = mpmath.findroot(square, (a + guess / 2, a + 2 * guess), solver="anderson", tol=1e-25)
+        duration = 2 * mpmath.quad(lambda phi: 1 / mpmath.sqrt(abs(square(phi))), [a, (a + turn) / 2, turn])
+        first = a / spin
+        return scene, Swing(float(first), float(2 * first + duration), float(duration))
+
+
+def tumbling_chain(stop_time: float = 10.0, tolerance: float = 1e-10) -> Scene:
+    """Four unlike links, spinning fast, falling free, with nothing to hit."""
+    links = [
+        {"length": 0.5, "mass": 1.0},
+        {"length": 0.4, "mass": 1.5, "center_of_mass": 0.1},
+        {"length": 0.3, "mass": 0.7, "inertia": 0.01},
+        {"length": 0.6, "mass": 0.9, "center_of_mass": 0.4},
+    ]
+    initial = {
+        "position": [0.3, -0.2],
+        "angles": [0.3, 1.4, -2.0, 0.1],
+        "velocity": [0.7, 2.0],
+        "angular_velocities": [12.0, -9.0, 15.0, 8.0],
+    }
+    contact = contact_table(points=[])
+    return build(
+        "Tumbler", links, initial, {}, contact, gravity=GRAVITY, stop_time=stop_time, tolerance=tolerance
+    )
+
+
+def flat_chain(
+    height: float, tilts: Sequence[float] = (0.0,) * 4, stop_time: float = 0.1, **contact: Any
+) -> Scene:
+    """Four equal rods in a row above the floor, five points to touch it; mirror-symmetric about x = 1."""
+    initial = {"position": [0.0, height], "angles": tilts}
+    box = {"x_min": -FAR, "x_max": FAR, "y_min": 0.0, "y_max": FAR}
+    rods = [{"length": 0.5, "mass": 1.0}] * 4
+    return build(
+        "FlatChain", rods, initial, box, contact_table(**contact), gravity=GRAVITY, stop_time=stop_time
+    )
+
+
+def default_scene(**changes: Any) -> Scene:
+    """The scene of models/four_link_box with some keys of its [contact] table changed."""
+    return with_values(
+        load_scene("four_link_box"), {("contact", key): value for key, value in changes.items()}
+    )
+
+
+def mirrored(scene: Scene) -> Scene:
+    """The scene seen in a mirror that swaps left and right."""
+    initial, box = scene.initial, scene.box
+    changes: dict[tuple[str | int, ...], Any] = {
+        ("initial", "position"): (-initial.position[0], initial.position[1]),
+        ("initial", "velocity"): (-initial.velocity[0], initial.velocity[1]),
+        ("initial", "angles"): [math.pi - angle for angle in initial.angles],
+        ("initial", "angular_velocities"): [-omega for omega in initial.angular_velocities],
+        ("gravity",): (-scene.gravity[0], scene.gravity[1]),
+    }
+    if box.x_min is not None and box.x_max is not None:
+        changes |= {("box", "x_min"): -box.x_max, ("box", "x_max"): -box.x_min}
+    return with_values(scene, changes)

@@ -1,0 +1,223 @@
+"""The table of FMU variables: the names of the design, each at its place, and none that the scene lacks."""
+
+import re
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene
+from chain_impact.instance import candidates, new_instance, output_dtype
+from chain_impact.kernel.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.status import STATUS_TEXT
+from chain_impact.scene import SOLVER_METHODS, WALLS, Scene, model_names, with_values
+from chain_impact.variables import UNITS, fmu_variables, output_columns, parameter_paths, word_index
+
+DRIVEN = {("inputs", "joint_torques"): True, ("inputs", "tip_force"): True}
+
+
+def scenes() -> dict[str, Scene]:
+    models = {name: load_scene(name) for name in model_names()}
+    box = models["four_link_box"]
+    return models | {
+        "driven": with_values(box, DRIVEN),
+        "without walls": with_values(box, {("box", wall): None for wall in WALLS}),
+        "two points": with_values(box, {("contact", "points"): [0, 3]}),
+    }
+
+
+SCENES = scenes()
+every_scene = pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
+
+
+def names(scene: Scene, causality: str) -> list[str]:
+    return [variable.name for variable in fmu_variables(scene) if variable.causality == causality]
+
+
+@every_scene
+def test_names_are_unique_and_structured(scene):
+    found = [variable.name for variable in fmu_variables(scene)]
+    assert len(set(found)) == len(found)
+    part = r"[a-z_]\w*(\[\d+\])?"
+    assert all(re.fullmatch(rf"{part}(\.{part})*", name) for name in found)
+
+
+@every_scene
+def test_each_variable_has_a_word_of_its_own(scene):
+    layout = new_instance(scene).dtype
+    words = [word_index(layout, variable.place) for variable in fmu_variables(scene)]
+    assert len(set(words)) == len(words)
+    assert 0 <= min(words) <= max(words) < layout.itemsize // 8
+
+
+def test_word_index_counts_as_numpy_does():
+    instance = new_instance(SCENES["four_link_box"])
+    instance.view(np.int64)[:] = np.arange(instance.nbytes // 8)
+    whole = instance.view(instance.dtype)[0]
+    assert word_index(instance.dtype, ("model", "candidate_wall", 7)) == whole["model"]["candidate_wall"][7]
+    place = ("step", "dense", 2, 5)
+    assert word_index(instance.dtype, place) == whole["step"]["dense"].view(np.int64)[2, 5]
+
+
+@pytest.mark.parametrize("place", [("model", "length", 4), ("model", "length", -1), ("model", "lengths", 0)])
+def test_word_index_refuses_what_is_not_there(place):
+    with pytest.raises((KeyError, IndexError)):
+        word_index(new_instance(SCENES["four_link_box"]).dtype, place)
+
+
+@pytest.mark.parametrize("place", [("model",), ("model", "length"), ("step", "dense", 1)])
+def test_word_index_refuses_what_is_not_one_number(place):
+    with pytest.raises(KeyError, match="not a scalar"):
+        word_index(new_instance(SCENES["four_link_box"]).dtype, place)
+
+
+@every_scene
+def test_causality_variability_and_initial_are_a_legal_combination(scene):
+    legal = {
+        ("parameter", "fixed", "exact"),
+        ("parameter", "tunable", "exact"),
+        ("input", "continuous", None),
+        ("output", "continuous", "calculated"),
+        ("output", "discrete", "calculated"),
+    }
+    for variable in fmu_variables(scene):
+        assert (variable.causality, variable.variability, variable.initial) in legal
+        assert variable.variability != "continuous" or variable.type == "real"
+
+
+@every_scene
+def test_reals_have_a_unit_and_all_have_a_description(scene):
+    for variable in fmu_variables(scene):
+        assert variable.description.strip() == variable.description != ""
+        assert (variable.unit in UNITS) == (variable.type == "real")
+        assert bool(variable.items) == (variable.type == "enumeration")
+
+
+@every_scene
+def test_outputs_come_last(scene):
+    causalities = [variable.causality for variable in fmu_variables(scene)]
+    assert causalities == sorted(causalities, key=["parameter", "input", "output"].index)
+
+
+# --- what a scene has ----------------------------------------------------------------------------------
+
+
+def test_parameters_of_the_four_link_box():
+    expected = ["gravity.x", "gravity.y"]
+    keys = ("length", "mass", "center_of_mass", "inertia", "joint_damping")
+    expected += [f"link[{i}].{key}" for i in range(1, 5) for key in keys]
+    expected += [f"box.{wall}" for wall in WALLS]
+    contact = ("model", "stiffness", "exponent", "restitution", "radius", "minimum_impact_speed")
+    expected += [f"contact.{key}" for key in contact]
+    expected += ["initial.x", "initial.y", "initial.vx", "initial.vy"]
+    expected += [f"initial.angle[{i}]" for i in range(1, 5)]
+    expected += [f"initial.angular_velocity[{i}]" for i in range(1, 5)]
+    expected += ["solver.method", "solver.tolerance", "solver.work_limit"]
+    assert names(SCENES["four_link_box"], "parameter") == expected
+
+
+def test_outputs_of_the_four_link_box():
+    found = Counter(re.sub(r"\d+", "#", name) for name in names(SCENES["four_link_box"], "output"))
+    expected = {f"point[#].{key}": 5 for key in ("x", "y", "vx", "vy", "ax", "ay")}
+    expected |= {f"link[#].{key}": 4 for key in ("angle", "angular_velocity", "angular_acceleration")}
+    for wall in WALLS:
+        expected |= {f"contact[#].{wall}.{key}": 5 for key in ("force", "penetration", "penetration_rate")}
+    single = [f"energy.{key}" for key in ("kinetic", "potential", "elastic", "dissipated", "total")]
+    single += [f"impact.{key}" for key in ("count", "last_time", "last_point", "last_wall", "last_speed")]
+    keys = ("steps", "rejected_steps", "rhs_evaluations", "implicit_steps", "status")
+    single += [f"solver.{key}" for key in keys]
+    assert found == expected | dict.fromkeys(single, 1)
+
+
+def test_inputs_exist_only_if_asked_for():
+    assert names(SCENES["four_link_box"], "input") == []
+    driven = ["joint[2].torque", "joint[3].torque", "joint[4].torque", "tip.force.x", "tip.force.y"]
+    assert names(SCENES["driven"], "input") == driven
+    assert names(SCENES["pinned_arm"], "input") == ["joint[1].torque", "joint[2].torque"]
+    assert "energy.supplied" in names(SCENES["driven"], "output")
+
+
+def test_only_the_walls_and_points_of_the_scene():
+    arm = [variable.name for variable in fmu_variables(SCENES["pinned_arm"])]
+    assert [name for name in arm if name.startswith("box.")] == ["box.x_max"]
+    touching = {name.rpartition(".")[0] for name in arm if name.startswith("contact[")}
+    assert touching == {"contact[1].x_max", "contact[2].x_max"}
+    assert "initial.x" in arm
+    assert "initial.vx" not in arm
+    found = names(SCENES["two points"], "output")
+    assert {name.partition(".")[0] for name in found if "contact" in name} == {"contact[0]", "contact[3]"}
+
+
+def test_a_scene_without_walls_has_no_contact_variables():
+    found = [variable.name for variable in fmu_variables(SCENES["without walls"])]
+    assert not [name for name in found if name.startswith(("contact", "box"))]
+
+
+# --- parameters ----------------------------------------------------------------------------------------
+
+
+@every_scene
+def test_each_parameter_sets_its_place_and_nothing_else(scene):
+    paths = parameter_paths(scene)
+    before = new_instance(scene)
+    for variable in fmu_variables(scene):
+        if variable.causality != "parameter":
+            continue
+        path, word = paths[variable.name], word_index(before.dtype, variable.place)
+        if variable.items:
+            value, stored = variable.items[0].name, 1
+            view = np.int64
+        else:
+            view = np.float64
+            value = stored = 0.999 * before.view(view)[word].item() + 1e-4
+        if variable.name in ("box.x_min", "box.y_min"):  # the start must not come to lie in the wall
+            value = stored = -1.0
+        after = new_instance(with_values(scene, {path: value}))
+        assert after.view(view)[word] == stored
+        changed = np.flatnonzero(after.view(np.int64) != before.view(np.int64))
+        assert set(changed) <= {word}, variable.name
+
+
+def test_enumerations_number_laws_and_methods_as_the_kernel_does():
+    choices = {variable.name: variable.items for variable in fmu_variables(SCENES["rod_drop"])}
+    for number, item in enumerate(choices["contact.model"], 1):
+        assert CONTACT_LAWS[item.name].number == number
+    assert tuple(item.name for item in choices["solver.method"]) == SOLVER_METHODS
+
+
+def test_limits_come_from_the_scene():
+    found = {variable.name: variable for variable in fmu_variables(SCENES["rod_drop"])}
+    assert (found["contact.restitution"].minimum, found["contact.restitution"].maximum) == (0.0, 1.0)
+    assert found["link[1].mass"].above == 0.0
+    assert found["link[1].mass"].allowed == "a finite number > 0 [kg]"
+    assert found["contact.model"].allowed.startswith("one of 1 (hertz), 2 (hunt_crossley), ")
+    tunable = {name for name, variable in found.items() if variable.variability == "tunable"}
+    assert tunable == {"contact.model", "contact.stiffness", "contact.restitution"}
+
+
+def test_every_status_is_in_the_description():
+    status = next(v for v in fmu_variables(SCENES["rod_drop"]) if v.name == "solver.status")
+    assert all(text in status.description for text in STATUS_TEXT.values())
+
+
+# --- outputs -------------------------------------------------------------------------------------------
+
+
+@every_scene
+def test_columns_are_those_of_the_recorded_outputs(scene):
+    outputs = np.zeros(3, output_dtype(len(scene.chain.links), len(candidates(scene))))
+    width = outputs.dtype.itemsize // 8
+    outputs.view(np.float64)[:] = np.arange(3 * width)
+    columns = output_columns(scene, outputs)
+    layout = new_instance(scene).dtype
+    start = layout.fields["output"][1] // 8
+    for variable in fmu_variables(scene):
+        if variable.place[0] == "output":
+            offset = word_index(layout, variable.place) - start
+            assert columns.pop(variable.name).tolist() == [offset, offset + width, offset + 2 * width]
+    assert not columns
+
+
+def test_every_unit_is_used():
+    used = {variable.unit for scene in SCENES.values() for variable in fmu_variables(scene)}
+    assert used - {""} == set(UNITS)
