@@ -109,6 +109,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("state_end", REAL, (state,)),  # y at `end`
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),  # interpolant over `size`
         ("rate_known", INTEGER),  # 1: the last stage is ẏ at `end`
+        ("cleared", INTEGER),  # 1: the clearances at `end` are in `work.clear_end`
         ("implicit", INTEGER),  # 1: the implicit method is at work
         ("doubts", INTEGER),  # steps in a row for which the other method would do better …
         ("patience", INTEGER),  # … and how many make the solver change

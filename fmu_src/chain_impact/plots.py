@@ -98,8 +98,7 @@ def draw_walls(axes: Axes, recording: Recording) -> None:
         view[side] += margin if side[0] else -margin
         if wall not in near:
             room[side] = view[side]
-    if near:
-        axes.set_facecolor(OUTSIDE_COLOUR)
+    axes.set_facecolor(OUTSIDE_COLOUR if near else "white")
     axes.add_patch(Rectangle(room[0], *(room[1] - room[0]), facecolor="white", zorder=0.5))
     for wall in near:
         ends, (_, axis) = room.copy(), SIDES[wall]
@@ -151,8 +150,7 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
     for name, colour in ENERGY_COLOURS.items():
         energy = recording.columns.get(f"energy.{name}", np.zeros(1))
         if name != "supplied" or energy.any():
-            width = 2.0 if name == "total" else 1.2
-            axes.plot(recording.time, energy, color=colour, label=name, linewidth=width)
+            axes.plot(recording.time, energy, color=colour, label=name, linewidth=1 + (name == "total"))
     axes.set_ylabel("energy [J]")
     axes.legend(**ABOVE, ncols=5)
 
@@ -170,12 +168,12 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
         if after == len(impacts) or impacts[after].time - impacts[first].time > window:
             fastest = max(impacts[first:after], key=lambda impact: impact.speed)
             label = str(after) if after == first + 1 else f"{first + 1}–{after}"
-            place = (fastest.time, fastest.speed)
-            axes.annotate(label, place, (0, 4), textcoords="offset points", ha="center", fontsize=7.5)
+            top = (fastest.time, fastest.speed)
+            axes.annotate(label, top, (0, 4), textcoords="offset points", ha="center", fontsize=7)
             first = after
     axes.set_ylabel("impact speed [m/s]")
     axes.set_ylim(0.0, 1.15 * max((impact.speed for impact in impacts), default=1.0))
     if impacts:
-        axes.legend(**ABOVE, ncols=6)
+        axes.legend(**ABOVE, ncols=6, handlelength=1)
     else:
         axes.text(0.5, 0.5, "none", transform=axes.transAxes, ha="center", color="0.5")

@@ -2,7 +2,7 @@
 
 import math
 
-from chain_impact.kernel.contact import along_normal, clearance, locate_points
+from chain_impact.kernel.contact import along_normal, clearance
 from chain_impact.kernel.jit import jit
 from chain_impact.kernel.recursion import move_points
 
@@ -11,7 +11,7 @@ LARGEST_ERROR = 0.01  # of a penetration, relative
 
 @jit
 def scaled_error(d, row):
-    """Largest scaled component of an error estimate in ``work.error``, for the result in ``work.y``.
+    """Largest scaled component of an error estimate in ``work.error``, for the result in ``work.y``, where the points are located.
 
     The scales, times the tolerance: 1 rad for angles and one link length for positions, whatever their
     value (turning or shifting the scene changes nothing); speeds relative to themselves plus one of these a
@@ -40,7 +40,6 @@ def scaled_error(d, row):
             scale = d.model.energy + abs(y[j])
         worst = max(worst, abs(error[j]) / scale)
     if d.touch.active_count > 0:
-        locate_points(d.model, y, d.work)
         move_points(d.work.link, error[0:2], error[2 : n + 2], d.work.motion)
         for k in range(d.touch.active_count):
             c = d.touch.active_index[k]

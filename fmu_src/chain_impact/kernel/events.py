@@ -37,13 +37,15 @@ def find_event(d):
     theta = find_touch(d)
     if d.touch.active_count > 0:
         theta = find_relatch(d, theta)
+    d.step.cleared = theta < 0.0
     return theta
 
 
 @jit
 def find_touch(d):
     """θ of the first onset or end of a contact in the last step, or −1; marks whose it is."""
-    measure(d, 0.0)
+    if not d.step.cleared:
+        measure(d, 0.0)
     keep_start(d)
     a, b = 0.0, 1.0
     while True:
@@ -67,8 +69,7 @@ def find_touch(d):
 @jit
 def find_relatch(d, touch):
     """θ of the first of the event at ``touch`` (−1: none) and a contact to latch anew; marks whose it is."""
-    first = touch if touch >= 0.0 else 1.0
-    measure(d, first)
+    first = touch if touch >= 0.0 else 1.0  # measured last
     found = -1
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
@@ -112,8 +113,11 @@ def bound_curvature(d):
 @jit
 def measure(d, theta):
     """Set φ and φ̇ of every candidate at the fraction θ of the step, as the end of the interval."""
-    interpolate(d.step, theta, d.work.y)
-    locate_points(d.model, d.work.y, d.work)
+    if theta == 1.0:
+        locate_points(d.model, d.step.state_end, d.work)
+    else:
+        interpolate(d.step, theta, d.work.y)
+        locate_points(d.model, d.work.y, d.work)
     for c in range(len(d.touch.active)):
         gap, gap_rate = clearance(d, c)
         sign = -1.0 if d.touch.active[c] else 1.0

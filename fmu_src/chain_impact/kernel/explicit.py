@@ -4,6 +4,7 @@ import math
 
 from chain_impact.kernel import dop853
 from chain_impact.kernel.combination import combination
+from chain_impact.kernel.contact import locate_points
 from chain_impact.kernel.dense import DENSE_COEFFICIENTS, extend
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.errors import scaled_error
@@ -68,6 +69,7 @@ def attempt(d, h):
         d.work.error[1, j] = 0.0
     _error_5(d.work, d.work.error[0], h, d.work.error[0])
     _error_3(d.work, d.work.error[1], h, d.work.error[1])
+    locate_points(d.model, d.work.y, d.work)
     error_5, error_3 = scaled_error(d, 0), scaled_error(d, 1)
     if error_5 in (0.0, math.inf):
         return error_5

@@ -13,15 +13,17 @@ FORCE, PENETRATION = 0, 1
 def follow_contacts(d, rate):
     """Follow every active contact over the last step: peak force and largest penetration.
 
+    Leaves the points located at the end of the step.
+
     Args:
         d: the instance.
         rate: ẏ at the end of the step.
     """
     touch = d.touch
+    locate_points(d.model, d.step.state_end, d.work)
+    accelerate_points(d.model, d.step.state_end, rate, d.work)
     for k in range(touch.active_count):
         c = touch.active_index[k]
-        locate_points(d.model, d.step.state_end, d.work)
-        accelerate_points(d.model, d.step.state_end, rate, d.work)
         force, penetration, speed, _ = contact_force(d, c)
         touch.peak_force[c] = max(touch.peak_force[c], force)
         touch.max_penetration[c] = max(touch.max_penetration[c], penetration)
@@ -36,6 +38,8 @@ def follow_contacts(d, rate):
             touch.peak_force[c] = max(touch.peak_force[c], maximum(d, c, FORCE))
         if depth_peaked:
             touch.max_penetration[c] = max(touch.max_penetration[c], maximum(d, c, PENETRATION))
+        if force_peaked or depth_peaked:
+            locate_points(d.model, d.step.state_end, d.work)
 
 
 @jit

@@ -167,6 +167,7 @@ def attempt(d, h):
     _step(d, h)
     # the columns of the Jacobian count as evaluations
     d.statistics.rhs_evaluations += STEP_EVALUATIONS + d.touch.active_count
+    locate_points(d.model, d.work.y, d.work)
     return scaled_error(d, 0)
 
 

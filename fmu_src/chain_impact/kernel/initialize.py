@@ -117,6 +117,7 @@ def still(d, time, y):
     d.step.end = time
     d.step.size = 1.0
     d.step.rate_known = 0
+    d.step.cleared = 0
 
 
 @jit

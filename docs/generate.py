@@ -1,0 +1,263 @@
+"""A hook of mkdocs that fills the tables of the docs from the code, so that they cannot drift.
+
+A line ``{{ name }}`` in a page is replaced by what the function ``name`` below returns. The pages of the
+models are the README files of their folders.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Iterable, Sequence
+from typing import Any, get_args, get_origin
+
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.structure.files import File, Files
+
+from chain_impact import cli
+from chain_impact.kernel.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.status import STATUS_TEXT
+from chain_impact.scene import (
+    WALLS,
+    Derived,
+    Scene,
+    allowed,
+    load_scene,
+    model_names,
+    models_folder,
+    scene_keys,
+    with_values,
+)
+from chain_impact.variables import UNITS, Variable, fmu_variables
+
+HELP_WIDTH = 88  # columns
+
+
+def on_files(files: Files, config: MkDocsConfig) -> Files:
+    """Add the README of each model as a page."""
+    for name in model_names():
+        text = (models_folder() / name / "README.md").read_text(encoding="utf-8")
+        text = text.replace("../../docs/", "../")
+        files.append(File.generated(config, f"models/{name}.md", content=text))
+    return files
+
+
+def on_page_markdown(markdown: str, **_: Any) -> str:
+    """Fill the placeholders of a page."""
+    return re.sub(r"^\{\{ (\w+) \}\}$", lambda found: TABLES[found[1]](), markdown, flags=re.MULTILINE)
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A Markdown table."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+
+
+def code(text: object) -> str:
+    """Text as code, nothing for nothing."""
+    return f"`{text}`" if text not in ("", None) else ""
+
+
+# ---- scene ----------------------------------------------------------------------------------------------
+
+
+def scene_reference() -> str:
+    """One table for each table of the scene file."""
+    sections: dict[str, list[Sequence[str]]] = {}
+    for key, entry in scene_keys():
+        section, _, name = key.rpartition(".")
+        rows = sections.setdefault(section, [])
+        if entry.metadata and not _is_table(entry.type):
+            rule = entry.metadata
+            rows.append(
+                (code(name), _default(rule["default"]), _allowed(entry.type, rule), rule["description"])
+            )
+    blocks = []
+    for section, rows in sections.items():
+        if rows:
+            title = f"[[{section[:-2]}]]" if section.endswith("[]") else f"[{section}]"
+            heading = f"### `{title}`" if section else "### Top level"
+            blocks.append(f"{heading}\n\n{table(('key', 'default', 'value', 'meaning'), rows)}")
+    return "\n\n".join(blocks)
+
+
+def _is_table(kind: Any) -> bool:
+    item, *_ = get_args(kind) or (kind,)
+    return dataclasses.is_dataclass(item)
+
+
+def _default(default: Any) -> str:
+    if default is dataclasses.MISSING:
+        return "required"
+    if default is None:
+        return "none"
+    if isinstance(default, Derived):
+        return default.text.replace("*", "·")
+    if isinstance(default, bool):
+        return code(str(default).lower())
+    if isinstance(default, str):
+        return code(f'"{default}"')
+    return code(list(default) if isinstance(default, tuple) else f"{default:g}")
+
+
+def _allowed(kind: Any, rule: Any) -> str:
+    item, *rest = get_args(kind) or (kind,)
+    text = _readable(allowed(item, rule))
+    if get_origin(kind) is not tuple:
+        return text
+    if rule["per_link"]:
+        return f"a list, for each link {text}"
+    return f"a list of any length, each {text}" if ... in rest else f"a list of {1 + len(rest)}, each {text}"
+
+
+def _readable(text: str) -> str:
+    choices = re.sub(r'"(\w+)"', r'`"\1"`', text)
+    return choices.replace(">=", "≥").replace("<=", "≤")
+
+
+# ---- FMU variables --------------------------------------------------------------------------------------
+
+
+def variable_patterns() -> str:
+    """Every kind of variable once, its indices replaced by letters, with the models that have it."""
+    scenes = {load_scene(name).name: load_scene(name) for name in model_names()}
+    everything = with_values(
+        load_scene("four_link_box"), {("inputs", "joint_torques"): True, ("inputs", "tip_force"): True}
+    )
+    rows: dict[str, Variable] = {}
+    for scene in (everything, *scenes.values()):
+        for variable in fmu_variables(scene):
+            rows.setdefault(_pattern(variable.name), variable)
+    found = {name: {_pattern(v.name) for v in fmu_variables(scene)} for name, scene in scenes.items()}
+    blocks = []
+    for causality in ("parameter", "input", "output"):
+        lines = [
+            (
+                code(pattern),
+                variable.type,
+                variable.variability,
+                code(variable.unit),
+                _generic(variable.description) + (f": {_choices(variable)}" if variable.items else ""),
+                _where(pattern, found),
+            )
+            for pattern, variable in rows.items()
+            if variable.causality == causality
+        ]
+        head = ("name", "type", "variability", "unit", "meaning", "in")
+        blocks.append(f"### {causality.capitalize()}s\n\n{table(head, lines)}")
+    return "\n\n".join(blocks)
+
+
+def _where(pattern: str, found: dict[str, set[str]]) -> str:
+    names = [name for name, patterns in found.items() if pattern in patterns]
+    return "all" if len(names) == len(found) else ", ".join(names) or "none of the three"
+
+
+def _pattern(name: str) -> str:
+    """`link[2].length` → `link[i].length`; the point of a contact and of an output is k."""
+    name = re.sub(r"(point|contact)\[\d+\]", r"\1[k]", name)
+    name = re.sub(r"\[\d+\]", "[i]", name)
+    return re.sub(r"(contact\[k\])\.\w_m\w\w\.", r"\1.<wall>.", name)
+
+
+def _generic(description: str) -> str:
+    text = re.sub(r"\blink 1 from the base\b", "link i from the joint before it", description)
+    text = re.sub(r"\blink \d+ from (link \d+|the base)", "link i from link i − 1, or the base", text)
+    text = re.sub(r"\blink \d+", "link i", text)
+    text = re.sub(r"\bpoint \d+ at \w+", "point k at a wall", text)
+    return re.sub(r"\bpoint \d+:", "point k:", text)
+
+
+def _choices(variable: Variable) -> str:
+    return ", ".join(f"{number} = {item.name}" for number, item in enumerate(variable.items, 1))
+
+
+def variable_lists() -> str:
+    """All variables of each model, in a tab for each."""
+    return "\n\n".join(_variable_list(load_scene(name)) for name in model_names())
+
+
+def _variable_list(scene: Scene) -> str:
+    rows = [
+        (code(v.name), v.causality, v.variability, code(v.unit), v.description) for v in fmu_variables(scene)
+    ]
+    text = table(("name", "causality", "variability", "unit", "meaning"), rows)
+    return "\n".join(
+        [f'=== "{scene.name} ({len(rows)})"', "", *("    " + line for line in text.splitlines())]
+    )
+
+
+def units() -> str:
+    """The units of the FMU's variables."""
+    return table(("unit", "quantity"), ((code(name), unit.quantity) for name, unit in UNITS.items()))
+
+
+def walls() -> str:
+    """The numbers of the walls in `impact.last_wall`."""
+    return table(
+        ("number", "wall"), (("0", "none yet"), *((str(n), code(w)) for n, w in enumerate(WALLS, 1)))
+    )
+
+
+def statuses() -> str:
+    """The status codes of the solver."""
+    return table(("code", "meaning"), ((str(n), text) for n, text in STATUS_TEXT.items()))
+
+
+# ---- contact laws, command line -------------------------------------------------------------------------
+
+
+def contact_laws() -> str:
+    """The registry of contact laws."""
+    head = ("number", "id", "law", "λ(e)", "within 5 % for", "allowed", "evidence")
+    rows = (
+        (
+            str(law.number),
+            code(law.id),
+            law.source,
+            law.formula,
+            _accurate(law.accurate_from, law.accurate_to),
+            law.restitution_range,
+            law.evidence,
+        )
+        for law in CONTACT_LAWS.values()
+    )
+    return table(head, rows)
+
+
+def _accurate(low: float, high: float) -> str:
+    if low == high:
+        return f"e = {low:g}"
+    if low == 0.0:
+        return "all e" if high == 1.0 else f"e ≤ {high:g}"
+    return f"e ≥ {low:g}"
+
+
+def command_line() -> str:
+    """The help of every command."""
+    whole = cli.parser()
+    verbs = next(action.choices for action in whole._actions if isinstance(action.choices, dict))
+    blocks = [_help(whole)]
+    blocks += [f"## {name}\n\n{_help(verb)}" for name, verb in verbs.items()]
+    return "\n\n".join(blocks)
+
+
+def _help(parser: Any) -> str:
+    formatter = parser.formatter_class
+    parser.formatter_class = lambda prog: formatter(prog, width=HELP_WIDTH)
+    return f"```text\n{parser.format_help().rstrip()}\n```"
+
+
+TABLES = {
+    function.__name__: function
+    for function in (
+        scene_reference,
+        variable_patterns,
+        variable_lists,
+        units,
+        walls,
+        statuses,
+        contact_laws,
+        command_line,
+    )
+}

@@ -1,0 +1,91 @@
+"""The arrows of the architecture, kept by the imports themselves; import-linter keeps the layers."""
+
+import ast
+import sys
+from pathlib import Path
+
+import pytest
+
+import chain_impact
+
+PACKAGE = Path(chain_impact.__file__).parent
+ROOT = Path(__file__).parents[1]
+SLAVE = ROOT / "fmu_src" / "slave.py"
+LONGEST = 400  # lines of a file
+
+MODULES = sorted(PACKAGE.rglob("*.py"))
+# modules without a test file of their own → the one that tests them
+TESTED_ELSEWHERE = {
+    "export/lower.py": "fmu/test_build.py",
+    "export/description.py": "fmu/test_build.py",
+    "export/fmu.py": "fmu/test_build.py",
+    "kernel/advance.py": "test_simulate.py",  # what only whole simulations can show
+    "kernel/combination.py": "kernel/test_explicit.py",
+    "kernel/contact.py": "kernel/test_contact_laws.py",
+    "kernel/dense.py": "kernel/test_explicit.py",
+    "kernel/dop853.py": "kernel/test_explicit.py",
+    "kernel/entry.py": "test_simulate.py",  # each call goes through it
+    "kernel/equations.py": "kernel/test_recursion.py",
+    "kernel/errors.py": "kernel/test_explicit.py",
+    "kernel/impacts.py": "test_simulate.py",
+    "kernel/initialize.py": "test_simulate.py",
+    "kernel/jit.py": "test_simulate.py",  # one decorator, on every function of the kernel
+    "kernel/observe.py": "test_simulate.py",
+    "kernel/ros34pw2.py": "test_simulate.py",
+    "kernel/status.py": "test_variables.py",
+    "kernel/switching.py": "test_simulate.py",
+    "kernel/watch.py": "test_simulate.py",
+}
+
+
+def imported(file):
+    """The names of all modules that a file imports, wherever in it."""
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield "." * node.level + (node.module or "")
+
+
+def belongs(module, packages):
+    return any(module == package or module.startswith(package + ".") for package in packages)
+
+
+@pytest.mark.parametrize("file", sorted((PACKAGE / "kernel").glob("*.py")), ids=lambda file: file.name)
+def test_the_kernel_imports_math_numpy_numba_and_itself_only(file):
+    allowed = ("math", "numpy", "numba", "chain_impact.kernel")
+    assert [module for module in imported(file) if not belongs(module, allowed)] == []
+
+
+def test_the_slave_imports_the_standard_library_and_pythonfmu_only():
+    allowed = (*sys.stdlib_module_names, "pythonfmu")
+    assert [module for module in imported(SLAVE) if not belongs(module, allowed)] == []
+
+
+@pytest.mark.parametrize("file", [*MODULES, SLAVE], ids=lambda file: file.stem)
+def test_files_are_short(file):
+    assert len(file.read_text(encoding="utf-8").splitlines()) < LONGEST
+
+
+@pytest.mark.parametrize(
+    "module", [file.relative_to(PACKAGE).as_posix() for file in MODULES if file.name != "__init__.py"]
+)
+def test_every_module_has_a_test(module):
+    """tests/kernel/test_events.py for kernel/events.py, and so on."""
+    path = Path(module)
+    own = ROOT / "tests" / path.parent / f"test_{path.name}"
+    elsewhere = TESTED_ELSEWHERE.get(module)
+    assert own.is_file() or (elsewhere is not None and (ROOT / "tests" / elsewhere).is_file())
+
+
+def test_no_module_is_named_that_is_gone():
+    assert all((PACKAGE / module).is_file() for module in TESTED_ELSEWHERE)
+
+
+def test_every_module_stands_in_a_layer():
+    """So that import-linter sees it."""
+    layers = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    top = {file.stem if file.name != "__init__.py" else file.parent.name for file in PACKAGE.glob("*.py")}
+    top |= {folder.parent.name for folder in PACKAGE.glob("*/__init__.py")}
+    missing = {name for name in top - {PACKAGE.name} if f'"chain_impact.{name}"' not in layers}
+    assert missing == set()

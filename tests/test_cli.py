@@ -1,0 +1,529 @@
+"""The command line: what each command does, and that what goes wrong is said in one line."""
+
+import csv
+import io
+import re
+import subprocess
+import sys
+import zipfile
+
+import matplotlib as mpl
+import pytest
+from matplotlib import pyplot
+from rich.console import Console
+
+from chain_impact import CONTACT_LAWS, cli, load_scene
+from chain_impact.export.aot import BuildError
+from chain_impact.runs import record_fmu
+from chain_impact.scene import models_folder
+from chain_impact.variables import fmu_variables
+
+LITTLE_WORK = "solver.work_limit=1500"  # too little for the impacts, enough for the flight before
+PNG = b"\x89PNG\r\n\x1a\n"
+SIMULATE_MODULE = sys.modules["chain_impact.simulate"]  # the package has a function of this name
+
+
+@pytest.fixture(scope="module")
+def fmu(tmp_path_factory):
+    """The FMU of the four-link box, as `build` makes it."""
+    folder = tmp_path_factory.mktemp("build")
+    assert cli.main(["build", "-o", str(folder)]) == 0
+    return folder / "FourLinkBox.fmu"
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """An empty folder to be in."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def run(here, capsys):
+    """Run a command in an empty folder: (exit code, standard output, standard error)."""
+
+    def run(*arguments):
+        try:
+            code = cli.main([str(argument) for argument in arguments])
+        except SystemExit as stop:  # argparse's
+            code = stop.code
+        return code, *capsys.readouterr()
+
+    return run
+
+
+@pytest.fixture
+def refused(run, here):
+    """Run a command that must fail with one line that matches, an exit code, and no file left behind."""
+
+    def refused(code, pattern, *arguments):
+        before = sorted(here.rglob("*"))
+        found, _, said = run(*arguments)
+        assert found == code
+        assert re.fullmatch(r"chain-impact[^\n]*: [^\n]+\n", said), said
+        assert re.search(pattern, said), said
+        assert sorted(here.rglob("*")) == before
+
+    return refused
+
+
+def impact_lines(text):
+    return [line.split() for line in text.splitlines() if re.match(r"\s*\d+ +\d+\.\d{6} ", line)]
+
+
+def read_csv(path):
+    with path.open(newline="") as file:
+        names, *rows = csv.reader(file)
+    return names, [[float(cell) for cell in row] for row in rows]
+
+
+# --- build -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("option", ["-o", "--output"])
+def test_build_puts_the_fmu_into_the_folder(run, here, option):
+    code, said, errors = run("build", "rod_drop", option, "out/deep")
+    assert (code, errors) == (0, "")
+    assert said == "FMU      out/deep/RodDrop.fmu\n"
+    assert zipfile.is_zipfile(here / "out" / "deep" / "RodDrop.fmu")
+    assert [path.name for path in (here / "out" / "deep").iterdir()] == ["RodDrop.fmu"]
+
+
+def test_build_takes_the_four_link_box_by_default(run, here):
+    assert run("build")[1] == "FMU      build/FourLinkBox.fmu\n"
+
+
+@pytest.mark.parametrize("kind", ["name", "folder", "file"])
+def test_a_scene_is_a_file_a_folder_or_a_name(run, here, kind):
+    folder = models_folder() / "rod_drop"
+    source = {"name": "rod_drop", "folder": folder, "file": folder / "scene.toml"}[kind]
+    assert run("build", source, "-o", ".")[:2] == (0, "FMU      RodDrop.fmu\n")
+
+
+def test_build_for_another_platform(run, here, monkeypatch):
+    asked = []
+
+    def library(links, candidates, platform, notify):
+        asked.append(platform)
+        path = here / f"kernel.{platform}"
+        path.write_text(platform)
+        return path
+
+    monkeypatch.setattr("chain_impact.export.fmu.kernel_library", library)
+    assert run("build", "rod_drop", "--platform", "linux64,win64", "--target", "pythonfmu")[0] == 0
+    assert sorted(asked) == ["linux64", "win64"]
+    names = zipfile.ZipFile("build/RodDrop.fmu").namelist()
+    assert {name.split("/")[1] for name in names if name.startswith("binaries/")} == {"linux64", "win64"}
+
+
+def test_build_and_simulate_writes_three_files_and_a_summary(run, here):
+    code, said, errors = run("build", "rod_drop", "--simulate")
+    assert (code, errors) == (0, "")
+    files = [f"build/RodDrop.{suffix}" for suffix in ("fmu", "csv", "png")]
+    assert said.splitlines()[:3] == [
+        f"{name:9}{file}" for name, file in zip(("FMU", "results", "picture"), files, strict=True)
+    ]
+    assert sorted(path.name for path in (here / "build").iterdir()) == [
+        "RodDrop.csv",
+        "RodDrop.fmu",
+        "RodDrop.png",
+    ]
+    assert (here / "build" / "RodDrop.png").read_bytes().startswith(PNG)
+    assert read_csv(here / "build" / "RodDrop.csv")[1][-1][0] == 2.0
+    assert len(impact_lines(said)) == 30
+    assert "RodDrop  0 … 2 s, 30 impacts" in said
+    assert re.search(r"^energy +3\.02\d+ J at the start = .* J left \+ .* J dissipated$", said, re.M)
+    assert re.search(r"^balance +off by at most \d\.\de-\d+ J$", said, re.M)
+
+
+def test_build_fmu_py_is_build(here, tmp_path):
+    script = models_folder().parent / "build_fmu.py"
+    done = subprocess.run(
+        [sys.executable, script, "no_scene"], capture_output=True, text=True, check=False, cwd=here
+    )
+    assert done.returncode == 2
+    assert done.stderr.startswith("chain-impact: no_scene: cannot be read")
+
+
+@pytest.mark.parametrize("place", ["file", "file/deeper", "/proc/nowhere"])
+def test_build_into_what_is_no_folder(refused, here, place):
+    (here / "file").write_text("")
+    refused(2, place, "build", "rod_drop", "-o", place)
+
+
+def test_build_of_an_unknown_platform(refused):
+    refused(2, "'amiga' is no platform; must be of linux64, win64", "build", "--platform", "linux64,amiga")
+
+
+def test_a_kernel_that_does_not_compile(run, here, monkeypatch):
+    def kernel_library(*_, **__):
+        raise BuildError("could not compile the kernel: zig cc said:\nld: out of memory")
+
+    monkeypatch.setattr(SIMULATE_MODULE, "kernel_library", kernel_library)
+    monkeypatch.setattr("chain_impact.export.fmu.kernel_library", kernel_library)
+    for verb in ("build", "simulate"):
+        code, _, said = run(verb)
+        assert code == 3
+        assert said == "chain-impact: could not compile the kernel: zig cc said:\nld: out of memory\n"
+    assert [path for path in here.rglob("*") if path.is_file()] == []
+
+
+# --- simulate --------------------------------------------------------------------------------------------
+
+
+def test_simulate_prints_the_same_of_a_scene_and_of_its_fmu(run, fmu):
+    scene, of_fmu = run("simulate"), run("simulate", fmu)
+    assert scene[0] == of_fmu[0] == 0
+    assert scene[2] == of_fmu[2] == ""
+    assert len(impact_lines(scene[1])) == 14
+    assert impact_lines(scene[1]) == impact_lines(of_fmu[1])
+
+
+def test_simulate_writes_nothing_unless_asked(run, here):
+    run("simulate", "rod_drop")
+    assert list(here.iterdir()) == []
+
+
+def test_csv_has_time_and_the_outputs_of_the_fmu_to_the_last_bit(run, here, fmu):
+    code, said, _ = run("simulate", fmu, "--csv", "out.csv")
+    assert code == 0
+    assert said.startswith("results  out.csv\n")
+    names, rows = read_csv(here / "out.csv")
+    variables = fmu_variables(load_scene("four_link_box"))
+    assert names == ["time", *(v.name for v in variables if v.causality == "output")]
+    recording = record_fmu(fmu, {})
+    columns = [recording.time, *recording.columns.values()]
+    assert rows == [list(row) for row in zip(*(column.tolist() for column in columns), strict=True)]
+
+
+@pytest.mark.parametrize("name", ["out.png", "out.svg", "out.pdf", "OUT.PNG"])
+def test_plot_writes_a_picture(run, here, name):
+    code, said, _ = run("simulate", "rod_drop", "--plot", name)
+    assert code == 0
+    assert said.startswith(f"picture  {name}\n")
+    assert [path.name for path in here.iterdir()] == [name]
+    assert (here / name).stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("kind", ["scene", "FMU"])
+def test_set_changes_parameters(run, fmu, kind):
+    source = fmu if kind == "FMU" else "four_link_box"
+    number = CONTACT_LAWS["flores"].number
+    first = run("simulate", source, "--set", "contact.model=flores", "--set", "contact.restitution=0.5")
+    second = run("simulate", source, "--set", f"contact.model={number}", "--set", "contact.restitution = 0.5")
+    assert first[0] == 0
+    assert first == second
+    assert impact_lines(first[1]) != impact_lines(run("simulate", source)[1])
+
+
+@pytest.mark.parametrize(
+    ("setting", "pattern"),
+    [
+        ("contact.stifness=1e8", r"contact\.stifness is no parameter; the nearest is contact\.stiffness"),
+        ("point[0].x=1", r"point\[0\]\.x is no parameter"),
+        ("contact.stiffness=hard", r"contact\.stiffness = '?hard'? must be a .*number"),
+        ("contact.model=no_law", r"contact\.model = '?no_law'? must be one of .*zhang_sharf"),
+        ("contact.model=99", r"contact\.model = .*99.* must be one of"),
+        ("contact.model", "must be NAME=VALUE"),
+        ("=3", "must be NAME=VALUE"),
+        ("contact.stiffness=", "must be NAME=VALUE"),
+    ],
+)
+@pytest.mark.parametrize("kind", ["scene", "FMU"])
+def test_settings_that_cannot_be(refused, fmu, kind, setting, pattern):
+    refused(2, pattern, "simulate", fmu if kind == "FMU" else "four_link_box", "--set", setting)
+
+
+@pytest.mark.parametrize("value", ["-1", "0", "nan", "inf"])
+def test_a_value_out_of_range(refused, fmu, value):
+    pattern = r"contact\.stiffness = \S+ must be a finite number > 0 \[N/m\^exponent\]"
+    refused(2, pattern, "simulate", "--set", f"contact.stiffness={value}")
+    refused(3, pattern, "simulate", fmu, "--set", f"contact.stiffness={value}")
+
+
+def test_a_start_inside_a_wall(refused, fmu):
+    refused(2, "point 0 at x = 0.6 m is 0.05 m deep in the wall", "simulate", "--set", "box.x_min=0.65")
+    refused(3, "a contact point starts beyond a wall", "simulate", fmu, "--set", "box.x_min=0.65")
+
+
+@pytest.mark.parametrize("kind", ["scene", "FMU"])
+def test_a_simulation_that_stops_early_gives_what_it_has(run, here, fmu, kind):
+    source = fmu if kind == "FMU" else "four_link_box"
+    code, said, errors = run(
+        "simulate", source, "--set", LITTLE_WORK, "--csv", "part.csv", "--plot", "part.png"
+    )
+    assert code == 3
+    assert re.fullmatch(r"chain-impact: .*stopped at t = [\d.]+ s: .*work_limit allows\n", errors)
+    assert said.startswith("results  part.csv\npicture  part.png\n")
+    _, rows = read_csv(here / "part.csv")
+    assert 0.0 < rows[-1][0] < 2.0
+    assert f"0 … {rows[-1][0]:g} s" in said
+    assert (here / "part.png").read_bytes().startswith(PNG)
+
+
+@pytest.mark.parametrize("option", ["--csv", "--plot"])
+@pytest.mark.parametrize("place", ["missing/out.png", "file/out.png", "folder.png"])
+def test_a_place_that_cannot_be_written(refused, here, option, place):
+    (here / "file").write_text("")
+    (here / "folder.png").mkdir()
+    refused(2, rf"^chain-impact: {re.escape(place)}: [A-Z]", "simulate", "rod_drop", option, place)
+
+
+@pytest.mark.parametrize("name", ["out.bmpx", "out", "png"])
+def test_an_unknown_kind_of_picture_is_refused_before_anything_runs(refused, monkeypatch, name):
+    monkeypatch.setattr(cli, "record", None)
+    refused(2, rf"{name} must end in \.png, \.svg, \.pdf", "simulate", "--plot", name)
+
+
+@pytest.mark.parametrize("verb", ["build", "simulate", "info"])
+def test_an_unknown_scene(refused, verb):
+    pattern = (
+        "no_scene: cannot be read .*; must be a scene file, .* model: four_link_box, pinned_arm, rod_drop"
+    )
+    refused(2, pattern, verb, "no_scene")
+
+
+@pytest.mark.parametrize("verb", ["build", "simulate", "info"])
+@pytest.mark.parametrize("text", ["name = ", 'name = "A"', "\0", 'name = "[/]"\n[chain]\nlinks = 3'])
+def test_a_scene_that_is_none(refused, here, verb, text):
+    (here / "bad.toml").write_text(text)
+    refused(2, r"bad\.toml: ", verb, "bad.toml")
+
+
+# --- --show ----------------------------------------------------------------------------------------------
+
+
+def test_show_opens_one_window_with_the_picture(run, monkeypatch):
+    shown = []
+    monkeypatch.setattr(pyplot, "switch_backend", lambda _: None)
+    page = mpl.figure.Figure()
+    page.canvas.required_interactive_framework = "a toolkit"
+    monkeypatch.setattr(pyplot, "figure", lambda **_: page)
+    monkeypatch.setattr(pyplot, "show", lambda: shown.append(page.get_suptitle()))
+    assert run("simulate", "rod_drop", "--show")[0] == 0
+    assert shown == ["RodDrop: 30 impacts in 2 s"]
+
+
+def test_show_without_a_display_says_so_before_anything_runs(refused, monkeypatch):
+    monkeypatch.setattr(cli, "record", None)
+    with mpl.rc_context({"backend": "agg"}):
+        refused(3, "--show: there is no display.* use --plot FILE", "simulate", "--show")
+        pyplot.close("all")
+
+
+def test_show_with_a_toolkit_that_is_not_there(refused, monkeypatch):
+    def figure(**_):
+        raise ImportError("Cannot load backend 'TkAgg' which requires the 'tk' interactive framework")
+
+    monkeypatch.setattr(pyplot, "figure", figure)
+    refused(3, "--show: Cannot load backend 'TkAgg'", "simulate", "--show")
+
+
+# --- info ------------------------------------------------------------------------------------------------
+
+
+def check_variables(listing, scene):
+    """Each variable has its line, whole, however narrow the terminal."""
+    lines = {line.split()[0]: line for line in listing.splitlines() if line}
+    variables = fmu_variables(scene)
+    assert lines.keys() == {variable.name for variable in variables}
+    for variable in variables:
+        line = lines[variable.name]
+        assert line.split()[1:3] == [variable.causality, variable.variability]
+        assert line.endswith(variable.description)
+
+
+def test_info_of_a_scene_has_its_values_and_every_variable(run):
+    code, said, errors = run("info", "pinned_arm")
+    assert (code, errors) == (0, "")
+    values, listing = said.split("\nVariables of the FMU\n")
+    assert values.startswith("PinnedArm  Two-link arm pinned at the origin")
+    assert "\n  chain.links[2].mass = 0.6\n" in values
+    assert "\n  box.x_max = 0.3\n" in values
+    assert "x_min" not in values
+    check_variables(listing, load_scene("pinned_arm"))
+
+
+def test_info_of_an_fmu_has_its_values_and_every_variable(run, fmu):
+    code, said, errors = run("info", fmu)
+    assert (code, errors) == (0, "")
+    values, listing = said.split("\nVariables of the FMU\n")
+    assert values.startswith("FourLinkBox  Four-link chain, free base")
+    for fact in ("FMI version = 2.0", "platforms = linux64", "stopTime = 2.0", "link[2].mass = 1.0"):
+        assert f"\n  {fact}\n" in values
+    check_variables(listing, load_scene("four_link_box"))
+
+
+def test_info_prints_brackets_as_they_are(run, here):
+    text = (models_folder() / "rod_drop" / "scene.toml").read_text()
+    (here / "odd.toml").write_text(re.sub('description = ".*"', 'description = "[bold] a [/] b"', text))
+    assert run("info", "odd.toml")[1].startswith("RodDrop  [bold] a [/] b\n")
+
+
+def test_info_into_a_closed_pipe_is_quiet(fmu):
+    """As in `chain-impact info | head -1`."""
+    for source in ("rod_drop", str(fmu)):
+        command = [sys.executable, "-m", "chain_impact.cli", "info", source]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+            process.stdout.close()
+            assert process.stderr.read() == b""
+
+
+# --- FMUs that are none ----------------------------------------------------------------------------------
+
+
+@pytest.fixture(params=["empty", "no zip", "truncated", "a zip of something", "no XML"])
+def broken(request, here, fmu):
+    path = here / "broken.fmu"
+    content = fmu.read_bytes()
+    if request.param in ("a zip of something", "no XML"):
+        name = "hello.txt" if request.param == "a zip of something" else "modelDescription.xml"
+        with zipfile.ZipFile(path, "w") as archive:
+            archive.writestr(name, "<hello")
+    else:
+        path.write_bytes(
+            {"empty": b"", "no zip": b"hello", "truncated": content[: len(content) // 2]}[request.param]
+        )
+    return path.name
+
+
+@pytest.mark.parametrize("verb", ["simulate", "info"])
+def test_a_broken_fmu(refused, broken, verb):
+    refused(2, r"broken\.fmu: not a readable FMU: \w+", verb, broken)
+
+
+def test_validate_of_a_broken_fmu(run, broken):
+    code, said, errors = run("validate", broken)
+    assert (code, errors) == (1, "")
+    assert len(said.splitlines()) == 1
+
+
+def test_the_fmu_of_something_else(refused, run, here, fmu):
+    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile("tank.fmu", "w") as new:
+        for name in old.namelist():
+            new.writestr(name, old.read(name).replace(b'"point[', b'"tank['))
+    refused(2, r"tank\.fmu: not the FMU of a chain", "simulate", "tank.fmu")
+    assert run("info", "tank.fmu")[0] == 0
+
+
+@pytest.mark.parametrize("verb", ["simulate", "info", "validate"])
+def test_a_missing_fmu(refused, verb):
+    refused(2, r"^chain-impact: missing\.fmu: No such file", verb, "missing.fmu")
+
+
+# --- validate --------------------------------------------------------------------------------------------
+
+
+def test_validate_of_a_good_fmu(run, fmu):
+    assert run("validate", fmu) == (0, f"{fmu}: no problems found\n", "")
+
+
+def test_validate_names_each_problem(run, here, fmu):
+    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile("odd.fmu", "w") as new:
+        for name in old.namelist():
+            content = old.read(name)
+            if name == "modelDescription.xml":
+                content = content.replace(b'name="gravity.x"', b'name="gravity.y"')
+                content = content.replace(b'unit="kg"', b'unit="stone"')
+            new.writestr(name, content)
+    code, said, errors = run("validate", "odd.fmu")
+    assert (code, errors) == (1, "")
+    assert "gravity.y" in said
+    assert "stone" in said
+
+
+# --- arguments, and what all commands share --------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [[], ["fly"], ["build", "a", "b"], ["simulate", "--csv"], ["validate"], ["build", "--target", "native"]],
+)
+def test_wrong_arguments_are_said_in_one_line(refused, arguments):
+    refused(2, r"; see chain-impact( \w+)? --help$", *arguments)
+
+
+@pytest.mark.parametrize("verb", [None, "build", "simulate", "info", "validate"])
+def test_every_command_has_help(run, verb):
+    code, said, _ = run(*([verb] if verb else []), "--help")
+    assert code == 0
+    assert said.startswith(f"usage: chain-impact {verb or ''}".rstrip())
+
+
+def test_an_interrupt_is_no_traceback(run, monkeypatch):
+    def record(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli, "record", record)
+    assert run("simulate") == (130, "", "chain-impact: interrupted\n")
+
+
+def test_the_module_can_be_run(here):
+    command = [sys.executable, "-m", "chain_impact.cli", "simulate", "--set", "a=1"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert re.fullmatch(r"chain-impact: FourLinkBox: a is no parameter.*\n", done.stderr)
+
+
+# --- the progress bar ------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def terminal(monkeypatch):
+    """What is printed for the eyes of a terminal's user on standard error."""
+
+    def terminal(is_one):
+        text = io.StringIO()
+        monkeypatch.setattr(cli, "err", Console(file=text, force_terminal=is_one, width=100))
+        return text
+
+    return terminal
+
+
+def compiling(monkeypatch):
+    """Let the cached kernel look as if it had to be compiled."""
+    cached = SIMULATE_MODULE.kernel_library
+
+    def kernel_library(*arguments, notify):
+        notify("compiling the kernel")
+        return cached(*arguments)
+
+    monkeypatch.setattr(SIMULATE_MODULE, "kernel_library", kernel_library)
+
+
+def test_a_bar_shows_on_a_terminal_while_something_compiles(run, monkeypatch, terminal):
+    compiling(monkeypatch)
+    text = terminal(True)
+    assert run("simulate", "rod_drop")[0] == 0
+    assert "compiling the kernel" in text.getvalue()
+    assert text.getvalue().endswith("\x1b[2K")  # and is wiped out
+
+
+def test_no_bar_when_nothing_compiles(run, terminal):
+    text = terminal(True)
+    run("simulate", "rod_drop")
+    assert text.getvalue() == ""
+
+
+def test_no_bar_in_a_file(run, monkeypatch, terminal):
+    compiling(monkeypatch)
+    text = terminal(False)
+    run("simulate", "rod_drop")
+    run("build", "rod_drop")
+    assert text.getvalue() == ""
+
+
+def test_the_bar_says_what_is_being_done(run, terminal):
+    text = terminal(True)
+    run("build", "rod_drop")
+    assert "packaging the FMU" in text.getvalue()
+    assert "validating the FMU" in text.getvalue()
+
+
+def test_a_fault_below_the_bar_is_still_one_line(run, monkeypatch, terminal):
+    compiling(monkeypatch)
+    text = terminal(True)
+    assert run("simulate", "--set", LITTLE_WORK)[0] == 3
+    assert (
+        text.getvalue().split("\x1b[2K")[-1].startswith("chain-impact: FourLinkBox: the simulation stopped")
+    )

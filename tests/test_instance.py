@@ -1,0 +1,119 @@
+"""The instance record: its layout, its size, and where the scene's values stand in it."""
+
+import operator
+from functools import reduce
+
+import numpy as np
+import pytest
+
+from chain_impact import CONTACT_LAWS, load_scene
+from chain_impact.instance import candidates, instance_dtype, new_instance, output_dtype
+from chain_impact.scene import SOLVER_METHODS, WALLS, model_names, scene_to_dict, with_values
+from chain_impact.variables import WORD, fmu_variables, word_index
+
+SIZES = [(1, 0), (1, 1), (2, 2), (4, 20), (7, 32)]  # links N, candidates C
+BUFFER = 64 * 1024  # bytes, what an instance of four links in a box shall fit into
+
+
+def scalars(dtype):
+    """The offset [bytes] and the type of each scalar of a record."""
+    if dtype.subdtype:
+        item, shape = dtype.subdtype
+        for i in range(int(np.prod(shape))):
+            for offset, kind in scalars(item):
+                yield i * item.itemsize + offset, kind
+    elif dtype.fields:
+        for inner, start, *_ in dtype.fields.values():
+            for offset, kind in scalars(inner):
+                yield start + offset, kind
+    else:
+        yield 0, dtype
+
+
+@pytest.mark.parametrize(("links", "pairs"), SIZES)
+def test_every_scalar_has_eight_bytes_and_none_lie_between_them(links, pairs):
+    dtype = instance_dtype(links, pairs)
+    found = list(scalars(dtype))
+    assert {kind for _, kind in found} == {np.dtype(np.float64), np.dtype(np.int64)}
+    assert sorted(offset for offset, _ in found) == list(range(0, dtype.itemsize, WORD))
+
+
+@pytest.mark.parametrize(("links", "pairs"), SIZES)
+def test_the_output_record_is_the_row_of_a_time_series(links, pairs):
+    assert instance_dtype(links, pairs)["output"] == output_dtype(links, pairs)
+
+
+def test_four_links_in_a_box_fit_into_64_kilobytes():
+    assert new_instance(load_scene("four_link_box")).nbytes < BUFFER
+
+
+def test_the_size_grows_linearly():
+    small, middle, large = (instance_dtype(n, 4 * (n + 1)).itemsize for n in (10, 20, 30))
+    assert large - middle == middle - small
+
+
+@pytest.mark.parametrize("model", model_names())
+def test_the_record_holds_no_pointers(model):
+    instance = new_instance(load_scene(model))
+    assert not instance.dtype.hasobject
+    assert np.frombuffer(instance.tobytes(), instance.dtype) == instance
+
+
+def test_candidates_are_the_listed_points_at_the_walls_that_are_there():
+    box = load_scene("four_link_box")
+    assert candidates(box) == [(point, wall) for point in range(5) for wall in range(4)]
+    some = with_values(box, {("contact", "points"): [4, 1], ("box", "x_min"): None, ("box", "y_max"): None})
+    x_max, y_min = WALLS.index("x_max"), WALLS.index("y_min")
+    assert candidates(some) == [(1, x_max), (1, y_min), (4, x_max), (4, y_min)]
+    assert candidates(with_values(box, {("contact", "points"): []})) == []
+    assert candidates(with_values(box, {("box", wall): None for wall in WALLS})) == []
+
+
+@pytest.mark.parametrize("model", model_names())
+def test_the_record_names_point_and_wall_of_each_candidate(model):
+    scene = load_scene(model)
+    held = new_instance(scene)[0]["model"]
+    assert list(zip(held["candidate_point"], held["candidate_wall"], strict=True)) == candidates(scene)
+
+
+def test_a_pinned_base_is_no_candidate_by_default():
+    assert {point for point, _ in candidates(load_scene("pinned_arm"))} == {1, 2}
+
+
+@pytest.mark.parametrize("model", model_names())
+def test_each_value_of_the_scene_stands_where_its_variable_is(model):
+    scene = load_scene(model)
+    instance = new_instance(scene)
+    reals, integers = instance.view(np.float64), instance.view(np.int64)
+    checked = 0
+    for variable in fmu_variables(scene):
+        if variable.causality != "parameter" or variable.scene_path is None:
+            continue
+        value = reduce(operator.getitem, variable.scene_path, scene_to_dict(scene))
+        word = word_index(instance.dtype, variable.place)
+        if variable.items:
+            assert variable.items[integers[word] - 1].name == value, variable.name
+        else:
+            assert reals[word] == value, variable.name
+        checked += 1
+    assert checked > 15
+
+
+def test_what_the_scene_says_in_words_becomes_a_number():
+    box = load_scene("four_link_box")
+    changes = {("contact", "model"): "flores", ("solver", "method"): "implicit"}
+    held = new_instance(with_values(box, changes))[0]
+    assert held["contact"]["law"] == CONTACT_LAWS["flores"].number
+    assert held["solver"]["method"] == SOLVER_METHODS.index("implicit") + 1
+    assert (held["model"]["pinned"], held["model"]["driven"]) == (0, 0)
+    arm = new_instance(load_scene("pinned_arm"))[0]
+    assert (arm["model"]["pinned"], arm["model"]["driven"]) == (1, 1)
+
+
+def test_a_new_instance_holds_nothing_but_the_scene():
+    """Two are equal, and all that the kernel fills in is zero."""
+    scene = load_scene("four_link_box")
+    instance = new_instance(scene)
+    assert instance.tobytes() == new_instance(scene).tobytes()
+    for field in ("step", "touch", "finished", "statistics", "output", "work"):
+        assert not any(instance[0][field].tobytes()), field

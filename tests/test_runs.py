@@ -1,0 +1,215 @@
+"""Runs: a scene and its FMU by the same names, to the same numbers, with the same faults."""
+
+import sys
+import tempfile
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from chain_impact import CONTACT_LAWS, SceneError, load_scene
+from chain_impact.export.aot import BuildError
+from chain_impact.export.fmu import build_fmu
+from chain_impact.runs import RunError, read_fmu, record_fmu, record_scene
+from chain_impact.scene import model_names
+from chain_impact.variables import fmu_variables
+
+LITTLE_WORK = {"solver.work_limit": "1500"}  # too little for the impacts, enough for the flight before
+
+
+@pytest.fixture(scope="module")
+def fmus(tmp_path_factory):
+    """The FMU of each model: name of the model → path."""
+    folder = tmp_path_factory.mktemp("fmus")
+    return {name: build_fmu(name, folder) for name in model_names()}
+
+
+@pytest.fixture(params=["scene", "FMU"])
+def record(request, fmus):
+    """Simulate the four-link box with settings, as a scene and as an FMU."""
+    if request.param == "scene":
+        return lambda settings: record_scene(load_scene("four_link_box"), settings)
+    return lambda settings: record_fmu(fmus["four_link_box"], settings)
+
+
+@pytest.mark.parametrize("model", model_names())
+def test_a_scene_and_its_fmu_give_the_same(fmus, model):
+    scene, fmu = record_scene(load_scene(model), {}), record_fmu(fmus[model], {})
+    assert (scene.name, scene.walls) == (fmu.name, fmu.walls)
+    np.testing.assert_allclose(scene.time, fmu.time, rtol=0, atol=1e-12)
+    assert scene.columns.keys() <= fmu.columns.keys()
+    # the communication points differ in their last bit, and contacts make much of that
+    np.testing.assert_allclose(scene.points, fmu.points, rtol=0, atol=1e-9)
+    assert [(impact.point, impact.wall) for impact in scene.impacts] == [
+        (impact.point, impact.wall) for impact in fmu.impacts
+    ]
+    for name in ("time", "speed"):
+        ours, theirs = ([getattr(impact, name) for impact in run.impacts] for run in (scene, fmu))
+        np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-12)
+
+
+def test_the_columns_of_an_fmu_are_its_outputs(fmus):
+    outputs = [v.name for v in fmu_variables(load_scene("pinned_arm")) if v.causality == "output"]
+    assert list(record_fmu(fmus["pinned_arm"], {}).columns) == outputs
+
+
+def test_the_columns_of_a_scene_are_the_outputs_that_change_all_the_time():
+    scene = load_scene("pinned_arm")
+    outputs = [v.name for v in fmu_variables(scene) if v.causality == "output" and v.place[0] == "output"]
+    assert list(record_scene(scene, {}).columns) == outputs
+
+
+def test_walls_and_start_are_those_that_were_set(record):
+    recording = record({"box.x_max": "2.8", "initial.x": "0.4"})
+    assert recording.walls == {"x_min": 0.0, "x_max": 2.8, "y_min": 0.0, "y_max": 2.5}
+    assert recording.columns["point[0].x"][0] == 0.4
+    assert recording.points[..., 0].max() < 2.801
+
+
+def test_a_choice_can_be_given_by_name_or_number(record):
+    number = CONTACT_LAWS["hertz"].number
+    by_name, by_number = record({"contact.model": "hertz"}), record({"contact.model": str(number)})
+    assert by_name.columns["energy.dissipated"][-1] == pytest.approx(0.0, abs=1e-9)  # Hertz has no loss
+    for name, column in by_name.columns.items():
+        np.testing.assert_array_equal(column, by_number.columns[name])
+
+
+@pytest.mark.parametrize("choice", ["no_law", "0", "-1", "99", "1.0", "²"])
+def test_a_choice_that_is_not_there_is_refused(record, choice):
+    with pytest.raises(SceneError, match=r"contact\.model = .*must be one of .*zhang_sharf"):
+        record({"contact.model": choice})
+
+
+def test_an_unknown_name_is_refused_and_the_nearest_is_named(record):
+    with pytest.raises(SceneError, match=r"contact\.stifness is no parameter.*contact\.stiffness"):
+        record({"contact.stifness": "1e9"})
+
+
+def test_an_output_cannot_be_set(record):
+    with pytest.raises(SceneError, match=r"point\[0\]\.x is no parameter"):
+        record({"point[0].x": "1"})
+
+
+def test_a_word_is_no_number(record):
+    with pytest.raises(SceneError, match=r"contact\.stiffness = '?hard'? must be a.* number"):
+        record({"contact.stiffness": "hard"})
+
+
+@pytest.mark.parametrize("value", ["-1", "0", "nan", "inf", "1e999"])
+def test_a_value_out_of_range_is_refused(record, value):
+    with pytest.raises((SceneError, RunError), match=r"contact\.stiffness = .* must be a finite number > 0"):
+        record({"contact.stiffness": value})
+
+
+def test_a_start_inside_a_wall_is_refused(record):
+    with pytest.raises((SceneError, RunError), match="wall") as caught:
+        record({"box.x_min": "0.65"})
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_what_came_before_a_fault_is_kept(record):
+    with pytest.raises(RunError, match=r"stopped at t = .* s: .*solver\.work_limit") as caught:
+        record(LITTLE_WORK)
+    partial = caught.value.recording
+    assert 0.0 < partial.time[-1] < 2.0
+    assert len(str(caught.value).splitlines()) == 1
+    assert all(len(column) == len(partial.time) for column in partial.columns.values())
+    whole = record({})
+    np.testing.assert_allclose(partial.points, whole.points[: len(partial.time)], rtol=0, atol=1e-9)
+
+
+def test_before_the_first_step_there_is_nothing_to_keep(fmus):
+    with pytest.raises(RunError) as caught:
+        record_fmu(fmus["four_link_box"], {"box.x_min": "0.65"})
+    assert caught.value.recording is None
+
+
+def test_the_fmu_says_why_and_nothing_else_is_printed(fmus, capfd):
+    with pytest.raises(RunError, match=r"FourLinkBox\.fmu: .*a contact point starts beyond a wall"):
+        record_fmu(fmus["four_link_box"], {"box.x_min": "0.65"})
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("settings", [{}, LITTLE_WORK])
+def test_an_fmu_leaves_no_files_behind(fmus, tmp_path, monkeypatch, settings):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    try:
+        record_fmu(fmus["four_link_box"], settings)
+    except RunError:
+        assert settings
+    assert list(tmp_path.iterdir()) == []
+
+
+def changed(source, target, **members):
+    """Copy an FMU with some members changed by a function, or left out if it returns None."""
+    with zipfile.ZipFile(source) as old, zipfile.ZipFile(target, "w") as new:
+        for name in old.namelist():
+            key = Path(name).suffix[1:]
+            content = members[key](old.read(name)) if key in members else old.read(name)
+            if content is not None:
+                new.writestr(name, content)
+    return target
+
+
+@pytest.mark.parametrize("content", [b"", b"no zip at all", b"PK\x03\x04 and then nothing"])
+def test_what_is_no_zip_is_no_fmu(tmp_path, content):
+    (tmp_path / "bad.fmu").write_bytes(content)
+    with pytest.raises(SceneError, match=r"bad\.fmu: not a readable FMU: .*zip"):
+        read_fmu(tmp_path / "bad.fmu")
+
+
+def test_a_truncated_fmu_is_refused(fmus, tmp_path):
+    whole = fmus["rod_drop"].read_bytes()
+    (tmp_path / "cut.fmu").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(SceneError, match=r"cut\.fmu: not a readable FMU"):
+        record_fmu(tmp_path / "cut.fmu", {})
+
+
+def test_a_zip_without_a_description_is_no_fmu(fmus, tmp_path):
+    with pytest.raises(SceneError, match=r"not a readable FMU: There is no item named 'modelDescription"):
+        read_fmu(changed(fmus["rod_drop"], tmp_path / "empty.fmu", xml=lambda _: None))
+
+
+def test_a_description_that_is_no_xml_is_refused(fmus, tmp_path):
+    with pytest.raises(SceneError, match="not a readable FMU"):
+        read_fmu(changed(fmus["rod_drop"], tmp_path / "noxml.fmu", xml=lambda content: content[:-30]))
+
+
+def test_the_fmu_of_something_else_can_be_read_but_not_recorded(fmus, tmp_path):
+    def renamed(xml):
+        return xml.replace(b'"point[', b'"tank[')
+
+    other = changed(fmus["rod_drop"], tmp_path / "other.fmu", xml=renamed)
+    assert read_fmu(other).modelName == "RodDrop"
+    with pytest.raises(SceneError, match=r"other\.fmu: not the FMU of a chain"):
+        record_fmu(other, {})
+
+
+def test_a_damaged_library_is_a_fault_of_the_run(fmus, tmp_path):
+    before = Path.cwd()
+    damaged = changed(fmus["rod_drop"], tmp_path / "damaged.fmu", so=lambda content: content[:100])
+    with pytest.raises(RunError, match=r"damaged\.fmu: ") as caught:
+        record_fmu(damaged, {})
+    assert caught.value.recording is None
+    assert len(str(caught.value).splitlines()) == 1
+    assert Path.cwd() == before
+
+
+def test_a_missing_file_is_named():
+    with pytest.raises(FileNotFoundError) as caught:
+        record_fmu(Path("missing.fmu"), {})
+    assert caught.value.filename == "missing.fmu"
+
+
+def test_a_scene_says_when_it_has_to_compile(monkeypatch):
+    def kernel_library(*_, notify):
+        notify("compiling")
+        raise BuildError("out of luck")
+
+    said = []
+    # the package has a function of this module's name
+    monkeypatch.setattr(sys.modules["chain_impact.simulate"], "kernel_library", kernel_library)
+    with pytest.raises(BuildError, match="out of luck"):
+        record_scene(load_scene("rod_drop"), {}, said.append)
+    assert said == ["compiling"]
