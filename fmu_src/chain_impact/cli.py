@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
-import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -45,9 +43,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (BuildError, RunError) as error:
         err.print(f"chain-impact: {error}", markup=False, soft_wrap=True)
         return 3
-    except BrokenPipeError:  # the reader has seen enough, as in `info | head`
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
     except OSError as error:
         what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
         err.print(f"chain-impact: {what}", markup=False, soft_wrap=True)
@@ -200,12 +195,9 @@ def run_validate(options: argparse.Namespace) -> int:
     from chain_impact.export.fmu import validate_fmu
 
     options.fmu.stat()  # a file that is not there is no FMU with problems
-    try:
-        problems = validate_fmu(options.fmu)
-    except zipfile.BadZipFile as error:
-        problems = [f"{options.fmu}: {error}"]
+    problems = validate_fmu(options.fmu)
     for problem in problems:
-        out.print(problem, markup=False, soft_wrap=True)
+        out.print(f"{options.fmu}: {problem}", markup=False, soft_wrap=True)
     if not problems:
         out.print(f"{options.fmu}: no problems found", markup=False, soft_wrap=True)
     return 1 if problems else 0

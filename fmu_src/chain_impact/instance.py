@@ -11,6 +11,8 @@ y = (x₀, θ, ẋ₀, ω, dissipated energy, energy supplied) of n = 2(N+2)+2 n
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from chain_impact.kernel.contact_laws import CONTACT_LAWS
@@ -26,6 +28,7 @@ def _record(*fields: tuple[object, ...]) -> np.dtype:
     return np.dtype(list(fields), align=True)
 
 
+@cache
 def output_dtype(links: int, candidates: int) -> np.dtype:
     """What an observer sees at the communication point; one row of a time series."""
     points = links + 1
@@ -48,6 +51,7 @@ def output_dtype(links: int, candidates: int) -> np.dtype:
     )
 
 
+@cache
 def instance_dtype(links: int, candidates: int) -> np.dtype:
     """The record of an instance with N = ``links`` links and C = ``candidates`` candidates."""
     points = links + 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -118,13 +119,14 @@ def simulate(
         SimulationError: when the solver cannot go on; it holds the result up to there.
         BuildError: when the kernel cannot be compiled.
     """
-    changes = {
+    settings: dict[tuple[str | int, ...], float | str | None] = {
         ("simulation", "stop_time"): stop_time,
         ("simulation", "step_size"): output_step,
         ("solver", "method"): method,
         ("solver", "tolerance"): tolerance,
     }
-    scene = with_values(scene, {path: value for path, value in changes.items() if value is not None})
+    changes = {path: value for path, value in settings.items() if value is not None}
+    scene = with_values(scene, changes) if changes else scene
     instance = Instance(scene, notify)
     # n steps and, if the stop time is no multiple of the step, a shorter one
     step, stop = scene.simulation.step_size, scene.simulation.stop_time
@@ -213,6 +215,7 @@ def _impact_rows(count: int, columns: dict[str, np.ndarray]) -> np.ndarray:
     return rows
 
 
+@cache
 def load_kernel(library: Path) -> ctypes.CDLL:
     """Load a compiled kernel and declare its entry points (see kernel/entry.py)."""
     kernel = ctypes.CDLL(str(library))

@@ -182,28 +182,36 @@ def test_two_that_build_at_once_do_not_clash(compiler):
     assert not [path for path in found[0].parent.iterdir() if path.is_dir()]
 
 
+def folder_of_a_new_process():
+    aot._fingerprint.cache_clear()
+    try:
+        return cache_folder()
+    finally:
+        aot._fingerprint.cache_clear()
+
+
 def test_another_kernel_has_another_place_in_the_cache(monkeypatch, tmp_path):
     package = tmp_path / "chain_impact"
     shutil.copytree(Path(chain_impact.kernel.__file__).parents[1], package)
-    before = cache_folder()
+    before = folder_of_a_new_process()
     monkeypatch.setattr(chain_impact.kernel, "__file__", str(package / "kernel" / "__init__.py"))
     monkeypatch.setattr(aot, "__file__", str(package / "export" / "aot.py"))
-    assert cache_folder() == before  # equal sources, wherever they are
+    assert folder_of_a_new_process() == before  # equal sources, wherever they are
     found = {before}
     for source in ("kernel/contact.py", "instance.py", "export/lower.py"):
         with (package / source).open("a") as file:
             file.write("# \n")
-        found.add(cache_folder())
+        found.add(folder_of_a_new_process())
     assert len(found) == 4
     with (package / "plots.py").open("a") as file:
         file.write("# \n")
-    assert cache_folder() in found
+    assert folder_of_a_new_process() in found
 
 
 def test_another_compiler_has_another_place_in_the_cache(monkeypatch):
-    before = cache_folder()
+    before = folder_of_a_new_process()
     monkeypatch.setattr(aot, "version", lambda _: "0.0.1")
-    assert cache_folder() != before
+    assert folder_of_a_new_process() != before
 
 
 def test_the_cache_can_be_put_elsewhere(monkeypatch, tmp_path):

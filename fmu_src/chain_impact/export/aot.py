@@ -13,6 +13,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
@@ -86,6 +87,12 @@ def kernel_library(
 
 def cache_folder() -> Path:
     """The folder for kernels of these sources, this numba and this linker."""
+    base = os.environ.get("CHAIN_IMPACT_CACHE") or platformdirs.user_cache_dir("chain-impact")
+    return Path(base) / _fingerprint()
+
+
+@cache
+def _fingerprint() -> str:
     digest = hashlib.sha256()
     for name in ("numba", "llvmlite", "ziglang", "numpy"):
         digest.update(f"{name} {version(name)}\n".encode())
@@ -94,8 +101,7 @@ def cache_folder() -> Path:
     sources = [*package.glob("*.py"), package.parent / "instance.py", here, here.with_name("lower.py")]
     for source in sorted(sources):
         digest.update(source.name.encode() + b"\0" + source.read_bytes())
-    base = os.environ.get("CHAIN_IMPACT_CACHE") or platformdirs.user_cache_dir("chain-impact")
-    return Path(base) / digest.hexdigest()[:16]
+    return digest.hexdigest()[:16]
 
 
 def _run(command: list[str], **environment: str) -> None:

@@ -75,7 +75,10 @@ def validate_fmu(path: str | os.PathLike[str]) -> list[str]:
     """Check an FMU against the FMI standard; return what is wrong with it, a sentence each."""
     from fmpy.validation import validate_fmu as problems_of  # takes a second, so not at the top
 
-    return [str(problem) for problem in problems_of(str(path))]
+    try:
+        return [str(problem) for problem in problems_of(str(path))]
+    except zipfile.BadZipFile as error:
+        return [f"not an FMU: {error}"]
 
 
 def slave_source() -> bytes:

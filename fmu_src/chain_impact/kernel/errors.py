@@ -11,7 +11,9 @@ LARGEST_ERROR = 0.01  # of a penetration, relative
 
 @jit
 def scaled_error(d, row):
-    """Largest scaled component of an error estimate in ``work.error``, for the result in ``work.y``, where the points are located.
+    """Largest scaled component of an error estimate in ``work.error``, for the result in ``work.y``.
+
+    The points have to be located there.
 
     The scales, times the tolerance: 1 rad for angles and one link length for positions, whatever their
     value (turning or shifting the scene changes nothing); speeds relative to themselves plus one of these a
