@@ -9,10 +9,7 @@ from __future__ import annotations
 import dataclasses
 import re
 from collections.abc import Iterable, Sequence
-from typing import Any, get_args, get_origin
-
-from mkdocs.config.defaults import MkDocsConfig
-from mkdocs.structure.files import File, Files
+from typing import TYPE_CHECKING, Any, get_args, get_origin
 
 from chain_impact import cli
 from chain_impact.kernel.contact_laws import CONTACT_LAWS
@@ -30,11 +27,17 @@ from chain_impact.scene import (
 )
 from chain_impact.variables import UNITS, Variable, fmu_variables
 
+if TYPE_CHECKING:
+    from mkdocs.config.defaults import MkDocsConfig
+    from mkdocs.structure.files import Files
+
 HELP_WIDTH = 88  # columns
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add the README of each model as a page."""
+    from mkdocs.structure.files import File  # the tables can be made, and tested, without mkdocs
+
     for name in model_names():
         text = (models_folder() / name / "README.md").read_text(encoding="utf-8")
         text = text.replace("../../docs/", "../")

@@ -129,12 +129,11 @@ def test_the_code_that_the_computation_page_names_exists():
     assert all((ROOT / "fmu_src" / "chain_impact" / file).is_file() for file in files)
 
 
-# --- the tables, when mkdocs is there to make them ----------------------------------------------------
+# --- the tables ----------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
 def generate():
-    pytest.importorskip("mkdocs")
     spec = importlib.util.spec_from_file_location("generate", ROOT / "docs" / "generate.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)

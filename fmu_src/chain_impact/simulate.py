@@ -168,6 +168,11 @@ class Instance:
         if self._kernel.initialize(self._address, 0.0) != OK:
             raise SimulationError(self.status, 0.0, None)
 
+    def advance(self, time: float) -> int:
+        """Advance to a time [s], not before the present one; return the status."""
+        status: int = self._kernel.advance(self._address, time)
+        return status
+
     def trajectory(self, times: np.ndarray, outputs: np.ndarray) -> int:
         """Advance to each of the times [s], filling a row of outputs for each; return how many are filled."""
         rows: int = self._kernel.trajectory(self._address, times.ctypes.data, len(times), outputs.ctypes.data)

@@ -1,0 +1,215 @@
+"""Sustained contact: what a chain does, and costs, when the scene goes quiet; and what wakes it."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact import CONTACT_LAWS, SimulationError, load_scene, simulate
+from chain_impact.kernel.status import TOO_MUCH_WORK
+from chain_impact.scene import scene_from_dict, with_values
+from chain_impact.simulate import Instance
+
+CHAIN = load_scene("four_link_box")
+WEIGHT = 4 * 9.81
+
+
+def quiet_chain(stiffness, restitution, method="auto"):
+    """The default chain at tolerance 1e−6; it lies still after a few seconds."""
+    values = {("contact", "stiffness"): stiffness, ("contact", "restitution"): restitution}
+    values |= {("solver", "method"): method, ("solver", "tolerance"): 1e-6}
+    return with_values(CHAIN, values)
+
+
+def scene(links, angles, stop_time, walls, **tables):
+    """A chain of links (length, mass), its base half a metre above the floor."""
+    return scene_from_dict(
+        {
+            "name": "Torture",
+            "chain": {"links": [{"length": length, "mass": mass} for length, mass in links]},
+            "box": walls,
+            "initial": {"position": [0.0, 0.5], "angles": angles},
+            "simulation": {"stop_time": stop_time, "step_size": 1e-2},
+            **tables,
+        },
+        "test",
+    )
+
+
+def balance(result):
+    """Largest deviation of the energy ledger, over the largest energy that moved."""
+    energy = result.energy
+    ledger = energy["total"] + energy["dissipated"] - energy["supplied"]
+    return np.ptp(ledger) / max(energy["kinetic"].max(), np.ptp(energy["potential"]))
+
+
+# ---- cost ---------------------------------------------------------------------------------------------
+
+STEPS_PER_ONSET, STEPS_PER_SECOND = 40, 200
+# slow folding on a wall of 1e12 N/m^1.5 takes more steps: the penetration is a millionth of a millimetre
+MORE_STEPS = {(1e12, 0.05): 2.1, (1e12, 0.3): 1.2}
+
+
+@pytest.mark.parametrize("restitution", [0.05, 0.3, 0.7])
+@pytest.mark.parametrize("stiffness", [1e6, 1e8, 1e10, 1e12])
+def test_coming_to_rest_costs_a_bounded_number_of_steps(stiffness, restitution):
+    instance = Instance(quiet_chain(stiffness, restitution))
+    assert instance.advance(8.0) == 0
+    before = instance.statistics
+    assert instance.advance(10.0) == 0
+    after = instance.statistics
+    onsets = int(instance.record["impact"]["count"])
+    limit = STEPS_PER_ONSET * onsets + STEPS_PER_SECOND * 10
+    assert after["steps"] <= limit * MORE_STEPS.get((stiffness, restitution), 1.0)
+    assert after["rhs_evaluations"] <= 20_000 * 10
+    assert after["rhs_evaluations"] - before["rhs_evaluations"] <= 500 * 2
+
+
+def test_rest_is_a_hundred_times_cheaper_than_with_explicit_steps():
+    spent = {}
+    for method in ("auto", "explicit"):
+        instance = Instance(quiet_chain(1e10, 0.1, method))
+        instance.advance(5.0)
+        before = instance.statistics["rhs_evaluations"]
+        instance.advance(6.0)
+        spent[method] = instance.statistics["rhs_evaluations"] - before
+    assert spent["explicit"] >= 100 * spent["auto"]
+
+
+@pytest.mark.parametrize("stiffness", [1e6, 1e8, 2.145e10])
+def test_flight_and_impacts_cost_the_same_as_with_the_explicit_method(stiffness):
+    scenes = [quiet_chain(stiffness, 0.7, method) for method in ("auto", "explicit")]
+    auto, explicit = (simulate(s, stop_time=0.7) for s in scenes)
+    assert auto.statistics == explicit.statistics
+    assert np.array_equal(auto.outputs, explicit.outputs)
+
+
+def test_a_second_of_flight_with_contact_listed_but_far_takes_no_implicit_step():
+    assert simulate(CHAIN, stop_time=0.49).statistics["implicit_steps"] == 0
+
+
+# ---- rest ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("stiffness", [1e6, 1e8, 1e10, 1e12])
+def test_at_rest_the_walls_carry_the_weight_and_nothing_creeps(stiffness):
+    result = simulate(quiet_chain(stiffness, 0.05), stop_time=60.0, output_step=1.0)
+    late = result.outputs[result.time >= 10.0]
+    floor = late["force"].reshape(len(late), 5, 4)
+    assert floor[:, :, 2].sum(axis=1) == pytest.approx(WEIGHT, rel=1e-8)
+    height = late["point_position"][:, :, 1]
+    assert np.ptp(height, axis=0).max() < 1e-6 * np.abs(height).max()
+
+
+def resting():
+    """The default chain, with a force on its tip as input, after ten seconds."""
+    instance = Instance(with_values(quiet_chain(1e10, 0.05), {("inputs", "tip_force"): True}))
+    assert instance.advance(10.0) == 0
+    instance.collect()
+    return instance
+
+
+def test_rest_wakes_in_the_step_in_which_it_is_pulled():
+    instance = resting()
+    record, out = instance.record, np.zeros(1, instance.record.dtype["output"])
+    instance.trajectory(np.array([10.0]), out)
+    height = out["point_position"][0, 4, 1]
+    record["inputs"]["tip_force"] = [0.0, 100.0]
+    record["inputs"]["changed"] = 1
+    instance.trajectory(np.array([10.001]), out)
+    assert out["point_velocity"][0, 4, 1] > 0.05
+    assert out["point_position"][0, 4, 1] > height
+
+
+def test_rest_carries_a_push_at_once():
+    instance = resting()
+    out = np.zeros(1, instance.record.dtype["output"])
+    instance.record["inputs"]["tip_force"] = [0.0, -100.0]
+    instance.record["inputs"]["changed"] = 1
+    instance.trajectory(np.array([10.1]), out)
+    assert out["force"][0].reshape(5, 4)[:, 2].sum() == pytest.approx(WEIGHT + 100.0, rel=1e-6)
+
+
+# ---- torture ------------------------------------------------------------------------------------------
+
+METHODS = ("auto", "explicit", "implicit")
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_light_link_between_heavy_ones(method):
+    links = [(0.5, 1e3), (0.5, 1e-3), (0.5, 1e3)]
+    result = simulate(scene(links, [0.3, -0.4, 0.2], 3.0, {"y_min": 0.0}), method=method)
+    assert balance(result) < 1e-6
+    assert (result.outputs["force"] >= 0.0).all()
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("angles", [[0.0, math.pi, 0.0, math.pi], [0.0] * 4], ids=["folded", "flat"])
+def test_points_that_arrive_together(angles, method):
+    result = simulate(scene([(0.5, 1.0)] * 4, angles, 3.0, {"y_min": 0.0}), method=method)
+    assert balance(result) < 1e-6
+    assert np.diff(result.energy["total"]).max() < 1e-7
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_chain_longer_than_its_box_stays_inside(method):
+    walls = {"x_min": -0.1, "x_max": 0.7, "y_min": 0.0, "y_max": 0.9}
+    start = {"position": [0.0, 0.3], "angles": [0.2, 2.8, 0.3, 2.9], "velocity": [3.0, 1.0]}
+    start["angular_velocities"] = [3.0, -3.0, 2.0, 5.0]
+    result = simulate(scene([(0.5, 1.0)] * 4, [], 2.0, walls, initial=start), method=method)
+    assert balance(result) < 1e-6
+    assert result.points[:, :, 0].max() < 0.7 + 0.01
+    assert result.points[:, :, 1].min() > -0.01
+
+
+@pytest.mark.slow
+def test_a_hundred_links_fall_in_a_heap():
+    angles = [0.8 * math.sin(i) for i in range(100)]
+    walls = {"x_min": -1.0, "x_max": 12.0, "y_min": 0.0}
+    result = simulate(scene([(0.1, 0.1)] * 100, angles, 2.0, walls), tolerance=1e-6)
+    assert len(result.impacts) > 1000
+    assert balance(result) < 1e-5
+    assert (result.outputs["force"] >= 0.0).all()
+
+
+def test_torques_that_switch_every_millisecond_keep_the_ledger():
+    instance = Instance(load_scene("pinned_arm"))
+    record = instance.record
+    out = np.zeros(2000, record.dtype["output"])
+    for k in range(2000):
+        record["inputs"]["joint_torque"] = [3.0 * (-1.0) ** k, -2.0 * (-1.0) ** (k // 2)]
+        record["inputs"]["changed"] = 1
+        assert instance.trajectory(np.array([(k + 1) * 1e-3]), out[k : k + 1]) == 1
+    ledger = out["total"] + out["dissipated"] - out["supplied"]
+    assert np.ptp(ledger) < 1e-6 * out["kinetic"].max()
+
+
+def test_elastic_impacts_for_a_minute_keep_the_energy():
+    changes = {("contact", "model"): "hertz", ("contact", "restitution"): 1.0}
+    result = simulate(with_values(CHAIN, changes), stop_time=60.0, output_step=0.01, tolerance=1e-10)
+    assert len(result.impacts) > 300
+    energy = result.energy["total"]
+    assert np.abs(energy - energy[0]).max() < 1e-6 * energy[0]
+
+
+@pytest.mark.parametrize("law", CONTACT_LAWS)
+def test_restitution_of_two_percent_under_every_law(law):
+    dropped = with_values(quiet_chain(1e8, 0.02), {("contact", "model"): law})
+    result = simulate(dropped, stop_time=3.0)
+    assert balance(result) < 1e-5
+    assert np.diff(result.energy["total"]).max() < 1e-5 * result.energy["total"][0]
+    assert (result.outputs["force"] >= 0.0).all()
+
+
+# ---- bounded work -------------------------------------------------------------------------------------
+
+
+def test_a_bound_on_work_ends_a_simulation_with_what_it_has():
+    limited = with_values(CHAIN, {("solver", "work_limit"): 1500.0})
+    with pytest.raises(SimulationError, match=r"solver\.work_limit") as caught:
+        simulate(limited)
+    assert caught.value.status == TOO_MUCH_WORK
+    assert 0.5 < caught.value.time < 2.0
+    result = caught.value.result
+    assert result.time[-1] <= caught.value.time
+    assert np.array_equal(result.outputs, simulate(CHAIN).outputs[: len(result.time)])
