@@ -6,7 +6,9 @@ import argparse
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from errno import ENOENT
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, NoReturn
 
 from rich.console import Console
@@ -24,7 +26,9 @@ if TYPE_CHECKING:
 
 DEFAULT_SCENE = "four_link_box"
 PICTURES = (".png", ".svg", ".pdf")
+BRIEF = 1.0  # s, for which nobody needs a progress bar
 Notify = Callable[[str], None]
+Advance = Callable[[float], None]
 out, err = Console(highlight=False), Console(stderr=True, highlight=False)
 
 
@@ -91,7 +95,7 @@ def parser() -> argparse.ArgumentParser:
     simulate.add_argument(
         "--plot", metavar="FILE", type=_picture, help="draw motion, energy and impacts (png, svg, pdf)"
     )
-    simulate.add_argument("--csv", metavar="FILE", type=Path, help="write all outputs over time")
+    simulate.add_argument("--csv", metavar="FILE", type=Path, help="write the outputs over time")
     simulate.set_defaults(run=run_simulate)
 
     info = verbs.add_parser("info", help="say what a scene or an FMU holds")
@@ -137,7 +141,7 @@ def run_build(options: argparse.Namespace) -> int:
     from chain_impact.export.fmu import build_fmu
 
     scene = load_scene(options.source)
-    with progress() as notify:
+    with progress() as (notify, _):
         fmu = build_fmu(scene, options.output, platforms=options.platform, notify=notify)
     out.print(f"FMU      {fmu}", markup=False, soft_wrap=True)
     if options.simulate:
@@ -214,10 +218,10 @@ def is_fmu(source: str) -> bool:
 def record(source: str, settings: Sequence[str]) -> Recording:
     """Simulate a scene or an FMU with parameters set by ``NAME=VALUE``."""
     values = dict(_setting(text) for text in settings)
-    with progress() as notify:
+    with progress() as (notify, advance):
         if is_fmu(source):
-            return record_fmu(Path(source), values)
-        return record_scene(load_scene(source), values, notify)
+            return record_fmu(Path(source), values, advance)
+        return record_scene(load_scene(source), values, notify, advance)
 
 
 def _setting(text: str) -> tuple[str, str]:
@@ -228,20 +232,32 @@ def _setting(text: str) -> tuple[str, str]:
 
 
 @contextmanager
-def progress() -> Iterator[Notify]:
-    """A progress bar for work of unknown length; yields a function that says what is being done."""
+def progress() -> Iterator[tuple[Notify, Advance]]:
+    """A progress bar, for work that takes long enough to see it.
+
+    Yields a function that says what is being done, for as long as it takes, and one that tells the fraction
+    of a simulation that is done.
+    """
     columns = TextColumn("{task.description}"), BarColumn(pulse_style="cyan"), TimeElapsedColumn()
     bar = Progress(*columns, console=err, transient=True, disable=not err.is_terminal)
+    begun, shown = monotonic(), 0.0
 
-    def notify(sentence: str) -> None:
+    def notify(sentence: str, total: float | None = None) -> None:
         if bar.task_ids:
-            bar.update(bar.task_ids[0], description=sentence)
+            bar.update(bar.task_ids[0], description=sentence, total=total)
         else:
-            bar.add_task(sentence, total=None)
+            bar.add_task(sentence, total=total)
             bar.start()
 
+    def advance(fraction: float) -> None:
+        nonlocal shown
+        if fraction > shown + 0.01 and monotonic() > begun + BRIEF:
+            notify("simulating", 1.0)
+            bar.update(bar.task_ids[0], completed=fraction)
+            shown = fraction
+
     try:
-        yield notify
+        yield notify, advance
     finally:
         if bar.task_ids:
             bar.stop()
@@ -249,6 +265,9 @@ def progress() -> Iterator[Notify]:
 
 def report(source: str, settings: Sequence[str], csv: Path | None, picture: Path | None) -> Recording:
     """Simulate, write the files asked for and print a summary; also of what came before a fault."""
+    for path in (csv, picture):
+        if path and not path.parent.is_dir():
+            raise FileNotFoundError(ENOENT, "No such folder", str(path))
     fault = None
     try:
         recording = record(source, settings)
@@ -290,9 +309,11 @@ def summarize(recording: Recording) -> None:
         table.add_row(
             str(number), f"{impact.time:.6f}", str(impact.point), impact.wall, f"{impact.speed:.4f}"
         )
-    out.print(
-        f"\n[bold]{escape(recording.name)}[/]  0 … {recording.time[-1]:g} s, {len(recording.impacts)} impacts"
-    )
+    count, listed = recording.impact_count, len(recording.impacts)
+    impacts = f"{count} impact{'s' if count != 1 else ''}"
+    if listed < count:
+        impacts += f", {listed} listed: an FMU tells only the last one in a communication step"
+    out.print(f"\n[bold]{escape(recording.name)}[/]  0 … {recording.time[-1]:g} s, {impacts}", soft_wrap=True)
     out.print(table)
     total, dissipated = (recording.columns[f"energy.{name}"] for name in ("total", "dissipated"))
     supplied = recording.columns.get("energy.supplied", 0.0 * total)

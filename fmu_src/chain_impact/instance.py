@@ -118,7 +118,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("doubts", INTEGER),  # steps in a row for which the other method would do better …
         ("patience", INTEGER),  # … and how many make the solver change
     )
-    # per candidate; what is latched at onset holds until the contact ends
+    # per candidate; what is latched at onset holds until the contact ends, or v₀ is latched anew
     touch = _record(
         ("active_count", INTEGER),
         ("active_index", INTEGER, (candidates,)),  # the candidates in contact, packed
@@ -176,12 +176,12 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
     work = _record(
         ("stage", REAL, (STAGES, state)),  # ẏ at the stages
         ("y", REAL, (state,)),
-        ("error", REAL, (2, state)),  # the embedded error estimates
+        ("error", REAL, (2, state)),  # the embedded error estimates; spare for observers
         ("link", vectors),  # m, L_i; entry N is not used
         ("load", vectors),  # N on each point
         ("moment", REAL, (links,)),  # N·m on each link, from its joints
         ("elimination", elimination),  # h/H and h₀/H of each link
-        ("factors", factors),  # of an implicit step, kept over its stages
+        ("factors", factors),  # of an implicit step, kept over its stages, or of an effective mass
         ("position", vectors),  # m, of the points
         ("velocity", vectors),  # m/s
         ("acceleration", vectors),  # m/s²

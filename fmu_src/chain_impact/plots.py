@@ -56,7 +56,7 @@ def fill(page: Figure, recording: Recording) -> None:
         axes = page.add_subplot(grid[row, 1], sharex=clock)
         axes.tick_params(labelbottom=False)
         draw(axes, recording)
-    count = len(recording.impacts)
+    count = recording.impact_count
     page.suptitle(f"{recording.name}: {count} impact{'s' if count != 1 else ''} in {recording.time[-1]:g} s")
 
 

@@ -51,6 +51,12 @@ class Recording:
     walls: dict[str, float]
 
     @property
+    def impact_count(self) -> int:
+        """How many impacts there were, listed or not."""
+        counted = self.columns.get("impact.count", np.zeros(1))
+        return max(len(self.impacts), int(counted[-1]))
+
+    @property
     def points(self) -> np.ndarray:
         """Positions of the points 0…N, shape (T, N+1, 2) [m]."""
         count = sum(name.startswith("point[") and name.endswith("].x") for name in self.columns)

@@ -18,6 +18,9 @@ from chain_impact.scene import WALLS, Scene, SceneError, with_values
 from chain_impact.simulate import Result, SimulationError, simulate
 from chain_impact.variables import fmu_variables, output_columns, parameter_paths
 
+EXPERIMENT = {f"simulation.{key}": ("simulation", key) for key in ("stop_time", "step_size")}
+"""What can be set besides the parameters, for this run only."""
+
 
 class RunError(RuntimeError):
     """A simulation that could not start or go on; ``recording`` holds what it gave until then."""
@@ -29,23 +32,28 @@ class RunError(RuntimeError):
 
 
 def record_scene(
-    scene: Scene, settings: Mapping[str, str], notify: Callable[[str], None] = lambda _: None
+    scene: Scene,
+    settings: Mapping[str, str],
+    notify: Callable[[str], None] = lambda _: None,
+    progress: Callable[[float], None] = lambda _: None,
 ) -> Recording:
     """Simulate a scene with some parameters, named as in its FMU, set to values in text.
+
+    ``notify`` and ``progress`` as for ``simulate``.
 
     Raises:
         SceneError: when a name is unknown or a value is out of range.
         RunError: when the solver cannot go on.
         BuildError: when the kernel cannot be compiled.
     """
-    paths = parameter_paths(scene)
+    paths = parameter_paths(scene) | EXPERIMENT
     choices = {variable.name: [item.name for item in variable.items] for variable in fmu_variables(scene)}
     changes = {
-        paths[_known(name, paths, scene.name)]: _scene_value(choices[name], text)
+        paths[_known(name, paths, scene.name)]: _scene_value(choices.get(name, []), text)
         for name, text in settings.items()
     }
     try:
-        return recording_of(simulate(with_values(scene, changes), notify=notify))
+        return recording_of(simulate(with_values(scene, changes), notify=notify, progress=progress))
     except SimulationError as error:
         partial = recording_of(error.result) if error.result else None
         raise RunError(f"{scene.name}: {error}", partial) from None
@@ -81,8 +89,16 @@ def read_fmu(path: Path) -> Any:
         raise SceneError(f"{path}: not a readable FMU: {reason}") from None
 
 
-def record_fmu(path: Path, settings: Mapping[str, str]) -> Recording:
-    """Simulate an FMU with fmpy, over its default experiment, with parameters set to values in text.
+def record_fmu(
+    path: Path, settings: Mapping[str, str], progress: Callable[[float], None] = lambda _: None
+) -> Recording:
+    """Simulate an FMU with fmpy, with parameters set to values in text.
+
+    Args:
+        path: the FMU.
+        settings: parameter, or ``simulation.stop_time`` or ``step_size`` instead of those of the default
+            experiment → value.
+        progress: called with the fraction done.
 
     Raises:
         SceneError: when the file is no FMU of a chain, a name is unknown or a value is no number.
@@ -93,9 +109,16 @@ def record_fmu(path: Path, settings: Mapping[str, str]) -> Recording:
     if "point[0].x" not in variables:
         raise SceneError(f"{path}: not the FMU of a chain: it has no variable point[0].x")
     parameters = {name: v for name, v in variables.items() if v.causality == "parameter"}
-    start_values = {}
-    for name, text in settings.items():
-        start_values[name] = _start_value(parameters[_known(name, parameters, str(path))], text, str(path))
+    experiment = {name: getattr(description.defaultExperiment, name) for name in ("stopTime", "stepSize")}
+    stop_time, step_size = (
+        _positive(name, settings.get(name, default), str(path))
+        for name, default in zip(EXPERIMENT, experiment.values(), strict=True)
+    )
+    start_values = {
+        name: _start_value(parameters[_known(name, parameters, str(path))], text, str(path))
+        for name, text in settings.items()
+        if name not in EXPERIMENT
+    }
     outputs = [name for name, variable in variables.items() if variable.causality == "output"]
     walls = {wall: start_values.get(f"box.{wall}", _start(variables, f"box.{wall}")) for wall in WALLS}
 
@@ -111,8 +134,9 @@ def record_fmu(path: Path, settings: Mapping[str, str]) -> Recording:
 
     recorders: list[Any] = []  # fmpy's, after the first step
 
-    def step_finished(_: float, recorder: Any) -> bool:
+    def step_finished(time: float, recorder: Any) -> bool:
         recorders[:] = [recorder]
+        progress(time / stop_time)
         return True
 
     said = io.StringIO()  # what the FMU prints: it runs in this Python
@@ -128,7 +152,8 @@ def record_fmu(path: Path, settings: Mapping[str, str]) -> Recording:
                 folder,
                 start_values=start_values,
                 output=outputs,
-                output_interval=float(description.defaultExperiment.stepSize),
+                stop_time=stop_time,
+                output_interval=step_size,
                 step_finished=step_finished,
                 model_description=description,
             )
@@ -141,8 +166,9 @@ def record_fmu(path: Path, settings: Mapping[str, str]) -> Recording:
 
 def _known(name: str, names: Mapping[str, Any], source: str) -> str:
     if name not in names:
-        near = get_close_matches(name, names, n=1, cutoff=0.0)
-        raise SceneError(f"{source}: {name} is no parameter; the nearest is {near[0]}")
+        near = get_close_matches(name, names, n=1)
+        hint = f"the nearest is {near[0]}" if near else "`chain-impact info` lists them"
+        raise SceneError(f"{source}: {name} is no parameter; {hint}")
     return name
 
 
@@ -151,6 +177,13 @@ def _number(text: str) -> float | str:
         return float(text)
     except ValueError:
         return text  # which the scene will refuse
+
+
+def _positive(name: str, text: str, source: str) -> float:
+    number = _number(text)
+    if isinstance(number, str) or not 0.0 < number < float("inf"):
+        raise SceneError(f"{source}: {name} = {text} must be a finite number > 0 [s]")
+    return number
 
 
 def _scene_value(choices: Sequence[str], text: str) -> float | str:

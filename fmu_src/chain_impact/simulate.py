@@ -47,6 +47,10 @@ class SimulationError(RuntimeError):
         super().__init__(f"the simulation stopped at t = {time:.9g} s: {STATUS_TEXT[status]}")
         self.status, self.time, self.result = status, time, result
 
+    def __reduce__(self) -> tuple[type[SimulationError], tuple[int, float, Result | None]]:
+        """So that it can come back from another process."""
+        return type(self), (self.status, self.time, self.result)
+
 
 @dataclass(frozen=True)
 class Result:

@@ -73,11 +73,7 @@ def kernel_library(
             fresh.replace(ir)
         notify(f"linking the kernel for {platform}")
         stubs, fresh = Path(scratch, "stubs.c"), Path(scratch, "kernel" + suffix)
-        stubs.write_text(
-            "".join(
-                f'__attribute__((visibility("hidden"))) void {name}(void) {{}}\n' for name in PYTHON_SYMBOLS
-            )
-        )
+        stubs.write_text("".join(map(STUB.format, PYTHON_SYMBOLS)))
         command = [sys.executable, "-m", "ziglang", "cc", "-target", target, "-O2", "-shared", "-s"]
         _run([*command, "-Wno-everything", "-o", str(fresh), str(ir), str(stubs), "-lm"])
         # at once or not at all: another process may be building the same

@@ -167,15 +167,21 @@ def begin(d):
 
     if d.touch.active_count > 0:
         follow_contacts(d, rate)
-    if events > 0:
-        apply_events(d)
+    if events > 0 and apply_events(d):
+        state_rate(d, d.step.state_end, rate)
+        d.statistics.rhs_evaluations += 1
     choose_method(d)
     return events
 
 
 @jit
 def apply_events(d):
-    """End and begin the contacts that the last step found, and choose the step that follows."""
+    """End and begin the contacts that the last step found, and choose the step that follows.
+
+    Returns:
+        Whether a force has jumped, as a v₀ was latched anew.
+    """
+    jumped = False
     touch = d.touch
     locate_points(d.model, d.step.state_end, d.work)
     in_flight = touch.active_count == 0
@@ -184,6 +190,7 @@ def apply_events(d):
     for c in range(len(touch.event)):
         if touch.event[c] == RELATCH:
             touch.impact_speed[c] *= RELATCH_RATIO
+            jumped = True
         elif touch.event[c] == TOUCH and touch.active[c]:
             finish(d, c)
             touch.active[c] = 0
@@ -204,3 +211,4 @@ def apply_events(d):
     if touch.active_count == 0:
         clear_loads(d)
         d.step.next_size = d.step.flight_size
+    return jumped

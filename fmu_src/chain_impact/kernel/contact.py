@@ -144,7 +144,7 @@ def latch(d, c):
     _, gap_rate = clearance(d, c)
     touch = d.touch
     touch.onset[c] = d.step.end
-    touch.onset_speed[c] = -gap_rate
+    touch.onset_speed[c] = 0.0 - gap_rate  # not −0
     touch.impact_speed[c] = max(-gap_rate, d.contact.minimum_impact_speed)
     touch.speed[c] = -gap_rate
     touch.force_rate[c] = 1.0  # rising
@@ -156,7 +156,7 @@ def latch(d, c):
     d.impact.last_time = d.step.end
     d.impact.last_point = d.model.candidate_point[c]
     d.impact.last_wall = d.model.candidate_wall[c] + 1
-    d.impact.last_speed = -gap_rate
+    d.impact.last_speed = touch.onset_speed[c]
 
 
 @jit

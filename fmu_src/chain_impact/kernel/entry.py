@@ -47,8 +47,8 @@ def entry_points(instance, output):
 
     def observe_entry(p):
         d = carray(p, (1,))[0]
-        if d.statistics.status == OK and d.inputs.changed:
-            d.statistics.status = restart(d)
+        if d.statistics.status == OK and d.inputs.changed and restart(d) != OK:
+            d.inputs.changed = 1  # a parameter that goes with the others may yet be set before the next step
         observe(d, d.output)
         return d.statistics.status
 

@@ -22,6 +22,7 @@ RESOLUTION = 1e-15  # of a link length: curvature below it is round-off
 QUIET, SPLIT, EVENT = 0, 1, 2
 TOUCH, RELATCH = 1, 2  # kinds of event: contact begins or ends, v₀ is latched anew
 RELATCH_RATIO = 2.0  # δ̇/v₀ at which it is; the speed that gravity adds after an onset stays far below
+NEARLY, SAMPLES = 0.75, 4  # of that speed, at an end of the step; places in the step to look at then
 
 
 @jit
@@ -68,22 +69,19 @@ def find_touch(d):
 
 @jit
 def find_relatch(d, touch):
-    """θ of the first of the event at ``touch`` (−1: none) and a contact to latch anew; marks whose it is."""
+    """θ of the first of the event at ``touch`` (−1: none) and a contact to latch anew; marks whose it is.
+
+    A contact whose point is nearly fast enough at either end of the step is looked at in between, too.
+    """
     first = touch if touch >= 0.0 else 1.0  # measured last
     found = -1
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         fast = RELATCH_RATIO * d.touch.impact_speed[c]
-        if d.work.clear_end_rate[c] > fast:
-            low, high = 0.0, first
-            while (high - low) * d.step.size > SIMULTANEOUS:
-                middle = 0.5 * (low + high)
-                measure(d, middle)
-                if d.work.clear_end_rate[c] > fast:
-                    high = middle
-                else:
-                    low = middle
-            found, first = c, high
+        if max(d.touch.speed[c], d.work.clear_end_rate[c]) > NEARLY * fast:
+            theta = when_fast(d, c, fast, first)
+            if theta >= 0.0:
+                found, first = c, theta
             measure(d, first)
     if found < 0:
         return touch
@@ -91,6 +89,26 @@ def find_relatch(d, touch):
         d.touch.event[c] = 0
     d.touch.event[found] = RELATCH
     return first
+
+
+@jit
+def when_fast(d, c, fast, end):
+    """θ ≤ ``end`` at which δ̇ of candidate c first exceeds a speed [m/s], or −1."""
+    low = 0.0
+    for sample in range(1, SAMPLES + 1):
+        high = end * sample / SAMPLES
+        measure(d, high)
+        if d.work.clear_end_rate[c] > fast:
+            while (high - low) * d.step.size > SIMULTANEOUS:
+                middle = 0.5 * (low + high)
+                measure(d, middle)
+                if d.work.clear_end_rate[c] > fast:
+                    high = middle
+                else:
+                    low = middle
+            return high
+        low = high
+    return -1.0
 
 
 @jit
@@ -172,7 +190,7 @@ def locate(d, a, b):
         if d.touch.event[c] and d.work.clear_end[c] < 0.0:
             first = root(d, c, a, first)
     measure(d, first)
-    within = SIMULTANEOUS + 4e-16 * d.step.end
+    within = SIMULTANEOUS + 4e-16 * abs(d.step.end)
     for c in range(len(d.touch.active)):
         if d.work.clear_end[c] > within * abs(d.work.clear_end_rate[c]):
             d.touch.event[c] = 0
@@ -189,7 +207,7 @@ def root(d, c, a, b):
     if d.work.clear_start[c] <= 0.0:
         measure(d, a)
         return a
-    resolution = max(4e-16 * d.step.end, 1e-16) / d.step.size
+    resolution = max(4e-16 * abs(d.step.end), 1e-16) / d.step.size
     low, high, theta = a, b, b
     for _ in range(100):
         value, slope = d.work.clear_end[c], d.work.clear_end_rate[c] * d.step.size

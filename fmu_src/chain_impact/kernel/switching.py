@@ -27,7 +27,7 @@ def choose_method(d):
         step.implicit = d.solver.method == IMPLICIT
     elif d.touch.active_count == 0:
         explicit_again(step)
-    else:
+    elif step.end > step.start:  # not just restarted
         z = step.size * fastest_rate(d)
         doubtful = z < NOT_STIFF if step.implicit else z > STIFF
         step.doubts = step.doubts + 1 if doubtful else 0

@@ -1,0 +1,154 @@
+"""What every benchmark shares: interleaved timing, the record of a run, the look of the charts."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import statistics
+import subprocess
+import time
+from collections.abc import Callable, Mapping
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+# before numpy and numba are imported: this module comes first
+PORTABLE_CPU = "x86-64-v2"  # what the shipped kernel is compiled for, see chain_impact/export/aot.py
+os.environ["NUMBA_CPU_NAME"] = PORTABLE_CPU
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
+ROOT = Path(__file__).parents[1]
+RESULTS = Path(__file__).parent / "results"
+IMAGES = ROOT / "docs" / "images"
+PACKAGES = ("numpy", "numba", "llvmlite", "scipy", "ziglang", "fmpy", "pythonfmu")
+STYLE = {
+    "font.size": 10,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": "0.9",
+    "grid.linewidth": 0.6,
+    "axes.axisbelow": True,
+    "legend.frameon": False,
+}
+OURS = "#c1272d"
+
+Timings = dict[str, list[float]]
+"""CPU seconds per call of each contender, one number for each round."""
+
+
+def interleave(
+    contenders: Mapping[str, Callable[[], object]], rounds: int = 7, span: float = 0.05, patience: float = 3.0
+) -> Timings:
+    """Time several contenders in turn, round after round, so that a busy moment of the machine hits all.
+
+    Args:
+        contenders: name → function of one call; each has run once before, so that nothing is compiled here.
+        rounds: how often each is timed.
+        span: shortest time that is measured at once [s]; a fast call is repeated to fill it.
+        patience: a contender whose one call takes longer than this [s] is timed twice only.
+    """
+    repeats = {}
+    for name, call in contenders.items():
+        once = _seconds(call, 1)
+        repeats[name] = max(1, round(span / max(once, 1e-9)))
+        if repeats[name] > 1:
+            once = _seconds(call, max(1, repeats[name] // 10))
+            repeats[name] = max(1, round(span / once))
+    timings: Timings = {name: [] for name in contenders}
+    for turn in range(rounds):
+        for name, call in contenders.items():
+            if turn < 2 or timings[name][0] < patience:
+                timings[name].append(_seconds(call, repeats[name]))
+    return timings
+
+
+def _seconds(call: Callable[[], object], repeats: int) -> float:
+    # the time of this process alone, on one core: other processes' shares of the machine do not count
+    start = time.process_time()
+    for _ in range(repeats):
+        call()
+    return (time.process_time() - start) / repeats
+
+
+def median(values: list[float]) -> float:
+    """The median, to four digits."""
+    return float(f"{statistics.median(values):.4g}")
+
+
+def ratio(timings: Timings, name: str, base: str) -> dict[str, float]:
+    """How many times as long as ``base`` a contender takes: median, least and largest over the rounds."""
+    pairs = [a / b for a, b in zip(timings[name], timings[base], strict=False)]
+    return {
+        "median": median(pairs),
+        "least": float(f"{min(pairs):.4g}"),
+        "largest": float(f"{max(pairs):.4g}"),
+    }
+
+
+def environment() -> dict[str, Any]:
+    """Machine, versions, commit and date of this run."""
+    return {
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "commit": _git("rev-parse", "HEAD"),
+        "sources_changed_since": _git("status", "--porcelain", "--", "fmu_src").splitlines(),
+        "machine": {
+            "processor": _processor(),
+            "cores": os.cpu_count(),
+            "system": platform.platform(),
+            "load_at_start": [round(value, 2) for value in os.getloadavg()],
+        },
+        "versions": {"python": platform.python_version(), **{name: _version(name) for name in PACKAGES}},
+    }
+
+
+def save(name: str, started: dict[str, Any], settings: dict[str, Any], results: Any) -> None:
+    """Write benchmarks/results/<name>.json."""
+    RESULTS.mkdir(exist_ok=True)
+    record = {**started, "settings": settings, "results": results}
+    path = RESULTS / f"{name}.json"
+    path.write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    print(f"wrote {path.relative_to(ROOT)}")
+
+
+def load(name: str) -> dict[str, Any]:
+    """Read benchmarks/results/<name>.json."""
+    record: dict[str, Any] = json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
+    return record
+
+
+def picture(
+    name: str, draw: Callable[[Any, Any], None], size: tuple[float, float], record: str | None = None
+) -> None:
+    """Draw docs/images/bench_<name>.png from <record or name>.json: ``draw(figure, record)``."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    with mpl.rc_context(STYLE):
+        page = Figure(figsize=size, layout="constrained")
+        draw(page, load(record or name))
+        path = IMAGES / f"bench_{name}.png"
+        page.savefig(path, dpi=120)
+    print(f"wrote {path.relative_to(ROOT)}")
+
+
+def _git(*arguments: str) -> str:
+    done = subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=False)
+    return done.stdout.rstrip()
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "absent"
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+        return next(line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor()

@@ -1,0 +1,209 @@
+"""A reference for four_link_box that shares no equation with the kernel: ``python benchmarks/reference.py``.
+
+Equations of motion assembled by the textbook (textbook.py), integrated in 80-bit arithmetic (round-off 5e-20)
+by Gragg's extrapolation of the modified midpoint rule (Hairer, Nørsett & Wanner 1993, II.9) with error
+control, and restarted at every onset and end of a contact. These are found by Newton's method on the length
+of the step itself, not on an interpolant. It is run with two orders and tolerances; their difference is the
+error that is stated. Perturbed starts give the factor by which the scene amplifies errors.
+"""
+
+from __future__ import annotations
+
+import common  # isort: skip
+
+import time
+
+import numpy as np
+from textbook import Textbook
+
+from chain_impact.instance import candidates
+from chain_impact.kernel.contact_laws import CONTACT_LAWS
+from chain_impact.scene import Scene, load_scene
+
+REAL = np.longdouble
+LONGEST = 5e-3  # s, so that no visit to a wall is shorter than a few steps
+TIMES = (0.6, 1.2)  # s
+SETTINGS = {"reference": (7, 1e-14), "check": (6, 1e-13)}  # order / 2, tolerance
+PERTURBATION = 1e-9
+
+
+def cholesky_solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Solve a symmetric positive definite system in the precision of its numbers, as NumPy's cannot."""
+    a = np.column_stack([matrix, right])
+    n = len(right)
+    for k in range(n - 1):
+        a[k + 1 :, k:] -= np.outer(a[k + 1 :, k] / a[k, k], a[k, k:])
+    x = np.zeros(n, a.dtype)
+    for k in range(n - 1, -1, -1):
+        x[k] = (a[k, n] - a[k, k + 1 : n] @ x[k + 1 :]) / a[k, k]
+    return x
+
+
+class Bouncing:
+    """The scene as a sequence of smooth pieces."""
+
+    def __init__(self, scene: Scene, rows: int, tolerance: float) -> None:
+        self.rows, self.tolerance = rows, tolerance
+        self.book = Textbook(scene, REAL, cholesky_solve)
+        self.contact = scene.contact
+        law = CONTACT_LAWS[scene.contact.model]
+        self.factor = REAL(law.damping_factor(scene.contact.restitution))
+        self.pairs = candidates(scene)
+        self.walls = [REAL(getattr(scene.box, name) or 0.0) for name in ("x_min", "x_max", "y_min", "y_max")]
+        first = scene.initial
+        start = [*first.position, *first.angles, *first.velocity, *first.angular_velocities]
+        self.y, self.t = np.array(start, REAL), REAL(0)
+        self.v0: dict[int, REAL] = {}  # active candidate → speed at onset
+        self.impacts: list[dict] = []
+        self.step = REAL(1e-3)
+
+    def clearances(self, y: np.ndarray) -> list[tuple[REAL, REAL]]:
+        """Clearance [m] and its rate [m/s] of each candidate."""
+        position, velocity = self.book.points(y)
+        found = []
+        for point, wall in self.pairs:
+            side, axis = 1 - 2 * (wall % 2), wall // 2
+            found.append((side * (position[point, axis] - self.walls[wall]), side * velocity[point, axis]))
+        return found
+
+    def rate(self, y: np.ndarray) -> np.ndarray:
+        """f(y) with the forces K δ^n (1 + λ δ̇/v₀) ≥ 0 of the active candidates."""
+        loads = []
+        if self.v0:
+            gaps = self.clearances(y)
+            for c, v0 in self.v0.items():
+                depth, speed = -gaps[c][0], -gaps[c][1]
+                if depth > 0:
+                    force = REAL(self.contact.stiffness) * depth ** REAL(self.contact.exponent)
+                    force *= max(REAL(0), 1 + self.factor * speed / v0)
+                    point, wall = self.pairs[c]
+                    loads.append((point, wall // 2, (1 - 2 * (wall % 2)) * force))
+        return self.book.rate(y, loads)
+
+    def extrapolate(self, y: np.ndarray, h: REAL) -> tuple[np.ndarray, REAL]:
+        """One step of size h: result and error estimate."""
+        first, table = self.rate(y), []
+        for row in range(self.rows):
+            count = 2 * (row + 1)
+            sub = h / count
+            before, now = y, y + sub * first
+            for _ in range(count - 1):
+                before, now = now, before + 2 * sub * self.rate(now)
+            new = [now]
+            for k in range(row):
+                factor = REAL(count * count) / REAL((2 * (row - k)) ** 2) - 1
+                new.append(new[k] + (new[k] - table[k]) / factor)
+            table, last = new, table
+        return table[-1], np.abs(table[-1] - last[-1]).max()
+
+    def events(self, y: np.ndarray) -> list[tuple[REAL, REAL]]:
+        """What falls through zero at an event: clearance when apart, penetration in contact; and its rate."""
+        return [(-g, -v) if c in self.v0 else (g, v) for c, (g, v) in enumerate(self.clearances(y))]
+
+    def advance(self, stop: float) -> None:
+        """Go on to a time [s]."""
+        stop = REAL(str(stop))
+        while self.t < stop:
+            last = self.step >= stop - self.t
+            h = stop - self.t if last else self.step
+            y, error = self.extrapolate(self.y, h)
+            assert h > 1e-16, (self.t, h, error)  # the tolerance is below the round-off
+            if not error < self.tolerance:
+                self.step = h * max(REAL(0.1), 0.7 * (self.tolerance / error) ** (REAL(1) / (2 * self.rows)))
+                continue
+            grow = min(
+                REAL(3), 0.8 * (self.tolerance / max(error, REAL(1e-25))) ** (REAL(1) / (2 * self.rows))
+            )
+            start, end = self.events(self.y), self.events(y)
+            for c, (value, slope) in enumerate(end):
+                # a dip between the ends would need a fall and a rise inside this step
+                assert not (start[c][1] < 0 < slope and min(start[c][0], value) < -start[c][1] * h / 4), "dip"
+            falling = [c for c, (value, slope) in enumerate(end) if value < 0 and slope < 0]
+            if falling:
+                h, y = min((self.land(c, h, y) for c in falling), key=lambda landed: landed[0])
+                self.t, self.y = self.t + h, y
+                self.switch()
+            else:
+                self.t, self.y = (stop if last else self.t + h), y
+                self.step = min(REAL(LONGEST), h * grow) if not last else self.step
+
+    def land(self, c: int, h: REAL, y: np.ndarray) -> tuple[REAL, np.ndarray]:
+        """The step whose end is the event of candidate c."""
+        for _ in range(12):
+            value, slope = self.events(y)[c]
+            change = value / slope
+            h -= change
+            y, _ = self.extrapolate(self.y, h)
+            if abs(change) < 1e-18 * max(self.t, h) or (abs(change) < 1e-9 * h and abs(value) < 1e-19):
+                break
+        return h, y
+
+    def switch(self) -> None:
+        """Begin and end the contacts that are at zero now."""
+        for c, (value, slope) in enumerate(self.events(self.y)):
+            if abs(value) < 1e-15 and slope < 0:
+                point, wall = self.pairs[c]
+                if c in self.v0:
+                    row = next(row for row in self.impacts if row["candidate"] == c and row["end"] is None)
+                    row["end"], row["separation_speed"] = float(self.t), float(-slope)
+                    del self.v0[c]
+                    self.step = REAL(1e-3)
+                else:
+                    self.v0[c] = -slope
+                    row = {"candidate": c, "point": point, "wall": wall, "onset": float(self.t), "end": None}
+                    self.impacts.append({**row, "impact_speed": float(-slope)})
+                    self.step = REAL(1e-7)
+
+
+def run(scene: Scene, rows: int, tolerance: float, change: np.ndarray | None = None) -> tuple[list, list]:
+    """States at TIMES and the impacts."""
+    motion = Bouncing(scene, rows, tolerance)
+    if change is not None:
+        motion.y += change
+    states = []
+    for stop in TIMES:
+        motion.advance(stop)
+        states.append(motion.y.copy())
+    return states, motion.impacts
+
+
+def amplification(scene: Scene, states: list) -> list[float]:
+    """Largest growth of a small change of one coordinate or speed at the start, at each of TIMES."""
+    growth = np.zeros(len(TIMES))
+    for j in range(len(states[0])):
+        change = np.zeros(len(states[0]), REAL)
+        change[j] = PERTURBATION
+        changed, _ = run(scene, *SETTINGS["check"], change)
+        changes = [np.abs(a - b).max() for a, b in zip(changed, states, strict=True)]
+        growth = np.maximum(growth, np.array(changes, float) / PERTURBATION)
+    return [float(f"{value:.3g}") for value in growth]
+
+
+def main() -> None:
+    """Compute, check and store."""
+    started, scene = common.environment(), load_scene("four_link_box")
+    begin = time.process_time()
+    states, impacts = run(scene, *SETTINGS["reference"])
+    print(f"reference: {time.process_time() - begin:.1f} s")
+    checked, again = run(scene, *SETTINGS["check"])
+    assert len(again) == len(impacts)
+    errors = [float(np.abs(a - b).max()) for a, b in zip(states, checked, strict=True)]
+    onset = max(abs(a["onset"] - b["onset"]) for a, b in zip(impacts, again, strict=True))
+    print(f"differences of the two runs: {errors}, onsets {onset:.1e} s, {len(impacts)} impacts")
+    results = {
+        "scene": "four_link_box",
+        "state": "x0, y0, angles, vx0, vy0, angular velocities",
+        "times": TIMES,
+        "states": [[float(value) for value in state] for state in states],
+        "difference_of_two_runs": errors,
+        "impacts": impacts,
+        "difference_of_onsets": onset,
+        "amplification_of_errors": amplification(scene, states),
+    }
+    print(results["amplification_of_errors"])
+    settings = {"rows and tolerance": SETTINGS, "longest step [s]": LONGEST, "perturbation": PERTURBATION}
+    common.save("reference", started, settings, results)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,222 @@
+"""Drop to rest against CVODE from C: ``python benchmarks/rest.py``; needs libsundials-dev and gcc.
+
+The default chain falls into its box and comes to rest; 10 s, tolerance 1e-6. CVODE has the kernel's own
+right-hand side, compiled the same way, and its events (rest_model.py, rest_cvode.c).
+"""
+
+from __future__ import annotations
+
+import common  # isort: skip
+
+import ctypes
+import sys
+import time
+
+import numpy as np
+import rest_model
+
+from chain_impact.scene import Scene, load_scene, with_values
+from chain_impact.simulate import Instance
+
+STIFFNESSES = (1e6, 1e8, 1e10, 1e12)
+RESTITUTIONS = (0.05, 0.1, 0.3, 0.7)
+TOLERANCE, FINE = 1e-6, 1e-9
+STOP = 10  # s
+ROUNDS = 5
+BUDGET = 20.0  # s of CPU time for a run
+USERS, CAREFUL, ADAMS = "BDF as users have it", "BDF, careful", "Adams, careful"
+CVODES = {USERS: (0, 0), CAREFUL: (0, 1), ADAMS: (1, 1)}  # name → (adams, careful)
+FINE_ONSETS = f"onsets at tolerance {FINE:g}"
+EXPLICIT_CASE = (0.1, 1e10)  # where ours is run without implicit steps, too
+
+COUNTS = np.dtype(
+    [(name, np.int64) for name in ("steps", "rejected", "rhs", "jacobians", "restarts", "flag")]
+    + [("seconds", np.float64)]
+)
+
+
+class Settings(ctypes.Structure):
+    """See rest_cvode.c."""
+
+    _fields_ = (
+        *((name, ctypes.c_long) for name in ("states", "candidates", "adams", "careful")),
+        ("budget", ctypes.c_double),
+    )
+
+
+class Run:
+    """One scene, and the two solvers on it; each run fills ``rows``, the counts after each second."""
+
+    def __init__(self, scene: Scene, driver: ctypes.CDLL) -> None:
+        self.instance = Instance(scene)
+        self.block = self.instance._block
+        self.fresh = self.block.copy()
+        self.kernel, self.address = self.instance._kernel, self.instance._address
+        self.driver = driver
+        self.rows = np.zeros(STOP + 1, COUNTS)
+
+    def ours(self) -> float:
+        """The kernel; returns its CPU time [s]."""
+        self.block[:] = self.fresh
+        start = time.process_time()
+        status = self.kernel.advance(self.address, float(STOP))
+        seconds = time.process_time() - start
+        assert status == 0, status
+        return seconds
+
+    def ours_by_second(self) -> None:
+        """The kernel once more, stopped at each second to look at the counts; that costs it nothing."""
+        self.block[:] = self.fresh
+        record = self.instance.record
+        for second in range(STOP):
+            assert self.kernel.advance(self.address, second + 1.0) == 0
+            counts, row = record["statistics"], self.rows[second]
+            row["steps"], row["rejected"] = counts["steps"], counts["rejected_steps"]
+            row["rhs"], row["restarts"] = counts["rhs_evaluations"], record["impact"]["count"]
+            row["flag"] = 0
+
+    def cvode(self, adams: int, careful: int) -> float:
+        """CVODE; returns its CPU time [s]."""
+        self.block[:] = self.fresh
+        step, touch = self.instance.record["step"], self.instance.record["touch"]
+        # the energy supplied by inputs is left out
+        settings = Settings(len(step["state"]) - 1, len(touch["active"]), adams, careful, BUDGET)
+        times = np.arange(1.0, STOP + 1.0)
+        self.rows[:] = 0
+        pointers = ctypes.byref(settings), times.ctypes.data, STOP, self.rows.ctypes.data
+        done = self.driver.rest_solve(self.address, *pointers)
+        self.rows[done:STOP] = self.rows[min(done, STOP - 1)]
+        return float(self.rows["seconds"][STOP - 1])
+
+    def outcome(self) -> dict:
+        """What came out of the run before, at its end and at rest."""
+        self.kernel.observe(self.address)
+        record, last = self.instance.record, self.rows[STOP - 1]
+        output, model = record["output"], record["model"]
+        floor = model["candidate_wall"] == 2
+        weight = float(model["mass"].sum() * -model["gravity"][1])
+        initial = self.fresh.copy()
+        self.kernel.observe(initial.ctypes.data)
+        energy = float(output["total"] + output["dissipated"])
+        return {
+            **{name: int(last[name]) for name in ("steps", "rejected", "rhs", "jacobians", "flag")},
+            "onsets": int(record["impact"]["count"]),
+            "floor / weight": round(float(output["force"][floor].sum()) / weight, 5),
+            "energy drift": float(f"{energy - float(initial[0]['output']['total']):.1e}"),
+            "rhs a second at rest": at_rest(self.rows[:STOP]),
+        }
+
+
+def at_rest(rows: np.ndarray) -> float | None:
+    """Evaluations a second, over the seconds with no event in them nor in the one before."""
+    rhs = np.diff(rows["rhs"])
+    events = np.diff(rows["restarts"])
+    quiet = [s for s in range(1, len(rhs)) if events[s] == 0 and events[s - 1] == 0]
+    return round(float(rhs[quiet].mean()), 1) if quiet and rows[-1]["flag"] == 0 else None
+
+
+def compare(scene: Scene, driver: ctypes.CDLL) -> dict:
+    """Ours and CVODE on one scene."""
+    run, fine = Run(scene, driver), Instance(with_values(scene, {("solver", "tolerance"): FINE}))
+    assert fine._kernel.advance(fine._address, float(STOP)) == 0
+    timings: common.Timings = {name: [] for name in ("ours", *CVODES)}
+    outcomes = {}
+    for turn in range(ROUNDS + 1):
+        for name in timings:
+            if name == ADAMS and turn > 0:
+                continue  # for reference: once
+            seconds = run.ours() if name == "ours" else run.cvode(*CVODES[name])
+            if turn > 0 or name == ADAMS:
+                timings[name].append(seconds)
+            elif name == "ours":
+                run.ours_by_second()
+            if turn == 0:  # to warm up, and to see what comes out
+                outcomes[name] = run.outcome()
+    row = {
+        "restitution": scene.contact.restitution,
+        "stiffness": scene.contact.stiffness,
+        FINE_ONSETS: int(fine.record["impact"]["count"]),
+    }
+    for name, outcome in outcomes.items():
+        row[name] = {"milliseconds": common.median([1e3 * value for value in timings[name]]), **outcome}
+        if name != "ours":
+            row[name]["time / ours"] = common.ratio(timings, name, "ours")
+            row[name]["steps / ours"] = round(outcome["steps"] / outcomes["ours"]["steps"], 2)
+    if (scene.contact.restitution, scene.contact.stiffness) == EXPLICIT_CASE:
+        explicit = Run(with_values(scene, {("solver", "method"): "explicit"}), driver)
+        seconds = explicit.ours()
+        explicit.ours_by_second()
+        row["ours explicit"] = {"milliseconds": round(1e3 * seconds, 1), **explicit.outcome()}
+    return row
+
+
+def table(results: list[dict]) -> str:
+    """The table of docs/rest.md: ours | CVODE careful | CVODE as users have it."""
+    lines = ["| e | K | time [ms] | time / ours | steps | evaluations | onsets | energy drift [mJ] |"]
+    lines.append("|---|---|---|---|---|---|---|---|")
+    names = ("ours", CAREFUL, USERS)
+    for row in results:
+        ratios = " · ".join(f"{row[name]['time / ours']['median']:.1f}" for name in names[1:])
+        cells = [f"{row['restitution']:g}", f"{row['stiffness']:.0e}".replace("e+", "e")]
+        cells += [" · ".join(f"{row[name]['milliseconds']:.1f}" for name in names), ratios]
+        cells += [" · ".join(f"{row[name][key]}" for name in names) for key in ("steps", "rhs", "onsets")]
+        cells[-1] += f" ({row[FINE_ONSETS]})"
+        cells.append(" · ".join(f"{1e3 * row[name]['energy drift']:.2g}" for name in names))
+        lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def draw(page, record) -> None:
+    """Time above, steps below; one column for each restitution."""
+    looks = {
+        "ours": (common.OURS, "o", "-"),
+        CAREFUL: ("#1f77b4", "^", "-"),
+        USERS: ("#1f77b4", "s", ":"),
+        ADAMS: ("0.6", "v", "--"),
+    }
+    panels = page.subplots(2, len(RESTITUTIONS), sharex=True, sharey="row")
+    for column, restitution in zip(panels.T, RESTITUTIONS, strict=True):
+        rows = [row for row in record["results"] if row["restitution"] == restitution]
+        stiffness = [row["stiffness"] for row in rows]
+        for axes, key in zip(column, ("milliseconds", "steps"), strict=True):
+            for name, (colour, marker, line) in looks.items():
+                # a run that did not finish has no place in the chart
+                values = [row[name][key] if row[name]["flag"] == 0 else np.nan for row in rows]
+                label = "ours, auto" if name == "ours" else f"CVODE {name}"
+                axes.loglog(stiffness, values, marker=marker, linestyle=line, color=colour, label=label)
+        column[0].set_title(f"e = {restitution:g}", fontsize=10)
+        column[1].set_xticks(STIFFNESSES)
+        column[1].minorticks_off()
+    panels[0, 0].set_ylabel("CPU time for 10 s [ms]")
+    panels[1, 0].set_ylabel("accepted steps")
+    page.supxlabel("contact stiffness K [N/m$^{1.5}$]")
+    page.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=len(looks))
+
+
+def main() -> None:
+    """Measure and draw."""
+    base = with_values(load_scene("four_link_box"), {("solver", "tolerance"): TOLERANCE})
+    record = Instance(base).record
+    try:
+        library = rest_model.driver_library(len(base.chain.links), len(record["touch"]["active"]))
+    except rest_model.NoSundialsError as error:
+        sys.exit(f"rest.py: {error}")
+    driver = ctypes.CDLL(str(library))
+    driver.rest_solve.argtypes = [ctypes.c_void_p] * 3 + [ctypes.c_long, ctypes.c_void_p]
+    driver.rest_solve.restype = ctypes.c_long
+    started = common.environment()
+    results = []
+    for restitution in RESTITUTIONS:
+        for stiffness in STIFFNESSES:
+            changes = {("contact", "stiffness"): stiffness, ("contact", "restitution"): restitution}
+            results.append(compare(with_values(base, changes), driver))
+            print(results[-1], flush=True)
+    settings = {"stop time": STOP, "tolerance": TOLERANCE, "rounds": ROUNDS, "budget": BUDGET}
+    settings |= {"careful": {"position error": rest_model.POSITION_ERROR, "margin": rest_model.MARGIN}}
+    common.save("rest", started, settings, results)
+    common.picture("rest", draw, (12.5, 6.0))
+    print(table(results))
+
+
+if __name__ == "__main__":
+    main()

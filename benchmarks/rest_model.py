@@ -1,0 +1,189 @@
+"""The kernel's model as C functions for another solver, compiled just as the kernel itself is.
+
+What CVODE in rest_cvode.c is given is the very right-hand side, latching, release and re-latch of the kernel,
+on the same record. Its state vector is the kernel's without the energy supplied by inputs, which is zero.
+
+    int32 rest_start(instance*, double* y)              initialize; the state at 0 s
+    int32 rest_rate(instance*, const double* y, double* rate)
+    int32 rest_roots(instance*, int32 careful, const double* y, double* value)
+    int32 rest_happen(instance*, double time, const double* y, const int32* found)
+    int32 rest_weights(instance*, int32 careful, const double* y, double* weight)
+    int32 rest_stop(instance*, double time, const double* y)    stand there, to be observed
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from unittest import mock
+
+from numba import carray, float64, int32, types
+
+from chain_impact.export import aot, lower
+from chain_impact.kernel.advance import apply_events
+from chain_impact.kernel.contact import clearance, locate_points
+from chain_impact.kernel.equations import state_rate
+from chain_impact.kernel.events import RELATCH, RELATCH_RATIO, TOUCH
+from chain_impact.kernel.initialize import initialize, still
+from chain_impact.kernel.jit import jit
+
+HERE = Path(__file__).parent
+SUNDIALS = ("cvode", "nvecserial", "sunlinsoldense", "sunmatrixdense", "sunnonlinsolfixedpoint")
+POSITION_ERROR = 1e-2  # of the static penetration: what the position may err by while in contact …
+MARGIN = 5e-2  # … and how far above the wall a contact ends
+
+
+class NoSundialsError(RuntimeError):
+    """SUNDIALS is not there to be compiled against."""
+
+
+@jit
+def static_depth(d):
+    """Penetration [m] under the weight of one link."""
+    weight = abs(d.model.gravity[1]) * d.model.mass[0]
+    return (weight / d.contact.stiffness) ** (1.0 / d.contact.exponent)
+
+
+@jit
+def roots(d, careful, y, value):
+    """For each candidate its clearance, and how far an active one is from being latched anew.
+
+    CVODE's solution jumps by a part of its tolerance when it starts anew. So a point that leaves slowly is
+    seen to arrive and leave again, up to a million times over, unless the contact ends a margin above the
+    wall. There is no force up there.
+    """
+    margin = MARGIN * static_depth(d) if careful else 0.0
+    locate_points(d.model, y, d.work)
+    count = len(d.touch.active)
+    for c in range(count):
+        gap, gap_rate = clearance(d, c)
+        active = d.touch.active[c]
+        value[c] = gap - margin if active else gap
+        # δ̇ = −ġ
+        value[count + c] = RELATCH_RATIO * d.touch.impact_speed[c] + gap_rate if active else 1.0
+
+
+@jit
+def happen(d, time, y, found):
+    """Let the events found take effect."""
+    count = len(d.touch.active)
+    d.step.end = time
+    for j in range(len(y)):
+        d.step.state_end[j] = y[j]
+    for c in range(count):
+        # found: the sign of the change
+        touched = found[c] > 0 if d.touch.active[c] else found[c] < 0
+        d.touch.event[c] = TOUCH if touched else RELATCH if found[count + c] < 0 else 0
+    apply_events(d)
+
+
+@jit
+def weights(d, careful, y, weight):
+    """One over the error allowed in each component.
+
+    As users have it: tolerance × (|y| + scale), the scale that of the kernel. Careful: positions without the
+    relative part, and while a contact is active no more than a part of the static penetration.
+    """
+    n = len(d.model.length)
+    tolerance = d.solver.tolerance
+    position = tolerance * d.model.size
+    if careful and d.touch.active_count > 0:
+        position = min(position, POSITION_ERROR * static_depth(d))
+    for j in range(2 * n + 5):
+        if j < n + 2:
+            allowed = position if j < 2 else position / d.model.size
+            if not careful:
+                allowed += tolerance * abs(y[j])
+        else:
+            scale = d.model.size if j < n + 4 else 1.0 if j < 2 * n + 4 else d.model.energy
+            allowed = tolerance * (scale + abs(y[j]))
+        weight[j] = 1.0 / allowed
+
+
+def entry_points(instance: types.Record, _output: types.Record) -> dict[str, tuple[object, Callable]]:
+    """The C functions for the record type of an instance: name → (signature, function)."""
+    pointer, reals, integers = types.CPointer(instance), types.CPointer(float64), types.CPointer(int32)
+
+    def start(p, y):
+        d = carray(p, (1,))[0]
+        status = initialize(d, 0.0)
+        for j in range(len(d.step.state) - 1):
+            y[j] = d.step.state[j]
+        return status
+
+    def rate(p, y, out):
+        d = carray(p, (1,))[0]
+        size = len(d.step.state) - 1
+        state_rate(d, carray(y, (size,)), d.work.stage[0])
+        for j in range(size):
+            out[j] = d.work.stage[0, j]
+        return 0
+
+    def roots_entry(p, careful, y, value):
+        d = carray(p, (1,))[0]
+        roots(d, careful, carray(y, (len(d.step.state) - 1,)), value)
+        return 0
+
+    def happen_entry(p, time, y, found):
+        d = carray(p, (1,))[0]
+        happen(d, time, carray(y, (len(d.step.state) - 1,)), found)
+        return 0
+
+    def weights_entry(p, careful, y, weight):
+        weights(carray(p, (1,))[0], careful, y, weight)
+        return 0
+
+    def stop(p, time, y):
+        d = carray(p, (1,))[0]
+        size = len(d.step.state) - 1
+        for j in range(size):
+            d.work.y[j] = y[j]
+        d.work.y[size] = 0.0
+        still(d, time, d.work.y)
+        return 0
+
+    return {
+        "rest_start": (int32(pointer, reals), start),
+        "rest_rate": (int32(pointer, reals, reals), rate),
+        "rest_roots": (int32(pointer, int32, reals, reals), roots_entry),
+        "rest_happen": (int32(pointer, float64, reals, integers), happen_entry),
+        "rest_weights": (int32(pointer, int32, reals, reals), weights_entry),
+        "rest_stop": (int32(pointer, float64, reals), stop),
+    }
+
+
+def driver_library(links: int, candidates: int) -> Path:
+    """The shared library of rest_cvode.c with the model in it, compiled if it is not cached.
+
+    Raises:
+        NoSundialsError: when there is no SUNDIALS to compile against.
+    """
+    source = HERE / "rest_cvode.c"
+    digest = hashlib.sha256(source.read_bytes() + Path(__file__).read_bytes()).hexdigest()[:12]
+    folder = aot.cache_folder()
+    driver = folder / f"rest-{links}-{candidates}-{digest}.so"
+    if driver.exists():
+        return driver
+    folder.mkdir(parents=True, exist_ok=True)
+    ir, stubs, model = (driver.with_name(driver.stem + end) for end in (".ll", "-stubs.c", "-model.o"))
+    with mock.patch.object(lower, "entry_points", entry_points):
+        ir.write_text(lower.lower(links, candidates))
+    stubs.write_text("".join(aot.STUB.format(name) for name in aot.PYTHON_SYMBOLS))
+    target, _ = aot.ZIG_TARGETS[aot.HOST]
+    zig = [sys.executable, "-m", "ziglang", "cc", "-target", target, "-O2", "-fPIC", "-Wno-everything"]
+    subprocess.run([*zig, "-c", "-o", str(model), str(ir)], check=True)
+    fresh = driver.with_suffix(f".{os.getpid()}")
+    gcc = ["gcc", "-O2", "-fPIC", "-shared", "-Wall", "-Wextra", "-Wl,--no-undefined", "-o", str(fresh)]
+    inputs = [str(source), str(model), str(stubs)]
+    libraries = [f"-lsundials_{name}" for name in SUNDIALS]
+    done = subprocess.run([*gcc, *inputs, *libraries, "-lm"], capture_output=True, text=True, check=False)
+    if "cvode/cvode.h" in done.stderr or "-lsundials" in done.stderr:
+        raise NoSundialsError("SUNDIALS is not installed: on Debian `apt-get install libsundials-dev`")
+    if done.returncode != 0 or done.stderr:
+        raise RuntimeError(done.stderr)
+    fresh.replace(driver)
+    return driver

@@ -1,0 +1,160 @@
+"""Cost of one right-hand side in flight against the number of links: ``python benchmarks/rhs.py``.
+
+Contenders: the kernel's ``state_rate`` on the instance record; the same recursion over plain arrays
+(plain_chain.py), both compiled by the same numba for the processor that the shipped kernel is compiled for;
+and the textbook assembly of M(q) in NumPy with ``np.linalg.solve`` (textbook.py).
+"""
+
+from __future__ import annotations
+
+import common  # isort: skip
+
+import numpy as np
+from numba import njit
+from plain_chain import flight_rate, plain_chain, start
+from textbook import Textbook
+
+from chain_impact.instance import new_instance
+from chain_impact.kernel.equations import state_rate
+from chain_impact.kernel.initialize import initialize
+from chain_impact.scene import Scene, scene_from_dict
+
+SIZES = (1, 2, 4, 10, 30, 100, 300, 1000)
+CALLS = {1: 20000, 30: 4000, 300: 400}  # right-hand sides in one compiled loop, from this size on
+ROUNDS = 9
+
+
+@njit(error_model="numpy")
+def many_kernel(block, y, out, calls):
+    """Right-hand sides in a row; each depends on the last one, so that none can be left out.
+
+    State and rate stand in the record, as in the stages of a step.
+    """
+    d = block[0]
+    n = len(d.model.length)
+    for j in range(len(y)):
+        d.work.y[j] = y[j]
+    for _ in range(calls):
+        state_rate(d, d.work.y, d.work.stage[1])
+        d.work.y[2] += 1e-30 * d.work.stage[1, n + 4]
+    for j in range(len(y)):
+        out[j] = d.work.stage[1, j]
+
+
+# fmt: off
+@njit(error_model="numpy")
+def many_plain(  # noqa: PLR0917
+    gravity, length, mass, ratio, joint_inertia, lx, ly,
+    load_x, load_y, moment, gain_x, gain_y, bias, y, out, calls
+):
+    """The same for plain arrays."""
+    n = len(length)
+    for _ in range(calls):
+        flight_rate(
+            gravity, length, mass, ratio, joint_inertia, lx, ly,
+            load_x, load_y, moment, gain_x, gain_y, bias, y, out
+        )  # fmt: skip
+        y[2] += 1e-30 * out[n + 4]
+
+
+# fmt: on
+@njit
+def prepare(block):
+    """Initialize the instance."""
+    initialize(block[0], 0.0)
+
+
+def chain(links: int) -> Scene:
+    """A chain in flight, folded and turning."""
+    wave = np.arange(links)
+    return scene_from_dict(
+        {
+            "name": "Flight",
+            "gravity": [0.0, -9.81],
+            "chain": {"base": "free", "links": [{"length": 0.5, "mass": 1.0}] * links},
+            "box": {},
+            "contact": {"points": []},
+            "initial": {
+                "position": [0.6, 1.4],
+                "angles": list(0.8 * np.sin(1.0 + 1.7 * wave)),
+                "angular_velocities": list(1.5 * np.cos(2.3 * wave)),
+            },
+        },
+        "chain",
+    )
+
+
+def measure(links: int) -> dict:
+    """Time the three for a number of links, after checking that they agree."""
+    scene = chain(links)
+    calls = next(count for least, count in reversed(CALLS.items()) if links >= least)
+    block, y = new_instance(scene), start(scene)
+    prepare(block)
+    ours, full = np.zeros(len(y) + 2), np.append(y, [0.0, 0.0])
+    many_kernel(block, full.copy(), ours, 1)
+    arrays, plain = plain_chain(scene)[:5] + tuple(np.zeros((8, links + 1))), np.zeros(len(y))
+    many_plain(*arrays, y.copy(), plain, 1)
+    textbook = Textbook(scene)
+    expected = textbook.rate(y)
+    scale = np.abs(expected).max()
+    disagreement = max(np.abs(ours[: len(y)] - expected).max(), np.abs(plain - expected).max()) / scale
+    assert disagreement < 1e-9, disagreement
+
+    timings = common.interleave(
+        {
+            "ours": lambda: many_kernel(block, full, ours, calls),
+            "plain arrays": lambda: many_plain(*arrays, y, plain, calls),
+            "NumPy": lambda: textbook.rate(y),
+        },
+        ROUNDS,
+    )
+    for name in ("ours", "plain arrays"):
+        timings[name] = [value / calls for value in timings[name]]
+    result = {
+        "links": links,
+        "nanoseconds": {name: common.median([1e9 * value for value in row]) for name, row in timings.items()},
+        "plain arrays / ours": common.ratio(timings, "plain arrays", "ours"),
+        "NumPy / ours": common.ratio(timings, "NumPy", "ours"),
+        "disagreement": float(f"{disagreement:.1e}"),
+    }
+    print(result)
+    return result
+
+
+def draw(page, record) -> None:
+    """Cost on the left, cost for each link on the right."""
+    rows = record["results"]
+    links = np.array([row["links"] for row in rows])
+    looks = {
+        "NumPy": ("0.45", "s", "NumPy: assemble M(q), solve"),
+        "plain arrays": ("#1f77b4", "^", "same recursion, plain arrays, numba"),
+        "ours": (common.OURS, "o", "chain-impact kernel"),
+    }
+    whole, each = page.subplots(1, 2)
+    for name, (colour, marker, label) in looks.items():
+        cost = np.array([row["nanoseconds"][name] for row in rows])
+        whole.loglog(links, cost, marker=marker, color=colour, label=label)
+        if name != "NumPy":
+            each.semilogx(links, cost / links, marker=marker, color=colour, label=label)
+            for n, value in zip(links, cost / links, strict=True):
+                above = name != "ours"
+                each.annotate(
+                    f"{value:.0f}", (n, value), (0, 7 if above else -14), textcoords="offset points",
+                    ha="center", fontsize=8, color=colour,
+                )  # fmt: skip
+    whole.set(xlabel="links N", ylabel="one right-hand side in flight [ns]")
+    each.set(xlabel="links N", ylabel="for each link [ns]", ylim=(0, 42))
+    whole.legend()
+    each.legend()
+
+
+def main() -> None:
+    """Measure and draw."""
+    started = common.environment()
+    settings = {"rounds": ROUNDS, "calls in a loop": CALLS, "compiled for": common.PORTABLE_CPU}
+    common.save("rhs", started, settings, [measure(links) for links in SIZES])
+    common.picture("rhs", draw, (11, 4.2))
+
+
+if __name__ == "__main__":
+    main()

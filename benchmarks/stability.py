@@ -1,0 +1,234 @@
+"""Where methods succeed and fail, over stiffness and restitution: ``python benchmarks/stability.py``.
+
+A uniform rod (1 m, 1 kg, 0.3 rad) falls 0.1 m onto a floor, clatters and, for e < 1, settles: free flight,
+impacts and sustained contact in 3 s. Each cell of the map is one run with a budget of CPU time. The peers are
+those of peers.py. ``--ours`` keeps their cells and runs ours only, after a change of the kernel.
+"""
+
+from __future__ import annotations
+
+import common  # isort: skip
+
+import math
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable
+from multiprocessing import get_context
+
+import numpy as np
+from peers import Run, Scipy, energy_of, fixed_steps
+from plain_chain import Chain, plain_chain, start
+
+from chain_impact.scene import Scene, scene_from_dict
+from chain_impact.simulate import Instance, SimulationError
+
+STIFFNESSES = tuple(10.0**k for k in range(4, 13))
+RESTITUTIONS = (0.02, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0)
+FIXED = {f"{name} {dt:g} s": (name, dt) for name in ("Euler", "RK4") for dt in (1e-3, 1e-4, 1e-5, 1e-6)}
+ADAPTIVE = ("RK45", "DOP853", "Radau", "BDF", "LSODA")
+METHODS = ("explicit", "implicit", "auto")
+TOLERANCE = 1e-8
+STOP = 3.0  # s
+SAMPLE = 1e-4  # s, between looks at ours
+BUDGET = 2.0  # s of CPU time for a cell
+HEIGHT, TILT, LENGTH = 0.1, 0.3, 1.0  # m, rad, m
+GAIN, DEEPEST = 1e-3, 0.06  # of the energy at the start above rest; of the rod's length
+OUTSIDE = 1e-9  # m, a point this deep without a contact: the onset was missed
+
+OUTCOMES = {
+    "completed": "#3b8f4a",
+    "over budget": "#e8c547",
+    "gained energy": "#d9822b",
+    "tunnelled": "#b03a2e",
+    "not finite": "#5b2333",
+    "missed an onset": "#5b6abf",
+    "gave up": "#8e8e8e",
+}
+
+
+class OverBudgetError(Exception):
+    """The cell has used up its CPU time."""
+
+
+def drop(stiffness: float, restitution: float, method: str = "auto") -> Scene:
+    """The falling rod."""
+    return scene_from_dict(
+        {
+            "name": "Drop",
+            "gravity": [0.0, -9.81],
+            "chain": {"base": "free", "links": [{"length": LENGTH, "mass": 1.0}]},
+            "box": {"y_min": 0.0},
+            "contact": {"model": "zhang_sharf", "stiffness": stiffness, "restitution": restitution},
+            "initial": {"position": [0.0, HEIGHT], "angles": [TILT]},
+            "solver": {"method": method, "tolerance": TOLERANCE, "work_limit": 1e12},
+            "simulation": {"stop_time": STOP},
+        },
+        "drop",
+    )
+
+
+def energies() -> tuple[float, float]:
+    """Energy at the start [J], with the rod at rest on the floor at 0, and the most that counts as kept."""
+    available = 9.81 * (HEIGHT + 0.5 * LENGTH * math.sin(TILT))
+    return available, available * (1.0 + GAIN)
+
+
+def judged(finite: bool, energy: float, deepest: float, missed: bool, otherwise: str) -> str:
+    """The outcome of a run, the gravest first."""
+    if not finite or not math.isfinite(energy):
+        return "not finite"
+    if missed:  # it falls through
+        return "missed an onset"
+    if deepest > DEEPEST * LENGTH:
+        return "tunnelled"
+    return "gained energy" if energy > energies()[1] else otherwise
+
+
+def alarm(budget: float) -> Callable[[], None]:
+    """A function that raises when the CPU time of a cell is used up."""
+    end = time.process_time() + budget
+
+    def tick() -> None:
+        if time.process_time() > end:
+            raise OverBudgetError
+
+    return tick
+
+
+def run_fixed(scene: Scene, name: str, dt: float) -> dict:
+    """A cell of a fixed-step method; its steps are counted, and need no budget."""
+    chain, y = plain_chain(scene), start(scene)
+    limits = (1e3 * energies()[1], 10.0)
+    steps, energy, deepest, onsets = fixed_steps(
+        chain, y, dt, STOP, scene.contact.minimum_impact_speed, limits, name == "Euler"
+    )
+    finite = bool(np.isfinite(y).all())
+    return {
+        "outcome": judged(finite, energy, deepest, False, "completed"),
+        "steps": steps,
+        "deepest": deepest,
+        "onsets": onsets,
+        "energy_left": left(chain, y),
+    }
+
+
+def run_scipy(scene: Scene, method: str) -> dict:
+    """A cell of one of solve_ivp's methods."""
+    peer, result = Scipy(scene), Run(0.0, start(scene))
+    otherwise, note = "completed", ""
+    Scipy(drop(1e4, 0.7)).run("DOP853", 1e-4, 0.2, watch=True)  # compiles, onset and all
+    try:
+        peer.run(method, TOLERANCE, STOP, watch=True, tick=alarm(BUDGET), result=result)
+        if result.message:
+            otherwise, note = "gave up", result.message
+    except OverBudgetError:
+        otherwise = "over budget"
+    except (ValueError, RuntimeError, FloatingPointError, np.linalg.LinAlgError) as problem:
+        otherwise, note = "gave up", f"{type(problem).__name__}: {problem}"
+    finite = bool(np.isfinite(result.state).all())
+    return {
+        "outcome": judged(finite, max(result.highest_energy, 0.0), result.deepest, result.missed, otherwise),
+        "steps": result.steps,
+        "reached": result.time,
+        "deepest": result.deepest,
+        "onsets": len(result.onsets),
+        "energy_left": left(peer.chain, result.state),
+        "note": note,
+    }
+
+
+def run_ours(scene: Scene) -> dict:
+    """A cell of ours, looked at often enough to see what a user would see."""
+    try:
+        instance = Instance(scene)
+    except SimulationError as problem:
+        return {"outcome": "gave up", "note": str(problem), "steps": 0}
+    tick, otherwise, note = alarm(BUDGET), "completed", ""
+    energy, deepest, missed, onsets = 0.0, 0.0, False, 0
+    times = np.arange(1, round(STOP / SAMPLE) + 1) * SAMPLE
+    rows, done = np.zeros(10, instance.record.dtype["output"]), 0
+    contacts = instance.record["model"]["candidate_point"]
+    try:
+        while done < len(times) and not instance.status:
+            tick()
+            got = instance.trajectory(times[done : done + 10], rows)
+            done += got
+            seen, found = rows[:got], instance.collect()
+            energy = max(energy, *seen["total"]) if got else energy
+            depths = -seen["point_position"][:, contacts, 1]
+            deepest = max(deepest, depths.max(initial=0.0), found["max_penetration"].max(initial=0.0))
+            missed = missed or bool((depths[seen["penetration"] == 0.0] > OUTSIDE).any())
+            onsets += len(found)
+    except OverBudgetError:
+        otherwise = "over budget"
+    if instance.status:
+        otherwise, note = "gave up", str(SimulationError(instance.status, instance.time, None))
+    counts, last = instance.statistics, rows[max(0, got - 1)]
+    return {
+        "outcome": judged(bool(np.isfinite(last["total"])), energy, deepest, missed, otherwise),
+        "steps": counts["steps"],
+        "implicit_steps": counts["implicit_steps"],
+        "evaluations": counts["rhs_evaluations"],
+        "reached": instance.time,
+        "deepest": deepest,
+        "onsets": onsets + len(instance.open_contacts()),
+        "energy_left": float(last["kinetic"] + last["potential"]) / energies()[0],
+        "note": note,
+    }
+
+
+def left(chain: Chain, y: np.ndarray) -> float:
+    """Energy at the end without that in the contacts, as a fraction of that at the start."""
+    count = len(chain.candidate_point)
+    energy, _, _ = energy_of(chain, y, np.zeros(count, np.bool_), np.ones(count))
+    return float(energy) / energies()[0]
+
+
+def cell(task: tuple[str, float, float]) -> dict:
+    """One run."""
+    method, stiffness, restitution = task
+    begin = time.process_time()
+    if method in FIXED:
+        found = run_fixed(drop(stiffness, restitution), *FIXED[method])
+    elif method in ADAPTIVE:
+        found = run_scipy(drop(stiffness, restitution), method)
+    else:
+        found = run_ours(drop(stiffness, restitution, method.split()[1]))
+    found["cpu"] = time.process_time() - begin
+    numbers = {key: float(f"{value:.4g}") for key, value in found.items() if isinstance(value, float)}
+    return {"method": method, "stiffness": stiffness, "restitution": restitution, **found, **numbers}
+
+
+def main() -> None:
+    """Run the map and draw it."""
+    started, begin = common.environment(), time.time()
+    kept, peers_run = [], {key: started[key] for key in ("date", "commit")}
+    everyone = [*(f"ours {method}" for method in METHODS), *ADAPTIVE, *FIXED]
+    todo = everyone
+    if "--ours" in sys.argv:
+        todo, last = everyone[: len(METHODS)], common.load("stability")
+        kept = [row for row in last["results"]["cells"] if row["method"] not in todo]
+        peers_run = last["settings"]["peers run"]
+    run_ours(drop(1e4, 1.0))  # compiles the kernel once, before two processes would
+    tasks = [(m, k, e) for m in todo for k in STIFFNESSES for e in RESTITUTIONS]
+    with get_context("spawn").Pool(2) as pool:
+        cells = pool.map(cell, tasks, chunksize=len(RESTITUTIONS)) + kept
+    tally = {m: dict(Counter(c["outcome"] for c in cells if c["method"] == m)) for m in everyone}
+    for method, counts in tally.items():
+        print(f"{method:16} {counts}")
+    print(f"{len(tasks)} cells in {time.time() - begin:.0f} s")
+    settings = {
+        "stiffnesses": STIFFNESSES, "restitutions": RESTITUTIONS, "methods": everyone,
+        "budget [s CPU]": BUDGET, "stop [s]": STOP, "tolerance": TOLERANCE,
+        "energy gain": GAIN, "deepest": DEEPEST, "peers run": peers_run,
+    }  # fmt: skip
+    common.save("stability", started, settings, {"tally": tally, "cells": cells})
+    from stability_chart import draw, draw_steps
+
+    common.picture("stability", draw, (11, 9.5))
+    common.picture("stability_steps", draw_steps, (8, 4.6), record="stability")
+
+
+if __name__ == "__main__":
+    main()

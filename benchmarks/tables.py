@@ -1,0 +1,174 @@
+"""Write the tables of docs/benchmarks.md and docs/stability.md: ``python benchmarks/tables.py``.
+
+They come from benchmarks/results. What stands between ``<!-- name -->`` and ``<!-- end -->`` in a page is
+replaced by what the function ``name`` returns.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+import common
+from stability import ADAPTIVE, METHODS, OUTCOMES
+from stability_chart import STEPS_AT
+
+PAGES = ("benchmarks.md", "stability.md")
+
+
+def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
+    """A Markdown table."""
+    head = list(head)
+    lines = [head, ["---"] * len(head), *([str(cell) for cell in row] for row in rows)]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def span(ratio: dict) -> str:
+    """A ratio, with its range over the rounds."""
+    return f"**{ratio['median']:.3g}** ({ratio['least']:.3g}–{ratio['largest']:.3g})"
+
+
+def run(name: str) -> str:
+    """When and on what a benchmark ran."""
+    record = common.load(name)
+    changed = ", with uncommitted changes" if record["sources_changed_since"] else ""
+    versions = ", ".join(f"{key} {record['versions'][key]}" for key in ("python", "numpy", "numba", "scipy"))
+    where = f"{record['machine']['processor']}, {record['machine']['cores']} cores"
+    return f"Run {record['date'][:10]} at commit `{record['commit'][:7]}`{changed}; {where}; {versions}."
+
+
+def rhs() -> str:
+    """Nanoseconds and ratios over N."""
+    head = ("N", "ours [ns]", "for each link [ns]", "plain arrays / ours", "NumPy / ours")
+    rows = (
+        (
+            row["links"],
+            f"{row['nanoseconds']['ours']:.4g}",
+            f"{row['nanoseconds']['ours'] / row['links']:.3g}",
+            span(row["plain arrays / ours"]),
+            span(row["NumPy / ours"]),
+        )
+        for row in common.load("rhs")["results"]
+    )
+    return run("rhs") + "\n\n" + table(head, rows)
+
+
+def reference() -> str:
+    """What the reference is good for."""
+    found = common.load("reference")["results"]
+    rows = zip(
+        found["times"],
+        (sum(i["onset"] < t for i in found["impacts"]) for t in found["times"]),
+        (f"{value:.1e}" for value in found["difference_of_two_runs"]),
+        (f"{value:.3g}" for value in found["amplification_of_errors"]),
+        strict=True,
+    )
+    return table(("t [s]", "impacts", "difference of its two runs", "amplification of errors"), rows)
+
+
+def integrators() -> str:
+    """Everything at tolerance 1e-8, and the ratios at equal error."""
+    results, parts = common.load("integrators")["results"], [run("integrators")]
+    for stop in common.load("integrators")["settings"]["stop times [s]"]:
+        equal = results["times_ours_at_equal_error"][f"{stop} s, ours at 1e-08"]
+        rows = [
+            (
+                row["name"] if row["name"].startswith("ours") else f"scipy {row['name']}",
+                f"{1e3 * row['seconds']:.3g}",
+                f"{row['error']:.1e}",
+                f"{row['onset_error']:.1e}" if row["onsets_right"] else "an onset is missing",
+                row["steps"],
+                span(row["times_ours"]),
+                f"**{equal[row['name']]:.3g}**" if equal.get(row["name"]) else "–",
+            )
+            for row in results["rows"]
+            if (row["stop"], row["tolerance"]) == (stop, 1e-8)
+        ]
+        head = ("", "CPU [ms]", "error", "error of onsets [s]", "steps", "time / ours", "at our error")
+        parts.append(f"To t = {stop} s, tolerance 1e-8:\n\n" + table(head, rows))
+    return "\n\n".join(parts)
+
+
+def fmu_cost() -> str:
+    """Costs of the FMU against the empty and the bare slave."""
+    found = common.load("fmu_cost")["results"]
+    rows = []
+    for name, unit, title in (
+        ("raw", "microseconds a step", "1 ms step and 30 outputs, C functions [µs]"),
+        ("simulate_fmu", "milliseconds", "2 s scenario, `fmpy.simulate_fmu` [ms]"),
+        ("later instance", "milliseconds", "instantiate and initialise, later instances [ms]"),
+    ):
+        values = found[name][unit]
+        rows.append(
+            (
+                title,
+                *(f"{values[who]:.3g}" for who in ("ours", "empty", "bare")),
+                span(found[name]["ours / empty"]),
+                span(found[name]["ours / bare"]),
+            )
+        )
+    cold = found["cold start"]
+    for key in list(cold["ours"])[:3]:
+        title = {"instantiate and initialise [ms]": "instantiate and initialise, first in a process [ms]"}
+        rows.append(
+            (title.get(key, key), f"{cold['ours'][key]:.4g}", f"{cold['empty'][key]:.4g}", "", "", "")
+        )
+    size = found["bytes"]
+    rows.append(("FMU [kB]", f"{size['FMU'] / 1e3:.0f}", f"{size['empty FMU'] / 1e3:.0f}", "", "", ""))
+    rows.append(("instance record [kB]", f"{size['instance'] / 1e3:.1f}", "", "", "", ""))
+    head = ("", "ours", "empty", "bare", "ours / empty", "ours / bare")
+    return run("fmu_cost") + "\n\n" + table(head, rows)
+
+
+def stability() -> str:
+    """How many cells of each outcome."""
+    record = common.load("stability")
+    tally = record["results"]["tally"]
+    shown = [name for name in OUTCOMES if any(name in counts for counts in tally.values())]
+    rows = (
+        (
+            f"scipy {method}" if method in ADAPTIVE else method,
+            *(tally[method].get(name, "") for name in shown),
+        )
+        for method in record["settings"]["methods"]
+    )
+    return run("stability") + "\n\n" + table(("method", *shown), rows)
+
+
+def steps() -> str:
+    """Accepted steps over stiffness at e = 0.1; in brackets those of runs that did not complete."""
+    record = common.load("stability")
+    stiffnesses = record["settings"]["stiffnesses"][::2]
+    rows = []
+    for method in (*(f"ours {name}" for name in METHODS), *ADAPTIVE):
+        cells = {
+            c["stiffness"]: c
+            for c in record["results"]["cells"]
+            if (c["method"], c["restitution"]) == (method, STEPS_AT)
+        }
+        counts = [
+            f"{cells[k]['steps']}" if cells[k]["outcome"] == "completed" else f"({cells[k]['outcome']})"
+            for k in stiffnesses
+        ]
+        rows.append((f"scipy {method}" if method in ADAPTIVE else method, *counts))
+    return table(("steps for 3 s", *(f"K = {k:.0e}" for k in stiffnesses)), rows)
+
+
+def main() -> None:
+    """Fill both pages."""
+    tables = {f.__name__: f for f in (rhs, reference, integrators, fmu_cost, stability, steps)}
+    for name in PAGES:
+        page = common.ROOT / "docs" / name
+        text = page.read_text(encoding="utf-8")
+        text = re.sub(
+            r"<!-- (\w+) -->\n.*?<!-- end -->",
+            lambda found: f"<!-- {found[1]} -->\n\n{tables[found[1]]()}\n\n<!-- end -->",
+            text,
+            flags=re.DOTALL,
+        )
+        page.write_text(text, encoding="utf-8")
+        print(f"filled {page.relative_to(common.ROOT)}")
+
+
+if __name__ == "__main__":
+    main()
