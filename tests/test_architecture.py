@@ -27,14 +27,14 @@ TESTED_ELSEWHERE = {
     "kernel/entry.py": "test_simulate.py",  # each call goes through it
     "kernel/equations.py": "kernel/test_recursion.py",
     "kernel/errors.py": "kernel/test_explicit.py",
-    "kernel/impacts.py": "test_simulate.py",
+    "kernel/impacts.py": "test_impacts.py",
     "kernel/initialize.py": "test_simulate.py",
     "kernel/jit.py": "test_simulate.py",  # one decorator, on every function of the kernel
     "kernel/observe.py": "test_simulate.py",
     "kernel/ros34pw2.py": "test_simulate.py",
     "kernel/status.py": "test_variables.py",
-    "kernel/switching.py": "test_simulate.py",
-    "kernel/watch.py": "test_simulate.py",
+    "kernel/switching.py": "test_rest.py",
+    "kernel/watch.py": "test_rest.py",
 }
 
 

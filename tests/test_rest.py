@@ -7,8 +7,9 @@ import pytest
 
 from chain_impact import CONTACT_LAWS, SimulationError, load_scene, simulate
 from chain_impact.kernel.status import TOO_MUCH_WORK
-from chain_impact.scene import scene_from_dict, with_values
+from chain_impact.scene import SOLVER_METHODS, scene_from_dict, with_values
 from chain_impact.simulate import Instance
+from tests.problems import GRAVITY, ball, dropped_ball, flat_chain, rest_depth, rod
 
 CHAIN = load_scene("four_link_box")
 WEIGHT = 4 * 9.81
@@ -128,6 +129,89 @@ def test_rest_carries_a_push_at_once():
     instance.record["inputs"]["changed"] = 1
     instance.trajectory(np.array([10.1]), out)
     assert out["force"][0].reshape(5, 4)[:, 2].sum() == pytest.approx(WEIGHT + 100.0, rel=1e-6)
+
+
+# ---- coming to rest, to the exact depth ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("restitution", "stop_time"), [(0.05, 2.0), (0.3, 4.0), (0.8, 6.0), (0.9, 11.0)])
+def test_a_dropped_ball_comes_to_rest(restitution, stop_time):
+    scene, drop = dropped_ball(stop_time=stop_time, restitution=restitution)
+    result = simulate(scene)
+    impacts, floor = result.impacts, scene.contact.minimum_impact_speed
+    # each bounce is e times the last one; below the floor of v₀ there are none
+    assert 2 <= len(impacts) <= math.log(drop.speed / floor) / -math.log(restitution) + 3
+    done = impacts[:-1]
+    # gravity acts for the time of the contact, too
+    allowed = GRAVITY * (done["end"] - done["onset"])
+    assert (abs(done["separation_speed"] - restitution * done["impact_speed"]) < allowed).all()
+    np.testing.assert_allclose(impacts["impact_speed"][1:], impacts["separation_speed"][:-1], rtol=1e-8)
+    # the last contact does not end
+    assert np.isfinite(impacts["end"][:-1]).all()
+    assert math.isnan(impacts["end"][-1])
+    assert result.outputs["penetration"][-1, 0] == pytest.approx(rest_depth(scene), rel=1e-6)
+    assert result.outputs["force"][-1, 0] == pytest.approx(GRAVITY, rel=1e-6)
+
+
+@pytest.mark.parametrize("method", SOLVER_METHODS)
+@pytest.mark.parametrize("stiffness", [1e6, 1e10])
+def test_every_method_finds_the_same_rest(method, stiffness):
+    scene, _ = dropped_ball(0.01, stop_time=2.0, stiffness=stiffness, restitution=0.3)
+    tolerance = 1e-10
+    last = simulate(scene, tolerance=tolerance, method=method).outputs[-1]
+    # errors of a depth may be as large as errors of speeds over the contact's frequency, v₀ over the depth
+    allowed = 10 * tolerance / scene.contact.minimum_impact_speed
+    assert last["penetration"][0] == pytest.approx(rest_depth(scene), rel=allowed)
+    assert last["force"][0] == pytest.approx(GRAVITY, rel=10 * allowed)
+
+
+@pytest.mark.parametrize("restitution", [0.05, 0.7])
+def test_the_cost_of_rest_does_not_grow_with_the_stiffness(restitution):
+    """Ten seconds, most of them at rest; the stiffer floor has more bounces on the way there."""
+    cost = []
+    for stiffness in (1e6, 1e12):
+        scene = dropped_ball(0.01, stop_time=10.0, stiffness=stiffness, restitution=restitution)[0]
+        one, ten = (simulate(scene, stop, tolerance=1e-6).statistics for stop in (2.0, 10.0))
+        cost.append(ten["rhs_evaluations"] - one["rhs_evaluations"])
+    assert max(cost) < 1000
+    assert cost[1] <= 2 * cost[0]
+
+
+@pytest.mark.parametrize("speed", [1e-8, 1e-6, 1e-5, 1e-4, 1e-3])
+@pytest.mark.parametrize("restitution", [0.05, 0.7])
+def test_the_gentlest_touch_down_comes_to_rest(speed, restitution):
+    scene = ball(1e-12, speed, gravity=GRAVITY, stop_time=1.0, restitution=restitution)
+    result = simulate(scene)
+    for name in result.outputs.dtype.names:
+        assert np.isfinite(result.outputs[name]).all()
+    # a weight set at once upon K δⁿ presses it to δⁿ = (n+1) m g/K at most, damping apart: (5/2) m g
+    assert (result.outputs["force"] >= 0.0).all()
+    assert result.impacts["peak_force"].max() < 3.0 * GRAVITY
+    assert result.statistics["steps"] < 50_000
+    assert len(result.impacts) < 10
+    assert result.outputs["penetration"][-1, 0] == pytest.approx(rest_depth(scene), rel=1e-6)
+
+
+def test_a_rod_at_rest_leans_on_both_ends_alike():
+    scene = rod(0.0, 0.01, 0.0, gravity=GRAVITY, stop_time=3.0, restitution=0.3)
+    result = simulate(scene)
+    last = result.outputs[-1]
+    assert last["force"].sum() == pytest.approx(GRAVITY, rel=1e-6)
+    depths = last["penetration"][last["force"] > 0]
+    np.testing.assert_allclose(depths, rest_depth(scene, points=2), rtol=1e-6)
+
+
+def test_a_tilted_rod_clatters_to_rest_and_the_floor_carries_its_weight():
+    result = simulate(rod(0.2, 0.1, 0.0, gravity=GRAVITY, stop_time=4.0, restitution=0.3))
+    assert result.outputs["force"][-1].sum() == pytest.approx(GRAVITY, rel=1e-5)
+    np.testing.assert_allclose(result.outputs["force"][-1].max(), GRAVITY / 2, rtol=1e-5)
+
+
+def test_a_chain_at_rest_shares_its_weight_among_five_points():
+    """Each rod leans with half its weight on either end."""
+    result = simulate(flat_chain(0.001, restitution=0.3), stop_time=3.0)
+    forces = result.outputs["force"][-1].reshape(5, 4)[:, 2]
+    np.testing.assert_allclose(forces / GRAVITY, [0.5, 1.0, 1.0, 1.0, 0.5], rtol=1e-5)
 
 
 # ---- torture ------------------------------------------------------------------------------------------

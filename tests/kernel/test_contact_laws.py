@@ -17,7 +17,8 @@ from chain_impact.kernel.contact_laws import (
     force_over_elastic,
 )
 from chain_impact.kernel.initialize import derive_law
-from tests.problems import ball, exact_damping_factor, realised_restitution, struck_ball
+from tests.problems import ball, struck_ball
+from tests.reference import exact_damping_factor, realised_restitution
 
 # λ(e) as the reviews quote it (sources: the registry), in the order of the FMU's enumeration
 LITERATURE = {

@@ -18,7 +18,7 @@ from chain_impact.kernel.equations import mechanical_energy, state_rate
 from chain_impact.kernel.initialize import derive_chain, derive_law
 from chain_impact.kernel.recursion import accelerations, factorize, link_vectors, move_points, solve
 from chain_impact.scene import WALLS, scene_from_dict
-from tests.problems import exact_damping_factor, generalized_force, mass_matrix, point_jacobian
+from tests.reference import exact_damping_factor, generalized_force, mass_matrix, point_jacobian
 
 RESTITUTION, STIFFNESS, DEPTH = 0.5, 2e4, 1e-3
 IMPACT_SPEED = 60.0  # m/s, so high that the wall pushes at any speed of the point

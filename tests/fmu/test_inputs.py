@@ -1,0 +1,112 @@
+"""The inputs of the FMU: torques at the joints; in a clean process."""
+
+import itertools
+import math
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from chain_impact import load_scene
+from tests.fmu.importer import Instance
+
+# The functions before each test run in the clean process: they hold all that they use.
+
+
+def driven(fmu, torques, period, steps, values):
+    """Torques at joints 1 and 2, constant over each period, in some communication steps per period."""
+    instance = Instance(fmu).start(**values)
+    names = [*instance.outputs]
+    rows = [instance.get(names)]
+    for k, (first, second) in enumerate(torques):
+        instance.set({"joint[1].torque": first, "joint[2].torque": second})
+        for j in range(steps):
+            instance.step((k + (j + 1) / steps) * period)
+        rows.append(instance.get(names))
+    return [names, rows]
+
+
+TORQUES = [(2.0, 0.5), (-1.0, 0.5), (3.0, -1.0), (0.0, 0.0), (0.0, 0.0), (1.5, 0.25), (-4.0, 1.0), (0.5, 0.0)]
+PERIOD = 0.0625  # s
+
+
+def arm_rate(scene, torques, state):
+    """Lagrange's equations of the two-link arm in absolute angles, with the work of the torques [J]."""
+    (t1, t2, w1, w2, _work), (a, b) = state, scene.chain.links
+    c, s = math.cos(t1 - t2), math.sin(t1 - t2)
+    coupling = b.mass * a.length * b.center_of_mass
+    inertia = np.array(
+        [
+            [a.inertia + a.mass * a.center_of_mass**2 + b.mass * a.length**2, coupling * c],
+            [coupling * c, b.inertia + b.mass * b.center_of_mass**2],
+        ]
+    )
+    g = -scene.gravity[1]
+    elbow = torques[1] - b.joint_damping * (w2 - w1)
+    moments = np.array(
+        [
+            torques[0] - a.joint_damping * w1 - elbow - coupling * s * w2**2
+            - (a.mass * a.center_of_mass + b.mass * a.length) * g * math.cos(t1),
+            elbow + coupling * s * w1**2 - b.mass * b.center_of_mass * g * math.cos(t2),
+        ]
+    )  # fmt: skip
+    return [w1, w2, *np.linalg.solve(inertia, moments), torques[0] * w1 + torques[1] * (w2 - w1)]
+
+
+def test_torques_do_what_the_equations_of_the_arm_say(fmus, clean):
+    values = {"box.x_max": 10.0, "solver.tolerance": 1e-11}
+    names, rows = clean(driven, fmus["pinned_arm"], TORQUES, PERIOD, 1, values)
+    scene = load_scene("pinned_arm")
+    state = np.array([*scene.initial.angles, *scene.initial.angular_velocities, 0.0])
+    chosen = ["link[1].angle", "link[2].angle", "link[1].angular_velocity", "link[2].angular_velocity"]
+    columns = [names.index(name) for name in [*chosen, "energy.supplied"]]
+    for torques, row in zip(TORQUES, rows[1:], strict=True):
+        solution = solve_ivp(
+            lambda _t, y, torques=torques: arm_rate(scene, torques, y),
+            (0.0, PERIOD),
+            state,
+            method="DOP853",
+            rtol=1e-12,
+            atol=1e-13,
+        )
+        state = solution.y[:, -1]
+        np.testing.assert_allclose([row[column] for column in columns], state, rtol=0, atol=1e-9)
+
+
+def test_inputs_do_not_depend_on_the_communication_step(fmus, clean):
+    torques = list(itertools.islice(itertools.cycle(TORQUES), 24))  # into contact
+    names, coarse = clean(driven, fmus["pinned_arm"], torques, PERIOD, 1, {})
+    _, fine = clean(driven, fmus["pinned_arm"], torques, PERIOD, 64, {})
+    assert coarse[-1][names.index("impact.count")] > 0
+    np.testing.assert_array_equal(fine, coarse)
+
+
+def steady(fmu):
+    """Set the torque that is already set, at every step, and once; and a parameter to what it is."""
+    often, once = Instance(fmu).start(), Instance(fmu).start()
+    for instance in (often, once):
+        instance.set({"joint[1].torque": 1.0})
+    for i in range(500):
+        often.set({"joint[1].torque": 1.0, "contact.stiffness": often["contact.stiffness"]})
+        often.step((i + 1) * 2.0**-9)
+    once.step(500 * 2.0**-9)
+    return [often.get(often.outputs), once.get(once.outputs)]
+
+
+def test_setting_what_is_already_set_changes_nothing(fmus, clean):
+    often, once = clean(steady, fmus["pinned_arm"])
+    assert often == once
+
+
+def at_once(fmu):
+    instance = Instance(fmu).start()
+    instance.step(0.25)
+    names = ["link[1].angle", "link[1].angular_acceleration"]
+    before = instance.get(names)
+    instance.set({"joint[1].torque": 5.0})
+    return [before, instance.get(names)]
+
+
+def test_an_input_acts_at_once_on_accelerations(fmus, clean):
+    (angle, acceleration), (angle_after, acceleration_after) = clean(at_once, fmus["pinned_arm"])
+    assert angle == angle_after
+    assert acceleration_after > acceleration + 1.0

@@ -1,0 +1,92 @@
+"""States of the FMU: saved, restored, as bytes and in another instance; in a clean process."""
+
+import pytest
+
+from tests.fmu.importer import Instance, refused
+
+# The functions before each test run in the clean process: they hold all that they use.
+
+
+def saved(fmu, save_at, stop):
+    one, two, never = Instance(fmu).start(), Instance(fmu), Instance(fmu).start()
+    one.step(save_at)
+    state = one.fmu.getFMUstate()
+    data = one.fmu.serializeFMUstate(state)
+
+    def go_on(instance):
+        instance.time = save_at
+        first = instance.get(instance.outputs)
+        return [first, *instance.run([save_at + 0.01 * (i + 1) for i in range(50)] + [stop])]
+
+    first = go_on(one)
+    one.fmu.setFMUstate(state)
+    second = go_on(one)
+    one.fmu.freeFMUstate(state)
+    # another instance, which is not even initialized
+    copy = two.fmu.deSerializeFMUstate(data)
+    two.fmu.setFMUstate(copy)
+    third = go_on(two)
+    two.fmu.freeFMUstate(copy)
+    never.step(save_at)
+    return [first, second, third, go_on(never), len(data)]
+
+
+@pytest.mark.parametrize("save_at", [0.3, 0.5], ids=["in flight", "later"])
+def test_a_saved_state_goes_on_to_the_last_bit(fmus, clean, save_at):
+    first, second, third, never, size = clean(saved, fmus["four_link_box"], save_at, 1.0)
+    assert first == second == third == never
+    assert size > 1000
+
+
+def in_contact(fmu):
+    """Save in the middle of the first contact."""
+    one = Instance(fmu).start()
+    while not (force := one["contact[0].y_min.force"]):
+        one.step(one.time + 1e-5)
+    state = one.fmu.getFMUstate()
+    start, times = one.time, [one.time + 1e-5 * (i + 1) for i in range(200)]
+    first = one.run(times)
+    one.fmu.setFMUstate(state)
+    one.time = start
+    return [force, first == one.run(times), one["impact.count"]]
+
+
+def test_a_state_saved_in_contact_goes_on_to_the_last_bit(fmus, clean):
+    force, equal, impacts = clean(in_contact, fmus["rod_drop"])
+    assert force > 0.0
+    assert equal
+    assert impacts == 1
+
+
+def saved_before_initialization(fmu):
+    instance = Instance(fmu)
+    instance.set({"initial.y": 0.75})
+    state = instance.fmu.getFMUstate()
+    instance.set({"initial.y": 1.0})
+    instance.start()
+    instance.step(0.1)
+    instance.fmu.setFMUstate(state)
+    restored = instance["initial.y"]
+    instance.start()
+    return [restored, instance["point[0].y"]]
+
+
+def test_a_state_can_be_saved_before_initialization(fmus, clean):
+    assert clean(saved_before_initialization, fmus["rod_drop"]) == [0.75, 0.75]
+
+
+def damaged(fmu, other):
+    one = Instance(fmu).start()
+    data = one.fmu.serializeFMUstate(one.fmu.getFMUstate())
+    middle = len(data) // 2
+    flipped = data[:middle] + bytes([data[middle] ^ 1]) + data[middle + 1 :]
+    pieces = [flipped, data[:-8], data + b"12345678", b"", b"nonsense", data[:24], bytes(len(data))]
+    messages = [refused(fmu, lambda i, piece=piece: i.fmu.deSerializeFMUstate(piece)) for piece in pieces]
+    stranger = refused(other, lambda i: i.fmu.setFMUstate(i.fmu.deSerializeFMUstate(data)))
+    return [messages, stranger]
+
+
+def test_damaged_and_foreign_states_are_refused(fmus, clean):
+    messages, stranger = clean(damaged, fmus["rod_drop"], fmus["pinned_arm"])
+    assert all("the bytes are no state, or damaged" in message for message in messages)
+    assert "the state is that of another FMU" in stranger

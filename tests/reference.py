@@ -1,0 +1,205 @@
+"""Independent answers: closed forms, quadrature and plain algebra that share nothing with the kernel.
+
+Units are SI throughout. The chain's coordinates are q = (x₀, y₀, θ_1…θ_N): the base point and the absolute
+link angles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import mpmath
+import numpy as np
+
+from chain_impact.scene import WALLS, Scene
+
+# --- the exact impact of a point mass -----------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class PointImpact:
+    """The impact of a point mass on a wall, without gravity.
+
+    Attributes:
+        max_penetration: [m].
+        peak_force: [N].
+        duration: [s].
+        separation_speed: [m/s].
+        dissipated: [J].
+    """
+
+    max_penetration: float
+    peak_force: float
+    duration: float
+    separation_speed: float
+    dissipated: float
+
+
+def realised_restitution(damping_factor: float) -> float:
+    """The restitution e′ that F = K δⁿ (1 + λ δ̇/v₀) has, whatever n, K, mass and v₀.
+
+    λ(1 + e′) = ln[(1+λ)/(1−λe′)], hence e′ = [1 + W₀(−(1+λ) e^{−(1+λ)})]/λ with Lambert's W.
+    """
+    with mpmath.workdps(50):
+        return float(_restitution(mpmath.mpf(damping_factor))) if damping_factor else 1.0
+
+
+def exact_damping_factor(restitution: float) -> float:
+    """The λ whose realised restitution, by Lambert's W in 50 digits, is the given one."""
+    if restitution == 1.0:
+        return 0.0
+    with mpmath.workdps(50):
+        e = mpmath.mpf(restitution)
+        # e′(λ) falls from 1, and λe′ < 1; for small 1 − e, λ = (3/2)(1 − e) + …
+        bracket = (1 - e, 1 / e)
+        return float(
+            mpmath.findroot(lambda lam: _restitution(lam) - e, bracket, solver="anderson", tol=1e-80)
+        )
+
+
+def _restitution(lam: Any) -> Any:
+    return (1 + mpmath.lambertw(-(1 + lam) * mpmath.exp(-(1 + lam))).real) / lam
+
+
+def point_impact(mass: float, speed: float, stiffness: float, exponent: float, damping: float) -> PointImpact:
+    """The exact impact of a mass m [kg] at a speed v [m/s] under F = K δⁿ (1 + λ δ̇/v).
+
+    With u = δ̇/v from 1 down to −e′ as the variable, m v u du = −K δⁿ (1 + λu) dδ/v gives
+      K δⁿ⁺¹/((n+1) m v²) = G(u) = ∫_u¹ s/(1+λs) ds = [λ(1−u) − ln((1+λ)/(1+λu))]/λ²,
+      T = ∫ m v/F du over [−e′, 1], and F = K δⁿ (1+λu) has its peak where dF/du = 0.
+    For λ = 0 the duration is T = 2 (δ_max/v) √π Γ(1+p)/Γ(½+p), p = 1/(n+1) (Hertz 1881 for n = 3/2).
+    """
+    with mpmath.workdps(50):
+        m, v, k, n, lam = (mpmath.mpf(value) for value in (mass, speed, stiffness, exponent, damping))
+        p = 1 / (n + 1)
+        if lam == 0:
+            deepest = ((n + 1) * m * v**2 / (2 * k)) ** p
+            duration = 2 * deepest / v * mpmath.sqrt(mpmath.pi) * mpmath.gamma(1 + p) / mpmath.gamma(p + 0.5)
+            return PointImpact(float(deepest), float(k * deepest**n), float(duration), speed, 0.0)
+        e = _restitution(lam)
+
+        # G from either end, u = 1 − t and u = −e′ + r, so that nothing cancels there
+        def falling(t: Any) -> tuple[Any, Any]:
+            return 1 - t, (lam * t + mpmath.log1p(-lam * t / (1 + lam))) / lam**2
+
+        def rising(r: Any) -> tuple[Any, Any]:
+            return r - e, (mpmath.log1p(lam * r / (1 - lam * e)) - lam * r) / lam**2
+
+        def depth(g: Any) -> Any:
+            return ((n + 1) * m * v**2 / k * g) ** p
+
+        def force(u: Any, g: Any) -> Any:
+            return k * depth(g) ** n * (1 + lam * u)
+
+        duration = mpmath.quad(lambda t: m * v / force(*falling(t)), [0, 1])
+        duration += mpmath.quad(lambda r: m * v / force(*rising(r)), [0, e])
+        # dF/du = 0: n G′(1+λu) + (n+1) λ G = 0 with G′ = −u/(1+λu); the peak comes before the turn
+        top = mpmath.findroot(
+            lambda t: (n + 1) * lam * falling(t)[1] - n * falling(t)[0], (1e-9, 1), solver="anderson"
+        )
+        return PointImpact(
+            max_penetration=float(depth(falling(mpmath.mpf(1))[1])),
+            peak_force=float(force(*falling(top))),
+            duration=float(duration),
+            separation_speed=float(e * v),
+            dissipated=float(m * v**2 * (1 - e**2) / 2),
+        )
+
+
+# --- textbook dynamics: assemble M(q) and h(q, q̇), with no recursion ------------------------------------
+
+
+def point_jacobian(scene: Scene, angles: Sequence[float], point: int) -> np.ndarray:
+    """J with ṗ_k = J q̇ for the point k, shape (2, N+2)."""
+    jacobian = np.zeros((2, len(angles) + 2))
+    jacobian[0, 0] = jacobian[1, 1] = 1.0
+    before = np.array(angles[:point])
+    lengths = np.array([link.length for link in scene.chain.links[:point]])
+    jacobian[:, 2 : 2 + point] = lengths * np.array([-np.sin(before), np.cos(before)])
+    return jacobian
+
+
+def centre_jacobian(scene: Scene, angles: Sequence[float], i: int) -> np.ndarray:
+    """J with ṗ_C = J q̇ for the centre of mass of link i (from 0), shape (2, N+2)."""
+    jacobian = point_jacobian(scene, angles, i)
+    arm = scene.chain.links[i].center_of_mass
+    jacobian[:, 2 + i] = arm * np.array([-np.sin(angles[i]), np.cos(angles[i])])
+    return jacobian
+
+
+def mass_matrix(scene: Scene, angles: Sequence[float]) -> np.ndarray:
+    """M(q) = Σ m J_Cᵀ J_C + I ∇θ ∇θᵀ over the links, shape (N+2, N+2)."""
+    matrix = np.zeros((len(angles) + 2,) * 2)
+    for i, link in enumerate(scene.chain.links):
+        jacobian = centre_jacobian(scene, angles, i)
+        matrix += link.mass * jacobian.T @ jacobian
+        matrix[2 + i, 2 + i] += link.inertia
+    return matrix
+
+
+def generalized_force(
+    scene: Scene, angles: np.ndarray, omega: np.ndarray, loads: np.ndarray, moments: np.ndarray
+) -> np.ndarray:
+    """Q − c(q, q̇), the right side of M q̈ = Q − c, shape (N+2,).
+
+    Args:
+        scene: the chain and gravity.
+        angles: θ [rad].
+        omega: ω [rad/s].
+        loads: force on each point 0…N, shape (N+1, 2) [N].
+        moments: net moment on each link [N·m].
+    """
+    total = np.concatenate([[0.0, 0.0], moments])
+    drift = np.zeros(2)  # p̈ of the proximal joint for q̈ = 0: −Σ ω² L
+    for i, link in enumerate(scene.chain.links):
+        inward = -(omega[i] ** 2) * np.array([np.cos(angles[i]), np.sin(angles[i])])
+        centre_drift = drift + link.center_of_mass * inward
+        total += link.mass * centre_jacobian(scene, angles, i).T @ (np.array(scene.gravity) - centre_drift)
+        drift = drift + link.length * inward
+    for k, load in enumerate(loads):
+        total += point_jacobian(scene, angles, k).T @ load
+    return total
+
+
+def clearance_gradient(scene: Scene, angles: Sequence[float], point: int, wall: str) -> np.ndarray:
+    """∇g of a point's clearance to a wall, shape (N+2,)."""
+    axis, side = divmod(WALLS.index(wall), 2)
+    return (1 - 2 * side) * point_jacobian(scene, angles, point)[axis]
+
+
+def newton_impact(
+    scene: Scene, angles: Sequence[float], velocity: np.ndarray, contact: tuple[int, str], restitution: float
+) -> tuple[np.ndarray, float]:
+    """Velocities q̇⁺ after Newton's impact of a (point, wall), and its effective mass [kg].
+
+    q̇⁺ = q̇⁻ − M⁻¹ Jᵀ m_eff (1+e) J q̇⁻,  m_eff = 1/(J M⁻¹ Jᵀ): the rigid limit of all the force laws.
+    """
+    gradient = clearance_gradient(scene, angles, *contact)
+    response = np.linalg.solve(mass_matrix(scene, angles), gradient)
+    effective = 1.0 / (gradient @ response)
+    return velocity - response * effective * (1 + restitution) * (gradient @ velocity), effective
+
+
+# --- what outputs tell --------------------------------------------------------------------------------
+
+
+def momenta(result):
+    """Momentum, shape (T, 2), and angular momentum about the centre of mass, shape (T,), from the outputs."""
+    links = result.scene.chain.links
+    place, velocity, spin = 0.0, 0.0, 0.0
+    mass = np.array([link.mass for link in links])
+    centres, speeds = [], []
+    for i, link in enumerate(links):
+        part = link.center_of_mass / link.length
+        for name, rows in (("point_position", centres), ("point_velocity", speeds)):
+            points = result.outputs[name]
+            rows.append(points[:, i] + part * (points[:, i + 1] - points[:, i]))
+        spin = spin + link.inertia * result.angular_velocities[:, i]
+    place = np.average(centres, axis=0, weights=mass)
+    velocity = np.average(speeds, axis=0, weights=mass)
+    for m, centre, speed in zip(mass, centres, speeds, strict=True):
+        arm, motion = centre - place, speed - velocity
+        spin = spin + m * (arm[:, 0] * motion[:, 1] - arm[:, 1] * motion[:, 0])
+    return mass.sum() * velocity, spin
