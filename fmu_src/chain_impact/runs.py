@@ -109,10 +109,10 @@ def record_fmu(
     if "point[0].x" not in variables:
         raise SceneError(f"{path}: not the FMU of a chain: it has no variable point[0].x")
     parameters = {name: v for name, v in variables.items() if v.causality == "parameter"}
-    experiment = {name: getattr(description.defaultExperiment, name) for name in ("stopTime", "stepSize")}
+    experiment = description.defaultExperiment
     stop_time, step_size = (
         _positive(name, settings.get(name, default), str(path))
-        for name, default in zip(EXPERIMENT, experiment.values(), strict=True)
+        for name, default in zip(EXPERIMENT, (experiment.stopTime, experiment.stepSize), strict=True)
     )
     start_values = {
         name: _start_value(parameters[_known(name, parameters, str(path))], text, str(path))

@@ -48,11 +48,10 @@ def accelerate_points(model, y, rate, work):
 @jit
 def clearance(d, c):
     """Clearance g [m] and its rate ġ [m/s] of candidate c, from the located points."""
-    point, wall = d.model.candidate_point[c], d.model.candidate_wall[c]
-    position = d.work.position.x[point] if wall < 2 else d.work.position.y[point]
-    velocity = d.work.velocity.x[point] if wall < 2 else d.work.velocity.y[point]
-    side = inward(wall)
-    return side * (position - d.model.wall[wall]) - d.contact.radius, side * velocity
+    wall = d.model.candidate_wall[c]
+    position = across_wall(d, c, d.work.position)
+    gap = inward(wall) * (position - d.model.wall[wall]) - d.contact.radius
+    return gap, along_normal(d, c, d.work.velocity)
 
 
 @jit
@@ -62,13 +61,32 @@ def inward(wall):
 
 
 @jit
+def across_wall(d, c, vectors):
+    """Of the vectors of all points, the component for candidate c along the axis that its wall stands on."""
+    point = d.model.candidate_point[c]
+    return vectors.x[point] if d.model.candidate_wall[c] < 2 else vectors.y[point]
+
+
+@jit
+def add_across_wall(d, c, vectors, amount):
+    """Add to that component."""
+    point = d.model.candidate_point[c]
+    if d.model.candidate_wall[c] < 2:
+        vectors.x[point] += amount
+    else:
+        vectors.y[point] += amount
+
+
+@jit
+def along_normal(d, c, vectors):
+    """The component along the inward normal of candidate c of the vectors of all points."""
+    return inward(d.model.candidate_wall[c]) * across_wall(d, c, vectors)
+
+
+@jit
 def add_load(d, c, force):
     """Add a normal force [N] of candidate c to the load on its point."""
-    point, wall = d.model.candidate_point[c], d.model.candidate_wall[c]
-    if wall < 2:
-        d.work.load.x[point] += inward(wall) * force
-    else:
-        d.work.load.y[point] += inward(wall) * force
+    add_across_wall(d, c, d.work.load, inward(d.model.candidate_wall[c]) * force)
 
 
 @jit
@@ -132,13 +150,6 @@ def contact_slopes(d, c):
 
 
 @jit
-def along_normal(d, c, motion):
-    """The part along the inward normal of candidate c of a motion of the points."""
-    point, wall = d.model.candidate_point[c], d.model.candidate_wall[c]
-    return inward(wall) * (motion.x[point] if wall < 2 else motion.y[point])
-
-
-@jit
 def latch(d, c):
     """Begin the contact of candidate c at the located points: fix v₀, effective mass and expected depth."""
     _, gap_rate = clearance(d, c)
@@ -166,11 +177,7 @@ def effective_mass(d, c):
     n = len(d.model.length)
     zero(work.impedance)
     zero(work.impulse)
-    point, wall = d.model.candidate_point[c], d.model.candidate_wall[c]
-    if wall < 2:
-        work.impulse.x[point] = inward(wall)
-    else:
-        work.impulse.y[point] = inward(wall)
+    add_across_wall(d, c, work.impulse, inward(d.model.candidate_wall[c]))
     factorize(d.model, work.link, work.impedance, work.factors)
     solve(work.link, work.factors, work.impulse, work.y[0:2], work.y[2 : n + 2])
     move_points(work.link, work.y[0:2], work.y[2 : n + 2], work.motion)

@@ -1,6 +1,12 @@
 """What is known of each impact: its peak values, followed during contact, and the log of finished ones."""
 
-from chain_impact.kernel.contact import accelerate_points, clearance, contact_force, inward, locate_points
+from chain_impact.kernel.contact import (
+    accelerate_points,
+    along_normal,
+    clearance,
+    contact_force,
+    locate_points,
+)
 from chain_impact.kernel.contact_laws import elastic_force
 from chain_impact.kernel.dense import interpolate
 from chain_impact.kernel.equations import state_rate
@@ -59,8 +65,7 @@ def rate_of_force(d, c):
     gap, gap_rate = clearance(d, c)
     if gap >= 0.0:
         return 0.0
-    point, wall = d.model.candidate_point[c], d.model.candidate_wall[c]
-    acceleration = inward(wall) * (d.work.acceleration.x[point] if wall < 2 else d.work.acceleration.y[point])
+    acceleration = along_normal(d, c, d.work.acceleration)
     # Ḟ = K δⁿ [n δ̇/δ (1 + λ δ̇/v₀) + λ δ̈/v₀]
     slope = d.contact.damping_factor / d.touch.impact_speed[c]
     growth = d.contact.exponent * gap_rate / gap * (1.0 - slope * gap_rate)

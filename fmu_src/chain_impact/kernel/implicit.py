@@ -20,7 +20,7 @@ as an impulse hγ_i (c + hγ k) J̇ẏ in stage i; without it errors grow while 
 
 from chain_impact.kernel import ros34pw2
 from chain_impact.kernel.combination import combination
-from chain_impact.kernel.contact import contact_slopes, locate_points, zero
+from chain_impact.kernel.contact import across_wall, add_across_wall, contact_slopes, locate_points, zero
 from chain_impact.kernel.dense import extend
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.errors import scaled_error
@@ -110,10 +110,7 @@ def factorize_contacts(d, shift):
         c = d.touch.active_index[k]
         # D = hγ c + (hγ)² k
         impedance = shift * (d.work.slope[c, 1] + shift * d.work.slope[c, 0])
-        if d.model.candidate_wall[c] < 2:
-            d.work.impedance.x[d.model.candidate_point[c]] += impedance
-        else:
-            d.work.impedance.y[d.model.candidate_point[c]] += impedance
+        add_across_wall(d, c, d.work.impedance, impedance)
     factorize(d.model, d.work.start_link, d.work.impedance, d.work.factors)
 
 
@@ -145,11 +142,7 @@ def add_impulses(d, motion, by_damping, by_stiffness):
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         factor = by_damping * d.work.slope[c, 1] + by_stiffness * d.work.slope[c, 0]
-        point = d.model.candidate_point[c]
-        if d.model.candidate_wall[c] < 2:
-            d.work.impulse.x[point] += factor * motion.x[point]
-        else:
-            d.work.impulse.y[point] += factor * motion.y[point]
+        add_across_wall(d, c, d.work.impulse, factor * across_wall(d, c, motion))
 
 
 _step = linearly_implicit(state_rate, solve_contacts)
