@@ -18,14 +18,24 @@ elimination in this form is derived in docs/computation.md.
 import math
 
 from chain_impact.kernel.jit import jit
+from chain_impact.kernel.sincos import LARGEST, sine_cosine
 
 
 @jit
 def link_vectors(model, angle, work):
     """Set L_i [m], the vector from the proximal to the distal joint of each link."""
+    total = 0.0
     for i in range(len(model.length)):
-        work.link.x[i] = model.length[i] * math.cos(angle[i])
-        work.link.y[i] = model.length[i] * math.sin(angle[i])
+        total += abs(angle[i])
+    if total < LARGEST:
+        for i in range(len(model.length)):
+            sine, cosine = sine_cosine(angle[i])
+            work.link.x[i] = model.length[i] * cosine
+            work.link.y[i] = model.length[i] * sine
+    else:
+        for i in range(len(model.length)):
+            work.link.x[i] = model.length[i] * math.cos(angle[i])
+            work.link.y[i] = model.length[i] * math.sin(angle[i])
 
 
 @jit
