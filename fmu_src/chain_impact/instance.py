@@ -73,7 +73,9 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         # derived at initialization
         ("damped", INTEGER),  # 1: some joint has damping
         ("center_of_mass_ratio", REAL, (links,)),  # centre of mass / length
-        ("joint_inertia", REAL, (links,)),  # kg·m² about the proximal joint
+        ("proximal_inertia", REAL, (links,)),  # kg·m² about the proximal …
+        ("distal_inertia", REAL, (links,)),  # kg·m² … and about the distal joint
+        ("middle", INTEGER),  # joint at which the two arms of the elimination meet: the base if it is pinned
         ("size", REAL),  # m, longest link: the absolute scale of positions
         ("energy", REAL),  # J, of the whole mass at one `size` a second: the absolute scale of energies
     )
@@ -172,7 +174,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
     elimination = _record(*((name, REAL, (links,)) for name in ("gain_x", "gain_y", "bias")))
     factors = _record(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse")),
-        ("base", REAL, (3,)),  # 1/kg, A⁻¹ of the base: xx, xy, yy
+        ("middle", REAL, (3,)),  # 1/kg, A⁻¹ of the middle joint: xx, xy, yy
     )
     # of the implicit step: z = (y, clearances of the active contacts, their rates), see kernel/implicit.py
     extended = state + 2 * candidates

@@ -184,7 +184,7 @@ def effective_mass(d, c):
     zero(work.load)
     factorize(d.model, work.link, work.load, work.factors)
     add_along_normal(d, c, work.load, 1.0)
-    solve(work.link, work.factors, work.load, work.y[0:2], work.y[2 : n + 2])
+    solve(d.model, work.link, work.factors, work.load, work.y[0:2], work.y[2 : n + 2])
     move_points(work.link, work.y[0:2], work.y[2 : n + 2], work.motion)
     return 1.0 / along_normal(d, c, work.motion)
 

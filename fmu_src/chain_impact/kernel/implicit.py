@@ -170,7 +170,7 @@ def respond(d, base, angular):
     zero(work.load)
     for k in range(d.touch.active_count):
         add_along_normal(d, d.touch.active_index[k], work.load, own.normal[k])
-    solve(own.link, work.factors, work.load, base, angular)
+    solve(d.model, own.link, work.factors, work.load, base, angular)
     move_points(own.link, base, angular, work.motion)
     for k in range(d.touch.active_count):
         own.normal[k] = along_normal(d, d.touch.active_index[k], work.motion)
