@@ -47,8 +47,6 @@ def balance(result):
 # ---- cost ---------------------------------------------------------------------------------------------
 
 STEPS_PER_ONSET, STEPS_PER_SECOND = 40, 200
-# slow folding on a wall of 1e12 N/m^1.5 takes more steps: the penetration is a millionth of a millimetre
-MORE_STEPS = {(1e12, 0.05): 2.1, (1e12, 0.3): 1.2}
 
 
 @pytest.mark.parametrize("restitution", [0.05, 0.3, 0.7])
@@ -60,10 +58,25 @@ def test_coming_to_rest_costs_a_bounded_number_of_steps(stiffness, restitution):
     assert instance.advance(10.0) == 0
     after = instance.statistics
     onsets = int(instance.record["impact"]["count"])
-    limit = STEPS_PER_ONSET * onsets + STEPS_PER_SECOND * 10
-    assert after["steps"] <= limit * MORE_STEPS.get((stiffness, restitution), 1.0)
+    assert after["steps"] <= STEPS_PER_ONSET * onsets + STEPS_PER_SECOND * 10
     assert after["rhs_evaluations"] <= 20_000 * 10
     assert after["rhs_evaluations"] - before["rhs_evaluations"] <= 500 * 2
+
+
+def test_a_stiff_wall_does_not_bound_the_step_while_links_that_touch_turn():
+    """At t = 0.7 to 1.2 s links fold on the floor, with some points at rest.
+
+    A step bound by the curvature of the points' paths would shrink as 1/√k, a hundred times from 1e8 to 1e12.
+    """
+    steps = {}
+    for stiffness in (1e8, 1e12):
+        instance = Instance(quiet_chain(stiffness, 0.1))
+        instance.advance(0.7)
+        before = instance.statistics["implicit_steps"]
+        instance.advance(1.2)
+        steps[stiffness] = instance.statistics["implicit_steps"] - before
+    assert steps[1e8] > 100
+    assert steps[1e12] < 4 * steps[1e8]
 
 
 def test_rest_is_a_hundred_times_cheaper_than_with_explicit_steps():

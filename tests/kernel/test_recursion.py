@@ -301,11 +301,11 @@ def test_impulses_move_the_chain_and_its_impedances_as_assembled(count, stiff, b
     expected[free] = np.linalg.solve(matrix[free, free], right[free])
 
     link_vectors(d["model"], angles, work)
-    work["impedance"]["x"], work["impedance"]["y"] = added.T
-    work["impulse"]["x"], work["impulse"]["y"] = impulses.T
     found = np.full(count + 2, np.nan)
-    factorize(d["model"], work["link"], work["impedance"], work["factors"])
-    solve(work["link"], work["factors"], work["impulse"], found[:2], found[2:])
+    work["load"]["x"], work["load"]["y"] = added.T
+    factorize(d["model"], work["link"], work["load"], work["factors"])
+    work["load"]["x"], work["load"]["y"] = impulses.T
+    solve(d["model"], work["link"], work["factors"], work["load"], found[:2], found[2:])
     # what an impedance holds fast moves by differences of what does not
     accuracy = 1e-11 * max(1.0, stiff / 1e4)
     np.testing.assert_allclose(found, expected, rtol=0, atol=accuracy * np.abs(expected).max())

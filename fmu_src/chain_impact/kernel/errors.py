@@ -13,7 +13,7 @@ LARGEST_ERROR = 0.01  # of a penetration, relative
 def scaled_error(d, row):
     """Largest scaled component of an error estimate in ``work.error``, for the result in ``work.y``.
 
-    The points have to be located there.
+    The points have to be located there, and ``gap_error`` to hold the errors in the clearances.
 
     The scales, times the tolerance: 1 rad for angles and one link length for positions, whatever their
     value (turning or shifting the scene changes nothing); speeds relative to themselves plus one of these a
@@ -41,19 +41,18 @@ def scaled_error(d, row):
         else:
             scale = d.model.energy + abs(y[j])
         worst = max(worst, abs(error[j]) / scale)
-    if d.touch.active_count > 0:
-        for k in range(d.touch.active_count):
-            c = d.touch.active_index[k]
-            scale = penetration_scale(d, c)
-            worst = max(worst, abs(d.work.gap_error[k]) / scale)
+    for k in range(d.touch.active_count):
+        scale = penetration_scale(d, d.touch.active_index[k])
+        worst = max(worst, abs(d.work.gap_error[k]) / scale)
     return worst / d.solver.tolerance
 
 
 @jit
-def gap_errors(d, row):
-    n = len(d.model.length)
-    error = d.work.error[row]
-    move_points(d.work.link, error[0:2], error[2 : n + 2], d.work.motion)
+def set_gap_errors(d, row):
+    """Set the errors in the clearances of the active contacts that go with an error estimate."""
+    if d.touch.active_count > 0:
+        n, error = len(d.model.length), d.work.error[row]
+        move_points(d.work.link, error[0:2], error[2 : n + 2], d.work.motion)
     for k in range(d.touch.active_count):
         d.work.gap_error[k] = along_normal(d, d.touch.active_index[k], d.work.motion)
 

@@ -7,7 +7,7 @@ from chain_impact.kernel.combination import combination
 from chain_impact.kernel.contact import locate_points
 from chain_impact.kernel.dense import DENSE_COEFFICIENTS, extend
 from chain_impact.kernel.equations import state_rate
-from chain_impact.kernel.errors import gap_errors, scaled_error
+from chain_impact.kernel.errors import scaled_error, set_gap_errors
 from chain_impact.kernel.jit import jit
 
 STAGES = len(dop853.A)
@@ -70,9 +70,9 @@ def attempt(d, h):
     _error_5(d.work.stage, d.work.error[0], h, d.work.error[0])
     _error_3(d.work.stage, d.work.error[1], h, d.work.error[1])
     locate_points(d.model, d.work.y, d.work)
-    gap_errors(d, 0)
+    set_gap_errors(d, 0)
     error_5 = scaled_error(d, 0)
-    gap_errors(d, 1)
+    set_gap_errors(d, 1)
     error_3 = scaled_error(d, 1)
     if error_5 in (0.0, math.inf):
         return error_5

@@ -42,7 +42,7 @@ from chain_impact.kernel.jit import jit
 from chain_impact.kernel.recursion import factorize, move_points, solve
 
 GAMMA = ros34pw2.GAMMA_DIAGONAL
-# rows of implicit.stage, where rows 1 to 4 are the stages k_i: f at the start, f of the stage, s_i, right side
+# rows of implicit.stage, in which 1 to 4 are the stages k_i
 START_RATE, RATE, CORRECTION, RIGHT, ZEROS, ERROR = 0, 5, 6, 7, 8, 9
 ROWS = 10
 STEP_EVALUATIONS = len(ros34pw2.B) - 1  # the first stage has f at the start of the step

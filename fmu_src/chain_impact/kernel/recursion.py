@@ -1,14 +1,17 @@
 """Recursive Gibbs–Appell dynamics of a planar open chain, in O(N).
 
 A revolute joint transmits a force and, apart from its known torque, no moment. The part of the chain
-hanging from joint i therefore answers an acceleration ``a`` of that joint with the force ``A a + b``:
+hanging from a joint therefore answers an acceleration ``a`` of that joint with the force ``A a + b``:
 ``A`` a symmetric 2×2 articulated inertia, ``b`` collecting ω², gravity, torques and contact forces.
-Appell's equation for α_i, ∂S/∂α_i = Q_i with the Gibbs function S = Σ ½ m a_C·a_C + ½ I α², eliminates
-α_i; repeated from the tip to the base it leaves two equations for the base, and the accelerations
-follow from the base back out.
+Appell's equation for α_i, ∂S/∂α_i = Q_i with the Gibbs function S = Σ ½ m a_C·a_C + ½ I α², eliminates α_i.
+
+A free chain has two free ends. It is eliminated from both toward its middle joint, where two equations are
+left, and the accelerations follow from there back out. The two arms do not wait for each other, which halves
+the time of a short chain. A pinned base is an end that is not free: it takes the place of the middle.
 
 The absolute link angles θ_i are the coordinates and all vectors are in the world frame, so no rotation
-matrix appears: L_i is the vector along link i, c_i the one to its centre of mass, x⊥ = ẑ × x.
+matrix appears: L is the vector along a link from the joint nearer to the middle, c that to its centre of
+mass, x⊥ = ẑ × x. A' and b' belong to the joint farther out, A and b to the nearer one.
 
 Source: the recursion after Ahmadizadeh, Shafei, Fooladi, *A recursive algorithm for dynamics of multiple
 frictionless impact-contacts in open-loop robotic mechanisms*, Mechanism and Machine Theory; the
@@ -30,11 +33,10 @@ def link_vectors(model, angle, work):
 
 @jit
 def arm(model, link, i, outward):
-    """Link i as its arm of the chain sees it, from the joint nearer to the middle.
+    """Link i as seen from its joint nearer to the middle: the proximal one if it points ``outward``.
 
     Returns:
-        The vector to the other joint [m], that to the centre of mass times the mass [kg·m], and the
-        inertia about the joint [kg·m²].
+        L [m], m c [kg·m] and I + m c² [kg·m²].
     """
     lx, ly = link.x[i], link.y[i]
     if outward:
@@ -45,31 +47,28 @@ def arm(model, link, i, outward):
 
 
 @jit
-def gain(lx, ly, sx, sy, inertia, axx, axy, ayy):
-    """Gain h/H of a link and h, for A' at its outer joint; also 1/H and A' L⊥."""
-    # A' L⊥
+def hinge(lx, ly, sx, sy, inertia, axx, axy, ayy):
+    """Return h and 1/H for L, m c, I + m c² and A'."""
+    # h = m c⊥ + A' L⊥,  H = I + m c² + L⊥·A' L⊥
     px, py = axy * lx - axx * ly, ayy * lx - axy * ly
-    # h = m c⊥ + A' L⊥
-    hx, hy = px - sy, py + sx
-    # H = I + m c² + L⊥·A' L⊥
-    inverse = 1.0 / (inertia + lx * py - ly * px)
-    return hx * inverse, hy * inverse, hx, hy, inverse
+    return px - sy, py + sx, 1.0 / (inertia + lx * py - ly * px)
 
 
 @jit
-def eliminate(model, work, omega, i, outward, joint, axx, axy, ayy, bx, by):
-    """Eliminate α_i: from A' and b' at its outer joint to A and b at its inner one."""
+def eliminate(model, work, omega, i, outward, axx, axy, ayy, bx, by):
+    """Eliminate α_i: return A and b for A' and b'."""
+    joint = i + 1 if outward else i
     lx, ly, sx, sy, inertia = arm(model, work.link, i, outward)
-    kx, ky, hx, hy, inverse = gain(lx, ly, sx, sy, inertia, axx, axy, ayy)
+    hx, hy, inverse = hinge(lx, ly, sx, sy, inertia, axx, axy, ayy)
     m, gx, gy = model.mass[i], model.gravity[0], model.gravity[1]
     w2 = omega[i] * omega[i]
-    # d = b' − f − ω² A' L : what the outer joint asks for α_i = 0, a_i = 0
+    # d = b' − f − ω² A' L : what the outer joint asks for α = 0 and a = 0
     dx = bx - work.load.x[joint] - w2 * (axx * lx + axy * ly)
     dy = by - work.load.y[joint] - w2 * (axy * lx + ayy * ly)
     # h₀ = L⊥·d − m c⊥·g − τ
     h0 = lx * dy - ly * dx + sy * gx - sx * gy - work.moment[i]
     kept = work.elimination
-    kept.gain_x[i], kept.gain_y[i], kept.bias[i] = kx, ky, h0 * inverse
+    kept.gain_x[i], kept.gain_y[i], kept.bias[i] = hx * inverse, hy * inverse, h0 * inverse
     # A = A' + m 1 − h hᵀ/H,  b = d − ω² m c − m g − h h₀/H
     return (
         axx + m - hx * hx * inverse,
@@ -81,8 +80,8 @@ def eliminate(model, work, omega, i, outward, joint, axx, axy, ayy, bx, by):
 
 
 @jit
-def accelerate(model, work, omega, i, outward, ax, ay, alpha):
-    """Set α_i for the acceleration of its inner joint; return that of its outer one."""
+def accelerate(work, omega, i, outward, ax, ay, alpha):
+    """Set α_i for the acceleration of its inner joint; return that of the outer one."""
     kept = work.elimination
     # α = −(h·a + h₀)/H
     a = -(kept.gain_x[i] * ax + kept.gain_y[i] * ay + kept.bias[i])
@@ -111,9 +110,9 @@ def accelerations(model, omega, work, base_acceleration, alpha):
     cxx, cxy, cyy, dx, dy = 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(n - middle):
         i = n - 1 - k
-        axx, axy, ayy, bx, by = eliminate(model, work, omega, i, True, i + 1, axx, axy, ayy, bx, by)
+        axx, axy, ayy, bx, by = eliminate(model, work, omega, i, True, axx, axy, ayy, bx, by)
         if k < middle:
-            cxx, cxy, cyy, dx, dy = eliminate(model, work, omega, k, False, k, cxx, cxy, cyy, dx, dy)
+            cxx, cxy, cyy, dx, dy = eliminate(model, work, omega, k, False, cxx, cxy, cyy, dx, dy)
 
     # the middle joint: A a + b = 0 when the base is free; it is the base, and a = 0, when that is pinned
     ax, ay = 0.0, 0.0
@@ -127,9 +126,9 @@ def accelerations(model, omega, work, base_acceleration, alpha):
     # accelerations back out
     cx, cy = ax, ay
     for k in range(n - middle):
-        ax, ay = accelerate(model, work, omega, middle + k, True, ax, ay, alpha)
+        ax, ay = accelerate(work, omega, middle + k, True, ax, ay, alpha)
         if k < middle:
-            cx, cy = accelerate(model, work, omega, middle - 1 - k, False, cx, cy, alpha)
+            cx, cy = accelerate(work, omega, middle - 1 - k, False, cx, cy, alpha)
     base_acceleration[0] = cx
     base_acceleration[1] = cy
 
@@ -149,9 +148,9 @@ def factorize(model, links, impedance, factors):
     cxx, cxy, cyy = 0.0, 0.0, 0.0
     for k in range(n - middle):
         i = n - 1 - k
-        axx, axy, ayy = factorize_link(model, links, impedance, factors, i, True, i + 1, axx, axy, ayy)
+        axx, axy, ayy = factorize_link(model, links, impedance, factors, i, True, axx, axy, ayy)
         if k < middle:
-            cxx, cxy, cyy = factorize_link(model, links, impedance, factors, k, False, k, cxx, cxy, cyy)
+            cxx, cxy, cyy = factorize_link(model, links, impedance, factors, k, False, cxx, cxy, cyy)
     axx, axy, ayy = axx + cxx + impedance.x[middle], axy + cxy, ayy + cyy + impedance.y[middle]
     # A⁻¹ of the middle joint, 0 when that is a pinned base
     scale = 0.0 if model.pinned else 1.0 / (axx * ayy - axy * axy)
@@ -159,13 +158,14 @@ def factorize(model, links, impedance, factors):
 
 
 @jit
-def factorize_link(model, links, impedance, factors, i, outward, joint, axx, axy, ayy):
+def factorize_link(model, links, impedance, factors, i, outward, axx, axy, ayy):
     """As ``eliminate``, for A alone."""
+    joint = i + 1 if outward else i
     axx += impedance.x[joint]
     ayy += impedance.y[joint]
     lx, ly, sx, sy, inertia = arm(model, links, i, outward)
-    kx, ky, hx, hy, inverse = gain(lx, ly, sx, sy, inertia, axx, axy, ayy)
-    factors.gain_x[i], factors.gain_y[i], factors.inverse[i] = kx, ky, inverse
+    hx, hy, inverse = hinge(lx, ly, sx, sy, inertia, axx, axy, ayy)
+    factors.gain_x[i], factors.gain_y[i], factors.inverse[i] = hx * inverse, hy * inverse, inverse
     m = model.mass[i]
     return axx + m - hx * hx * inverse, axy - hx * hy * inverse, ayy + m - hy * hy * inverse
 
@@ -186,23 +186,24 @@ def solve(model, links, factors, load, base, angular):
     bx, by, cx, cy = 0.0, 0.0, 0.0, 0.0
     for k in range(n - middle):
         i = n - 1 - k
-        bx, by = gather(links, factors, load, i, 1.0, i + 1, bx, by, angular)
+        bx, by = gather(links, factors, load, i, True, bx, by, angular)
         if k < middle:
-            cx, cy = gather(links, factors, load, k, -1.0, k, cx, cy, angular)
+            cx, cy = gather(links, factors, load, k, False, cx, cy, angular)
     bx, by = bx + cx + load.x[middle], by + cy + load.y[middle]
     x = factors.middle[0] * bx + factors.middle[1] * by
     y = factors.middle[1] * bx + factors.middle[2] * by
     cx, cy = x, y
     for k in range(n - middle):
-        x, y = spread(links, factors, middle + k, 1.0, x, y, angular)
+        x, y = spread(links, factors, middle + k, True, x, y, angular)
         if k < middle:
-            cx, cy = spread(links, factors, middle - 1 - k, -1.0, cx, cy, angular)
+            cx, cy = spread(links, factors, middle - 1 - k, False, cx, cy, angular)
     base[0], base[1] = cx, cy
 
 
 @jit
-def gather(links, factors, load, i, sign, joint, bx, by, angular):
-    """Set α_i for an inner joint at rest, and return the impulse that arrives there."""
+def gather(links, factors, load, i, outward, bx, by, angular):
+    """Set the change of ω_i for an inner joint at rest; return the impulse that arrives there."""
+    joint, sign = (i + 1, 1.0) if outward else (i, -1.0)
     bx += load.x[joint]
     by += load.y[joint]
     moment = sign * (links.x[i] * by - links.y[i] * bx)
@@ -211,8 +212,9 @@ def gather(links, factors, load, i, sign, joint, bx, by, angular):
 
 
 @jit
-def spread(links, factors, i, sign, x, y, angular):
-    """Correct α_i for the motion of its inner joint; return that of its outer one."""
+def spread(links, factors, i, outward, x, y, angular):
+    """Correct the change of ω_i for that of its inner joint's velocity; return that of the outer one."""
+    sign = 1.0 if outward else -1.0
     a = angular[i] - factors.gain_x[i] * x - factors.gain_y[i] * y
     angular[i] = a
     return x - sign * a * links.y[i], y + sign * a * links.x[i]

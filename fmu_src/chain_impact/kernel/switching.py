@@ -3,8 +3,8 @@
 The explicit one is better as long as accuracy limits its step: in flight and in impacts. In sustained
 contact its stability does, or the order that it loses there. The fastest motion of a contact has the rate
 ρ = max(c/m, √(k/m)), with m the effective mass at its onset; the explicit method is stable for about hρ < 6.
-Impacts are resolved with hρ well below 1, so explicit steps beyond STIFF tell that the contact lasts; that
-needs no evaluation to see. An implicit step costs a third of an explicit one: when it is shorter than
+Impacts are resolved with hρ below 1, so explicit steps beyond STIFF tell that the contact lasts; that needs
+no evaluation to see. An implicit step costs a third of an explicit one: when it is shorter than
 NOT_STIFF, explicit steps get further for the same work, and more accurately.
 """
 
