@@ -116,7 +116,8 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("state_end", REAL, (state,)),  # y at `end`
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),  # interpolant over `size`
         ("rate_known", INTEGER),  # 1: the last stage is ẏ at `end`
-        ("cleared", INTEGER),  # 1: the clearances at `end` are in `work.clear_end`
+        ("dense_for", INTEGER),  # who has had the dense output so far, see kernel/dense.py
+        ("cleared", INTEGER),  # 1: the clearances at `end` are in `work.clear_end`, 2: their curvatures too
         ("implicit", INTEGER),  # 1: the implicit method is at work
         ("doubts", INTEGER),  # steps in a row for which the other method would do better …
         ("patience", INTEGER),  # … and how many make the solver change
@@ -208,6 +209,8 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("clear_end", REAL, (candidates,)),
         ("clear_start_rate", REAL, (candidates,)),  # m/s … of the interval searched for events
         ("clear_end_rate", REAL, (candidates,)),
+        ("clear_start_curve", REAL, (candidates,)),  # m/s², second derivative …
+        ("clear_end_curve", REAL, (candidates,)),
     )
     return _record(
         ("model", model),

@@ -10,10 +10,11 @@ from scipy.special import ellipj
 
 from chain_impact.instance import new_instance
 from chain_impact.kernel import dop853
-from chain_impact.kernel.dense import interpolate, rate_bounds
+from chain_impact.kernel.dense import SOLVER, interpolate, rate_bounds
 from chain_impact.kernel.equations import state_rate
-from chain_impact.kernel.explicit import accept, attempt
+from chain_impact.kernel.explicit import accept, attempt, complete
 from chain_impact.kernel.initialize import initialize
+from chain_impact.simulate import Instance
 from tests.problems import FAR, ball, build, contact_table, rod
 
 STAGES = len(dop853.A)
@@ -133,6 +134,7 @@ def step(d, h):
     state_rate(d, d["step"]["state_end"], d["work"]["stage"][0])
     error = attempt(d, h)
     accept(d, h)
+    complete(d, SOLVER)
     return error
 
 
@@ -305,3 +307,16 @@ def test_a_step_that_is_not_finite_is_not_accepted(entry):
     d["step"]["state_end"][entry] = math.nan
     state_rate(d, d["step"]["state_end"], d["work"]["stage"][0])
     assert not attempt(d, 0.1) <= 1.0
+
+
+def test_only_a_step_with_an_event_or_an_output_gets_a_dense_output():
+    """11 evaluations for a step that is tried and one at its end; none that only outputs need is counted."""
+    spent = []
+    for outputs in (1, 50):
+        instance = Instance(PENDULUM)
+        for time in np.linspace(0.0, 1.0, outputs + 1)[1:]:
+            instance.advance(time)
+        spent.append(instance.statistics)
+    tried = spent[0]["steps"] + spent[0]["rejected_steps"]
+    assert spent[0]["rhs_evaluations"] == 1 + spent[0]["steps"] + 11 * tried
+    assert spent[0] == spent[1]

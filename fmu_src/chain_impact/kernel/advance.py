@@ -10,9 +10,10 @@ import math
 
 from chain_impact.kernel import explicit, implicit
 from chain_impact.kernel.contact import along_normal, clear_loads, clearance, latch, locate_points
-from chain_impact.kernel.dense import interpolate
+from chain_impact.kernel.dense import OUTPUTS, interpolate
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.events import RELATCH, RELATCH_RATIO, TOUCH, find_event
+from chain_impact.kernel.explicit import complete
 from chain_impact.kernel.impacts import finish, follow_contacts
 from chain_impact.kernel.initialize import derive_law, first_size, still
 from chain_impact.kernel.jit import jit
@@ -44,9 +45,10 @@ def advance(d, time, room):
             return LOG_FULL
         d.statistics.status = take_step(d)
         if d.statistics.status != OK:
-            d.step.time = d.step.end
+            still(d, d.step.end, d.step.state_end)
             return d.statistics.status
     d.step.time = time
+    complete(d, OUTPUTS)
     return OK
 
 
@@ -176,19 +178,19 @@ def begin(d):
     for c in range(len(d.touch.event)):
         events += d.touch.event[c] != 0
 
-    # the first stage
-    rate = d.work.stage[0]
+    last, rate = d.work.stage[explicit.LAST], d.work.stage[0]
     if d.step.rate_known:
-        for j in range(len(d.work.y)):
-            rate[j] = d.work.stage[explicit.LAST, j]
         if d.touch.active_count > 0:
             locate_points(d.model, d.step.state_end, d.work)
     else:
-        state_rate(d, d.step.state_end, rate)
+        state_rate(d, d.step.state_end, last)
         d.statistics.rhs_evaluations += 1
-
     if d.touch.active_count > 0:
-        follow_contacts(d, rate)
+        follow_contacts(d, last)
+
+    # the first stage
+    for j in range(len(d.work.y)):
+        rate[j] = last[j]
     if events > 0 and apply_events(d):
         state_rate(d, d.step.state_end, rate)
         d.statistics.rhs_evaluations += 1

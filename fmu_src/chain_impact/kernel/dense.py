@@ -5,6 +5,7 @@ import numpy as np
 from chain_impact.kernel.jit import jit
 
 DENSE_COEFFICIENTS = 7
+NOBODY, OUTPUTS, SOLVER = 0, 1, 2  # who has had the dense output of the last step
 
 
 @jit

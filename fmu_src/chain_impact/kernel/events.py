@@ -1,5 +1,7 @@
 """Events: the moments at which contacts begin and end, located on the dense output.
 
+Most steps are far from any event, which their ends tell; then there is no dense output to look at.
+
 An event is a descent through zero: of the clearance for a candidate that is apart, of the penetration for
 one in contact. Looking only for a sign change between the ends of a step misses a point that dips through
 a wall and returns. So each step is cleared by a bound: with |φ̈| ≤ A over an interval of width w, φ stays
@@ -13,14 +15,17 @@ force, grow without bound; v₀ is latched anew.
 
 import math
 
-from chain_impact.kernel.contact import clearance, locate_points
-from chain_impact.kernel.dense import interpolate, rate_bounds
+from chain_impact.kernel.contact import accelerate_points, along_normal, clearance, locate_points
+from chain_impact.kernel.dense import NOBODY, SOLVER, interpolate, rate_bounds
+from chain_impact.kernel.explicit import LAST, complete
 from chain_impact.kernel.implicit import clearance_curvature
 from chain_impact.kernel.jit import jit
 
 SIMULTANEOUS = 1e-12  # s, events closer than this are one event
 RESOLUTION = 1e-15  # of a link length: curvature below it is round-off
 QUIET, SPLIT, EVENT = 0, 1, 2
+WITH_CURVES = 2  # of step.cleared
+SMALL_TURN, MARGIN = 1.0, 0.05  # rad of a link, part of the range of values: where ends of a step can tell
 TOUCH, RELATCH = 1, 2  # kinds of event: contact begins or ends, v₀ is latched anew
 RELATCH_RATIO = 2.0  # δ̇/v₀ at which it is; the speed that gravity adds after an onset stays far below
 NEARLY, SAMPLES = 0.75, 4  # of that speed, at an end of the step; places in the step to look at then
@@ -35,6 +40,15 @@ def find_event(d):
     """
     if len(d.touch.active) == 0:
         return -1.0
+    if d.step.dense_for == NOBODY:
+        if plainly_clear(d):
+            d.step.cleared = WITH_CURVES
+            return -1.0
+        complete(d, SOLVER)
+    else:
+        if not d.step.cleared:
+            measure(d, 0.0)
+        keep_start(d)
     bound_curvature(d)
     theta = find_touch(d)
     if d.touch.active_count > 0:
@@ -44,11 +58,57 @@ def find_event(d):
 
 
 @jit
-def find_touch(d):
-    """θ of the first onset or end of a contact in the last step, or −1; marks whose it is."""
-    if not d.step.cleared:
-        measure(d, 0.0)
+def plainly_clear(d):
+    """Whether an explicit step without dense output is so far from any event that none is needed.
+
+    A clearance has the Hermite interpolant of order 6 from its value, rate and curvature at the ends of the
+    step. That stays above the least of its Bernstein coefficients.
+    """
+    if d.step.cleared != WITH_CURVES:
+        measure_end(d, d.step.state, d.work.stage[0])
     keep_start(d)
+    measure_end(d, d.step.state_end, d.work.stage[LAST])
+    n, h = len(d.model.length), d.step.size
+    turn = 0.0
+    for i in range(n):
+        turn = max(turn, abs(d.step.state[n + 4 + i]), abs(d.step.state_end[n + 4 + i]))
+    turn *= h
+    # the remainder is h⁶ φ⁽⁶⁾/46080; ten times that of a point on a link that turns evenly
+    error = d.model.size * turn**6 / 4608.0
+    work = d.work
+    clear = turn < SMALL_TURN
+    for c in range(len(d.touch.active)):
+        b1 = work.clear_start[c] + h * work.clear_start_rate[c] / 5.0
+        b2 = 2.0 * b1 - work.clear_start[c] + h * h * work.clear_start_curve[c] / 20.0
+        b4 = work.clear_end[c] - h * work.clear_end_rate[c] / 5.0
+        b3 = 2.0 * b4 - work.clear_end[c] + h * h * work.clear_end_curve[c] / 20.0
+        least = min(b1, b2, b3, b4, work.clear_end[c])
+        most = max(b1, b2, b3, b4, work.clear_end[c])
+        clear = clear and least > MARGIN * (most - least) + error
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        fastest = max(d.touch.speed[c], work.clear_end_rate[c])
+        clear = clear and fastest <= NEARLY * RELATCH_RATIO * d.touch.impact_speed[c]
+    return clear
+
+
+@jit
+def measure_end(d, y, rate):
+    """Set φ, φ̇ and φ̈ of every candidate at an end of the step, for its state and rate."""
+    locate_points(d.model, y, d.work)
+    accelerate_points(d.model, y, rate, d.work)
+    set_clearances(d)
+    for c in range(len(d.touch.active)):
+        sign = -1.0 if d.touch.active[c] else 1.0
+        d.work.clear_end_curve[c] = sign * along_normal(d, c, d.work.acceleration)
+
+
+@jit
+def find_touch(d):
+    """θ of the first onset or end of a contact in the last step, or −1; marks whose it is.
+
+    The start of the step is measured.
+    """
     a, b = 0.0, 1.0
     while True:
         measure(d, b)
@@ -144,6 +204,12 @@ def measure(d, theta):
     else:
         interpolate(d.step, theta, d.work.y)
         locate_points(d.model, d.work.y, d.work)
+    set_clearances(d)
+
+
+@jit
+def set_clearances(d):
+    """Set φ and φ̇ of every candidate for the located points."""
     for c in range(len(d.touch.active)):
         gap, gap_rate = clearance(d, c)
         sign = -1.0 if d.touch.active[c] else 1.0
@@ -157,6 +223,7 @@ def keep_start(d):
     for c in range(len(d.touch.active)):
         d.work.clear_start[c] = d.work.clear_end[c]
         d.work.clear_start_rate[c] = d.work.clear_end_rate[c]
+        d.work.clear_start_curve[c] = d.work.clear_end_curve[c]
 
 
 @jit

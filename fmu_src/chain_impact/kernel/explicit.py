@@ -5,7 +5,7 @@ import math
 from chain_impact.kernel import dop853
 from chain_impact.kernel.combination import combination
 from chain_impact.kernel.contact import locate_points
-from chain_impact.kernel.dense import DENSE_COEFFICIENTS, extend
+from chain_impact.kernel.dense import DENSE_COEFFICIENTS, NOBODY, SOLVER, extend
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.errors import scaled_error, set_gap_errors
 from chain_impact.kernel.jit import jit
@@ -82,12 +82,31 @@ def attempt(d, h):
 
 @jit
 def accept(d, h):
-    """Make the step that was tried the last accepted one, with its dense output."""
-    step = d.step
-    extend(step, h, d.work.y)
-    state_rate(d, step.state_end, d.work.stage[LAST])
+    """Make the step that was tried the last accepted one, with the rate at its end."""
+    extend(d.step, h, d.work.y)
+    state_rate(d, d.step.state_end, d.work.stage[LAST])
+    d.statistics.rhs_evaluations += 1
+    d.step.rate_known = 1
+    d.step.dense_for = NOBODY
+
+
+@jit
+def complete(d, reader):
+    """See that the last step has its dense output, before anything changes that it depends on.
+
+    What only outputs need does not count as evaluations by the solver: the count does not depend on them.
+
+    Args:
+        d: the instance.
+        reader: who needs it, OUTPUTS or the SOLVER.
+    """
+    step, h = d.step, d.step.size
+    known, step.dense_for = step.dense_for, max(step.dense_for, reader)
+    if known < SOLVER <= reader:
+        d.statistics.rhs_evaluations += DENSE_EVALUATIONS
+    if known != NOBODY:
+        return
     _dense_stages(d, h)
-    d.statistics.rhs_evaluations += 1 + DENSE_EVALUATIONS
     for j in range(len(d.work.y)):
         # the interpolant is y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + (1−θ)(F₃ + θ(F₄ + (1−θ)(F₅ + θ F₆))))))
         change = step.state_end[j] - step.state[j]
@@ -100,4 +119,3 @@ def accept(d, h):
     _high_1(d.work.stage, step.dense[4], h, step.dense[4])
     _high_2(d.work.stage, step.dense[5], h, step.dense[5])
     _high_3(d.work.stage, step.dense[6], h, step.dense[6])
-    step.rate_known = 1

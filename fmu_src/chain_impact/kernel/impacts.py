@@ -8,8 +8,9 @@ from chain_impact.kernel.contact import (
     locate_points,
 )
 from chain_impact.kernel.contact_laws import elastic_force
-from chain_impact.kernel.dense import interpolate
+from chain_impact.kernel.dense import SOLVER, interpolate
 from chain_impact.kernel.equations import state_rate
+from chain_impact.kernel.explicit import complete
 from chain_impact.kernel.jit import jit
 
 FORCE, PENETRATION = 0, 1
@@ -78,6 +79,7 @@ def maximum(d, c, quantity):
 
     Parabolas through three points, ever closer to the top of the last one.
     """
+    complete(d, SOLVER)
     end = (d.step.end - d.step.start) / d.step.size
     middle, reach, best = 0.5 * end, 0.5 * end, 0.0
     for _ in range(4):

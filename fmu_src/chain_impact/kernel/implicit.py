@@ -35,7 +35,7 @@ from chain_impact.kernel.contact import (
     locate_points,
     zero,
 )
-from chain_impact.kernel.dense import extend
+from chain_impact.kernel.dense import SOLVER, extend
 from chain_impact.kernel.equations import loaded_rate
 from chain_impact.kernel.errors import scaled_error
 from chain_impact.kernel.jit import jit
@@ -244,6 +244,7 @@ def accept(d, h):
     """Make the step that was tried the last accepted one, with its dense output."""
     meet_clearances(d)
     extend(d.step, h, d.work.y)
+    d.step.dense_for = SOLVER
     dense, stages = d.step.dense, d.work.implicit.stage
     for j in range(len(d.work.y)):
         for m in range(len(dense)):

@@ -4,6 +4,7 @@ import math
 
 from chain_impact.kernel.contact import clear_loads, clearance, locate_points
 from chain_impact.kernel.contact_laws import LAW_COUNT, damping_factor
+from chain_impact.kernel.dense import SOLVER
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.jit import jit
 from chain_impact.kernel.status import (
@@ -120,6 +121,7 @@ def still(d, time, y):
     d.step.end = time
     d.step.size = 1.0
     d.step.rate_known = 0
+    d.step.dense_for = SOLVER
     d.step.cleared = 0
 
 
