@@ -1,6 +1,6 @@
 """Work against precision on four_link_box, with impacts: ``python benchmarks/integrators.py``.
 
-Ours against scipy's solve_ivp with the same model compiled by numba (peers.py), the same tolerance and the
+Ours against scipy's solve_ivp with the same model compiled by numba (peers/solve_ivp.py), the same tolerance and the
 same events, both judged by the reference of reference.py.
 """
 
@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from peers import Scipy
+from peers.solve_ivp import Scipy
 
 from chain_impact.scene import Scene, load_scene, with_values
 from chain_impact.simulate import Instance, simulate
@@ -164,7 +164,7 @@ def draw(page, record) -> None:
 def main() -> None:
     """Measure and draw."""
     started, scene = common.environment(), load_scene("four_link_box")
-    reference = common.load("reference")["results"]
+    reference = common.load("reference")["results"]["box"]
     peer, rows = Scipy(scene), []
     peer.run("DOP853", 1e-4, 0.01)  # compiles
     for stop in reference["times"]:

@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterable
 
 import common
+from problems import PROBLEMS
 from stability import ADAPTIVE, METHODS, OUTCOMES
 from stability_chart import STEPS_AT
 
@@ -54,16 +55,21 @@ def rhs() -> str:
 
 
 def reference() -> str:
-    """What the reference is good for."""
-    found = common.load("reference")["results"]
-    rows = zip(
-        found["times"],
-        (sum(i["onset"] < t for i in found["impacts"]) for t in found["times"]),
-        (f"{value:.1e}" for value in found["difference_of_two_runs"]),
-        (f"{value:.3g}" for value in found["amplification_of_errors"]),
-        strict=True,
+    """What the references are good for."""
+    rows = [
+        (
+            PROBLEMS[name].title,
+            t,
+            sum(i["onset"] < t for i in found["impacts"]),
+            f"{found['difference_of_two_runs'][k]:.1e}",
+            f"{found['amplification_of_errors'][k]:.3g}",
+        )
+        for name, found in common.load("reference")["results"].items()
+        for k, t in enumerate(found["times"])
+    ]
+    return table(
+        ("problem", "t [s]", "impacts", "difference of its two runs", "amplification of errors"), rows
     )
-    return table(("t [s]", "impacts", "difference of its two runs", "amplification of errors"), rows)
 
 
 def integrators() -> str:

@@ -1,6 +1,6 @@
-"""What the comparisons are made with: scipy's solve_ivp, and fixed steps, on the compiled plain_chain.py.
+"""scipy's solve_ivp on the compiled plain_chain.py.
 
-Each peer gets what an experienced user would give it: compiled right-hand side and event function, terminal
+It gets what an experienced user would give it: compiled right-hand side and event function, terminal
 events with a restart at each, the speed latched as in the kernel, and a first step that fits
 the contact or the hop.
 """
@@ -39,6 +39,7 @@ class Run:
     onsets: list[tuple[int, float]] = field(default_factory=list)  # candidate, time
     ends: list[tuple[int, float]] = field(default_factory=list)
     steps: int = 0
+    rhs: int = 0  # evaluations
     highest_energy: float = -math.inf
     deepest: float = 0.0  # m
     missed: bool = False  # a point was found beyond a wall without a contact
@@ -162,6 +163,7 @@ class Scipy:
                 events=event, first_step=None if step is None else min(step, stop - result.time),
             )  # fmt: skip
             result.steps += len(sol.t) - 1
+            result.rhs += sol.nfev
             result.time, result.state = float(sol.t[-1]), sol.y[:, -1]
             if watch:
                 self.look(result, sol.y, active, v0)
@@ -208,61 +210,3 @@ def energy_of(chain, y, active, v0):
         if not active[c]:
             outside = max(outside, -gap)
     return stored + mechanical_energy(chain, work, y), deepest, outside
-
-
-@jit
-def fixed_steps(chain, y, dt, stop, floor, limits, euler):  # noqa: PLR0912, PLR0917, compiled
-    """Fixed steps of semi-implicit Euler or of RK4; a contact begins and ends at the end of a step.
-
-    Args:
-        chain: the chain.
-        y: state, changed in place.
-        dt: step [s].
-        stop: [s].
-        floor: smallest latched speed [m/s].
-        limits: energy [J] and depth [m] at which it stops.
-        euler: whether to take Euler's steps.
-
-    Returns:
-        Steps, highest energy [J], largest depth [m], onsets; not finite when the state is.
-    """
-    n, count = len(chain.length) + 2, len(chain.candidate_point)
-    work, active, v0 = new_work(n - 1), np.zeros(count, np.bool_), np.ones(count)
-    k1, k2, k3, k4, z = np.empty(2 * n), np.empty(2 * n), np.empty(2 * n), np.empty(2 * n), np.empty(2 * n)
-    highest, deepest, onsets = -np.inf, 0.0, 0
-    total = round(stop / dt)
-    for step in range(total):
-        stored = rate(chain, work, y, active, v0, k1)
-        locate(chain, work, y)
-        energy = stored + mechanical_energy(chain, work, y)
-        for c in range(count):
-            gap, speed = clearance(chain, work, c)
-            deepest = max(deepest, -gap)
-            if gap < 0.0 and not active[c]:
-                active[c], v0[c] = True, max(-speed, floor)
-                onsets += 1
-                stored = rate(chain, work, y, active, v0, k1)
-            elif gap >= 0.0:
-                active[c] = False
-            elif -speed > RELATCH_RATIO * v0[c]:
-                v0[c] *= RELATCH_RATIO
-        highest = max(highest, energy)
-        if not (energy <= limits[0] and deepest <= limits[1]):
-            return step, (highest if math.isfinite(energy) else np.nan), deepest, onsets
-        if euler:
-            for j in range(n):
-                y[n + j] += dt * k1[n + j]
-                y[j] += dt * y[n + j]
-        else:
-            for j in range(2 * n):
-                z[j] = y[j] + 0.5 * dt * k1[j]
-            rate(chain, work, z, active, v0, k2)
-            for j in range(2 * n):
-                z[j] = y[j] + 0.5 * dt * k2[j]
-            rate(chain, work, z, active, v0, k3)
-            for j in range(2 * n):
-                z[j] = y[j] + dt * k3[j]
-            rate(chain, work, z, active, v0, k4)
-            for j in range(2 * n):
-                y[j] += dt * (k1[j] + 2.0 * (k2[j] + k3[j]) + k4[j]) / 6.0
-    return total, highest, deepest, onsets
