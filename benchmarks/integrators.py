@@ -1,7 +1,7 @@
 """Work against precision on four_link_box, with impacts: ``python benchmarks/integrators.py``.
 
-Ours against scipy's solve_ivp with the same model compiled by numba (peers/solve_ivp.py), the same tolerance and the
-same events, both judged by the reference of reference.py.
+Ours against scipy's solve_ivp with the same model compiled by numba (peers/solve_ivp.py), the same tolerance
+and the same events, both judged by the reference of reference.py. All peers: work_precision.py.
 """
 
 from __future__ import annotations

@@ -18,7 +18,8 @@ from multiprocessing import get_context
 
 import numpy as np
 from peers.fixed_steps import fixed_steps
-from peers.solve_ivp import Run, Scipy, energy_of
+from peers.model import energy_of
+from peers.solve_ivp import Run, Scipy
 from plain_chain import Chain, plain_chain, start
 
 from chain_impact.scene import Scene, scene_from_dict

@@ -32,11 +32,9 @@ from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.events import RELATCH_RATIO
 from chain_impact.kernel.initialize import initialize, still
 from chain_impact.kernel.jit import jit
+from peers.model import AT_ZERO, CLEAR, HOP
 
-CLEAR = 1e-13  # m, by which an event comes late, see solve_ivp.py
-AT_ZERO = 1e-12  # s, how far from zero in time a candidate is that has an event
 POLISH = 1e-7  # s, how far a solver's root may be corrected
-HOP = 0.2  # first step of a flight, in parts of separation speed / g
 
 
 @jit

@@ -95,7 +95,7 @@ def run_lsoda(rate, least, switch, data, y, found, stop, tolerance):
     t, window, points = 0.0, FLIGHT_WINDOW, FLIGHT_GRID
     clock = np.zeros(2)
     if len(found) == 0:
-        window = stop
+        window, points = stop, 1
     while t < stop:
         grid = np.linspace(t, min(t + window, stop), points + 1)
         z, success = lsoda(rate, y, grid, data, tolerance, tolerance, MOST_STEPS)
@@ -174,12 +174,11 @@ class Lsoda(OnKernel):
     def run(self) -> int:
         """Once."""
         self.start()
-        data = self.block.view(np.uint8)
         return run_lsoda(
             self.rate,
             self.model.peer_least,
             self.model.peer_switch,
-            data,
+            self.block,
             self.y,
             self.found,
             self.stop,

@@ -15,7 +15,8 @@ class OnInstance:
 
     def __init__(self, scene: Scene, stop: float) -> None:
         self.instance, self.stop = Instance(scene), stop
-        self.block = self.instance._block
+        # as bytes: a copy of a record goes through its fields one by one
+        self.block = self.instance._block.view(np.uint8)
         self.fresh = self.block.copy()
         self.kernel, self.address = self.instance._kernel, self.instance._address
 
@@ -28,6 +29,9 @@ class OnInstance:
             [out["point_position"][0], out["angle"], out["point_velocity"][0], out["angular_velocity"]]
         )
         pairs = list(zip(model["candidate_point"], model["candidate_wall"], strict=True))
+        # of a run with more contacts than the log holds the oldest are lost
+        log = record["finished"]
+        log["count"] = min(log["count"], len(log["point"]))
         found = np.concatenate([self.instance.collect(), self.instance.open_contacts()])
         onsets = [(pairs.index((row["point"], row["wall"])), float(row["onset"])) for row in found]
         return state, sorted(onsets, key=lambda row: row[1])
