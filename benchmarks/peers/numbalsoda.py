@@ -24,7 +24,7 @@ NARROWINGS = 20
 
 
 @njit
-def run_dop853(rate, least, switch, address, y, found, stop, tolerance, grid):
+def run_dop853(rate, least, switch, address, y, found, stop, tolerance, grid):  # noqa: PLR0917
     """From y at 0 s to ``stop``; returns the number of steps, −1 on failure."""
     t, first, steps = 0.0, 0.0, 0
     clock = np.zeros(2)
@@ -56,7 +56,7 @@ def value_at(least, address, y):
 
 
 @njit
-def narrow(rate, least, data, address, y, low, high, tolerance):
+def narrow(rate, least, data, address, y, low, high, tolerance):  # noqa: PLR0917
     """Bring y at ``low`` [s] to the root before ``high``; returns its time. Illinois' rule."""
     a, va = low, value_at(least, address, y)
     z, success = lsoda(rate, y, np.array([low, high]), data, tolerance, tolerance, MOST_STEPS)
@@ -89,7 +89,7 @@ def narrow(rate, least, data, address, y, low, high, tolerance):
 
 
 @njit
-def run_lsoda(rate, least, switch, data, y, found, stop, tolerance):
+def run_lsoda(rate, least, switch, data, y, found, stop, tolerance):  # noqa: PLR0917
     """From y at 0 s to ``stop``; returns 0, or −1 on failure."""
     address = data.ctypes.data
     t, window, points = 0.0, FLIGHT_WINDOW, FLIGHT_GRID

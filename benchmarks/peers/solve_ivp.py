@@ -1,4 +1,4 @@
-"""scipy's solve_ivp as an experienced user would use it: compiled functions, terminal events, good first steps."""
+"""scipy's solve_ivp as an experienced user would use it: compiled functions, terminal events, first steps."""
 
 from __future__ import annotations
 
