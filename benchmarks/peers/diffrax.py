@@ -6,7 +6,11 @@ segment serves the whole run, which Python restarts at events.
 
 from __future__ import annotations
 
+import os
 from typing import Any
+
+# one core, as all others; read when JAX is imported
+os.environ.setdefault("XLA_FLAGS", "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1")
 
 import diffrax
 import jax

@@ -45,11 +45,8 @@ class Taylor:
         gaps, loads, events = clearances(chain, hy, q, v), {}, []
         for c, (gap, rate) in enumerate(gaps):
             if c in active:
-                force = (
-                    chain.stiffness
-                    * (-gap) ** chain.exponent
-                    * (1.0 - chain.damping_factor * rate / hy.par[c])
-                )
+                elastic = chain.stiffness * (-gap) ** chain.exponent
+                force = elastic * (1.0 - chain.damping_factor * rate / hy.par[c])
                 point, wall = int(chain.candidate_point[c]), int(chain.candidate_wall[c])
                 load = loads.setdefault(point, [0.0, 0.0])
                 load[wall // 2] = load[wall // 2] + (1.0 - 2.0 * (wall % 2)) * force
