@@ -28,13 +28,13 @@ def driver(links: int, candidates: int) -> ctypes.CDLL:
 class Cvode(OnInstance):
     """One of its two families of formulas."""
 
-    def __init__(self, problem: Problem, tolerance: float, stop: float, adams: int) -> None:
+    def __init__(self, problem: Problem, tolerance: float, stop: float, adams: int, careful: int) -> None:
         scene = problem.scene(tolerance)
         super().__init__(scene, stop)
         record = self.instance.record
         candidates = len(record["touch"]["active"])
         self.driver = driver(len(scene.chain.links), candidates)
-        self.settings = Settings(len(record["step"]["state"]) - 1, candidates, adams, 0, BUDGET)
+        self.settings = Settings(len(record["step"]["state"]) - 1, candidates, adams, careful, BUDGET)
         self.times, self.row = np.array([stop]), np.zeros(1, COUNTS)
 
     def run(self) -> int:
@@ -50,11 +50,11 @@ class Cvode(OnInstance):
         return Outcome(*self.observed(), int(row["steps"]), int(row["rhs"]), failed)
 
 
-def contenders(problem: Problem, tolerance: float, stop: float) -> dict[str, Contender]:
-    """Both."""
+def contenders(problem: Problem, tolerance: float, stop: float, careful: int = 0) -> dict[str, Contender]:
+    """Both; careful in sustained contact, see rest_model.py."""
     try:
         return {
-            f"CVODE {name}": Cvode(problem, tolerance, stop, adams)
+            f"CVODE {name}": Cvode(problem, tolerance, stop, adams, careful)
             for name, adams in (("Adams", 1), ("BDF", 0))
         }
     except rest_model.NoSundialsError as error:
