@@ -128,28 +128,15 @@ def race(links: int, able: dict[str, Contender], rounds: int) -> list[dict]:
 
 def draw(page, record) -> None:
     """Time over N, in flight and in the heap."""
-    from work_precision_chart import LOOKS
+    from work_precision_chart import LOOKS, look
 
-    looks = LOOKS | {"NumPy, scipy DOP853": ("0.6", "h", ":")}
     panels = page.subplots(1, 2)
     for axes, key in zip(panels, ("flight", "heap"), strict=True):
-        for name, (colour, marker, line) in looks.items():
+        for name in LOOKS:
             rows = [r for r in record["results"][key] if r["name"] == name and "seconds" in r]
+            x, y = [r["links"] for r in rows], [1e3 * r["seconds"] for r in rows]
             if rows:
-                x, y = [r["links"] for r in rows], [1e3 * r["seconds"] for r in rows]
-                hollow = {"markerfacecolor": "white"} if line == ":" else {}
-                width = 2.2 if name == "ours" else 1.2
-                axes.loglog(
-                    x,
-                    y,
-                    line,
-                    marker=marker,
-                    color=colour,
-                    label=name,
-                    markersize=5,
-                    linewidth=width,
-                    **hollow,
-                )
+                axes.loglog(x, y, label=name, **look(name))
         axes.set(title=f"{key}, 1 s", xlabel="links N")
         axes.legend(fontsize=9)
     panels[0].set_ylabel("CPU time [ms]")
@@ -170,7 +157,8 @@ def main() -> None:
             print(f"{key}, {links} links: ready after {time.time() - begin:.0f} s", flush=True)
             results[key] += race(links, able, rounds)
     settings = {
-        "stop [s]": STOP, "tolerance": TOLERANCE, "rounds": rounds, "limits": LIMITS, "heap limit": HEAP_LIMIT,
+        "stop [s]": STOP, "tolerance": TOLERANCE, "rounds": rounds, "limits": LIMITS,
+        "limit of CVODE in the heap": HEAP_LIMIT,
     }  # fmt: skip
     common.save("scaling", started, settings, results)
     common.picture("scaling", draw, (11, 4.4))

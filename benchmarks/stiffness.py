@@ -53,21 +53,17 @@ def measure(stiffness: float, rounds: int) -> tuple[list[dict], dict]:
 
 def draw(page, record) -> None:
     """Time and error over stiffness."""
-    from work_precision_chart import LOOKS
+    from work_precision_chart import LOOKS, look
 
     time, error = page.subplots(1, 2)
     rows = record["results"]
-    for name, (colour, marker, line) in LOOKS.items():
+    for name in LOOKS:
         mine = [row for row in rows if row["name"] == name and "seconds" in row]
-        if not mine:
-            continue
-        x = [row["stiffness"] for row in mine]
-        hollow = {"markerfacecolor": "white"} if line == ":" else {}
-        width = 2.2 if name == "ours" else 1.2
-        look = {"marker": marker, "color": colour, "markersize": 5, "linewidth": width, **hollow}
-        time.loglog(x, [1e3 * row["seconds"] for row in mine], line, label=name, **look)
-        missed = [math.nan if not row["onsets_right"] else row["error"] for row in mine]
-        error.loglog(x, missed, line, **look)
+        if mine:
+            x = [row["stiffness"] for row in mine]
+            time.loglog(x, [1e3 * row["seconds"] for row in mine], label=name, **look(name))
+            right = [row["error"] if row["onsets_right"] else math.nan for row in mine]
+            error.loglog(x, right, **look(name))
     for axes, label in ((time, "CPU time [ms]"), (error, "error of the final state")):
         axes.set(xlabel="contact stiffness K [N/m$^{1.5}$]", ylabel=label)
         axes.set_xticks([row["stiffness"] for row in rows if row["name"] == "ours"])

@@ -19,7 +19,7 @@ from problems import PROBLEMS, Problem
 from work_precision_chart import draw, draw_rhs
 
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-ROUNDS, SPAN, PATIENCE = 5, 0.02, 1.0
+ROUNDS, SPAN, PATIENCE = 5, 0.02, 5.0
 HOPELESS = 10.0  # m, rad, m/s, rad/s: an error that is no longer one
 
 

@@ -24,8 +24,17 @@ LOOKS = {
     "scipy Radau": ("0.5", ">", ":"),
     "scipy BDF": ("0.7", "p", ":"),
 }
+LOOKS["NumPy, scipy DOP853"] = ("0.6", "h", ":")
 PLACES = (("box", 0.6), ("box", 1.2), ("rod", 1.2), ("steel", 0.6), ("steel", 1.2), ("flight", 2.0))
 CHAOS = 3.0  # an error above it shows nothing
+
+
+def look(name: str) -> dict:
+    """How a contender is drawn: those driven from Python dotted and hollow."""
+    colour, marker, line = LOOKS[name]
+    hollow = {"markerfacecolor": "white"} if line == ":" else {}
+    strong = {"linewidth": 2.2, "zorder": 3} if name == "ours" else {"linewidth": 1.2}
+    return {"color": colour, "marker": marker, "linestyle": line, "markersize": 5, **hollow, **strong}
 
 
 def panels(page, record, value, label: str) -> None:
@@ -33,24 +42,20 @@ def panels(page, record, value, label: str) -> None:
     rows, grid = record["results"]["rows"], page.subplots(2, 3)
     seen = {row["name"] for row in rows if value(row) is not None}
     for axes, (problem, stop) in zip(grid.ravel(), PLACES, strict=True):
-        for name, (colour, marker, line) in LOOKS.items():
+        for name in LOOKS:
             points = [
-                row
+                (row["error"], value(row), row["onsets_right"])
                 for row in rows
                 if (row["problem"], row["stop"], row["name"]) == (problem, stop, name)
                 and value(row) is not None
                 and row["error"] < CHAOS
             ]
-            right = [(row["error"], value(row)) for row in points if row["onsets_right"]]
-            hollow = {"markerfacecolor": "white"} if line == ":" else {}
-            width = 2.2 if name == "ours" else 1.2
-            axes.loglog(
-                *(zip(*right, strict=True) if right else ([], [])), line, marker=marker, color=colour,
-                markersize=5, linewidth=width, zorder=3 if name == "ours" else 2, **hollow,
-            )  # fmt: skip
-            wrong = [(row["error"], value(row)) for row in points if not row["onsets_right"]]
+            right = [(x, y) for x, y, saw_all in points if saw_all]
+            wrong = [(x, y) for x, y, saw_all in points if not saw_all]
+            axes.loglog(*(zip(*right, strict=True) if right else ([], [])), **look(name))
             if wrong:
-                axes.loglog(*zip(*wrong, strict=True), linestyle="", marker="x", color=colour)
+                x, y = zip(*wrong, strict=True)
+                axes.loglog(x, y, linestyle="", marker="x", color=LOOKS[name][0])
         title = PROBLEMS[problem].title
         axes.set_title(title if problem == "rod" else f"{title}, to {stop} s", fontsize=10)
         axes.invert_xaxis()
@@ -58,10 +63,9 @@ def panels(page, record, value, label: str) -> None:
     for axes in grid[:, 0]:
         axes.set_ylabel(label)
     page.supxlabel("error of the final state (m, rad, m/s, rad/s)", fontsize=10)
-    for name, (colour, marker, line) in LOOKS.items():
+    for name in LOOKS:
         if name in seen:
-            hollow = {"markerfacecolor": "white"} if line == ":" else {}
-            grid[0, 0].plot([], [], line, marker=marker, color=colour, label=name, **hollow)
+            grid[0, 0].plot([], [], label=name, **look(name))
     grid[0, 0].plot([], [], linestyle="", marker="x", color="0.3", label="missed an impact")
     handles, labels = grid[0, 0].get_legend_handles_labels()
     page.legend(handles, labels, loc="outside right center", fontsize=9)
