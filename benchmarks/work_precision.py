@@ -16,7 +16,7 @@ import numpy as np
 import peers
 from peers import Contender, Outcome
 from problems import PROBLEMS, Problem
-from work_precision_chart import draw, draw_rhs
+from work_precision_chart import draw_all
 
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 ROUNDS, SPAN, PATIENCE = 5, 0.02, 5.0
@@ -160,8 +160,7 @@ def main() -> None:
     for row in results["at equal error"]:
         print({key: value for key, value in row.items() if key != "all"})
     common.save("work_precision", started, settings, results)
-    common.picture("work_precision", draw, (13.5, 7.6))
-    common.picture("work_precision_rhs", draw_rhs, (13.5, 7.6), record="work_precision")
+    draw_all()
 
 
 if __name__ == "__main__":

@@ -26,6 +26,10 @@ LOOKS = {
 }
 LOOKS["NumPy, scipy DOP853"] = ("0.6", "h", ":")
 PLACES = (("box", 0.6), ("box", 1.2), ("rod", 1.2), ("steel", 0.6), ("steel", 1.2), ("flight", 2.0))
+ERRORS = {
+    "error": "error of the final state (m, rad, m/s, rad/s)",
+    "onset_error": "largest error of an impact's time [s]",
+}
 CHAOS = 3.0  # an error above it shows nothing
 
 
@@ -37,18 +41,19 @@ def look(name: str) -> dict:
     return {"color": colour, "marker": marker, "linestyle": line, "markersize": 5, **hollow, **strong}
 
 
-def panels(page, record, value, label: str) -> None:
-    """One panel for each problem and end time; ``value(row)`` upwards."""
+def panels(page, record, value, label: str, error: str = "error") -> None:
+    """One panel for each problem and end time; ``value(row)`` upwards, the field ``error`` to the right."""
     rows, grid = record["results"]["rows"], page.subplots(2, 3)
     seen = {row["name"] for row in rows if value(row) is not None}
     for axes, (problem, stop) in zip(grid.ravel(), PLACES, strict=True):
         for name in LOOKS:
             points = [
-                (row["error"], value(row), row["onsets_right"])
+                (row[error], value(row), row["onsets_right"])
                 for row in rows
                 if (row["problem"], row["stop"], row["name"]) == (problem, stop, name)
                 and value(row) is not None
                 and row["error"] < CHAOS
+                and row[error] is not None
             ]
             right = [(x, y) for x, y, saw_all in points if saw_all]
             wrong = [(x, y) for x, y, saw_all in points if not saw_all]
@@ -60,9 +65,10 @@ def panels(page, record, value, label: str) -> None:
         axes.set_title(title if problem == "rod" else f"{title}, to {stop} s", fontsize=10)
         axes.invert_xaxis()
         axes.minorticks_off()
+        axes.set_visible(error == "error" or problem != "flight")
     for axes in grid[:, 0]:
         axes.set_ylabel(label)
-    page.supxlabel("error of the final state (m, rad, m/s, rad/s)", fontsize=10)
+    page.supxlabel(ERRORS[error], fontsize=10)
     for name in LOOKS:
         if name in seen:
             grid[0, 0].plot([], [], label=name, **look(name))
@@ -73,7 +79,17 @@ def panels(page, record, value, label: str) -> None:
 
 def draw(page, record) -> None:
     """CPU time against error."""
-    panels(page, record, lambda row: 1e3 * row["seconds"] if "seconds" in row else None, "CPU time [ms]")
+    panels(page, record, milliseconds, "CPU time [ms]")
+
+
+def draw_onsets(page, record) -> None:
+    """CPU time against the error of the impacts' times."""
+    panels(page, record, milliseconds, "CPU time [ms]", "onset_error")
+
+
+def milliseconds(row: dict) -> float | None:
+    """CPU time of a run that is timed."""
+    return 1e3 * row["seconds"] if "seconds" in row else None
 
 
 def evaluations(row: dict) -> int | None:
@@ -86,6 +102,11 @@ def draw_rhs(page, record) -> None:
     panels(page, record, evaluations, "right-hand sides")
 
 
+def draw_all() -> None:
+    """The three charts."""
+    for name, drawing in (("", draw), ("_onsets", draw_onsets), ("_rhs", draw_rhs)):
+        common.picture(f"work_precision{name}", drawing, (13.5, 7.6), record="work_precision")
+
+
 if __name__ == "__main__":
-    common.picture("work_precision", draw, (13.5, 7.6))
-    common.picture("work_precision_rhs", draw_rhs, (13.5, 7.6), record="work_precision")
+    draw_all()
