@@ -18,6 +18,7 @@ import numpy as np
 from chain_impact.kernel.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.explicit import STAGES
+from chain_impact.kernel.implicit import ROWS
 from chain_impact.scene import SOLVER_METHODS, WALLS, Scene
 
 REAL, INTEGER = np.float64, np.int64
@@ -72,7 +73,9 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         # derived at initialization
         ("damped", INTEGER),  # 1: some joint has damping
         ("center_of_mass_ratio", REAL, (links,)),  # centre of mass / length
-        ("joint_inertia", REAL, (links,)),  # kg·m² about the proximal joint
+        ("proximal_inertia", REAL, (links,)),  # kg·m² about the proximal …
+        ("distal_inertia", REAL, (links,)),  # kg·m² … and about the distal joint
+        ("middle", INTEGER),  # joint at which the two arms of the elimination meet: the base if it is pinned
         ("size", REAL),  # m, longest link: the absolute scale of positions
         ("energy", REAL),  # J, of the whole mass at one `size` a second: the absolute scale of energies
     )
@@ -171,14 +174,26 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
     elimination = _record(*((name, REAL, (links,)) for name in ("gain_x", "gain_y", "bias")))
     factors = _record(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse")),
-        ("base", REAL, (3,)),  # 1/kg, A⁻¹ of the base: xx, xy, yy
+        ("middle", REAL, (3,)),  # 1/kg, A⁻¹ of the middle joint: xx, xy, yy
+    )
+    # of the implicit step: z = (y, clearances of the active contacts, their rates), see kernel/implicit.py
+    extended = state + 2 * candidates
+    implicit = _record(
+        ("start", REAL, (extended,)),  # z at the start of a step
+        ("z", REAL, (extended,)),
+        ("stage", REAL, (ROWS, extended)),
+        ("link", vectors),  # m, L_i at the start of a step
+        ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts, packed, …
+        ("damping", REAL, (candidates,)),  # N·s/m, … and ∂F/∂δ̇, at the start of a step
+        ("impedance", REAL, (candidates,)),  # kg, … what they add to the inertia of their points
+        ("normal", REAL, (candidates,)),  # N·s or m/s, … along their normals
     )
     work = _record(
         ("stage", REAL, (STAGES, state)),  # ẏ at the stages
         ("y", REAL, (state,)),
         ("error", REAL, (2, state)),  # the embedded error estimates; spare for observers
         ("link", vectors),  # m, L_i; entry N is not used
-        ("load", vectors),  # N on each point
+        ("load", vectors),  # N or N·s on each point
         ("moment", REAL, (links,)),  # N·m on each link, from its joints
         ("elimination", elimination),  # h/H and h₀/H of each link
         ("factors", factors),  # of an implicit step, kept over its stages, or of an effective mass
@@ -186,12 +201,9 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("velocity", vectors),  # m/s
         ("acceleration", vectors),  # m/s²
         ("motion", vectors),  # of the points, for a given motion of the coordinates
-        ("slope", REAL, (candidates, 2)),  # N/m and N·s/m, ∂F/∂δ and ∂F/∂δ̇ at the start of a step
-        ("impulse", vectors),  # N·s on each point
-        ("impedance", vectors),  # kg, added inertia of each point
-        ("start_link", vectors),  # m, L_i and …
-        ("drift", vectors),  # m/s², J̇ẏ of each point at the start of an implicit step
-        ("curvature", REAL, (points,)),  # m/s², bound on a point's acceleration over the step
+        ("gap_error", REAL, (candidates,)),  # m, in the clearances of the active contacts, packed
+        ("implicit", implicit),
+        ("curvature", REAL, (candidates,)),  # m/s², bound on |g̈| of each candidate over the step
         ("clear_start", REAL, (candidates,)),  # m, clearance of each candidate at the ends …
         ("clear_end", REAL, (candidates,)),
         ("clear_start_rate", REAL, (candidates,)),  # m/s … of the interval searched for events

@@ -72,6 +72,8 @@ def take_step(d):
     if status != OK:
         return status
     h = min(d.step.next_size, LONGEST_STEP)
+    if d.step.implicit:
+        implicit.linearize(d)
     grow = GROW
     error = 0.0
     while True:
@@ -161,6 +163,8 @@ def begin(d):
     if d.step.rate_known:
         for j in range(len(d.work.y)):
             rate[j] = d.work.stage[explicit.LAST, j]
+        if d.touch.active_count > 0:
+            locate_points(d.model, d.step.state_end, d.work)
     else:
         state_rate(d, d.step.state_end, rate)
         d.statistics.rhs_evaluations += 1

@@ -78,27 +78,34 @@ def add_across_wall(d, c, vectors, amount):
 
 
 @jit
+def add_along_normal(d, c, vectors, amount):
+    """Add to that component an amount along the inward normal."""
+    add_across_wall(d, c, vectors, inward(d.model.candidate_wall[c]) * amount)
+
+
+@jit
 def along_normal(d, c, vectors):
     """The component along the inward normal of candidate c of the vectors of all points."""
     return inward(d.model.candidate_wall[c]) * across_wall(d, c, vectors)
 
 
 @jit
-def add_load(d, c, force):
-    """Add a normal force [N] of candidate c to the load on its point."""
-    add_across_wall(d, c, d.work.load, inward(d.model.candidate_wall[c]) * force)
-
-
-@jit
-def contact_force(d, c):
-    """Force [N] of an active candidate, its penetration [m], rate [m/s] and dissipated power [W]."""
-    gap, gap_rate = clearance(d, c)
+def contact_force(d, c, gap, gap_rate):
+    """Force [N] of an active candidate at a clearance [m] and its rate [m/s], and dissipated power [W]."""
     if gap >= 0.0:
-        return 0.0, -gap, -gap_rate, 0.0
+        return 0.0, 0.0
     elastic = elastic_force(d.contact, -gap)
     force = elastic * force_over_elastic(d.contact, -gap_rate, d.touch.impact_speed[c])
     # what the elastic part does not store is lost: (F − K δⁿ) δ̇ ≥ 0
-    return force, -gap, -gap_rate, (elastic - force) * gap_rate
+    return force, (elastic - force) * gap_rate
+
+
+@jit
+def apply_contact(d, c, gap, gap_rate):
+    """Add the force of an active candidate to the load on its point; return the dissipated power [W]."""
+    force, power = contact_force(d, c, gap, gap_rate)
+    add_along_normal(d, c, d.work.load, force)
+    return power
 
 
 @jit
@@ -117,9 +124,8 @@ def apply_contacts(d):
     dissipated = 0.0
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
-        force, _, _, power = contact_force(d, c)
-        add_load(d, c, force)
-        dissipated += power
+        gap, gap_rate = clearance(d, c)
+        dissipated += apply_contact(d, c, gap, gap_rate)
     return dissipated
 
 
@@ -175,11 +181,10 @@ def effective_mass(d, c):
     """1/(J M⁻¹ Jᵀ) [kg] of candidate c at the located points: what a blow along its normal has to move."""
     work = d.work
     n = len(d.model.length)
-    zero(work.impedance)
-    zero(work.impulse)
-    add_across_wall(d, c, work.impulse, inward(d.model.candidate_wall[c]))
-    factorize(d.model, work.link, work.impedance, work.factors)
-    solve(work.link, work.factors, work.impulse, work.y[0:2], work.y[2 : n + 2])
+    zero(work.load)
+    factorize(d.model, work.link, work.load, work.factors)
+    add_along_normal(d, c, work.load, 1.0)
+    solve(d.model, work.link, work.factors, work.load, work.y[0:2], work.y[2 : n + 2])
     move_points(work.link, work.y[0:2], work.y[2 : n + 2], work.motion)
     return 1.0 / along_normal(d, c, work.motion)
 

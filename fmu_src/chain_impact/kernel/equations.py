@@ -11,23 +11,21 @@ from chain_impact.kernel.recursion import accelerations, link_vectors
 @jit
 def state_rate(d, y, rate):
     """Set rate = f(y) for the contacts that are active and the inputs that hold now."""
+    dissipated = 0.0
     # in free flight no point is located and no force evaluated
     if d.touch.active_count > 0 or d.model.driven:
         locate_points(d.model, y, d.work)
+        dissipated = apply_contacts(d)
     else:
         link_vectors(d.model, y[2 : 2 + len(d.model.length)], d.work)
-    located_rate(d, y, rate)
+    loaded_rate(d, y, dissipated, rate)
 
 
 @jit
-def located_rate(d, y, rate):
-    """As ``state_rate``, for points that are already located."""
+def loaded_rate(d, y, dissipated, rate):
+    """As ``state_rate``, under the present loads, which dissipate a power [W]."""
     n = len(d.model.length)
     omega = y[n + 4 : 2 * n + 4]
-    dissipated = 0.0
-    if d.touch.active_count > 0 or d.model.driven:
-        dissipated = apply_contacts(d)
-
     supplied = 0.0
     if d.model.damped or d.model.driven:
         damped, supplied = joint_moments(d, omega)

@@ -42,12 +42,20 @@ def scaled_error(d, row):
             scale = d.model.energy + abs(y[j])
         worst = max(worst, abs(error[j]) / scale)
     if d.touch.active_count > 0:
-        move_points(d.work.link, error[0:2], error[2 : n + 2], d.work.motion)
         for k in range(d.touch.active_count):
             c = d.touch.active_index[k]
             scale = penetration_scale(d, c)
-            worst = max(worst, abs(along_normal(d, c, d.work.motion)) / scale)
+            worst = max(worst, abs(d.work.gap_error[k]) / scale)
     return worst / d.solver.tolerance
+
+
+@jit
+def gap_errors(d, row):
+    n = len(d.model.length)
+    error = d.work.error[row]
+    move_points(d.work.link, error[0:2], error[2 : n + 2], d.work.motion)
+    for k in range(d.touch.active_count):
+        d.work.gap_error[k] = along_normal(d, d.touch.active_index[k], d.work.motion)
 
 
 @jit

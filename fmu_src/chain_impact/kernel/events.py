@@ -15,6 +15,7 @@ import math
 
 from chain_impact.kernel.contact import clearance, locate_points
 from chain_impact.kernel.dense import interpolate, rate_bounds
+from chain_impact.kernel.implicit import clearance_curvature
 from chain_impact.kernel.jit import jit
 
 SIMULTANEOUS = 1e-12  # s, events closer than this are one event
@@ -113,19 +114,26 @@ def when_fast(d, c, fast, end):
 
 @jit
 def bound_curvature(d):
-    """Bound the acceleration of every point over the last step.
+    """Bound |g̈| of every candidate over the last step.
 
-    |a_k| ≤ |a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²)
+    |a_k| ≤ |a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²) holds for any point k. It is far from sharp for a point that a
+    stiff wall holds; but there the implicit step integrates the clearance itself.
     """
     n = len(d.model.length)
     _, ax = rate_bounds(d.step, n + 2)
     _, ay = rate_bounds(d.step, n + 3)
     bound = math.sqrt(ax * ax + ay * ay)
-    d.work.curvature[0] = bound
+    acceleration = d.work.motion.x
+    acceleration[0] = bound
     for i in range(n):
         omega, alpha = rate_bounds(d.step, n + 4 + i)
         bound += d.model.length[i] * (alpha + omega * omega)
-        d.work.curvature[i + 1] = bound
+        acceleration[i + 1] = bound
+    for c in range(len(d.touch.active)):
+        d.work.curvature[c] = acceleration[d.model.candidate_point[c]]
+    if d.step.implicit:
+        for k in range(d.touch.active_count):
+            d.work.curvature[d.touch.active_index[k]] = clearance_curvature(d, k)
 
 
 @jit
@@ -168,7 +176,7 @@ def inspect_candidate(d, c, width):
     """The verdict on one candidate over an interval of a width in seconds."""
     start, end = d.work.clear_start[c], d.work.clear_end[c]
     rate_start, rate_end = d.work.clear_start_rate[c], d.work.clear_end_rate[c]
-    curvature = d.work.curvature[d.model.candidate_point[c]]
+    curvature = d.work.curvature[c]
     sag = curvature * width * width / 8.0
     if start > sag and end > sag:
         return QUIET

@@ -7,7 +7,7 @@ from chain_impact.kernel.combination import combination
 from chain_impact.kernel.contact import locate_points
 from chain_impact.kernel.dense import DENSE_COEFFICIENTS, extend
 from chain_impact.kernel.equations import state_rate
-from chain_impact.kernel.errors import scaled_error
+from chain_impact.kernel.errors import gap_errors, scaled_error
 from chain_impact.kernel.jit import jit
 
 STAGES = len(dop853.A)
@@ -23,7 +23,7 @@ def _stage(i, base):
 
     @jit
     def stage(d, h):
-        combine(d.work, base(d), h, d.work.y)
+        combine(d.work.stage, base(d), h, d.work.y)
         state_rate(d, d.work.y, d.work.stage[i])
 
     return stage
@@ -63,14 +63,17 @@ def attempt(d, h):
     """
     _stages(d, h)
     d.statistics.rhs_evaluations += STEP_EVALUATIONS
-    _step_end(d.work, d.step.state_end, h, d.work.y)
+    _step_end(d.work.stage, d.step.state_end, h, d.work.y)
     for j in range(len(d.work.y)):
         d.work.error[0, j] = 0.0
         d.work.error[1, j] = 0.0
-    _error_5(d.work, d.work.error[0], h, d.work.error[0])
-    _error_3(d.work, d.work.error[1], h, d.work.error[1])
+    _error_5(d.work.stage, d.work.error[0], h, d.work.error[0])
+    _error_3(d.work.stage, d.work.error[1], h, d.work.error[1])
     locate_points(d.model, d.work.y, d.work)
-    error_5, error_3 = scaled_error(d, 0), scaled_error(d, 1)
+    gap_errors(d, 0)
+    error_5 = scaled_error(d, 0)
+    gap_errors(d, 1)
+    error_3 = scaled_error(d, 1)
     if error_5 in (0.0, math.inf):
         return error_5
     # e₅²/√(e₅² + e₃²/100): behaves as order 8 (Hairer, Nørsett, Wanner)
@@ -93,8 +96,8 @@ def accept(d, h):
         step.dense[2, j] = 2.0 * change - h * (d.work.stage[LAST, j] + d.work.stage[0, j])
         for m in range(3, DENSE_COEFFICIENTS):
             step.dense[m, j] = 0.0
-    _high_0(d.work, step.dense[3], h, step.dense[3])
-    _high_1(d.work, step.dense[4], h, step.dense[4])
-    _high_2(d.work, step.dense[5], h, step.dense[5])
-    _high_3(d.work, step.dense[6], h, step.dense[6])
+    _high_0(d.work.stage, step.dense[3], h, step.dense[3])
+    _high_1(d.work.stage, step.dense[4], h, step.dense[4])
+    _high_2(d.work.stage, step.dense[5], h, step.dense[5])
+    _high_3(d.work.stage, step.dense[6], h, step.dense[6])
     step.rate_known = 1

@@ -19,27 +19,27 @@ FORCE, PENETRATION = 0, 1
 def follow_contacts(d, rate):
     """Follow every active contact over the last step: peak force and largest penetration.
 
-    Leaves the points located at the end of the step.
+    The points have to be located at the end of the step, and are so afterwards.
 
     Args:
         d: the instance.
         rate: ẏ at the end of the step.
     """
     touch = d.touch
-    locate_points(d.model, d.step.state_end, d.work)
     accelerate_points(d.model, d.step.state_end, rate, d.work)
     for k in range(touch.active_count):
         c = touch.active_index[k]
-        force, penetration, speed, _ = contact_force(d, c)
+        gap, gap_rate = clearance(d, c)
+        force, _ = contact_force(d, c, gap, gap_rate)
         touch.peak_force[c] = max(touch.peak_force[c], force)
-        touch.max_penetration[c] = max(touch.max_penetration[c], penetration)
+        touch.max_penetration[c] = max(touch.max_penetration[c], -gap)
 
         # both have a maximum inside the step when their rate falls through zero
         force_rate = rate_of_force(d, c)
         force_peaked = touch.force_rate[c] > 0.0 and force_rate <= 0.0
-        depth_peaked = touch.speed[c] > 0.0 and speed <= 0.0
+        depth_peaked = touch.speed[c] > 0.0 and gap_rate >= 0.0
         touch.force_rate[c] = force_rate
-        touch.speed[c] = speed
+        touch.speed[c] = -gap_rate
         if force_peaked:
             touch.peak_force[c] = max(touch.peak_force[c], maximum(d, c, FORCE))
         if depth_peaked:
@@ -99,8 +99,9 @@ def sample(d, c, quantity, theta):
     """FORCE [N] or PENETRATION [m] of candidate c at the fraction θ of the last step."""
     interpolate(d.step, theta, d.work.y)
     locate_points(d.model, d.work.y, d.work)
-    force, penetration, _, _ = contact_force(d, c)
-    return force if quantity == FORCE else penetration
+    gap, gap_rate = clearance(d, c)
+    force, _ = contact_force(d, c, gap, gap_rate)
+    return force if quantity == FORCE else -gap
 
 
 @jit

@@ -1,56 +1,70 @@
 """The linearly implicit step of order 3, for sustained contact (the method's data: ros34pw2.py).
 
 A point resting on a stiff wall makes the equations stiff: the contact's own motions are far faster than the
-chain's, and decay. Their part of the Jacobian has the rank of the active contacts,
+chain's, and decay. Their part of the Jacobian has the rank of the active contacts, and all else may be left
+out of it, as the method keeps its order with any A.
 
-    A = ∂ẏ/∂y ≈ [0, 1; −M⁻¹ Jᵀ k J, −M⁻¹ Jᵀ c J],   k = ∂F/∂δ,  c = ∂F/∂δ̇,  J the gradient of the clearances,
+As the links turn, a stage's coordinates leave the wall's tangent by ½ h² J̇ẏ. That is little, but soon more
+than the penetration of a stiff wall. So the clearances g of the active contacts and their rates are
+integrated beside y, z = (y, g, ġ), with g̈ the acceleration of the point along the normal. The forces are
+those at g and ġ, in which the fast motions are linear but for the law of force, and the Jacobian is
 
-and all else may be left out of it, as the method keeps its order with any A. So a stage needs no linear
-algebra but the recursion: (1 − hγA) x = r is solved by
+    ∂v̇/∂(g, ġ) = −M⁻¹ Jᵀ (k, c),   ∂g̈/∂(g, ġ) = −J M⁻¹ Jᵀ (k, c),   ∂(ẋ, ġ)/∂(v, ġ) = 1,
 
-    x_v = r_v − (M + Jᵀ D J)⁻¹ Jᵀ (D J r_v + hγ k J r_q),   x_q = r_q + hγ x_v,   D = hγ c + (hγ)² k,
+k = ∂F/∂δ, c = ∂F/∂δ̇, J the gradient of the clearances. Solving (1 − hγA) x = r takes no linear algebra but
+the recursion:
 
-the response of the chain to impulses at the touching points, with the contacts' impedance D added to the
-articulated inertia there.
+    (M + Jᵀ D J) Δ = Jᵀ (D r_ġ + hγ k r_g),   D = hγ c + (hγ)² k,
+    x_v = r_v − Δ,   x_ġ = r_ġ − J Δ,   x_q = r_q + hγ x_v,   x_g = r_g + hγ x_ġ,
 
-As the links turn, so does J, and a point at rest against a wall needs the acceleration −J̇ẏ to stay there.
-This slow drift acts on the stiff contact. It enters as the time derivative of f does in a Rosenbrock method,
-as an impulse hγ_i (c + hγ k) J̇ẏ in stage i; without it errors grow while links that touch turn.
+with Δ the response of the chain to impulses at the touching points, and the contacts' impedance D added to
+the articulated inertia there. A result is moved to the g and ġ that came with it in the same way.
 """
 
 from chain_impact.kernel import ros34pw2
 from chain_impact.kernel.combination import combination
-from chain_impact.kernel.contact import across_wall, add_across_wall, contact_slopes, locate_points, zero
+from chain_impact.kernel.contact import (
+    accelerate_points,
+    add_across_wall,
+    add_along_normal,
+    along_normal,
+    apply_contact,
+    clear_loads,
+    clearance,
+    contact_slopes,
+    locate_points,
+    zero,
+)
 from chain_impact.kernel.dense import extend
-from chain_impact.kernel.equations import state_rate
+from chain_impact.kernel.equations import loaded_rate
 from chain_impact.kernel.errors import scaled_error
 from chain_impact.kernel.jit import jit
 from chain_impact.kernel.recursion import factorize, move_points, solve
 
 GAMMA = ros34pw2.GAMMA_DIAGONAL
-# rows of work.stage, where rows 1 to 4 are the stages k_i: f of the stage, s_i, right side, zeros
-RATE, CORRECTION, RIGHT, ZEROS = 5, 6, 7, 8
+# rows of implicit.stage, where rows 1 to 4 are the stages k_i: f at the start, f of the stage, s_i, right side
+START_RATE, RATE, CORRECTION, RIGHT, ZEROS, ERROR = 0, 5, 6, 7, 8, 9
+ROWS = 10
 STEP_EVALUATIONS = len(ros34pw2.B) - 1  # the first stage has f at the start of the step
 EXPONENT = -1.0 / ros34pw2.ORDER
 
 
 def _stage(i, rate, solve_shifted):
-    """Compile stage i > 1 of the step from ``step.state_end``."""
+    """Compile stage i > 1 of a step."""
     point = combination(ros34pw2.ALPHA[i])
-    drift = GAMMA + sum(ros34pw2.GAMMA[i].values())
     correction = combination({j: g / GAMMA for j, g in ros34pw2.GAMMA[i].items()})
 
     @jit
-    def stage(d, h):
-        stages = d.work.stage
-        point(d.work, d.step.state_end, h, d.work.y)
-        rate(d, d.work.y, stages[RATE])
-        # (1 − hγA)(k + s) = f + s + h γ_i ∂f/∂t
-        correction(d.work, stages[ZEROS], 1.0, stages[CORRECTION])
-        for j in range(len(d.work.y)):
+    def stage(d, z_start, z, h):
+        stages = d.work.implicit.stage
+        point(stages, z_start, h, z)
+        rate(d, z, stages[RATE])
+        # (1 − hγA)(k + s) = f + s
+        correction(stages, stages[ZEROS, : len(z)], 1.0, stages[CORRECTION])
+        for j in range(len(z)):
             stages[RIGHT, j] = stages[RATE, j] + stages[CORRECTION, j]
-        solve_shifted(d, h * GAMMA, h * drift, stages[RIGHT], stages[i])
-        for j in range(len(d.work.y)):
+        solve_shifted(d, h * GAMMA, stages[RIGHT], stages[i])
+        for j in range(len(z)):
             stages[i, j] -= stages[CORRECTION, j]
 
     return stage
@@ -60,115 +74,175 @@ def linearly_implicit(rate, solve_shifted):
     """Compile the stages and the result of a step for a right-hand side and its linear solver.
 
     Args:
-        rate: compiled function (d, y, out) for out = f(y).
-        solve_shifted: compiled function (d, hγ, hγ_i, r, x) for (1 − hγA) x = r + hγ_i ∂f/∂t.
+        rate: compiled function (d, z, out) for out = f(z).
+        solve_shifted: compiled function (d, hγ, r, x) for (1 − hγA) x = r.
 
     Returns:
-        A compiled function (d, h): from ``step.state_end`` with its rate in row 0 of ``work.stage``, to the
-        result in ``work.y``, the error estimate in row 0 of ``work.error``.
+        A compiled function (d, start, z, h): from z = ``start`` with its rate in the first row of
+        ``implicit.stage``, to the result in ``z``, the error estimate in the last of these rows.
     """
     second, third, fourth = (_stage(i, rate, solve_shifted) for i in (2, 3, 4))
     result = combination(ros34pw2.B)
     difference = combination({i: b - ros34pw2.B_EMBEDDED[i] for i, b in ros34pw2.B.items()})
 
     @jit
-    def step(d, h):
-        for j in range(len(d.work.y)):
-            d.work.stage[ZEROS, j] = 0.0  # the explicit method's stages share the rows
-        solve_shifted(d, h * GAMMA, h * GAMMA, d.work.stage[0], d.work.stage[1])
-        second(d, h)
-        third(d, h)
-        fourth(d, h)
-        result(d.work, d.step.state_end, h, d.work.y)
-        difference(d.work, d.work.stage[ZEROS], h, d.work.error[0])
+    def step(d, start, z, h):
+        stages = d.work.implicit.stage
+        solve_shifted(d, h * GAMMA, stages[START_RATE], stages[1])
+        second(d, start, z, h)
+        third(d, start, z, h)
+        fourth(d, start, z, h)
+        result(stages, start, h, z)
+        difference(stages, stages[ZEROS, : len(z)], h, stages[ERROR])
 
     return step
 
 
 @jit
 def linearize(d):
-    """Set the slopes of the contact forces, link vectors and drift J̇ẏ at the start of the step."""
-    work, n = d.work, len(d.model.length)
+    """Set z and its rate at the start of the step, where the slopes of the contact forces and J hold."""
+    work, n, size = d.work, len(d.model.length), len(d.work.y)
+    z, rate = work.implicit.start, work.implicit.stage[START_RATE]
     locate_points(d.model, d.step.state_end, work)
-    zero(work.drift)
+    accelerate_points(d.model, d.step.state_end, work.stage[0], work)
     for i in range(n):
-        work.start_link.x[i] = work.link.x[i]
-        work.start_link.y[i] = work.link.y[i]
-        w2 = d.step.state_end[n + 4 + i] * d.step.state_end[n + 4 + i]
-        work.drift.x[i + 1] = work.drift.x[i] - w2 * work.link.x[i]
-        work.drift.y[i + 1] = work.drift.y[i] - w2 * work.link.y[i]
+        work.implicit.link.x[i] = work.link.x[i]
+        work.implicit.link.y[i] = work.link.y[i]
+    for j in range(size):
+        z[j] = d.step.state_end[j]
+        rate[j] = work.stage[0, j]
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
-        work.slope[c, 0], work.slope[c, 1] = contact_slopes(d, c)
+        work.implicit.stiffness[k], work.implicit.damping[k] = contact_slopes(d, c)
+        z[gap_at(d, k)], z[rate_at(d, k)] = clearance(d, c)
+    clearance_rates(d, z, rate)
+
+
+@jit
+def gap_at(d, k):
+    """Where the clearance of the k-th active contact stands in z."""
+    return len(d.work.y) + k
+
+
+@jit
+def rate_at(d, k):
+    """Where the rate of that clearance stands in z."""
+    return len(d.work.y) + d.touch.active_count + k
+
+
+@jit
+def clearance_rates(d, z, rate):
+    """Set the rates of g and ġ, for accelerated points."""
+    for k in range(d.touch.active_count):
+        rate[gap_at(d, k)] = z[rate_at(d, k)]
+        rate[rate_at(d, k)] = along_normal(d, d.touch.active_index[k], d.work.acceleration)
+
+
+@jit
+def extended_rate(d, z, rate):
+    """Set rate = ż, with the contact forces at the clearances and rates in z."""
+    locate_points(d.model, z, d.work)
+    clear_loads(d)
+    dissipated = 0.0
+    for k in range(d.touch.active_count):
+        dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
+    loaded_rate(d, z, dissipated, rate)
+    accelerate_points(d.model, z, rate, d.work)
+    clearance_rates(d, z, rate)
 
 
 @jit
 def factorize_contacts(d, shift):
     """Eliminate M + Jᵀ D J for hγ = ``shift`` [s]."""
-    zero(d.work.impedance)
+    own = d.work.implicit
+    zero(d.work.load)
     for k in range(d.touch.active_count):
-        c = d.touch.active_index[k]
         # D = hγ c + (hγ)² k
-        impedance = shift * (d.work.slope[c, 1] + shift * d.work.slope[c, 0])
-        add_across_wall(d, c, d.work.impedance, impedance)
-    factorize(d.model, d.work.start_link, d.work.impedance, d.work.factors)
+        own.impedance[k] = shift * (own.damping[k] + shift * own.stiffness[k])
+        add_across_wall(d, d.touch.active_index[k], d.work.load, own.impedance[k])
+    factorize(d.model, own.link, d.work.load, d.work.factors)
 
 
 @jit
-def solve_contacts(d, shift, drift, right, x):
-    """Solve (1 − hγA) x = r + hγ_i ∂f/∂t for hγ = ``shift`` and hγ_i = ``drift`` [s]."""
-    n = len(d.model.length)
-    work, links = d.work, d.work.start_link
-    zero(work.impulse)
-    # Jᵀ D J r_v
-    move_points(links, right[n + 2 : n + 4], right[n + 4 : 2 * n + 4], work.motion)
-    add_impulses(d, work.motion, shift, shift * shift)
-    # Jᵀ hγ k J r_q
-    move_points(links, right[0:2], right[2 : n + 2], work.motion)
-    add_impulses(d, work.motion, 0.0, shift)
-    # Jᵀ hγ_i (c + hγ k) J̇ẏ
-    add_impulses(d, work.drift, drift, drift * shift)
-    solve(links, work.factors, work.impulse, x[n + 2 : n + 4], x[n + 4 : 2 * n + 4])
-    for j in range(n + 2):
-        x[n + 2 + j] = right[n + 2 + j] - x[n + 2 + j]
-        x[j] = right[j] + shift * x[n + 2 + j]
-    x[2 * n + 4] = right[2 * n + 4]
-    x[2 * n + 5] = right[2 * n + 5]
-
-
-@jit
-def add_impulses(d, motion, by_damping, by_stiffness):
-    """Add (by_damping c + by_stiffness k) times the motion of each touching point along its normal."""
+def respond(d, base, angular):
+    """Solve (M + Jᵀ D J) Δ = Jᵀ p for Δ = (base, angular) and J Δ, with p and then J Δ in ``normal``."""
+    work, own = d.work, d.work.implicit
+    zero(work.load)
     for k in range(d.touch.active_count):
-        c = d.touch.active_index[k]
-        factor = by_damping * d.work.slope[c, 1] + by_stiffness * d.work.slope[c, 0]
-        add_across_wall(d, c, d.work.impulse, factor * across_wall(d, c, motion))
+        add_along_normal(d, d.touch.active_index[k], work.load, own.normal[k])
+    solve(d.model, own.link, work.factors, work.load, base, angular)
+    move_points(own.link, base, angular, work.motion)
+    for k in range(d.touch.active_count):
+        own.normal[k] = along_normal(d, d.touch.active_index[k], work.motion)
 
 
-_step = linearly_implicit(state_rate, solve_contacts)
+@jit
+def solve_contacts(d, shift, r, x):
+    """Solve (1 − hγA) x = r for hγ = ``shift`` [s]."""
+    n, own = len(d.model.length), d.work.implicit
+    for k in range(d.touch.active_count):
+        # D r_ġ + hγ k r_g
+        own.normal[k] = own.impedance[k] * r[rate_at(d, k)] + shift * own.stiffness[k] * r[gap_at(d, k)]
+    respond(d, x[n + 2 : n + 4], x[n + 4 : 2 * n + 4])
+    for j in range(n + 2):
+        x[n + 2 + j] = r[n + 2 + j] - x[n + 2 + j]
+        x[j] = r[j] + shift * x[n + 2 + j]
+    for k in range(d.touch.active_count):
+        x[rate_at(d, k)] = r[rate_at(d, k)] - own.normal[k]
+        x[gap_at(d, k)] = r[gap_at(d, k)] + shift * x[rate_at(d, k)]
+    x[2 * n + 4] = r[2 * n + 4]
+    x[2 * n + 5] = r[2 * n + 5]
+
+
+_step = linearly_implicit(extended_rate, solve_contacts)
 
 
 @jit
 def attempt(d, h):
-    """Try a step of size h [s] from ``step.state_end``; the result stands in ``work.y``.
+    """Try a step of size h [s] from where it was linearized; the result stands in ``work.y``.
 
     Returns:
         The error relative to the tolerance: at most 1 for a step to accept; not finite when f was not.
     """
-    linearize(d)
+    work, active = d.work, d.touch.active_count
+    length = len(work.y) + 2 * active
     factorize_contacts(d, h * GAMMA)
-    _step(d, h)
+    _step(d, work.implicit.start[:length], work.implicit.z[:length], h)
     # the columns of the Jacobian count as evaluations
-    d.statistics.rhs_evaluations += STEP_EVALUATIONS + d.touch.active_count
-    locate_points(d.model, d.work.y, d.work)
+    d.statistics.rhs_evaluations += STEP_EVALUATIONS + active
+    for j in range(len(work.y)):
+        work.y[j] = work.implicit.z[j]
+        work.error[0, j] = work.implicit.stage[ERROR, j]
+    for k in range(active):
+        work.gap_error[k] = work.implicit.stage[ERROR, gap_at(d, k)]
+    locate_points(d.model, work.y, work)
     return scaled_error(d, 0)
+
+
+@jit
+def meet_clearances(d):
+    """Move the located result in ``work.y`` to the clearances and their rates in z.
+
+    The coordinates are off by errors far within the tolerance, which a stiff wall would still feel as a blow.
+    """
+    n, own = len(d.model.length), d.work.implicit
+    change = own.stage[RIGHT]
+    for derivative in range(2):
+        for k in range(d.touch.active_count):
+            gap, gap_rate = clearance(d, d.touch.active_index[k])
+            missing = own.z[rate_at(d, k)] - gap_rate if derivative else own.z[gap_at(d, k)] - gap
+            own.normal[k] = own.impedance[k] * missing
+        respond(d, change[0:2], change[2 : n + 2])
+        for j in range(n + 2):
+            d.work.y[derivative * (n + 2) + j] += change[j]
 
 
 @jit
 def accept(d, h):
     """Make the step that was tried the last accepted one, with its dense output."""
+    meet_clearances(d)
     extend(d.step, h, d.work.y)
-    dense, stages = d.step.dense, d.work.stage
+    dense, stages = d.step.dense, d.work.implicit.stage
     for j in range(len(d.work.y)):
         for m in range(len(dense)):
             dense[m, j] = 0.0
@@ -179,6 +253,18 @@ def accept(d, h):
             dense[2, j] -= h * cube * stages[i, j]
     for j in range(len(d.work.y)):
         dense[0, j] = d.step.state_end[j] - d.step.state[j]
+
+
+@jit
+def clearance_curvature(d, k):
+    """Bound on |g̈| [m/s²] of the k-th active contact over the last step."""
+    square, cube = 0.0, 0.0
+    for i, (_, b, c) in _DENSE:
+        g = d.work.implicit.stage[i, gap_at(d, k)]
+        square += b * g
+        cube += c * g
+    # g = g₀ + h (c₁θ + c₂θ² + c₃θ³)
+    return (2.0 * abs(square) + 6.0 * abs(cube)) / d.step.size
 
 
 _DENSE = tuple(ros34pw2.DENSE.items())

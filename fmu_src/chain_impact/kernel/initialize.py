@@ -58,12 +58,15 @@ def initialize(d, time):
 def derive_chain(model):
     """Find what the recursion needs of each link, and the absolute scales of positions and energies."""
     model.damped = 0
+    model.middle = 0 if model.pinned else len(model.length) // 2
     model.size = 0.0
     for i in range(len(model.length)):
         c = model.center_of_mass[i]
         model.center_of_mass_ratio[i] = c / model.length[i]
         # I + m c²
-        model.joint_inertia[i] = model.inertia[i] + model.mass[i] * c * c
+        model.proximal_inertia[i] = model.inertia[i] + model.mass[i] * c * c
+        rest = model.length[i] - c
+        model.distal_inertia[i] = model.inertia[i] + model.mass[i] * rest * rest
         model.size = max(model.size, model.length[i])
         if model.joint_damping[i] != 0.0 and (i > 0 or model.pinned):
             model.damped = 1
