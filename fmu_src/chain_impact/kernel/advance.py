@@ -9,7 +9,7 @@ the communication point has passed it.
 import math
 
 from chain_impact.kernel import explicit, implicit
-from chain_impact.kernel.contact import clear_loads, latch, locate_points
+from chain_impact.kernel.contact import along_normal, clear_loads, clearance, latch, locate_points
 from chain_impact.kernel.dense import interpolate
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.events import RELATCH, RELATCH_RATIO, TOUCH, find_event
@@ -23,6 +23,7 @@ from chain_impact.kernel.watch import watch_events, watch_work
 LONGEST_STEP = 1.0  # s; a chain in flight without spin has no other limit
 SHORTEST_STEP = 1e-18  # s
 SAFETY, SHRINK, GROW = 0.9, 1.0 / 3.0, 6.0  # of the step size
+BEYOND = 1.1  # part of the time to the end of a contact that a step may take
 ONSET_FRACTION = 0.03  # first step of a contact, in parts of its expected duration
 
 
@@ -74,6 +75,8 @@ def take_step(d):
     h = min(d.step.next_size, LONGEST_STEP)
     if d.step.implicit:
         implicit.linearize(d)
+    elif d.touch.active_count > 0:
+        h = min(h, just_beyond_end(d))
     grow = GROW
     error = 0.0
     while True:
@@ -95,6 +98,21 @@ def take_step(d):
     elif theta >= 0.0:
         cut(d, theta)
     return OK
+
+
+@jit
+def just_beyond_end(d):
+    """The time [s] to a little after the first contact ends, as position, speed and acceleration tell."""
+    first = LONGEST_STEP
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        gap, gap_rate = clearance(d, c)
+        acceleration = along_normal(d, c, d.work.acceleration)
+        # g + ġ t + ½ g̈ t² = 0
+        square = gap_rate * gap_rate - 2.0 * acceleration * gap
+        if gap < 0.0 < gap_rate and square > 0.0:
+            first = min(first, BEYOND * -2.0 * gap / (gap_rate + math.sqrt(square)))
+    return first
 
 
 @jit
@@ -202,9 +220,7 @@ def apply_events(d):
             latch(d, c)
             touch.active[c] = 1
             explicit_again(d.step)
-            # the force rises as δⁿ, unseen at onset: begin with a part of the contact's duration
-            duration = 3.0 * touch.depth_scale[c] / touch.impact_speed[c]
-            d.step.next_size = min(d.step.next_size, ONSET_FRACTION * duration)
+            d.step.next_size = min(d.step.next_size, ONSET_FRACTION * expected_duration(d, c))
         touch.event[c] = 0
 
     touch.active_count = 0
@@ -216,3 +232,14 @@ def apply_events(d):
         clear_loads(d)
         d.step.next_size = d.step.flight_size
     return jumped
+
+
+@jit
+def expected_duration(d, c):
+    """About how long [s] the contact of candidate c will last, or its fast first part if it is much damped.
+
+    The force rises as δⁿ from nothing, so the error control cannot tell it from the start.
+    """
+    # m v = (1 + λ) K vⁿ tⁿ⁺¹/(n+1), and 3 times the time to the largest depth without damping
+    elastic = 3.0 * d.touch.depth_scale[c] / d.touch.impact_speed[c]
+    return elastic * (1.0 + d.contact.damping_factor) ** (-1.0 / (d.contact.exponent + 1.0))

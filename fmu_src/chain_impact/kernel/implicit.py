@@ -100,10 +100,12 @@ def linearly_implicit(rate, solve_shifted):
 
 @jit
 def linearize(d):
-    """Set z and its rate at the start of the step, where the slopes of the contact forces and J hold."""
+    """Set z and its rate at the start of the step, where the slopes of the contact forces and J hold.
+
+    Active contacts need the points located there, and the first stage evaluated.
+    """
     work, n, size = d.work, len(d.model.length), len(d.work.y)
     z, rate = work.implicit.start, work.implicit.stage[START_RATE]
-    locate_points(d.model, d.step.state_end, work)
     accelerate_points(d.model, d.step.state_end, work.stage[0], work)
     for i in range(n):
         work.implicit.link.x[i] = work.link.x[i]

@@ -14,7 +14,7 @@ from chain_impact.kernel.contact import contact_slopes
 from chain_impact.kernel.jit import jit
 
 AUTO, EXPLICIT, IMPLICIT = 1, 2, 3  # solver.method
-STIFF = 1.5  # hρ of explicit steps that implicit ones could replace
+STIFF = 2.5  # hρ of explicit steps that implicit ones could replace
 NOT_STIFF = 2.0  # hρ of implicit steps that explicit ones could replace
 PATIENCE = 4  # steps in a row that have to agree
 
