@@ -1,7 +1,7 @@
 """Cost against the stiffness of the contact: ``python benchmarks/stiffness.py [--quick]``.
 
-four_link_box up to 0.6 s, with its two or three impacts, for K from 1e5 to 1e12 at one tolerance. Errors are against
-the solver of reference.py, run for each K. Sustained contact, where stiffness matters more: rest.py.
+four_link_box up to 0.6 s, with its two or three impacts, for K from 1e5 to 1e12 at one tolerance. Errors are
+against the solver of reference.py, run for each K. Sustained contact, where stiffness matters more: rest.py.
 """
 
 from __future__ import annotations
