@@ -88,8 +88,9 @@ def ratio(timings: Timings, name: str, base: str) -> dict[str, float]:
     }
 
 
-def environment() -> dict[str, Any]:
-    """Machine, versions, commit and date of this run."""
+def environment(packages: tuple[str, ...] = ()) -> dict[str, Any]:
+    """Machine, versions (also of further packages that are there), commit and date of this run."""
+    further = {name: _version(name) for name in packages}
     return {
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "commit": _git("rev-parse", "HEAD"),
@@ -100,7 +101,11 @@ def environment() -> dict[str, Any]:
             "system": platform.platform(),
             "load_at_start": [round(value, 2) for value in os.getloadavg()],
         },
-        "versions": {"python": platform.python_version(), **{name: _version(name) for name in PACKAGES}},
+        "versions": {
+            "python": platform.python_version(),
+            **{name: _version(name) for name in PACKAGES},
+            **{name: value for name, value in further.items() if value != "absent"},
+        },
     }
 
 

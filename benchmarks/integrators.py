@@ -1,7 +1,7 @@
 """Work against precision on four_link_box, with impacts: ``python benchmarks/integrators.py``.
 
-Ours against scipy's solve_ivp with the same model compiled by numba (peers.py), the same tolerance and the
-same events, both judged by the reference of reference.py.
+Ours against scipy's solve_ivp with the same model compiled by numba (peers/solve_ivp.py), the same tolerance
+and the same events, both judged by the reference of reference.py. All peers: work_precision.py.
 """
 
 from __future__ import annotations
@@ -12,70 +12,28 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from peers import Scipy
+from peers import Outcome
+from peers.ours import Kernel
+from peers.solve_ivp import Scipy
+from work_precision import judge
 
 from chain_impact.scene import Scene, load_scene, with_values
-from chain_impact.simulate import Instance, simulate
+from chain_impact.simulate import simulate
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)
 METHODS = ("DOP853", "RK45", "LSODA", "Radau", "BDF")
 ROUNDS = 7
 
 
-class Ours:
-    """One instance, set back to its start for each run."""
-
-    def __init__(self, scene: Scene, tolerance: float) -> None:
-        self.instance = Instance(with_values(scene, {("solver", "tolerance"): tolerance}))
-        self.block = self.instance._block
-        self.fresh = self.block.copy()
-        self.kernel, self.address = self.instance._kernel, self.instance._address
-
-    def run(self, stop: float) -> None:
-        """From parameters to ``stop`` [s]."""
-        self.block[:] = self.fresh
-        self.kernel.initialize(self.address, 0.0)
-        assert self.kernel.advance(self.address, stop) == 0
-
-    def outcome(self, stop: float) -> tuple[np.ndarray, list[tuple[int, float]], int]:
-        """State, onsets by candidate and number of steps."""
-        self.run(stop)
-        self.kernel.observe(self.address)
-        record = self.instance.record
-        out, model = record["output"], record["model"]
-        state = np.concatenate(
-            [out["point_position"][0], out["angle"], out["point_velocity"][0], out["angular_velocity"]]
-        )
-        pairs = list(zip(model["candidate_point"], model["candidate_wall"], strict=True))
-        found = np.concatenate([self.instance.collect(), self.instance.open_contacts()])
-        onsets = [(pairs.index((row["point"], row["wall"])), float(row["onset"])) for row in found]
-        return state, sorted(onsets, key=lambda row: row[1]), int(record["statistics"]["steps"])
-
-
-def errors(reference: dict, stop: float, state: np.ndarray, onsets: list[tuple[int, float]]) -> dict:
-    """Largest error of the state (m, rad, m/s, rad/s alike) and of the onsets [s]."""
-    expected = np.array(reference["states"][reference["times"].index(stop)])
-    true = [(row["candidate"], row["onset"]) for row in reference["impacts"] if row["onset"] < stop]
-    same = [c for c, _ in onsets] == [c for c, _ in true]
-    late = max(abs(a - b) for (_, a), (_, b) in zip(onsets, true, strict=True)) if same else math.nan
-    worst = float(np.abs(state - expected).max())
-    return {
-        "error": float(f"{worst:.3e}"),
-        "onset_error": float(f"{late:.3e}") if same else None,
-        "onsets": len(onsets),
-        "onsets_right": same,
-    }
-
-
 def measure(scene: Scene, peer: Scipy, reference: dict, tolerance: float, stop: float) -> list[dict]:
     """All contenders at one tolerance up to one time."""
-    ours, rows = Ours(scene, tolerance), {}
+    ours = Kernel(with_values(scene, {("solver", "tolerance"): tolerance}), stop)
+    rows: dict[str, dict] = {}
     contenders: dict[str, Callable[[], object]] = {
-        "ours": lambda: ours.run(stop),
+        "ours": ours.run,
         "ours, simulate()": lambda: simulate(scene, stop_time=stop, tolerance=tolerance),
     }
-    state, onsets, steps = ours.outcome(stop)
-    rows["ours"] = {**errors(reference, stop, state, onsets), "steps": steps}
+    rows["ours"] = judge(ours.outcome(), reference, stop)
     rows["ours, simulate()"] = dict(rows["ours"])
     for method in METHODS:
         contenders[method] = lambda method=method: peer.run(method, tolerance, stop)
@@ -85,7 +43,7 @@ def measure(scene: Scene, peer: Scipy, reference: dict, tolerance: float, stop: 
             rows[method] = {"failed": str(problem)}
             del contenders[method]
             continue
-        rows[method] = {**errors(reference, stop, run.state, run.onsets), "steps": run.steps}
+        rows[method] = judge(Outcome(run.state, run.onsets, run.steps, run.rhs), reference, stop)
         if run.message:
             rows[method]["failed"] = run.message
     timings = common.interleave(contenders, ROUNDS)
@@ -164,7 +122,7 @@ def draw(page, record) -> None:
 def main() -> None:
     """Measure and draw."""
     started, scene = common.environment(), load_scene("four_link_box")
-    reference = common.load("reference")["results"]
+    reference = common.load("reference")["results"]["box"]
     peer, rows = Scipy(scene), []
     peer.run("DOP853", 1e-4, 0.01)  # compiles
     for stop in reference["times"]:

@@ -1,28 +1,30 @@
-"""A reference for four_link_box that shares no equation with the kernel: ``python benchmarks/reference.py``.
+"""References that share no equation with the kernel: ``python benchmarks/reference.py [problem …]``.
 
 Equations of motion assembled by the textbook (textbook.py), integrated in 80-bit arithmetic (round-off 5e-20)
 by Gragg's extrapolation of the modified midpoint rule (Hairer, Nørsett & Wanner 1993, II.9) with error
 control, and restarted at every onset and end of a contact. These are found by Newton's method on the length
 of the step itself, not on an interpolant. It is run with two orders and tolerances; their difference is the
-error that is stated. Perturbed starts give the factor by which the scene amplifies errors.
+error that is stated. Perturbed starts give the factor by which the scene amplifies errors. The problems
+are those of problems.py; those not named keep what is stored.
 """
 
 from __future__ import annotations
 
 import common  # isort: skip
 
+import sys
 import time
 
 import numpy as np
+from problems import PROBLEMS, Problem
 from textbook import Textbook
 
 from chain_impact.instance import candidates
 from chain_impact.kernel.contact_laws import CONTACT_LAWS
-from chain_impact.scene import Scene, load_scene
+from chain_impact.scene import Scene
 
 REAL = np.longdouble
 LONGEST = 5e-3  # s, so that no visit to a wall is shorter than a few steps
-TIMES = (0.6, 1.2)  # s
 SETTINGS = {"reference": (7, 1e-14), "check": (6, 1e-13)}  # order / 2, tolerance
 PERTURBATION = 1e-9
 
@@ -155,54 +157,62 @@ class Bouncing:
                     self.step = REAL(1e-7)
 
 
-def run(scene: Scene, rows: int, tolerance: float, change: np.ndarray | None = None) -> tuple[list, list]:
-    """States at TIMES and the impacts."""
-    motion = Bouncing(scene, rows, tolerance)
+def run(problem: Problem, rows: int, tolerance: float, change: np.ndarray | None = None) -> tuple[list, list]:
+    """States at the times of a problem, and the impacts."""
+    motion = Bouncing(problem.scene(), rows, tolerance)
     if change is not None:
         motion.y += change
     states = []
-    for stop in TIMES:
+    for stop in problem.times:
         motion.advance(stop)
         states.append(motion.y.copy())
     return states, motion.impacts
 
 
-def amplification(scene: Scene, states: list) -> list[float]:
-    """Largest growth of a small change of one coordinate or speed at the start, at each of TIMES."""
-    growth = np.zeros(len(TIMES))
+def amplification(problem: Problem, states: list) -> list[float]:
+    """Largest growth of a small change of one coordinate or speed at the start, at each of the times."""
+    growth = np.zeros(len(states))
     for j in range(len(states[0])):
         change = np.zeros(len(states[0]), REAL)
         change[j] = PERTURBATION
-        changed, _ = run(scene, *SETTINGS["check"], change)
+        changed, _ = run(problem, *SETTINGS["check"], change)
         changes = [np.abs(a - b).max() for a, b in zip(changed, states, strict=True)]
         growth = np.maximum(growth, np.array(changes, float) / PERTURBATION)
     return [float(f"{value:.3g}") for value in growth]
 
 
-def main() -> None:
-    """Compute, check and store."""
-    started, scene = common.environment(), load_scene("four_link_box")
+def solve(problem: Problem) -> dict:
+    """Compute and check one."""
     begin = time.process_time()
-    states, impacts = run(scene, *SETTINGS["reference"])
-    print(f"reference: {time.process_time() - begin:.1f} s")
-    checked, again = run(scene, *SETTINGS["check"])
+    states, impacts = run(problem, *SETTINGS["reference"])
+    print(f"{problem.name}: {time.process_time() - begin:.1f} s")
+    checked, again = run(problem, *SETTINGS["check"])
     assert len(again) == len(impacts)
     errors = [float(np.abs(a - b).max()) for a, b in zip(states, checked, strict=True)]
-    onset = max(abs(a["onset"] - b["onset"]) for a, b in zip(impacts, again, strict=True))
+    pairs = zip(impacts, again, strict=True)
+    onset = max((abs(a["onset"] - b["onset"]) for a, b in pairs), default=0.0)
     print(f"differences of the two runs: {errors}, onsets {onset:.1e} s, {len(impacts)} impacts")
-    results = {
-        "scene": "four_link_box",
+    found = {
+        "scene": problem.title,
         "state": "x0, y0, angles, vx0, vy0, angular velocities",
-        "times": TIMES,
+        "times": problem.times,
         "states": [[float(value) for value in state] for state in states],
         "difference_of_two_runs": errors,
         "impacts": impacts,
         "difference_of_onsets": onset,
-        "amplification_of_errors": amplification(scene, states),
+        "amplification_of_errors": amplification(problem, states),
     }
-    print(results["amplification_of_errors"])
+    print(found["amplification_of_errors"], flush=True)
+    return found
+
+
+def main() -> None:
+    """Compute, check and store."""
+    started, names = common.environment(), sys.argv[1:] or list(PROBLEMS)
+    kept = common.load("reference")["results"] if sys.argv[1:] else {}
+    results = kept | {name: solve(PROBLEMS[name]) for name in names}
     settings = {"rows and tolerance": SETTINGS, "longest step [s]": LONGEST, "perturbation": PERTURBATION}
-    common.save("reference", started, settings, results)
+    common.save("reference", started, settings, {name: results[name] for name in PROBLEMS if name in results})
 
 
 if __name__ == "__main__":

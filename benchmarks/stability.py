@@ -2,7 +2,7 @@
 
 A uniform rod (1 m, 1 kg, 0.3 rad) falls 0.1 m onto a floor, clatters and, for e < 1, settles: free flight,
 impacts and sustained contact in 3 s. Each cell of the map is one run with a budget of CPU time. The peers are
-those of peers.py. ``--ours`` keeps their cells and runs ours only, after a change of the kernel.
+those of peers/. ``--ours`` keeps their cells and runs ours only, after a change of the kernel.
 """
 
 from __future__ import annotations
@@ -17,7 +17,9 @@ from collections.abc import Callable
 from multiprocessing import get_context
 
 import numpy as np
-from peers import Run, Scipy, energy_of, fixed_steps
+from peers.fixed_steps import fixed_steps
+from peers.model import energy_of
+from peers.solve_ivp import Run, Scipy
 from plain_chain import Chain, plain_chain, start
 
 from chain_impact.scene import Scene, scene_from_dict

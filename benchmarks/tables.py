@@ -7,34 +7,20 @@ replaced by what the function ``name`` returns.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
 
 import common
+from peer_tables import TABLES
+from problems import PROBLEMS
 from stability import ADAPTIVE, METHODS, OUTCOMES
 from stability_chart import STEPS_AT
+from table import run, table
 
 PAGES = ("benchmarks.md", "stability.md")
-
-
-def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
-    """A Markdown table."""
-    head = list(head)
-    lines = [head, ["---"] * len(head), *([str(cell) for cell in row] for row in rows)]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
 def span(ratio: dict) -> str:
     """A ratio, with its range over the rounds."""
     return f"**{ratio['median']:.3g}** ({ratio['least']:.3g}–{ratio['largest']:.3g})"
-
-
-def run(name: str) -> str:
-    """When and on what a benchmark ran."""
-    record = common.load(name)
-    changed = ", with uncommitted changes" if record["sources_changed_since"] else ""
-    versions = ", ".join(f"{key} {record['versions'][key]}" for key in ("python", "numpy", "numba", "scipy"))
-    where = f"{record['machine']['processor']}, {record['machine']['cores']} cores"
-    return f"Run {record['date'][:10]} at commit `{record['commit'][:7]}`{changed}; {where}; {versions}."
 
 
 def rhs() -> str:
@@ -54,39 +40,21 @@ def rhs() -> str:
 
 
 def reference() -> str:
-    """What the reference is good for."""
-    found = common.load("reference")["results"]
-    rows = zip(
-        found["times"],
-        (sum(i["onset"] < t for i in found["impacts"]) for t in found["times"]),
-        (f"{value:.1e}" for value in found["difference_of_two_runs"]),
-        (f"{value:.3g}" for value in found["amplification_of_errors"]),
-        strict=True,
+    """What the references are good for."""
+    rows = [
+        (
+            PROBLEMS[name].title,
+            t,
+            sum(i["onset"] < t for i in found["impacts"]),
+            f"{found['difference_of_two_runs'][k]:.1e}",
+            f"{found['amplification_of_errors'][k]:.3g}",
+        )
+        for name, found in common.load("reference")["results"].items()
+        for k, t in enumerate(found["times"])
+    ]
+    return table(
+        ("problem", "t [s]", "impacts", "difference of its two runs", "amplification of errors"), rows
     )
-    return table(("t [s]", "impacts", "difference of its two runs", "amplification of errors"), rows)
-
-
-def integrators() -> str:
-    """Everything at tolerance 1e-8, and the ratios at equal error."""
-    results, parts = common.load("integrators")["results"], [run("integrators")]
-    for stop in common.load("integrators")["settings"]["stop times [s]"]:
-        equal = results["times_ours_at_equal_error"][f"{stop} s, ours at 1e-08"]
-        rows = [
-            (
-                row["name"] if row["name"].startswith("ours") else f"scipy {row['name']}",
-                f"{1e3 * row['seconds']:.3g}",
-                f"{row['error']:.1e}",
-                f"{row['onset_error']:.1e}" if row["onsets_right"] else "an onset is missing",
-                row["steps"],
-                span(row["times_ours"]),
-                f"**{equal[row['name']]:.3g}**" if equal.get(row["name"]) else "–",
-            )
-            for row in results["rows"]
-            if (row["stop"], row["tolerance"]) == (stop, 1e-8)
-        ]
-        head = ("", "CPU [ms]", "error", "error of onsets [s]", "steps", "time / ours", "at our error")
-        parts.append(f"To t = {stop} s, tolerance 1e-8:\n\n" + table(head, rows))
-    return "\n\n".join(parts)
 
 
 def fmu_cost() -> str:
@@ -156,7 +124,7 @@ def steps() -> str:
 
 def main() -> None:
     """Fill both pages."""
-    tables = {f.__name__: f for f in (rhs, reference, integrators, fmu_cost, stability, steps)}
+    tables = {f.__name__: f for f in (rhs, reference, fmu_cost, stability, steps, *TABLES)}
     for name in PAGES:
         page = common.ROOT / "docs" / name
         text = page.read_text(encoding="utf-8")

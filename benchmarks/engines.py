@@ -1,0 +1,156 @@
+"""MuJoCo with its own contact against ours: ``python benchmarks/engines.py [--quick]``.
+
+In flight both integrate the same equations and are judged by the reference. Through impacts MuJoCo's contact
+is another one, a linear spring and damper scaled by the effective mass; so it is judged by its own run with
+steps of 1e-6 s, ours by the reference. First how stiff that contact may be at a given step.
+"""
+
+from __future__ import annotations
+
+import common  # isort: skip
+
+import argparse
+import sys
+
+import numpy as np
+import peers
+from peers.ours import Kernel
+from problems import PROBLEMS
+
+FLIGHT, IMPACTS = 2.0, 0.6  # s
+FLIGHT_STEPS = (1e-2, 1e-3, 1e-4)  # s
+IMPACT_STEPS = (1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5)  # s
+CONVERGED = 1e-6  # s
+TIME_CONSTANT = 6.3e-3  # s, of the contact, which then lasts 2.2 ms, as ours at K = 1e8
+STIFFER = tuple(round(2.0 ** (k / 2), 2) for k in range(12, -5, -1))  # time constants, in steps
+GAIN = 0.01  # of the initial energy: more is unstable
+LONG = 2.0  # s, in which it has to stay stable
+TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10)
+ROUNDS, SPAN, PATIENCE = 5, 0.02, 1.0
+
+
+def timed(runs: dict, rounds: int) -> dict[object, float]:
+    """Median CPU seconds of each run."""
+    return {key: common.median(v) for key, v in common.interleave(runs, rounds, SPAN, PATIENCE).items()}
+
+
+def ours(problem: str, stop: float, expected: list) -> dict:
+    """Our kernel at each tolerance: run and error."""
+    found = {}
+    for tolerance in TOLERANCES:
+        kernel = Kernel(PROBLEMS[problem].scene(tolerance), stop)
+        error = np.abs(kernel.outcome().state - np.array(expected)).max()
+        found["ours", tolerance] = (kernel.run, float(error))
+    return found
+
+
+def mujocos(problem: str, stop: float, steps: tuple[float, ...], expected: list | None) -> dict:
+    """MuJoCo at each step: run and error; by its own converged run when there is no reference."""
+    from peers.mujoco import INTEGRATORS, Engine
+
+    scene, found = PROBLEMS[problem].scene(), {}
+    time_constant = TIME_CONSTANT if expected is None else None
+    for integrator in INTEGRATORS:
+        truth = expected
+        if truth is None:
+            fine = Engine(scene, integrator, CONVERGED, time_constant)
+            fine.run(stop)
+            truth = fine.state()
+        for dt in steps:
+            engine = Engine(scene, integrator, dt, time_constant)
+            engine.run(stop)
+            error = float(np.abs(engine.state() - np.array(truth)).max())
+            found[f"MuJoCo {integrator}", dt] = (lambda e=engine: e.run(stop), error)
+    return found
+
+
+def race(entries: dict, stop: float, rounds: int) -> list[dict]:
+    """Time entries (name, setting) → (run, error)."""
+    seconds = timed({key: run for key, (run, _) in entries.items()}, rounds)
+    rows = []
+    for (name, setting), (_, error) in entries.items():
+        row = {"name": name, "setting": setting, "error": float(f"{error:.3e}")}
+        row["seconds"] = seconds[name, setting]
+        if name != "ours":
+            row["microseconds a step"] = round(1e6 * row["seconds"] * setting / stop, 3)
+        rows.append(row)
+        print(row, flush=True)
+    return rows
+
+
+def stiffest() -> list[dict]:
+    """The shortest time constant of the contact, in steps, at which no run so far has gained energy."""
+    from peers.mujoco import INTEGRATORS, Engine
+
+    scene, rows = PROBLEMS["box"].scene(), []
+    for integrator in INTEGRATORS:
+        for dt in (1e-3, 1e-4):
+            last = None
+            for part in STIFFER:
+                engine = Engine(scene, integrator, dt, part * dt)
+                engine.run(0.0)
+                limit = engine.energy() * (1.0 + GAIN)
+                highest = 0.0
+                for stop in np.arange(0.1, LONG + 0.05, 0.1):
+                    engine.run(float(stop))
+                    highest = max(highest, engine.energy())
+                if not highest <= limit:
+                    break
+                last = part
+            rows.append({"name": f"MuJoCo {integrator}", "step": dt, "time constant / step": last})
+            print(rows[-1], flush=True)
+    return rows
+
+
+def draw(page, record) -> None:
+    """Error against time, in flight and through impacts."""
+    looks = {
+        "ours": (common.OURS, "o", "-"),
+        "MuJoCo Euler": ("#1f77b4", "s", "-"),
+        "MuJoCo implicitfast": ("#17a2b8", "^", "--"),
+        "MuJoCo RK4": ("0.35", "D", "-"),
+    }
+    panels = page.subplots(1, 2)
+    titles = ("flight, 2 s", "two impacts, 0.6 s; MuJoCo against itself")
+    for axes, key, title in zip(panels, ("flight", "impacts"), titles, strict=True):
+        for name, (colour, marker, line) in looks.items():
+            rows = [row for row in record["results"][key] if row["name"] == name]
+            x, y = [row["error"] for row in rows], [1e3 * row["seconds"] for row in rows]
+            axes.loglog(x, y, line, marker=marker, color=colour, label=name)
+        axes.set(title=title, xlabel="error of the final state (m, rad, m/s, rad/s)")
+        axes.invert_xaxis()
+        axes.minorticks_off()
+    panels[0].set_ylabel("CPU time [ms]")
+    panels[0].legend()
+
+
+def main() -> None:
+    """Measure and draw."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="two rounds")
+    rounds = 2 if parser.parse_args().quick else ROUNDS
+    try:
+        import mujoco  # noqa: F401
+    except ImportError as reason:
+        sys.exit(f"engines.py: {reason}; pip install -e '.[bench]'")
+    started, references = common.environment(peers.PACKAGES), common.load("reference")["results"]
+    flight, impacts = (references[name]["states"][0] for name in ("flight", "box"))
+    results = {
+        "flight": race(
+            ours("flight", FLIGHT, flight) | mujocos("flight", FLIGHT, FLIGHT_STEPS, flight), FLIGHT, rounds
+        ),
+        "impacts": race(
+            ours("box", IMPACTS, impacts) | mujocos("box", IMPACTS, IMPACT_STEPS, None), IMPACTS, rounds
+        ),
+        "stiffest": stiffest(),
+    }
+    settings = {
+        "rounds": rounds, "time constant of the contact [s]": TIME_CONSTANT, "converged step [s]": CONVERGED,
+        "MuJoCo": "frictionless, condim 1, solimp 0.99 0.99, damping ratio from e = 0.7, refsafe disabled",
+    }  # fmt: skip
+    common.save("engines", started, settings, results)
+    common.picture("engines", draw, (11, 4.4))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,160 @@
+"""The kernel's own right-hand side and events as C functions, for solvers that take pointers to such.
+
+Compiled by numba and linked just as the kernel is, on the same record; so these solvers evaluate the very
+machine code that ours does. Their state is the kernel's without the two energies, which drive nothing.
+
+    int32 peer_start(instance*, double* y)                        initialize; the state at 0 s
+    void  peer_rate(double t, const double* y, double* rate, instance*)
+    void  peer_least(double t, const double* y, double* value, instance*)
+    int32 peer_switch(instance*, double* clock, double* y, int32* found)
+    int32 peer_stop(instance*, double t, const double* y)         stand there, to be observed
+"""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+from numba import carray, float64, int32, types, void
+from rest_model import happen
+
+from chain_impact.export import aot, lower
+from chain_impact.kernel.contact import clearance, locate_points
+from chain_impact.kernel.equations import state_rate
+from chain_impact.kernel.events import RELATCH_RATIO
+from chain_impact.kernel.initialize import initialize, still
+from chain_impact.kernel.jit import jit
+from peers.model import AT_ZERO, CLEAR, HOP
+
+POLISH = 1e-7  # s, how far a solver's root may be corrected
+
+
+@jit
+def least_event(d, y):
+    """The smallest of all event functions, and its rate where it is a clearance."""
+    lowest, slope = np.inf, 0.0
+    locate_points(d.model, y, d.work)
+    for c in range(len(d.touch.active)):
+        gap, gap_rate = clearance(d, c)
+        sign = -1.0 if d.touch.active[c] else 1.0
+        if sign * gap < lowest:
+            lowest, slope = sign * gap, sign * gap_rate
+        fast = RELATCH_RATIO * d.touch.impact_speed[c] + gap_rate
+        if d.touch.active[c] and fast < lowest:
+            lowest, slope = fast, 0.0
+    return lowest + CLEAR, slope
+
+
+@jit
+def switch(d, clock, y, found):
+    """Let the event at clock[0] [s] take effect, and propose a next step in clock[1] [s].
+
+    A root finder with a coarse tolerance in time is helped: the last part to the root is gone by f(y).
+    """
+    value, slope = least_event(d, y)
+    if slope < 0.0 and abs(value) < -slope * POLISH:
+        dt = -value / slope
+        state_rate(d, y, d.work.stage[0])
+        for j in range(len(y)):
+            y[j] += dt * d.work.stage[0, j]
+        clock[0] += dt
+    hop = np.inf
+    count = len(d.touch.active)
+    locate_points(d.model, y, d.work)
+    for c in range(count):
+        gap, gap_rate = clearance(d, c)
+        active = d.touch.active[c]
+        sign = -1.0 if active else 1.0
+        falls = sign * gap_rate < 0.0 and sign * gap <= -sign * gap_rate * AT_ZERO + 1e-15
+        found[c] = (1 if active else -1) if falls else 0
+        fast = active and -gap_rate >= RELATCH_RATIO * d.touch.impact_speed[c] * (1.0 - 1e-9)
+        found[count + c] = -1 if fast and not falls else 0
+        if falls:
+            hop = min(hop, abs(gap_rate) * HOP / 9.81)
+    d.step.next_size = clock[1]
+    happen(d, clock[0], y, found)
+    clock[1] = min(clock[1], hop) if d.touch.active_count == 0 else d.step.next_size
+
+
+def entry_points(instance: types.Record, _output: types.Record) -> dict[str, tuple[object, Callable]]:
+    """The C functions for the record type of an instance: name → (signature, function)."""
+    pointer, reals, integers = types.CPointer(instance), types.CPointer(float64), types.CPointer(int32)
+
+    def start(p, y):
+        d = carray(p, (1,))[0]
+        status = initialize(d, 0.0)
+        for j in range(len(d.step.state) - 2):
+            y[j] = d.step.state[j]
+        return status
+
+    def rate(_t, y, out, p):
+        d = carray(p, (1,))[0]
+        size = len(d.step.state) - 2
+        d.statistics.rhs_evaluations += 1
+        state_rate(d, carray(y, (size,)), d.work.stage[0])
+        for j in range(size):
+            out[j] = d.work.stage[0, j]
+
+    def least(_t, y, out, p):
+        d = carray(p, (1,))[0]
+        out[0], _ = least_event(d, carray(y, (len(d.step.state) - 2,)))
+
+    def switch_entry(p, clock, y, found):
+        d = carray(p, (1,))[0]
+        switch(d, clock, carray(y, (len(d.step.state) - 2,)), found)
+        return d.touch.active_count
+
+    def stop(p, time, y):
+        d = carray(p, (1,))[0]
+        size = len(d.step.state) - 2
+        for j in range(size):
+            d.work.y[j] = y[j]
+        d.work.y[size] = 0.0
+        d.work.y[size + 1] = 0.0
+        still(d, time, d.work.y)
+        return 0
+
+    function = void(float64, reals, reals, pointer)
+    return {
+        "peer_start": (int32(pointer, reals), start),
+        "peer_rate": (function, rate),
+        "peer_least": (function, least),
+        "peer_switch": (int32(pointer, reals, reals, integers), switch_entry),
+        "peer_stop": (int32(pointer, float64, reals), stop),
+    }
+
+
+@cache
+def load(links: int, candidates: int) -> ctypes.CDLL:
+    """The library, compiled if it is not cached."""
+    sources = Path(__file__).read_bytes() + Path(sys.modules[happen.__module__].__file__).read_bytes()
+    folder = aot.cache_folder()
+    library = folder / f"peer-{links}-{candidates}-{hashlib.sha256(sources).hexdigest()[:12]}.so"
+    if not library.exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        ir, stubs = library.with_suffix(".ll"), library.with_name(library.stem + "-stubs.c")
+        with mock.patch.object(lower, "entry_points", entry_points):
+            ir.write_text(lower.lower(links, candidates))
+        stubs.write_text("".join(aot.STUB.format(name) for name in aot.PYTHON_SYMBOLS))
+        target, _ = aot.ZIG_TARGETS[aot.HOST]
+        fresh = library.with_suffix(f".{os.getpid()}")
+        zig = [sys.executable, "-m", "ziglang", "cc", "-target", target, "-O2", "-shared", "-s"]
+        files = ["-Wno-everything", "-o", str(fresh), str(ir), str(stubs), "-lm"]
+        subprocess.run([*zig, *files], check=True)
+        fresh.replace(library)
+    model = ctypes.CDLL(str(library))
+    pointer = ctypes.c_void_p
+    model.peer_start.argtypes = [pointer] * 2
+    model.peer_rate.argtypes = model.peer_least.argtypes = [ctypes.c_double, *[pointer] * 3]
+    model.peer_rate.restype = model.peer_least.restype = None
+    model.peer_switch.argtypes = [pointer] * 4
+    model.peer_stop.argtypes = [pointer, ctypes.c_double, pointer]
+    return model

@@ -1,0 +1,171 @@
+"""Cost against the number of links: ``python benchmarks/scaling.py [--quick] [--most N]``.
+
+Flight: the folded, turning chain of rhs.py for 1 s. Heap: a chain of short links falls on a floor, with every
+point of it, and comes to rest; 1 s. Kernels are compiled for each number of links, half a minute each the
+first time.
+"""
+
+from __future__ import annotations
+
+import common  # isort: skip
+
+import argparse
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+import peers
+from peers import Contender, Outcome, cvode
+from peers.ours import Kernel, OnInstance
+from problems import Problem
+from rhs import chain
+from scipy.integrate import solve_ivp
+from textbook import Textbook
+
+from chain_impact.scene import Scene, scene_from_dict
+
+SIZES = (1, 4, 10, 30, 100, 300, 1000)
+STOP, TOLERANCE = 1.0, 1e-6
+# compiled peers take a minute to compile for a size; heyoka's expressions grow with N², NumPy's work with N³
+LIMITS = {"numbalsoda": 1000, "cvode": 1000, "scipy": 1000, "NumPy": 300, "heyoka": 10}
+HEAP_LIMIT = 100  # links, of CVODE: its dense Jacobian costs N² evaluations
+ROUNDS, SPAN, PATIENCE = 5, 0.02, 1.0
+SHOWN = ("numbalsoda DOP853", "CVODE Adams", "scipy DOP853", "heyoka")
+
+
+@dataclass(frozen=True)
+class Made(Problem):
+    """A problem whose scene is made for a number of links."""
+
+    links: int = 0
+
+    def scene(self, tolerance: float | None = None) -> Scene:
+        """The scene, with a tolerance."""
+        made = chain(self.links) if self.model == "flight" else heap(self.links)
+        return replace(made, solver=replace(made.solver, tolerance=tolerance or TOLERANCE))
+
+
+def heap(links: int) -> Scene:
+    """A chain with links of 0.1 m, folded, above a floor."""
+    return scene_from_dict(
+        {
+            "name": "Heap",
+            "gravity": [0.0, -9.81],
+            "chain": {"base": "free", "links": [{"length": 0.1, "mass": 0.1}] * links},
+            "box": {"y_min": 0.0},
+            "contact": {"stiffness": 1e6, "restitution": 0.3},
+            "initial": {"position": [0.0, 0.3], "angles": list(1.2 * np.sin(1.0 + 2.4 * np.arange(links)))},
+        },
+        "heap",
+    )
+
+
+class NumPy:
+    """What people write: the assembled matrix in NumPy, and solve_ivp."""
+
+    def __init__(self, problem: Problem) -> None:
+        first = problem.scene().initial
+        start = [*first.position, *first.angles, *first.velocity, *first.angular_velocities]
+        self.book, self.start = Textbook(problem.scene()), np.array(start)
+
+    def run(self) -> Outcome:
+        """Once."""
+        sol = solve_ivp(
+            lambda _t, y: self.book.rate(y), (0.0, STOP), self.start, "DOP853", rtol=TOLERANCE, atol=TOLERANCE
+        )
+        return Outcome(sol.y[:, -1], [], len(sol.t) - 1, sol.nfev)
+
+    outcome = run
+
+
+def flying(links: int) -> dict[str, Contender]:
+    """Who takes part in flight."""
+    problem = Made(f"flight of {links}", "", "flight", (STOP,), {}, links)
+    families = [name for name, most in LIMITS.items() if name != "NumPy" and links <= most]
+    found, missing = peers.contenders(problem, TOLERANCE, STOP, families)
+    for family, reason in missing.items():
+        print(f"left out: {family}: {reason}")
+    able: dict[str, Contender] = {"ours": Kernel(problem.scene(), STOP)}
+    able |= {name: found[name] for name in SHOWN if name in found}
+    if links <= LIMITS["NumPy"]:
+        able["NumPy, scipy DOP853"] = NumPy(problem)
+    return able
+
+
+def resting(links: int) -> dict[str, Contender]:
+    """Who takes part in the heap."""
+    problem = Made(f"heap of {links}", "", "heap", (STOP,), {}, links)
+    able: dict[str, Contender] = {"ours": Kernel(problem.scene(), STOP)}
+    if links <= HEAP_LIMIT:
+        try:
+            able |= cvode.contenders(problem, TOLERANCE, STOP, careful=1)
+        except peers.MissingError as reason:
+            print(f"left out: CVODE: {reason}")
+    return able
+
+
+def race(links: int, able: dict[str, Contender], rounds: int) -> list[dict]:
+    """Time them; the difference is to ours, which the heap amplifies beyond any use."""
+    rows, mine = {}, None
+    for name, contender in list(able.items()):
+        found = contender.outcome()
+        mine = found.state if name == "ours" else mine
+        difference = float(f"{np.abs(found.state - mine).max():.1e}")
+        onsets = len(found.onsets)
+        if isinstance(contender, OnInstance):  # its log may be shorter
+            onsets = int(contender.instance.record["impact"]["count"])
+        rows[name] = {
+            "steps": found.steps, "rhs": found.rhs, "onsets": onsets, "difference": difference,
+        }  # fmt: skip
+        if found.failed:
+            rows[name]["failed"] = found.failed
+            del able[name]
+    timings = common.interleave({name: c.run for name, c in able.items()}, rounds, SPAN, PATIENCE)
+    for name, values in timings.items():
+        rows[name] |= {"seconds": common.median(values), "times_ours": common.ratio(timings, name, "ours")}
+    table = [{"links": links, "name": name, **row} for name, row in rows.items()]
+    for row in table:
+        print({key: value for key, value in row.items() if key != "times_ours"}, flush=True)
+    return table
+
+
+def draw(page, record) -> None:
+    """Time over N, in flight and in the heap."""
+    from work_precision_chart import LOOKS, look
+
+    panels = page.subplots(1, 2)
+    for axes, key in zip(panels, ("flight", "heap"), strict=True):
+        for name in LOOKS:
+            rows = [r for r in record["results"][key] if r["name"] == name and "seconds" in r]
+            x, y = [r["links"] for r in rows], [1e3 * r["seconds"] for r in rows]
+            if rows:
+                axes.loglog(x, y, label=name, **look(name))
+        axes.set(title=f"{key}, 1 s", xlabel="links N")
+        axes.legend(fontsize=9)
+    panels[0].set_ylabel("CPU time [ms]")
+
+
+def main() -> None:
+    """Measure and draw."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="two rounds")
+    parser.add_argument("--most", type=int, default=SIZES[-1], help="largest number of links")
+    chosen = parser.parse_args()
+    rounds = 2 if chosen.quick else ROUNDS
+    started, results = common.environment(peers.PACKAGES), {"flight": [], "heap": []}
+    for links in (size for size in SIZES if size <= chosen.most):
+        for key, entrants in (("flight", flying), ("heap", resting)):
+            begin = time.time()
+            able = entrants(links)
+            print(f"{key}, {links} links: ready after {time.time() - begin:.0f} s", flush=True)
+            results[key] += race(links, able, rounds)
+    settings = {
+        "stop [s]": STOP, "tolerance": TOLERANCE, "rounds": rounds, "limits": LIMITS,
+        "limit of CVODE in the heap": HEAP_LIMIT,
+    }  # fmt: skip
+    common.save("scaling", started, settings, results)
+    common.picture("scaling", draw, (11, 4.4))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,24 @@
+"""What tables are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import common
+
+
+def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
+    """A Markdown table."""
+    head = list(head)
+    lines = [head, ["---"] * len(head), *([str(cell) for cell in row] for row in rows)]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def run(name: str, packages: Iterable[str] = ("scipy",)) -> str:
+    """When and on what a benchmark ran."""
+    record = common.load(name)
+    changed = ", with uncommitted changes" if record["sources_changed_since"] else ""
+    named = [key for key in ("python", "numpy", "numba", *packages) if key in record["versions"]]
+    versions = ", ".join(f"{key} {record['versions'][key]}" for key in named)
+    where = f"{record['machine']['processor']}, {record['machine']['cores']} cores"
+    return f"Run {record['date'][:10]} at commit `{record['commit'][:7]}`{changed}; {where}; {versions}."

@@ -1,0 +1,167 @@
+"""Work against precision of all peers: ``python benchmarks/work_precision.py [--quick] [problem …]``.
+
+Each contender at tolerances from 1e-2 to 1e-12 on the problems of problems.py, judged by the references of
+reference.py. Peers that are not installed are named and left out. ``--quick``: two rounds. With problems
+named, the others keep the rows that are stored.
+"""
+
+from __future__ import annotations
+
+import common  # isort: skip
+
+import argparse
+import math
+
+import numpy as np
+import peers
+from peers import Contender, Outcome
+from problems import PROBLEMS, Problem
+from work_precision_chart import draw_all
+
+TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
+ROUNDS, SPAN, PATIENCE = 5, 0.02, 5.0
+HOPELESS = 10.0  # m, rad, m/s, rad/s: an error that is no longer one
+
+
+def judge(found: Outcome, expected: dict, stop: float) -> dict:
+    """Largest error of the state (m, rad, m/s, rad/s alike) and of the onsets [s]."""
+    row = {"steps": found.steps, "rhs": found.rhs, "onsets": len(found.onsets)}
+    if found.failed:
+        return {**row, "failed": found.failed}
+    truth = np.array(expected["states"][expected["times"].index(stop)])
+    true = [(i["candidate"], i["onset"]) for i in expected["impacts"] if i["onset"] < stop]
+    right = [c for c, _ in found.onsets] == [c for c, _ in true]
+    error = float(np.abs(found.state - truth).max())
+    if not math.isfinite(error):
+        return {**row, "failed": "not finite"}
+    late = [abs(a - b) for (_, a), (_, b) in zip(found.onsets, true, strict=False)]
+    return {
+        **row,
+        "error": float(f"{error:.3e}"),
+        "onset_error": float(f"{max(late):.3e}") if right and late else None,
+        "onsets_right": right,
+    }
+
+
+def measure(
+    problem: Problem, tolerance: float, stop: float, expected: dict, rounds: int
+) -> tuple[list, dict]:
+    """All contenders at one tolerance up to one time; and who is missing."""
+    contenders, missing = peers.contenders(problem, tolerance, stop)
+    rows: dict[str, dict] = {}
+    able: dict[str, Contender] = {}
+    for name, contender in contenders.items():
+        rows[name] = judge(contender.outcome(), expected, stop)
+        if "failed" not in rows[name]:
+            able[name] = contender
+    timings = common.interleave({name: c.run for name, c in able.items()}, rounds, SPAN, PATIENCE)
+    for name, values in timings.items():
+        rows[name] |= {
+            "seconds": common.median(values),
+            "rounds": len(values),
+            "times_ours": common.ratio(timings, name, "ours"),
+        }
+    table = []
+    for name, row in rows.items():
+        table.append({"problem": problem.name, "stop": stop, "tolerance": tolerance, "name": name, **row})
+        said = (
+            f"{1e3 * row['seconds']:9.3f} ms  error {row['error']:.1e}" if "error" in row else row["failed"]
+        )
+        print(f"{problem.name:7}{stop:4} {tolerance:.0e} {name:22} {said}", flush=True)
+    return table, missing
+
+
+def usable(rows: list[dict], problem: str, stop: float, name: str) -> list[dict]:
+    """The runs of a contender on a problem that saw the right impacts."""
+    return [
+        r
+        for r in rows
+        if (r["problem"], r["stop"], r["name"]) == (problem, stop, name)
+        and r.get("onsets_right")
+        and 0.0 < r["error"] < HOPELESS
+    ]
+
+
+def at_equal_error(mine: dict, points: list[dict]) -> float | None:
+    """How many times as long a peer takes to reach the error of one of our runs.
+
+    On straight lines between its points in the chart. Where even its loosest run errs less, that run; None
+    where none of its runs comes that close.
+    """
+    if not points:
+        return None
+    # a run that is beaten by another in both is no part of its front
+    front = [
+        p for p in points if not any(q["error"] < p["error"] and q["seconds"] < p["seconds"] for q in points)
+    ]
+    line = sorted((math.log(p["error"]), math.log(p["seconds"])) for p in front)
+    target = math.log(mine["error"])
+    if target < line[0][0]:
+        return None
+    return float(f"{math.exp(np.interp(target, *zip(*line, strict=True))) / mine['seconds']:.3g}")
+
+
+def compared(rows: list[dict]) -> list[dict]:
+    """For each of our runs the peers' times at equal error, as multiples of ours, and the best of them."""
+    names = list(dict.fromkeys(r["name"] for r in rows if not r["name"].startswith("ours")))
+    found = []
+    for mine in (r for r in rows if r["name"] == "ours" and "seconds" in r and r["onsets_right"]):
+        problem, stop = mine["problem"], mine["stop"]
+        ratios = {name: at_equal_error(mine, usable(rows, problem, stop, name)) for name in names}
+        ratios = {name: value for name, value in ratios.items() if value is not None}
+        found.append(
+            {
+                "problem": problem,
+                "stop": stop,
+                "tolerance": mine["tolerance"],
+                "error": mine["error"],
+                "best scipy": best(ratios, ("scipy",)),
+                "best compiled": best(ratios, peers.COMPILED),
+                "all": ratios,
+            }
+        )
+    return found
+
+
+def best(ratios: dict[str, float], families: tuple[str, ...]) -> dict | None:
+    """The fastest peer of some families."""
+    those = {name: value for name, value in ratios.items() if name.split()[0] in families}
+    name = min(those, key=those.__getitem__, default=None)
+    return {"name": name, "times ours": those[name]} if name else None
+
+
+def main() -> None:
+    """Measure and draw."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("problems", nargs="*", help="of problems.py")
+    parser.add_argument("--quick", action="store_true", help="two rounds")
+    chosen = parser.parse_args()
+    names = chosen.problems or list(PROBLEMS)
+    started = common.environment(peers.PACKAGES)
+    references = common.load("reference")["results"]
+    rows: list[dict] = []
+    if chosen.problems and (common.RESULTS / "work_precision.json").exists():
+        rows = [r for r in common.load("work_precision")["results"]["rows"] if r["problem"] not in names]
+    missing: dict[str, str] = {}
+    rounds = 2 if chosen.quick else ROUNDS
+    for name in names:
+        for stop in PROBLEMS[name].times:
+            for tolerance in TOLERANCES:
+                found, absent = measure(PROBLEMS[name], tolerance, stop, references[name], rounds)
+                rows += found
+                missing |= absent
+    for family, reason in missing.items():
+        print(f"left out: {family}: {reason}")
+    settings = {
+        "tolerances": TOLERANCES, "rounds": rounds, "left out": missing,
+        "tolerance of peers": "rtol = atol; see peers/ for everything else",
+    }  # fmt: skip
+    results = {"rows": rows, "at equal error": compared(rows)}
+    for row in results["at equal error"]:
+        print({key: value for key, value in row.items() if key != "all"})
+    common.save("work_precision", started, settings, results)
+    draw_all()
+
+
+if __name__ == "__main__":
+    main()
