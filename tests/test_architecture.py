@@ -21,6 +21,7 @@ TESTED_ELSEWHERE = {
     "export/fmu.py": "fmu/test_build.py",
     "kernel/advance.py": "test_simulate.py",  # what only whole simulations can show
     "kernel/combination.py": "kernel/test_explicit.py",
+    "kernel/complete.py": "kernel/test_explicit.py",
     "kernel/contact.py": "kernel/test_contact_laws.py",
     "kernel/dense.py": "kernel/test_explicit.py",
     "kernel/dop853.py": "kernel/test_explicit.py",

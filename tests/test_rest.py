@@ -63,6 +63,20 @@ def test_coming_to_rest_costs_a_bounded_number_of_steps(stiffness, restitution):
     assert after["rhs_evaluations"] - before["rhs_evaluations"] <= 500 * 2
 
 
+@pytest.mark.parametrize("restitution", [0.05, 0.1])
+@pytest.mark.parametrize("stiffness", [1e10, 1e12])
+def test_loose_tolerances_see_the_same_contacts_and_sound_outputs(stiffness, restitution):
+    """A careless penetration bounces: false onsets, and forces of kilonewtons in the outputs."""
+    onsets = {}
+    for tolerance in (1e-3, 1e-4, 1e-8):
+        scene = with_values(quiet_chain(stiffness, restitution), {("solver", "tolerance"): tolerance})
+        result = simulate(scene, stop_time=1.5, output_step=5e-4)
+        onsets[tolerance] = len(result.impacts)
+        assert balance(result) < max(1e-6, tolerance)
+    assert onsets[1e-4] == pytest.approx(onsets[1e-8], abs=1)
+    assert onsets[1e-3] == pytest.approx(onsets[1e-8], abs=2)
+
+
 def test_a_stiff_wall_does_not_bound_the_step_while_links_that_touch_turn():
     """At t = 0.7 to 1.2 s links fold on the floor, with some points at rest.
 

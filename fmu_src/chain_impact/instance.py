@@ -117,6 +117,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),  # interpolant over `size`
         ("rate_known", INTEGER),  # 1: the last stage is ẏ at `end`
         ("dense_for", INTEGER),  # who has had the dense output so far, see kernel/dense.py
+        ("made_implicit", INTEGER),  # 1: the last step was an implicit one
         ("cleared", INTEGER),  # 1: the clearances at `end` are in `work.clear_end`, 2: their curvatures too
         ("implicit", INTEGER),  # 1: the implicit method is at work
         ("doubts", INTEGER),  # steps in a row for which the other method would do better …

@@ -10,7 +10,7 @@ from scipy.special import ellipj
 
 from chain_impact.instance import new_instance
 from chain_impact.kernel import dop853
-from chain_impact.kernel.dense import SOLVER, interpolate, rate_bounds
+from chain_impact.kernel.dense import interpolate, rate_bounds
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.explicit import accept, attempt, complete
 from chain_impact.kernel.initialize import initialize
@@ -134,7 +134,7 @@ def step(d, h):
     state_rate(d, d["step"]["state_end"], d["work"]["stage"][0])
     error = attempt(d, h)
     accept(d, h)
-    complete(d, SOLVER)
+    complete(d)
     return error
 
 

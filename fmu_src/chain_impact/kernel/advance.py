@@ -9,11 +9,11 @@ the communication point has passed it.
 import math
 
 from chain_impact.kernel import explicit, implicit
+from chain_impact.kernel.complete import complete
 from chain_impact.kernel.contact import along_normal, clear_loads, clearance, latch, locate_points
 from chain_impact.kernel.dense import OUTPUTS, interpolate
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.events import RELATCH, RELATCH_RATIO, TOUCH, find_event
-from chain_impact.kernel.explicit import complete
 from chain_impact.kernel.impacts import finish, follow_contacts
 from chain_impact.kernel.initialize import derive_law, first_size, still
 from chain_impact.kernel.jit import jit
@@ -69,9 +69,9 @@ def restart(d):
 @jit
 def take_step(d):
     """Take one accepted step, up to the first event in it; returns a status."""
-    status = watch_work(d)
+    status = watch_events(d, begin(d))
     if status == OK:
-        status = watch_events(d, begin(d))
+        status = watch_work(d)
     if status != OK:
         return status
     h = min(d.step.next_size, LONGEST_STEP)

@@ -9,7 +9,7 @@ NOBODY, OUTPUTS, SOLVER = 0, 1, 2  # who has had the dense output of the last st
 
 
 @jit
-def extend(step, h, y):
+def extend(step, h, y, implicit):
     """Append a step of size h [s] that ends in state y; its interpolant and final rate are yet to be set."""
     for j in range(len(step.state)):
         step.state[j] = step.state_end[j]
@@ -18,6 +18,8 @@ def extend(step, h, y):
     step.size = h
     step.end = step.start + h
     step.rate_known = 0
+    step.dense_for = NOBODY
+    step.made_implicit = implicit
 
 
 @jit

@@ -15,9 +15,10 @@ force, grow without bound; v₀ is latched anew.
 
 import math
 
+from chain_impact.kernel.complete import complete
 from chain_impact.kernel.contact import accelerate_points, along_normal, clearance, locate_points
-from chain_impact.kernel.dense import NOBODY, SOLVER, interpolate, rate_bounds
-from chain_impact.kernel.explicit import LAST, complete
+from chain_impact.kernel.dense import SOLVER, interpolate, rate_bounds
+from chain_impact.kernel.explicit import LAST
 from chain_impact.kernel.implicit import clearance_curvature
 from chain_impact.kernel.jit import jit
 
@@ -40,15 +41,15 @@ def find_event(d):
     """
     if len(d.touch.active) == 0:
         return -1.0
-    if d.step.dense_for == NOBODY:
+    if d.step.made_implicit:
+        if not d.step.cleared:
+            measure(d, 0.0)
+        keep_start(d)
+    else:
         if plainly_clear(d):
             d.step.cleared = WITH_CURVES
             return -1.0
         complete(d, SOLVER)
-    else:
-        if not d.step.cleared:
-            measure(d, 0.0)
-        keep_start(d)
     bound_curvature(d)
     theta = find_touch(d)
     if d.touch.active_count > 0:
@@ -67,15 +68,18 @@ def plainly_clear(d):
     if d.step.cleared != WITH_CURVES:
         measure_end(d, d.step.state, d.work.stage[0])
     keep_start(d)
+    for c in range(len(d.touch.active)):
+        d.work.clear_start_curve[c] = d.work.clear_end_curve[c]
     measure_end(d, d.step.state_end, d.work.stage[LAST])
-    n, h = len(d.model.length), d.step.size
-    turn = 0.0
+    n, h, work = len(d.model.length), d.step.size, d.work
+    turn, reach = 0.0, 0.0
     for i in range(n):
-        turn = max(turn, abs(d.step.state[n + 4 + i]), abs(d.step.state_end[n + 4 + i]))
-    turn *= h
-    # the remainder is h⁶ φ⁽⁶⁾/46080; ten times that of a point on a link that turns evenly
-    error = d.model.size * turn**6 / 4608.0
-    work = d.work
+        omega = max(abs(d.step.state[n + 4 + i]), abs(d.step.state_end[n + 4 + i]))
+        alpha = max(abs(work.stage[0, n + 4 + i]), abs(work.stage[LAST, n + 4 + i]))
+        turn = max(turn, h * (omega + 0.5 * h * alpha))
+        reach += d.model.length[i]
+    # the remainder is h⁶ φ⁽⁶⁾/46080; ten times that of the tip of a stretched chain that turns evenly
+    error = reach * turn**6 / 4608.0
     clear = turn < SMALL_TURN
     for c in range(len(d.touch.active)):
         b1 = work.clear_start[c] + h * work.clear_start_rate[c] / 5.0
@@ -191,7 +195,7 @@ def bound_curvature(d):
         acceleration[i + 1] = bound
     for c in range(len(d.touch.active)):
         d.work.curvature[c] = acceleration[d.model.candidate_point[c]]
-    if d.step.implicit:
+    if d.step.made_implicit:
         for k in range(d.touch.active_count):
             d.work.curvature[d.touch.active_index[k]] = clearance_curvature(d, k)
 
@@ -202,6 +206,7 @@ def measure(d, theta):
     if theta == 1.0:
         locate_points(d.model, d.step.state_end, d.work)
     else:
+        complete(d, SOLVER)
         interpolate(d.step, theta, d.work.y)
         locate_points(d.model, d.work.y, d.work)
     set_clearances(d)
@@ -223,7 +228,6 @@ def keep_start(d):
     for c in range(len(d.touch.active)):
         d.work.clear_start[c] = d.work.clear_end[c]
         d.work.clear_start_rate[c] = d.work.clear_end_rate[c]
-        d.work.clear_start_curve[c] = d.work.clear_end_curve[c]
 
 
 @jit

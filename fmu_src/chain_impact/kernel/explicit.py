@@ -5,7 +5,7 @@ import math
 from chain_impact.kernel import dop853
 from chain_impact.kernel.combination import combination
 from chain_impact.kernel.contact import locate_points
-from chain_impact.kernel.dense import DENSE_COEFFICIENTS, NOBODY, SOLVER, extend
+from chain_impact.kernel.dense import DENSE_COEFFICIENTS, extend
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.errors import scaled_error, set_gap_errors
 from chain_impact.kernel.jit import jit
@@ -14,7 +14,7 @@ STAGES = len(dop853.A)
 LAST = dop853.STEP_STAGES  # the stage at the end of the step
 EXPONENT = -1.0 / dop853.ORDER
 STEP_EVALUATIONS = LAST - 1  # new right-hand sides of a step that is then rejected …
-DENSE_EVALUATIONS = STAGES - LAST  # … and what an accepted one needs on top
+DENSE_EVALUATIONS = STAGES - LAST  # … of its dense output, besides the one at its end
 
 
 def _stage(i, base):
@@ -83,29 +83,16 @@ def attempt(d, h):
 @jit
 def accept(d, h):
     """Make the step that was tried the last accepted one, with the rate at its end."""
-    extend(d.step, h, d.work.y)
+    extend(d.step, h, d.work.y, 0)
     state_rate(d, d.step.state_end, d.work.stage[LAST])
     d.statistics.rhs_evaluations += 1
     d.step.rate_known = 1
-    d.step.dense_for = NOBODY
 
 
 @jit
-def complete(d, reader):
-    """See that the last step has its dense output, before anything changes that it depends on.
-
-    What only outputs need does not count as evaluations by the solver: the count does not depend on them.
-
-    Args:
-        d: the instance.
-        reader: who needs it, OUTPUTS or the SOLVER.
-    """
+def complete(d):
+    """Set the dense output of the last step."""
     step, h = d.step, d.step.size
-    known, step.dense_for = step.dense_for, max(step.dense_for, reader)
-    if known < SOLVER <= reader:
-        d.statistics.rhs_evaluations += DENSE_EVALUATIONS
-    if known != NOBODY:
-        return
     _dense_stages(d, h)
     for j in range(len(d.work.y)):
         # the interpolant is y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + (1−θ)(F₃ + θ(F₄ + (1−θ)(F₅ + θ F₆))))))

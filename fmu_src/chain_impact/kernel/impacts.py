@@ -1,5 +1,6 @@
 """What is known of each impact: its peak values, followed during contact, and the log of finished ones."""
 
+from chain_impact.kernel.complete import complete
 from chain_impact.kernel.contact import (
     accelerate_points,
     along_normal,
@@ -10,7 +11,6 @@ from chain_impact.kernel.contact import (
 from chain_impact.kernel.contact_laws import elastic_force
 from chain_impact.kernel.dense import SOLVER, interpolate
 from chain_impact.kernel.equations import state_rate
-from chain_impact.kernel.explicit import complete
 from chain_impact.kernel.jit import jit
 
 FORCE, PENETRATION = 0, 1
@@ -53,9 +53,11 @@ def follow_contacts(d, rate):
 def follow_to_now(d):
     """Follow the active contacts up to the communication point, where the last step ends from now on."""
     step, rate = d.step, d.work.stage[0]
+    complete(d, SOLVER)
     interpolate(step, (step.time - step.start) / step.size, step.state_end)
     step.end = step.time
     step.rate_known = 0
+    step.cleared = 0
     state_rate(d, step.state_end, rate)
     follow_contacts(d, rate)
 

@@ -18,7 +18,8 @@ the recursion:
     x_v = r_v − Δ,   x_ġ = r_ġ − J Δ,   x_q = r_q + hγ x_v,   x_g = r_g + hγ x_ġ,
 
 with Δ the response of the chain to impulses at the touching points, and the contacts' impedance D added to
-the articulated inertia there. A result is moved to the g and ġ that came with it in the same way.
+the articulated inertia there. The coordinates of a result are moved to the g and ġ that came with it in the
+same way, and those of its dense output in between. How far they had left them counts as an error.
 """
 
 from chain_impact.kernel import ros34pw2
@@ -35,7 +36,7 @@ from chain_impact.kernel.contact import (
     locate_points,
     zero,
 )
-from chain_impact.kernel.dense import SOLVER, extend
+from chain_impact.kernel.dense import extend, interpolate
 from chain_impact.kernel.equations import loaded_rate
 from chain_impact.kernel.errors import scaled_error
 from chain_impact.kernel.jit import jit
@@ -47,6 +48,7 @@ START_RATE, RATE, CORRECTION, RIGHT, ZEROS, ERROR = 0, 5, 6, 7, 8, 9
 ROWS = 10
 STEP_EVALUATIONS = len(ros34pw2.B) - 1  # the first stage has f at the start of the step
 EXPONENT = -1.0 / ros34pw2.ORDER
+APART = 0.03  # of a penetration, by which the coordinates may leave the clearance over a step
 
 
 def _stage(i, rate, solve_shifted):
@@ -214,37 +216,57 @@ def attempt(d, h):
     d.statistics.rhs_evaluations += STEP_EVALUATIONS + active
     for j in range(len(work.y)):
         work.y[j] = work.implicit.z[j]
-        work.error[0, j] = work.implicit.stage[ERROR, j]
+        work.error[0, j] = abs(work.implicit.stage[ERROR, j])
     for k in range(active):
         work.gap_error[k] = work.implicit.stage[ERROR, gap_at(d, k)]
     locate_points(d.model, work.y, work)
-    return scaled_error(d, 0)
+    apart = largest_mismatch(d)
+    for derivative in range(2):
+        for k in range(active):
+            at = rate_at(d, k) if derivative else gap_at(d, k)
+            work.implicit.normal[k] = work.implicit.z[at]
+        first, change = meet(d, derivative)
+        for j in range(len(change)):
+            work.y[first + j] += change[j]
+            work.error[0, first + j] += abs(change[j])
+    return max(scaled_error(d, 0), apart / APART)
 
 
 @jit
-def meet_clearances(d):
-    """Move the located result in ``work.y`` to the clearances and their rates in z.
+def largest_mismatch(d):
+    """How far the located coordinates have left the clearances in z, in parts of the penetration."""
+    worst = 0.0
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        gap, _ = clearance(d, c)
+        depth = max(d.touch.depth_scale[c], -gap)
+        worst = max(worst, abs(d.work.implicit.z[gap_at(d, k)] - gap) / depth)
+    return worst
 
-    The coordinates are off by errors far within the tolerance, which a stiff wall would still feel as a blow.
+
+@jit
+def meet(d, derivative):
+    """The change of coordinates (or, for derivative 1, velocities) to the clearances (rates) in ``normal``.
+
+    The coordinates that are integrated beside the clearances differ from them by little, which a stiff wall
+    would feel as a blow. The points have to be located.
+
+    Returns:
+        Where the coordinates begin in y, and their change.
     """
     n, own = len(d.model.length), d.work.implicit
-    change = own.stage[RIGHT]
-    for derivative in range(2):
-        for k in range(d.touch.active_count):
-            gap, gap_rate = clearance(d, d.touch.active_index[k])
-            missing = own.z[rate_at(d, k)] - gap_rate if derivative else own.z[gap_at(d, k)] - gap
-            own.normal[k] = own.impedance[k] * missing
-        respond(d, change[0:2], change[2 : n + 2])
-        for j in range(n + 2):
-            d.work.y[derivative * (n + 2) + j] += change[j]
+    change = own.stage[RIGHT, : n + 2]
+    for k in range(d.touch.active_count):
+        gap, gap_rate = clearance(d, d.touch.active_index[k])
+        own.normal[k] = own.impedance[k] * (own.normal[k] - (gap_rate if derivative else gap))
+    respond(d, change[0:2], change[2 : n + 2])
+    return derivative * (n + 2), change
 
 
 @jit
 def accept(d, h):
-    """Make the step that was tried the last accepted one, with its dense output."""
-    meet_clearances(d)
-    extend(d.step, h, d.work.y)
-    d.step.dense_for = SOLVER
+    """Make the step that was tried the last accepted one, with a dense output for the state alone."""
+    extend(d.step, h, d.work.y, 1)
     dense, stages = d.step.dense, d.work.implicit.stage
     for j in range(len(d.work.y)):
         for m in range(len(dense)):
@@ -256,6 +278,41 @@ def accept(d, h):
             dense[2, j] -= h * cube * stages[i, j]
     for j in range(len(d.work.y)):
         dense[0, j] = d.step.state_end[j] - d.step.state[j]
+
+
+@jit
+def complete(d):
+    """Make the dense output keep the clearances in between, too, at thirds of the last step.
+
+    F₃ and F₄ of dense.py, with θ²(1−θ)² and θ³(1−θ)², leave its ends as they are.
+    """
+    dense = d.step.dense
+    if d.touch.active_count == 0:
+        return
+    for third in range(1, 3):
+        interpolate(d.step, third / 3.0, d.work.y)
+        locate_points(d.model, d.work.y, d.work)
+        for derivative in range(2):
+            for k in range(d.touch.active_count):
+                at = rate_at(d, k) if derivative else gap_at(d, k)
+                d.work.implicit.normal[k] = interpolated(d, at, third / 3.0)
+            first, change = meet(d, derivative)
+            for j in range(len(change)):
+                d.work.error[third - 1, first + j] = change[j]
+    for j in range(len(d.work.y) - 2):
+        one, two = d.work.error[0, j], d.work.error[1, j]
+        # 4/81 F₃ + 4/243 F₄ and 4/81 F₃ + 8/243 F₄ are to be the changes
+        dense[4, j] = 243.0 / 4.0 * (two - one)
+        dense[3, j] = 81.0 / 4.0 * one - dense[4, j] / 3.0
+
+
+@jit
+def interpolated(d, j, theta):
+    """Component j of z at the fraction θ of the last step."""
+    own, total = d.work.implicit, 0.0
+    for i, (linear, square, cube) in _DENSE:
+        total += theta * (linear + theta * (square + theta * cube)) * own.stage[i, j]
+    return own.start[j] + d.step.size * total
 
 
 @jit
