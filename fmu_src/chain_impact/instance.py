@@ -86,7 +86,12 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("restitution", REAL),
         ("radius", REAL),  # m
         ("minimum_impact_speed", REAL),  # m/s, floor of the latched impact speed
-        ("damping_factor", REAL),  # λ, derived whenever law or restitution changes
+        # derived whenever law or restitution changes
+        ("damping_factor", REAL),  # f(e), λ of the Hunt–Crossley family
+        ("rate_exponent", REAL),  # p of the damping d δᵖ δ̇
+        ("approach_only", INTEGER),  # 1: damped while compressing only
+        ("derived_law", INTEGER),  # law and …
+        ("derived_restitution", REAL),  # … restitution that these are for
     )
     initial = _record(
         ("position", REAL, (2,)),  # m
@@ -132,6 +137,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("impact_speed", REAL, (candidates,)),  # m/s, v0 of the force law
         ("effective_mass", REAL, (candidates,)),  # kg, 1/(J M⁻¹ Jᵀ) at onset
         ("depth_scale", REAL, (candidates,)),  # m, expected penetration
+        ("damping", REAL, (candidates,)),  # N·s/m^(p+1), d of the force law
         ("speed", REAL, (candidates,)),  # m/s, δ̇ and …
         ("force_rate", REAL, (candidates,)),  # N/s, dF/dt at the start of the step, to find the peaks
         ("peak_force", REAL, (candidates,)),  # N

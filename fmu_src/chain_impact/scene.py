@@ -352,8 +352,12 @@ def _check_together(scene: Scene) -> None:
         if point not in movable or contact.points.count(point) > 1:
             span = f"{movable[0]} to {movable[-1]} with a {scene.chain.base} base, each once"
             raise SceneError(f"contact.points holds {_shown(point)}, must hold {span}")
-    if contact.restitution == 0.0 and not CONTACT_LAWS[contact.model].allows_zero:
-        raise SceneError(f"contact.restitution = 0.0 must be > 0 for the contact model {contact.model}")
+    law = CONTACT_LAWS[contact.model]
+    if contact.restitution == 0.0 and not law.allows_zero:
+        raise SceneError(f"contact.restitution = 0.0 must be > 0 for the contact model {law.id}")
+    if not law.allows_exponent(contact.exponent):
+        needed = f"{law.exponent} for the contact model {law.id}"
+        raise SceneError(f"contact.exponent = {contact.exponent} must be {needed}")
     if scene.chain.base == "pinned" and any(scene.initial.velocity):
         raise SceneError(f"initial.velocity = {list(scene.initial.velocity)} must be zero for a pinned base")
     for axis, low, high in (("x", box.x_min, box.x_max), ("y", box.y_min, box.y_max)):

@@ -8,14 +8,8 @@ from scipy.integrate import quad, solve_ivp
 
 from chain_impact import CONTACT_LAWS, simulate
 from chain_impact.instance import new_instance
-from chain_impact.kernel.contact_laws import (
-    LAW_COUNT,
-    damping_factor,
-    elastic_depth,
-    elastic_energy,
-    elastic_force,
-    force_over_elastic,
-)
+from chain_impact.kernel.contact_force import elastic_depth, elastic_energy, elastic_force
+from chain_impact.kernel.contact_laws import LAW_COUNT, damping_factor
 from chain_impact.kernel.initialize import derive_law
 from tests.problems import ball, struck_ball
 from tests.reference import exact_damping_factor, realised_restitution
