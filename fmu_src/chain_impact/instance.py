@@ -15,6 +15,7 @@ from functools import cache
 
 import numpy as np
 
+from chain_impact.kernel.contact_force import USER_LAW
 from chain_impact.kernel.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.explicit import STAGES
@@ -257,7 +258,8 @@ def new_instance(scene: Scene) -> np.ndarray:
     model["driven"] = scene.inputs.joint_torques or scene.inputs.tip_force
 
     contact = d["contact"]
-    contact["law"] = CONTACT_LAWS[scene.contact.model].number
+    law = CONTACT_LAWS.get(scene.contact.model)
+    contact["law"] = law.number if law else USER_LAW
     for name in ("stiffness", "exponent", "restitution", "radius", "minimum_impact_speed"):
         contact[name] = getattr(scene.contact, name)
 

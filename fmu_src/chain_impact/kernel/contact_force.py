@@ -66,7 +66,7 @@ def latch_damping(d, c):
 
 @jit
 def law_force(d, c, depth, rate):
-    """Force [N] of candidate c at a penetration δ ≥ 0 [m] and its rate [m/s], and its elastic part K δⁿ [N]."""
+    """Force of candidate c at a penetration δ ≥ 0 [m] and its rate [m/s], and its elastic part K δⁿ [N]."""
     contact = d.contact
     spring = power(depth, contact.exponent)
     elastic = contact.stiffness * spring

@@ -211,7 +211,10 @@ def carvalho_martins(e):
     allows_zero=False,
 )
 def kelvin_voigt(e):
-    """Spring and dashpot: the force jumps at the onset. Cut off at 0 it realises e^(1 − (2/π) arctan(−ln e/π))."""
+    """Spring and dashpot: the force jumps at the onset. Its f is that of a contact that can pull.
+
+    Cut off at 0, it realises e^(1 − (2/π) arctan(−ln e/π)).
+    """
     return _logarithmic_damping(2.0, e)
 
 
@@ -227,7 +230,7 @@ def kelvin_voigt(e):
     allows_zero=False,
 )
 def tsuji(e):
-    """Kelvin–Voigt in δ^(5/4): the same restitution. The force rises steeply, as δ^¼, which costs steps."""
+    """Kelvin–Voigt in δ^(5/4), with the same restitution. The force rises steeply, as δ^¼."""
     return _logarithmic_damping(math.sqrt(5.0), e)
 
 
@@ -250,7 +253,7 @@ def _logarithmic_damping(scale, e):
     allows_zero=False,
 )
 def jankowski(e):
-    """Damped on approach only, so never pulls; made for pounding of buildings. Rises as δ^¼, as Tsuji's."""
+    """For pounding of buildings: damped on approach only, so never pulls. The force rises as δ^¼."""
     return 9.0 * math.sqrt(5.0) * (1.0 - e * e) / (e * (e * (9.0 * math.pi - 16.0) + 16.0))
 
 
@@ -266,7 +269,10 @@ def jankowski(e):
     allows_zero=False,
 )
 def kuwabara_kono(e):
-    """Viscoelastic spheres: e holds at 1 m/s; slower impacts rebound better, faster ones worse, as in v₀^(1/5)."""
+    """Viscoelastic spheres: the prescribed e is that of a free impact at 1 m/s.
+
+    Slower impacts rebound better and faster ones worse: restitution depends on f v₀^(1/5).
+    """
     if not e > 0.0:
         return math.inf
     if e >= 1.0:
@@ -319,6 +325,8 @@ def _dispatch(functions):
     others = _dispatch(rest)
     return jit(lambda number, e: first(e) if number == 1 else others(number - 1, e))
 
+
+__all__ = ["CONTACT_LAWS", "LAW_COUNT", "contact_law", "damping_factor"]
 
 _LAWS = tuple(CONTACT_LAWS.values())
 LAW_COUNT = len(_LAWS)

@@ -58,7 +58,7 @@ class ContactLaw:
         if self.rate_exponent is None:
             return FAMILY_FORCE
         rate = "max(0, δ̇)" if self.approach_only else "δ̇"
-        spring = {1.0: "Kδ", 1.5: "Kδ^{3/2}"}[self.exponent]
+        spring = "Kδ" if self.exponent == 1.0 else "Kδ√δ"
         return f"{spring} + d {POWERS[self.rate_exponent]}{rate}"
 
     @property

@@ -15,13 +15,10 @@ ARGUMENTS = (
 """What a law may ask for: δ ≥ 0 [m], δ̇ [m/s], v₀ [m/s], m_eff [kg], K [N/mⁿ], n, e."""
 
 
-@jit
-def force(penetration, rate, impact_speed, effective_mass, stiffness, exponent, restitution):
-    """The force of the user's law [N], before it is cut off at 0."""
-    return 0.0
+force = jit(lambda *_: 0.0)  # N, of ARGUMENTS, before it is cut off at 0
 
 
-def install(function):
-    """Compile a function of ``ARGUMENTS`` as the user's law of the kernels lowered from now on."""
-    global PRESENT, force  # noqa: PLW0603
-    PRESENT, force = True, jit(function)
+def install(compiled):
+    """Make a compiled function of ``ARGUMENTS`` the user's law of the kernels lowered from now on."""
+    global PRESENT, force
+    PRESENT, force = True, compiled
