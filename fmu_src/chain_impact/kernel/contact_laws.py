@@ -275,9 +275,9 @@ def kuwabara_kono(e):
     """
     if not e > 0.0:
         return math.inf
-    if e >= 1.0:
-        return 0.0
-    # e′(f) falls from 1, and tends to 1.31 f^(−5/3)
+    if 1.0 - e < 1e-6:
+        return (1.0 - e) / 1.153449
+    # e′(f) falls from 1, as 1 − 1.153449 f, and tends to 1.31 f^(−5/3)
     low, high = 0.0, 2.0 * e**-0.6
     while high - low > 1e-14 * high:
         middle = 0.5 * (low + high)
@@ -307,7 +307,7 @@ def viscoelastic_rebound(damping):
         before, last = w, slope
         w += h * (w1 + 2.0 * (w2 + w3) + w4) / 6.0
         slope = _slowing(z, w, damping)
-        if w < 0.0 and slope >= 0.0:
+        if w < 0.0 and (slope >= 0.0 or z <= 0.0):
             # the slope is all but linear over the step: w falls on until it is zero
             return -(before + 0.5 * h * last * last / (last - slope))
 
