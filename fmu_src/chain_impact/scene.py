@@ -307,7 +307,7 @@ def _with_law(scene: Scene, folder: Path) -> Scene:
     try:
         read_law(path)
     except LawError as error:
-        raise SceneError(f"contact.law_file = {_shown(file)} {error}") from None
+        raise SceneError(f"contact.law_file = {file!r} {error}") from None
     return replace(scene, contact=replace(scene.contact, law_file=str(path)))
 
 

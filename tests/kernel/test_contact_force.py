@@ -94,7 +94,7 @@ def test_the_force_begins_at_zero_if_the_registry_says_so(law):
 
 
 @LAWS
-@pytest.mark.parametrize("rate", [-0.3 * SPEED, 0.4 * SPEED])
+@pytest.mark.parametrize("rate", [-0.25 * SPEED, 0.4 * SPEED])
 def test_slopes_are_those_of_the_force(law, rate):
     d, depth, h = contact_of(law.id), 1e-3, 1e-5
 
