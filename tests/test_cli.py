@@ -306,7 +306,7 @@ def compiling(monkeypatch):
     """Let the cached kernel look as if it had to be compiled."""
     cached = SIMULATE_MODULE.kernel_library
 
-    def kernel_library(*arguments, notify):
+    def kernel_library(*arguments, notify, **_):
         notify("compiling the kernel")
         return cached(*arguments)
 
