@@ -1,6 +1,7 @@
 """Draw the chart of realised against prescribed restitution: ``python docs/charts.py``.
 
-The curves come from the registry of contact laws and the exact relation of docs/contact_laws.md.
+The curves come from the registry of contact laws and the exact relation of docs/contact_laws.md, which is
+that of the Hunt–Crossley family.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ from matplotlib import colormaps
 from matplotlib.figure import Figure
 from scipy.special import lambertw
 
-from chain_impact.kernel.contact_laws import CONTACT_LAWS, ContactLaw
+from chain_impact.kernel.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.law_registry import ContactLaw
 
 PICTURE = Path(__file__).parent / "images" / "restitution.png"
 SAMPLES = np.linspace(0.005, 1.0, 400)
@@ -39,7 +41,7 @@ def curve(law: ContactLaw) -> np.ndarray:
 def groups() -> dict[str, list[ContactLaw]]:
     """Laws with the same λ(e), by their formula: they share a curve."""
     found: dict[str, list[ContactLaw]] = {}
-    for law in CONTACT_LAWS.values():
+    for law in (law for law in CONTACT_LAWS.values() if law.rate_exponent is None):
         found.setdefault(law.formula, []).append(law)
     return found
 

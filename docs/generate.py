@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any, get_args, get_origin
 
 from chain_impact import cli
 from chain_impact.kernel.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.law_registry import ContactLaw
 from chain_impact.kernel.status import STATUS_TEXT
+from chain_impact.limits import Derived, allowed
 from chain_impact.scene import (
     WALLS,
-    Derived,
     Scene,
-    allowed,
     load_scene,
     model_names,
     models_folder,
@@ -212,7 +212,7 @@ def statuses() -> str:
 
 def contact_laws() -> str:
     """The registry of contact laws."""
-    head = ("number", "id", "law", "λ(e)", "within 5 % for", "allowed", "evidence")
+    head = ("number", "id", "law", "f(e)", "within 5 % for", "allowed", "evidence", "limits")
     rows = (
         (
             str(law.number),
@@ -222,10 +222,29 @@ def contact_laws() -> str:
             _accurate(law.accurate_from, law.accurate_to),
             law.restitution_range,
             law.evidence,
+            law.limits,
         )
         for law in CONTACT_LAWS.values()
     )
     return table(head, rows)
+
+
+def contact_forces() -> str:
+    """Force, damping and exponent of the laws, the Hunt–Crossley family as one."""
+    rows: dict[str, list[ContactLaw]] = {}
+    for law in CONTACT_LAWS.values():
+        rows.setdefault(law.force if law.rate_exponent is None else law.id, []).append(law)
+    lines = (
+        (
+            code(laws[0].id) if len(laws) == 1 else "the family",
+            laws[0].force,
+            laws[0].damping,
+            f"{laws[0].exponent:g}" if laws[0].exponent else "any",
+            "from 0" if laws[0].continuous else "jumps",
+        )
+        for laws in rows.values()
+    )
+    return table(("law", "force, where > 0", "damping d", "n", "at onset"), lines)
 
 
 def _accurate(low: float, high: float) -> str:
@@ -261,6 +280,7 @@ TABLES = {
         walls,
         statuses,
         contact_laws,
+        contact_forces,
         command_line,
     )
 }

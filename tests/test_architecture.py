@@ -19,6 +19,7 @@ TESTED_ELSEWHERE = {
     "export/lower.py": "fmu/test_build.py",
     "export/description.py": "fmu/test_build.py",
     "export/fmu.py": "fmu/test_build.py",
+    "limits.py": "test_scene.py",
     "kernel/advance.py": "test_simulate.py",  # what only whole simulations can show
     "kernel/combination.py": "kernel/test_explicit.py",
     "kernel/complete.py": "kernel/test_explicit.py",
@@ -31,10 +32,12 @@ TESTED_ELSEWHERE = {
     "kernel/impacts.py": "test_impacts.py",
     "kernel/initialize.py": "test_simulate.py",
     "kernel/jit.py": "test_simulate.py",  # one decorator, on every function of the kernel
+    "kernel/law_registry.py": "kernel/test_contact_laws.py",
     "kernel/observe.py": "test_simulate.py",
     "kernel/ros34pw2.py": "test_simulate.py",
     "kernel/status.py": "test_variables.py",
     "kernel/switching.py": "test_rest.py",
+    "kernel/user_law.py": "test_law_file.py",
     "kernel/watch.py": "test_rest.py",
 }
 

@@ -59,7 +59,7 @@ def test_a_scene_is_a_file_a_folder_or_a_name(run, here, kind):
 def test_build_for_another_platform(run, here, monkeypatch):
     asked = []
 
-    def library(links, candidates, platform, notify):
+    def library(links, candidates, platform, notify, **_):
         asked.append(platform)
         path = here / f"kernel.{platform}"
         path.write_text(platform)
@@ -306,7 +306,7 @@ def compiling(monkeypatch):
     """Let the cached kernel look as if it had to be compiled."""
     cached = SIMULATE_MODULE.kernel_library
 
-    def kernel_library(*arguments, notify):
+    def kernel_library(*arguments, notify, **_):
         notify("compiling the kernel")
         return cached(*arguments)
 

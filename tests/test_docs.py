@@ -97,8 +97,9 @@ def run(folder, *arguments):
 )
 def test_python_snippets_run(page, folder):
     for snippet in blocks(page, "python"):
-        # in a process of its own, as a reader would
-        assert run(folder, "-W", "error", "-c", snippet) == 0, snippet
+        # as a program of its own, as a reader would
+        (folder / "snippet.py").write_text(snippet, encoding="utf-8")
+        assert run(folder, "-W", "error", "snippet.py") == 0, snippet
 
 
 @pytest.mark.slow

@@ -203,7 +203,7 @@ def test_a_missing_file_is_named():
 
 
 def test_a_scene_says_when_it_has_to_compile(monkeypatch):
-    def kernel_library(*_, notify):
+    def kernel_library(*_, notify, **__):
         notify("compiling")
         raise BuildError("out of luck")
 

@@ -1,0 +1,275 @@
+"""A user's own contact law: the same impacts in simulate() and in an FMU, and what is refused."""
+
+import math
+import re
+import zipfile
+from pathlib import Path
+
+import fmpy
+import numpy as np
+import pytest
+
+from chain_impact import (
+    BuildError,
+    SceneError,
+    SimulationError,
+    build_fmu,
+    cli,
+    load_scene,
+    simulate,
+    with_law,
+)
+from chain_impact.export import aot
+from chain_impact.kernel.contact_laws import CONTACT_LAWS, LAW_COUNT
+from chain_impact.kernel.status import NOT_FINITE
+from chain_impact.kernel.user_law import ARGUMENTS
+from chain_impact.law_file import LawError, compiled_law, read_law
+from chain_impact.scene import parse_scene, scene_to_dict, with_values
+from chain_impact.variables import fmu_variables
+from tests.problems import ball, struck_ball
+
+PAGE = Path(__file__).parents[1] / "docs" / "contact_laws.md"
+DAMPED = """
+import math
+
+LOSS = 0.3
+
+def root(x):
+    return math.sqrt(x)
+
+def damped(penetration, rate, impact_speed, stiffness):
+    '''Hunt and Crossley, for a fixed loss.'''
+    return stiffness * penetration * root(penetration) * (1.0 + LOSS * rate / impact_speed)
+"""
+
+
+@pytest.fixture
+def law(tmp_path):
+    """Write a file with a law; return its path."""
+
+    def write(text, name="damped"):
+        path = tmp_path / f"{name}.py"
+        path.write_text(text, encoding="utf-8")
+        return str(path)
+
+    return write
+
+
+def with_file(scene, path):
+    return with_values(scene, {("contact", "law_file"): path, ("contact", "model"): Path(path).stem})
+
+
+def refusal(law, text, name="damped"):
+    """The message with which a scene refuses a file, without the name of scene and file."""
+    path = law(text, name)
+    with pytest.raises(SceneError) as caught:
+        with_file(load_scene("rod_drop"), path)
+    message = str(caught.value)
+    assert message.startswith("RodDrop: contact.law_file = '")
+    return message.split(".py' ", 1)[-1]
+
+
+# --- what it does ------------------------------------------------------------------------------------------
+
+
+def test_an_impact_is_that_of_the_same_law_in_the_registry(law):
+    """λ = 0.3 is Hunt and Crossley's for e = 0.8."""
+    scene, exact = struck_ball(damping_factor=0.3)
+    for method in ("explicit", "implicit"):
+        (impact,) = simulate(with_file(scene, law(DAMPED)), method=method).impacts
+        for name in ("max_penetration", "peak_force", "separation_speed"):
+            assert impact[name] == pytest.approx(getattr(exact, name), rel=3e-8)
+
+
+def test_it_is_told_all_that_a_law_may_need_and_may_do_anything_with_it(law):
+    """Three laws in one: told a wrong value it pushes hard; for e = 0.8 it pulls; for 0.9 it is no number."""
+    text = f"""
+def told({", ".join(ARGUMENTS)}):
+    if restitution == 0.9:
+        return rate * float("nan")
+    if restitution == 0.8:
+        return 1e6 * penetration + 4e3 * rate
+    wrong = (stiffness - 2e5) ** 2 + (exponent - 1.25) ** 2 + (restitution - 0.375) ** 2
+    wrong += (impact_speed - 1.0) ** 2 + (effective_mass - 2.0) ** 2
+    return 1e6 * penetration + (0.0 if wrong < 1e-18 else 1e9)
+"""
+    scene = with_file(
+        ball(1e-3, mass=2.0, stiffness=2e5, exponent=1.25, restitution=0.375), law(text, "told")
+    )
+    (impact,) = simulate(scene).impacts
+    assert impact["separation_speed"] == pytest.approx(1.0, rel=1e-7)
+    assert impact["max_penetration"] == pytest.approx(math.sqrt(2.0 / 1e6), rel=1e-7)
+
+    result = simulate(with_values(scene, {("contact", "restitution"): 0.8}))
+    assert (result.outputs["force"] >= 0.0).all()
+    assert 0.0 < result.impacts["separation_speed"][0] < 0.5
+    assert np.ptp(result.energy["total"] + result.energy["dissipated"]) < 1e-7
+
+    with pytest.raises(SimulationError) as caught:
+        simulate(with_values(scene, {("contact", "restitution"): 0.9}))
+    assert caught.value.status == NOT_FINITE
+
+
+def test_a_chain_comes_to_rest_under_it(law):
+    scene = with_file(load_scene("rod_drop"), law(DAMPED))
+    result = simulate(scene, stop_time=6.0, tolerance=1e-6)
+    assert np.abs(result.angular_velocities[-1]).max() < 0.1
+    assert result.statistics["steps"] < 20000
+
+
+# --- scene and FMU -----------------------------------------------------------------------------------------
+
+
+def test_the_file_is_sought_beside_the_scene(law, tmp_path):
+    law(DAMPED)
+    text = 'name = "Own"\nchain.links = [{length = 1.0, mass = 1.0}]\ninitial.angles = [0.5]\n'
+    text += '[contact]\nlaw_file = "damped.py"\nmodel = "damped"'
+    path = tmp_path / "scene.toml"
+    path.write_text(text, encoding="utf-8")
+    scene = load_scene(path)
+    assert scene.contact.law_file == str(tmp_path / "damped.py")
+    assert scene_to_dict(with_values(scene, {("solver", "tolerance"): 1e-6}))["contact"]["model"] == "damped"
+    with pytest.raises(SceneError, match=r"contact\.law_file = 'damped\.py' cannot be read \(No such file"):
+        parse_scene(text, "elsewhere/scene.toml")
+
+
+def test_it_is_the_last_choice_of_the_enumeration(law):
+    scene = with_file(load_scene("rod_drop"), law(DAMPED))
+    model = next(v for v in fmu_variables(scene) if v.name == "contact.model")
+    assert len(model.items) == LAW_COUNT + 1
+    assert (model.items[-1].name, model.items[-1].description) == (
+        "damped",
+        "Hunt and Crossley, for a fixed loss.",
+    )
+    # the laws of the registry can still be chosen
+    other = with_values(scene, {("contact", "model"): "hertz"})
+    assert simulate(other).impacts["separation_speed"][0] > simulate(scene).impacts["separation_speed"][0]
+
+
+def test_an_fmu_carries_it(law, tmp_path):
+    path = law(DAMPED)
+    scene = with_file(load_scene("rod_drop"), path)
+    expected = simulate(scene, stop_time=0.9).energy["total"]
+    fmu = build_fmu(scene, tmp_path)
+    Path(path).unlink()
+    rows = fmpy.simulate_fmu(str(fmu), stop_time=0.9, output=["energy.total", "impact.last_speed"])
+    np.testing.assert_allclose(rows["energy.total"], expected, rtol=1e-12)
+    kinds = {kind.name: kind for kind in fmpy.read_model_description(str(fmu)).typeDefinitions}
+    assert [item.name for item in kinds["ContactModel"].items] == [*CONTACT_LAWS, "damped"]
+    library = next(kernels(fmu))
+    assert str(tmp_path).encode() not in library
+
+
+def kernels(fmu):
+    """The compiled kernels in an FMU."""
+    with zipfile.ZipFile(fmu) as archive:
+        yield from (archive.read(name) for name in archive.namelist() if "kernel-" in name)
+
+
+def test_each_text_of_the_file_has_a_kernel_of_its_own(law, tmp_path, monkeypatch):
+    def compiler(command, **_):
+        Path(command[command.index("-o") + 1] if "-o" in command else command[5]).touch()
+
+    monkeypatch.setattr(aot, "_run", compiler)
+    monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path))
+    texts = [DAMPED, DAMPED.replace("0.3", "0.6"), DAMPED]
+    first, second, third = (aot.kernel_library(1, 1, law_file=law(text)) for text in texts)
+    assert first == third
+    assert len({first, second, aot.kernel_library(1, 1)}) == 3
+
+
+def springy(penetration, stiffness, exponent):
+    """A spring, and nothing else."""
+    return stiffness * math.pow(penetration, exponent)
+
+
+def test_a_function_of_python_is_a_law():
+    scene, exact = struck_ball()
+    (impact,) = simulate(with_law(scene, springy)).impacts
+    assert impact["separation_speed"] == pytest.approx(1.0, rel=1e-7)
+    assert impact["peak_force"] == pytest.approx(exact.peak_force, rel=1e-7)
+
+
+def test_a_function_without_source_is_refused():
+    with pytest.raises(SceneError, match=r"RodDrop: the contact law <built-in function pow> has no source"):
+        with_law(load_scene("rod_drop"), math.pow)
+
+
+# --- what is refused ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("def other(rate):\n    return 1.0", "must define the function damped"),
+        ("def damped(rate:\n    return 1.0", "is not valid Python: "),
+        ("def damped(depth):\n    return 1.0", f"damped takes depth; it can take {', '.join(ARGUMENTS)}"),
+        ("def damped(*rate):\n    return 1.0", f"damped takes rate; it can take {', '.join(ARGUMENTS)}"),
+        (
+            "import numpy\ndef damped(rate):\n    return 1.0",
+            "imports numpy in line 1; a law can import math only",
+        ),
+        ("def damped(rate):\n    raise ValueError", "raises in line 2; a law has to return a force"),
+    ],
+)
+def test_a_bad_file_is_refused_with_the_scene(law, text, message):
+    assert refusal(law, text).startswith(message)
+
+
+@pytest.mark.parametrize("name", ["my-law", "zhang_sharf", "Stoß"])
+def test_a_bad_name_is_refused_with_the_scene(law, name):
+    assert refusal(law, DAMPED, name).startswith("must have the name of its law: an identifier")
+
+
+def test_a_model_that_is_not_the_files_is_refused(law):
+    changes = {("contact", "law_file"): law(DAMPED), ("contact", "model"): "damp"}
+    with pytest.raises(SceneError, match=r"contact\.model = 'damp' must be one of .*, \"damped\"$"):
+        with_values(load_scene("rod_drop"), changes)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("def damped(rate):\n    return stiffnes * rate", "does not compile: NameError: name 'stiffnes'"),
+        ("def damped(rate):\n    return 'a' + rate", "does not compile: .* (line 2)"),
+        ("def damped(rate):\n    force = rate", "must return a number, not none"),
+        ("def damped(rate):\n    a = [rate]\n    a.append(rate)\n    return a[0]", "makes arrays or lists"),
+        ("LOSS = 1 / 0\ndef damped(rate):\n    return LOSS", "cannot be run: ZeroDivisionError"),
+    ],
+)
+def test_a_law_that_does_not_compile_is_refused_by_the_build(law, text, message, capsys):
+    path = law(text)
+    pattern = re.escape(f"{path} {message}").replace(r"\.\*", ".*")
+    with pytest.raises(BuildError, match=pattern):
+        simulate(with_file(load_scene("rod_drop"), path))
+    with pytest.raises(LawError):
+        compiled_law(read_law(Path(path)))
+
+
+def test_the_command_line_says_in_one_line_what_is_wrong(law, tmp_path, capsys):
+    path = law("def damped(rate):\n    return stiffnes * rate")
+    scene = tmp_path / "scene.toml"
+    scene.write_text(
+        'name = "Own"\nchain.links = [{length = 1.0, mass = 1.0}]\ninitial.angles = [0.5]\n'
+        "initial.position = [0.0, 1.0]\nbox.y_min = 0.0\n"
+        '[contact]\nlaw_file = "damped.py"\nmodel = "damped"\n',
+        encoding="utf-8",
+    )
+    assert cli.main(["simulate", str(scene)]) != 0
+    (line,) = capsys.readouterr().err.splitlines()
+    assert f"{path} does not compile: NameError" in line
+
+
+# --- the example of the docs -------------------------------------------------------------------------------
+
+
+def test_the_example_of_the_docs_runs_as_written(tmp_path, monkeypatch):
+    page = PAGE.read_text(encoding="utf-8")
+    own = page[page.index("## A law of your own") :]
+    files = re.findall(r"`(\w+\.(?:py|toml))`:\n\n```\w+\n(.*?)^```$", own, re.M | re.S)
+    assert [name for name, _ in files] == ["rubber.py", "scene.toml"]
+    monkeypatch.chdir(tmp_path)
+    for name, text in files:
+        Path(name).write_text(text, encoding="utf-8")
+    assert cli.main(["simulate", "scene.toml"]) == 0
+    assert simulate(load_scene("scene.toml")).impacts["peak_force"][0] > 100.0
