@@ -14,11 +14,10 @@ from typing import TYPE_CHECKING, Any, get_args, get_origin
 from chain_impact import cli
 from chain_impact.kernel.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
+from chain_impact.limits import Derived, allowed
 from chain_impact.scene import (
     WALLS,
-    Derived,
     Scene,
-    allowed,
     load_scene,
     model_names,
     models_folder,

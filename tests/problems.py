@@ -17,6 +17,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
+from chain_impact.kernel.contact_laws import CONTACT_LAWS
 from chain_impact.scene import Scene, load_scene, scene_from_dict, with_values
 from tests.reference import PointImpact, point_impact
 
@@ -54,6 +55,11 @@ def build(
 def contact_table(**changes: Any) -> dict[str, Any]:
     """The [contact] table of these scenes: Zhang–Sharf with e = 0.7 and K = 1e8, unless changed."""
     return {"model": "zhang_sharf", "stiffness": 1e8, "restitution": 0.7} | changes
+
+
+def of_law(law: str, otherwise: float = 1.5) -> dict[str, Any]:
+    """The keys of the [contact] table that choose a law, with the exponent that it needs, if any."""
+    return {"model": law, "exponent": CONTACT_LAWS[law].exponent or otherwise}
 
 
 def ball(

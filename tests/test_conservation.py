@@ -10,7 +10,16 @@ from hypothesis import strategies as st
 
 from chain_impact import CONTACT_LAWS, simulate
 from chain_impact.scene import SOLVER_METHODS, with_values
-from tests.problems import FAR, GRAVITY, build, contact_table, default_scene, rod, tumbling_chain
+from tests.problems import (
+    FAR,
+    GRAVITY,
+    build,
+    contact_table,
+    default_scene,
+    of_law,
+    rod,
+    tumbling_chain,
+)
 from tests.reference import momenta
 
 
@@ -61,7 +70,7 @@ def test_a_pendulum_keeps_its_energy_and_its_pin():
 
 @functools.cache
 def tumble(law):
-    return simulate(default_scene(model=law), stop_time=2.0, tolerance=1e-10)
+    return simulate(default_scene(**of_law(law)), stop_time=2.0, tolerance=1e-10)
 
 
 @pytest.mark.parametrize("law", CONTACT_LAWS)
@@ -122,9 +131,8 @@ def boxed_chains(draw):
     ]
     law = draw(st.sampled_from([law for law in CONTACT_LAWS if law != "hertz"]))
     contact = contact_table(
-        model=law,
+        **of_law(law, draw(st.sampled_from([1.0, 1.5, 2.0]))),
         stiffness=10 ** draw(st.floats(4.0, 10.0)),
-        exponent=draw(st.sampled_from([1.0, 1.5, 2.0])),
         restitution=draw(st.floats(0.05, 1.0)),
         radius=draw(st.sampled_from([0.0, 0.02])),
     )

@@ -9,7 +9,7 @@ from chain_impact import CONTACT_LAWS, SimulationError, load_scene, simulate
 from chain_impact.kernel.status import TOO_MUCH_WORK
 from chain_impact.scene import SOLVER_METHODS, scene_from_dict, with_values
 from chain_impact.simulate import Instance
-from tests.problems import GRAVITY, ball, dropped_ball, flat_chain, rest_depth, rod
+from tests.problems import GRAVITY, ball, dropped_ball, flat_chain, of_law, rest_depth, rod
 
 CHAIN = load_scene("four_link_box")
 WEIGHT = 4 * 9.81
@@ -291,7 +291,8 @@ def test_elastic_impacts_for_a_minute_keep_the_energy():
 
 @pytest.mark.parametrize("law", CONTACT_LAWS)
 def test_restitution_of_two_percent_under_every_law(law):
-    dropped = with_values(quiet_chain(1e8, 0.02), {("contact", "model"): law})
+    changes = {("contact", key): value for key, value in of_law(law).items()}
+    dropped = with_values(quiet_chain(1e8, 0.02), changes)
     result = simulate(dropped, stop_time=3.0)
     assert balance(result) < 1e-5
     assert np.diff(result.energy["total"]).max() < 1e-5 * result.energy["total"][0]

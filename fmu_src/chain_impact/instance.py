@@ -15,6 +15,7 @@ from functools import cache
 
 import numpy as np
 
+from chain_impact.kernel.contact_force import USER_LAW
 from chain_impact.kernel.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.explicit import STAGES
@@ -86,7 +87,12 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("restitution", REAL),
         ("radius", REAL),  # m
         ("minimum_impact_speed", REAL),  # m/s, floor of the latched impact speed
-        ("damping_factor", REAL),  # λ, derived whenever law or restitution changes
+        # derived whenever law or restitution changes
+        ("damping_factor", REAL),  # f(e), λ of the Hunt–Crossley family
+        ("rate_exponent", REAL),  # p of the damping d δᵖ δ̇
+        ("approach_only", INTEGER),  # 1: damped while compressing only
+        ("derived_law", INTEGER),  # law and …
+        ("derived_restitution", REAL),  # … restitution that these are for
     )
     initial = _record(
         ("position", REAL, (2,)),  # m
@@ -133,6 +139,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("impact_speed", REAL, (candidates,)),  # m/s, v0 of the force law
         ("effective_mass", REAL, (candidates,)),  # kg, 1/(J M⁻¹ Jᵀ) at onset
         ("depth_scale", REAL, (candidates,)),  # m, expected penetration
+        ("damping", REAL, (candidates,)),  # N·s/m^(p+1), d of the force law
         ("speed", REAL, (candidates,)),  # m/s, δ̇ and …
         ("force_rate", REAL, (candidates,)),  # N/s, dF/dt at the start of the step, to find the peaks
         ("peak_force", REAL, (candidates,)),  # N
@@ -254,7 +261,8 @@ def new_instance(scene: Scene) -> np.ndarray:
     model["driven"] = scene.inputs.joint_torques or scene.inputs.tip_force
 
     contact = d["contact"]
-    contact["law"] = CONTACT_LAWS[scene.contact.model].number
+    law = CONTACT_LAWS.get(scene.contact.model)
+    contact["law"] = law.number if law else USER_LAW
     for name in ("stiffness", "exponent", "restitution", "radius", "minimum_impact_speed"):
         contact[name] = getattr(scene.contact, name)
 

@@ -9,16 +9,17 @@ import functools
 import math
 import operator
 import os
-import re
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import MISSING, Field, asdict, dataclass, field, fields, is_dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import MISSING, Field, asdict, dataclass, fields, is_dataclass, replace
 from difflib import SequenceMatcher
 from numbers import Integral, Real
 from pathlib import Path
-from typing import Any, TypedDict, Unpack, get_args, get_origin
+from typing import Any, get_args, get_origin
 
 from chain_impact.kernel.contact_laws import CONTACT_LAWS
+from chain_impact.law_file import LawError, read_law
+from chain_impact.limits import Derived, allowed, extended, keeps, quantity
 
 SCENE_FILE = "scene.toml"
 SOLVER_METHODS = ("auto", "explicit", "implicit")
@@ -28,13 +29,7 @@ START_TOLERANCE = 1e-12  # m, penetration at the start that counts as round-off
 
 _IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "a C identifier")
 _XML_TEXT = (r"[\t\n\r\x20-\uD7FF\uE000-\uFFFD\U00010000-\U0010FFFF]*", "text without control characters")
-_KEEPS: dict[str, Callable[[Any, Any], Any]] = {  # whether a value keeps each limit
-    "minimum": operator.ge,
-    "above": operator.gt,
-    "maximum": operator.le,
-    "choices": lambda value, choices: value in choices,
-    "matching": lambda value, matching: re.fullmatch(matching[0], value),
-}
+_PYTHON_FILE = (r"|[^\0]*\.py", "the path of a Python file, from the folder of the scene")
 _SHOWN = 60  # characters of a value that a message shows
 
 
@@ -44,36 +39,6 @@ class SceneError(ValueError):
     def __init__(self, message: str) -> None:
         """Keep the message to one line, whatever names and values it quotes."""
         super().__init__(" ".join(message.splitlines()))
-
-
-class Limits(TypedDict, total=False):
-    """What a value, or each value of a list, may be."""
-
-    minimum: float  # value >= minimum
-    above: float  # value > above
-    maximum: float  # value <= maximum
-    choices: tuple[str, ...]
-    matching: tuple[str, str]  # regular expression for the whole text, and its meaning in words
-    per_link: bool  # a list with one value for each link
-
-
-@dataclass(frozen=True, slots=True)
-class Derived:
-    """A default that follows from the values read before it: in words, and computed."""
-
-    text: str
-    value: Callable[[Mapping[str, Any]], Any]
-
-
-def quantity(unit: str, description: str, default: Any = MISSING, **limits: Unpack[Limits]) -> Any:
-    """Return a dataclass field with the metadata of one key of the scene file.
-
-    Its keys are `unit` ("1" for a pure number, "" for what is no number), `description`, `default` (a value,
-    a `Derived`, or `dataclasses.MISSING` if it must be given) and those of `Limits`, None for no limit.
-    """
-    metadata = {"unit": unit, "description": description, "default": default}
-    metadata |= dict.fromkeys(Limits.__annotations__) | limits
-    return field(default=MISSING if isinstance(default, Derived) else default, metadata=metadata)
 
 
 _MIDDLE = Derived("length / 2", lambda link: link["length"] / 2)
@@ -119,7 +84,8 @@ class Box:
 class Contact:
     """The force of the walls, and the points that may touch them."""
 
-    model: str = quantity("", "force law", "zhang_sharf", choices=tuple(CONTACT_LAWS))
+    law_file: str = quantity("", "file with a law of your own, named as the law", "", matching=_PYTHON_FILE)
+    model: str = quantity("", "force law", "zhang_sharf", choices=tuple(CONTACT_LAWS), extended_by="law_file")
     stiffness: float = quantity("N/m^exponent", "contact stiffness", 1e8, above=0.0)
     exponent: float = quantity("1", "exponent of penetration, 3/2 for Hertz", 1.5, minimum=1.0, maximum=3.0)
     restitution: float = quantity("1", "prescribed restitution", 0.7, minimum=0.0, maximum=1.0)
@@ -195,20 +161,6 @@ def scene_keys(table: Any = Scene, prefix: str = "") -> Iterator[tuple[str, Fiel
             yield from scene_keys(kind, f"{key}." if kind is entry.type else f"{key}[].")
 
 
-def allowed(kind: Any, rule: Mapping[str, Any]) -> str:
-    """Say what one value of type `kind` with the metadata `rule` may be: "a finite number > 0 [m]"."""
-    if rule["choices"] is not None:
-        return "one of " + ", ".join(f'"{choice}"' for choice in rule["choices"])
-    if kind is str:
-        return str(rule["matching"][1])
-    if kind in (bool, int):
-        return "true or false" if kind is bool else "a whole number"
-    signs = {"minimum": ">=", "above": ">", "maximum": "<="}
-    bounds = " and ".join(f"{signs[limit]} {rule[limit]:g}" for limit in signs if rule[limit] is not None)
-    unit = "" if rule["unit"] == "1" else f"[{rule['unit']}]"
-    return " ".join(filter(None, ("a finite number", bounds, unit)))
-
-
 def models_folder() -> Path:
     """Return the folder of the models: inside the package when installed, else the repository's."""
     packaged = Path(__file__).parent / "models"
@@ -252,6 +204,7 @@ def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
     """Return the validated scene of a parsed scene file; errors (SceneError) name it `source`."""
     try:
         scene: Scene = _read_table(Scene, data, "", {})
+        scene = _with_law(scene, Path(source).parent)
         _check_together(scene)
         _check_start(scene)
     except SceneError as error:
@@ -292,9 +245,8 @@ def _read(kind: Any, rule: Mapping[str, Any], value: Any, key: str, known: Mappi
         return _read_table(kind, value, key, known)
     if get_origin(kind) is tuple:
         return _read_list(kind, rule, value, key, known)
-    kept = ((limit, keeps) for limit, keeps in _KEEPS.items() if rule[limit] is not None)
     result = _convert(kind, value)
-    if result is None or not all(keeps(result, rule[limit]) for limit, keeps in kept):
+    if result is None or not keeps(result, rule):
         raise SceneError(f"{key} = {_shown(value)} must be {allowed(kind, rule)}")
     return result
 
@@ -308,7 +260,8 @@ def _read_table(table: Any, data: Any, key: str, known: Mapping[str, Any]) -> An
             raise SceneError(_unknown(prefix, name))
     values: dict[str, Any] = {}
     for entry in fields(table):
-        rule, where, scope = entry.metadata, prefix + entry.name, {**known, **values}
+        where, scope = prefix + entry.name, {**known, **values}
+        rule = extended(entry.metadata, values)
         value = data.get(entry.name)
         if value is None:
             value = rule.get("default", {})  # a table has no default but those of its keys
@@ -345,6 +298,19 @@ def _convert(kind: Any, value: Any) -> Any:
     return number if kind is int or math.isfinite(number) else None
 
 
+def _with_law(scene: Scene, folder: Path) -> Scene:
+    """Return the scene with the whole path of its law's file, after a look at that."""
+    file = scene.contact.law_file
+    if not file:
+        return scene
+    path = (folder / file).absolute()
+    try:
+        read_law(path)
+    except LawError as error:
+        raise SceneError(f"contact.law_file = {_shown(file)} {error}") from None
+    return replace(scene, contact=replace(scene.contact, law_file=str(path)))
+
+
 def _check_together(scene: Scene) -> None:
     """Refuse what no key can tell alone."""
     contact, box, movable = scene.contact, scene.box, _movable_points(scene.chain)
@@ -352,8 +318,12 @@ def _check_together(scene: Scene) -> None:
         if point not in movable or contact.points.count(point) > 1:
             span = f"{movable[0]} to {movable[-1]} with a {scene.chain.base} base, each once"
             raise SceneError(f"contact.points holds {_shown(point)}, must hold {span}")
-    if contact.restitution == 0.0 and not CONTACT_LAWS[contact.model].allows_zero:
-        raise SceneError(f"contact.restitution = 0.0 must be > 0 for the contact model {contact.model}")
+    law = CONTACT_LAWS.get(contact.model)
+    if law and contact.restitution == 0.0 and not law.allows_zero:
+        raise SceneError(f"contact.restitution = 0.0 must be > 0 for the contact model {law.id}")
+    if law and not law.allows_exponent(contact.exponent):
+        needed = f"{law.exponent} for the contact model {law.id}"
+        raise SceneError(f"contact.exponent = {contact.exponent} must be {needed}")
     if scene.chain.base == "pinned" and any(scene.initial.velocity):
         raise SceneError(f"initial.velocity = {list(scene.initial.velocity)} must be zero for a pinned base")
     for axis, low, high in (("x", box.x_min, box.x_max), ("y", box.y_min, box.y_max)):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -10,10 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
-from chain_impact.export.aot import kernel_library
+from chain_impact.export.aot import cache_folder, kernel_library
 from chain_impact.instance import new_instance
 from chain_impact.kernel.status import OK, STATUS_TEXT
-from chain_impact.scene import Scene, with_values
+from chain_impact.law_file import LawError, source_of
+from chain_impact.scene import Scene, SceneError, with_values
 
 IMPACT_DTYPE = np.dtype(
     [
@@ -155,6 +157,29 @@ def simulate(
     return result
 
 
+def with_law(scene: Scene, law: Callable[..., float]) -> Scene:
+    """Return the scene with a Python function as its contact law.
+
+    Args:
+        scene: the scene.
+        law: a function that returns the force [N], as in a ``contact.law_file``. Its source, which has to be
+            known, is kept as a file in the cache folder. It knows the module ``math`` and nothing else that
+            is defined outside it.
+
+    Raises:
+        SceneError: when it cannot be a law.
+    """
+    try:
+        source = source_of(law)
+    except LawError as error:
+        raise SceneError(f"{scene.name}: the contact law {law!r} {error}") from None
+    folder = cache_folder() / "laws" / hashlib.sha256(source.encode()).hexdigest()[:16]
+    folder.mkdir(parents=True, exist_ok=True)
+    file = folder / f"{law.__name__}.py"
+    file.write_text(source, encoding="utf-8")
+    return with_values(scene, {("contact", "law_file"): str(file), ("contact", "model"): law.__name__})
+
+
 class Instance:
     """An initialized instance and the kernel that works on it."""
 
@@ -166,7 +191,12 @@ class Instance:
         """
         self._block = new_instance(scene)
         self.record = self._block[0]
-        library = kernel_library(len(scene.chain.links), len(self.record["touch"]["active"]), notify=notify)
+        library = kernel_library(
+            len(scene.chain.links),
+            len(self.record["touch"]["active"]),
+            notify=notify,
+            law_file=scene.contact.law_file,
+        )
         self._kernel = load_kernel(library)
         self._address = self._block.ctypes.data
         if self._kernel.initialize(self._address, 0.0) != OK:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,8 @@ import numpy as np
 from chain_impact.instance import candidates
 from chain_impact.kernel.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
+from chain_impact.law_file import read_law
+from chain_impact.limits import allowed
 from chain_impact.scene import (
     SOLVER_METHODS,
     WALLS,
@@ -26,7 +29,6 @@ from chain_impact.scene import (
     Link,
     Scene,
     Solver,
-    allowed,
 )
 
 Place = tuple[str | int, ...]
@@ -121,7 +123,6 @@ UNITS = {
 }
 """Every unit of the FMU's variables."""
 
-_LAWS = tuple(Item(law.id, law.source) for law in CONTACT_LAWS.values())
 _METHODS = tuple(
     Item(name, "as each phase needs" if name == "auto" else f"{name} steps only") for name in SOLVER_METHODS
 )
@@ -204,7 +205,7 @@ def _parameters(scene: Scene) -> Iterator[Variable]:
             path = ("box", wall)
             yield _parameter(rules[wall], f"box.{wall}", ("model", "wall", w), path, "position of the {}")
     if candidates(scene):
-        yield from _contact_parameters()
+        yield from _contact_parameters(scene)
     yield from _initial_values(scene)
     for key, rule in _rules(Solver).items():
         path = ("solver", key)
@@ -212,16 +213,25 @@ def _parameters(scene: Scene) -> Iterator[Variable]:
         yield _parameter(rule, f"solver.{key}", path, path, **choice)
 
 
-def _contact_parameters() -> Iterator[Variable]:
+def _laws(scene: Scene) -> tuple[Item, ...]:
+    """The laws in the order of their numbers, a user's last."""
+    items = [Item(law.id, law.source) for law in CONTACT_LAWS.values()]
+    if scene.contact.law_file:
+        own = read_law(Path(scene.contact.law_file))
+        items.append(Item(own.id, own.summary))
+    return tuple(items)
+
+
+def _contact_parameters(scene: Scene) -> Iterator[Variable]:
     for key, rule in _rules(Contact).items():
         changes: dict[str, Any] = {}
         place = ("contact", key)
         if key in ("model", "stiffness", "restitution"):
             changes["variability"] = "tunable"
         if key == "model":
-            changes |= {"type": "enumeration", "items": _LAWS}
+            changes |= {"type": "enumeration", "items": _laws(scene)}
             place = ("contact", "law")
-        if key != "points":
+        if key not in ("points", "law_file"):
             yield _parameter(rule, f"contact.{key}", place, ("contact", key), **changes)
 
 

@@ -20,6 +20,7 @@ from pathlib import Path
 import platformdirs
 
 import chain_impact.kernel
+from chain_impact.law_file import LawError, UserLaw, compiled_law, read_law
 
 ZIG_TARGETS = {
     "linux64": ("x86_64-linux-gnu.2.17", ".so"),
@@ -44,7 +45,11 @@ class BuildError(RuntimeError):
 
 
 def kernel_library(
-    links: int, candidates: int, platform: str = HOST, notify: Callable[[str], None] = lambda _: None
+    links: int,
+    candidates: int,
+    platform: str = HOST,
+    notify: Callable[[str], None] = lambda _: None,
+    law_file: str = "",
 ) -> Path:
     """Return the shared library for N ``links`` and C ``candidates``, compiling it if it is not cached.
 
@@ -53,23 +58,34 @@ def kernel_library(
         candidates: number of pairs of a contact point and a wall C.
         platform: ``linux64`` or ``win64``.
         notify: called with a sentence before work that takes seconds.
+        law_file: the file of a user's law that the kernel shall have, if any.
 
     Raises:
-        BuildError: when numba or the linker fails.
+        BuildError: when the user's law, numba or the linker fails.
     """
     target, suffix = ZIG_TARGETS[platform]
     folder = cache_folder()
-    library = folder / f"kernel-{links}-{candidates}-{platform}{suffix}"
+    law = _law(law_file) if law_file else None
+    kind = f"kernel-{links}-{candidates}"
+    if law:
+        kind += f"-{law.id}-{hashlib.sha256(law.source.encode()).hexdigest()[:16]}"
+    library = folder / f"{kind}-{platform}{suffix}"
     if library.exists():
         return library
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder) as scratch:
-        ir = folder / f"kernel-{links}-{candidates}.ll"
+        ir = folder / f"{kind}.ll"
         if not ir.exists():
             notify("compiling the kernel for this number of links and walls")
             fresh = Path(scratch, "kernel.ll")
             command = [sys.executable, "-m", "chain_impact.export.lower", str(links), str(candidates)]
-            _run([*command, str(fresh)], NUMBA_CPU_NAME=PORTABLE_CPU)
+            command.append(str(fresh))
+            if law:
+                _try_law(law, law_file)
+                copy = Path(scratch, f"{law.id}.py")
+                copy.write_text(law.source, encoding="utf-8")
+                command.append(str(copy))
+            _run(command, NUMBA_CPU_NAME=PORTABLE_CPU)
             fresh.replace(ir)
         notify(f"linking the kernel for {platform}")
         stubs, fresh = Path(scratch, "stubs.c"), Path(scratch, "kernel" + suffix)
@@ -79,6 +95,21 @@ def kernel_library(
         # at once or not at all: another process may be building the same
         fresh.replace(library)
     return library
+
+
+def _law(file: str) -> UserLaw:
+    try:
+        return read_law(Path(file))
+    except LawError as error:
+        raise BuildError(f"{file} {error}") from None
+
+
+def _try_law(law: UserLaw, file: str) -> None:
+    """Refuse a law that does not compile, in one sentence."""
+    try:
+        compiled_law(law)
+    except LawError as error:
+        raise BuildError(f"{file} {error}") from None
 
 
 def cache_folder() -> Path:
@@ -94,7 +125,8 @@ def _fingerprint() -> str:
         digest.update(f"{name} {version(name)}\n".encode())
     package = Path(chain_impact.kernel.__file__).parent
     here = Path(__file__)
-    sources = [*package.glob("*.py"), package.parent / "instance.py", here, here.with_name("lower.py")]
+    others = [package.parent / name for name in ("instance.py", "law_file.py")]
+    sources = [*package.glob("*.py"), *others, here, here.with_name("lower.py")]
     for source in sorted(sources):
         digest.update(source.name.encode() + b"\0" + source.read_bytes())
     return digest.hexdigest()[:16]

@@ -93,7 +93,7 @@ def _staged_files(scene: Scene, platforms: Sequence[str], notify: Callable[[str]
     links, candidates = len(scene.chain.links), len(instance["touch"]["active"][0])
     files = {"instance.bin": instance.tobytes()}
     for platform in sorted(platforms):
-        library = kernel_library(links, candidates, platform, notify)
+        library = kernel_library(links, candidates, platform, notify, scene.contact.law_file)
         files[f"kernel-{platform}{library.suffix}"] = library.read_bytes()
     slave, model, description = slave_source(), _model_table(scene), model_description(scene, guid="")
 

@@ -12,7 +12,9 @@ from llvmlite import binding as llvm
 from numba import cfunc, from_dtype
 
 from chain_impact.instance import instance_dtype, output_dtype
+from chain_impact.kernel import user_law
 from chain_impact.kernel.entry import entry_points
+from chain_impact.law_file import compiled_law, read_law
 
 
 def lower(links: int, candidates: int) -> str:
@@ -39,8 +41,10 @@ def lower(links: int, candidates: int) -> str:
 
 
 def main() -> None:
-    """Write the module: lower.py LINKS CANDIDATES FILE."""
-    links, candidates, path = sys.argv[1:]
+    """Write the module: lower.py LINKS CANDIDATES FILE [LAW], with a user's law in the file LAW."""
+    links, candidates, path, *laws = sys.argv[1:]
+    for law in laws:
+        user_law.install(compiled_law(read_law(Path(law))))
     Path(path).write_text(lower(int(links), int(candidates)))
 
 

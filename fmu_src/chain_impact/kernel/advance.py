@@ -10,6 +10,7 @@ import math
 
 from chain_impact.kernel import explicit, implicit
 from chain_impact.kernel.contact import along_normal, clear_loads, clearance, latch, locate_points
+from chain_impact.kernel.contact_force import damping_share, latch_damping
 from chain_impact.kernel.dense import OUTPUTS, interpolate
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.events import RELATCH, RELATCH_RATIO, TOUCH, find_event
@@ -214,6 +215,7 @@ def apply_events(d):
     for c in range(len(touch.event)):
         if touch.event[c] == RELATCH:
             touch.impact_speed[c] *= RELATCH_RATIO
+            latch_damping(d, c)
             jumped = True
         elif touch.event[c] == TOUCH and touch.active[c]:
             finish(d, c)
@@ -242,6 +244,6 @@ def expected_duration(d, c):
 
     The force rises as δⁿ from nothing, so the error control cannot tell it from the start.
     """
-    # m v = (1 + λ) K vⁿ tⁿ⁺¹/(n+1), and 3 times the time to the largest depth without damping
+    # 3 times the time to the largest depth without damping; with damping alone m v = d vᵖ⁺¹ tᵖ⁺¹/(p+1)
     elastic = 3.0 * d.touch.depth_scale[c] / d.touch.impact_speed[c]
-    return elastic * (1.0 + d.contact.damping_factor) ** (-1.0 / (d.contact.exponent + 1.0))
+    return elastic * (1.0 + damping_share(d, c)) ** (-1.0 / (d.contact.rate_exponent + 1.0))

@@ -4,11 +4,12 @@ A candidate is a pair of a point and a wall. The clearance g of a candidate is p
 penetration is δ = −g and its rate δ̇ > 0 while compressing. Walls are numbered x_min, x_max, y_min, y_max.
 """
 
-from chain_impact.kernel.contact_laws import (
+from chain_impact.kernel.contact_force import (
     elastic_depth,
     elastic_energy,
-    elastic_force,
-    force_over_elastic,
+    latch_damping,
+    law_force,
+    law_slopes,
 )
 from chain_impact.kernel.jit import jit
 from chain_impact.kernel.recursion import factorize, link_vectors, move_points, solve
@@ -92,10 +93,8 @@ def along_normal(d, c, vectors):
 @jit
 def contact_force(d, c, gap, gap_rate):
     """Force [N] of an active candidate at a clearance [m] and its rate [m/s], and dissipated power [W]."""
-    if gap >= 0.0:
-        return 0.0, 0.0
-    elastic = elastic_force(d.contact, -gap)
-    force = elastic * force_over_elastic(d.contact, -gap_rate, d.touch.impact_speed[c])
+    # at the onset the clearance is 0 to round-off, and a force that jumps there has jumped
+    force, elastic = law_force(d, c, max(0.0, -gap), -gap_rate)
     # what the elastic part does not store is lost: (F − K δⁿ) δ̇ ≥ 0
     return force, (elastic - force) * gap_rate
 
@@ -144,15 +143,7 @@ def stored_energy(d):
 def contact_slopes(d, c):
     """∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of an active candidate, for the located points; 0 where F is."""
     gap, gap_rate = clearance(d, c)
-    if gap >= 0.0:
-        return 0.0, 0.0
-    elastic = elastic_force(d.contact, -gap)
-    ratio = force_over_elastic(d.contact, -gap_rate, d.touch.impact_speed[c])
-    if ratio == 0.0:
-        return 0.0, 0.0
-    # ∂F/∂δ = n F/δ,  ∂F/∂δ̇ = K δⁿ λ/v₀
-    stiffness = d.contact.exponent * elastic * ratio / -gap
-    return stiffness, elastic * d.contact.damping_factor / d.touch.impact_speed[c]
+    return law_slopes(d, c, max(0.0, -gap), -gap_rate)
 
 
 @jit
@@ -169,6 +160,7 @@ def latch(d, c):
     touch.max_penetration[c] = 0.0
     touch.effective_mass[c] = effective_mass(d, c)
     touch.depth_scale[c] = elastic_depth(d.contact, touch.effective_mass[c], touch.impact_speed[c])
+    latch_damping(d, c)
     d.impact.count += 1
     d.impact.last_time = d.step.end
     d.impact.last_point = d.model.candidate_point[c]

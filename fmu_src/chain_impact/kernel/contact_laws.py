@@ -1,81 +1,26 @@
-"""The contact laws of the Hunt–Crossley family, and the registry that names them.
+"""The contact laws.
 
-    F = K δⁿ (1 + λ δ̇/v₀),  F ≥ 0
+    F = max(0, K δⁿ + d δᵖ δ̇)
 
-K stiffness [N/mⁿ], δ penetration [m], δ̇ its rate [m/s], v₀ the approach speed at the onset of this contact
-[m/s]. The laws differ only in the damping factor λ(e) of the prescribed restitution e; λ is found once for
-a set of parameters, never inside the force.
+K stiffness [N/mⁿ], δ penetration [m], δ̇ its rate [m/s]. The damping d is found once for a contact, at its
+onset, from a factor that the law makes of the prescribed restitution e: f(e), below. Two kinds of laws:
 
-Exact for any n, K, mass and v₀: the realised restitution e′ solves λ(1 + e′) = ln[(1+λ)/(1−λe′)], so
-e′ = [1 + W₀(−(1+λ)e^{−(1+λ)})]/λ with Lambert's W (derived in docs/contact_laws.md).
+- The Hunt–Crossley family, F = K δⁿ (1 + λ δ̇/v₀): p = n, f = λ and d = λ K/v₀, with v₀ the approach speed at
+  the onset [m/s]. Its restitution depends on λ alone: the realised one, e′, solves
+  λ(1 + e′) = ln[(1+λ)/(1−λe′)], so e′ = [1 + W₀(−(1+λ)e^{−(1+λ)})]/λ with Lambert's W.
+- Laws with another power p of the penetration in their damping, for one exponent n. Their d needs the mass of
+  the impact: the effective mass m of the chain at the contact [kg].
 
-To add a law, add a function with the decorator: its place in this file is its number in the FMU, so new
+The relations are derived in docs/contact_laws.md. A law's place in this file is its number in the FMU, so new
 laws go to the end.
 """
 
 import math
 
 from chain_impact.kernel.jit import jit
+from chain_impact.kernel.law_registry import CONTACT_LAWS, contact_law
 
-
-class ContactLaw:
-    """One entry of the registry.
-
-    Attributes:
-        id: its name in scene files and in the FMU.
-        number: its number in the FMU's enumeration, from 1.
-        title: authors, for tables.
-        source: author, year, journal.
-        formula: λ(e) as text.
-        evidence: how the formula was checked; see docs/contact_laws.md.
-        accurate_from, accurate_to: restitutions for which the rebound is within 5 % of the prescribed one.
-        allows_zero: whether λ(0) is finite.
-        damping_factor: λ(e), compiled.
-    """
-
-    id: str
-    number: int
-    title: str
-    source: str
-    formula: str
-    evidence: str
-    accurate_from: float
-    accurate_to: float
-    allows_zero: bool
-    damping_factor: object
-
-    def __init__(self, **entries: object) -> None:
-        for name, value in entries.items():
-            setattr(self, name, value)
-
-    @property
-    def restitution_range(self) -> str:
-        """The restitutions that the law allows, as text."""
-        return "0 ≤ e ≤ 1" if self.allows_zero else "0 < e ≤ 1"
-
-
-CONTACT_LAWS: dict[str, ContactLaw] = {}
-
-
-def contact_law(title, source, formula, *, accurate, evidence, allows_zero=True):
-    """Register the decorated λ(e) as the next contact law, under the function's name."""
-
-    def register(function):
-        CONTACT_LAWS[function.__name__] = ContactLaw(
-            id=function.__name__,
-            number=len(CONTACT_LAWS) + 1,
-            title=title,
-            source=source,
-            formula=formula,
-            evidence=evidence,
-            accurate_from=accurate[0],
-            accurate_to=accurate[1],
-            allows_zero=allows_zero,
-            damping_factor=jit(function),
-        )
-        return CONTACT_LAWS[function.__name__].damping_factor
-
-    return register
+# ---- the Hunt–Crossley family ---------------------------------------------------------------------------
 
 
 @contact_law("Hertz", "Hertz 1881, J Reine Angew Math 92:156", "0", accurate=(1.0, 1.0), evidence="A")
@@ -251,6 +196,127 @@ def carvalho_martins(e):
     return 1.5 * (1.0 - e) * (11.0 - e) / (1.0 + 9.0 * e)
 
 
+# ---- damping with a mass and another power of the penetration ---------------------------------------------
+
+
+@contact_law(
+    "Kelvin–Voigt",
+    "Anagnostopoulos 1988, Earthq Eng Struct Dyn 16:443; 2004, 33:897",
+    "2ζ, ζ = −ln e/√(π²+ln²e)",
+    exponent=1.0,
+    rate_exponent=0.0,
+    mass_power=0.5,
+    accurate=(0.611, 1.0),
+    evidence="C, recomputed",
+    allows_zero=False,
+)
+def kelvin_voigt(e):
+    """Spring and dashpot: the force jumps at the onset. Its f is that of a contact that can pull.
+
+    Cut off at 0, it realises e^(1 − (2/π) arctan(−ln e/π)).
+    """
+    return _logarithmic_damping(2.0, e)
+
+
+@contact_law(
+    "Tsuji, Tanaka & Ishida",
+    "Tsuji, Tanaka & Ishida 1992, Powder Technol 71:239; α after Antypov & Elliott 2011, EPL 94:50004",
+    "α = −√5 ln e/√(π²+ln²e)",
+    exponent=1.5,
+    rate_exponent=0.25,
+    mass_power=0.5,
+    accurate=(0.611, 1.0),
+    evidence="C, recomputed",
+    allows_zero=False,
+)
+def tsuji(e):
+    """Kelvin–Voigt in δ^(5/4), with the same restitution. The force rises steeply, as δ^¼."""
+    return _logarithmic_damping(math.sqrt(5.0), e)
+
+
+@jit
+def _logarithmic_damping(scale, e):
+    """A multiple of the damping ratio ζ of a linear oscillator whose half-cycles shrink to e."""
+    return -scale * math.log(e) / math.sqrt(math.pi * math.pi + math.log(e) ** 2)
+
+
+@contact_law(
+    "Jankowski",
+    "Jankowski 2005, Earthq Eng Struct Dyn 34:595",
+    "2ξ, ξ = (9√5/2)(1−e²)/{e[e(9π−16)+16]}",
+    exponent=1.5,
+    rate_exponent=0.25,
+    mass_power=0.5,
+    approach_only=True,
+    accurate=(0.164, 1.0),
+    evidence="C, recomputed",
+    allows_zero=False,
+)
+def jankowski(e):
+    """For pounding of buildings: damped on approach only, so never pulls. The force rises as δ^¼."""
+    return 9.0 * math.sqrt(5.0) * (1.0 - e * e) / (e * (e * (9.0 * math.pi - 16.0) + 16.0))
+
+
+@contact_law(
+    "Kuwabara & Kono",
+    "Kuwabara & Kono 1987, Jpn J Appl Phys 26:1230",
+    "root of e′ = e at 1 m/s",
+    exponent=1.5,
+    rate_exponent=0.5,
+    mass_power=0.4,
+    accurate=(0.0, 1.0),
+    evidence="derived; after the paper",
+    allows_zero=False,
+)
+def kuwabara_kono(e):
+    """Viscoelastic spheres: the prescribed e is that of a free impact at 1 m/s.
+
+    Slower impacts rebound better and faster ones worse: restitution depends on f v₀^(1/5).
+    """
+    if not e > 0.0:
+        return math.inf
+    if 1.0 - e < 1e-6:
+        return (1.0 - e) / 1.153449
+    # e′(f) falls from 1, as 1 − 1.153449 f, and tends to 1.31 f^(−5/3)
+    low, high = 0.0, 2.0 * e**-0.6
+    while high - low > 1e-14 * high:
+        middle = 0.5 * (low + high)
+        if viscoelastic_rebound(middle) > e:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)
+
+
+@jit
+def viscoelastic_rebound(damping):
+    """The restitution e′ of m = K = v₀ = 1 under F = max(0, δ^{3/2} + g δ^{1/2} δ̇), for the damping g.
+
+    In z = √δ, w = δ̇ and a variable s with dt = 2z ds the equations are those of a polynomial,
+    dz/ds = w, dw/ds = −2z²(z² + g w). While F > 0, w falls; −e′ is its minimum.
+    """
+    h = 1e-3 / (1.0 + damping) ** (1.0 / 3.0)
+    z, w, slope = 0.0, 1.0, 0.0
+    while True:
+        # the classical method of Runge and Kutta, of order 4
+        z1, w1 = w, slope
+        z2, w2 = w + 0.5 * h * w1, _slowing(z + 0.5 * h * z1, w + 0.5 * h * w1, damping)
+        z3, w3 = w + 0.5 * h * w2, _slowing(z + 0.5 * h * z2, w + 0.5 * h * w2, damping)
+        z4, w4 = w + h * w3, _slowing(z + h * z3, w + h * w3, damping)
+        z += h * (z1 + 2.0 * (z2 + z3) + z4) / 6.0
+        before, last = w, slope
+        w += h * (w1 + 2.0 * (w2 + w3) + w4) / 6.0
+        slope = _slowing(z, w, damping)
+        if w < 0.0 and (slope >= 0.0 or z <= 0.0):
+            # the slope is all but linear over the step: w falls on until it is zero
+            return -(before + 0.5 * h * last * last / (last - slope))
+
+
+@jit
+def _slowing(z, w, damping):
+    return -2.0 * z * z * (z * z + damping * w)
+
+
 def _dispatch(functions):
     """One compiled function of (number, e) over all laws: the registry is the only list of them."""
     first, rest = functions[0], functions[1:]
@@ -260,36 +326,14 @@ def _dispatch(functions):
     return jit(lambda number, e: first(e) if number == 1 else others(number - 1, e))
 
 
-LAW_COUNT = len(CONTACT_LAWS)
-damping_factor = _dispatch(tuple(law.damping_factor for law in CONTACT_LAWS.values()))
+__all__ = ["CONTACT_LAWS", "LAW_COUNT", "contact_law", "damping_factor"]
 
-
-@jit
-def elastic_force(contact, penetration):
-    """K δⁿ [N] for a penetration δ > 0 [m]."""
-    # the usual exponents without pow()
-    if contact.exponent == 1.5:
-        return contact.stiffness * penetration * math.sqrt(penetration)
-    if contact.exponent == 1.0:
-        return contact.stiffness * penetration
-    return contact.stiffness * penetration**contact.exponent
-
-
-@jit
-def force_over_elastic(contact, rate, impact_speed):
-    """1 + λ δ̇/v₀, the ratio of the contact force to its elastic part; at least 0, as walls do not pull."""
-    return max(0.0, 1.0 + contact.damping_factor * rate / impact_speed)
-
-
-@jit
-def elastic_energy(contact, penetration):
-    """K δⁿ⁺¹/(n+1) [J] for a penetration δ > 0 [m]."""
-    return elastic_force(contact, penetration) * penetration / (contact.exponent + 1.0)
-
-
-@jit
-def elastic_depth(contact, mass, speed):
-    """Penetration [m] at which a mass [kg] arriving at a speed [m/s] has given its energy to the spring."""
-    # K δⁿ⁺¹/(n+1) = ½ m v²
-    energy = 0.5 * mass * speed * speed
-    return (energy * (contact.exponent + 1.0) / contact.stiffness) ** (1.0 / (contact.exponent + 1.0))
+_LAWS = tuple(CONTACT_LAWS.values())
+LAW_COUNT = len(_LAWS)
+damping_factor = _dispatch(tuple(law.damping_factor for law in _LAWS))
+# for the kernel, where ANY stands for "any exponent" and "as the exponent"
+ANY = -1.0
+EXPONENTS = tuple(ANY if law.exponent is None else law.exponent for law in _LAWS)
+RATE_EXPONENTS = tuple(ANY if law.rate_exponent is None else law.rate_exponent for law in _LAWS)
+MASS_POWERS = tuple(law.mass_power for law in _LAWS)
+APPROACH_ONLY = tuple(int(law.approach_only) for law in _LAWS)

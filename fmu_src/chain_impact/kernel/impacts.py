@@ -5,9 +5,9 @@ from chain_impact.kernel.contact import (
     along_normal,
     clearance,
     contact_force,
+    contact_slopes,
     locate_points,
 )
-from chain_impact.kernel.contact_laws import elastic_force
 from chain_impact.kernel.dense import SOLVER, interpolate
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.explicit import complete
@@ -63,14 +63,10 @@ def follow_to_now(d):
 @jit
 def rate_of_force(d, c):
     """dF/dt [N/s] of candidate c, from the located and accelerated points; its sign is what counts."""
-    gap, gap_rate = clearance(d, c)
-    if gap >= 0.0:
-        return 0.0
-    acceleration = along_normal(d, c, d.work.acceleration)
-    # Ḟ = K δⁿ [n δ̇/δ (1 + λ δ̇/v₀) + λ δ̈/v₀]
-    slope = d.contact.damping_factor / d.touch.impact_speed[c]
-    growth = d.contact.exponent * gap_rate / gap * (1.0 - slope * gap_rate)
-    return elastic_force(d.contact, -gap) * (growth - slope * acceleration)
+    stiffness, damping = contact_slopes(d, c)
+    # Ḟ = ∂F/∂δ δ̇ + ∂F/∂δ̇ δ̈
+    _, gap_rate = clearance(d, c)
+    return -(stiffness * gap_rate + damping * along_normal(d, c, d.work.acceleration))
 
 
 @jit

@@ -2,12 +2,22 @@
 
 import math
 
+from chain_impact.kernel import user_law
 from chain_impact.kernel.contact import clear_loads, clearance, locate_points
-from chain_impact.kernel.contact_laws import LAW_COUNT, damping_factor
+from chain_impact.kernel.contact_force import USER_LAW, latch_damping
+from chain_impact.kernel.contact_laws import (
+    ANY,
+    APPROACH_ONLY,
+    EXPONENTS,
+    LAW_COUNT,
+    RATE_EXPONENTS,
+    damping_factor,
+)
 from chain_impact.kernel.dense import SOLVER
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.jit import jit
 from chain_impact.kernel.status import (
+    EXPONENT_NOT_ALLOWED,
     NOT_FINITE,
     OK,
     PARAMETER_OUT_OF_RANGE,
@@ -26,6 +36,7 @@ OVERLAP = 1e-12  # m, of a start that counts as touching
 def initialize(d, time):
     """Set the state at ``time`` [s] from the parameters and initial values; returns a status."""
     derive_chain(d.model)
+    d.contact.derived_law = 0  # any parameter may be another now
     d.statistics.status = check_parameters(d)
     if d.statistics.status == OK:
         d.statistics.status = derive_law(d)
@@ -79,13 +90,38 @@ def derive_chain(model):
 
 @jit
 def derive_law(d):
-    """Find λ for the law and the restitution; returns a status."""
-    if not 1 <= d.contact.law <= LAW_COUNT:
+    """Find what the law makes of the restitution, also for the contacts that last; returns a status."""
+    contact = d.contact
+    if not 1 <= contact.law <= (USER_LAW if user_law.PRESENT else LAW_COUNT):
         return UNKNOWN_LAW
-    if not 0.0 <= d.contact.restitution <= 1.0 or not d.contact.stiffness > 0.0:
+    if not 0.0 <= contact.restitution <= 1.0 or not contact.stiffness > 0.0:
         return PARAMETER_OUT_OF_RANGE
-    d.contact.damping_factor = damping_factor(d.contact.law, d.contact.restitution)
-    return OK if math.isfinite(d.contact.damping_factor) else RESTITUTION_NOT_ALLOWED
+    if contact.law != contact.derived_law or contact.restitution != contact.derived_restitution:
+        contact.derived_law = 0
+        status = derive_damping(contact)
+        if status != OK:
+            return status
+        contact.derived_law, contact.derived_restitution = contact.law, contact.restitution
+    for k in range(d.touch.active_count):
+        latch_damping(d, d.touch.active_index[k])
+    return OK
+
+
+@jit
+def derive_damping(contact):
+    """Find the law's factor f(e) and the power p of its damping; returns a status."""
+    contact.rate_exponent, contact.approach_only = contact.exponent, 0
+    if contact.law == USER_LAW:
+        contact.damping_factor = 0.0
+        return OK
+    kind = contact.law - 1
+    if EXPONENTS[kind] not in (ANY, contact.exponent):
+        return EXPONENT_NOT_ALLOWED
+    if RATE_EXPONENTS[kind] != ANY:
+        contact.rate_exponent = RATE_EXPONENTS[kind]
+    contact.approach_only = APPROACH_ONLY[kind]
+    contact.damping_factor = damping_factor(contact.law, contact.restitution)
+    return OK if math.isfinite(contact.damping_factor) else RESTITUTION_NOT_ALLOWED
 
 
 @jit

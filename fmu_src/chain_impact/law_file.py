@@ -1,0 +1,150 @@
+"""A user's own contact law: a Python file with a function of its name, to be compiled into the kernel.
+
+A scene is validated by a look at the file; only the build of a kernel runs it.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import textwrap
+from collections.abc import Callable
+from dataclasses import dataclass
+from inspect import getsource
+from pathlib import Path
+from typing import Any
+
+from numba import float64, types
+from numba.core.errors import NumbaError
+
+from chain_impact.kernel.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.jit import jit
+from chain_impact.kernel.user_law import ARGUMENTS
+
+ONLY_IMPORT = "math"
+
+
+class LawError(ValueError):
+    """A file that holds no usable law: the end of a sentence that begins with the file's name."""
+
+
+@dataclass(frozen=True)
+class UserLaw:
+    """A law as it stands in its file.
+
+    Attributes:
+        id: its name, that of the file and of the function in it.
+        source: the text of the file.
+        summary: first line of the function's docstring.
+        arguments: what the function takes, some of ``ARGUMENTS``.
+        functions: the names of all functions in the file.
+    """
+
+    id: str
+    source: str
+    summary: str
+    arguments: tuple[str, ...]
+    functions: tuple[str, ...]
+
+
+def read_law(path: Path) -> UserLaw:
+    """Read the law of a file, without running it.
+
+    Raises:
+        LawError: when there is no such law.
+    """
+    name = path.stem
+    if not (name.isidentifier() and name.isascii()) or name in CONTACT_LAWS:
+        raise LawError("must have the name of its law: an identifier, and of no law that there is")
+    try:
+        source = path.read_text(encoding="utf-8")
+        tree = ast.parse(source)
+    except OSError as error:
+        raise LawError(f"cannot be read ({error.strerror})") from None
+    except UnicodeDecodeError:
+        raise LawError("cannot be read (it is no text in UTF-8)") from None
+    except (SyntaxError, ValueError) as error:
+        raise LawError(f"is not valid Python: {error}") from None
+    functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+    if name not in functions:
+        raise LawError(f"must define the function {name}")
+    for node in ast.walk(tree):
+        _check_statement(node)
+    summary = (ast.get_docstring(functions[name]) or "a user's law").split("\n")[0]
+    arguments = _arguments(functions[name])
+    return UserLaw(name, source, re.sub(r"[^ -~\u00a0-\ud7ff]", " ", summary), arguments, tuple(functions))
+
+
+def _check_statement(node: ast.AST) -> None:
+    """Refuse what a law cannot do in a kernel without Python, or what its file does not tell of."""
+    imported = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+    imported += [str(node.module)] if isinstance(node, ast.ImportFrom) else []
+    for module in imported:
+        if module != ONLY_IMPORT:
+            raise LawError(f"imports {module} in line {_line(node)}; a law can import {ONLY_IMPORT} only")
+    if isinstance(node, ast.Raise | ast.Assert):
+        raise LawError(f"raises in line {_line(node)}; a law has to return a force")
+
+
+def _line(node: Any) -> int:
+    return int(node.lineno)
+
+
+def _arguments(function: ast.FunctionDef) -> tuple[str, ...]:
+    taken = function.args
+    names = tuple(argument.arg for argument in (*taken.posonlyargs, *taken.args))
+    others = [argument.arg for argument in (taken.vararg, *taken.kwonlyargs, taken.kwarg) if argument]
+    for name in (*names, *others):
+        if name not in ARGUMENTS or name in others:
+            raise LawError(f"{function.name} takes {name}; it can take {', '.join(ARGUMENTS)}")
+    return names
+
+
+def compiled_law(law: UserLaw) -> Callable[..., float]:
+    """Run the file of a law, and return its function, compiled for numbers, with all of ``ARGUMENTS``.
+
+    Raises:
+        LawError: when it cannot be compiled.
+    """
+    space: dict[str, Any] = {"__name__": law.id}
+    try:
+        exec(compile(law.source, f"{law.id}.py", "exec"), space)
+        for name in law.functions:  # a law may call others of its file
+            space[name] = jit(space[name])
+        space[law.id].compile((float64,) * len(law.arguments))
+        returned = space[law.id].nopython_signatures[0].return_type
+        if not isinstance(returned, types.Float | types.Integer):
+            raise LawError(f"must return a number, not {returned}")
+        call = f"lambda {', '.join(ARGUMENTS)}: float({law.id}({', '.join(law.arguments)}))"
+        function = jit(eval(call, space))
+        function.compile((float64,) * len(ARGUMENTS))
+    except LawError:
+        raise
+    except NumbaError as error:
+        raise LawError(f"does not compile: {_reason(error)}") from None
+    except Exception as error:  # whatever the file does
+        raise LawError(f"cannot be run: {type(error).__name__}: {error}") from None
+    if re.search(r"@NRT_\w*(new|alloc|Alloc)", function.inspect_llvm(function.signatures[0])):
+        raise LawError("makes arrays or lists; a law can use numbers only")
+    return function  # type: ignore[no-any-return]
+
+
+def _reason(error: NumbaError) -> str:
+    """The lines of numba's message that tell what is wrong and where, in one."""
+    text = re.sub(r"\x1b\[\d*m", "", str(error))  # colours
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    said = [line for line in lines if not line.startswith("Failed in")]
+    place = re.findall(r"line (\d+)", text)
+    return (said or lines)[0] + (f" (line {place[-1]})" if place else "")
+
+
+def source_of(function: Callable[..., float]) -> str:
+    """The text of a file for a function, in which the module math is known.
+
+    Raises:
+        LawError: when Python does not know its source.
+    """
+    try:
+        return f"import {ONLY_IMPORT}\n\n\n{textwrap.dedent(getsource(function))}"
+    except (OSError, TypeError) as error:
+        raise LawError(f"has no source that can be read ({error})") from None

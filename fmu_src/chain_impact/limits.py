@@ -1,0 +1,75 @@
+"""What the keys of a scene file may hold: the metadata of the fields of its dataclasses."""
+
+from __future__ import annotations
+
+import operator
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, dataclass, field
+from pathlib import Path
+from typing import Any, TypedDict, Unpack
+
+_KEEPS: dict[str, Callable[[Any, Any], Any]] = {  # whether a value keeps each limit
+    "minimum": operator.ge,
+    "above": operator.gt,
+    "maximum": operator.le,
+    "choices": lambda value, choices: value in choices,
+    "matching": lambda value, matching: re.fullmatch(matching[0], value),
+}
+
+
+class Limits(TypedDict, total=False):
+    """What a value, or each value of a list, may be."""
+
+    minimum: float  # value >= minimum
+    above: float  # value > above
+    maximum: float  # value <= maximum
+    choices: tuple[str, ...]
+    matching: tuple[str, str]  # regular expression for the whole text, and its meaning in words
+    per_link: bool  # a list with one value for each link
+    extended_by: str  # key of the same table, a file whose name is one more choice
+
+
+@dataclass(frozen=True, slots=True)
+class Derived:
+    """A default that follows from the values read before it: in words, and computed."""
+
+    text: str
+    value: Callable[[Mapping[str, Any]], Any]
+
+
+def quantity(unit: str, description: str, default: Any = MISSING, **limits: Unpack[Limits]) -> Any:
+    """Return a dataclass field with the metadata of one key of the scene file.
+
+    Its keys are `unit` ("1" for a pure number, "" for what is no number), `description`, `default` (a value,
+    a `Derived`, or `dataclasses.MISSING` if it must be given) and those of `Limits`, None for no limit.
+    """
+    metadata = {"unit": unit, "description": description, "default": default}
+    metadata |= dict.fromkeys(Limits.__annotations__) | limits
+    return field(default=MISSING if isinstance(default, Derived) else default, metadata=metadata)
+
+
+def keeps(value: Any, rule: Mapping[str, Any]) -> bool:
+    """Whether one value keeps all limits of the metadata `rule`."""
+    limits = ((limit, keep) for limit, keep in _KEEPS.items() if rule[limit] is not None)
+    return all(keep(value, rule[limit]) for limit, keep in limits)
+
+
+def extended(rule: Mapping[str, Any], known: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The metadata `rule` with the choice that another key adds, for the values read before."""
+    file = known.get(rule.get("extended_by") or "")
+    return {**rule, "choices": (*rule["choices"], Path(file).stem)} if file else rule
+
+
+def allowed(kind: Any, rule: Mapping[str, Any]) -> str:
+    """Say what one value of type `kind` with the metadata `rule` may be: "a finite number > 0 [m]"."""
+    if rule["choices"] is not None:
+        return "one of " + ", ".join(f'"{choice}"' for choice in rule["choices"])
+    if kind is str:
+        return str(rule["matching"][1])
+    if kind in (bool, int):
+        return "true or false" if kind is bool else "a whole number"
+    signs = {"minimum": ">=", "above": ">", "maximum": "<="}
+    bounds = " and ".join(f"{signs[limit]} {rule[limit]:g}" for limit in signs if rule[limit] is not None)
+    unit = "" if rule["unit"] == "1" else f"[{rule['unit']}]"
+    return " ".join(filter(None, ("a finite number", bounds, unit)))
