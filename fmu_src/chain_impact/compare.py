@@ -339,8 +339,10 @@ def advice(comparison: Comparison) -> list[str]:
     others = [law for law in near if law != best.law]
     unfit = [run.law for run in ended if run.law not in (best.law, *near)]
     lines = [f"for e = {e:g}: {best.law}. {reason} Realised in the first impact: {best.restitution:.4g}."]
-    lines += [f"within {NEAR:.0%} of e too, by their range and here: {', '.join(others)}"] if others else []
-    lines += [f"not for e = {e:g}: {', '.join(unfit)}"] if unfit else []
+    if others:
+        lines.append(f"within {100 * NEAR:g} % of e too, by their range and here: {', '.join(others)}")
+    if unfit:
+        lines.append(f"not for e = {e:g}: {', '.join(unfit)}")
     return lines
 
 
