@@ -9,12 +9,14 @@ from __future__ import annotations
 import re
 
 import common
+from fidelity import GRID
 from peer_tables import TABLES
-from problems import PROBLEMS
+from problems import PROBLEMS, STEEL
 from stability import ADAPTIVE, METHODS, OUTCOMES
 from stability_chart import STEPS_AT
 from table import run, table
 
+SHOWN = 1e-8  # tolerance of the stiffnesses in the table of fidelity.py
 PAGES = ("benchmarks.md", "stability.md")
 
 
@@ -122,9 +124,36 @@ def steps() -> str:
     return table(("steps for 3 s", *(f"K = {k:.0e}" for k in stiffnesses)), rows)
 
 
+def fidelity() -> str:
+    """What each choice of a model errs by and costs, at both times."""
+    record = common.load("fidelity")
+    early, late = record["settings"]["stop [s]"]
+    rows: dict[str, dict] = {}
+    for row in record["results"]:
+        if row["choice"] == GRID and row["stiffness"] != STEEL and row["tolerance"] != SHOWN:
+            continue
+        what = f"{row['what']} wrong by 0.1 %" if "what" in row else f"`{row['law']}`"
+        name = f"{what} | {row['stiffness']:.4g} | {row['tolerance']:.0e}"
+        rows.setdefault(name, {})[row["stop"]] = row
+    lines = []
+    for name, at in rows.items():
+        if "error" not in at[late]:
+            continue
+        first = at[late]["first impact"]
+        parts = ("" if part is None else f"{part:.4g}" for part in first.values())
+        errors = [
+            f"{r['error']:.1e}" if r["onsets_right"] else "other impacts" for r in (at[early], at[late])
+        ]
+        cost = at[late]["rhs"], f"{1e6 * at[late]['seconds']:.0f}"
+        lines.append((name, *parts, *errors, *cost))
+    head = ("law", "K", "tolerance", "rebound", "peak force", "depth")
+    head += (f"error at {early} s", f"error at {late} s", "right-hand sides", "time [µs]")
+    return run("fidelity") + "\n\n" + table(head, lines)
+
+
 def main() -> None:
     """Fill both pages."""
-    tables = {f.__name__: f for f in (rhs, reference, fmu_cost, stability, steps, *TABLES)}
+    tables = {f.__name__: f for f in (rhs, reference, fidelity, fmu_cost, stability, steps, *TABLES)}
     for name in PAGES:
         page = common.ROOT / "docs" / name
         text = page.read_text(encoding="utf-8")

@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, get_args, get_origin
 
-from chain_impact import cli
+from chain_impact import cli, sphere_plane_stiffness
 from chain_impact.kernel.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.law_registry import ContactLaw
 from chain_impact.kernel.status import STATUS_TEXT
@@ -32,6 +32,15 @@ if TYPE_CHECKING:
     from mkdocs.structure.files import Files
 
 HELP_WIDTH = 88  # columns
+RADIUS = 0.02  # m, of the spheres in the table of stiffness
+# Young's modulus [Pa] and Poisson's ratio, as usual for the material
+MATERIALS = {
+    "steel": (207e9, 0.3),
+    "aluminium": (70e9, 0.33),
+    "PMMA": (3.0e9, 0.38),
+    "nylon": (2.7e9, 0.39),
+    "rubber": (5e6, 0.49),
+}
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
@@ -211,40 +220,35 @@ def statuses() -> str:
 
 
 def contact_laws() -> str:
-    """The registry of contact laws."""
-    head = ("number", "id", "law", "f(e)", "within 5 % for", "allowed", "evidence", "limits")
-    rows = (
-        (
-            str(law.number),
-            code(law.id),
-            law.source,
-            law.formula,
-            _accurate(law.accurate_from, law.accurate_to),
-            law.restitution_range,
-            law.evidence,
-            law.limits,
-        )
-        for law in CONTACT_LAWS.values()
+    """The registry of contact laws: the Hunt–Crossley family, then the others."""
+    ends = ("within 5 % for", "allowed", "limits", "evidence")
+    family = [law for law in CONTACT_LAWS.values() if law.rate_exponent is None]
+    others = [law for law in CONTACT_LAWS.values() if law.rate_exponent is not None]
+    return "\n\n".join(
+        [
+            "### The Hunt–Crossley family",
+            table(("number", "id", "law", "λ(e)", *ends), map(_law_row, family)),
+            "### Other powers of the penetration in the damping",
+            table(("number", "id", "law", "f(e)", *ends), map(_law_row, others)),
+            table(
+                ("id", "force, where not cut off at 0", "damping d", "exponent n"),
+                ((code(law.id), law.force, law.damping, f"{law.exponent:g}") for law in others),
+            ),
+        ]
     )
-    return table(head, rows)
 
 
-def contact_forces() -> str:
-    """Force, damping and exponent of the laws, the Hunt–Crossley family as one."""
-    rows: dict[str, list[ContactLaw]] = {}
-    for law in CONTACT_LAWS.values():
-        rows.setdefault(law.force if law.rate_exponent is None else law.id, []).append(law)
-    lines = (
-        (
-            code(laws[0].id) if len(laws) == 1 else "the family",
-            laws[0].force,
-            laws[0].damping,
-            f"{laws[0].exponent:g}" if laws[0].exponent else "any",
-            "from 0" if laws[0].continuous else "jumps",
-        )
-        for laws in rows.values()
+def _law_row(law: ContactLaw) -> Sequence[str]:
+    return (
+        str(law.number),
+        code(law.id),
+        law.source,
+        law.formula,
+        _accurate(law.accurate_from, law.accurate_to),
+        law.restitution_range,
+        law.limits,
+        law.evidence,
     )
-    return table(("law", "force, where > 0", "damping d", "n", "at onset"), lines)
 
 
 def _accurate(low: float, high: float) -> str:
@@ -253,6 +257,24 @@ def _accurate(low: float, high: float) -> str:
     if low == 0.0:
         return "all e" if high == 1.0 else f"e ≤ {high:g}"
     return f"e ≥ {low:g}"
+
+
+def stiffnesses() -> str:
+    """The stiffness of a sphere of some materials on a plane."""
+    steel = MATERIALS["steel"]
+    rows = (
+        (
+            name,
+            f"{young / 1e9:g}",
+            f"{poisson:g}",
+            *(
+                f"{sphere_plane_stiffness(RADIUS, young, poisson, *plane):.4g}"
+                for plane in ((young, poisson), steel)
+            ),
+        )
+        for name, (young, poisson) in MATERIALS.items()
+    )
+    return table(("sphere of", "E [GPa]", "ν", "K on its own material", "K on steel"), rows)
 
 
 def command_line() -> str:
@@ -280,7 +302,7 @@ TABLES = {
         walls,
         statuses,
         contact_laws,
-        contact_forces,
+        stiffnesses,
         command_line,
     )
 }

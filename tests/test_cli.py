@@ -191,6 +191,30 @@ def test_show_opens_one_window_with_the_picture(run, monkeypatch):
     assert shown == ["RodDrop: 30 impacts in 2 s"]
 
 
+# --- compare ---------------------------------------------------------------------------------------------
+
+
+def test_compare_prints_a_row_for_each_law_and_advice(run):
+    code, said, errors = run(
+        "compare", "--set", "contact.restitution=0.5", "--set", "simulation.stop_time=0.6"
+    )
+    assert (code, errors) == (0, "")
+    lines = said.splitlines()
+    assert lines[1].startswith("FourLinkBox  e = 0.5, n = 1.5, K = 1e+08; first impact at 0.499446 s with ")
+    assert [line.split()[0] for line in lines[3:] if line.split()[0] in CONTACT_LAWS] == list(CONTACT_LAWS)
+    assert any(line.startswith("advice   for e = 0.5: zhang_sharf. ") for line in lines)
+
+
+def test_compare_writes_what_was_asked_for(run, here):
+    arguments = ["compare", "--csv", "laws.csv", "--plot", "laws.png", "--set", "simulation.stop_time=0.6"]
+    code, said, errors = run(*arguments)
+    assert (code, errors) == (0, "")
+    assert said.startswith("table    laws.csv\npicture  laws.png\n")
+    assert (here / "laws.png").read_bytes().startswith(PNG)
+    with (here / "laws.csv").open(newline="", encoding="utf-8") as file:
+        assert [row["law"] for row in csv.DictReader(file)] == list(CONTACT_LAWS)
+
+
 # --- info ------------------------------------------------------------------------------------------------
 
 

@@ -169,3 +169,24 @@ def test_the_fmu_of_something_else(refused, run, here, fmu):
 @pytest.mark.parametrize("verb", ["simulate", "info", "validate"])
 def test_a_missing_fmu(refused, verb):
     refused(2, r"^chain-impact: missing\.fmu: No such file", verb, "missing.fmu")
+
+
+# --- compare ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("arguments", "pattern"),
+    [
+        (["four_link_box", "--set", "simulation.stop_time=0.1"], "no impact to compare the laws by"),
+        (["four_link_box", "--set", "contact.model=99"], r"contact\.model = .*99.* must be one of"),
+        (["four_link_box", "--csv", "nowhere/laws.csv"], "nowhere/laws.csv: No such folder"),
+        (["four_link_box", "--plot", "laws.txt"], r"laws.txt must end in \.png"),
+        (["no_scene"], "no_scene: cannot be read"),
+    ],
+)
+def test_compare_of_what_cannot_be(refused, arguments, pattern):
+    refused(2, pattern, "compare", *arguments)
+
+
+def test_compare_takes_no_fmu(refused, fmu):
+    refused(2, "FourLinkBox.fmu: cannot be read", "compare", fmu)

@@ -156,3 +156,9 @@ def test_the_scene_reference_has_every_key(generate):
 def test_the_table_of_laws_has_every_law(generate):
     text = generate.contact_laws()
     assert all(f"| {law.number} | `{law.id}` | {law.source} |" in text for law in CONTACT_LAWS.values())
+
+
+def test_the_table_of_stiffness_has_every_material(generate):
+    text = generate.stiffnesses()
+    assert "| steel | 207 | 0.3 | 2.145e+10 | 2.145e+10 |" in text
+    assert all(f"| {name} |" in text for name in generate.MATERIALS)

@@ -19,7 +19,7 @@ from tests.problems import (
     struck_ball,
     struck_rod,
 )
-from tests.reference import exact_damping_factor, momenta, newton_impact
+from tests.reference import exact_damping_factor, momenta, newton_impact, point_impact
 
 # --- one impact --------------------------------------------------------------------------------------------
 
@@ -213,3 +213,43 @@ def test_a_second_hit_within_a_contact_is_no_explosion(floor):
     hardest = (1 + exact_damping_factor(0.5)) * 1.1432626298 * scene.contact.stiffness * ratio**0.6
     assert impacts["peak_force"].max() < hardest
     assert np.diff(result.energy["total"]).max() < 1e-8
+
+
+# --- the default scene against one degree of freedom -------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "tolerance"),
+    # the chain moves on while it is in contact, the less the shorter that is: as K^(−2/5)
+    [(1e9, 0.03), (2.145e10, 0.01), (1e11, 0.005), (1e12, 0.002)],
+)
+def test_impacts_of_the_default_scene_are_those_of_their_effective_mass(stiffness, tolerance):
+    """No two contacts overlap in it; where they do, as in the tests above, none is that of a free mass."""
+    result = simulate(default_scene(stiffness=stiffness), output_step=5e-5)
+    impacts, dissipated = result.impacts[np.isfinite(result.impacts["end"])], result.energy["dissipated"]
+    assert len(impacts) > 8
+    assert (impacts["end"][:-1] < impacts["onset"][1:]).all()
+    factor = exact_damping_factor(0.7)
+    for impact in impacts:
+        exact = point_impact(impact["effective_mass"], impact["impact_speed"], stiffness, 1.5, factor)
+        before, after = np.searchsorted(result.time, [impact["onset"], impact["end"]]) - [1, 0]
+        found = {
+            "separation_speed": impact["separation_speed"],
+            "peak_force": impact["peak_force"],
+            "max_penetration": impact["max_penetration"],
+            "duration": impact["end"] - impact["onset"],
+            "dissipated": dissipated[after] - dissipated[before],
+        }
+        for name, value in found.items():
+            assert value == pytest.approx(getattr(exact, name), rel=tolerance), (name, impact)
+
+
+def test_the_first_impact_deviates_from_its_effective_mass_as_stiffness_to_the_minus_two_fifths():
+    stiffness, deviations, factor = np.array([1e8, 1e9, 1e10, 1e11]), [], exact_damping_factor(0.7)
+    for k in stiffness:
+        first = simulate(default_scene(stiffness=k), stop_time=0.51, tolerance=1e-11).impacts[0]
+        exact = point_impact(first["effective_mass"], first["impact_speed"], k, 1.5, factor)
+        found = [first[name] / getattr(exact, name) - 1 for name in ("separation_speed", "peak_force")]
+        deviations.append([*found, (first["end"] - first["onset"]) / exact.duration - 1])
+    for column in np.abs(deviations).T:
+        assert np.polyfit(np.log(stiffness), np.log(column), 1)[0] == pytest.approx(-0.4, abs=0.03)

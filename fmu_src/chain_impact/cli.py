@@ -1,25 +1,25 @@
-"""The command line: build, simulate, inspect and validate."""
+"""The command line: build, simulate, compare, inspect and validate."""
 
 from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from errno import ENOENT
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, NoReturn
 
-from rich.console import Console
+from rich.console import Console, RenderableType
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-from rich.table import Table
 
 from chain_impact.export.aot import HOST, ZIG_TARGETS, BuildError
 from chain_impact.recording import Recording
-from chain_impact.runs import RunError, read_fmu, record_fmu, record_scene
+from chain_impact.runs import RunError, read_fmu, record_fmu, record_scene, with_settings
 from chain_impact.scene import SceneError, load_scene, scene_to_dict
+from chain_impact.screen import law_table, summary
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -88,15 +88,25 @@ def parser() -> argparse.ArgumentParser:
 
     simulate = verbs.add_parser("simulate", help="simulate a scene, or an FMU with fmpy")
     _add_scene(simulate, "scene or FMU")
-    simulate.add_argument(
-        "--set", action="append", default=[], metavar="NAME=VALUE", help="set a parameter; can be repeated"
-    )
+    _add_set(simulate)
     simulate.add_argument("--show", action="store_true", help="open a window with the picture")
     simulate.add_argument(
         "--plot", metavar="FILE", type=_picture, help="draw motion, energy and impacts (png, svg, pdf)"
     )
     simulate.add_argument("--csv", metavar="FILE", type=Path, help="write the outputs over time")
     simulate.set_defaults(run=run_simulate)
+
+    compare = verbs.add_parser("compare", help="simulate a scene with every contact law, side by side")
+    _add_scene(compare, "scene")
+    _add_set(compare)
+    compare.add_argument(
+        "--plot",
+        metavar="FILE",
+        type=_picture,
+        help="draw restitution, first impact and energy (png, svg, pdf)",
+    )
+    compare.add_argument("--csv", metavar="FILE", type=Path, help="write the table")
+    compare.set_defaults(run=run_compare)
 
     info = verbs.add_parser("info", help="say what a scene or an FMU holds")
     _add_scene(info, "scene or FMU")
@@ -115,6 +125,12 @@ def _add_scene(command: argparse.ArgumentParser, what: str) -> None:
         default=DEFAULT_SCENE,
         metavar=what.upper().replace(" OR ", "|"),
         help=f"{what}: a file, a folder with scene.toml, or a model's name; default: {DEFAULT_SCENE}",
+    )
+
+
+def _add_set(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE", help="set a parameter; can be repeated"
     )
 
 
@@ -160,6 +176,27 @@ def run_simulate(options: argparse.Namespace) -> int:
 
         fill(window, recording)
         pyplot.show()
+    return 0
+
+
+def run_compare(options: argparse.Namespace) -> int:
+    """Simulate a scene with every law; print the table and the advice, and write what was asked for."""
+    from chain_impact.compare import compare
+
+    check_folders(options.csv, options.plot)
+    scene = with_settings(load_scene(options.source), dict(_setting(text) for text in options.set))
+    with progress("comparing") as (notify, advance):
+        comparison = compare(scene, notify, advance)
+    if options.csv:
+        comparison.save_csv(options.csv)
+        out.print(f"table    {options.csv}", markup=False, soft_wrap=True)
+    if options.plot:
+        from chain_impact.compare_plot import plot_comparison
+
+        with progress("drawing") as (notify, advance):
+            plot_comparison(comparison, options.plot, notify, advance)
+        out.print(f"picture  {options.plot}", markup=False, soft_wrap=True)
+    show(law_table(comparison))
     return 0
 
 
@@ -232,7 +269,7 @@ def _setting(text: str) -> tuple[str, str]:
 
 
 @contextmanager
-def progress() -> Iterator[tuple[Notify, Advance]]:
+def progress(work: str = "simulating") -> Iterator[tuple[Notify, Advance]]:
     """A progress bar, for work that takes long enough to see it.
 
     Yields a function that says what is being done, for as long as it takes, and one that tells the fraction
@@ -252,7 +289,7 @@ def progress() -> Iterator[tuple[Notify, Advance]]:
     def advance(fraction: float) -> None:
         nonlocal shown
         if fraction > shown + 0.01 and monotonic() > begun + BRIEF:
-            notify("simulating", 1.0)
+            notify(work, 1.0)
             bar.update(bar.task_ids[0], completed=fraction)
             shown = fraction
 
@@ -265,9 +302,7 @@ def progress() -> Iterator[tuple[Notify, Advance]]:
 
 def report(source: str, settings: Sequence[str], csv: Path | None, picture: Path | None) -> Recording:
     """Simulate, write the files asked for and print a summary; also of what came before a fault."""
-    for path in (csv, picture):
-        if path and not path.parent.is_dir():
-            raise FileNotFoundError(ENOENT, "No such folder", str(path))
+    check_folders(csv, picture)
     fault = None
     try:
         recording = record(source, settings)
@@ -283,10 +318,17 @@ def report(source: str, settings: Sequence[str], csv: Path | None, picture: Path
 
         plot(recording, picture)
         out.print(f"picture  {picture}", markup=False, soft_wrap=True)
-    summarize(recording)
+    show(summary(recording))
     if fault:
         raise fault
     return recording
+
+
+def check_folders(*paths: Path | None) -> None:
+    """Refuse files in folders that are not there, before any work is done."""
+    for path in paths:
+        if path and not path.parent.is_dir():
+            raise FileNotFoundError(ENOENT, "No such folder", str(path))
 
 
 def open_window() -> Figure:
@@ -302,26 +344,10 @@ def open_window() -> Figure:
     return page
 
 
-def summarize(recording: Recording) -> None:
-    """Print impacts and energy balance."""
-    table = Table("#", "time, s", "point", "wall", "speed, m/s", box=None, header_style="bold")
-    for number, impact in enumerate(recording.impacts, start=1):
-        table.add_row(
-            str(number), f"{impact.time:.6f}", str(impact.point), impact.wall, f"{impact.speed:.4f}"
-        )
-    count, listed = recording.impact_count, len(recording.impacts)
-    impacts = f"{count} impact{'s' if count != 1 else ''}"
-    if listed < count:
-        impacts += f", {listed} listed: an FMU tells only the last one in a communication step"
-    out.print(f"\n[bold]{escape(recording.name)}[/]  0 … {recording.time[-1]:g} s, {impacts}", soft_wrap=True)
-    out.print(table)
-    total, dissipated = (recording.columns[f"energy.{name}"] for name in ("total", "dissipated"))
-    supplied = recording.columns.get("energy.supplied", 0.0 * total)
-    balance = total + dissipated - supplied
-    parts = [f"{total[-1]:.6g} J left", f"{dissipated[-1]:.6g} J dissipated"]
-    parts += [f"{-supplied[-1]:.6g} J supplied"] if supplied.any() else []
-    out.print(f"energy   {total[0]:.6g} J at the start = {' + '.join(parts)}", soft_wrap=True)
-    out.print(f"balance  off by at most {abs(balance - balance[0]).max():.1e} J", soft_wrap=True)
+def show(parts: Iterable[RenderableType]) -> None:
+    """Print one after the other, whole lines however narrow the terminal."""
+    for part in parts:
+        out.print(part, soft_wrap=True)
 
 
 def _flatten(table: dict[str, object], prefix: str = "") -> Iterator[tuple[str, object]]:

@@ -46,17 +46,27 @@ def record_scene(
         RunError: when the solver cannot go on.
         BuildError: when the kernel cannot be compiled.
     """
+    scene = with_settings(scene, settings)
+    try:
+        return recording_of(simulate(scene, notify=notify, progress=progress))
+    except SimulationError as error:
+        partial = recording_of(error.result) if error.result else None
+        raise RunError(f"{scene.name}: {error}", partial) from None
+
+
+def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
+    """The scene with some parameters, named as in its FMU, or of the experiment, set to values in text.
+
+    Raises:
+        SceneError: when a name is unknown or a value is out of range.
+    """
     paths = parameter_paths(scene) | EXPERIMENT
     choices = {variable.name: [item.name for item in variable.items] for variable in fmu_variables(scene)}
     changes = {
         paths[_known(name, paths, scene.name)]: _scene_value(choices.get(name, []), text)
         for name, text in settings.items()
     }
-    try:
-        return recording_of(simulate(with_values(scene, changes), notify=notify, progress=progress))
-    except SimulationError as error:
-        partial = recording_of(error.result) if error.result else None
-        raise RunError(f"{scene.name}: {error}", partial) from None
+    return with_values(scene, changes)
 
 
 def recording_of(result: Result) -> Recording:

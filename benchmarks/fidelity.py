@@ -1,0 +1,183 @@
+"""What a cheaper model costs in truth: ``python benchmarks/fidelity.py [--quick]``.
+
+The default scene with the stiffness of steel and the law zhang_sharf is what is to be found, by the reference
+of reference.py. Every choice of a stiffness, a tolerance and a law is judged by the state that it arrives
+at, and by its first impact; and timed. As a measure of what can be known at all: the errors that a
+restitution or a start have that are wrong by a thousandth.
+"""
+
+from __future__ import annotations
+
+import common  # isort: skip
+
+import argparse
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.ticker import LogLocator
+from peers.ours import Kernel
+from problems import PROBLEMS, STEEL
+from work_precision import judge
+
+from chain_impact.compare import law_values
+from chain_impact.kernel.contact_laws import CONTACT_LAWS
+from chain_impact.scene import Scene, SceneError, load_scene, with_values
+from chain_impact.simulate import simulate
+
+PROBLEM = PROBLEMS["steel"]
+STIFFNESSES = (1e5, 1e6, 1e7, 1e8, 1e9, 1e10, STEEL, 1e12)
+TOLERANCES = tuple(10.0**-k for k in range(3, 11))
+TIGHT = 1e-8  # tolerance of the laws and of what is not known
+LAW = "zhang_sharf"
+RIGID = "newton_impact"
+WRONG_BY = 1e-3
+ROUNDS, SPAN = 5, 0.02
+FIRST = ("separation_speed", "peak_force", "max_penetration")
+HOPELESS = 100.0  # of the chart
+GRID = "stiffness and tolerance"
+COSTS: dict[str, Callable[[dict], float]] = {
+    "CPU time [ms]": lambda row: 1e3 * row["seconds"],
+    "right-hand sides": lambda row: row["rhs"],
+}
+
+
+def scene_with(changes: Mapping[Any, Any], tolerance: float) -> Scene:
+    """The scene of the problem with other values."""
+    return with_values(
+        load_scene(PROBLEM.model),
+        {("contact", "stiffness"): STEEL, ("solver", "tolerance"): tolerance, **changes},
+    )
+
+
+def choices() -> list[tuple[dict, Scene]]:
+    """What is compared: its description and its scene."""
+    found = []
+    for stiffness in STIFFNESSES:
+        for tolerance in TOLERANCES:
+            about = {"choice": GRID, "law": LAW, "stiffness": stiffness}
+            scene = scene_with({("contact", "stiffness"): stiffness}, tolerance)
+            found.append(({**about, "tolerance": tolerance}, scene))
+    first = simulate(scene_with({}, TIGHT), stop_time=0.6).impacts[0]
+    for law in CONTACT_LAWS:
+        if law == LAW:
+            continue
+        changes = law_values(scene_with({}, TIGHT), law, first)
+        stiffness = changes.get(("contact", "stiffness"), STEEL)
+        about = {"choice": "law", "law": law, "stiffness": stiffness, "tolerance": TIGHT}
+        found.append((about, scene_with(changes, TIGHT)))
+    plain = {"law": LAW, "stiffness": STEEL, "tolerance": TIGHT}
+    start = load_scene(PROBLEM.model).initial
+    for name, path, value in (
+        ("restitution", ("contact", "restitution"), 0.7),
+        ("first angle", ("initial", "angles", 0), start.angles[0]),
+        ("first angular velocity", ("initial", "angular_velocities", 0), start.angular_velocities[0]),
+    ):
+        scene = scene_with({path: value * (1 + WRONG_BY)}, TIGHT)
+        found.append(({"choice": "unknown", "what": name, **plain}, scene))
+    return found
+
+
+def first_impact(scene: Scene, truth: np.void) -> dict[str, float | None]:
+    """The first impact as parts of the true one; None for an impulse's force, and where it has not ended."""
+    impact = simulate(scene, stop_time=0.6).impacts[0]
+    ratios = {name: float(impact[name] / truth[name]) for name in FIRST}
+    return {name: float(f"{ratio:.6g}") if math.isfinite(ratio) else None for name, ratio in ratios.items()}
+
+
+def measure(rounds: int) -> list[dict]:
+    """Errors and costs of all choices at both times."""
+    expected = common.load("reference")["results"][PROBLEM.name]
+    truth = simulate(scene_with({}, 1e-12), stop_time=0.6).impacts[0]
+    rows = []
+    for stop in PROBLEM.times:
+        contenders = {}
+        for number, (about, scene) in enumerate(choices()):
+            try:
+                kernel = Kernel(scene, stop)
+                row = {**about, "stop": stop, **judge(kernel.outcome(), expected, stop)}
+            except (AssertionError, SceneError) as error:
+                rows.append({**about, "stop": stop, "failed": str(error)})
+                continue
+            rows.append({**row, "first impact": first_impact(scene, truth), "number": number})
+            contenders[str(number)] = kernel.run
+        timings = common.interleave(contenders, rounds, SPAN)
+        for row in rows:
+            if row["stop"] == stop and "number" in row:
+                row["seconds"] = common.median(timings[str(row.pop("number"))])
+        for row in (row for row in rows if row["stop"] == stop and "error" in row):
+            about = (
+                f"{stop} K = {row['stiffness']:.2e} {row['tolerance']:.0e} {row.get('what', row['law']):22}"
+            )
+            seen = "" if row["onsets_right"] else ", other impacts"
+            cost = f"{row['rhs']:5} rhs {1e6 * row['seconds']:5.0f} µs"
+            print(f"{about} {cost}  error {row['error']:.1e}{seen}", flush=True)
+    return rows
+
+
+def draw(page: Any, record: dict) -> None:
+    """Error against CPU time and right-hand sides, at both times."""
+    panels = page.subplots(2, 2, sharey="col")
+    for (label, cost), line in zip(COSTS.items(), panels, strict=True):
+        for stop, axes in zip(PROBLEM.times, line, strict=True):
+            rows = [row for row in record["results"] if row["stop"] == stop and "seconds" in row]
+            draw_stiffness(axes, rows, cost)
+            draw_laws(axes, rows, cost)
+            known = next(row["error"] for row in rows if row.get("what") == "restitution")
+            axes.axhline(known, color="0.4", linestyle="--", linewidth=1, label="e wrong by 0.1 %")
+            axes.set(xlabel=label, title=f"to {stop} s", ylim=(None, HOPELESS))
+            axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axes.xaxis.set_major_formatter("{x:g}")
+            axes.minorticks_off()
+    for axes in panels[:, 0]:
+        axes.set_ylabel("error of the final state (m, rad, m/s, rad/s)")
+    page.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside right upper", fontsize=9)
+
+
+def draw_stiffness(axes: Any, rows: list[dict], cost: Callable[[dict], float]) -> None:
+    """A line over the tolerances for each stiffness; those of steel are named."""
+    shades = colormaps["viridis"](np.linspace(0.0, 0.9, len(STIFFNESSES)))
+    for stiffness, shade in zip(STIFFNESSES, shades, strict=True):
+        mine = [r for r in rows if (r["choice"], r["stiffness"]) == (GRID, stiffness)]
+        look = {"color": common.OURS if stiffness == STEEL else shade, "marker": "o", "markersize": 4}
+        name = f"K = {stiffness:.4g}" + (" (steel)" if stiffness == STEEL else "")
+        axes.loglog([cost(r) for r in mine], [r["error"] for r in mine], label=name, **look)
+        for row in mine[1::2] if stiffness == STEEL else ():
+            name_point(axes, f"1e{math.log10(row['tolerance']):.0f}", cost(row), row["error"], common.OURS)
+
+
+def draw_laws(axes: Any, rows: list[dict], cost: Callable[[dict], float]) -> None:
+    """The other laws; the nearest one and the one out of line are named."""
+    laws = [r for r in rows if r["choice"] == "law" and r["law"] != RIGID]
+    label = f"other laws, K of steel, tolerance 1e{math.log10(TIGHT):.0f}"
+    axes.loglog([cost(r) for r in laws], [r["error"] for r in laws], "kx", label=label)
+    usual = np.median([cost(row) for row in laws])
+    for row in laws:
+        if row["error"] == min(one["error"] for one in laws) or cost(row) > 3 * usual:
+            name_point(axes, row["law"], cost(row), row["error"], "black", right=cost(row) < 3 * usual)
+    for row in (r for r in rows if r["law"] == RIGID):
+        axes.loglog(cost(row), row["error"], "b*", markersize=11, label=RIGID)
+
+
+def name_point(axes: Any, text: str, x: float, y: float, colour: str, *, right: bool = True) -> None:
+    """A name beside a point."""
+    look = {"color": colour, "fontsize": 7, "ha": "left" if right else "right"}
+    axes.annotate(text, (x, y), xytext=(6 if right else -6, 1), textcoords="offset points", **look)
+
+
+def main() -> None:
+    """Measure and draw."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="two rounds")
+    rounds = 2 if parser.parse_args().quick else ROUNDS
+    started = common.environment()
+    rows = measure(rounds)
+    settings = {"scene": PROBLEM.title, "stop [s]": PROBLEM.times, "rounds": rounds, "unknown": WRONG_BY}
+    common.save("fidelity", started, settings, rows)
+    common.picture("fidelity", draw, (11.5, 8.0))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,352 @@
+"""Every contact law on the same scene, side by side."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from chain_impact.kernel.contact_laws import CONTACT_LAWS
+from chain_impact.recording import written_whole
+from chain_impact.scene import Contact, Scene, SceneError, scene_from_dict, with_values
+from chain_impact.simulate import Instance, Result, SimulationError, simulate
+
+EXACT = "zhang_sharf"
+"""The law that the others are measured by, where the scene's restitution allows it."""
+NEAR = 0.05  # part of the prescribed restitution, as in the registry's ranges
+SAMPLES = 400  # of a loop of force and penetration
+LONGEST = 200.0  # elastic contact times, after which a free impact is given up
+HEIGHT = 1e-3  # m, from which the mass of a free impact flies to the wall
+
+Changes = dict[tuple[str | int, ...], Any]
+Notify = Callable[[str], None]
+Advance = Callable[[float], None]
+
+
+@dataclass(frozen=True)
+class LawRun:
+    """What one law makes of the scene.
+
+    The values of the first impact are NaN where there is none, or it has not ended.
+
+    Attributes:
+        law: its id.
+        exponent: n that it was run with.
+        stiffness: K that it was run with [N/m^n].
+        restitution: realised in the first impact.
+        peak_force: of the first impact [N]; infinite for an impulse.
+        max_penetration: of the first impact [m].
+        duration: of the first impact [s]; 0 for an impulse.
+        energy_lost: from the onset to the end of the first impact, by all contacts [J].
+        loop: penetration [m] and force [N] in the first impact, shape (2, SAMPLES); empty for an impulse.
+        divergence: number, from 1, of the first impact at another point or wall than with the reference
+            law; None if there is none.
+        divergence_time: its onset [s].
+        note: why there is no result or not all of it, or what is particular.
+        result: all that was simulated, if anything.
+    """
+
+    law: str
+    exponent: float
+    stiffness: float
+    restitution: float = math.nan
+    peak_force: float = math.nan
+    max_penetration: float = math.nan
+    duration: float = math.nan
+    energy_lost: float = math.nan
+    loop: np.ndarray | None = None
+    divergence: int | None = None
+    divergence_time: float = math.nan
+    note: str = ""
+    result: Result | None = None
+
+    @property
+    def impacts(self) -> int:
+        """How many impacts there were."""
+        return len(self.result.impacts) if self.result else 0
+
+    @property
+    def steps(self) -> int:
+        """Steps of the solver."""
+        return self.result.statistics["steps"] if self.result else 0
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """All laws on one scene.
+
+    Attributes:
+        scene: the scene.
+        reference: id of the law whose impacts the others are compared with.
+        runs: one for each law, in the order of the registry, then the scene's own law if it has one.
+    """
+
+    scene: Scene
+    reference: str
+    runs: tuple[LawRun, ...]
+
+    def __getitem__(self, law: str) -> LawRun:
+        """The run of a law."""
+        return next(run for run in self.runs if run.law == law)
+
+    @property
+    def first_impact(self) -> np.void:
+        """The first impact under the reference law, a row of ``Result.impacts``."""
+        result = self[self.reference].result
+        assert result is not None  # that is what makes it the reference
+        impact: np.void = result.impacts[0]
+        return impact
+
+    def save_csv(self, path: Path) -> None:
+        """Write the table as CSV, numbers in full precision; what is not there is empty."""
+        with written_whole(path) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(COLUMNS)
+            writer.writerows([_cell(value(run)) for value in COLUMNS.values()] for run in self.runs)
+
+
+COLUMNS: dict[str, Callable[[LawRun], object]] = {
+    "law": lambda run: run.law,
+    "exponent": lambda run: run.exponent,
+    "stiffness [N/m^exponent]": lambda run: run.stiffness,
+    "restitution": lambda run: run.restitution,
+    "peak force [N]": lambda run: run.peak_force,
+    "penetration [m]": lambda run: run.max_penetration,
+    "duration [s]": lambda run: run.duration,
+    "energy lost [J]": lambda run: run.energy_lost,
+    "impacts": lambda run: run.impacts if run.result else None,
+    "first other impact": lambda run: run.divergence,
+    "its time [s]": lambda run: run.divergence_time,
+    "steps": lambda run: run.steps if run.result else None,
+    "note": lambda run: run.note,
+}
+"""The columns of the CSV, and what stands in them; "restitution" to "energy lost" are of the first impact."""
+
+
+def _cell(value: object) -> object:
+    return "" if value is None or (isinstance(value, float) and math.isnan(value)) else value
+
+
+def compare(scene: Scene, notify: Notify = lambda _: None, progress: Advance = lambda _: None) -> Comparison:
+    """Simulate a scene with each law of the registry, and with its own law if it has one.
+
+    A law that needs another exponent than the scene's is run with that, and with the stiffness that makes
+    the first impact equally deep if it were elastic. A law that does not allow the scene's restitution, or
+    fails, is listed with the reason.
+
+    Args:
+        scene: the scene; its contact model does not matter.
+        notify: called with a sentence before the kernel is compiled.
+        progress: called with the fraction done.
+
+    Raises:
+        SceneError: when there is no impact.
+        BuildError: when the kernel cannot be compiled.
+    """
+    laws = law_names(scene)
+    at_home = [law for law in laws if needed_exponent(law, scene) == scene.contact.exponent]
+    found: dict[str, LawRun] = {}
+
+    def run(law: str, impact: np.void | None) -> None:
+        done = len(found)
+        found[law] = _run(scene, law, impact, notify, lambda part: progress((done + part) / len(laws)))
+
+    for law in at_home:
+        run(law, None)
+    preferred = dict.fromkeys([EXACT, scene.contact.model, *at_home])
+    reference = next((law for law in preferred if law in found and found[law].impacts), None)
+    if reference is None:
+        reason = found[scene.contact.model].note or f"there is none before {scene.simulation.stop_time:g} s"
+        raise SceneError(f"{scene.name}: no impact to compare the laws by: {reason}")
+    expected = found[reference].result
+    assert expected is not None
+    for law in laws:
+        if law not in found:
+            run(law, expected.impacts[0])
+    runs = tuple(_against(expected, found[law]) for law in laws)
+    return Comparison(scene, reference, runs)
+
+
+def law_names(scene: Scene) -> list[str]:
+    """The ids of all laws that a scene can have."""
+    own = Path(scene.contact.law_file).stem
+    return [*CONTACT_LAWS, own] if own else list(CONTACT_LAWS)
+
+
+def needed_exponent(law: str, scene: Scene) -> float:
+    """The exponent that a law is defined for, by default the scene's."""
+    entry = CONTACT_LAWS.get(law)
+    return scene.contact.exponent if entry is None or entry.exponent is None else entry.exponent
+
+
+def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
+    """What to change in a scene to give it a law.
+
+    ``impact``, a row of ``Result.impacts``, is the one in which the elastic depth shall stay as it is if the
+    law needs another exponent: K δⁿ⁺¹/(n+1) = ½ m v₀².
+    """
+    changes: Changes = {("contact", "model"): law}
+    n, needed = scene.contact.exponent, needed_exponent(law, scene)
+    if needed != n and impact is not None:
+        energy = 0.5 * impact["effective_mass"] * impact["impact_speed"] ** 2
+        depth = ((n + 1.0) * energy / scene.contact.stiffness) ** (1.0 / (n + 1.0))
+        changes["contact", "exponent"] = needed
+        changes["contact", "stiffness"] = float((needed + 1.0) * energy / depth ** (needed + 1.0))
+    return changes
+
+
+def _run(scene: Scene, law: str, impact: np.void | None, notify: Notify, progress: Advance) -> LawRun:
+    changes = law_values(scene, law, impact)
+    exponent = changes.get(("contact", "exponent"), scene.contact.exponent)
+    stiffness = changes.get(("contact", "stiffness"), scene.contact.stiffness)
+    notes = [f"n = {exponent:g}, K = {stiffness:.4g} for the same elastic depth"] if len(changes) > 1 else []
+    result, first = None, {}
+    try:
+        result = simulate(with_values(scene, changes), notify=notify, progress=progress)
+    except SceneError as error:
+        notes.append(str(error).removeprefix(f"{scene.name}: "))
+    except SimulationError as error:
+        notes.append(str(error))
+        result = error.result
+    if result is not None and len(result.impacts):
+        first = _first_impact(result)
+        overlap = result.impacts[1:2]["onset"] < result.impacts["end"][0]
+        notes += ["another contact began before the first ended"] if overlap.any() else []
+    return LawRun(law, exponent, stiffness, **first, note="; ".join(notes), result=result)
+
+
+def _first_impact(result: Result) -> dict[str, Any]:
+    """The values of the first impact, by name."""
+    impact = result.impacts[0]
+    values = {
+        "restitution": impact["separation_speed"] / impact["impact_speed"],
+        "peak_force": impact["peak_force"],
+        "max_penetration": impact["max_penetration"],
+        "duration": impact["end"] - impact["onset"],
+    }
+    found: dict[str, Any] = {name: float(value) for name, value in values.items()}
+    if not math.isfinite(impact["end"]):
+        return found
+    inside = np.linspace(impact["onset"], impact["end"], SAMPLES if found["duration"] > 0.0 else 0)
+    times = np.concatenate(
+        [[max(0.0, np.nextafter(impact["onset"], 0.0))], inside, [np.nextafter(impact["end"], np.inf)]]
+    )
+    instance = Instance(result.scene)
+    outputs = np.zeros(len(times), instance.record.dtype["output"])
+    instance.trajectory(times, outputs)
+    model = instance.record["model"]
+    places = (model["candidate_point"] == impact["point"]) & (model["candidate_wall"] == impact["wall"])
+    c = int(np.flatnonzero(places)[0])
+    found["energy_lost"] = float(outputs["dissipated"][-1] - outputs["dissipated"][0])
+    found["loop"] = np.array([outputs["penetration"][1:-1, c], outputs["force"][1:-1, c]]).clip(0.0)
+    return found
+
+
+def _against(expected: Result, run: LawRun) -> LawRun:
+    """The run with the first impact that is another than expected."""
+    if run.result is None:
+        return run
+    rows = run.result.impacts, expected.impacts
+    ours, theirs = ([(row["point"], row["wall"]) for row in one] for one in rows)
+    common = next((k for k, (a, b) in enumerate(zip(ours, theirs, strict=False)) if a != b), None)
+    if common is None:
+        stopped = run.result.time[-1] < expected.time[-1]
+        if len(ours) == len(theirs) or (stopped and len(ours) < len(theirs)):
+            return run
+        common = min(len(ours), len(theirs))
+    time = (rows[0] if common < len(ours) else rows[1])["onset"][common]
+    return replace(run, divergence=common + 1, divergence_time=float(time))
+
+
+# ---- a free impact ----------------------------------------------------------------------------------------
+
+
+def free_impact(contact: Contact, mass: float, speed: float, notify: Notify = lambda _: None) -> np.void:
+    """The impact of a point mass [kg] at a speed [m/s], with no other force: a row of ``Result.impacts``.
+
+    Raises:
+        SceneError: when mass or speed are out of range.
+        SimulationError: when the solver cannot go on.
+        BuildError: when the kernel cannot be compiled.
+    """
+    link = {"length": 1.0, "mass": mass, "center_of_mass": 0.0, "inertia": 1.0}
+    n, k = contact.exponent, contact.stiffness
+    depth = (0.5 * mass * speed**2 * (n + 1.0) / k) ** (1.0 / (n + 1.0))
+    stop = HEIGHT / speed + LONGEST * depth / speed
+    data = {
+        "name": "FreeImpact",
+        "gravity": [0.0, 0.0],
+        "chain": {"links": [link]},
+        "box": {"y_min": 0.0},
+        "contact": asdict(contact) | {"points": [0], "radius": 0.0},
+        "initial": {"position": [0.0, HEIGHT], "angles": [0.0], "velocity": [0.0, -speed]},
+        "simulation": {"stop_time": stop, "step_size": stop},
+    }
+    impact: np.void = simulate(scene_from_dict(data, "free impact"), notify=notify).impacts[0]
+    return impact
+
+
+def realised_restitution(
+    comparison: Comparison,
+    prescribed: np.ndarray,
+    notify: Notify = lambda _: None,
+    progress: Advance = lambda _: None,
+) -> dict[str, np.ndarray]:
+    """Realised over prescribed restitution of each law, in a free impact like the first of the comparison.
+
+    It has the speed and the effective mass of the first impact under the reference law. NaN where a law does
+    not allow the restitution, or fails.
+    """
+    scene, impact = comparison.scene, comparison.first_impact
+    mass, speed = float(impact["effective_mass"]), float(impact["impact_speed"])
+    curves: dict[str, np.ndarray] = {}
+    for number, run in enumerate(comparison.runs):
+        curve = np.full(len(prescribed), math.nan)
+        values = law_values(scene, run.law, impact)
+        contact = asdict(scene.contact) | {str(path[1]): value for path, value in values.items()}
+        for k, e in enumerate(prescribed):
+            try:
+                row = free_impact(Contact(**contact | {"restitution": float(e)}), mass, speed, notify)
+            except (SceneError, SimulationError):
+                continue
+            curve[k] = row["separation_speed"] / row["impact_speed"]
+        curves[run.law] = curve
+        progress((number + 1) / len(comparison.runs))
+    return curves
+
+
+# ---- advice -----------------------------------------------------------------------------------------------
+
+
+def advice(comparison: Comparison) -> list[str]:
+    """Which law to take for the scene's restitution, and why; which others realise it, and which do not."""
+    e = comparison.scene.contact.restitution
+    ended = [run for run in comparison.runs if math.isfinite(run.restitution)]
+    if not ended:
+        return [f"for e = {e:g}: none, as no law finished its first impact"]
+    best = next((run for run in ended if run.law == EXACT and _in_range(run.law, e)), None)
+    if best:
+        reason = CONTACT_LAWS[EXACT].limits
+    else:
+        best = min(ended, key=lambda run: abs(run.restitution - e))
+        reason = "Of the laws that ran, its first impact comes nearest to the prescribed restitution."
+    near = [run.law for run in ended if _in_range(run.law, e) and abs(run.restitution - e) <= NEAR * e]
+    others = [law for law in near if law != best.law]
+    unfit = [run.law for run in ended if run.law not in (best.law, *near)]
+    lines = [f"for e = {e:g}: {best.law}. {reason} Realised in the first impact: {best.restitution:.4g}."]
+    if others:
+        lines.append(f"within {100 * NEAR:g} % of e too, by their range and here: {', '.join(others)}")
+    if unfit:
+        lines.append(f"not for e = {e:g}: {', '.join(unfit)}")
+    return lines
+
+
+def _in_range(law: str, e: float) -> bool:
+    """Whether the registry says that the law realises e; of a user's law it knows nothing."""
+    entry = CONTACT_LAWS.get(law)
+    return entry is None or entry.accurate_from <= e <= entry.accurate_to

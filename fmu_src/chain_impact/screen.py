@@ -1,0 +1,80 @@
+"""What the command line prints of a simulation and of a comparison."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from rich.console import RenderableType
+from rich.markup import escape
+from rich.table import Table
+
+from chain_impact.compare import Comparison, LawRun, advice
+from chain_impact.recording import Recording
+
+NOTHING = "–"
+
+
+def summary(recording: Recording) -> Iterator[RenderableType]:
+    """Impacts and energy balance."""
+    table = Table("#", "time, s", "point", "wall", "speed, m/s", box=None, header_style="bold")
+    for number, impact in enumerate(recording.impacts, start=1):
+        table.add_row(
+            str(number), f"{impact.time:.6f}", str(impact.point), impact.wall, f"{impact.speed:.4f}"
+        )
+    count, listed = recording.impact_count, len(recording.impacts)
+    impacts = f"{count} impact{'s' if count != 1 else ''}"
+    if listed < count:
+        impacts += f", {listed} listed: an FMU tells only the last one in a communication step"
+    yield f"\n[bold]{escape(recording.name)}[/]  0 … {recording.time[-1]:g} s, {impacts}"
+    yield table
+    total, dissipated = (recording.columns[f"energy.{name}"] for name in ("total", "dissipated"))
+    supplied = recording.columns.get("energy.supplied", 0.0 * total)
+    balance = total + dissipated - supplied
+    parts = [f"{total[-1]:.6g} J left", f"{dissipated[-1]:.6g} J dissipated"]
+    parts += [f"{-supplied[-1]:.6g} J supplied"] if supplied.any() else []
+    yield f"energy   {total[0]:.6g} J at the start = {' + '.join(parts)}"
+    yield f"balance  off by at most {abs(balance - balance[0]).max():.1e} J"
+
+
+def law_table(comparison: Comparison) -> Iterator[str]:
+    """The laws side by side, and which to take."""
+    scene, impact = comparison.scene, comparison.first_impact
+    contact = scene.contact
+    yield (
+        f"\n[bold]{escape(scene.name)}[/]  e = {contact.restitution:g}, n = {contact.exponent:g}, "
+        f"K = {contact.stiffness:.4g}; first impact at {impact['onset']:.6g} s with "
+        f"{impact['effective_mass']:.4g} kg at {impact['impact_speed']:.4g} m/s"
+    )
+    head = ("law", "e′", "peak, kN", "depth, mm", "time, ms", "lost, J", "impacts", "differs at", "steps", "")
+    rows = [head, *(_row(run) for run in comparison.runs)]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        first, *others = (cell.rjust(width) for cell, width in zip(row[:-1], widths, strict=False))
+        line = escape("  ".join([first.strip().ljust(widths[0]), *others, row[-1]]).rstrip())
+        yield f"[bold]{line}[/]" if row is head else line
+    yield "e′ … lost: of the first impact. differs at: the first impact elsewhere than with " + (
+        f"{comparison.reference}, and its time, s"
+    )
+    for number, line in enumerate(advice(comparison)):
+        yield escape(f"{'' if number else 'advice':9}{line}")
+
+
+def _row(run: LawRun) -> tuple[str, ...]:
+    differs = NOTHING if run.divergence is None else f"{run.divergence}, {run.divergence_time:.4f}"
+    return (
+        run.law,
+        _number(run.restitution, ".4f"),
+        _number(1e-3 * run.peak_force, "#.4g"),
+        _number(1e3 * run.max_penetration, "#.4g"),
+        _number(1e3 * run.duration, "#.4g"),
+        _number(run.energy_lost, "#.4g"),
+        str(run.impacts) if run.result else NOTHING,
+        differs,
+        str(run.steps) if run.result else NOTHING,
+        run.note,
+    )
+
+
+def _number(value: float, form: str) -> str:
+    return NOTHING if math.isnan(value) else "∞" if math.isinf(value) else format(value, form)

@@ -1,0 +1,32 @@
+"""Contact stiffness from material and shape."""
+
+import math
+
+INCOMPRESSIBLE = 0.5  # Poisson's ratio
+
+
+def sphere_plane_stiffness(
+    radius: float, young_1: float, poisson_1: float, young_2: float, poisson_2: float
+) -> float:
+    """The stiffness K [N/m^1.5] of an elastic sphere on an elastic plane, for the exponent 3/2.
+
+    K = (4/3) E* √R with 1/E* = (1−ν₁²)/E₁ + (1−ν₂²)/E₂, after Hertz 1881, J Reine Angew Math 92:156.
+
+    Args:
+        radius: R of the sphere [m].
+        young_1: E₁, Young's modulus of the sphere [Pa].
+        poisson_1: ν₁, Poisson's ratio of the sphere, −1 to 0.5.
+        young_2: E₂ of the plane [Pa].
+        poisson_2: ν₂ of the plane.
+
+    Raises:
+        ValueError: when a value is out of range.
+    """
+    for name, value in (("radius", radius), ("young_1", young_1), ("young_2", young_2)):
+        if not 0.0 < value < math.inf:
+            raise ValueError(f"{name} = {value} must be a finite number > 0")
+    for name, value in (("poisson_1", poisson_1), ("poisson_2", poisson_2)):
+        if not -1.0 < value <= INCOMPRESSIBLE:
+            raise ValueError(f"{name} = {value} must be > -1 and <= 0.5")
+    compliance = (1.0 - poisson_1**2) / young_1 + (1.0 - poisson_2**2) / young_2
+    return 4.0 / 3.0 * math.sqrt(radius) / compliance

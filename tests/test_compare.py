@@ -1,0 +1,216 @@
+"""Every law on the same scene, side by side."""
+
+import csv
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact import CONTACT_LAWS, SceneError, compare, simulate, with_law
+from chain_impact.compare import advice, free_impact, realised_restitution
+from chain_impact.scene import with_values
+from tests.problems import ball, default_scene, flat_rod, of_law, struck_ball
+from tests.reference import exact_damping_factor, point_impact
+from tests.reference import realised_restitution as exact_restitution
+
+OTHER_EXPONENT = [law for law in CONTACT_LAWS.values() if not law.allows_exponent(1.5)]
+
+
+@pytest.fixture(scope="module")
+def box():
+    return compare(default_scene())
+
+
+def test_every_law_has_a_row_in_the_order_of_the_registry(box):
+    assert [run.law for run in box.runs] == list(CONTACT_LAWS)
+    assert box.reference == "zhang_sharf"
+    assert all(run.result is not None and run.impacts > 0 for run in box.runs)
+
+
+@pytest.mark.parametrize("law", [law.id for law in CONTACT_LAWS.values() if law.allows_exponent(1.5)])
+def test_a_row_tells_what_simulate_gives(box, law):
+    result, run = simulate(default_scene(model=law)), box[law]
+    first = result.impacts[0]
+    assert run.peak_force == first["peak_force"]
+    assert run.max_penetration == first["max_penetration"]
+    assert run.duration == first["end"] - first["onset"]
+    assert run.restitution == first["separation_speed"] / first["impact_speed"]
+    assert (run.impacts, run.steps) == (len(result.impacts), result.statistics["steps"])
+
+
+def test_the_energy_lost_is_that_of_the_effective_mass():
+    scene, exact = struck_ball(damping_factor=exact_damping_factor(0.7))
+    comparison = compare(scene)
+    assert comparison["zhang_sharf"].energy_lost == pytest.approx(exact.dissipated, rel=1e-6)
+    assert comparison["hertz"].energy_lost == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_loop_is_the_first_impact_and_encloses_the_energy_lost(box):
+    for run in box.runs:
+        if run.duration == 0.0:  # an impulse
+            assert run.loop.size == 0
+            continue
+        depth, force = run.loop
+        assert depth.max() == pytest.approx(run.max_penetration, rel=1e-3)
+        assert force.max() <= run.peak_force * (1 + 1e-6)
+        # but for the mesh of the loop and, where the force is cut off, what the spring gives away
+        enclosed = np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(depth))
+        assert enclosed == pytest.approx(run.energy_lost, rel=0.02, abs=0.02)
+
+
+def test_a_law_of_another_exponent_is_as_deep_as_an_elastic_one(box):
+    assert OTHER_EXPONENT
+    first, scene = box.first_impact, box.scene.contact
+    energy = 0.5 * first["effective_mass"] * first["impact_speed"] ** 2
+    depth = (2.5 * energy / scene.stiffness) ** 0.4
+    for law in OTHER_EXPONENT:
+        run = box[law.id]
+        assert run.exponent == law.exponent
+        assert run.stiffness * depth ** (run.exponent + 1) / (run.exponent + 1) == pytest.approx(energy)
+        assert f"n = {run.exponent:g}, K = {run.stiffness:.4g} for the same elastic depth" in run.note
+    assert {run.stiffness for run in box.runs if not run.note} == {scene.stiffness}
+
+
+def test_a_scene_of_a_law_with_another_exponent():
+    comparison = compare(default_scene(**of_law("kelvin_voigt"), stiffness=1e7))
+    assert comparison["kelvin_voigt"].stiffness == 1e7
+    assert comparison["tsuji"].exponent == 1.5
+    assert comparison["zhang_sharf"].exponent == 1.0
+
+
+def test_the_divergence_is_the_first_impact_elsewhere(box):
+    def places(law):
+        return [(row["point"], row["wall"]) for row in box[law].result.impacts]
+
+    assert box["zhang_sharf"].divergence is None
+    found = {run.law: run.divergence for run in box.runs if run.divergence}
+    assert len(found) > 5
+    for law, number in found.items():
+        assert places(law)[: number - 1] == places("zhang_sharf")[: number - 1]
+        assert places(law)[number - 1 : number] != places("zhang_sharf")[number - 1 : number]
+        assert 0.0 < box[law].divergence_time < 2.0
+
+
+def test_laws_that_do_not_allow_the_restitution_say_so():
+    comparison = compare(default_scene(model="hertz", restitution=0.0))
+    assert comparison.reference == "hertz"
+    for law in CONTACT_LAWS.values():
+        run = comparison[law.id]
+        assert (run.result is not None) == law.allows_zero
+        refusal = f"contact.restitution = 0.0 must be > 0 for the contact model {law.id}"
+        assert run.note.endswith("" if law.allows_zero else refusal)
+        assert not run.note.startswith(comparison.scene.name)
+
+
+def test_a_law_that_fails_keeps_its_row_with_what_it_gave():
+    scene = with_values(default_scene(), {("solver", "work_limit"): 3000.0})
+    stopped = [run for run in compare(scene).runs if "the simulation stopped at t = " in run.note]
+    assert stopped
+    assert all(math.isfinite(run.restitution) for run in stopped)
+
+
+def test_overlapping_contacts_are_told():
+    runs = compare(flat_rod()).runs
+    assert all("another contact began before the first ended" in run.note for run in runs if run.duration > 0)
+
+
+def test_a_contact_that_does_not_end_has_no_restitution():
+    scene = with_values(default_scene(), {("simulation", "stop_time"): 0.4995})
+    run = compare(scene)["zhang_sharf"]
+    assert run.peak_force > 0.0
+    assert all(math.isnan(value) for value in (run.restitution, run.duration, run.energy_lost))
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({("simulation", "stop_time"): 0.1}, "there is none before 0.1 s"),
+        ({("solver", "work_limit"): 1.0}, "the simulation stopped at t = "),
+    ],
+)
+def test_without_an_impact_there_is_nothing_to_compare(changes, reason):
+    with pytest.raises(SceneError, match=f"^FourLinkBox: no impact to compare the laws by: {reason}"):
+        compare(with_values(default_scene(), changes))
+
+
+def test_a_users_law_is_compared_too():
+    def mine(penetration, rate, impact_speed, stiffness):
+        """Hunt & Crossley with 0.2."""
+        return stiffness * penetration**1.5 * (1.0 + 0.2 * rate / impact_speed)
+
+    comparison = compare(with_law(ball(height=0.01), mine))
+    assert [run.law for run in comparison.runs] == [*CONTACT_LAWS, "mine"]
+    assert comparison["mine"].restitution == pytest.approx(exact_restitution(0.2), rel=1e-6)
+
+
+def test_progress_goes_from_nothing_to_all():
+    told = []
+    compare(ball(height=0.01), progress=told.append)
+    assert told == sorted(told)
+    assert told[-1] == pytest.approx(1.0)
+
+
+def test_the_csv_has_a_row_for_each_law(box, tmp_path):
+    box.save_csv(tmp_path / "laws.csv")
+    with (tmp_path / "laws.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["law"] for row in rows] == list(CONTACT_LAWS)
+    for row, run in zip(rows, box.runs, strict=True):
+        assert float(row["restitution"]) == run.restitution
+        assert float(row["peak force [N]"]) == run.peak_force
+        assert row["first other impact"] == ("" if run.divergence is None else str(run.divergence))
+
+
+# --- the free impact ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("restitution", [0.05, 0.7, 1.0])
+def test_a_free_impact_is_the_exact_one(restitution):
+    contact = default_scene(restitution=restitution).contact
+    impact = free_impact(contact, 2.5, 4.0)
+    exact = point_impact(2.5, 4.0, contact.stiffness, 1.5, exact_damping_factor(restitution))
+    assert impact["separation_speed"] == pytest.approx(exact.separation_speed, rel=1e-6)
+    assert impact["peak_force"] == pytest.approx(exact.peak_force, rel=1e-6)
+    assert impact["end"] - impact["onset"] == pytest.approx(exact.duration, rel=1e-6)
+
+
+def test_curves_of_the_family_keep_the_exact_relation(box):
+    prescribed = np.array([0.1, 0.4, 0.7, 1.0])
+    curves = realised_restitution(box, prescribed)
+    assert list(curves) == list(CONTACT_LAWS)
+    for law in CONTACT_LAWS.values():
+        if law.rate_exponent is None and box[law.id].duration > 0.0:
+            expected = [exact_restitution(law.damping_factor(e)) for e in prescribed]
+            np.testing.assert_allclose(curves[law.id], expected, rtol=1e-6)
+
+
+def test_a_restitution_that_a_law_does_not_allow_is_no_number(box):
+    curves = realised_restitution(box, np.array([0.0]))
+    assert np.isfinite(curves["hertz"][0])
+    assert np.isnan(curves["zhang_sharf"][0])
+
+
+# --- advice ------------------------------------------------------------------------------------------------
+
+
+def test_advice_is_the_exact_law_with_the_registrys_reason(box):
+    first, near, unfit = advice(box)
+    assert first.startswith(f"for e = 0.7: zhang_sharf. {CONTACT_LAWS['zhang_sharf'].limits}")
+    assert "hu_guo" in near
+    assert {"hertz", "gharib_hurmuzlu"} <= set(unfit.partition(": ")[2].split(", "))
+    told = {*near.partition(": ")[2].split(", "), *unfit.partition(": ")[2].split(", "), "zhang_sharf"}
+    assert told == set(CONTACT_LAWS)
+
+
+def test_advice_where_the_exact_law_is_not_allowed_is_the_nearest():
+    comparison = compare(default_scene(model="hertz", restitution=0.0))
+    law = min(
+        (run for run in comparison.runs if math.isfinite(run.restitution)), key=lambda run: run.restitution
+    )
+    assert advice(comparison)[0].startswith(f"for e = 0: {law.law}. Of the laws that ran, ")
+
+
+def test_there_is_no_advice_from_contacts_that_do_not_end():
+    scene = with_values(default_scene(), {("simulation", "stop_time"): 0.4995})
+    told = advice(compare(scene))
+    assert all("zhang_sharf" not in line or "newton" in line for line in told)
