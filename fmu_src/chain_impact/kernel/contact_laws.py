@@ -30,6 +30,7 @@ class ContactLaw:
         evidence: how the formula was checked; see docs/contact_laws.md.
         accurate_from, accurate_to: restitutions for which the rebound is within 5 % of the prescribed one.
         allows_zero: whether λ(0) is finite.
+        impulsive: whether the walls are rigid: impulses in place of a force law (kernel/impulses.py).
         damping_factor: λ(e), compiled.
     """
 
@@ -42,6 +43,7 @@ class ContactLaw:
     accurate_from: float
     accurate_to: float
     allows_zero: bool
+    impulsive: bool
     damping_factor: object
 
     def __init__(self, **entries: object) -> None:
@@ -57,7 +59,7 @@ class ContactLaw:
 CONTACT_LAWS: dict[str, ContactLaw] = {}
 
 
-def contact_law(title, source, formula, *, accurate, evidence, allows_zero=True):
+def contact_law(title, source, formula, *, accurate, evidence, allows_zero=True, impulsive=False):
     """Register the decorated λ(e) as the next contact law, under the function's name."""
 
     def register(function):
@@ -71,6 +73,7 @@ def contact_law(title, source, formula, *, accurate, evidence, allows_zero=True)
             accurate_from=accurate[0],
             accurate_to=accurate[1],
             allows_zero=allows_zero,
+            impulsive=impulsive,
             damping_factor=jit(function),
         )
         return CONTACT_LAWS[function.__name__].damping_factor
@@ -251,6 +254,19 @@ def carvalho_martins(e):
     return 1.5 * (1.0 - e) * (11.0 - e) / (1.0 + 9.0 * e)
 
 
+@contact_law(
+    "Newton",
+    "Newton 1687, Principia; Moreau 1988, CISM Courses 302:1",
+    "none: u⁺ = −e u⁻",
+    accurate=(0.0, 1.0),
+    evidence="C",
+    impulsive=True,
+)
+def newton_impact(e):
+    """The rigid limit of all the others: impulses of no duration (kernel/impulses.py), so there is no λ."""
+    return 0.0 * e
+
+
 def _dispatch(functions):
     """One compiled function of (number, e) over all laws: the registry is the only list of them."""
     first, rest = functions[0], functions[1:]
@@ -261,6 +277,7 @@ def _dispatch(functions):
 
 
 LAW_COUNT = len(CONTACT_LAWS)
+NEWTON_IMPACT = CONTACT_LAWS["newton_impact"].number
 damping_factor = _dispatch(tuple(law.damping_factor for law in CONTACT_LAWS.values()))
 
 

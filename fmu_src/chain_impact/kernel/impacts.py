@@ -29,6 +29,10 @@ def follow_contacts(d, rate):
     accelerate_points(d.model, d.step.state_end, rate, d.work)
     for k in range(touch.active_count):
         c = touch.active_index[k]
+        if d.contact.impulsive:
+            # held, with forces that were found for this rate
+            touch.peak_force[c] = max(touch.peak_force[c], d.work.rigid.impulse[k])
+            continue
         gap, gap_rate = clearance(d, c)
         force, _ = contact_force(d, c, gap, gap_rate)
         touch.peak_force[c] = max(touch.peak_force[c], force)

@@ -3,7 +3,7 @@
 import math
 
 from chain_impact.kernel.contact import clear_loads, clearance, locate_points
-from chain_impact.kernel.contact_laws import LAW_COUNT, damping_factor
+from chain_impact.kernel.contact_laws import LAW_COUNT, NEWTON_IMPACT, damping_factor
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.jit import jit
 from chain_impact.kernel.status import (
@@ -83,6 +83,7 @@ def derive_law(d):
         return UNKNOWN_LAW
     if not 0.0 <= d.contact.restitution <= 1.0 or not d.contact.stiffness > 0.0:
         return PARAMETER_OUT_OF_RANGE
+    d.contact.impulsive = d.contact.law == NEWTON_IMPACT
     d.contact.damping_factor = damping_factor(d.contact.law, d.contact.restitution)
     return OK if math.isfinite(d.contact.damping_factor) else RESTITUTION_NOT_ALLOWED
 

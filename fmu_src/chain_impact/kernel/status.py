@@ -10,6 +10,7 @@ UNKNOWN_LAW = 6
 UNKNOWN_METHOD = 7
 PARAMETER_OUT_OF_RANGE = 8
 TOO_MUCH_WORK = 9
+RIGID_WHILE_TOUCHING = 10
 LOG_FULL = -1  # not a fault: collect the finished contacts and go on
 
 STATUS_TEXT = {
@@ -23,4 +24,5 @@ STATUS_TEXT = {
     UNKNOWN_METHOD: "solver.method is not the number of a method",
     PARAMETER_OUT_OF_RANGE: "a parameter is not finite or lies outside its range",
     TOO_MUCH_WORK: "a second of simulated time takes more evaluations than solver.work_limit allows",
+    RIGID_WHILE_TOUCHING: "contact.model can change to newton_impact only while no point touches a wall",
 }
