@@ -80,9 +80,11 @@ def strike(d):
     complement(d, largest(d.work.velocity))
     for j in range(n + 2):
         state[n + 2 + j] += own.change[j]
+    lost = 0.0
     for k in range(d.touch.active_count):
         # −½ p (u⁻ + u⁺)
-        state[2 * n + 4] -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
+        lost -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
+    state[2 * n + 4] += max(0.0, lost)
     locate_points(d.model, state, d.work)
 
 
