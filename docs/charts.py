@@ -40,6 +40,8 @@ def groups() -> dict[str, list[ContactLaw]]:
     """Laws with the same λ(e), by their formula: they share a curve."""
     found: dict[str, list[ContactLaw]] = {}
     for law in CONTACT_LAWS.values():
+        if law.impulsive:
+            continue
         found.setdefault(law.formula, []).append(law)
     return found
 

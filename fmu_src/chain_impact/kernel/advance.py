@@ -9,7 +9,6 @@ the communication point has passed it.
 import math
 
 from chain_impact.kernel import explicit, implicit
-from chain_impact.kernel.constraints import holding
 from chain_impact.kernel.contact import along_normal, clear_loads, clearance, latch, locate_points
 from chain_impact.kernel.dense import interpolate
 from chain_impact.kernel.equations import state_rate
@@ -204,7 +203,7 @@ def begin(d):
 
     # the first stage
     rate = d.work.stage[0]
-    if d.step.rate_known and not holding(d):
+    if d.step.rate_known:
         for j in range(len(d.work.y)):
             rate[j] = d.work.stage[explicit.LAST, j]
         if d.touch.active_count > 0:
