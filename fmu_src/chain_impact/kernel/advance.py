@@ -91,7 +91,7 @@ def change_law(d):
 def take_step(d):
     """Take one accepted step, up to the first event in it; returns a status."""
     for c in range(len(d.touch.active)):
-        d.work.rigid.least[c] = 0.0
+        d.work.rigid.least[c] = 0.0  # of the stages to come
     status = watch_work(d)
     if status == OK:
         status = watch_events(d, begin(d))

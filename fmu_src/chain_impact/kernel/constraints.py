@@ -34,7 +34,7 @@ MOST_SWEEPS = 30
 ROUND_OFF = 1e-15  # of the largest motion, what may be missing at the end
 DOUBT = 1e-12  # of the largest, a sign within it means nothing
 PATIENCE = 3  # rounds in which flipping all may bring no gain
-ROUNDS = 50  # of flips, and as many for each candidate: far more than ever needed
+ROUNDS = 30  # of flips, and 4 for each candidate: far more than ever needed
 
 
 @jit
@@ -107,7 +107,7 @@ def complement(d, scale):
     """
     own, count = d.work.rigid, d.touch.active_count
     fewest, patience = count + 1, PATIENCE
-    for _ in range(ROUNDS * (count + 1)):
+    for _ in range(ROUNDS + 4 * count):
         press(d, scale)
         wrong = count_wrong(d, scale)
         if wrong == 0:
