@@ -258,17 +258,19 @@ def inspect_candidate(d, c, width):
 def locate(d, a, b):
     """Find the earliest event in (a, b], in which every candidate is settled, and mark whose it is."""
     width = (b - a) * d.step.size
-    first = b
+    first, found = b, -1
     for c in range(len(d.touch.active)):
         d.touch.event[c] = TOUCH if inspect_candidate(d, c, width) == EVENT else 0
     for c in range(len(d.touch.active)):
         # `first` is measured: whoever is still clear there comes later
         if d.touch.event[c] and d.work.clear_end[c] < 0.0:
             first = root(d, c, a, first)
+            found = c
     measure(d, first)
     within = SIMULTANEOUS + 4e-16 * abs(d.step.end)
     for c in range(len(d.touch.active)):
-        if d.work.clear_end[c] > within * abs(d.work.clear_end_rate[c]):
+        # a slow point may be no nearer at its own root, for round-off
+        if c != found and d.work.clear_end[c] > within * abs(d.work.clear_end_rate[c]):
             d.touch.event[c] = 0
     return first
 
