@@ -211,6 +211,18 @@ def test_a_mirror_changes_nothing():
     np.testing.assert_array_equal(there.impacts["point"], here.impacts["point"])
 
 
+@pytest.mark.parametrize("restitution", [0.0, 0.3, 0.6, 0.9])
+def test_a_rod_that_wedges_between_floor_and_ceiling_does_not_hit_them_for_ever(restitution):
+    walls = {"y_min": 0.0, "y_max": 0.999}
+    scene = rod(1.4, 0.004, 0.0, 2.0, box=walls, stop_time=2.0, model=LAW, restitution=restitution)
+    result = simulate(scene)
+    assert result.statistics["steps"] < 1000
+    assert ledger(result) < 1e-9
+    assert np.diff(result.energy["total"]).max() < 1e-12
+    assert result.points[:, :, 1].min() > -1e-12
+    assert result.points[:, :, 1].max() < 0.999 + 1e-12
+
+
 # --- coming to rest ----------------------------------------------------------------------------------------
 
 

@@ -8,7 +8,8 @@ are held,
 
 with e = 0 for a held contact and for one that arrives slower than ``contact.minimum_impact_speed``, so
 that a bouncing point comes to rest after finitely many impacts. Every p does the work ½ p (u⁺ + u⁻) =
-½ p (1 − e) u⁻ ≤ 0: no impact brings energy, whatever touches.
+½ p (1 − e) u⁻ ≤ 0: no impact brings energy, whatever touches. (Where a point all but touches and is on its
+way from the wall, u⁻ > 0, it could: the impact is then taken for one with e = 0, which cannot.)
 
 A contact that leaves with a speed is over. The others, at rest, are held by forces F as long as these push:
 
@@ -31,6 +32,9 @@ from chain_impact.kernel.impacts import finish
 from chain_impact.kernel.jit import jit
 
 STICK = 1e-3  # of the smallest speed that bounces: slower points do not leave, or they would for ever
+NEAR = 1e-12  # of a link length: no distance, within an impact
+NEIGHBOUR = 4  # in `touch.event`, no event: what is that near, while an impact is worked out
+GAIN = 1e-9  # of the energies moved in an impact, more than round-off
 APART = 1e-13  # of a link length: where a point without a force is put, lest round-off make it touch
 
 
@@ -47,6 +51,8 @@ def collide(d):
             latch(d, c)
             touch.active[c] = 1
             struck = True
+    if struck:
+        join_neighbours(d)
     list_touching(d)
     if struck:
         strike(d)
@@ -67,33 +73,67 @@ def list_touching(d):
 
 
 @jit
+def join_neighbours(d):
+    """Let points that all but touch take part in an impact.
+
+    A link that wedges between two walls would else hit them in turn, infinitely often in a finite time.
+    """
+    touch = d.touch
+    for c in range(len(touch.active)):
+        gap, _ = clearance(d, c)
+        if not touch.active[c] and gap < NEAR * d.model.size:
+            touch.active[c] = 1
+            touch.event[c] = NEIGHBOUR
+
+
+@jit
 def strike(d):
     """Give the impulses of an impact to the velocities, and what they take to the dissipated energy."""
     own, n, state = d.work.rigid, len(d.model.length), d.step.state_end
+    lost, moved = find_impulses(d, d.contact.restitution)
+    if lost < -GAIN * moved:
+        # only a neighbour on its way from the wall can have brought that about
+        lost, _ = find_impulses(d, 0.0)
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        if d.touch.event[c] == NEIGHBOUR and own.impulse[k] > 0.0:
+            latch(d, c)
+            d.touch.onset_speed[c] = max(0.0, d.touch.onset_speed[c])
+    for j in range(n + 2):
+        state[n + 2 + j] += own.change[j]
+    state[2 * n + 4] += max(0.0, lost)
+    locate_points(d.model, state, d.work)
+
+
+@jit
+def find_impulses(d, restitution):
+    """Find the impulses of an impact; return the energy [J] that they take, and the sum of all they move."""
+    own, lost, moved = d.work.rigid, 0.0, 0.0
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         _, own.start[k] = clearance(d, c)
-        arrives = d.touch.event[c] == TOUCH and -own.start[k] >= d.contact.minimum_impact_speed
+        fast = -own.start[k] >= d.contact.minimum_impact_speed
+        arrives = fast and d.touch.event[c] in (TOUCH, NEIGHBOUR)
         # u⁺ ≥ −e u⁻
-        own.aim[k] = -d.contact.restitution * own.start[k] if arrives else 0.0
+        own.aim[k] = -restitution * own.start[k] if arrives else 0.0
         own.pressed[k] = 1
     complement(d, largest(d.work.velocity))
-    for j in range(n + 2):
-        state[n + 2 + j] += own.change[j]
-    lost = 0.0
     for k in range(d.touch.active_count):
         # −½ p (u⁻ + u⁺)
         lost -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
-    state[2 * n + 4] += max(0.0, lost)
-    locate_points(d.model, state, d.work)
+        moved += own.impulse[k] * (abs(own.start[k]) + abs(own.reached[k]))
+    return lost, moved
 
 
 @jit
 def bounce(d):
     """End the contacts that leave with a speed."""
     for k in range(d.touch.active_count):
-        if d.work.rigid.reached[k] > STICK * d.contact.minimum_impact_speed:
-            leave(d, d.touch.active_index[k])
+        c = d.touch.active_index[k]
+        if d.touch.event[c] == NEIGHBOUR and d.work.rigid.impulse[k] <= 0.0:
+            d.touch.active[c] = 0  # not met
+        elif d.work.rigid.reached[k] > STICK * d.contact.minimum_impact_speed:
+            leave(d, c)
     list_touching(d)
 
 
