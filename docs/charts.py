@@ -38,7 +38,8 @@ def groups() -> dict[str, list[ContactLaw]]:
     """Laws with the same force and factor f(e), by their formulas: they share a curve."""
     found: dict[str, list[ContactLaw]] = {}
     for law in CONTACT_LAWS.values():
-        found.setdefault(f"{law.force} {law.formula}", []).append(law)
+        if not law.impulsive:
+            found.setdefault(f"{law.force} {law.formula}", []).append(law)
     return found
 
 

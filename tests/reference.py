@@ -6,6 +6,7 @@ link angles.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -218,6 +219,33 @@ def newton_impact(
     response = np.linalg.solve(mass_matrix(scene, angles), gradient)
     effective = 1.0 / (gradient @ response)
     return velocity - response * effective * (1 + restitution) * (gradient @ velocity), effective
+
+
+def complementary_impulses(w: np.ndarray, start: np.ndarray, aim: np.ndarray) -> np.ndarray:
+    """p ≥ 0 with u = start + W p ≥ aim and p·(u − aim) = 0, by trying every set of pressed contacts."""
+    count = len(start)
+    for pressed in itertools.product([False, True], repeat=count):
+        rows, p = np.flatnonzero(pressed), np.zeros(count)
+        if len(rows):
+            p[rows] = np.linalg.solve(w[np.ix_(rows, rows)], (aim - start)[rows])
+        if (p > -1e-12).all() and (start + w @ p - aim > -1e-12).all():
+            return p
+    raise ValueError("no solution")
+
+
+def moreau_impact(
+    scene: Scene,
+    angles: Sequence[float],
+    velocity: np.ndarray,
+    contacts: Sequence[tuple[int, str]],
+    restitution: float,
+) -> np.ndarray:
+    """Velocities q̇⁺ after (points, walls) are hit at once: u⁺ = u⁻ + W p, 0 ≤ p ⟂ u⁺ + e u⁻ ≥ 0."""
+    gradient = np.array([clearance_gradient(scene, angles, *contact) for contact in contacts])
+    response = np.linalg.solve(mass_matrix(scene, angles), gradient.T)
+    before = gradient @ velocity
+    impulses = complementary_impulses(gradient @ response, before, -restitution * before)
+    return velocity + response @ impulses
 
 
 # --- what outputs tell --------------------------------------------------------------------------------

@@ -30,6 +30,7 @@ TESTED_ELSEWHERE = {
     "kernel/equations.py": "kernel/test_recursion.py",
     "kernel/errors.py": "kernel/test_explicit.py",
     "kernel/impacts.py": "test_impacts.py",
+    "kernel/impulses.py": "test_newton_impact.py",
     "kernel/initialize.py": "test_simulate.py",
     "kernel/jit.py": "test_simulate.py",  # one decorator, on every function of the kernel
     "kernel/law_registry.py": "kernel/test_contact_laws.py",

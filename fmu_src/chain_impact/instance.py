@@ -93,6 +93,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("approach_only", INTEGER),  # 1: damped while compressing only
         ("derived_law", INTEGER),  # law and …
         ("derived_restitution", REAL),  # … restitution that these are for
+        ("impulsive", INTEGER),  # 1: rigid walls, with impulses in place of a force law
     )
     initial = _record(
         ("position", REAL, (2,)),  # m
@@ -197,6 +198,20 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("impedance", REAL, (candidates,)),  # kg, … what they add to the inertia of their points
         ("normal", REAL, (candidates,)),  # N·s or m/s, … along their normals
     )
+    # the touching candidates of a rigid wall, packed, see kernel/constraints.py
+    rigid = _record(
+        ("factors", factors),  # with an impedance at the pressed points
+        ("change", REAL, (links + 2,)),  # m, m/s or m/s², rad …, of the coordinates, by the impulses
+        ("pressed", INTEGER, (candidates,)),  # 1: has an impulse
+        ("wrong", INTEGER, (candidates,)),  # 1: of the wrong sign
+        ("start", REAL, (candidates,)),  # normal motion without impulses, m, m/s or m/s², …
+        ("reached", REAL, (candidates,)),  # … with them, …
+        ("aim", REAL, (candidates,)),  # … as it shall be, at the least, …
+        ("missing", REAL, (candidates,)),  # … what is missing, then that times the impedance
+        ("impulse", REAL, (candidates,)),  # N·s, or N
+        ("sample", REAL, (2, candidates)),  # N, the last two forces looked at
+        ("least", REAL, (candidates,)),  # N, smallest holding force in the stages of the step; not packed
+    )
     work = _record(
         ("stage", REAL, (STAGES, state)),  # ẏ at the stages
         ("y", REAL, (state,)),
@@ -212,6 +227,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("motion", vectors),  # of the points, for a given motion of the coordinates
         ("gap_error", REAL, (candidates,)),  # m, in the clearances of the active contacts, packed
         ("implicit", implicit),
+        ("rigid", rigid),
         ("curvature", REAL, (candidates,)),  # m/s², bound on |g̈| of each candidate over the step
         ("clear_start", REAL, (candidates,)),  # m, clearance of each candidate at the ends …
         ("clear_end", REAL, (candidates,)),

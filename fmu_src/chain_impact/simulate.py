@@ -32,7 +32,8 @@ IMPACT_DTYPE = np.dtype(
 )
 """One contact: point 0…N; wall as index into WALLS; onset and end [s]; impact and separation speed [m/s];
 peak force [N]; largest penetration [m]; effective mass at onset [kg]. The end and the separation speed of
-a contact that lasts to the end of the simulation are NaN."""
+a contact that lasts to the end of the simulation are NaN. Under the law ``newton_impact`` a bounce has no
+duration and an infinite peak force; that of a contact that lasts is the largest force that held it."""
 
 
 class SimulationError(RuntimeError):

@@ -66,6 +66,7 @@ def trajectory(fmu, values, stop, step):
     [
         {},
         {"contact.model": CONTACT_LAWS["flores"].number, "contact.restitution": 0.5},
+        {"contact.model": CONTACT_LAWS["newton_impact"].number},
         {"contact.stiffness": 1e6},
         {"contact.restitution": 0.25},
         {"initial.x": 1.25, "initial.angle[1]": 1.0},

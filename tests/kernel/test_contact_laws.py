@@ -46,9 +46,10 @@ LITERATURE = {
     "jankowski": lambda e: 9 * 5**0.5 * (1 - e**2) / (e * (e * (9 * math.pi - 16) + 16)),
     "kuwabara_kono": viscoelastic,
 }
-LAWS = pytest.mark.parametrize("law", CONTACT_LAWS.values(), ids=CONTACT_LAWS)
-FAMILY = [law for law in CONTACT_LAWS.values() if law.rate_exponent is None]
-OTHERS = [law for law in CONTACT_LAWS.values() if law.rate_exponent is not None]
+WITH_FORCE = [law for law in CONTACT_LAWS.values() if not law.impulsive]
+LAWS = pytest.mark.parametrize("law", WITH_FORCE, ids=[law.id for law in WITH_FORCE])
+FAMILY = [law for law in WITH_FORCE if law.rate_exponent is None]
+OTHERS = [law for law in WITH_FORCE if law.rate_exponent is not None]
 
 
 @functools.cache

@@ -16,9 +16,10 @@ from chain_impact.kernel.dense import OUTPUTS, interpolate
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.events import RELATCH, RELATCH_RATIO, TOUCH, find_event
 from chain_impact.kernel.impacts import finish, follow_contacts
+from chain_impact.kernel.impulses import collide, end_contacts, judge
 from chain_impact.kernel.initialize import derive_law, first_size, still
 from chain_impact.kernel.jit import jit
-from chain_impact.kernel.status import LOG_FULL, NOT_FINITE, OK, STEP_TOO_SMALL
+from chain_impact.kernel.status import LOG_FULL, NOT_FINITE, OK, RIGID_WHILE_TOUCHING, STEP_TOO_SMALL
 from chain_impact.kernel.switching import choose_method, explicit_again
 from chain_impact.kernel.watch import watch_events, watch_work
 
@@ -61,15 +62,39 @@ def restart(d):
     still(d, d.step.time, d.work.y)
     for c in range(len(d.touch.event)):
         d.touch.event[c] = 0
+    status = change_law(d)
     clear_loads(d)
     # a chain at rest takes steps far too long for what an input may do to it
     d.step.next_size = min(d.step.next_size, first_size(d))
-    return derive_law(d)
+    return status
+
+
+@jit
+def change_law(d):
+    """Take over the parameters of the contact law as they are now, and judge anew who is held.
+
+    Returns:
+        A status: a point inside a wall has no place under a law without depth.
+    """
+    rigid = d.contact.impulsive
+    status = derive_law(d)
+    if status == OK and d.touch.active_count > 0 and (rigid or d.contact.impulsive):
+        if not rigid:
+            d.contact.impulsive = 0
+            return RIGID_WHILE_TOUCHING
+        if d.contact.impulsive:
+            judge(d)
+        else:
+            end_contacts(d)
+        still(d, d.step.time, d.step.state_end)
+    return status
 
 
 @jit
 def take_step(d):
     """Take one accepted step, up to the first event in it; returns a status."""
+    for c in range(len(d.touch.active)):
+        d.work.rigid.least[c] = 0.0  # of the stages to come
     status = watch_events(d, begin(d))
     if status == OK:
         status = watch_work(d)
@@ -78,7 +103,7 @@ def take_step(d):
     h = min(d.step.next_size, LONGEST_STEP)
     if d.step.implicit:
         implicit.linearize(d)
-    elif d.touch.active_count > 0:
+    elif d.touch.active_count > 0 and not d.contact.impulsive:
         h = min(h, just_beyond_end(d))
     grow = GROW
     error = 0.0
@@ -206,6 +231,9 @@ def apply_events(d):
     Returns:
         Whether a force has jumped, as a v₀ was latched anew.
     """
+    if d.contact.impulsive:
+        collide(d)
+        return True
     jumped = False
     touch = d.touch
     locate_points(d.model, d.step.state_end, d.work)

@@ -134,7 +134,7 @@ def stored_energy(d):
     energy = 0.0
     for k in range(d.touch.active_count):
         gap, _ = clearance(d, d.touch.active_index[k])
-        if gap < 0.0:
+        if gap < 0.0 and not d.contact.impulsive:
             energy += elastic_energy(d.contact, -gap)
     return energy
 
@@ -159,8 +159,11 @@ def latch(d, c):
     touch.peak_force[c] = 0.0
     touch.max_penetration[c] = 0.0
     touch.effective_mass[c] = effective_mass(d, c)
-    touch.depth_scale[c] = elastic_depth(d.contact, touch.effective_mass[c], touch.impact_speed[c])
-    latch_damping(d, c)
+    if d.contact.impulsive:
+        touch.depth_scale[c] = d.model.size  # no depth to be exact about
+    else:
+        touch.depth_scale[c] = elastic_depth(d.contact, touch.effective_mass[c], touch.impact_speed[c])
+        latch_damping(d, c)
     d.impact.count += 1
     d.impact.last_time = d.step.end
     d.impact.last_point = d.model.candidate_point[c]

@@ -317,6 +317,22 @@ def _slowing(z, w, damping):
     return -2.0 * z * z * (z * z + damping * w)
 
 
+# ---- rigid walls ------------------------------------------------------------------------------------------
+
+
+@contact_law(
+    "Newton",
+    "Newton 1687, Principia; Moreau 1988, CISM Courses 302:1",
+    "none: u⁺ = −e u⁻",
+    accurate=(0.0, 1.0),
+    evidence="C",
+    impulsive=True,
+)
+def newton_impact(e):
+    """Rigid walls, the limit of all the others: impulses of no duration in place of a force."""
+    return 0.0 * e
+
+
 def _dispatch(functions):
     """One compiled function of (number, e) over all laws: the registry is the only list of them."""
     first, rest = functions[0], functions[1:]
@@ -326,10 +342,11 @@ def _dispatch(functions):
     return jit(lambda number, e: first(e) if number == 1 else others(number - 1, e))
 
 
-__all__ = ["CONTACT_LAWS", "LAW_COUNT", "contact_law", "damping_factor"]
+__all__ = ["CONTACT_LAWS", "LAW_COUNT", "NEWTON_IMPACT", "contact_law", "damping_factor"]
 
 _LAWS = tuple(CONTACT_LAWS.values())
 LAW_COUNT = len(_LAWS)
+NEWTON_IMPACT = CONTACT_LAWS["newton_impact"].number
 damping_factor = _dispatch(tuple(law.damping_factor for law in _LAWS))
 # for the kernel, where ANY stands for "any exponent" and "as the exponent"
 ANY = -1.0

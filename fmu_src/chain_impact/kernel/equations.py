@@ -3,7 +3,8 @@
 y = (x₀, θ, ẋ₀, ω, dissipated energy, energy supplied by the inputs).
 """
 
-from chain_impact.kernel.contact import apply_contacts, locate_points
+from chain_impact.kernel.constraints import hold
+from chain_impact.kernel.contact import apply_contacts, clear_loads, locate_points
 from chain_impact.kernel.jit import jit
 from chain_impact.kernel.recursion import accelerations, link_vectors
 
@@ -11,14 +12,31 @@ from chain_impact.kernel.recursion import accelerations, link_vectors
 @jit
 def state_rate(d, y, rate):
     """Set rate = f(y) for the contacts that are active and the inputs that hold now."""
-    dissipated = 0.0
     # in free flight no point is located and no force evaluated
     if d.touch.active_count > 0 or d.model.driven:
         locate_points(d.model, y, d.work)
-        dissipated = apply_contacts(d)
+        located_rate(d, y, rate)
     else:
         link_vectors(d.model, y[2 : 2 + len(d.model.length)], d.work)
-    loaded_rate(d, y, dissipated, rate)
+        loaded_rate(d, y, 0.0, rate)
+
+
+@jit
+def located_rate(d, y, rate):
+    """As ``state_rate``, for the located points."""
+    if d.contact.impulsive:
+        free_rate(d, y, rate)
+        if d.touch.active_count > 0:
+            hold(d, y, rate)
+    else:
+        loaded_rate(d, y, apply_contacts(d), rate)
+
+
+@jit
+def free_rate(d, y, rate):
+    """As ``located_rate``, as if the walls were not there."""
+    clear_loads(d)
+    loaded_rate(d, y, 0.0, rate)
 
 
 @jit

@@ -16,8 +16,10 @@ force, grow without bound; v₀ is latched anew.
 import math
 
 from chain_impact.kernel.complete import complete
+from chain_impact.kernel.constraints import holding
 from chain_impact.kernel.contact import accelerate_points, along_normal, clearance, locate_points
 from chain_impact.kernel.dense import SOLVER, interpolate, rate_bounds
+from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.explicit import LAST
 from chain_impact.kernel.implicit import clearance_curvature
 from chain_impact.kernel.jit import jit
@@ -27,8 +29,10 @@ RESOLUTION = 1e-15  # of a link length: curvature below it is round-off
 QUIET, SPLIT, EVENT = 0, 1, 2
 WITH_CURVES = 2  # of step.cleared
 SMALL_TURN, MARGIN = 1.0, 0.05  # rad of a link, part of the range of values: where ends of a step can tell
-TOUCH, RELATCH = 1, 2  # kinds of event: contact begins or ends, v₀ is latched anew
+# kinds of event: contact begins or ends, v₀ is latched anew, a rigid wall need not hold any more
+TOUCH, RELATCH, RELEASE = 1, 2, 3
 RELATCH_RATIO = 2.0  # δ̇/v₀ at which it is; the speed that gravity adds after an onset stays far below
+PULL, RELEASE_SAMPLES = 1e-11, 8  # of the chain's weight, a force that counts; places in a step to look at
 NEARLY, SAMPLES = 0.75, 4  # of that speed, at an end of the step; places in the step to look at then
 
 
@@ -41,18 +45,20 @@ def find_event(d):
     """
     if len(d.touch.active) == 0:
         return -1.0
-    if d.step.made_implicit:
+    if d.step.made_implicit or holding(d):
         if not d.step.cleared:
             measure(d, 0.0)
         keep_start(d)
-    else:
-        if plainly_clear(d):
-            d.step.cleared = WITH_CURVES
-            return -1.0
+    elif plainly_clear(d):
+        d.step.cleared = WITH_CURVES
+        return -1.0
+    if not d.step.made_implicit:
         complete(d, SOLVER)
     bound_curvature(d)
     theta = find_touch(d)
-    if d.touch.active_count > 0:
+    if holding(d):
+        theta = find_release(d, theta)
+    elif d.touch.active_count > 0:
         theta = find_relatch(d, theta)
     d.step.cleared = theta < 0.0
     return theta
@@ -177,6 +183,64 @@ def when_fast(d, c, fast, end):
 
 
 @jit
+def find_release(d, touch):
+    """θ of the first of the event at ``touch`` (−1: none) and a held contact that would pull; marks whose.
+
+    The stages of the step tell whether a force has come below zero.
+    """
+    pulling = False
+    for k in range(d.touch.active_count):
+        pulling |= d.work.rigid.least[d.touch.active_index[k]] < -pull_limit(d)
+    if not pulling:
+        return touch
+    end = touch if touch >= 0.0 else 1.0
+    low = 0.0
+    for sample in range(1, RELEASE_SAMPLES + 1):
+        high = end * sample / RELEASE_SAMPLES
+        if pulls(d, high):
+            while (high - low) * d.step.size > SIMULTANEOUS:
+                middle = 0.5 * (low + high)
+                if pulls(d, middle):
+                    high = middle
+                else:
+                    low = middle
+            mark_pulling(d, high)
+            return high
+        low = high
+    return touch
+
+
+@jit
+def pull_limit(d):
+    """The force [N] that a held contact may pull with, for round-off's sake."""
+    gravity = math.hypot(d.model.gravity[0], d.model.gravity[1])
+    return PULL * d.model.energy / (d.model.size * d.model.size) * (gravity + d.model.size)
+
+
+@jit
+def pulls(d, theta):
+    """Whether a held contact pulls at the fraction θ of the last step."""
+    interpolate(d.step, theta, d.work.y)
+    state_rate(d, d.work.y, d.work.error[0])
+    d.statistics.rhs_evaluations += 1
+    least = 0.0
+    for k in range(d.touch.active_count):
+        least = min(least, d.work.rigid.impulse[k])
+    return least < -pull_limit(d)
+
+
+@jit
+def mark_pulling(d, theta):
+    """Mark the held contacts that pull at θ for release, and no other event."""
+    pulls(d, theta)
+    for c in range(len(d.touch.event)):
+        d.touch.event[c] = 0
+    for k in range(d.touch.active_count):
+        if d.work.rigid.impulse[k] < -pull_limit(d):
+            d.touch.event[d.touch.active_index[k]] = RELEASE
+
+
+@jit
 def bound_curvature(d):
     """Bound |g̈| of every candidate over the last step.
 
@@ -203,7 +267,9 @@ def bound_curvature(d):
 @jit
 def measure(d, theta):
     """Set φ and φ̇ of every candidate at the fraction θ of the step, as the end of the interval."""
-    if theta == 1.0:
+    if theta == 0.0:
+        locate_points(d.model, d.step.state, d.work)
+    elif theta == 1.0:
         locate_points(d.model, d.step.state_end, d.work)
     else:
         complete(d, SOLVER)
@@ -216,6 +282,10 @@ def measure(d, theta):
 def set_clearances(d):
     """Set φ and φ̇ of every candidate for the located points."""
     for c in range(len(d.touch.active)):
+        if d.touch.active[c] and d.contact.impulsive:
+            # held: it cannot touch
+            d.work.clear_end[c], d.work.clear_end_rate[c] = math.inf, 0.0
+            continue
         gap, gap_rate = clearance(d, c)
         sign = -1.0 if d.touch.active[c] else 1.0
         d.work.clear_end[c] = sign * gap
@@ -261,17 +331,19 @@ def inspect_candidate(d, c, width):
 def locate(d, a, b):
     """Find the earliest event in (a, b], in which every candidate is settled, and mark whose it is."""
     width = (b - a) * d.step.size
-    first = b
+    first, found = b, -1
     for c in range(len(d.touch.active)):
         d.touch.event[c] = TOUCH if inspect_candidate(d, c, width) == EVENT else 0
     for c in range(len(d.touch.active)):
         # `first` is measured: whoever is still clear there comes later
         if d.touch.event[c] and d.work.clear_end[c] < 0.0:
             first = root(d, c, a, first)
+            found = c
     measure(d, first)
     within = SIMULTANEOUS + 4e-16 * abs(d.step.end)
     for c in range(len(d.touch.active)):
-        if d.work.clear_end[c] > within * abs(d.work.clear_end_rate[c]):
+        # a slow point may be no nearer at its own root, for round-off
+        if c != found and d.work.clear_end[c] > within * abs(d.work.clear_end_rate[c]):
             d.touch.event[c] = 0
     return first
 

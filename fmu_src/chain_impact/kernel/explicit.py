@@ -4,6 +4,7 @@ import math
 
 from chain_impact.kernel import dop853
 from chain_impact.kernel.combination import combination
+from chain_impact.kernel.constraints import holding, meet_walls
 from chain_impact.kernel.contact import locate_points
 from chain_impact.kernel.dense import DENSE_COEFFICIENTS, extend
 from chain_impact.kernel.equations import state_rate
@@ -83,6 +84,8 @@ def attempt(d, h):
 @jit
 def accept(d, h):
     """Make the step that was tried the last accepted one, with the rate at its end."""
+    if holding(d):
+        meet_walls(d, d.work.y)
     extend(d.step, h, d.work.y, 0)
     state_rate(d, d.step.state_end, d.work.stage[LAST])
     d.statistics.rhs_evaluations += 1

@@ -14,6 +14,7 @@ from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.jit import jit
 
 FORCE, PENETRATION = 0, 1
+HELD_SAMPLES = 5  # of a holding force over a step, its ends included
 
 
 @jit
@@ -27,6 +28,9 @@ def follow_contacts(d, rate):
         rate: ẏ at the end of the step.
     """
     touch = d.touch
+    if d.contact.impulsive:
+        follow_held(d)
+        return
     accelerate_points(d.model, d.step.state_end, rate, d.work)
     for k in range(touch.active_count):
         c = touch.active_index[k]
@@ -50,9 +54,29 @@ def follow_contacts(d, rate):
 
 
 @jit
+def follow_held(d):
+    """Follow the forces of rigid walls over the last step: their peaks, by parabolas through samples."""
+    step, samples = d.step, d.work.rigid.sample
+    end = (step.end - step.start) / step.size
+    for j in range(HELD_SAMPLES):
+        interpolate(step, end * j / (HELD_SAMPLES - 1), d.work.y)
+        state_rate(d, d.work.y, d.work.error[0])
+        for k in range(d.touch.active_count):
+            c = d.touch.active_index[k]
+            left, top, right = samples[0, k], samples[1, k], d.work.rigid.impulse[k]
+            peak, bend = right, left - 2.0 * top + right
+            if j >= 2 and top > max(left, right):
+                peak = top - (right - left) ** 2 / (8.0 * bend)
+            d.touch.peak_force[c] = max(d.touch.peak_force[c], peak)
+            samples[0, k], samples[1, k] = top, right
+    d.statistics.rhs_evaluations += HELD_SAMPLES
+    locate_points(d.model, step.state_end, d.work)
+
+
+@jit
 def follow_to_now(d):
     """Follow the active contacts up to the communication point, where the last step ends from now on."""
-    step, rate = d.step, d.work.stage[0]
+    step, rate, evaluations = d.step, d.work.stage[0], d.statistics.rhs_evaluations
     complete(d, SOLVER)
     interpolate(step, (step.time - step.start) / step.size, step.state_end)
     step.end = step.time
@@ -60,6 +84,7 @@ def follow_to_now(d):
     step.cleared = 0
     state_rate(d, step.state_end, rate)
     follow_contacts(d, rate)
+    d.statistics.rhs_evaluations = evaluations  # a look, not the solver's work
 
 
 @jit

@@ -10,6 +10,7 @@ from chain_impact.kernel.contact_laws import (
     APPROACH_ONLY,
     EXPONENTS,
     LAW_COUNT,
+    NEWTON_IMPACT,
     RATE_EXPONENTS,
     damping_factor,
 )
@@ -96,6 +97,7 @@ def derive_law(d):
         return UNKNOWN_LAW
     if not 0.0 <= contact.restitution <= 1.0 or not contact.stiffness > 0.0:
         return PARAMETER_OUT_OF_RANGE
+    contact.impulsive = contact.law == NEWTON_IMPACT
     if contact.law != contact.derived_law or contact.restitution != contact.derived_restitution:
         contact.derived_law = 0
         status = derive_damping(contact)

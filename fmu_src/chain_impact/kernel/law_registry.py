@@ -24,6 +24,7 @@ class ContactLaw:
         rate_exponent: p; None for p = n, which makes the Hunt–Crossley family.
         mass_power: s of d = f K^(1−s) m^s, with the effective mass m; 0 for the family, where d = λ K/v₀.
         approach_only: whether the damping acts while compressing only.
+        impulsive: whether the walls are rigid: impulses in place of a force (kernel/impulses.py).
         damping_factor: f(e), compiled.
     """
 
@@ -41,6 +42,7 @@ class ContactLaw:
     rate_exponent: float | None
     mass_power: float
     approach_only: bool
+    impulsive: bool
     damping_factor: object
 
     def __init__(self, **entries: object) -> None:
@@ -55,6 +57,8 @@ class ContactLaw:
     @property
     def force(self) -> str:
         """The force as text, where it is not cut off at 0."""
+        if self.impulsive:
+            return "impulses"
         if self.rate_exponent is None:
             return FAMILY_FORCE
         rate = "max(0, δ̇)" if self.approach_only else "δ̇"
@@ -64,12 +68,12 @@ class ContactLaw:
     @property
     def damping(self) -> str:
         """How the damping d follows from f, as text."""
-        return DAMPINGS[self.mass_power]
+        return "–" if self.impulsive else DAMPINGS[self.mass_power]
 
     @property
     def continuous(self) -> bool:
         """Whether the force begins at 0, without a jump at the onset."""
-        return self.rate_exponent != 0.0
+        return self.rate_exponent != 0.0 and not self.impulsive
 
     def allows_exponent(self, exponent: float) -> bool:
         """Whether the law is defined for an exponent n."""
@@ -91,6 +95,7 @@ def contact_law(
     rate_exponent=None,
     mass_power=0.0,
     approach_only=False,
+    impulsive=False,
 ):
     """Register the decorated f(e) as the next contact law, under the function's name.
 
@@ -113,6 +118,7 @@ def contact_law(
             rate_exponent=rate_exponent,
             mass_power=mass_power,
             approach_only=approach_only,
+            impulsive=impulsive,
             damping_factor=jit(function),
         )
         return CONTACT_LAWS[function.__name__].damping_factor

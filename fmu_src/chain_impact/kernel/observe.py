@@ -2,14 +2,13 @@
 
 from chain_impact.kernel.contact import (
     accelerate_points,
-    apply_contacts,
     clearance,
     contact_force,
     locate_points,
     stored_energy,
 )
 from chain_impact.kernel.dense import interpolate
-from chain_impact.kernel.equations import loaded_rate, mechanical_energy
+from chain_impact.kernel.equations import located_rate, mechanical_energy
 from chain_impact.kernel.jit import jit
 
 
@@ -24,7 +23,7 @@ def observe(d, out):
     y, rate = d.work.y, d.work.error[0]
     interpolate(d.step, (d.step.time - d.step.start) / d.step.size, y)
     locate_points(d.model, y, d.work)
-    loaded_rate(d, y, apply_contacts(d), rate)
+    located_rate(d, y, rate)
     accelerate_points(d.model, y, rate, d.work)
     work = d.work
     for k in range(n + 1):
@@ -43,7 +42,9 @@ def observe(d, out):
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         gap, gap_rate = clearance(d, c)
-        if gap < 0.0:
+        if d.contact.impulsive:
+            out.force[c] = max(0.0, work.rigid.impulse[k])
+        elif gap < 0.0:
             out.force[c], _ = contact_force(d, c, gap, gap_rate)
             out.penetration[c], out.penetration_rate[c] = -gap, -gap_rate
     out.kinetic, out.potential = mechanical_energy(d, y)

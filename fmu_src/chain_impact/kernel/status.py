@@ -11,6 +11,7 @@ UNKNOWN_METHOD = 7
 PARAMETER_OUT_OF_RANGE = 8
 TOO_MUCH_WORK = 9
 EXPONENT_NOT_ALLOWED = 10
+RIGID_WHILE_TOUCHING = 11
 LOG_FULL = -1  # not a fault: collect the finished contacts and go on
 
 STATUS_TEXT = {
@@ -25,4 +26,5 @@ STATUS_TEXT = {
     PARAMETER_OUT_OF_RANGE: "a parameter is not finite or lies outside its range",
     TOO_MUCH_WORK: "a second of simulated time takes more evaluations than solver.work_limit allows",
     EXPONENT_NOT_ALLOWED: "the contact law is defined for another contact.exponent",
+    RIGID_WHILE_TOUCHING: "contact.model can change to newton_impact only while no point touches a wall",
 }

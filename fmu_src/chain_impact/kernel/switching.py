@@ -23,7 +23,9 @@ PATIENCE = 4  # steps in a row that have to agree
 def choose_method(d):
     """Decide on the method of the next step, with the points located at its start."""
     step = d.step
-    if d.solver.method != AUTO:
+    if d.contact.impulsive:
+        explicit_again(step)  # nothing is stiff
+    elif d.solver.method != AUTO:
         step.implicit = d.solver.method == IMPLICIT
     elif d.touch.active_count == 0:
         explicit_again(step)
