@@ -137,6 +137,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("active", INTEGER, (candidates,)),  # 1: in contact
         ("event", INTEGER, (candidates,)),  # at `step.end` and not yet applied, see kernel/events.py
         ("onset", REAL, (candidates,)),  # s
+        ("blind_step", REAL, (candidates,)),  # s, over the onset, as long as the tolerance allows
         ("onset_speed", REAL, (candidates,)),  # m/s, normal approach speed at onset
         ("impact_speed", REAL, (candidates,)),  # m/s, v0 of the force law
         ("effective_mass", REAL, (candidates,)),  # kg, 1/(J M⁻¹ Jᵀ) at onset

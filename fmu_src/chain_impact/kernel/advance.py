@@ -10,8 +10,9 @@ import math
 
 from chain_impact.kernel import explicit, implicit
 from chain_impact.kernel.complete import complete
-from chain_impact.kernel.contact import along_normal, clear_loads, clearance, latch, locate_points
-from chain_impact.kernel.contact_force import damping_share, latch_damping
+from chain_impact.kernel.contact import clear_loads, latch, locate_points
+from chain_impact.kernel.contact_force import latch_damping
+from chain_impact.kernel.contact_steps import first_step, toward_end
 from chain_impact.kernel.dense import OUTPUTS, interpolate
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.events import RELATCH, RELATCH_RATIO, TOUCH, find_event
@@ -26,8 +27,6 @@ from chain_impact.kernel.watch import watch_events, watch_work
 LONGEST_STEP = 1.0  # s; a chain in flight without spin has no other limit
 SHORTEST_STEP = 1e-18  # s
 SAFETY, SHRINK, GROW = 0.9, 1.0 / 3.0, 6.0  # of the step size
-BEYOND = 1.1  # part of the time to the end of a contact that a step may take
-ONSET_FRACTION = 0.03  # first step of a contact, in parts of its expected duration
 
 
 @jit
@@ -104,7 +103,7 @@ def take_step(d):
     if d.step.implicit:
         implicit.linearize(d)
     elif d.touch.active_count > 0 and not d.contact.impulsive:
-        h = min(h, just_beyond_end(d))
+        h = min(h, toward_end(d))
     grow = GROW
     error = 0.0
     while True:
@@ -126,21 +125,6 @@ def take_step(d):
     elif theta >= 0.0:
         cut(d, theta)
     return OK
-
-
-@jit
-def just_beyond_end(d):
-    """The time [s] to a little after the first contact ends, as position, speed and acceleration tell."""
-    first = LONGEST_STEP
-    for k in range(d.touch.active_count):
-        c = d.touch.active_index[k]
-        gap, gap_rate = clearance(d, c)
-        acceleration = along_normal(d, c, d.work.acceleration)
-        # g + ġ t + ½ g̈ t² = 0
-        square = gap_rate * gap_rate - 2.0 * acceleration * gap
-        if gap < 0.0 < gap_rate and square > 0.0:
-            first = min(first, BEYOND * -2.0 * gap / (gap_rate + math.sqrt(square)))
-    return first
 
 
 @jit
@@ -252,7 +236,7 @@ def apply_events(d):
             latch(d, c)
             touch.active[c] = 1
             explicit_again(d.step)
-            d.step.next_size = min(d.step.next_size, ONSET_FRACTION * expected_duration(d, c))
+            d.step.next_size = min(d.step.next_size, first_step(d, c))
         touch.event[c] = 0
 
     touch.active_count = 0
@@ -264,14 +248,3 @@ def apply_events(d):
         clear_loads(d)
         d.step.next_size = d.step.flight_size
     return jumped
-
-
-@jit
-def expected_duration(d, c):
-    """About how long [s] the contact of candidate c will last, or its fast first part if it is much damped.
-
-    The force rises as δⁿ from nothing, so the error control cannot tell it from the start.
-    """
-    # 3 times the time to the largest depth without damping; with damping alone m v = d vᵖ⁺¹ tᵖ⁺¹/(p+1)
-    elastic = 3.0 * d.touch.depth_scale[c] / d.touch.impact_speed[c]
-    return elastic * (1.0 + damping_share(d, c)) ** (-1.0 / (d.contact.rate_exponent + 1.0))

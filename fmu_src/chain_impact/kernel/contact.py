@@ -173,7 +173,10 @@ def latch(d, c):
 
 @jit
 def effective_mass(d, c):
-    """1/(J M⁻¹ Jᵀ) [kg] of candidate c at the located points: what a blow along its normal has to move."""
+    """1/(J M⁻¹ Jᵀ) [kg] of candidate c at the located points: what a blow along its normal has to move.
+
+    Leaves the response M⁻¹ Jᵀ to a unit impulse in ``work.y``.
+    """
     work = d.work
     n = len(d.model.length)
     zero(work.load)
