@@ -220,10 +220,11 @@ def statuses() -> str:
 
 
 def contact_laws() -> str:
-    """The registry of contact laws: the Hunt–Crossley family, then the others."""
+    """The registry of contact laws: the Hunt–Crossley family, the other forces, rigid walls."""
     ends = ("within 5 % for", "allowed", "limits", "evidence")
-    family = [law for law in CONTACT_LAWS.values() if law.rate_exponent is None]
-    others = [law for law in CONTACT_LAWS.values() if law.rate_exponent is not None]
+    family = [law for law in CONTACT_LAWS.values() if law.in_family]
+    rigid = [law for law in CONTACT_LAWS.values() if law.impulsive]
+    others = [law for law in CONTACT_LAWS.values() if not (law.in_family or law.impulsive)]
     return "\n\n".join(
         [
             "### The Hunt–Crossley family",
@@ -234,6 +235,8 @@ def contact_laws() -> str:
                 ("id", "force, where not cut off at 0", "damping d", "exponent n"),
                 ((code(law.id), law.force, law.damping, f"{law.exponent:g}") for law in others),
             ),
+            "### Rigid walls",
+            table(("number", "id", "law", "f(e)", *ends), map(_law_row, rigid)),
         ]
     )
 

@@ -48,8 +48,8 @@ LITERATURE = {
 }
 WITH_FORCE = [law for law in CONTACT_LAWS.values() if not law.impulsive]
 LAWS = pytest.mark.parametrize("law", WITH_FORCE, ids=[law.id for law in WITH_FORCE])
-FAMILY = [law for law in WITH_FORCE if law.rate_exponent is None]
-OTHERS = [law for law in WITH_FORCE if law.rate_exponent is not None]
+FAMILY = [law for law in WITH_FORCE if law.in_family]
+OTHERS = [law for law in WITH_FORCE if not law.in_family]
 
 
 @functools.cache

@@ -55,11 +55,16 @@ class ContactLaw:
         return "0 ≤ e ≤ 1" if self.allows_zero else "0 < e ≤ 1"
 
     @property
+    def in_family(self) -> bool:
+        """Whether it belongs to the Hunt–Crossley family."""
+        return self.rate_exponent is None and not self.impulsive
+
+    @property
     def force(self) -> str:
         """The force as text, where it is not cut off at 0."""
         if self.impulsive:
             return "impulses"
-        if self.rate_exponent is None:
+        if self.in_family:
             return FAMILY_FORCE
         rate = "max(0, δ̇)" if self.approach_only else "δ̇"
         spring = "Kδ" if self.exponent == 1.0 else "Kδ√δ"
