@@ -1,6 +1,6 @@
 """Draw the chart of realised against prescribed restitution: ``python docs/charts.py``.
 
-The curves are free impacts of 1 kg at 1 m/s, simulated with each law of the registry.
+The curves are free impacts of 1 kg at 1 m/s, simulated with each law of the registry that is a force.
 """
 
 from __future__ import annotations

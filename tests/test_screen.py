@@ -3,7 +3,7 @@
 import math
 from dataclasses import replace
 
-from chain_impact import compare
+from chain_impact import CONTACT_LAWS, compare
 from chain_impact.screen import law_table
 from tests.problems import default_scene
 
@@ -23,6 +23,7 @@ def test_an_impulse_and_a_law_without_a_result_have_a_row():
 
 
 def test_the_columns_are_aligned():
-    head, *rows = list(law_table(compare(default_scene())))[1:19]
+    head, *rows = list(law_table(compare(default_scene())))[1 : 2 + len(CONTACT_LAWS)]
     end = head.replace("[bold]", "").index("steps") + len("steps")
+    assert [row.split()[0] for row in rows] == list(CONTACT_LAWS)
     assert all(len(row) == end or row[end] == " " for row in rows)
