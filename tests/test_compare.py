@@ -219,4 +219,17 @@ def test_there_is_no_advice_from_contacts_that_do_not_end():
     assert told.startswith("for e = 0.7: newton_impact. ")
     assert "zhang_sharf" not in told
     forces = tuple(run for run in comparison.runs if not CONTACT_LAWS[run.law].impulsive)
-    assert advice(replace(comparison, runs=forces)) == ["for e = 0.7: none, as no law finished its first impact"]
+    assert advice(replace(comparison, runs=forces)) == [
+        "for e = 0.7: none, as no law finished its first impact"
+    ]
+
+
+def test_without_rebound_rigid_walls_are_what_is_left():
+    """At e = 0 the wall holds the point that it stopped, which is no part of the impact."""
+    comparison = compare(with_values(default_scene(model="hertz"), {("contact", "restitution"): 0.0}))
+    rigid = comparison["newton_impact"]
+    assert (rigid.restitution, rigid.duration, rigid.peak_force) == (0.0, 0.0, math.inf)
+    impact = rigid.result.impacts[0]
+    lost = 0.5 * impact["effective_mass"] * impact["impact_speed"] ** 2
+    assert rigid.energy_lost == pytest.approx(lost, rel=1e-9)
+    assert advice(comparison)[0].startswith("for e = 0: newton_impact")

@@ -500,3 +500,24 @@ def test_held_contacts_pass_to_another_law():
     assert instance.trajectory(np.array([12.0]), out) == 1
     assert floor_forces(out[0]).sum() == pytest.approx(WEIGHT, rel=1e-5)
     assert (out["penetration"][0].reshape(5, 4)[:, 2] > 0.0).all()
+
+
+@pytest.mark.parametrize("look", [False, True])
+def test_a_change_that_is_refused_leaves_the_contacts_rigid(look):
+    """An output asked for in between, when the parameters do not yet go together, changes nothing."""
+
+    def after(settings):
+        instance = Instance(rigid(ball(height=0.01), restitution=0.0))
+        assert instance.advance(1.0) == 0
+        for law, restitution in settings:
+            instance.record["contact"]["restitution"] = restitution
+            change_law(instance, law)
+            if look:
+                instance._kernel.observe(instance._address)
+        return instance, instance.advance(1.5)
+
+    instance, status = after([("zhang_sharf", 0.0), ("zhang_sharf", 0.7)])
+    assert status == 0
+    assert instance.record["finished"]["count"] == 1
+    _, status = after([("kelvin_voigt", 0.7), (LAW, 0.7)])
+    assert status == 0

@@ -215,14 +215,18 @@ def _run(scene: Scene, law: str, impact: np.void | None, notify: Notify, progres
         result = error.result
     if result is not None and len(result.impacts):
         first = _first_impact(result)
-        overlap = result.impacts[1:2]["onset"] < result.impacts["end"][0]
+        overlap = result.impacts[1:2]["onset"] <= result.impacts["onset"][0] + first["duration"]
         notes += ["another contact began before the first ended"] if overlap.any() else []
     return LawRun(law, exponent, stiffness, **first, note="; ".join(notes), result=result)
 
 
 def _first_impact(result: Result) -> dict[str, Any]:
     """The values of the first impact, by name."""
-    impact = result.impacts[0]
+    impact = result.impacts[0].copy()
+    law = CONTACT_LAWS.get(result.scene.contact.model)
+    if law and law.impulsive and impact["end"] != impact["onset"]:
+        # stopped by the impulse; how long the wall holds the point then is no part of the impact
+        impact["end"], impact["separation_speed"], impact["peak_force"] = impact["onset"], 0.0, math.inf
     values = {
         "restitution": impact["separation_speed"] / impact["impact_speed"],
         "peak_force": impact["peak_force"],

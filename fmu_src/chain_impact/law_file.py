@@ -54,8 +54,8 @@ def read_law(path: Path) -> UserLaw:
         LawError: when there is no such law.
     """
     name = path.stem
-    if not (name.isidentifier() and name.isascii()) or name in CONTACT_LAWS:
-        raise LawError("must have the name of its law: an identifier, and of no law that there is")
+    if not (name.isidentifier() and name.isascii()) or name in (*CONTACT_LAWS, *ARGUMENTS):
+        raise LawError("must have the name of its law: an identifier, of no law or argument that there is")
     try:
         source = path.read_text(encoding="utf-8")
         tree = ast.parse(source)
@@ -78,7 +78,7 @@ def read_law(path: Path) -> UserLaw:
 def _check_statement(node: ast.AST) -> None:
     """Refuse what a law cannot do in a kernel without Python, or what its file does not tell of."""
     imported = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-    imported += [str(node.module)] if isinstance(node, ast.ImportFrom) else []
+    imported += ["." * node.level + (node.module or "")] if isinstance(node, ast.ImportFrom) else []
     for module in imported:
         if module != ONLY_IMPORT:
             raise LawError(f"imports {module} in line {_line(node)}; a law can import {ONLY_IMPORT} only")

@@ -12,7 +12,7 @@ from chain_impact.instance import new_instance
 from chain_impact.kernel import dop853
 from chain_impact.kernel.dense import interpolate, rate_bounds
 from chain_impact.kernel.equations import state_rate
-from chain_impact.kernel.explicit import accept, attempt, complete
+from chain_impact.kernel.explicit import accept, attempt, dense_output
 from chain_impact.kernel.initialize import initialize
 from chain_impact.simulate import Instance
 from tests.problems import FAR, ball, build, contact_table, rod
@@ -134,7 +134,7 @@ def step(d, h):
     state_rate(d, d["step"]["state_end"], d["work"]["stage"][0])
     error = attempt(d, h)
     accept(d, h)
-    complete(d)
+    dense_output(d)
     return error
 
 

@@ -77,10 +77,11 @@ def change_law(d):
     """
     rigid = d.contact.impulsive
     status = derive_law(d)
-    if status == OK and d.touch.active_count > 0 and (rigid or d.contact.impulsive):
-        if not rigid:
-            d.contact.impulsive = 0
-            return RIGID_WHILE_TOUCHING
+    if status == OK and d.touch.active_count > 0 and d.contact.impulsive and not rigid:
+        status = RIGID_WHILE_TOUCHING
+    if status != OK:
+        d.contact.impulsive = rigid  # of the contacts that last, until a law is found for them
+    elif d.touch.active_count > 0 and rigid:
         if d.contact.impulsive:
             judge(d)
         else:

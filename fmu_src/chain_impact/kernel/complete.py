@@ -18,9 +18,9 @@ def complete(d, reader):
     known, d.step.dense_for = d.step.dense_for, max(d.step.dense_for, reader)
     if d.step.made_implicit:
         if known == NOBODY:
-            implicit.complete(d)
+            implicit.dense_output(d)
         return
     if known == NOBODY:
-        explicit.complete(d)
+        explicit.dense_output(d)
     if known < SOLVER <= reader:
         d.statistics.rhs_evaluations += explicit.DENSE_EVALUATIONS

@@ -3,13 +3,14 @@
     F = max(0, K δⁿ + d δᵖ δ̇)
 
 K stiffness [N/mⁿ], δ penetration [m], δ̇ its rate [m/s]. The damping d is found once for a contact, at its
-onset, from a factor that the law makes of the prescribed restitution e: f(e), below. Two kinds of laws:
+onset, from a factor that the law makes of the prescribed restitution e: f(e), below. Three kinds of laws:
 
 - The Hunt–Crossley family, F = K δⁿ (1 + λ δ̇/v₀): p = n, f = λ and d = λ K/v₀, with v₀ the approach speed at
   the onset [m/s]. Its restitution depends on λ alone: the realised one, e′, solves
   λ(1 + e′) = ln[(1+λ)/(1−λe′)], so e′ = [1 + W₀(−(1+λ)e^{−(1+λ)})]/λ with Lambert's W.
 - Laws with another power p of the penetration in their damping, for one exponent n. Their d needs the mass of
   the impact: the effective mass m of the chain at the contact [kg].
+- Rigid walls, with impulses in place of a force: no d at all (impulses.py).
 
 The relations are derived in docs/contact_laws.md. A law's place in this file is its number in the FMU, so new
 laws go to the end.

@@ -93,7 +93,7 @@ def accept(d, h):
 
 
 @jit
-def complete(d):
+def dense_output(d):
     """Set the dense output of the last step."""
     step, h = d.step, d.step.size
     _dense_stages(d, h)

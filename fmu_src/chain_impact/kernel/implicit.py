@@ -281,7 +281,7 @@ def accept(d, h):
 
 
 @jit
-def complete(d):
+def dense_output(d):
     """Make the dense output keep the clearances in between, too, at thirds of the last step.
 
     F₃ and F₄ of dense.py, with θ²(1−θ)² and θ³(1−θ)², leave its ends as they are.

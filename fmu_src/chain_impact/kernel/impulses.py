@@ -99,6 +99,7 @@ def strike(d):
         if d.touch.event[c] == NEIGHBOUR and own.impulse[k] > 0.0:
             latch(d, c)
             d.touch.onset_speed[c] = max(0.0, d.touch.onset_speed[c])
+            d.impact.last_speed = d.touch.onset_speed[c]
     for j in range(n + 2):
         state[n + 2 + j] += own.change[j]
     state[2 * n + 4] += max(0.0, lost)

@@ -8,7 +8,7 @@ DAMPINGS = {0.0: "λ K/v₀", 0.5: "f √(K m)", 0.4: "f K^⅗ m^⅖ at 1 m/s"}
 
 
 class ContactLaw:
-    """One entry of the registry: F = max(0, K δⁿ + d δᵖ δ̇).
+    """One entry of the registry: F = max(0, K δⁿ + d δᵖ δ̇), or impulses.
 
     Attributes:
         id: its name in scene files and in the FMU.
@@ -21,7 +21,7 @@ class ContactLaw:
         accurate_from, accurate_to: restitutions for which the rebound is within 5 % of the prescribed one.
         allows_zero: whether f(0) is finite.
         exponent: the n that it is defined for; None for any.
-        rate_exponent: p; None for p = n, which makes the Hunt–Crossley family.
+        rate_exponent: p; None for p = n.
         mass_power: s of d = f K^(1−s) m^s, with the effective mass m; 0 for the family, where d = λ K/v₀.
         approach_only: whether the damping acts while compressing only.
         impulsive: whether the walls are rigid: impulses in place of a force (kernel/impulses.py).
