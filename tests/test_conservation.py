@@ -80,7 +80,7 @@ def test_energy_never_rises(law):
     assert start == pytest.approx(61.6630096858, abs=1e-9)
     assert len(result.impacts) >= 5
     assert (np.diff(energy["total"]) < 1e-8 * start).all()
-    assert (np.diff(energy["dissipated"]) >= 0.0).all()
+    assert (np.diff(energy["dissipated"]) >= -1e-11 * start).all()  # but for round-off
     assert (result.outputs["force"] >= 0.0).all()
 
 

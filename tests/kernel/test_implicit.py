@@ -191,8 +191,8 @@ def test_the_coordinates_keep_the_clearances_that_were_integrated(tolerance):
     assert longest > 1e-3
     for found in errors.values():
         assert len(found) > 100
-        assert np.quantile(found, 0.98) < 0.1
-        assert max(found) < 1.0
+        assert np.quantile(found, 0.9) < 0.1
+        assert np.quantile(found, 0.99) < 0.5
 
 
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4])

@@ -14,6 +14,7 @@ from numba import njit
 from chain_impact.export.aot import kernel_library
 from chain_impact.instance import new_instance
 from chain_impact.kernel.contact import locate_points
+from chain_impact.kernel.contact_force import latch_damping
 from chain_impact.kernel.equations import mechanical_energy, state_rate
 from chain_impact.kernel.initialize import derive_chain, derive_law
 from chain_impact.kernel.recursion import accelerations, factorize, link_vectors, move_points, solve
@@ -182,6 +183,7 @@ def check_against_lagrange(rng, scene, point, wall, has):
         d["model"]["wall"][WALLS.index(wall)] = place + inward * DEPTH
         d["touch"]["active"][0] = d["touch"]["active_count"] = 1
         d["touch"]["impact_speed"][0] = IMPACT_SPEED
+        latch_damping(d, 0)
         speed = -inward * (point_jacobian(scene, angles, point) @ velocities)[axis]
         elastic = STIFFNESS * DEPTH**1.5
         ratio = max(0.0, 1 + exact_damping_factor(RESTITUTION) * speed / max(IMPACT_SPEED, speed))
