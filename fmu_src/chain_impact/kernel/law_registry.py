@@ -64,7 +64,7 @@ class ContactLaw:
         """The force as text, where it is not cut off at 0."""
         if self.impulsive:
             return "impulses"
-        if self.in_family:
+        if self.rate_exponent is None:
             return FAMILY_FORCE
         rate = "max(0, δ̇)" if self.approach_only else "δ̇"
         spring = "Kδ" if self.exponent == 1.0 else "Kδ√δ"
