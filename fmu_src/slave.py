@@ -78,6 +78,8 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
         if not cls.model:
             cls.model = json.loads((resources / "model.json").read_text(encoding="utf-8"))
             cls.start = (resources / "instance.bin").read_bytes()
+            if sys.platform == "linux":
+                atexit.register(_leave_room)
         self.modelName, self.guid, self.words = cls.model["name"], cls.model["guid"], cls.model["words"]
         self.table = cls.model["variables"]  # value reference → name, type, word, kind, low, high, allowed
         self.real_words = {vr: row[2] for vr, row in enumerate(self.table) if row[1] == "real"}
@@ -245,8 +247,6 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
             cls.kernel = ctypes.CDLL(str(Path(self.resources, name)))
             cls.kernel.initialize.argtypes = cls.kernel.advance.argtypes = [ctypes.c_void_p, ctypes.c_double]
             cls.kernel.observe.argtypes = [ctypes.c_void_p]
-            if sys.platform == "linux":
-                atexit.register(_leave_room)
         return cls.kernel
 
     def _initialize(self) -> None:
