@@ -57,7 +57,7 @@ def output_dtype(links: int, candidates: int) -> np.dtype:
 def instance_dtype(links: int, candidates: int) -> np.dtype:
     """The record of an instance with N = ``links`` links and C = ``candidates`` candidates."""
     points = links + 1
-    state = 2 * (links + 2) + 2
+    state = 2 * (links + 2) + 4
     log = LOG_SIZE + candidates
     model = _record(
         ("gravity", REAL, (2,)),  # m/s²
@@ -116,16 +116,17 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("time", REAL),  # s, the communication point; start ≤ time ≤ end
         ("start", REAL),  # s
         ("end", REAL),  # s, start + size, or the event that cut the step short
-        ("size", REAL),  # s
+        ("size", REAL),  # s, of the variable that the step runs in, see kernel/pace.py
         ("next_size", REAL),  # s, proposed
         ("flight_size", REAL),  # s, of the last step before the first of the present contacts
         ("state", REAL, (state,)),  # y at `start`
         ("state_end", REAL, (state,)),  # y at `end`
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),  # interpolant over `size`
-        ("rate_known", INTEGER),  # 1: the last stage is ẏ at `end`
+        ("rate_known", INTEGER),  # 1: `work.rate_end` is ẏ at `end`
         ("dense_for", INTEGER),  # who has had the dense output so far, see kernel/dense.py
         ("made_implicit", INTEGER),  # 1: the last step was an implicit one
         ("cleared", INTEGER),  # 1: the clearances at `end` are in `work.clear_end`, 2: their curvatures too
+        ("pacer", INTEGER),  # the candidate that sets the pace of the step, −1: time does
         ("implicit", INTEGER),  # 1: the implicit method is at work
         ("doubts", INTEGER),  # steps in a row for which the other method would do better …
         ("patience", INTEGER),  # … and how many make the solver change
@@ -137,7 +138,6 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("active", INTEGER, (candidates,)),  # 1: in contact
         ("event", INTEGER, (candidates,)),  # at `step.end` and not yet applied, see kernel/events.py
         ("onset", REAL, (candidates,)),  # s
-        ("blind_step", REAL, (candidates,)),  # s, over the onset, as long as the tolerance allows
         ("onset_speed", REAL, (candidates,)),  # m/s, normal approach speed at onset
         ("impact_speed", REAL, (candidates,)),  # m/s, v0 of the force law
         ("effective_mass", REAL, (candidates,)),  # kg, 1/(J M⁻¹ Jᵀ) at onset
@@ -214,7 +214,9 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("least", REAL, (candidates,)),  # N, smallest holding force in the stages of the step; not packed
     )
     work = _record(
-        ("stage", REAL, (STAGES, state)),  # ẏ at the stages
+        ("stage", REAL, (STAGES, state)),  # dy/ds at the stages
+        ("rate_start", REAL, (state,)),  # ẏ at the start …
+        ("rate_end", REAL, (state,)),  # … and the end of the step
         ("y", REAL, (state,)),
         ("error", REAL, (2, state)),  # the embedded error estimates; spare for observers
         ("link", vectors),  # m, L_i; entry N is not used

@@ -12,21 +12,21 @@ from chain_impact.kernel import explicit, implicit
 from chain_impact.kernel.complete import complete
 from chain_impact.kernel.contact import clear_loads, latch, locate_points
 from chain_impact.kernel.contact_force import latch_damping
-from chain_impact.kernel.contact_steps import first_step, toward_end
-from chain_impact.kernel.dense import OUTPUTS, interpolate
+from chain_impact.kernel.dense import OUTPUTS, fraction, interpolate, time_at
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.events import RELATCH, RELATCH_RATIO, TOUCH, find_event
 from chain_impact.kernel.impacts import finish, follow_contacts
 from chain_impact.kernel.impulses import collide, end_contacts, judge
 from chain_impact.kernel.initialize import derive_law, first_size, still
 from chain_impact.kernel.jit import jit
+from chain_impact.kernel.pace import first_step, paced, set_pace, toward_end, unpaced_rate
 from chain_impact.kernel.status import LOG_FULL, NOT_FINITE, OK, RIGID_WHILE_TOUCHING, STEP_TOO_SMALL
 from chain_impact.kernel.switching import choose_method, explicit_again
 from chain_impact.kernel.watch import watch_events, watch_work
 
 LONGEST_STEP = 1.0  # s; a chain in flight without spin has no other limit
 SHORTEST_STEP = 1e-18  # s
-SAFETY, SHRINK, GROW = 0.9, 1.0 / 3.0, 6.0  # of the step size
+SHRINK, GROW = 0.1, 6.0  # of the step size
 
 
 @jit
@@ -57,7 +57,7 @@ def advance(d, time, room):
 def restart(d):
     """Drop what lies beyond the communication point, as an input or parameter changed; returns a status."""
     d.inputs.changed = 0
-    interpolate(d.step, (d.step.time - d.step.start) / d.step.size, d.work.y)
+    interpolate(d.step, fraction(d.step, d.step.time), d.work.y)
     still(d, d.step.time, d.work.y)
     for c in range(len(d.touch.event)):
         d.touch.event[c] = 0
@@ -103,8 +103,8 @@ def take_step(d):
     h = min(d.step.next_size, LONGEST_STEP)
     if d.step.implicit:
         implicit.linearize(d)
-    elif d.touch.active_count > 0 and not d.contact.impulsive:
-        h = min(h, toward_end(d))
+    else:
+        h = toward_end(d, h)
     grow = GROW
     error = 0.0
     while True:
@@ -148,15 +148,16 @@ def accept(d, h):
 @jit
 def size_factor(d, error):
     """What the step size is to be multiplied with, for an error relative to the tolerance."""
-    exponent = implicit.EXPONENT if d.step.implicit else explicit.EXPONENT
-    return max(SHRINK, SAFETY * error**exponent)
+    if d.step.implicit:
+        return max(SHRINK, implicit.SAFETY * error**implicit.EXPONENT)
+    return max(SHRINK, explicit.SAFETY * error**explicit.EXPONENT)
 
 
 @jit
 def cut(d, theta):
     """End the last step at its fraction θ, at which an event was found."""
     interpolate(d.step, theta, d.step.state_end)
-    d.step.end = d.step.start + theta * d.step.size
+    d.step.end = d.step.start + d.step.state_end[time_at(d.step)]
     d.step.rate_known = 0
 
 
@@ -175,9 +176,9 @@ def land(d, h):
 
 @jit
 def ends_contact(d):
-    """Whether a contact ends in the event that was found."""
+    """Whether a contact ends in the event that was found, in another variable than its own."""
     for c in range(len(d.touch.event)):
-        if d.touch.event[c] == TOUCH and d.touch.active[c]:
+        if d.touch.event[c] == TOUCH and d.touch.active[c] and c != d.step.pacer:
             return True
     return False
 
@@ -189,23 +190,24 @@ def begin(d):
     for c in range(len(d.touch.event)):
         events += d.touch.event[c] != 0
 
-    last, rate = d.work.stage[explicit.LAST], d.work.stage[0]
+    last, rate = d.work.rate_end, d.work.rate_start
     if d.step.rate_known:
         if d.touch.active_count > 0:
             locate_points(d.model, d.step.state_end, d.work)
     else:
-        state_rate(d, d.step.state_end, last)
+        unpaced_rate(d, d.step.state_end, last)
         d.statistics.rhs_evaluations += 1
     if d.touch.active_count > 0:
         follow_contacts(d, last)
 
-    # the first stage
     for j in range(len(d.work.y)):
         rate[j] = last[j]
     if events > 0 and apply_events(d):
         state_rate(d, d.step.state_end, rate)
         d.statistics.rhs_evaluations += 1
     choose_method(d)
+    set_pace(d, events > 0)
+    paced(d, d.step.state_end, rate, d.work.stage[0])
     return events
 
 

@@ -5,7 +5,20 @@ import numpy as np
 from chain_impact.kernel.jit import jit
 
 DENSE_COEFFICIENTS = 7
+RESOLUTION = 1e-15  # of a step, in which a time is found
 NOBODY, OUTPUTS, SOLVER = 0, 1, 2  # who has had the dense output of the last step
+
+
+@jit
+def pace_at(step):
+    """Where u stands in y."""
+    return len(step.state) - 2
+
+
+@jit
+def time_at(step):
+    """Where the time since the start of the step stands in y."""
+    return len(step.state) - 1
 
 
 @jit
@@ -16,7 +29,7 @@ def extend(step, h, y, implicit):
         step.state_end[j] = y[j]
     step.start = step.end
     step.size = h
-    step.end = step.start + h
+    step.end = step.start + y[time_at(step)]
     step.rate_known = 0
     step.dense_for = NOBODY
     step.made_implicit = implicit
@@ -25,11 +38,41 @@ def extend(step, h, y, implicit):
 @jit
 def interpolate(step, theta, y):
     """Set y to the state at the fraction θ ∈ [0, 1] of the last step."""
-    rest = 1.0 - theta
     for j in range(len(step.state)):
-        high = step.dense[4, j] + rest * (step.dense[5, j] + theta * step.dense[6, j])
-        low = step.dense[2, j] + rest * (step.dense[3, j] + theta * high)
-        y[j] = step.state[j] + theta * (step.dense[0, j] + rest * (step.dense[1, j] + theta * low))
+        y[j] = interpolate_component(step, theta, j)
+
+
+@jit
+def interpolate_component(step, theta, j):
+    """Component j of that state."""
+    rest = 1.0 - theta
+    high = step.dense[4, j] + rest * (step.dense[5, j] + theta * step.dense[6, j])
+    low = step.dense[2, j] + rest * (step.dense[3, j] + theta * high)
+    return step.state[j] + theta * (step.dense[0, j] + rest * (step.dense[1, j] + theta * low))
+
+
+@jit
+def fraction(step, time):
+    """The fraction θ of the last step at which it is that time [s]."""
+    elapsed = time - step.start
+    if step.pacer < 0:
+        return elapsed / step.size
+    # t increases with θ, and dt/dθ = h u: Newton's method inside a bracket
+    low, high, theta = 0.0, 1.0, 0.5
+    for _ in range(60):
+        error = interpolate_component(step, theta, time_at(step)) - elapsed
+        if error > 0.0:
+            high = theta
+        else:
+            low = theta
+        slope = step.size * interpolate_component(step, theta, pace_at(step))
+        guess = theta - error / slope if slope > 0.0 else high
+        if not low < guess < high:
+            guess = 0.5 * (low + high)
+        if abs(guess - theta) <= RESOLUTION:
+            break
+        theta = guess
+    return theta
 
 
 def _basis_bounds():

@@ -1,6 +1,7 @@
 """The equations of motion ẏ = f(y): the table of contents of the model.
 
-y = (x₀, θ, ẋ₀, ω, dissipated energy, energy supplied by the inputs).
+y = (x₀, θ, ẋ₀, ω, dissipated energy, energy supplied by the inputs, u, t): pace.py says what u is for, and t
+is the time since the start of a step.
 """
 
 from chain_impact.kernel.constraints import hold
@@ -56,6 +57,8 @@ def loaded_rate(d, y, dissipated, rate):
     accelerations(d.model, omega, d.work, rate[n + 2 : n + 4], rate[n + 4 : 2 * n + 4])
     rate[2 * n + 4] = dissipated
     rate[2 * n + 5] = supplied
+    rate[2 * n + 6] = 0.0
+    rate[2 * n + 7] = 1.0
 
 
 @jit

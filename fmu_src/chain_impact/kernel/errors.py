@@ -3,9 +3,11 @@
 import math
 
 from chain_impact.kernel.contact import along_normal, clearance
+from chain_impact.kernel.dense import pace_at, time_at
 from chain_impact.kernel.jit import jit
 from chain_impact.kernel.recursion import move_points
 
+LEEWAY = 0.1
 LARGEST_ERROR = 0.01  # of a penetration, relative
 
 
@@ -39,12 +41,28 @@ def scaled_error(d, row):
         elif j < 2 * n + 4:
             scale = 1.0 + abs(y[j])
         else:
-            scale = d.model.energy + abs(y[j])
+            scale = d.model.energy + abs(y[j]) + impact_energy(d)
         worst = max(worst, abs(error[j]) / scale)
     for k in range(d.touch.active_count):
         scale = penetration_scale(d, d.touch.active_index[k])
         worst = max(worst, abs(d.work.gap_error[k]) / scale)
-    return worst / d.solver.tolerance
+        if d.touch.active_index[k] == d.step.pacer:
+            # δ = δ* u²
+            pace, wrong = y[pace_at(d.step)], error[pace_at(d.step)]
+            depth = d.touch.depth_scale[d.step.pacer]
+            worst = max(worst, 2.0 * depth * abs(pace * wrong) / scale)
+            worst = max(worst, abs(error[time_at(d.step)]) * d.touch.impact_speed[d.step.pacer] / size)
+    return worst / d.solver.tolerance * (LEEWAY if d.touch.active_count > 0 else 1.0)
+
+
+@jit
+def impact_energy(d):
+    """The kinetic energy [J] with which the active contacts began, ½ m v₀² of each."""
+    energy = 0.0
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        energy += 0.5 * d.touch.effective_mass[c] * d.touch.impact_speed[c] ** 2
+    return energy
 
 
 @jit

@@ -18,11 +18,11 @@ import math
 from chain_impact.kernel.complete import complete
 from chain_impact.kernel.constraints import holding
 from chain_impact.kernel.contact import accelerate_points, along_normal, clearance, locate_points
-from chain_impact.kernel.dense import SOLVER, interpolate, rate_bounds
+from chain_impact.kernel.dense import SOLVER, interpolate, pace_at, rate_bounds
 from chain_impact.kernel.equations import state_rate
-from chain_impact.kernel.explicit import LAST
 from chain_impact.kernel.implicit import clearance_curvature
 from chain_impact.kernel.jit import jit
+from chain_impact.kernel.pace import TIME
 
 SIMULTANEOUS = 1e-12  # s, events closer than this are one event
 RESOLUTION = 1e-15  # of a link length: curvature below it is round-off
@@ -72,17 +72,17 @@ def plainly_clear(d):
     step. That stays above the least of its Bernstein coefficients.
     """
     if d.step.cleared != WITH_CURVES:
-        measure_end(d, d.step.state, d.work.stage[0])
+        measure_end(d, d.step.state, d.work.rate_start)
     keep_start(d)
     for c in range(len(d.touch.active)):
         d.work.clear_start_curve[c] = d.work.clear_end_curve[c]
-    measure_end(d, d.step.state_end, d.work.stage[LAST])
+    measure_end(d, d.step.state_end, d.work.rate_end)
     n, h, work = len(d.model.length), d.step.size, d.work
-    turn, reach = 0.0, 0.0
+    turn, reach, lasted = 0.0, 0.0, d.step.end - d.step.start
     for i in range(n):
         omega = max(abs(d.step.state[n + 4 + i]), abs(d.step.state_end[n + 4 + i]))
-        alpha = max(abs(work.stage[0, n + 4 + i]), abs(work.stage[LAST, n + 4 + i]))
-        turn = max(turn, h * (omega + 0.5 * h * alpha))
+        alpha = max(abs(work.rate_start[n + 4 + i]), abs(work.rate_end[n + 4 + i]))
+        turn = max(turn, lasted * (omega + 0.5 * lasted * alpha))
         reach += d.model.length[i]
     # the remainder is h⁶ φ⁽⁶⁾/46080; ten times that of the tip of a stretched chain that turns evenly
     error = reach * turn**6 / 4608.0
@@ -97,7 +97,8 @@ def plainly_clear(d):
         clear = clear and least > MARGIN * (most - least) + error
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
-        fastest = max(d.touch.speed[c], work.clear_end_rate[c])
+        _, gap_rate = clearance(d, c)
+        fastest = max(d.touch.speed[c], -gap_rate)
         clear = clear and fastest <= NEARLY * RELATCH_RATIO * d.touch.impact_speed[c]
     return clear
 
@@ -107,10 +108,16 @@ def measure_end(d, y, rate):
     """Set φ, φ̇ and φ̈ of every candidate at an end of the step, for its state and rate."""
     locate_points(d.model, y, d.work)
     accelerate_points(d.model, y, rate, d.work)
-    set_clearances(d)
+    pace, quickening = set_clearances(d, y)
     for c in range(len(d.touch.active)):
         sign = -1.0 if d.touch.active[c] else 1.0
-        d.work.clear_end_curve[c] = sign * along_normal(d, c, d.work.acceleration)
+        curve = along_normal(d, c, d.work.acceleration)
+        if c == d.step.pacer:
+            # u″ = u δ̈/(2 δ*)
+            d.work.clear_end_curve[c] = -0.5 * pace * curve / d.touch.depth_scale[c]
+        else:
+            # φ″ = u² φ̈ + u u′ φ̇, with φ′ = u φ̇
+            d.work.clear_end_curve[c] = sign * pace * pace * curve + quickening * d.work.clear_end_rate[c]
 
 
 @jit
@@ -149,7 +156,8 @@ def find_relatch(d, touch):
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         fast = RELATCH_RATIO * d.touch.impact_speed[c]
-        if max(d.touch.speed[c], d.work.clear_end_rate[c]) > NEARLY * fast:
+        _, gap_rate = clearance(d, c)
+        if max(d.touch.speed[c], -gap_rate) > NEARLY * fast:
             theta = when_fast(d, c, fast, first)
             if theta >= 0.0:
                 found, first = c, theta
@@ -168,18 +176,24 @@ def when_fast(d, c, fast, end):
     low = 0.0
     for sample in range(1, SAMPLES + 1):
         high = end * sample / SAMPLES
-        measure(d, high)
-        if d.work.clear_end_rate[c] > fast:
+        if faster(d, c, fast, high):
             while (high - low) * d.step.size > SIMULTANEOUS:
                 middle = 0.5 * (low + high)
-                measure(d, middle)
-                if d.work.clear_end_rate[c] > fast:
+                if faster(d, c, fast, middle):
                     high = middle
                 else:
                     low = middle
             return high
         low = high
     return -1.0
+
+
+@jit
+def faster(d, c, fast, theta):
+    """Whether δ̇ of candidate c exceeds a speed [m/s] at the fraction θ of the step."""
+    measure(d, theta)
+    _, gap_rate = clearance(d, c)
+    return -gap_rate > fast
 
 
 @jit
@@ -248,17 +262,23 @@ def bound_curvature(d):
     stiff wall holds; but there the implicit step integrates the clearance itself.
     """
     n = len(d.model.length)
-    _, ax = rate_bounds(d.step, n + 2)
-    _, ay = rate_bounds(d.step, n + 3)
-    bound = math.sqrt(ax * ax + ay * ay)
+    # d²g/ds² = u d(ġ)/ds + u′ ġ
+    pace, quickening = rate_bounds(d.step, pace_at(d.step))
+    vx, ax = rate_bounds(d.step, n + 2)
+    vy, ay = rate_bounds(d.step, n + 3)
+    speed, bound = math.sqrt(vx * vx + vy * vy), math.sqrt(ax * ax + ay * ay)
     acceleration = d.work.motion.x
-    acceleration[0] = bound
+    acceleration[0] = pace * bound + quickening * speed
     for i in range(n):
         omega, alpha = rate_bounds(d.step, n + 4 + i)
-        bound += d.model.length[i] * (alpha + omega * omega)
-        acceleration[i + 1] = bound
+        speed += d.model.length[i] * omega
+        bound += d.model.length[i] * (alpha + pace * omega * omega)
+        acceleration[i + 1] = pace * bound + quickening * speed
     for c in range(len(d.touch.active)):
         d.work.curvature[c] = acceleration[d.model.candidate_point[c]]
+    if d.step.pacer != TIME:
+        # u cannot fall to zero and rise again: below it, δ̇ does not change
+        d.work.curvature[d.step.pacer] = 0.0
     if d.step.made_implicit:
         for k in range(d.touch.active_count):
             d.work.curvature[d.touch.active_index[k]] = clearance_curvature(d, k)
@@ -269,27 +289,37 @@ def measure(d, theta):
     """Set φ and φ̇ of every candidate at the fraction θ of the step, as the end of the interval."""
     if theta == 0.0:
         locate_points(d.model, d.step.state, d.work)
+        set_clearances(d, d.step.state)
     elif theta == 1.0:
         locate_points(d.model, d.step.state_end, d.work)
+        set_clearances(d, d.step.state_end)
     else:
         complete(d, SOLVER)
         interpolate(d.step, theta, d.work.y)
         locate_points(d.model, d.work.y, d.work)
-    set_clearances(d)
+        set_clearances(d, d.work.y)
 
 
 @jit
-def set_clearances(d):
-    """Set φ and φ̇ of every candidate for the located points."""
+def set_clearances(d, y):
+    """Set φ and φ′ of every candidate for the state y and its located points; returns u and u′."""
+    pace, quickening = y[pace_at(d.step)], 0.0
+    if d.step.pacer != TIME:
+        _, gap_rate = clearance(d, d.step.pacer)
+        quickening = -0.5 * gap_rate / d.touch.depth_scale[d.step.pacer]
     for c in range(len(d.touch.active)):
         if d.touch.active[c] and d.contact.impulsive:
             # held: it cannot touch
             d.work.clear_end[c], d.work.clear_end_rate[c] = math.inf, 0.0
             continue
+        if c == d.step.pacer:
+            d.work.clear_end[c], d.work.clear_end_rate[c] = pace, quickening
+            continue
         gap, gap_rate = clearance(d, c)
         sign = -1.0 if d.touch.active[c] else 1.0
         d.work.clear_end[c] = sign * gap
-        d.work.clear_end_rate[c] = sign * gap_rate
+        d.work.clear_end_rate[c] = sign * pace * gap_rate
+    return pace, quickening
 
 
 @jit
@@ -355,7 +385,7 @@ def root(d, c, a, b):
     Newton's method kept inside a shrinking bracket. The start of the bracket when φ is not positive there:
     the event is overdue.
     """
-    if d.work.clear_start[c] <= 0.0:
+    if d.work.clear_start[c] <= 0.0 and d.work.clear_start_rate[c] <= 0.0:
         measure(d, a)
         return a
     resolution = max(4e-16 * abs(d.step.end), 1e-16) / d.step.size

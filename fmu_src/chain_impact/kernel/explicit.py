@@ -10,10 +10,11 @@ from chain_impact.kernel.dense import DENSE_COEFFICIENTS, extend
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.errors import scaled_error, set_gap_errors
 from chain_impact.kernel.jit import jit
+from chain_impact.kernel.pace import paced, paced_rate, unpaced_rate
 
 STAGES = len(dop853.A)
 LAST = dop853.STEP_STAGES  # the stage at the end of the step
-EXPONENT = -1.0 / dop853.ORDER
+EXPONENT, SAFETY = -1.0 / dop853.ORDER, 0.8
 STEP_EVALUATIONS = LAST - 1  # new right-hand sides of a step that is then rejected …
 DENSE_EVALUATIONS = STAGES - LAST  # … of its dense output, besides the one at its end
 
@@ -25,7 +26,7 @@ def _stage(i, base):
     @jit
     def stage(d, h):
         combine(d.work.stage, base(d), h, d.work.y)
-        state_rate(d, d.work.y, d.work.stage[i])
+        paced_rate(d, d.work.y, d.work.stage[i])
 
     return stage
 
@@ -57,7 +58,7 @@ _high_0, _high_1, _high_2, _high_3 = (combination(row) for row in dop853.D)
 
 @jit
 def attempt(d, h):
-    """Try a step of size h [s] from ``step.state_end``; the result stands in ``work.y``.
+    """Try a step of size h from ``step.state_end``; the result stands in ``work.y``.
 
     Returns:
         The error relative to the tolerance: at most 1 for a step to accept; not finite when f was not.
@@ -87,7 +88,7 @@ def accept(d, h):
     if holding(d):
         meet_walls(d, d.work.y)
     extend(d.step, h, d.work.y, 0)
-    state_rate(d, d.step.state_end, d.work.stage[LAST])
+    unpaced_rate(d, d.step.state_end, d.work.rate_end)
     d.statistics.rhs_evaluations += 1
     d.step.rate_known = 1
 
@@ -96,6 +97,7 @@ def accept(d, h):
 def dense_output(d):
     """Set the dense output of the last step."""
     step, h = d.step, d.step.size
+    paced(d, step.state_end, d.work.rate_end, d.work.stage[LAST])
     _dense_stages(d, h)
     for j in range(len(d.work.y)):
         # the interpolant is y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + (1−θ)(F₃ + θ(F₄ + (1−θ)(F₅ + θ F₆))))))

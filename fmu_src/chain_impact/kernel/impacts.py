@@ -9,7 +9,7 @@ from chain_impact.kernel.contact import (
     contact_slopes,
     locate_points,
 )
-from chain_impact.kernel.dense import SOLVER, interpolate
+from chain_impact.kernel.dense import SOLVER, fraction, interpolate
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.jit import jit
 
@@ -57,7 +57,7 @@ def follow_contacts(d, rate):
 def follow_held(d):
     """Follow the forces of rigid walls over the last step: their peaks, by parabolas through samples."""
     step, samples = d.step, d.work.rigid.sample
-    end = (step.end - step.start) / step.size
+    end = fraction(step, step.end)
     for j in range(HELD_SAMPLES):
         interpolate(step, end * j / (HELD_SAMPLES - 1), d.work.y)
         state_rate(d, d.work.y, d.work.error[0])
@@ -76,9 +76,9 @@ def follow_held(d):
 @jit
 def follow_to_now(d):
     """Follow the active contacts up to the communication point, where the last step ends from now on."""
-    step, rate, evaluations = d.step, d.work.stage[0], d.statistics.rhs_evaluations
+    step, rate, evaluations = d.step, d.work.rate_end, d.statistics.rhs_evaluations
     complete(d, SOLVER)
-    interpolate(step, (step.time - step.start) / step.size, step.state_end)
+    interpolate(step, fraction(step, step.time), step.state_end)
     step.end = step.time
     step.rate_known = 0
     step.cleared = 0
@@ -103,7 +103,7 @@ def maximum(d, c, quantity):
     Parabolas through three points, ever closer to the top of the last one.
     """
     complete(d, SOLVER)
-    end = (d.step.end - d.step.start) / d.step.size
+    end = fraction(d.step, d.step.end)
     middle, reach, best = 0.5 * end, 0.5 * end, 0.0
     for _ in range(4):
         left = sample(d, c, quantity, middle - reach)

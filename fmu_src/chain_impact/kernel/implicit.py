@@ -47,7 +47,7 @@ GAMMA = ros34pw2.GAMMA_DIAGONAL
 START_RATE, RATE, CORRECTION, RIGHT, ZEROS, ERROR = 0, 5, 6, 7, 8, 9
 ROWS = 10
 STEP_EVALUATIONS = len(ros34pw2.B) - 1  # the first stage has f at the start of the step
-EXPONENT = -1.0 / ros34pw2.ORDER
+EXPONENT, SAFETY = -1.0 / ros34pw2.ORDER, 0.9
 APART = 0.03  # of a penetration, by which the coordinates may leave the clearance over a step
 
 
@@ -108,13 +108,13 @@ def linearize(d):
     """
     work, n, size = d.work, len(d.model.length), len(d.work.y)
     z, rate = work.implicit.start, work.implicit.stage[START_RATE]
-    accelerate_points(d.model, d.step.state_end, work.stage[0], work)
+    accelerate_points(d.model, d.step.state_end, work.rate_start, work)
     for i in range(n):
         work.implicit.link.x[i] = work.link.x[i]
         work.implicit.link.y[i] = work.link.y[i]
     for j in range(size):
         z[j] = d.step.state_end[j]
-        rate[j] = work.stage[0, j]
+        rate[j] = work.rate_start[j]
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         work.implicit.stiffness[k], work.implicit.damping[k] = contact_slopes(d, c)
@@ -194,8 +194,8 @@ def solve_contacts(d, shift, r, x):
     for k in range(d.touch.active_count):
         x[rate_at(d, k)] = r[rate_at(d, k)] - own.normal[k]
         x[gap_at(d, k)] = r[gap_at(d, k)] + shift * x[rate_at(d, k)]
-    x[2 * n + 4] = r[2 * n + 4]
-    x[2 * n + 5] = r[2 * n + 5]
+    for j in range(2 * n + 4, len(d.work.y)):
+        x[j] = r[j]
 
 
 _step = linearly_implicit(extended_rate, solve_contacts)
@@ -299,7 +299,7 @@ def dense_output(d):
             first, change = meet(d, derivative)
             for j in range(len(change)):
                 d.work.error[third - 1, first + j] = change[j]
-    for j in range(len(d.work.y) - 2):
+    for j in range(2 * len(d.model.length) + 4):
         one, two = d.work.error[0, j], d.work.error[1, j]
         # 4/81 F₃ + 4/243 F₄ and 4/81 F₃ + 8/243 F₄ are to be the changes
         dense[4, j] = 243.0 / 4.0 * (two - one)

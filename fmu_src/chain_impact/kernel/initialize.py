@@ -14,9 +14,10 @@ from chain_impact.kernel.contact_laws import (
     RATE_EXPONENTS,
     damping_factor,
 )
-from chain_impact.kernel.dense import SOLVER
+from chain_impact.kernel.dense import SOLVER, pace_at, time_at
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.jit import jit
+from chain_impact.kernel.pace import TIME
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
     NOT_FINITE,
@@ -151,13 +152,16 @@ def still(d, time, y):
     """Stand at ``time`` in state y, with a last step of no length."""
     for j in range(len(d.step.state)):
         d.step.state[j] = y[j]
-        d.step.state_end[j] = y[j]
         for m in range(len(d.step.dense)):
             d.step.dense[m, j] = 0.0
+    d.step.state[pace_at(d.step)], d.step.state[time_at(d.step)] = 1.0, 0.0
+    for j in range(len(d.step.state)):
+        d.step.state_end[j] = d.step.state[j]
     d.step.time = time
     d.step.start = time
     d.step.end = time
     d.step.size = 1.0
+    d.step.pacer = TIME
     d.step.rate_known = 0
     d.step.dense_for = SOLVER
     d.step.cleared = 0

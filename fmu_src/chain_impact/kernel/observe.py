@@ -7,7 +7,7 @@ from chain_impact.kernel.contact import (
     locate_points,
     stored_energy,
 )
-from chain_impact.kernel.dense import interpolate
+from chain_impact.kernel.dense import fraction, interpolate
 from chain_impact.kernel.equations import located_rate, mechanical_energy
 from chain_impact.kernel.jit import jit
 
@@ -21,7 +21,7 @@ def observe(d, out):
     """
     n = len(d.model.length)
     y, rate = d.work.y, d.work.error[0]
-    interpolate(d.step, (d.step.time - d.step.start) / d.step.size, y)
+    interpolate(d.step, fraction(d.step, d.step.time), y)
     locate_points(d.model, y, d.work)
     located_rate(d, y, rate)
     accelerate_points(d.model, y, rate, d.work)

@@ -30,7 +30,7 @@ def choose_method(d):
     elif d.touch.active_count == 0:
         explicit_again(step)
     elif step.end > step.start:  # not just restarted
-        z = step.size * fastest_rate(d)
+        z = (step.end - step.start) * fastest_rate(d)
         doubtful = z < NOT_STIFF if step.implicit else z > STIFF
         step.doubts = step.doubts + 1 if doubtful else 0
         if step.doubts >= step.patience:

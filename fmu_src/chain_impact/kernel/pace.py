@@ -1,0 +1,154 @@
+"""The variable that a step runs in: time, or through an impact a contact's own.
+
+A force K δⁿ with n = 3/2 is not smooth in time where its contact begins and where it ends: there δ falls to
+zero as the time that is left, and the force as its power 3/2. An explicit step then loses its order, and
+creeps away from one end and toward the other. It is smooth in the variable s of Sundman's transformation,
+
+    dt = u ds,   u = √(δ/δ*),   du/ds = δ̇/(2 δ*),   F = K (δ* u²)ⁿ,
+
+with δ* the expected penetration. So u and t join the state y, and a step runs in s: it is given the *pace*
+u of a contact, the one of all that is nearest to its onset or end. Without such a contact u = 1 and s is time.
+
+Source: K. F. Sundman 1913, Mémoire sur le problème des trois corps, Acta Mathematica 36:105, where the
+distance of two bodies stands in for u.
+"""
+
+import math
+
+from chain_impact.kernel.contact import (
+    accelerate_points,
+    add_along_normal,
+    along_normal,
+    apply_contact,
+    clear_loads,
+    clearance,
+    contact_force,
+    locate_points,
+)
+from chain_impact.kernel.contact_force import damping_share
+from chain_impact.kernel.dense import pace_at, time_at
+from chain_impact.kernel.equations import loaded_rate, state_rate
+from chain_impact.kernel.jit import jit
+
+TIME = -1  # in step.pacer: no contact sets the pace
+FIRST = 5.0  # of the time scale of a contact, for a tolerance of 1
+BEYOND, STRETCH = 1.04, 1.2  # of the way to the end of a contact, of a step to get there
+SLOW = 0.1  # u and δ̇/v₀ below which a contact is a point that lies on a wall, and time does
+
+
+@jit
+def paced_rate(d, y, rate):
+    """Set rate = dy/ds, for the pace of the step."""
+    speed = unpaced_rate(d, y, rate)
+    if d.step.pacer != TIME:
+        slow_down(d, y[pace_at(d.step)], speed, rate)
+
+
+@jit
+def unpaced_rate(d, y, rate):
+    """Set rate = dy/dt, where u holds for the penetration of the pacer; returns its δ̇ [m/s]."""
+    if d.step.pacer == TIME:
+        state_rate(d, y, rate)
+        return 0.0
+    locate_points(d.model, y, d.work)
+    clear_loads(d)
+    pace = y[pace_at(d.step)]
+    sign = 1.0 if pace >= 0.0 else -1.0
+    dissipated, speed = 0.0, 0.0
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        gap, gap_rate = clearance(d, c)
+        if c == d.step.pacer:
+            speed = -gap_rate
+            force, power = contact_force(d, c, -d.touch.depth_scale[c] * pace * pace, gap_rate)
+            # past the end the force goes on smoothly, for the sake of the step that finds it
+            add_along_normal(d, c, d.work.load, sign * force)
+            dissipated += sign * power
+        else:
+            dissipated += apply_contact(d, c, gap, gap_rate)
+    loaded_rate(d, y, dissipated, rate)
+    return speed
+
+
+@jit
+def slow_down(d, pace, speed, rate):
+    """Turn a rate in time into one in s, for the speed δ̇ [m/s] of the contact that sets the pace."""
+    for j in range(len(rate)):
+        rate[j] *= pace
+    # du/ds = δ̇/(2 δ*)
+    rate[pace_at(d.step)] = 0.5 * speed / d.touch.depth_scale[d.step.pacer]
+
+
+@jit
+def paced(d, y, time_rate, rate):
+    """Set rate = dy/ds for dy/dt; at the ends of a step."""
+    for j in range(len(rate)):
+        rate[j] = time_rate[j]
+    if d.step.pacer != TIME:
+        locate_points(d.model, y, d.work)
+        _, gap_rate = clearance(d, d.step.pacer)
+        slow_down(d, y[pace_at(d.step)], -gap_rate, rate)
+
+
+@jit
+def set_pace(d, anew):
+    """Choose what paces the step to come, for the points located at its start.
+
+    Args:
+        d: the instance.
+        anew: whether the size of the step has been chosen for it, as contacts began or ended.
+    """
+    step, before = d.step, 1.0 if d.step.pacer == TIME else d.step.state_end[pace_at(d.step)]
+    pacer, pace = slowest(d)
+    if pacer != step.pacer:
+        step.cleared = 0
+        if not anew:
+            step.next_size *= before / pace
+    step.pacer = pacer
+    step.state_end[pace_at(step)] = pace
+    step.state_end[time_at(step)] = 0.0
+
+
+@jit
+def slowest(d):
+    """The active contact with the least u, which is nearest to its onset or end, and u; or TIME and 1."""
+    pacer, slow = TIME, 1.0
+    if d.step.implicit or d.contact.impulsive:
+        return pacer, slow
+    least = math.inf
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        gap, gap_rate = clearance(d, c)
+        u = math.sqrt(max(0.0, -gap) / d.touch.depth_scale[c])
+        if c == d.step.pacer:
+            u = d.step.state_end[pace_at(d.step)]
+        if u + abs(gap_rate) / d.touch.impact_speed[c] > SLOW and u < least:
+            pacer, least = c, u
+    return pacer, least if pacer != TIME else 1.0
+
+
+@jit
+def first_step(d, c):
+    """A size for the first step of the contact of candidate c, which has just been latched."""
+    share, power = damping_share(d, c), 1.0 / (d.contact.rate_exponent + 1.0)
+    # δ*/v₀, or less where damping stops the point
+    scale = d.touch.depth_scale[c] / d.touch.impact_speed[c] * (1.0 + share) ** -power
+    return FIRST * scale * d.solver.tolerance**0.125
+
+
+@jit
+def toward_end(d, h):
+    """The size of the step to come, for a size h that the error control allows: over an end that is near."""
+    if d.step.pacer == TIME:
+        return h
+    pace, slope = d.step.state_end[pace_at(d.step)], d.work.stage[0, pace_at(d.step)]
+    if pace + 2.0 * slope * h >= 0.0:
+        return h
+    accelerate_points(d.model, d.step.state_end, d.work.rate_start, d.work)
+    acceleration = -along_normal(d, d.step.pacer, d.work.acceleration)
+    # u + u′ s + ½ u″ s² = 0 with u″ = u δ̈/(2 δ*)
+    square = slope * slope - pace * pace * acceleration / d.touch.depth_scale[d.step.pacer]
+    left = 2.0 * pace / (math.sqrt(max(0.0, square)) - slope)
+    if BEYOND * left < STRETCH * h:
+        return BEYOND * left
+    return min(h, 0.5 * left)
