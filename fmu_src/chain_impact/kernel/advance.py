@@ -13,7 +13,6 @@ from chain_impact.kernel.complete import complete
 from chain_impact.kernel.contact import clear_loads, latch, locate_points
 from chain_impact.kernel.contact_force import latch_damping
 from chain_impact.kernel.dense import OUTPUTS, fraction, interpolate, time_at
-from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.events import RELATCH, RELATCH_RATIO, TOUCH, find_event
 from chain_impact.kernel.impacts import finish, follow_contacts
 from chain_impact.kernel.impulses import collide, end_contacts, judge
@@ -105,7 +104,7 @@ def take_step(d):
         implicit.linearize(d)
     else:
         h = toward_end(d, h)
-    grow = GROW
+    grow = GROW if d.step.pacer < 0 or d.work.stage[0, len(d.work.y) - 2] < 0.0 else 1.1
     error = 0.0
     while True:
         if h < SHORTEST_STEP or d.step.end + h == d.step.end:
@@ -203,7 +202,7 @@ def begin(d):
     for j in range(len(d.work.y)):
         rate[j] = last[j]
     if events > 0 and apply_events(d):
-        state_rate(d, d.step.state_end, rate)
+        unpaced_rate(d, d.step.state_end, rate)
         d.statistics.rhs_evaluations += 1
     choose_method(d)
     set_pace(d, events > 0)

@@ -31,7 +31,7 @@ from chain_impact.kernel.equations import loaded_rate, state_rate
 from chain_impact.kernel.jit import jit
 
 TIME = -1  # in step.pacer: no contact sets the pace
-FIRST = 5.0  # of the time scale of a contact, for a tolerance of 1
+FIRST = 4.5  # of the time scale of a contact, for a tolerance of 1
 BEYOND, STRETCH = 1.04, 1.2  # of the way to the end of a contact, of a step to get there
 SLOW = 0.1  # u and δ̇/v₀ below which a contact is a point that lies on a wall, and time does
 
