@@ -18,7 +18,7 @@ from chain_impact.kernel.impacts import finish, follow_contacts
 from chain_impact.kernel.impulses import collide, end_contacts, judge
 from chain_impact.kernel.initialize import derive_law, first_size, still
 from chain_impact.kernel.jit import jit
-from chain_impact.kernel.pace import first_step, paced, set_pace, toward_end, unpaced_rate
+from chain_impact.kernel.pace import first_step, paced, set_pace, toward_end, turn_size, unpaced_rate
 from chain_impact.kernel.status import LOG_FULL, NOT_FINITE, OK, RIGID_WHILE_TOUCHING, STEP_TOO_SMALL
 from chain_impact.kernel.switching import choose_method, explicit_again
 from chain_impact.kernel.watch import watch_events, watch_work
@@ -248,5 +248,5 @@ def apply_events(d):
             touch.active_count += 1
     if touch.active_count == 0:
         clear_loads(d)
-        d.step.next_size = d.step.flight_size
+        d.step.next_size = min(d.step.flight_size, turn_size(d, d.step.state_end, d.work.rate_start))
     return jumped

@@ -17,7 +17,7 @@ from chain_impact.kernel.contact_laws import (
 from chain_impact.kernel.dense import SOLVER, pace_at, time_at
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.jit import jit
-from chain_impact.kernel.pace import TIME
+from chain_impact.kernel.pace import TIME, turn_size
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
     NOT_FINITE,
@@ -169,16 +169,9 @@ def still(d, time, y):
 
 @jit
 def first_size(d):
-    """A first step [s] that speeds and accelerations call for: the error control does the rest."""
-    n = len(d.model.length)
-    state_rate(d, d.step.state, d.work.stage[0])
-    speed, acceleration = 0.0, 0.0
-    for j in range(n + 2):
-        scale = d.model.size if j < 2 else 1.0
-        speed = max(speed, abs(d.step.state[n + 2 + j]) / scale)
-        acceleration = max(acceleration, abs(d.work.stage[0, n + 2 + j]) / scale)
-    # a tenth of the time in which the chain moves by its own size
-    return 0.1 / max(speed, math.sqrt(acceleration), 1.0)
+    """A first step [s] that the turning of the links calls for: the error control does the rest."""
+    state_rate(d, d.step.state, d.work.rate_start)
+    return turn_size(d, d.step.state, d.work.rate_start)
 
 
 @jit
@@ -186,7 +179,7 @@ def check_start(d):
     """Refuse a start that is not finite or lies beyond a wall; returns a status."""
     locate_points(d.model, d.step.state, d.work)
     for j in range(len(d.work.y)):
-        if not math.isfinite(d.step.state[j] + d.work.stage[0, j]):
+        if not math.isfinite(d.step.state[j] + d.work.rate_start[j]):
             return NOT_FINITE
     for c in range(len(d.touch.active)):
         gap, _ = clearance(d, c)

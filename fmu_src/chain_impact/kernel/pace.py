@@ -31,6 +31,7 @@ from chain_impact.kernel.equations import loaded_rate, state_rate
 from chain_impact.kernel.jit import jit
 
 TIME = -1  # in step.pacer: no contact sets the pace
+TURN = 2.8  # rad, of an explicit step in flight for a tolerance of 1
 FIRST = 4.5  # of the time scale of a contact, for a tolerance of 1
 BEYOND, STRETCH = 1.04, 1.2  # of the way to the end of a contact, of a step to get there
 SLOW = 0.1  # u and δ̇/v₀ below which a contact is a point that lies on a wall, and time does
@@ -152,3 +153,13 @@ def toward_end(d, h):
     if BEYOND * left < STRETCH * h:
         return BEYOND * left
     return min(h, 0.5 * left)
+
+
+@jit
+def turn_size(d, y, rate):
+    """A size [s] for an explicit step in flight, for the state y and its rate, as fast as the links turn."""
+    n, fastest = len(d.model.length), 0.0
+    for i in range(n):
+        fastest = max(fastest, abs(y[n + 4 + i]), math.sqrt(abs(rate[n + 4 + i])))
+    turn = TURN * d.solver.tolerance**0.125
+    return turn / max(fastest, turn)
