@@ -1,14 +1,14 @@
 """Advance an instance in time: phases, step control, and the run-ahead to the communication point.
 
 The solver takes its own steps and runs ahead of the communication point, which is answered from the dense
-output; so neither result nor cost depends on the communication step. What happens at the end of a step
+output; so the result does not depend on the communication step. What happens at the end of a step
 (a contact begins or ends, a peak is passed) takes effect at the start of the next one, hence not before
 the communication point has passed it.
 """
 
 import math
 
-from chain_impact.kernel import explicit, implicit
+from chain_impact.kernel import explicit, implicit, step_size
 from chain_impact.kernel.complete import complete
 from chain_impact.kernel.contact import clear_loads, latch, locate_points
 from chain_impact.kernel.contact_force import latch_damping
@@ -18,14 +18,13 @@ from chain_impact.kernel.impacts import finish, follow_contacts
 from chain_impact.kernel.impulses import collide, end_contacts, judge
 from chain_impact.kernel.initialize import derive_law, first_size, still
 from chain_impact.kernel.jit import jit
-from chain_impact.kernel.pace import first_step, paced, set_pace, toward_end, turn_size, unpaced_rate
+from chain_impact.kernel.pace import at_pace, set_pace, unpaced_rate
 from chain_impact.kernel.status import LOG_FULL, NOT_FINITE, OK, RIGID_WHILE_TOUCHING, STEP_TOO_SMALL
 from chain_impact.kernel.switching import choose_method, explicit_again
 from chain_impact.kernel.watch import watch_events, watch_work
 
 LONGEST_STEP = 1.0  # s; a chain in flight without spin has no other limit
 SHORTEST_STEP = 1e-18  # s
-SHRINK, GROW = 0.1, 6.0  # of the step size
 
 
 @jit
@@ -103,8 +102,8 @@ def take_step(d):
     if d.step.implicit:
         implicit.linearize(d)
     else:
-        h = toward_end(d, h)
-    grow = GROW if d.step.pacer < 0 or d.work.stage[0, len(d.work.y) - 2] < 0.0 else 1.1
+        h = step_size.toward_end(d, h)
+    grow = step_size.most_growth(d)
     error = 0.0
     while True:
         if h < SHORTEST_STEP or d.step.end + h == d.step.end:
@@ -113,12 +112,12 @@ def take_step(d):
         if error <= 1.0:
             break
         d.statistics.rejected_steps += 1
-        h *= size_factor(d, error) if math.isfinite(error) else 0.1
+        h *= step_size.factor(d, error) if math.isfinite(error) else 0.1
         grow = 1.0
     accept(d, h)
     d.statistics.steps += 1
     d.statistics.implicit_steps += d.step.implicit
-    d.step.next_size = h * min(grow, size_factor(d, max(error, 1e-16)))
+    d.step.next_size = h * min(grow, step_size.factor(d, max(error, 1e-16)))
     theta = find_event(d)
     if theta > 0.0 and ends_contact(d):
         land(d, theta * h)
@@ -142,14 +141,6 @@ def accept(d, h):
         implicit.accept(d, h)
     else:
         explicit.accept(d, h)
-
-
-@jit
-def size_factor(d, error):
-    """What the step size is to be multiplied with, for an error relative to the tolerance."""
-    if d.step.implicit:
-        return max(SHRINK, implicit.SAFETY * error**implicit.EXPONENT)
-    return max(SHRINK, explicit.SAFETY * error**explicit.EXPONENT)
 
 
 @jit
@@ -206,7 +197,7 @@ def begin(d):
         d.statistics.rhs_evaluations += 1
     choose_method(d)
     set_pace(d, events > 0)
-    paced(d, d.step.state_end, rate, d.work.stage[0])
+    at_pace(d, d.step.state_end, rate, d.work.stage[0])
     return events
 
 
@@ -238,7 +229,7 @@ def apply_events(d):
             latch(d, c)
             touch.active[c] = 1
             explicit_again(d.step)
-            d.step.next_size = min(d.step.next_size, first_step(d, c))
+            d.step.next_size = min(d.step.next_size, step_size.at_onset(d, c))
         touch.event[c] = 0
 
     touch.active_count = 0
@@ -248,5 +239,7 @@ def apply_events(d):
             touch.active_count += 1
     if touch.active_count == 0:
         clear_loads(d)
-        d.step.next_size = min(d.step.flight_size, turn_size(d, d.step.state_end, d.work.rate_start))
+        d.step.next_size = min(
+            d.step.flight_size, step_size.in_flight(d, d.step.state_end, d.work.rate_start)
+        )
     return jumped

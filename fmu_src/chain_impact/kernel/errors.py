@@ -7,7 +7,6 @@ from chain_impact.kernel.dense import pace_at, time_at
 from chain_impact.kernel.jit import jit
 from chain_impact.kernel.recursion import move_points
 
-LEEWAY = 0.1
 LARGEST_ERROR = 0.01  # of a penetration, relative
 
 
@@ -52,7 +51,7 @@ def scaled_error(d, row):
             depth = d.touch.depth_scale[d.step.pacer]
             worst = max(worst, 2.0 * depth * abs(pace * wrong) / scale)
             worst = max(worst, abs(error[time_at(d.step)]) * d.touch.impact_speed[d.step.pacer] / size)
-    return worst / d.solver.tolerance * (LEEWAY if d.touch.active_count > 0 else 1.0)
+    return worst / d.solver.tolerance
 
 
 @jit

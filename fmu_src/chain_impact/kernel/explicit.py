@@ -7,14 +7,14 @@ from chain_impact.kernel.combination import combination
 from chain_impact.kernel.constraints import holding, meet_walls
 from chain_impact.kernel.contact import locate_points
 from chain_impact.kernel.dense import DENSE_COEFFICIENTS, extend
-from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.errors import scaled_error, set_gap_errors
 from chain_impact.kernel.jit import jit
-from chain_impact.kernel.pace import paced, paced_rate, unpaced_rate
+from chain_impact.kernel.pace import TIME, at_pace, paced_rate, unpaced_rate
 
 STAGES = len(dop853.A)
 LAST = dop853.STEP_STAGES  # the stage at the end of the step
 EXPONENT, SAFETY = -1.0 / dop853.ORDER, 0.8
+LEEWAY = 0.1  # of the estimate, which exceeds the error by far while a contact sets the pace
 STEP_EVALUATIONS = LAST - 1  # new right-hand sides of a step that is then rejected …
 DENSE_EVALUATIONS = STAGES - LAST  # … of its dense output, besides the one at its end
 
@@ -79,7 +79,8 @@ def attempt(d, h):
     if error_5 in (0.0, math.inf):
         return error_5
     # e₅²/√(e₅² + e₃²/100): behaves as order 8 (Hairer, Nørsett, Wanner)
-    return error_5 * error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3)
+    error = error_5 * error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3)
+    return error if d.step.pacer == TIME else LEEWAY * error
 
 
 @jit
@@ -97,7 +98,7 @@ def accept(d, h):
 def dense_output(d):
     """Set the dense output of the last step."""
     step, h = d.step, d.step.size
-    paced(d, step.state_end, d.work.rate_end, d.work.stage[LAST])
+    at_pace(d, step.state_end, d.work.rate_end, d.work.stage[LAST])
     _dense_stages(d, h)
     for j in range(len(d.work.y)):
         # the interpolant is y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + (1−θ)(F₃ + θ(F₄ + (1−θ)(F₅ + θ F₆))))))

@@ -17,7 +17,7 @@ from chain_impact.kernel.contact_laws import (
 from chain_impact.kernel.dense import SOLVER, pace_at, time_at
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.jit import jit
-from chain_impact.kernel.pace import TIME, turn_size
+from chain_impact.kernel.pace import TIME
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
     NOT_FINITE,
@@ -28,6 +28,7 @@ from chain_impact.kernel.status import (
     UNKNOWN_LAW,
     UNKNOWN_METHOD,
 )
+from chain_impact.kernel.step_size import in_flight
 from chain_impact.kernel.switching import explicit_again
 
 METHODS = 3  # auto, explicit, implicit
@@ -171,7 +172,7 @@ def still(d, time, y):
 def first_size(d):
     """A first step [s] that the turning of the links calls for: the error control does the rest."""
     state_rate(d, d.step.state, d.work.rate_start)
-    return turn_size(d, d.step.state, d.work.rate_start)
+    return in_flight(d, d.step.state, d.work.rate_start)
 
 
 @jit

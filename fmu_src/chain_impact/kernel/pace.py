@@ -6,8 +6,8 @@ creeps away from one end and toward the other. It is smooth in the variable s of
 
     dt = u ds,   u = √(δ/δ*),   du/ds = δ̇/(2 δ*),   F = K (δ* u²)ⁿ,
 
-with δ* the expected penetration. So u and t join the state y, and a step runs in s: it is given the *pace*
-u of a contact, the one of all that is nearest to its onset or end. Without such a contact u = 1 and s is time.
+with δ* the expected penetration. So u and t join the state y, and a step runs in s, at the *pace* u of the
+contact that is nearest to its onset or end, its pacer. Without one u = 1, and s is time.
 
 Source: K. F. Sundman 1913, Mémoire sur le problème des trois corps, Acta Mathematica 36:105, where the
 distance of two bodies stands in for u.
@@ -16,24 +16,18 @@ distance of two bodies stands in for u.
 import math
 
 from chain_impact.kernel.contact import (
-    accelerate_points,
     add_along_normal,
-    along_normal,
     apply_contact,
     clear_loads,
     clearance,
     contact_force,
     locate_points,
 )
-from chain_impact.kernel.contact_force import damping_share
 from chain_impact.kernel.dense import pace_at, time_at
 from chain_impact.kernel.equations import loaded_rate, state_rate
 from chain_impact.kernel.jit import jit
 
 TIME = -1  # in step.pacer: no contact sets the pace
-TURN = 2.8  # rad, of an explicit step in flight for a tolerance of 1
-FIRST = 4.5  # of the time scale of a contact, for a tolerance of 1
-BEYOND, STRETCH = 1.04, 1.2  # of the way to the end of a contact, of a step to get there
 SLOW = 0.1  # u and δ̇/v₀ below which a contact is a point that lies on a wall, and time does
 
 
@@ -81,7 +75,7 @@ def slow_down(d, pace, speed, rate):
 
 
 @jit
-def paced(d, y, time_rate, rate):
+def at_pace(d, y, time_rate, rate):
     """Set rate = dy/ds for dy/dt; at the ends of a step."""
     for j in range(len(rate)):
         rate[j] = time_rate[j]
@@ -104,7 +98,7 @@ def set_pace(d, anew):
     if pacer != step.pacer:
         step.cleared = 0
         if not anew:
-            step.next_size *= before / pace
+            step.next_size *= before / max(pace, SLOW)
     step.pacer = pacer
     step.state_end[pace_at(step)] = pace
     step.state_end[time_at(step)] = 0.0
@@ -113,53 +107,16 @@ def set_pace(d, anew):
 @jit
 def slowest(d):
     """The active contact with the least u, which is nearest to its onset or end, and u; or TIME and 1."""
-    pacer, slow = TIME, 1.0
+    pacer, least = TIME, math.inf
     if d.step.implicit or d.contact.impulsive:
-        return pacer, slow
-    least = math.inf
+        return TIME, 1.0
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         gap, gap_rate = clearance(d, c)
         u = math.sqrt(max(0.0, -gap) / d.touch.depth_scale[c])
         if c == d.step.pacer:
             u = d.step.state_end[pace_at(d.step)]
-        if u + abs(gap_rate) / d.touch.impact_speed[c] > SLOW and u < least:
+        lasts = u > 0.0 or gap_rate < 0.0
+        if lasts and u + abs(gap_rate) / d.touch.impact_speed[c] > SLOW and u < least:
             pacer, least = c, u
-    return pacer, least if pacer != TIME else 1.0
-
-
-@jit
-def first_step(d, c):
-    """A size for the first step of the contact of candidate c, which has just been latched."""
-    share, power = damping_share(d, c), 1.0 / (d.contact.rate_exponent + 1.0)
-    # δ*/v₀, or less where damping stops the point
-    scale = d.touch.depth_scale[c] / d.touch.impact_speed[c] * (1.0 + share) ** -power
-    return FIRST * scale * d.solver.tolerance**0.125
-
-
-@jit
-def toward_end(d, h):
-    """The size of the step to come, for a size h that the error control allows: over an end that is near."""
-    if d.step.pacer == TIME:
-        return h
-    pace, slope = d.step.state_end[pace_at(d.step)], d.work.stage[0, pace_at(d.step)]
-    if pace + 2.0 * slope * h >= 0.0:
-        return h
-    accelerate_points(d.model, d.step.state_end, d.work.rate_start, d.work)
-    acceleration = -along_normal(d, d.step.pacer, d.work.acceleration)
-    # u + u′ s + ½ u″ s² = 0 with u″ = u δ̈/(2 δ*)
-    square = slope * slope - pace * pace * acceleration / d.touch.depth_scale[d.step.pacer]
-    left = 2.0 * pace / (math.sqrt(max(0.0, square)) - slope)
-    if BEYOND * left < STRETCH * h:
-        return BEYOND * left
-    return min(h, 0.5 * left)
-
-
-@jit
-def turn_size(d, y, rate):
-    """A size [s] for an explicit step in flight, for the state y and its rate, as fast as the links turn."""
-    n, fastest = len(d.model.length), 0.0
-    for i in range(n):
-        fastest = max(fastest, abs(y[n + 4 + i]), math.sqrt(abs(rate[n + 4 + i])))
-    turn = TURN * d.solver.tolerance**0.125
-    return turn / max(fastest, turn)
+    return pacer, 1.0 if pacer == TIME else least

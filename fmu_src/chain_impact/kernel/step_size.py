@@ -1,0 +1,73 @@
+"""Sizes of steps: what follows from an error, and what the error control cannot know.
+
+A step that is tried in vain costs as much as one that is taken. So the first step in flight, that of a
+contact and those toward its end are foreseen. They go as the eighth root of the tolerance, as all do that the
+explicit method takes.
+"""
+
+import math
+
+from chain_impact.kernel import explicit, implicit
+from chain_impact.kernel.contact import accelerate_points, along_normal
+from chain_impact.kernel.contact_force import damping_share
+from chain_impact.kernel.dense import pace_at
+from chain_impact.kernel.jit import jit
+from chain_impact.kernel.pace import TIME
+
+SHRINK, GROW = 0.1, 6.0  # of the size of a step, at most …
+GROW_COMPRESSED = 1.1  # … while a contact is compressed, and its force stiffens
+TURN = 2.8  # rad, of the links in a step in flight for a tolerance of 1
+FIRST = 4.5  # of the time scale of a contact, likewise
+BEYOND, STRETCH = 1.04, 1.2  # of the way to the end of a contact; of a step, to get there
+
+
+@jit
+def factor(d, error):
+    """What the size of a step is to be multiplied with, for its error relative to the tolerance."""
+    if d.step.implicit:
+        return max(SHRINK, implicit.SAFETY * error**implicit.EXPONENT)
+    return max(SHRINK, explicit.SAFETY * error**explicit.EXPONENT)
+
+
+@jit
+def most_growth(d):
+    """The largest such factor for the step that begins."""
+    compressed = d.step.pacer != TIME and d.work.stage[0, pace_at(d.step)] > 0.0
+    return GROW_COMPRESSED if compressed else GROW
+
+
+@jit
+def in_flight(d, y, rate):
+    """A size [s] for an explicit step from state y with its rate, as fast as the links turn; at most 1 s."""
+    n, fastest = len(d.model.length), 0.0
+    for i in range(n):
+        fastest = max(fastest, abs(y[n + 4 + i]), math.sqrt(abs(rate[n + 4 + i])))
+    turn = TURN * d.solver.tolerance**-explicit.EXPONENT
+    return turn / max(fastest, turn)
+
+
+@jit
+def at_onset(d, c):
+    """A size for the first step of the contact of candidate c, which has just been latched."""
+    share, power = damping_share(d, c), 1.0 / (d.contact.rate_exponent + 1.0)
+    # δ*/v₀, or less where damping stops the point
+    scale = d.touch.depth_scale[c] / d.touch.impact_speed[c] * (1.0 + share) ** -power
+    return FIRST * scale * d.solver.tolerance**-explicit.EXPONENT
+
+
+@jit
+def toward_end(d, h):
+    """The size of the step that begins, over an end that is near, if the error control allows a size h."""
+    if d.step.pacer == TIME:
+        return h
+    pace, slope = d.step.state_end[pace_at(d.step)], d.work.stage[0, pace_at(d.step)]
+    if pace + 2.0 * slope * h >= 0.0:
+        return h
+    accelerate_points(d.model, d.step.state_end, d.work.rate_start, d.work)
+    acceleration = -along_normal(d, d.step.pacer, d.work.acceleration)
+    # u + u′ s + ½ u″ s² = 0 with u″ = u δ̈/(2 δ*)
+    square = slope * slope - pace * pace * acceleration / d.touch.depth_scale[d.step.pacer]
+    left = 2.0 * pace / (math.sqrt(max(0.0, square)) - slope)
+    if BEYOND * left < STRETCH * h:
+        return BEYOND * left
+    return min(h, 0.5 * left)
