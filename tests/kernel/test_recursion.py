@@ -152,7 +152,8 @@ def check_against_lagrange(rng, scene, point, wall, has):
     """Compare ẏ with Lagrange's accelerations, and the powers with force times speed."""
     n = len(scene.chain.links)
     d = instance(scene)
-    y, rate = np.zeros(2 * n + 6), np.full(2 * n + 6, np.nan)
+    y = np.zeros_like(d["work"]["y"])
+    rate = np.full_like(y, np.nan)
     pinned = scene.chain.base == "pinned"
     angles = y[2 : n + 2] = rng.uniform(-np.pi, np.pi, n)
     omega = y[n + 4 : 2 * n + 4] = rng.uniform(-5.0, 5.0, n)
