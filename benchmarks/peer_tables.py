@@ -50,6 +50,21 @@ def find(rows: list[dict], **key: object) -> dict | None:
     return next((row for row in rows if all(row.get(k) == v for k, v in key.items())), None)
 
 
+def achieved() -> str:
+    """Our error over the tolerance times how much the scene amplifies a small error."""
+    record, references = common.load("work_precision"), common.load("reference")["results"]
+    tolerances, rows = record["settings"]["tolerances"], []
+    for problem, stop in PLACES:
+        known, cells = references[problem], []
+        grown = known["amplification_of_errors"][known["times"].index(stop)]
+        for tolerance in tolerances:
+            key = {"problem": problem, "stop": stop, "tolerance": tolerance}
+            mine = find(record["results"]["rows"], name="ours", onsets_right=True, **key)
+            cells.append(times(mine["error"] / (tolerance * grown) if mine else None))
+        rows.append((f"{PROBLEMS[problem].title}, {stop} s", f"{grown:.3g}", *cells))
+    return table(("", "amplification", *(f"{value:g}" for value in tolerances)), rows)
+
+
 def claims() -> str:
     """The least ratios over all tolerances, for each problem."""
     equal, rows = common.load("work_precision")["results"]["at equal error"], []
@@ -168,4 +183,4 @@ def engines() -> str:
     return "\n\n".join(parts)
 
 
-TABLES = (work_precision, claims, flight, failures, stiffness, scaling, engines)
+TABLES = (work_precision, achieved, claims, flight, failures, stiffness, scaling, engines)
