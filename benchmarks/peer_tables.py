@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import common
 from problems import PROBLEMS
+from scaling import BASE, flatness
 from table import run, table
 from work_precision_chart import PLACES
 
@@ -155,7 +156,11 @@ def scaling() -> str:
             rows.append((f"{name} [ms]", *cells))
         mine = {row["links"]: row for row in found if row["name"] == "ours"}
         rows.append(("our steps", *(str(mine[n]["steps"]) for n in sizes)))
-        if key == "heap":
+        if key == "flight":
+            flat = flatness(found)
+            name = f"ours for each right-hand side and link, relative to N = {BASE}"
+            rows.append((name, *(times(flat.get(n)) for n in sizes)))
+        else:
             rows.append(("our contacts", *(str(mine[n]["onsets"]) for n in sizes)))
         parts.append(table((f"{title}, 1 s", *(f"N = {n}" for n in sizes)), rows))
     return "\n\n".join(parts)
