@@ -10,6 +10,7 @@ from chain_impact.kernel.status import TOO_MUCH_WORK
 from chain_impact.scene import SOLVER_METHODS, scene_from_dict, with_values
 from chain_impact.simulate import Instance
 from tests.problems import GRAVITY, ball, dropped_ball, flat_chain, of_law, rest_depth, rod
+from tests.reference import balance
 
 CHAIN = load_scene("four_link_box")
 WEIGHT = 4 * 9.81
@@ -35,13 +36,6 @@ def scene(links, angles, stop_time, walls, **tables):
         },
         "test",
     )
-
-
-def balance(result):
-    """Largest deviation of the energy ledger, over the largest energy that moved."""
-    energy = result.energy
-    ledger = energy["total"] + energy["dissipated"] - energy["supplied"]
-    return np.ptp(ledger) / max(energy["kinetic"].max(), np.ptp(energy["potential"]))
 
 
 # ---- cost ---------------------------------------------------------------------------------------------
