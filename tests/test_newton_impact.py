@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from chain_impact.scene import SOLVER_METHODS, WALLS, scene_from_dict, with_values
+from chain_impact.scene import SOLVER_METHODS, WALLS, with_values
 from chain_impact.simulate import Instance
 from tests.newton import LAW, rigid
 from tests.problems import (
@@ -15,6 +15,7 @@ from tests.problems import (
     default_scene,
     flat_chain,
     flat_rod,
+    heap,
     mirrored,
     rod,
     struck_rod,
@@ -216,17 +217,9 @@ def test_energy_never_rises(restitution):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("restitution", [0.0, 0.5])
-def test_fifty_links_fall_in_a_heap(restitution):
-    heap = {
-        "name": "Heap",
-        "chain": {"links": [{"length": 0.1, "mass": 0.1}] * 50},
-        "box": {"x_min": -1.0, "x_max": 6.0, "y_min": 0.0},
-        "contact": {"model": LAW, "restitution": restitution},
-        "initial": {"position": [0.0, 0.5], "angles": [0.8 * math.sin(i) for i in range(50)]},
-        "simulation": {"stop_time": 3.0, "step_size": 1e-2},
-    }
-    result = simulate(scene_from_dict(heap, "heap"), tolerance=1e-6)
-    assert len(result.impacts) > 500
+def test_a_hundred_links_fall_in_a_heap(restitution):
+    result = simulate(heap(stop_time=3.0, model=LAW, restitution=restitution), output_step=1e-2)
+    assert len(result.impacts) > 1000
     assert balance(result) < 1e-5
     assert (result.outputs["force"] >= 0.0).all()
     assert result.points[:, :, 1].min() > -1e-7
