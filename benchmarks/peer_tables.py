@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import common
 from problems import PROBLEMS
+from scaling import BASE, flatness
 from table import run, table
 from work_precision_chart import PLACES
 
@@ -48,6 +49,21 @@ def work_precision() -> str:
 def find(rows: list[dict], **key: object) -> dict | None:
     """The first row that has these values."""
     return next((row for row in rows if all(row.get(k) == v for k, v in key.items())), None)
+
+
+def achieved() -> str:
+    """Our error over the tolerance times how much the scene amplifies a small error."""
+    record, references = common.load("work_precision"), common.load("reference")["results"]
+    tolerances, rows = record["settings"]["tolerances"], []
+    for problem, stop in PLACES:
+        known, cells = references[problem], []
+        grown = known["amplification_of_errors"][known["times"].index(stop)]
+        for tolerance in tolerances:
+            key = {"problem": problem, "stop": stop, "tolerance": tolerance}
+            mine = find(record["results"]["rows"], name="ours", onsets_right=True, **key)
+            cells.append(times(mine["error"] / (tolerance * grown) if mine else None))
+        rows.append((f"{PROBLEMS[problem].title}, {stop} s", f"{grown:.3g}", *cells))
+    return table(("", "amplification", *(f"{value:g}" for value in tolerances)), rows)
 
 
 def claims() -> str:
@@ -140,7 +156,11 @@ def scaling() -> str:
             rows.append((f"{name} [ms]", *cells))
         mine = {row["links"]: row for row in found if row["name"] == "ours"}
         rows.append(("our steps", *(str(mine[n]["steps"]) for n in sizes)))
-        if key == "heap":
+        if key == "flight":
+            flat = flatness(found)
+            name = f"ours for each right-hand side and link, relative to N = {BASE}"
+            rows.append((name, *(times(flat.get(n)) for n in sizes)))
+        else:
             rows.append(("our contacts", *(str(mine[n]["onsets"]) for n in sizes)))
         parts.append(table((f"{title}, 1 s", *(f"N = {n}" for n in sizes)), rows))
     return "\n\n".join(parts)
@@ -168,4 +188,4 @@ def engines() -> str:
     return "\n\n".join(parts)
 
 
-TABLES = (work_precision, claims, flight, failures, stiffness, scaling, engines)
+TABLES = (work_precision, achieved, claims, flight, failures, stiffness, scaling, engines)

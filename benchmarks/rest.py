@@ -79,8 +79,8 @@ class Run:
         """CVODE; returns its CPU time [s]."""
         self.block[:] = self.fresh
         step, touch = self.instance.record["step"], self.instance.record["touch"]
-        # the energy supplied by inputs is left out
-        settings = Settings(len(step["state"]) - 1, len(touch["active"]), adams, careful, BUDGET)
+        states = len(step["state"]) - rest_model.LEFT_OUT
+        settings = Settings(states, len(touch["active"]), adams, careful, BUDGET)
         times = np.arange(1.0, STOP + 1.0)
         self.rows[:] = 0
         pointers = ctypes.byref(settings), times.ctypes.data, STOP, self.rows.ctypes.data
@@ -198,12 +198,9 @@ def main() -> None:
     base = with_values(load_scene("four_link_box"), {("solver", "tolerance"): TOLERANCE})
     record = Instance(base).record
     try:
-        library = rest_model.driver_library(len(base.chain.links), len(record["touch"]["active"]))
+        driver = rest_model.driver(len(base.chain.links), len(record["touch"]["active"]))
     except rest_model.NoSundialsError as error:
         sys.exit(f"rest.py: {error}")
-    driver = ctypes.CDLL(str(library))
-    driver.rest_solve.argtypes = [ctypes.c_void_p] * 3 + [ctypes.c_long, ctypes.c_void_p]
-    driver.rest_solve.restype = ctypes.c_long
     started = common.environment()
     results = []
     for restitution in RESTITUTIONS:

@@ -13,25 +13,20 @@ on the same record. Its state vector is the kernel's without the energy supplied
 
 from __future__ import annotations
 
-import hashlib
-import os
+import ctypes
 import subprocess
-import sys
-from collections.abc import Callable
+from functools import cache
 from pathlib import Path
-from unittest import mock
 
+from kernel_functions import Entries, built, happen, rate_at, start_and_stop, zig
 from numba import carray, float64, int32, types
 
-from chain_impact.export import aot, lower
-from chain_impact.kernel.advance import apply_events
 from chain_impact.kernel.contact import clearance, locate_points
-from chain_impact.kernel.equations import state_rate
-from chain_impact.kernel.events import RELATCH, RELATCH_RATIO, TOUCH
-from chain_impact.kernel.initialize import initialize, still
+from chain_impact.kernel.events import RELATCH_RATIO
 from chain_impact.kernel.jit import jit
 
-HERE = Path(__file__).parent
+DRIVER = Path(__file__).with_name("rest_cvode.c")
+LEFT_OUT = 1  # of the kernel's state
 SUNDIALS = ("cvode", "nvecserial", "sunlinsoldense", "sunmatrixdense", "sunnonlinsolfixedpoint")
 POSITION_ERROR = 1e-2  # of the static penetration: what the position may err by while in contact …
 MARGIN = 5e-2  # … and how far above the wall a contact ends
@@ -68,20 +63,6 @@ def roots(d, careful, y, value):
 
 
 @jit
-def happen(d, time, y, found):
-    """Let the events found take effect."""
-    count = len(d.touch.active)
-    d.step.end = time
-    for j in range(len(y)):
-        d.step.state_end[j] = y[j]
-    for c in range(count):
-        # found: the sign of the change
-        touched = found[c] > 0 if d.touch.active[c] else found[c] < 0
-        d.touch.event[c] = TOUCH if touched else RELATCH if found[count + c] < 0 else 0
-    apply_events(d)
-
-
-@jit
 def weights(d, careful, y, weight):
     """One over the error allowed in each component.
 
@@ -104,86 +85,61 @@ def weights(d, careful, y, weight):
         weight[j] = 1.0 / allowed
 
 
-def entry_points(instance: types.Record, _output: types.Record) -> dict[str, tuple[object, Callable]]:
-    """The C functions for the record type of an instance: name → (signature, function)."""
+def entry_points(instance: types.Record, _output: types.Record) -> Entries:
+    """The C functions for the record type of an instance."""
     pointer, reals, integers = types.CPointer(instance), types.CPointer(float64), types.CPointer(int32)
-
-    def start(p, y):
-        d = carray(p, (1,))[0]
-        status = initialize(d, 0.0)
-        for j in range(len(d.step.state) - 1):
-            y[j] = d.step.state[j]
-        return status
 
     def rate(p, y, out):
         d = carray(p, (1,))[0]
-        size = len(d.step.state) - 1
-        state_rate(d, carray(y, (size,)), d.work.stage[0])
-        for j in range(size):
-            out[j] = d.work.stage[0, j]
+        rate_at(d, carray(y, (len(d.step.state) - LEFT_OUT,)), out)
         return 0
 
     def roots_entry(p, careful, y, value):
         d = carray(p, (1,))[0]
-        roots(d, careful, carray(y, (len(d.step.state) - 1,)), value)
+        roots(d, careful, carray(y, (len(d.step.state) - LEFT_OUT,)), value)
         return 0
 
     def happen_entry(p, time, y, found):
         d = carray(p, (1,))[0]
-        happen(d, time, carray(y, (len(d.step.state) - 1,)), found)
+        happen(d, time, carray(y, (len(d.step.state) - LEFT_OUT,)), found)
         return 0
 
     def weights_entry(p, careful, y, weight):
         weights(carray(p, (1,))[0], careful, y, weight)
         return 0
 
-    def stop(p, time, y):
-        d = carray(p, (1,))[0]
-        size = len(d.step.state) - 1
-        for j in range(size):
-            d.work.y[j] = y[j]
-        d.work.y[size] = 0.0
-        still(d, time, d.work.y)
-        return 0
-
-    return {
-        "rest_start": (int32(pointer, reals), start),
+    return start_and_stop("rest", instance, LEFT_OUT) | {
         "rest_rate": (int32(pointer, reals, reals), rate),
         "rest_roots": (int32(pointer, int32, reals, reals), roots_entry),
         "rest_happen": (int32(pointer, float64, reals, integers), happen_entry),
         "rest_weights": (int32(pointer, int32, reals, reals), weights_entry),
-        "rest_stop": (int32(pointer, float64, reals), stop),
     }
 
 
-def driver_library(links: int, candidates: int) -> Path:
-    """The shared library of rest_cvode.c with the model in it, compiled if it is not cached.
-
-    Raises:
-        NoSundialsError: when there is no SUNDIALS to compile against.
-    """
-    source = HERE / "rest_cvode.c"
-    digest = hashlib.sha256(source.read_bytes() + Path(__file__).read_bytes()).hexdigest()[:12]
-    folder = aot.cache_folder()
-    driver = folder / f"rest-{links}-{candidates}-{digest}.so"
-    if driver.exists():
-        return driver
-    folder.mkdir(parents=True, exist_ok=True)
-    ir, stubs, model = (driver.with_name(driver.stem + end) for end in (".ll", "-stubs.c", "-model.o"))
-    with mock.patch.object(lower, "entry_points", entry_points):
-        ir.write_text(lower.lower(links, candidates))
-    stubs.write_text("".join(aot.STUB.format(name) for name in aot.PYTHON_SYMBOLS))
-    target, _ = aot.ZIG_TARGETS[aot.HOST]
-    zig = [sys.executable, "-m", "ziglang", "cc", "-target", target, "-O2", "-fPIC", "-Wno-everything"]
-    subprocess.run([*zig, "-c", "-o", str(model), str(ir)], check=True)
-    fresh = driver.with_suffix(f".{os.getpid()}")
-    gcc = ["gcc", "-O2", "-fPIC", "-shared", "-Wall", "-Wextra", "-Wl,--no-undefined", "-o", str(fresh)]
-    inputs = [str(source), str(model), str(stubs)]
+def link_driver(library: Path, ir: Path, stubs: Path) -> None:
+    """Make the library of the driver and the model: by gcc, as SUNDIALS was compiled for this system."""
+    model = library.with_suffix(".o")
+    zig("-fPIC", "-c", "-o", model, ir)
+    gcc = ["gcc", "-O2", "-fPIC", "-shared", "-Wall", "-Wextra", "-Wl,--no-undefined", "-o", str(library)]
+    inputs = [str(DRIVER), str(model), str(stubs)]
     libraries = [f"-lsundials_{name}" for name in SUNDIALS]
     done = subprocess.run([*gcc, *inputs, *libraries, "-lm"], capture_output=True, text=True, check=False)
     if "cvode/cvode.h" in done.stderr or "-lsundials" in done.stderr:
         raise NoSundialsError("SUNDIALS is not installed: on Debian `apt-get install libsundials-dev`")
     if done.returncode != 0 or done.stderr:
         raise RuntimeError(done.stderr)
-    fresh.replace(driver)
-    return driver
+
+
+@cache
+def driver(links: int, candidates: int) -> ctypes.CDLL:
+    """The library of rest_cvode.c with the model in it, compiled if it is not cached.
+
+    Raises:
+        NoSundialsError: when there is no SUNDIALS to compile against.
+    """
+    sources = Path(__file__), DRIVER
+    made = built("rest", links, candidates, entry_points, sources=sources, linked=link_driver)
+    library = ctypes.CDLL(str(made))
+    library.rest_solve.argtypes = [ctypes.c_void_p] * 3 + [ctypes.c_long, ctypes.c_void_p]
+    library.rest_solve.restype = ctypes.c_long
+    return library

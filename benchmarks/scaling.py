@@ -25,6 +25,7 @@ from textbook import Textbook
 from chain_impact.scene import Scene, scene_from_dict
 
 SIZES = (1, 4, 10, 30, 100, 300, 1000)
+BASE = 10  # links: from here on the cost for each of them should be one
 STOP, TOLERANCE = 1.0, 1e-6
 # compiled peers take a minute to compile for a size; heyoka's expressions grow with N², NumPy's work with N³
 LIMITS = {"numbalsoda": 1000, "cvode": 1000, "scipy": 1000, "NumPy": 300, "heyoka": 10}
@@ -129,6 +130,13 @@ def race(links: int, able: dict[str, Contender], rounds: int) -> list[dict]:
     return table
 
 
+def flatness(rows: list[dict]) -> dict[int, float]:
+    """Our time in flight for each right-hand side and link, over that at BASE links: links → ratio."""
+    mine = [row for row in rows if row["name"] == "ours" and "seconds" in row]
+    each = {row["links"]: row["seconds"] / (row["rhs"] * row["links"]) for row in mine}
+    return {links: value / each[BASE] for links, value in each.items()} if BASE in each else {}
+
+
 def draw(page, record) -> None:
     """Time over N, in flight and in the heap."""
     from work_precision_chart import LOOKS, look
@@ -159,6 +167,8 @@ def main() -> None:
             able = entrants(links)
             print(f"{key}, {links} links: ready after {time.time() - begin:.0f} s", flush=True)
             results[key] += race(links, able, rounds)
+    for links, ratio in flatness(results["flight"]).items():
+        print(f"flight, {links} links: {ratio:.3g} of the time for each right-hand side and link at {BASE}")
     settings = {
         "stop [s]": STOP, "tolerance": TOLERANCE, "rounds": rounds, "limits": LIMITS,
         "limit of CVODE in the heap": HEAP_LIMIT,

@@ -41,6 +41,18 @@ def rhs() -> str:
     return run("rhs") + "\n\n" + table(head, rows)
 
 
+def rhs_share() -> str:
+    """What part of a run its right-hand sides are."""
+    rows = []
+    for row in common.load("rhs_share")["results"]:
+        kinds = [row.get(kind) for kind in ("flight", "contact")]
+        cells = [(f["evaluations"], f"{f['nanoseconds']:.3g}") if f else ("–", "–") for f in kinds]
+        name = f"{PROBLEMS[row['problem']].title}, {row['stop']} s"
+        rows.append((name, f"{row['microseconds']:.4g}", *cells[0], *cells[1], span(row["share"])))
+    head = ("", "run [µs]", "in flight", "one [ns]", "in contact", "one [ns]", "share of the run")
+    return run("rhs_share") + "\n\n" + table(head, rows)
+
+
 def reference() -> str:
     """What the references are good for."""
     rows = [
@@ -153,7 +165,8 @@ def fidelity() -> str:
 
 def main() -> None:
     """Fill both pages."""
-    tables = {f.__name__: f for f in (rhs, reference, fidelity, fmu_cost, stability, steps, *TABLES)}
+    functions = rhs, rhs_share, reference, fidelity, fmu_cost, stability, steps, *TABLES
+    tables = {function.__name__: function for function in functions}
     for name in PAGES:
         page = common.ROOT / "docs" / name
         text = page.read_text(encoding="utf-8")

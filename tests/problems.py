@@ -4,13 +4,13 @@ Each builder returns the scene and what must come of it, from closed forms or fr
 share nothing with the kernel. Units are SI throughout.
 
 Scenes keep to few pairs of (links N, candidates C), as each is one compilation: (1, 1), (1, 4), (4, 0),
-(4, 20).
+(4, 20), and one long chain, (100, 303).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,6 +23,7 @@ from tests.reference import PointImpact, point_impact
 
 GRAVITY = 9.81  # m/s²
 FAR = 1e3  # m, a wall that is never reached
+FLOOR = {"x_min": -FAR, "x_max": FAR, "y_min": 0.0, "y_max": FAR}  # in as many walls as the default scene
 GHOST = 1e-12  # N/m^(3/2), a wall that is felt by nobody: a crossing changes nothing
 
 
@@ -304,11 +305,18 @@ def flat_chain(
 ) -> Scene:
     """Four equal rods in a row above the floor, five points to touch it; mirror-symmetric about x = 1."""
     initial = {"position": [0.0, height], "angles": tilts}
-    box = {"x_min": -FAR, "x_max": FAR, "y_min": 0.0, "y_max": FAR}
     rods = [{"length": 0.5, "mass": 1.0}] * 4
     return build(
-        "FlatChain", rods, initial, box, contact_table(**contact), gravity=GRAVITY, stop_time=stop_time
+        "FlatChain", rods, initial, FLOOR, contact_table(**contact), gravity=GRAVITY, stop_time=stop_time
     )
+
+
+def heap(stop_time: float, **contact: Any) -> Scene:
+    """A hundred short links above a floor, on which they come to lie in a heap."""
+    links = [{"length": 0.1, "mass": 0.1}] * 100
+    initial = {"position": [0.0, 0.5], "angles": [0.8 * math.sin(i) for i in range(100)]}
+    box, table = {"x_min": -1.0, "x_max": 12.0, "y_min": 0.0}, contact_table(**contact)
+    return build("Heap", links, initial, box, table, gravity=GRAVITY, stop_time=stop_time, tolerance=1e-6)
 
 
 def default_scene(**changes: Any) -> Scene:
@@ -316,6 +324,18 @@ def default_scene(**changes: Any) -> Scene:
     return with_values(
         load_scene("four_link_box"), {("contact", key): value for key, value in changes.items()}
     )
+
+
+def own_law() -> Callable[..., float]:
+    """A user's law, as a function that is defined within another."""
+
+    def mine(
+        penetration: float, rate: float, impact_speed: float, stiffness: float, exponent: float
+    ) -> float:
+        """Hunt and Crossley with λ = 0.2."""
+        return stiffness * math.pow(penetration, exponent) * (1.0 + 0.2 * rate / impact_speed)
+
+    return mine
 
 
 def mirrored(scene: Scene) -> Scene:

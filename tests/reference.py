@@ -269,3 +269,10 @@ def momenta(result):
         arm, motion = centre - place, speed - velocity
         spin = spin + m * (arm[:, 0] * motion[:, 1] - arm[:, 1] * motion[:, 0])
     return mass.sum() * velocity, spin
+
+
+def balance(result):
+    """Largest deviation of the energy ledger, over the largest energy that moved."""
+    energy = result.energy
+    ledger = energy["total"] + energy["dissipated"] - energy["supplied"]
+    return np.ptp(ledger) / max(energy["kinetic"].max(), np.ptp(energy["potential"]))

@@ -10,7 +10,7 @@ import pytest
 from chain_impact import CONTACT_LAWS, SceneError, compare, simulate, with_law
 from chain_impact.compare import advice, free_impact, realised_restitution
 from chain_impact.scene import with_values
-from tests.problems import ball, default_scene, flat_rod, of_law, struck_ball
+from tests.problems import ball, default_scene, flat_rod, of_law, own_law, struck_ball
 from tests.reference import exact_damping_factor, point_impact
 from tests.reference import realised_restitution as exact_restitution
 
@@ -136,11 +136,7 @@ def test_without_an_impact_there_is_nothing_to_compare(changes, reason):
 
 
 def test_a_users_law_is_compared_too():
-    def mine(penetration, rate, impact_speed, stiffness):
-        """Hunt & Crossley with 0.2."""
-        return stiffness * penetration**1.5 * (1.0 + 0.2 * rate / impact_speed)
-
-    comparison = compare(with_law(ball(height=0.01), mine))
+    comparison = compare(with_law(ball(height=0.01), own_law()))
     assert [run.law for run in comparison.runs] == [*CONTACT_LAWS, "mine"]
     assert comparison["mine"].restitution == pytest.approx(exact_restitution(0.2), rel=1e-6)
 

@@ -19,7 +19,7 @@ from tests.problems import (
     struck_ball,
     struck_rod,
 )
-from tests.reference import exact_damping_factor, momenta, newton_impact, point_impact
+from tests.reference import exact_damping_factor, momenta, point_impact
 
 # --- one impact --------------------------------------------------------------------------------------------
 
@@ -122,25 +122,6 @@ def test_rigid_limit_of_a_rods_end_is_approached_as_stiffness_to_the_minus_two_f
     for column in np.transpose(errors):
         slope = np.polyfit(np.log(stiffness), np.log(column), 1)[0]
         assert slope == pytest.approx(-0.4, abs=0.01)
-
-
-def test_rigid_limit_of_a_chain_is_newtons_impact():
-    """The first impact of the default scene, against M⁻¹Jᵀ of the assembled equations."""
-    stiffness, errors = np.array([1e7, 1e9, 1e11]), []
-    for k in stiffness:
-        scene = default_scene(stiffness=k)
-        first = simulate(scene, stop_time=0.51, tolerance=1e-11).impacts[0]
-        ends = [first["onset"], first["end"]]
-        before, after = (simulate(scene, end, end, tolerance=1e-11).outputs[-1] for end in ends)
-        velocity = [
-            np.concatenate([row["point_velocity"][0], row["angular_velocity"]]) for row in (before, after)
-        ]
-        contact = int(first["point"]), ("x_min", "x_max", "y_min", "y_max")[first["wall"]]
-        expected, effective = newton_impact(scene, before["angle"], velocity[0], contact, 0.7)
-        assert first["effective_mass"] == pytest.approx(effective, rel=1e-10)
-        errors.append(np.abs(velocity[1] - expected).max())
-    assert errors[-1] < 1e-3 * np.abs(expected).max()
-    assert np.polyfit(np.log(stiffness), np.log(errors), 1)[0] == pytest.approx(-0.4, abs=0.02)
 
 
 # --- several at once ---------------------------------------------------------------------------------------

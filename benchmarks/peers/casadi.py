@@ -126,13 +126,8 @@ def compiled(function: Any) -> Any:
     return ca.external(function.name(), str(library))
 
 
-_models: dict[str, Model] = {}
-
-
 def contenders(problem: Problem, tolerance: float, stop: float) -> dict[str, Contender]:
     """Both in flight; its CVODES fails at the first event: "trouble interpolating"."""
-    if problem.name not in _models:
-        _models[problem.name] = Model(problem.scene())
-    model = _models[problem.name]
+    model = Model(problem.scene())
     plugins = ("erk",) if model.candidates else ("erk", "cvodes")
     return {f"CasADi {plugin}": Casadi(model, plugin, tolerance, stop) for plugin in plugins}

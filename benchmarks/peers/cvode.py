@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-from functools import cache
 
 import numpy as np
 import rest_model
@@ -16,15 +15,6 @@ from peers.ours import OnInstance
 BUDGET = 20.0  # s of CPU time
 
 
-@cache
-def driver(links: int, candidates: int) -> ctypes.CDLL:
-    """The compiled driver."""
-    library = ctypes.CDLL(str(rest_model.driver_library(links, candidates)))
-    library.rest_solve.argtypes = [ctypes.c_void_p] * 3 + [ctypes.c_long, ctypes.c_void_p]
-    library.rest_solve.restype = ctypes.c_long
-    return library
-
-
 class Cvode(OnInstance):
     """One of its two families of formulas."""
 
@@ -32,9 +22,10 @@ class Cvode(OnInstance):
         scene = problem.scene(tolerance)
         super().__init__(scene, stop)
         record = self.instance.record
+        states = len(record["step"]["state"]) - rest_model.LEFT_OUT
         candidates = len(record["touch"]["active"])
-        self.driver = driver(len(scene.chain.links), candidates)
-        self.settings = Settings(len(record["step"]["state"]) - 1, candidates, adams, careful, BUDGET)
+        self.driver = rest_model.driver(len(scene.chain.links), candidates)
+        self.settings = Settings(states, candidates, adams, careful, BUDGET)
         self.times, self.row = np.array([stop]), np.zeros(1, COUNTS)
 
     def run(self) -> int:

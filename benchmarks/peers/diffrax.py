@@ -96,11 +96,6 @@ class Dopri8:
     outcome = run
 
 
-_models: dict[str, Model] = {}
-
-
 def contenders(problem: Problem, tolerance: float, stop: float) -> dict[str, Contender]:
     """One."""
-    if problem.name not in _models:
-        _models[problem.name] = Model(problem.scene())
-    return {"diffrax Dopri8": Dopri8(_models[problem.name], tolerance, stop)}
+    return {"diffrax Dopri8": Dopri8(Model(problem.scene()), tolerance, stop)}

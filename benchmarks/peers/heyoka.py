@@ -86,11 +86,6 @@ class Taylor:
     outcome = run
 
 
-_models: dict[str, Model] = {}
-
-
 def contenders(problem: Problem, tolerance: float, stop: float) -> dict[str, Contender]:
     """One."""
-    if problem.name not in _models:
-        _models[problem.name] = Model(problem.scene())
-    return {"heyoka": Taylor(_models[problem.name], tolerance, stop)}
+    return {"heyoka": Taylor(Model(problem.scene()), tolerance, stop)}

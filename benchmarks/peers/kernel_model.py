@@ -13,28 +13,21 @@ machine code that ours does. Their state is the kernel's without the two energie
 from __future__ import annotations
 
 import ctypes
-import hashlib
-import os
-import subprocess
-import sys
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from unittest import mock
 
 import numpy as np
+from kernel_functions import Entries, built, happen, rate_at, start_and_stop
 from numba import carray, float64, int32, types, void
-from rest_model import happen
 
-from chain_impact.export import aot, lower
 from chain_impact.kernel.contact import clearance, locate_points
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.events import RELATCH_RATIO
-from chain_impact.kernel.initialize import initialize, still
 from chain_impact.kernel.jit import jit
 from peers.model import AT_ZERO, CLEAR, HOP
 
 POLISH = 1e-7  # s, how far a solver's root may be corrected
+LEFT_OUT = 2  # of the kernel's state
 
 
 @jit
@@ -84,73 +77,37 @@ def switch(d, clock, y, found):
     clock[1] = min(clock[1], hop) if d.touch.active_count == 0 else d.step.next_size
 
 
-def entry_points(instance: types.Record, _output: types.Record) -> dict[str, tuple[object, Callable]]:
-    """The C functions for the record type of an instance: name → (signature, function)."""
+def entry_points(instance: types.Record, _output: types.Record) -> Entries:
+    """The C functions for the record type of an instance."""
     pointer, reals, integers = types.CPointer(instance), types.CPointer(float64), types.CPointer(int32)
-
-    def start(p, y):
-        d = carray(p, (1,))[0]
-        status = initialize(d, 0.0)
-        for j in range(len(d.step.state) - 2):
-            y[j] = d.step.state[j]
-        return status
 
     def rate(_t, y, out, p):
         d = carray(p, (1,))[0]
-        size = len(d.step.state) - 2
         d.statistics.rhs_evaluations += 1
-        state_rate(d, carray(y, (size,)), d.work.stage[0])
-        for j in range(size):
-            out[j] = d.work.stage[0, j]
+        rate_at(d, carray(y, (len(d.step.state) - LEFT_OUT,)), out)
 
     def least(_t, y, out, p):
         d = carray(p, (1,))[0]
-        out[0], _ = least_event(d, carray(y, (len(d.step.state) - 2,)))
+        out[0], _ = least_event(d, carray(y, (len(d.step.state) - LEFT_OUT,)))
 
     def switch_entry(p, clock, y, found):
         d = carray(p, (1,))[0]
-        switch(d, clock, carray(y, (len(d.step.state) - 2,)), found)
+        switch(d, clock, carray(y, (len(d.step.state) - LEFT_OUT,)), found)
         return d.touch.active_count
 
-    def stop(p, time, y):
-        d = carray(p, (1,))[0]
-        size = len(d.step.state) - 2
-        for j in range(size):
-            d.work.y[j] = y[j]
-        d.work.y[size] = 0.0
-        d.work.y[size + 1] = 0.0
-        still(d, time, d.work.y)
-        return 0
-
     function = void(float64, reals, reals, pointer)
-    return {
-        "peer_start": (int32(pointer, reals), start),
+    return start_and_stop("peer", instance, LEFT_OUT) | {
         "peer_rate": (function, rate),
         "peer_least": (function, least),
         "peer_switch": (int32(pointer, reals, reals, integers), switch_entry),
-        "peer_stop": (int32(pointer, float64, reals), stop),
     }
 
 
 @cache
 def load(links: int, candidates: int) -> ctypes.CDLL:
     """The library, compiled if it is not cached."""
-    sources = Path(__file__).read_bytes() + Path(sys.modules[happen.__module__].__file__).read_bytes()
-    folder = aot.cache_folder()
-    library = folder / f"peer-{links}-{candidates}-{hashlib.sha256(sources).hexdigest()[:12]}.so"
-    if not library.exists():
-        folder.mkdir(parents=True, exist_ok=True)
-        ir, stubs = library.with_suffix(".ll"), library.with_name(library.stem + "-stubs.c")
-        with mock.patch.object(lower, "entry_points", entry_points):
-            ir.write_text(lower.lower(links, candidates))
-        stubs.write_text("".join(aot.STUB.format(name) for name in aot.PYTHON_SYMBOLS))
-        target, _ = aot.ZIG_TARGETS[aot.HOST]
-        fresh = library.with_suffix(f".{os.getpid()}")
-        zig = [sys.executable, "-m", "ziglang", "cc", "-target", target, "-O2", "-shared", "-s"]
-        files = ["-Wno-everything", "-o", str(fresh), str(ir), str(stubs), "-lm"]
-        subprocess.run([*zig, *files], check=True)
-        fresh.replace(library)
-    model = ctypes.CDLL(str(library))
+    sources = Path(__file__), Path(__file__).with_name("model.py")
+    model = ctypes.CDLL(str(built("peer", links, candidates, entry_points, sources=sources)))
     pointer = ctypes.c_void_p
     model.peer_start.argtypes = [pointer] * 2
     model.peer_rate.argtypes = model.peer_least.argtypes = [ctypes.c_double, *[pointer] * 3]

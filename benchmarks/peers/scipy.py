@@ -29,12 +29,7 @@ class Method:
         return Outcome(run.state, run.onsets, run.steps, run.rhs, run.message)
 
 
-_compiled: dict[str, Scipy] = {}
-
-
 def contenders(problem: Problem, tolerance: float, stop: float) -> dict[str, Contender]:
     """All five."""
-    if problem.name not in _compiled:
-        _compiled[problem.name] = Scipy(problem.scene())
-    peer = _compiled[problem.name]
+    peer = Scipy(problem.scene())
     return {f"scipy {method}": Method(peer, method, tolerance, stop) for method in METHODS}

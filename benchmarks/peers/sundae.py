@@ -55,14 +55,7 @@ class Sundae:
     outcome = run
 
 
-_models: dict[str, Model] = {}
-
-
 def contenders(problem: Problem, tolerance: float, stop: float) -> dict[str, Contender]:
     """Both."""
-    if problem.name not in _models:
-        _models[problem.name] = Model(problem.scene())
-    return {
-        f"scikit-sundae {method}": Sundae(_models[problem.name], method, tolerance, stop)
-        for method in ("Adams", "BDF")
-    }
+    model = Model(problem.scene())
+    return {f"scikit-sundae {method}": Sundae(model, method, tolerance, stop) for method in ("Adams", "BDF")}
