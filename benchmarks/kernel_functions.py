@@ -62,7 +62,7 @@ def start_and_stop(prefix: str, instance: types.Record, left_out: int) -> Entrie
     Args:
         prefix: of the names.
         instance: its record type.
-        left_out: how many energies at the end of the kernel's state the other one is without.
+        left_out: how many components at the end of the kernel's state the other one is without.
     """
     pointer, reals = types.CPointer(instance), types.CPointer(float64)
 

@@ -27,7 +27,7 @@ from chain_impact.kernel.jit import jit
 from peers.model import AT_ZERO, CLEAR, HOP
 
 POLISH = 1e-7  # s, how far a solver's root may be corrected
-LEFT_OUT = 2  # of the kernel's state
+LEFT_OUT = 4  # of the kernel's state
 
 
 @jit

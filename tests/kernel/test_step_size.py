@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[2]
 @pytest.mark.parametrize("stiffness", [1e5, 1e8, 1e11])
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
 def test_few_steps_of_an_impact_are_rejected(tolerance, stiffness, restitution):
-    """Without foresight: up to six at the onset, one for each step toward the end, three in the flight after it."""
+    """Without foresight: up to six at the onset, one for each step toward the end, three in flight."""
     changes = {("contact", "stiffness"): stiffness, ("contact", "restitution"): restitution}
     scene = with_values(
         load_scene(ROOT / "models" / "rod_drop"), changes | {("solver", "tolerance"): tolerance}

@@ -13,12 +13,13 @@ from chain_impact.kernel.complete import complete
 from chain_impact.kernel.contact import clear_loads, latch, locate_points
 from chain_impact.kernel.contact_force import latch_damping
 from chain_impact.kernel.dense import OUTPUTS, fraction, interpolate, time_at
+from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.events import RELATCH, RELATCH_RATIO, TOUCH, find_event
 from chain_impact.kernel.impacts import finish, follow_contacts
 from chain_impact.kernel.impulses import collide, end_contacts, judge
 from chain_impact.kernel.initialize import derive_law, first_size, still
 from chain_impact.kernel.jit import jit
-from chain_impact.kernel.pace import at_pace, set_pace, unpaced_rate
+from chain_impact.kernel.pace import at_pace, set_pace
 from chain_impact.kernel.status import LOG_FULL, NOT_FINITE, OK, RIGID_WHILE_TOUCHING, STEP_TOO_SMALL
 from chain_impact.kernel.switching import choose_method, explicit_again
 from chain_impact.kernel.watch import watch_events, watch_work
@@ -185,7 +186,7 @@ def begin(d):
         if d.touch.active_count > 0:
             locate_points(d.model, d.step.state_end, d.work)
     else:
-        unpaced_rate(d, d.step.state_end, last)
+        state_rate(d, d.step.state_end, last)
         d.statistics.rhs_evaluations += 1
     if d.touch.active_count > 0:
         follow_contacts(d, last)
@@ -193,7 +194,7 @@ def begin(d):
     for j in range(len(d.work.y)):
         rate[j] = last[j]
     if events > 0 and apply_events(d):
-        unpaced_rate(d, d.step.state_end, rate)
+        state_rate(d, d.step.state_end, rate)
         d.statistics.rhs_evaluations += 1
     choose_method(d)
     set_pace(d, events > 0)

@@ -3,7 +3,6 @@
 import math
 
 from chain_impact.kernel.contact import along_normal, clearance
-from chain_impact.kernel.dense import pace_at, time_at
 from chain_impact.kernel.jit import jit
 from chain_impact.kernel.recursion import move_points
 
@@ -19,7 +18,8 @@ def scaled_error(d, row):
     The scales, times the tolerance: 1 rad for angles and one link length for positions, whatever their
     value (turning or shifting the scene changes nothing); speeds relative to themselves plus one of these a
     second, and dissipated energy likewise; and the penetration of every active contact by its own scale,
-    which may be a millionth of a link length. Energy supplied by inputs follows and is not controlled.
+    which may be a millionth of a link length. Energy supplied by inputs follows and is not controlled, nor are
+    the pace and the time of a step, which err far less than the motion.
 
     Returns:
         At most 1 when the error keeps the tolerance; infinity when the result is not finite.
@@ -45,12 +45,6 @@ def scaled_error(d, row):
     for k in range(d.touch.active_count):
         scale = penetration_scale(d, d.touch.active_index[k])
         worst = max(worst, abs(d.work.gap_error[k]) / scale)
-        if d.touch.active_index[k] == d.step.pacer:
-            # δ = δ* u²
-            pace, wrong = y[pace_at(d.step)], error[pace_at(d.step)]
-            depth = d.touch.depth_scale[d.step.pacer]
-            worst = max(worst, 2.0 * depth * abs(pace * wrong) / scale)
-            worst = max(worst, abs(error[time_at(d.step)]) * d.touch.impact_speed[d.step.pacer] / size)
     return worst / d.solver.tolerance
 
 

@@ -19,20 +19,19 @@ from chain_impact.kernel.complete import complete
 from chain_impact.kernel.constraints import holding
 from chain_impact.kernel.contact import accelerate_points, along_normal, clearance, locate_points
 from chain_impact.kernel.dense import SOLVER, interpolate, pace_at, rate_bounds
-from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.implicit import clearance_curvature
 from chain_impact.kernel.jit import jit
-from chain_impact.kernel.pace import TIME
+from chain_impact.kernel.pace import TIME, quickening
+from chain_impact.kernel.release import find_release
 
 SIMULTANEOUS = 1e-12  # s, events closer than this are one event
 RESOLUTION = 1e-15  # of a link length: curvature below it is round-off
 QUIET, SPLIT, EVENT = 0, 1, 2
 WITH_CURVES = 2  # of step.cleared
 SMALL_TURN, MARGIN = 1.0, 0.05  # rad of a link, part of the range of values: where ends of a step can tell
-# kinds of event: contact begins or ends, v₀ is latched anew, a rigid wall need not hold any more
-TOUCH, RELATCH, RELEASE = 1, 2, 3
+# kinds of event: contact begins or ends, v₀ is latched anew
+TOUCH, RELATCH = 1, 2  # … and RELEASE in release.py
 RELATCH_RATIO = 2.0  # δ̇/v₀ at which it is; the speed that gravity adds after an onset stays far below
-PULL, RELEASE_SAMPLES = 1e-11, 8  # of the chain's weight, a force that counts; places in a step to look at
 NEARLY, SAMPLES = 0.75, 4  # of that speed, at an end of the step; places in the step to look at then
 
 
@@ -108,7 +107,7 @@ def measure_end(d, y, rate):
     """Set φ, φ̇ and φ̈ of every candidate at an end of the step, for its state and rate."""
     locate_points(d.model, y, d.work)
     accelerate_points(d.model, y, rate, d.work)
-    pace, quickening = set_clearances(d, y)
+    pace, change = set_clearances(d, y)
     for c in range(len(d.touch.active)):
         sign = -1.0 if d.touch.active[c] else 1.0
         curve = along_normal(d, c, d.work.acceleration)
@@ -116,8 +115,9 @@ def measure_end(d, y, rate):
             # u″ = u δ̈/(2 δ*)
             d.work.clear_end_curve[c] = -0.5 * pace * curve / d.touch.depth_scale[c]
         else:
-            # φ″ = u² φ̈ + u u′ φ̇, with φ′ = u φ̇
-            d.work.clear_end_curve[c] = sign * pace * pace * curve + quickening * d.work.clear_end_rate[c]
+            # φ′ = u φ̇,  φ″ = u² φ̈ + u′ φ̇
+            rate_now = along_normal(d, c, d.work.velocity)
+            d.work.clear_end_curve[c] = sign * (pace * pace * curve + change * rate_now)
 
 
 @jit
@@ -197,64 +197,6 @@ def faster(d, c, fast, theta):
 
 
 @jit
-def find_release(d, touch):
-    """θ of the first of the event at ``touch`` (−1: none) and a held contact that would pull; marks whose.
-
-    The stages of the step tell whether a force has come below zero.
-    """
-    pulling = False
-    for k in range(d.touch.active_count):
-        pulling |= d.work.rigid.least[d.touch.active_index[k]] < -pull_limit(d)
-    if not pulling:
-        return touch
-    end = touch if touch >= 0.0 else 1.0
-    low = 0.0
-    for sample in range(1, RELEASE_SAMPLES + 1):
-        high = end * sample / RELEASE_SAMPLES
-        if pulls(d, high):
-            while (high - low) * d.step.size > SIMULTANEOUS:
-                middle = 0.5 * (low + high)
-                if pulls(d, middle):
-                    high = middle
-                else:
-                    low = middle
-            mark_pulling(d, high)
-            return high
-        low = high
-    return touch
-
-
-@jit
-def pull_limit(d):
-    """The force [N] that a held contact may pull with, for round-off's sake."""
-    gravity = math.hypot(d.model.gravity[0], d.model.gravity[1])
-    return PULL * d.model.energy / (d.model.size * d.model.size) * (gravity + d.model.size)
-
-
-@jit
-def pulls(d, theta):
-    """Whether a held contact pulls at the fraction θ of the last step."""
-    interpolate(d.step, theta, d.work.y)
-    state_rate(d, d.work.y, d.work.error[0])
-    d.statistics.rhs_evaluations += 1
-    least = 0.0
-    for k in range(d.touch.active_count):
-        least = min(least, d.work.rigid.impulse[k])
-    return least < -pull_limit(d)
-
-
-@jit
-def mark_pulling(d, theta):
-    """Mark the held contacts that pull at θ for release, and no other event."""
-    pulls(d, theta)
-    for c in range(len(d.touch.event)):
-        d.touch.event[c] = 0
-    for k in range(d.touch.active_count):
-        if d.work.rigid.impulse[k] < -pull_limit(d):
-            d.touch.event[d.touch.active_index[k]] = RELEASE
-
-
-@jit
 def bound_curvature(d):
     """Bound |g̈| of every candidate over the last step.
 
@@ -263,17 +205,17 @@ def bound_curvature(d):
     """
     n = len(d.model.length)
     # d²g/ds² = u d(ġ)/ds + u′ ġ
-    pace, quickening = rate_bounds(d.step, pace_at(d.step))
+    pace, change = rate_bounds(d.step, pace_at(d.step))
     vx, ax = rate_bounds(d.step, n + 2)
     vy, ay = rate_bounds(d.step, n + 3)
     speed, bound = math.sqrt(vx * vx + vy * vy), math.sqrt(ax * ax + ay * ay)
     acceleration = d.work.motion.x
-    acceleration[0] = pace * bound + quickening * speed
+    acceleration[0] = pace * bound + change * speed
     for i in range(n):
         omega, alpha = rate_bounds(d.step, n + 4 + i)
         speed += d.model.length[i] * omega
         bound += d.model.length[i] * (alpha + pace * omega * omega)
-        acceleration[i + 1] = pace * bound + quickening * speed
+        acceleration[i + 1] = pace * bound + change * speed
     for c in range(len(d.touch.active)):
         d.work.curvature[c] = acceleration[d.model.candidate_point[c]]
     if d.step.pacer != TIME:
@@ -303,23 +245,21 @@ def measure(d, theta):
 @jit
 def set_clearances(d, y):
     """Set φ and φ′ of every candidate for the state y and its located points; returns u and u′."""
-    pace, quickening = y[pace_at(d.step)], 0.0
-    if d.step.pacer != TIME:
-        _, gap_rate = clearance(d, d.step.pacer)
-        quickening = -0.5 * gap_rate / d.touch.depth_scale[d.step.pacer]
+    pace = y[pace_at(d.step)]
+    change = 0.0 if d.step.pacer == TIME else quickening(d)
     for c in range(len(d.touch.active)):
         if d.touch.active[c] and d.contact.impulsive:
             # held: it cannot touch
             d.work.clear_end[c], d.work.clear_end_rate[c] = math.inf, 0.0
             continue
         if c == d.step.pacer:
-            d.work.clear_end[c], d.work.clear_end_rate[c] = pace, quickening
+            d.work.clear_end[c], d.work.clear_end_rate[c] = pace, change
             continue
         gap, gap_rate = clearance(d, c)
         sign = -1.0 if d.touch.active[c] else 1.0
         d.work.clear_end[c] = sign * gap
         d.work.clear_end_rate[c] = sign * pace * gap_rate
-    return pace, quickening
+    return pace, change
 
 
 @jit
@@ -375,7 +315,20 @@ def locate(d, a, b):
         # a slow point may be no nearer at its own root, for round-off
         if c != found and d.work.clear_end[c] > within * abs(d.work.clear_end_rate[c]):
             d.touch.event[c] = 0
+    if found >= 0 and found == d.step.pacer:
+        end_together(d)
     return first
+
+
+@jit
+def end_together(d):
+    """Let the contacts end with the pacer that are no deeper, so that a symmetric chain stays so."""
+    own, _ = clearance(d, d.step.pacer)
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        gap, gap_rate = clearance(d, c)
+        if gap_rate > 0.0 and gap > min(0.0, own) - RESOLUTION * d.model.size:
+            d.touch.event[c] = TOUCH
 
 
 @jit

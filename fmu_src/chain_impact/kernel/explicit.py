@@ -7,9 +7,10 @@ from chain_impact.kernel.combination import combination
 from chain_impact.kernel.constraints import holding, meet_walls
 from chain_impact.kernel.contact import locate_points
 from chain_impact.kernel.dense import DENSE_COEFFICIENTS, extend
+from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.errors import scaled_error, set_gap_errors
 from chain_impact.kernel.jit import jit
-from chain_impact.kernel.pace import TIME, at_pace, paced_rate, unpaced_rate
+from chain_impact.kernel.pace import TIME, at_pace, paced_rate
 
 STAGES = len(dop853.A)
 LAST = dop853.STEP_STAGES  # the stage at the end of the step
@@ -89,7 +90,7 @@ def accept(d, h):
     if holding(d):
         meet_walls(d, d.work.y)
     extend(d.step, h, d.work.y, 0)
-    unpaced_rate(d, d.step.state_end, d.work.rate_end)
+    state_rate(d, d.step.state_end, d.work.rate_end)
     d.statistics.rhs_evaluations += 1
     d.step.rate_known = 1
 

@@ -27,9 +27,10 @@ from chain_impact.kernel.constraints import (
 )
 from chain_impact.kernel.contact import clear_loads, clearance, latch, locate_points
 from chain_impact.kernel.equations import free_rate
-from chain_impact.kernel.events import RELEASE, TOUCH
+from chain_impact.kernel.events import TOUCH
 from chain_impact.kernel.impacts import finish
 from chain_impact.kernel.jit import jit
+from chain_impact.kernel.release import RELEASE
 
 STICK = 1e-3  # of the smallest speed that bounces: slower points do not leave, or they would for ever
 NEAR = 1e-12  # of a link length: no distance, within an impact

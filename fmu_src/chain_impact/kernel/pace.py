@@ -4,10 +4,11 @@ A force K δⁿ with n = 3/2 is not smooth in time where its contact begins and 
 zero as the time that is left, and the force as its power 3/2. An explicit step then loses its order, and
 creeps away from one end and toward the other. It is smooth in the variable s of Sundman's transformation,
 
-    dt = u ds,   u = √(δ/δ*),   du/ds = δ̇/(2 δ*),   F = K (δ* u²)ⁿ,
+    dt = u ds,   u = √(δ/δ*),   du/ds = δ̇/(2 δ*),
 
-with δ* the expected penetration. So u and t join the state y, and a step runs in s, at the *pace* u of the
-contact that is nearest to its onset or end, its pacer. Without one u = 1, and s is time.
+with δ* the expected penetration: there δ goes as s², and F as s³. So u and t join the state y, and a step
+runs in s, at the *pace* u of the contact that is nearest to its onset or end, its pacer. Without one u = 1,
+and s is time.
 
 Source: K. F. Sundman 1913, Mémoire sur le problème des trois corps, Acta Mathematica 36:105, where the
 distance of two bodies stands in for u.
@@ -15,16 +16,9 @@ distance of two bodies stands in for u.
 
 import math
 
-from chain_impact.kernel.contact import (
-    add_along_normal,
-    apply_contact,
-    clear_loads,
-    clearance,
-    contact_force,
-    locate_points,
-)
+from chain_impact.kernel.contact import clearance, locate_points
 from chain_impact.kernel.dense import pace_at, time_at
-from chain_impact.kernel.equations import loaded_rate, state_rate
+from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.jit import jit
 
 TIME = -1  # in step.pacer: no contact sets the pace
@@ -34,44 +28,9 @@ SLOW = 0.1  # u and δ̇/v₀ below which a contact is a point that lies on a wa
 @jit
 def paced_rate(d, y, rate):
     """Set rate = dy/ds, for the pace of the step."""
-    speed = unpaced_rate(d, y, rate)
+    state_rate(d, y, rate)
     if d.step.pacer != TIME:
-        slow_down(d, y[pace_at(d.step)], speed, rate)
-
-
-@jit
-def unpaced_rate(d, y, rate):
-    """Set rate = dy/dt, where u holds for the penetration of the pacer; returns its δ̇ [m/s]."""
-    if d.step.pacer == TIME:
-        state_rate(d, y, rate)
-        return 0.0
-    locate_points(d.model, y, d.work)
-    clear_loads(d)
-    pace = y[pace_at(d.step)]
-    sign = 1.0 if pace >= 0.0 else -1.0
-    dissipated, speed = 0.0, 0.0
-    for k in range(d.touch.active_count):
-        c = d.touch.active_index[k]
-        gap, gap_rate = clearance(d, c)
-        if c == d.step.pacer:
-            speed = -gap_rate
-            force, power = contact_force(d, c, -d.touch.depth_scale[c] * pace * pace, gap_rate)
-            # past the end the force goes on smoothly, for the sake of the step that finds it
-            add_along_normal(d, c, d.work.load, sign * force)
-            dissipated += sign * power
-        else:
-            dissipated += apply_contact(d, c, gap, gap_rate)
-    loaded_rate(d, y, dissipated, rate)
-    return speed
-
-
-@jit
-def slow_down(d, pace, speed, rate):
-    """Turn a rate in time into one in s, for the speed δ̇ [m/s] of the contact that sets the pace."""
-    for j in range(len(rate)):
-        rate[j] *= pace
-    # du/ds = δ̇/(2 δ*)
-    rate[pace_at(d.step)] = 0.5 * speed / d.touch.depth_scale[d.step.pacer]
+        slow_down(d, y, rate)
 
 
 @jit
@@ -81,8 +40,23 @@ def at_pace(d, y, time_rate, rate):
         rate[j] = time_rate[j]
     if d.step.pacer != TIME:
         locate_points(d.model, y, d.work)
-        _, gap_rate = clearance(d, d.step.pacer)
-        slow_down(d, y[pace_at(d.step)], -gap_rate, rate)
+        slow_down(d, y, rate)
+
+
+@jit
+def slow_down(d, y, rate):
+    """Turn a rate in time into one in s, for the located points."""
+    pace = y[pace_at(d.step)]
+    for j in range(len(rate)):
+        rate[j] *= pace
+    rate[pace_at(d.step)] = quickening(d)
+
+
+@jit
+def quickening(d):
+    """du/ds = δ̇/(2 δ*) of the pacer, for the located points."""
+    _, gap_rate = clearance(d, d.step.pacer)
+    return -0.5 * gap_rate / d.touch.depth_scale[d.step.pacer]
 
 
 @jit
@@ -114,8 +88,6 @@ def slowest(d):
         c = d.touch.active_index[k]
         gap, gap_rate = clearance(d, c)
         u = math.sqrt(max(0.0, -gap) / d.touch.depth_scale[c])
-        if c == d.step.pacer:
-            u = d.step.state_end[pace_at(d.step)]
         lasts = u > 0.0 or gap_rate < 0.0
         if lasts and u + abs(gap_rate) / d.touch.impact_speed[c] > SLOW and u < least:
             pacer, least = c, u
