@@ -19,7 +19,7 @@ from chain_impact.kernel.impacts import finish, follow_contacts
 from chain_impact.kernel.impulses import collide, end_contacts, judge
 from chain_impact.kernel.initialize import derive_law, first_size, still
 from chain_impact.kernel.jit import jit
-from chain_impact.kernel.pace import at_pace, set_pace
+from chain_impact.kernel.pace import TIME, at_pace, set_pace
 from chain_impact.kernel.status import LOG_FULL, NOT_FINITE, OK, RIGID_WHILE_TOUCHING, STEP_TOO_SMALL
 from chain_impact.kernel.switching import choose_method, explicit_again
 from chain_impact.kernel.watch import watch_events, watch_work
@@ -167,9 +167,11 @@ def land(d, h):
 
 @jit
 def ends_contact(d):
-    """Whether a contact ends in the event that was found, in another variable than its own."""
+    """Whether a contact ends in the event that was found, where the step is not smooth for it."""
+    if d.step.pacer != TIME and d.touch.event[d.step.pacer] == TOUCH:
+        return False
     for c in range(len(d.touch.event)):
-        if d.touch.event[c] == TOUCH and d.touch.active[c] and c != d.step.pacer:
+        if d.touch.event[c] == TOUCH and d.touch.active[c]:
             return True
     return False
 
