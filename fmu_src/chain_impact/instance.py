@@ -117,7 +117,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("start", REAL),  # s
         ("end", REAL),  # s, start + size, or the event that cut the step short
         ("size", REAL),  # s, of the variable that the step runs in, see kernel/pace.py
-        ("next_size", REAL),  # s, proposed
+        ("next_size", REAL),  # … proposed, likewise
         ("flight_size", REAL),  # s, of the last step before the first of the present contacts
         ("state", REAL, (state,)),  # y at `start`
         ("state_end", REAL, (state,)),  # y at `end`

@@ -12,14 +12,14 @@ from chain_impact.kernel import explicit, implicit, step_size
 from chain_impact.kernel.complete import complete
 from chain_impact.kernel.contact import clear_loads, latch, locate_points
 from chain_impact.kernel.contact_force import latch_damping
-from chain_impact.kernel.dense import OUTPUTS, fraction, interpolate, time_at
+from chain_impact.kernel.dense import OUTPUTS, fraction, interpolate, pace_at, time_at
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.events import RELATCH, RELATCH_RATIO, TOUCH, find_event
 from chain_impact.kernel.impacts import finish, follow_contacts
 from chain_impact.kernel.impulses import collide, end_contacts, judge
 from chain_impact.kernel.initialize import derive_law, first_size, still
 from chain_impact.kernel.jit import jit
-from chain_impact.kernel.pace import TIME, at_pace, set_pace
+from chain_impact.kernel.pace import SLOW, TIME, at_pace, set_pace
 from chain_impact.kernel.status import LOG_FULL, NOT_FINITE, OK, RIGID_WHILE_TOUCHING, STEP_TOO_SMALL
 from chain_impact.kernel.switching import choose_method, explicit_again
 from chain_impact.kernel.watch import watch_events, watch_work
@@ -57,6 +57,8 @@ def restart(d):
     """Drop what lies beyond the communication point, as an input or parameter changed; returns a status."""
     d.inputs.changed = 0
     interpolate(d.step, fraction(d.step, d.step.time), d.work.y)
+    if d.step.pacer != TIME:
+        d.step.next_size *= max(SLOW, d.work.y[pace_at(d.step)])  # in seconds
     still(d, d.step.time, d.work.y)
     for c in range(len(d.touch.event)):
         d.touch.event[c] = 0
@@ -129,7 +131,7 @@ def take_step(d):
 
 @jit
 def attempt(d, h):
-    """Try a step of size h [s] by the method at work; returns its error relative to the tolerance."""
+    """Try a step of size h by the method at work; returns its error relative to the tolerance."""
     if d.step.implicit:
         return implicit.attempt(d, h)
     return explicit.attempt(d, h)
@@ -217,9 +219,9 @@ def apply_events(d):
     jumped = False
     touch = d.touch
     locate_points(d.model, d.step.state_end, d.work)
-    in_flight = touch.active_count == 0
-    if in_flight:
+    if touch.active_count == 0:
         d.step.flight_size = d.step.next_size
+    onset = -1
     for c in range(len(touch.event)):
         if touch.event[c] == RELATCH:
             touch.impact_speed[c] *= RELATCH_RATIO
@@ -232,7 +234,7 @@ def apply_events(d):
             latch(d, c)
             touch.active[c] = 1
             explicit_again(d.step)
-            d.step.next_size = min(d.step.next_size, step_size.at_onset(d, c))
+            onset = c
         touch.event[c] = 0
 
     touch.active_count = 0
@@ -245,4 +247,6 @@ def apply_events(d):
         d.step.next_size = min(
             d.step.flight_size, step_size.in_flight(d, d.step.state_end, d.work.rate_start)
         )
+    elif not d.step.implicit and (onset >= 0 or not jumped):
+        d.step.next_size = step_size.at_onset(d, onset if onset >= 0 else touch.active_index[0])
     return jumped

@@ -61,6 +61,8 @@ def fraction(step, time):
     low, high, theta = 0.0, 1.0, 0.5
     for _ in range(60):
         error = interpolate_component(step, theta, time_at(step)) - elapsed
+        if error == 0.0:
+            break
         if error > 0.0:
             high = theta
         else:

@@ -218,9 +218,6 @@ def bound_curvature(d):
         acceleration[i + 1] = pace * bound + change * speed
     for c in range(len(d.touch.active)):
         d.work.curvature[c] = acceleration[d.model.candidate_point[c]]
-    if d.step.pacer != TIME:
-        # u cannot fall to zero and rise again: below it, δ̇ does not change
-        d.work.curvature[d.step.pacer] = 0.0
     if d.step.made_implicit:
         for k in range(d.touch.active_count):
             d.work.curvature[d.touch.active_index[k]] = clearance_curvature(d, k)
@@ -284,8 +281,11 @@ def inspect(d, width):
 
 @jit
 def inspect_candidate(d, c, width):
-    """The verdict on one candidate over an interval of a width in seconds."""
+    """The verdict on one candidate over an interval of a width in the variable of the step."""
     start, end = d.work.clear_start[c], d.work.clear_end[c]
+    if c == d.step.pacer:
+        # δ̇ would have to change its sign twice for u to fall to zero and rise again
+        return EVENT if end < 0.0 else QUIET
     rate_start, rate_end = d.work.clear_start_rate[c], d.work.clear_end_rate[c]
     curvature = d.work.curvature[c]
     sag = curvature * width * width / 8.0

@@ -10,11 +10,12 @@ from chain_impact.kernel.dense import DENSE_COEFFICIENTS, extend
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.errors import scaled_error, set_gap_errors
 from chain_impact.kernel.jit import jit
-from chain_impact.kernel.pace import TIME, at_pace, paced_rate
+from chain_impact.kernel.pace import TIME, at_pace, paced_rate, runs_back
 
 STAGES = len(dop853.A)
 LAST = dop853.STEP_STAGES  # the stage at the end of the step
 EXPONENT, SAFETY = -1.0 / dop853.ORDER, 0.8
+FAR = 50.0  # an error that halves the step
 STEP_EVALUATIONS = LAST - 1  # new right-hand sides of a step that is then rejected …
 DENSE_EVALUATIONS = STAGES - LAST  # … of its dense output, besides the one at its end
 
@@ -66,6 +67,8 @@ def attempt(d, h):
     _stages(d, h)
     d.statistics.rhs_evaluations += STEP_EVALUATIONS
     _step_end(d.work.stage, d.step.state_end, h, d.work.y)
+    if runs_back(d, d.work.y):
+        return FAR
     for j in range(len(d.work.y)):
         d.work.error[0, j] = 0.0
         d.work.error[1, j] = 0.0

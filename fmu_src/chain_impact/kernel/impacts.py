@@ -82,6 +82,8 @@ def follow_to_now(d):
     step.end = step.time
     step.rate_known = 0
     step.cleared = 0
+    for c in range(len(d.touch.event)):
+        d.touch.event[c] = 0  # it is beyond, and will be found again
     state_rate(d, step.state_end, rate)
     follow_contacts(d, rate)
     d.statistics.rhs_evaluations = evaluations  # a look, not the solver's work

@@ -22,6 +22,7 @@ from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.jit import jit
 
 TIME = -1  # in step.pacer: no contact sets the pace
+BACK = -0.5  # u, further than which no step goes
 SLOW = 0.1  # u and δ̇/v₀ below which a contact is a point that lies on a wall, and time does
 
 
@@ -72,10 +73,16 @@ def set_pace(d, anew):
     if pacer != step.pacer:
         step.cleared = 0
         if not anew:
-            step.next_size *= before / max(pace, SLOW)
+            step.next_size *= max(before, SLOW) / max(pace, SLOW)
     step.pacer = pacer
     step.state_end[pace_at(step)] = pace
     step.state_end[time_at(step)] = 0.0
+
+
+@jit
+def runs_back(d, y):
+    """Whether a step to state y goes far beyond the end of its pacer, where u < 0 and time runs backwards."""
+    return d.step.pacer != TIME and (y[pace_at(d.step)] < BACK or y[time_at(d.step)] <= 0.0)
 
 
 @jit
