@@ -57,6 +57,8 @@ def fraction(step, time):
     elapsed = time - step.start
     if step.pacer < 0:
         return elapsed / step.size
+    if elapsed >= step.dense[0, time_at(step)]:
+        return 1.0
     # t increases with θ, and dt/dθ = h u: Newton's method inside a bracket
     low, high, theta = 0.0, 1.0, 0.5
     for _ in range(60):

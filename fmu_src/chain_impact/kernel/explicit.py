@@ -102,6 +102,7 @@ def accept(d, h):
 def dense_output(d):
     """Set the dense output of the last step."""
     step, h = d.step, d.step.size
+    locate_points(d.model, step.state_end, d.work)
     at_pace(d, step.state_end, d.work.rate_end, d.work.stage[LAST])
     _dense_stages(d, h)
     for j in range(len(d.work.y)):

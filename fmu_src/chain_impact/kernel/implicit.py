@@ -36,7 +36,7 @@ from chain_impact.kernel.contact import (
     locate_points,
     zero,
 )
-from chain_impact.kernel.dense import extend, interpolate
+from chain_impact.kernel.dense import extend, interpolate, pace_at, time_at
 from chain_impact.kernel.equations import loaded_rate
 from chain_impact.kernel.errors import scaled_error
 from chain_impact.kernel.jit import jit
@@ -106,7 +106,7 @@ def linearize(d):
 
     Active contacts need the points located there, and the first stage evaluated.
     """
-    work, n, size = d.work, len(d.model.length), len(d.work.y)
+    work, n, size = d.work, len(d.model.length), own_size(d)
     z, rate = work.implicit.start, work.implicit.stage[START_RATE]
     accelerate_points(d.model, d.step.state_end, work.rate_start, work)
     for i in range(n):
@@ -123,15 +123,21 @@ def linearize(d):
 
 
 @jit
+def own_size(d):
+    """How much of y is in z: all but the pace, which is 1, and the time."""
+    return len(d.work.y) - 2
+
+
+@jit
 def gap_at(d, k):
     """Where the clearance of the k-th active contact stands in z."""
-    return len(d.work.y) + k
+    return own_size(d) + k
 
 
 @jit
 def rate_at(d, k):
     """Where the rate of that clearance stands in z."""
-    return len(d.work.y) + d.touch.active_count + k
+    return own_size(d) + d.touch.active_count + k
 
 
 @jit
@@ -150,7 +156,7 @@ def extended_rate(d, z, rate):
     dissipated = 0.0
     for k in range(d.touch.active_count):
         dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
-    loaded_rate(d, z, dissipated, rate)
+    loaded_rate(d, z, dissipated, rate)  # … and of pace and time, in whose place are clearances here
     accelerate_points(d.model, z, rate, d.work)
     clearance_rates(d, z, rate)
 
@@ -194,7 +200,7 @@ def solve_contacts(d, shift, r, x):
     for k in range(d.touch.active_count):
         x[rate_at(d, k)] = r[rate_at(d, k)] - own.normal[k]
         x[gap_at(d, k)] = r[gap_at(d, k)] + shift * x[rate_at(d, k)]
-    for j in range(2 * n + 4, len(d.work.y)):
+    for j in range(2 * n + 4, own_size(d)):
         x[j] = r[j]
 
 
@@ -209,14 +215,15 @@ def attempt(d, h):
         The error relative to the tolerance: at most 1 for a step to accept; not finite when f was not.
     """
     work, active = d.work, d.touch.active_count
-    length = len(work.y) + 2 * active
+    length = own_size(d) + 2 * active
     factorize_contacts(d, h * GAMMA)
     _step(d, work.implicit.start[:length], work.implicit.z[:length], h)
     # the columns of the Jacobian count as evaluations
     d.statistics.rhs_evaluations += STEP_EVALUATIONS + active
-    for j in range(len(work.y)):
+    for j in range(own_size(d)):
         work.y[j] = work.implicit.z[j]
         work.error[0, j] = abs(work.implicit.stage[ERROR, j])
+    work.y[pace_at(d.step)], work.y[time_at(d.step)] = 1.0, h
     for k in range(active):
         work.gap_error[k] = work.implicit.stage[ERROR, gap_at(d, k)]
     locate_points(d.model, work.y, work)
@@ -272,7 +279,7 @@ def accept(d, h):
         for m in range(len(dense)):
             dense[m, j] = 0.0
     for i, (_, square, cube) in _DENSE:
-        for j in range(len(d.work.y)):
+        for j in range(own_size(d)):
             # c₁θ + c₂θ² + c₃θ³ = θ(F₀ + (1−θ)(F₁ + θF₂)) with F₂ = −c₃, F₁ = −c₂−c₃, F₀ = c₁+c₂+c₃
             dense[1, j] -= h * (square + cube) * stages[i, j]
             dense[2, j] -= h * cube * stages[i, j]

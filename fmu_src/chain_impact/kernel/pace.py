@@ -16,7 +16,7 @@ distance of two bodies stands in for u.
 
 import math
 
-from chain_impact.kernel.contact import clearance, locate_points
+from chain_impact.kernel.contact import clearance
 from chain_impact.kernel.dense import pace_at, time_at
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.jit import jit
@@ -36,11 +36,10 @@ def paced_rate(d, y, rate):
 
 @jit
 def at_pace(d, y, time_rate, rate):
-    """Set rate = dy/ds for dy/dt; at the ends of a step."""
+    """Set rate = dy/ds for dy/dt and the located points; at the ends of a step."""
     for j in range(len(rate)):
         rate[j] = time_rate[j]
     if d.step.pacer != TIME:
-        locate_points(d.model, y, d.work)
         slow_down(d, y, rate)
 
 

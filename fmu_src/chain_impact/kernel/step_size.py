@@ -14,8 +14,7 @@ from chain_impact.kernel.dense import pace_at
 from chain_impact.kernel.jit import jit
 from chain_impact.kernel.pace import TIME
 
-SHRINK, GROW = 0.1, 6.0  # of the size of a step, at most …
-GROW_COMPRESSED = 1.1  # … while a contact is compressed, and its force stiffens
+SHRINK, GROW = 0.1, 6.0  # of the size of a step, at most
 TURN = 2.8  # rad, of the links in a step in flight for a tolerance of 1
 FIRST = 4.5  # of the time scale of a contact, likewise
 BEYOND, STRETCH = 1.04, 1.2  # of the way to the end of a contact; of a step, to get there
@@ -27,13 +26,6 @@ def factor(d, error):
     if d.step.implicit:
         return max(SHRINK, implicit.SAFETY * error**implicit.EXPONENT)
     return max(SHRINK, explicit.SAFETY * error**explicit.EXPONENT)
-
-
-@jit
-def most_growth(d):
-    """The largest such factor for the step that begins."""
-    compressed = d.step.pacer != TIME and d.work.stage[0, pace_at(d.step)] > 0.0
-    return GROW_COMPRESSED if compressed else GROW
 
 
 @jit
