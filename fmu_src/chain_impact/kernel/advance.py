@@ -12,14 +12,14 @@ from chain_impact.kernel import explicit, implicit, step_size
 from chain_impact.kernel.complete import complete
 from chain_impact.kernel.contact import clear_loads, latch, locate_points
 from chain_impact.kernel.contact_force import latch_damping
-from chain_impact.kernel.dense import OUTPUTS, fraction, interpolate, pace_at, time_at
+from chain_impact.kernel.dense import OUTPUTS, fraction, interpolate, root_at, time_at
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.events import RELATCH, RELATCH_RATIO, TOUCH, find_event
 from chain_impact.kernel.impacts import finish, follow_contacts
 from chain_impact.kernel.impulses import collide, end_contacts, judge
 from chain_impact.kernel.initialize import derive_law, first_size, still
 from chain_impact.kernel.jit import jit
-from chain_impact.kernel.pace import SLOW, TIME, at_pace, set_pace
+from chain_impact.kernel.pace import TIME, at_pace, pace_now, set_pace
 from chain_impact.kernel.status import LOG_FULL, NOT_FINITE, OK, RIGID_WHILE_TOUCHING, STEP_TOO_SMALL
 from chain_impact.kernel.switching import choose_method, explicit_again
 from chain_impact.kernel.watch import watch_events, watch_work
@@ -57,8 +57,7 @@ def restart(d):
     """Drop what lies beyond the communication point, as an input or parameter changed; returns a status."""
     d.inputs.changed = 0
     interpolate(d.step, fraction(d.step, d.step.time), d.work.y)
-    if d.step.pacer != TIME:
-        d.step.next_size *= max(SLOW, d.work.y[pace_at(d.step)])  # in seconds
+    d.step.next_size *= pace_now(d, d.work.y)  # in seconds
     still(d, d.step.time, d.work.y)
     for c in range(len(d.touch.event)):
         d.touch.event[c] = 0

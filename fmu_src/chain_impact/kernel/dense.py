@@ -10,7 +10,7 @@ NOBODY, OUTPUTS, SOLVER = 0, 1, 2  # who has had the dense output of the last st
 
 
 @jit
-def pace_at(step):
+def root_at(step):
     """Where u stands in y."""
     return len(step.state) - 2
 
@@ -19,6 +19,12 @@ def pace_at(step):
 def time_at(step):
     """Where the time since the start of the step stands in y."""
     return len(step.state) - 1
+
+
+@jit
+def pace(u):
+    """p = dt/ds of a step that a contact paces (pace.py)."""
+    return u / (1.0 + u * u)
 
 
 @jit
@@ -59,7 +65,7 @@ def fraction(step, time):
         return elapsed / step.size
     if elapsed >= step.dense[0, time_at(step)]:
         return 1.0
-    # t increases with θ, and dt/dθ = h u: Newton's method inside a bracket
+    # t increases with θ, and dt/dθ = h p: Newton's method inside a bracket
     low, high, theta = 0.0, 1.0, 0.5
     for _ in range(60):
         error = interpolate_component(step, theta, time_at(step)) - elapsed
@@ -69,7 +75,7 @@ def fraction(step, time):
             high = theta
         else:
             low = theta
-        slope = step.size * interpolate_component(step, theta, pace_at(step))
+        slope = step.size * pace(interpolate_component(step, theta, root_at(step)))
         guess = theta - error / slope if slope > 0.0 else high
         if not low < guess < high:
             guess = 0.5 * (low + high)

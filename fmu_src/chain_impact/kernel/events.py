@@ -18,10 +18,10 @@ import math
 from chain_impact.kernel.complete import complete
 from chain_impact.kernel.constraints import holding
 from chain_impact.kernel.contact import accelerate_points, along_normal, clearance, locate_points
-from chain_impact.kernel.dense import SOLVER, interpolate, pace_at, rate_bounds
+from chain_impact.kernel.dense import SOLVER, interpolate, pace, rate_bounds, root_at
 from chain_impact.kernel.implicit import clearance_curvature
 from chain_impact.kernel.jit import jit
-from chain_impact.kernel.pace import TIME, quickening
+from chain_impact.kernel.pace import TIME, pace_change, root_curve, root_rate
 from chain_impact.kernel.release import find_release
 
 SIMULTANEOUS = 1e-12  # s, events closer than this are one event
@@ -107,17 +107,16 @@ def measure_end(d, y, rate):
     """Set φ, φ̇ and φ̈ of every candidate at an end of the step, for its state and rate."""
     locate_points(d.model, y, d.work)
     accelerate_points(d.model, y, rate, d.work)
-    pace, change = set_clearances(d, y)
+    p, change = set_clearances(d, y)
     for c in range(len(d.touch.active)):
-        sign = -1.0 if d.touch.active[c] else 1.0
-        curve = along_normal(d, c, d.work.acceleration)
         if c == d.step.pacer:
-            # u″ = u δ̈/(2 δ*)
-            d.work.clear_end_curve[c] = -0.5 * pace * curve / d.touch.depth_scale[c]
+            d.work.clear_end_curve[c] = root_curve(d, d.work.clear_end[c], d.work.clear_end_rate[c])
         else:
-            # φ′ = u φ̇,  φ″ = u² φ̈ + u′ φ̇
-            rate_now = along_normal(d, c, d.work.velocity)
-            d.work.clear_end_curve[c] = sign * (pace * pace * curve + change * rate_now)
+            sign = -1.0 if d.touch.active[c] else 1.0
+            velocity = along_normal(d, c, d.work.velocity)
+            # φ′ = p φ̇,  φ″ = p² φ̈ + p′ φ̇
+            curve = p * p * along_normal(d, c, d.work.acceleration) + change * velocity
+            d.work.clear_end_curve[c] = sign * curve
 
 
 @jit
@@ -204,18 +203,20 @@ def bound_curvature(d):
     stiff wall holds; but there the implicit step integrates the clearance itself.
     """
     n = len(d.model.length)
-    # d²g/ds² = u d(ġ)/ds + u′ ġ
-    pace, change = rate_bounds(d.step, pace_at(d.step))
+    # d²g/ds² = p d(ġ)/ds + p′ ġ, with p ≤ u and |p′| ≤ |u′|
+    p, change = 1.0, 0.0
+    if d.step.pacer != TIME:
+        p, change = rate_bounds(d.step, root_at(d.step))
     vx, ax = rate_bounds(d.step, n + 2)
     vy, ay = rate_bounds(d.step, n + 3)
     speed, bound = math.sqrt(vx * vx + vy * vy), math.sqrt(ax * ax + ay * ay)
     acceleration = d.work.motion.x
-    acceleration[0] = pace * bound + change * speed
+    acceleration[0] = p * bound + change * speed
     for i in range(n):
         omega, alpha = rate_bounds(d.step, n + 4 + i)
         speed += d.model.length[i] * omega
-        bound += d.model.length[i] * (alpha + pace * omega * omega)
-        acceleration[i + 1] = pace * bound + change * speed
+        bound += d.model.length[i] * (alpha + p * omega * omega)
+        acceleration[i + 1] = p * bound + change * speed
     for c in range(len(d.touch.active)):
         d.work.curvature[c] = acceleration[d.model.candidate_point[c]]
     if d.step.made_implicit:
@@ -241,22 +242,25 @@ def measure(d, theta):
 
 @jit
 def set_clearances(d, y):
-    """Set φ and φ′ of every candidate for the state y and its located points; returns u and u′."""
-    pace = y[pace_at(d.step)]
-    change = 0.0 if d.step.pacer == TIME else quickening(d)
+    """Set φ and φ′ of every candidate for the state y and its located points; returns p and p′."""
+    u, slope, p, change = 1.0, 0.0, 1.0, 0.0
+    if d.step.pacer != TIME:
+        u = y[root_at(d.step)]
+        slope = root_rate(d, u)
+        p, change = pace(u), pace_change(u, slope)
     for c in range(len(d.touch.active)):
         if d.touch.active[c] and d.contact.impulsive:
             # held: it cannot touch
             d.work.clear_end[c], d.work.clear_end_rate[c] = math.inf, 0.0
             continue
         if c == d.step.pacer:
-            d.work.clear_end[c], d.work.clear_end_rate[c] = pace, change
+            d.work.clear_end[c], d.work.clear_end_rate[c] = u, slope
             continue
         gap, gap_rate = clearance(d, c)
         sign = -1.0 if d.touch.active[c] else 1.0
         d.work.clear_end[c] = sign * gap
-        d.work.clear_end_rate[c] = sign * pace * gap_rate
-    return pace, change
+        d.work.clear_end_rate[c] = sign * p * gap_rate
+    return p, change
 
 
 @jit

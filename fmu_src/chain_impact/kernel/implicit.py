@@ -36,7 +36,7 @@ from chain_impact.kernel.contact import (
     locate_points,
     zero,
 )
-from chain_impact.kernel.dense import extend, interpolate, pace_at, time_at
+from chain_impact.kernel.dense import extend, interpolate, root_at, time_at
 from chain_impact.kernel.equations import loaded_rate
 from chain_impact.kernel.errors import scaled_error
 from chain_impact.kernel.jit import jit
@@ -223,7 +223,7 @@ def attempt(d, h):
     for j in range(own_size(d)):
         work.y[j] = work.implicit.z[j]
         work.error[0, j] = abs(work.implicit.stage[ERROR, j])
-    work.y[pace_at(d.step)], work.y[time_at(d.step)] = 1.0, h
+    work.y[root_at(d.step)], work.y[time_at(d.step)] = 1.0, h
     for k in range(active):
         work.gap_error[k] = work.implicit.stage[ERROR, gap_at(d, k)]
     locate_points(d.model, work.y, work)

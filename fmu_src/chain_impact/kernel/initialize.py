@@ -14,7 +14,7 @@ from chain_impact.kernel.contact_laws import (
     RATE_EXPONENTS,
     damping_factor,
 )
-from chain_impact.kernel.dense import SOLVER, pace_at, time_at
+from chain_impact.kernel.dense import SOLVER, root_at, time_at
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.jit import jit
 from chain_impact.kernel.pace import TIME
@@ -155,7 +155,7 @@ def still(d, time, y):
         d.step.state[j] = y[j]
         for m in range(len(d.step.dense)):
             d.step.dense[m, j] = 0.0
-    d.step.state[pace_at(d.step)], d.step.state[time_at(d.step)] = 1.0, 0.0
+    d.step.state[root_at(d.step)], d.step.state[time_at(d.step)] = 1.0, 0.0
     for j in range(len(d.step.state)):
         d.step.state_end[j] = d.step.state[j]
     d.step.time = time

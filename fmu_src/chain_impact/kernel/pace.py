@@ -4,20 +4,21 @@ A force K δⁿ with n = 3/2 is not smooth in time where its contact begins and 
 zero as the time that is left, and the force as its power 3/2. An explicit step then loses its order, and
 creeps away from one end and toward the other. It is smooth in the variable s of Sundman's transformation,
 
-    dt = u ds,   u = √(δ/δ*),   du/ds = δ̇/(2 δ*),
+    dt = p ds,   p = u/(1 + u²),   u = √(δ/δ*),   du/ds = δ̇/(2 δ* (1 + u²)),
 
-with δ* the expected penetration: there δ goes as s², and F as s³. So u and t join the state y, and a step
-runs in s, at the *pace* u of the contact that is nearest to its onset or end, its pacer. Without one u = 1,
+with δ* the expected penetration: there δ goes as s², and F as s³. The denominator makes an impact as even in
+its middle as at its ends, so that steps of one size suit all of it. So u and t join the state y, and a step
+runs in s, at the *pace* p of the contact that is nearest to its onset or end, its pacer. Without one p = 1,
 and s is time.
 
 Source: K. F. Sundman 1913, Mémoire sur le problème des trois corps, Acta Mathematica 36:105, where the
-distance of two bodies stands in for u.
+distance of two bodies stands in for p.
 """
 
 import math
 
-from chain_impact.kernel.contact import clearance
-from chain_impact.kernel.dense import pace_at, time_at
+from chain_impact.kernel.contact import along_normal, clearance
+from chain_impact.kernel.dense import pace, root_at, time_at
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.jit import jit
 
@@ -46,17 +47,41 @@ def at_pace(d, y, time_rate, rate):
 @jit
 def slow_down(d, y, rate):
     """Turn a rate in time into one in s, for the located points."""
-    pace = y[pace_at(d.step)]
+    u = y[root_at(d.step)]
+    p = pace(u)
     for j in range(len(rate)):
-        rate[j] *= pace
-    rate[pace_at(d.step)] = quickening(d)
+        rate[j] *= p
+    rate[root_at(d.step)] = root_rate(d, u)
 
 
 @jit
-def quickening(d):
-    """du/ds = δ̇/(2 δ*) of the pacer, for the located points."""
+def root_rate(d, u):
+    """u′ = du/ds = δ̇/(2 δ* (1 + u²)) of the pacer, for the located points."""
     _, gap_rate = clearance(d, d.step.pacer)
-    return -0.5 * gap_rate / d.touch.depth_scale[d.step.pacer]
+    return -0.5 * gap_rate / (d.touch.depth_scale[d.step.pacer] * (1.0 + u * u))
+
+
+@jit
+def root_curve(d, u, slope):
+    """u″ of the pacer, for the located and accelerated points and u′."""
+    quotient = 1.0 / (1.0 + u * u)
+    acceleration = -along_normal(d, d.step.pacer, d.work.acceleration)
+    # u″ = p δ̈/(2 δ* (1 + u²)) − 2 u u′²/(1 + u²)
+    curve = 0.5 * pace(u) * acceleration / d.touch.depth_scale[d.step.pacer]
+    return quotient * (curve - 2.0 * u * slope * slope)
+
+
+@jit
+def pace_change(u, slope):
+    """p′ = u′ (1 − u²)/(1 + u²)²."""
+    quotient = 1.0 / (1.0 + u * u)
+    return slope * (1.0 - u * u) * quotient * quotient
+
+
+@jit
+def pace_now(d, y):
+    """p in state y; not less than SLOW, as it serves to turn the size of a step into seconds."""
+    return 1.0 if d.step.pacer == TIME else max(SLOW, pace(y[root_at(d.step)]))
 
 
 @jit
@@ -67,21 +92,22 @@ def set_pace(d, anew):
         d: the instance.
         anew: whether the size of the step has been chosen for it, as contacts began or ended.
     """
-    step, before = d.step, 1.0 if d.step.pacer == TIME else d.step.state_end[pace_at(d.step)]
-    pacer, pace = slowest(d)
-    if pacer != step.pacer:
+    step = d.step
+    before, (pacer, u) = pace_now(d, step.state_end), slowest(d)
+    changed = pacer != step.pacer
+    step.pacer = pacer
+    step.state_end[root_at(step)] = u
+    step.state_end[time_at(step)] = 0.0
+    if changed:
         step.cleared = 0
         if not anew:
-            step.next_size *= max(before, SLOW) / max(pace, SLOW)
-    step.pacer = pacer
-    step.state_end[pace_at(step)] = pace
-    step.state_end[time_at(step)] = 0.0
+            step.next_size *= before / pace_now(d, step.state_end)
 
 
 @jit
 def runs_back(d, y):
     """Whether a step to state y goes far beyond the end of its pacer, where u < 0 and time runs backwards."""
-    return d.step.pacer != TIME and (y[pace_at(d.step)] < BACK or y[time_at(d.step)] <= 0.0)
+    return d.step.pacer != TIME and (y[root_at(d.step)] < BACK or y[time_at(d.step)] <= 0.0)
 
 
 @jit

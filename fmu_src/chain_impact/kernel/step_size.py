@@ -8,11 +8,11 @@ explicit method takes.
 import math
 
 from chain_impact.kernel import explicit, implicit
-from chain_impact.kernel.contact import accelerate_points, along_normal
+from chain_impact.kernel.contact import accelerate_points
 from chain_impact.kernel.contact_force import damping_share
-from chain_impact.kernel.dense import pace_at
+from chain_impact.kernel.dense import root_at
 from chain_impact.kernel.jit import jit
-from chain_impact.kernel.pace import TIME
+from chain_impact.kernel.pace import TIME, root_curve
 
 SHRINK, GROW = 0.1, 6.0  # of the size of a step, at most
 TURN = 2.8  # rad, of the links in a step in flight for a tolerance of 1
@@ -52,14 +52,13 @@ def toward_end(d, h):
     """The size of the step that begins, over an end that is near, if the error control allows a size h."""
     if d.step.pacer == TIME:
         return h
-    pace, slope = d.step.state_end[pace_at(d.step)], d.work.stage[0, pace_at(d.step)]
-    if pace + 2.0 * slope * h >= 0.0:
+    u, slope = d.step.state_end[root_at(d.step)], d.work.stage[0, root_at(d.step)]
+    if u + 2.0 * slope * h >= 0.0:
         return h
     accelerate_points(d.model, d.step.state_end, d.work.rate_start, d.work)
-    acceleration = -along_normal(d, d.step.pacer, d.work.acceleration)
-    # u + u′ s + ½ u″ s² = 0 with u″ = u δ̈/(2 δ*)
-    square = slope * slope - pace * pace * acceleration / d.touch.depth_scale[d.step.pacer]
-    left = 2.0 * pace / (math.sqrt(max(0.0, square)) - slope)
+    # u + u′ s + ½ u″ s² = 0
+    square = slope * slope - 2.0 * u * root_curve(d, u, slope)
+    left = 2.0 * u / (math.sqrt(max(0.0, square)) - slope)
     if BEYOND * left < STRETCH * h:
         return BEYOND * left
     return min(h, 0.5 * left)
