@@ -125,7 +125,10 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("rate_known", INTEGER),  # 1: `work.rate_end` is ẏ at `end`
         ("dense_for", INTEGER),  # who has had the dense output so far, see kernel/dense.py
         ("made_implicit", INTEGER),  # 1: the last step was an implicit one
-        ("cleared", INTEGER),  # 1: the clearances at `end` are in `work.clear_end`, 2: their curvatures too
+        ("cleared", INTEGER),  # what is known of the clearances at `end`, see kernel/clearing.py
+        ("room", REAL),  # m, at least, from there to a touch, where nobody looked again …
+        ("speed", REAL),  # m/s, of the fastest point there …
+        ("acceleration", REAL),  # m/s², … and its largest
         ("pacer", INTEGER),  # the candidate that sets the pace of the step, −1: time does
         ("implicit", INTEGER),  # 1: the implicit method is at work
         ("doubts", INTEGER),  # steps in a row for which the other method would do better …
@@ -227,6 +230,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("position", vectors),  # m, of the points
         ("velocity", vectors),  # m/s
         ("acceleration", vectors),  # m/s²
+        ("at_end", INTEGER),  # 1: these are the points at the end of the step
         ("motion", vectors),  # of the points, for a given motion of the coordinates
         ("gap_error", REAL, (candidates,)),  # m, in the clearances of the active contacts, packed
         ("implicit", implicit),

@@ -144,6 +144,7 @@ def test_the_code_is_for_any_processor(tmp_path, monkeypatch):
     with pytest.raises(OSError):  # noqa: PT011
         kernel_library(3, 5)
     assert environments[0]["NUMBA_CPU_NAME"] == "x86-64-v2"
+    assert environments[0]["NUMBA_CPU_FEATURES"] == ""  # not those of this machine
 
 
 def test_a_library_appears_only_when_it_is_whole(compiler, tmp_path):

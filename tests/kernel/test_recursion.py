@@ -226,10 +226,11 @@ def recursive_accelerations(scene, angles, omega, loads, moments):
     work = d["work"]
     work["load"]["x"], work["load"]["y"] = loads.T
     work["moment"] = moments
-    link_vectors(d["model"], angles, work)
-    result = np.full(len(angles) + 2, np.nan)
-    accelerations(d["model"], omega, work, result[:2], result[2:])
-    return result
+    y = np.array([0.0, 0.0, *angles, 0.0, 0.0, *omega])
+    link_vectors(d["model"], y, work)
+    rate = np.full(len(y), np.nan)
+    accelerations(d["model"], y, work, rate)
+    return rate[len(angles) + 2 :]
 
 
 def assembled_equations(scene, *state):
@@ -303,7 +304,7 @@ def test_impulses_move_the_chain_and_its_impedances_as_assembled(count, stiff, b
     expected = np.zeros(count + 2)
     expected[free] = np.linalg.solve(matrix[free, free], right[free])
 
-    link_vectors(d["model"], angles, work)
+    link_vectors(d["model"], np.array([0.0, 0.0, *angles]), work)
     found = np.full(count + 2, np.nan)
     work["load"]["x"], work["load"]["y"] = added.T
     factorize(d["model"], work["link"], work["load"], work["factors"])

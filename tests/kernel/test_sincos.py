@@ -4,12 +4,12 @@ import mpmath
 import numpy as np
 import pytest
 
-from chain_impact.kernel.sincos import LARGEST, cosines_sines
+from chain_impact.kernel.sincos import LARGEST, polar
 
 
 def kernel(angles):
     cosine, sine = np.empty_like(angles), np.empty_like(angles)
-    cosines_sines(angles, cosine, sine)
+    polar(np.ones(len(angles)), angles, 0, cosine, sine)
     return cosine, sine
 
 

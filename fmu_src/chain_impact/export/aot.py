@@ -85,7 +85,8 @@ def kernel_library(
                 copy = Path(scratch, f"{law.id}.py")
                 copy.write_text(law.source, encoding="utf-8")
                 command.append(str(copy))
-            _run(command, NUMBA_CPU_NAME=PORTABLE_CPU)
+            # without the features of this machine, which numba takes unless told otherwise
+            _run(command, NUMBA_CPU_NAME=PORTABLE_CPU, NUMBA_CPU_FEATURES="")
             fresh.replace(ir)
         notify(f"linking the kernel for {platform}")
         stubs, fresh = Path(scratch, "stubs.c"), Path(scratch, "kernel" + suffix)

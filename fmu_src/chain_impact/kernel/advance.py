@@ -9,12 +9,13 @@ the communication point has passed it.
 import math
 
 from chain_impact.kernel import explicit, implicit, step_size
+from chain_impact.kernel.clearing import RELATCH_RATIO
 from chain_impact.kernel.complete import complete
-from chain_impact.kernel.contact import clear_loads, latch, locate_points
+from chain_impact.kernel.contact import accelerate_points, clear_loads, latch, locate_points
 from chain_impact.kernel.contact_force import latch_damping
-from chain_impact.kernel.dense import OUTPUTS, fraction, interpolate, root_at, time_at
+from chain_impact.kernel.dense import OUTPUTS, fraction, interpolate, time_at
 from chain_impact.kernel.equations import state_rate
-from chain_impact.kernel.events import RELATCH, RELATCH_RATIO, TOUCH, find_event
+from chain_impact.kernel.events import RELATCH, TOUCH, find_event
 from chain_impact.kernel.impacts import finish, follow_contacts
 from chain_impact.kernel.impulses import collide, end_contacts, judge
 from chain_impact.kernel.initialize import derive_law, first_size, still
@@ -185,14 +186,15 @@ def begin(d):
         events += d.touch.event[c] != 0
 
     last, rate = d.work.rate_end, d.work.rate_start
-    if d.step.rate_known:
-        if d.touch.active_count > 0:
-            locate_points(d.model, d.step.state_end, d.work)
-    else:
+    placed = d.step.rate_known and d.work.at_end
+    if not d.step.rate_known:
         state_rate(d, d.step.state_end, last)
         d.statistics.rhs_evaluations += 1
     if d.touch.active_count > 0:
-        follow_contacts(d, last)
+        if not placed:
+            locate_points(d.model, d.step.state_end, d.work)
+            accelerate_points(d.model, d.step.state_end, last, d.work)
+        follow_contacts(d)
 
     for j in range(len(d.work.y)):
         rate[j] = last[j]

@@ -18,8 +18,15 @@ from chain_impact.kernel.recursion import factorize, link_vectors, move_points, 
 @jit
 def locate_points(model, y, work):
     """Positions [m] and velocities [m/s] of the points 0…N, and the link vectors, for the state y."""
+    link_vectors(model, y, work)
+    place_points(model, y, work)
+
+
+@jit
+def place_points(model, y, work):
+    """As ``locate_points``, for the link vectors as they are."""
     n = len(model.length)
-    link_vectors(model, y[2 : 2 + n], work)
+    work.at_end = 0
     x, y_, vx, vy = y[0], y[1], y[n + 2], y[n + 3]
     for i in range(n):
         work.position.x[i], work.position.y[i], work.velocity.x[i], work.velocity.y[i] = x, y_, vx, vy

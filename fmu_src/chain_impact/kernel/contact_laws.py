@@ -108,17 +108,15 @@ def zhang_sharf(e):
     if u < 1e-3:
         return u * (1.5 + u * (1.5 + u * (1.35 + u * 1.2)))
     # With d = λe = 1 − e^{−s} the equation reads s − d(1 + 1/e) + ln(1 + d/e) = 0. It is well conditioned
-    # in s, and not in d: below e ≈ 0.03 d is 1 to double precision. The left side is concave-then-rising
-    # with one positive root; bisection is safe and runs once for a set of parameters.
-    low, high = 1e-12, 2.0 + 2.0 / e
-    while high - low > 4e-16 * high:
-        s = 0.5 * (low + high)
+    # in s, and not in d: below e ≈ 0.03 d is 1 to double precision. The left side falls from 0, then rises
+    # through its one positive root, convex: from beyond it Newton's method comes down to it.
+    s, before = 2.0 + 2.0 / e, math.inf
+    while s < before:
         d = -math.expm1(-s)
-        if s - d * (1.0 + 1.0 / e) + math.log1p(d / e) < 0.0:
-            low = s
-        else:
-            high = s
-    return -math.expm1(-0.5 * (low + high)) / e
+        value = s - d * (1.0 + 1.0 / e) + math.log1p(d / e)
+        slope = 1.0 - (1.0 - d) * (1.0 + 1.0 / e - 1.0 / (e + d))
+        before, s = s, s - value / slope
+    return -math.expm1(-s) / e
 
 
 @contact_law(

@@ -23,7 +23,7 @@ def time_at(step):
 
 @jit
 def pace(u):
-    """p = dt/ds of a step that a contact paces (pace.py)."""
+    """The pace p = dt/ds of a step that a contact paces (pace.py)."""
     return u / (1.0 + u * u)
 
 

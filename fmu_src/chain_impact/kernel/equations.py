@@ -18,7 +18,7 @@ def state_rate(d, y, rate):
         locate_points(d.model, y, d.work)
         located_rate(d, y, rate)
     else:
-        link_vectors(d.model, y[2 : 2 + len(d.model.length)], d.work)
+        link_vectors(d.model, y, d.work)
         loaded_rate(d, y, 0.0, rate)
 
 
@@ -44,17 +44,16 @@ def free_rate(d, y, rate):
 def loaded_rate(d, y, dissipated, rate):
     """As ``state_rate``, under the present loads, which dissipate a power [W]."""
     n = len(d.model.length)
-    omega = y[n + 4 : 2 * n + 4]
     supplied = 0.0
     if d.model.damped or d.model.driven:
-        damped, supplied = joint_moments(d, omega)
+        damped, supplied = joint_moments(d, y[n + 4 : 2 * n + 4])
         dissipated += damped
 
     rate[0] = y[n + 2]
     rate[1] = y[n + 3]
     for i in range(n):
-        rate[2 + i] = omega[i]
-    accelerations(d.model, omega, d.work, rate[n + 2 : n + 4], rate[n + 4 : 2 * n + 4])
+        rate[2 + i] = y[n + 4 + i]
+    accelerations(d.model, y, d.work, rate)
     rate[2 * n + 4] = dissipated
     rate[2 * n + 5] = supplied
     rate[2 * n + 6] = 0.0

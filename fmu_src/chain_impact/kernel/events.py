@@ -15,24 +15,33 @@ force, grow without bound; v₀ is latched anew.
 
 import math
 
+from chain_impact.kernel.clearing import (
+    FAR,
+    NOTHING,
+    RELATCH_RATIO,
+    VALUES,
+    keep_start,
+    nearly_fast,
+    plainly_clear,
+    root_now,
+    set_clearance,
+    set_clearances,
+)
 from chain_impact.kernel.complete import complete
 from chain_impact.kernel.constraints import holding
-from chain_impact.kernel.contact import accelerate_points, along_normal, clearance, locate_points
-from chain_impact.kernel.dense import SOLVER, interpolate, pace, rate_bounds, root_at
+from chain_impact.kernel.contact import clearance, locate_points
+from chain_impact.kernel.dense import SOLVER, interpolate, rate_bounds, root_at
 from chain_impact.kernel.implicit import clearance_curvature
 from chain_impact.kernel.jit import jit
-from chain_impact.kernel.pace import TIME, pace_change, root_curve, root_rate
+from chain_impact.kernel.pace import TIME
 from chain_impact.kernel.release import find_release
 
 SIMULTANEOUS = 1e-12  # s, events closer than this are one event
 RESOLUTION = 1e-15  # of a link length: curvature below it is round-off
 QUIET, SPLIT, EVENT = 0, 1, 2
-WITH_CURVES = 2  # of step.cleared
-SMALL_TURN, MARGIN = 1.0, 0.05  # rad of a link, part of the range of values: where ends of a step can tell
 # kinds of event: contact begins or ends, v₀ is latched anew
 TOUCH, RELATCH = 1, 2  # … and RELEASE in release.py
-RELATCH_RATIO = 2.0  # δ̇/v₀ at which it is; the speed that gravity adds after an onset stays far below
-NEARLY, SAMPLES = 0.75, 4  # of that speed, at an end of the step; places in the step to look at then
+SAMPLES = 4  # places in a step to look at for the latter
 
 
 @jit
@@ -45,11 +54,10 @@ def find_event(d):
     if len(d.touch.active) == 0:
         return -1.0
     if d.step.made_implicit or holding(d):
-        if not d.step.cleared:
+        if d.step.cleared in (NOTHING, FAR):
             measure(d, 0.0)
         keep_start(d)
     elif plainly_clear(d):
-        d.step.cleared = WITH_CURVES
         return -1.0
     if not d.step.made_implicit:
         complete(d, SOLVER)
@@ -59,64 +67,8 @@ def find_event(d):
         theta = find_release(d, theta)
     elif d.touch.active_count > 0:
         theta = find_relatch(d, theta)
-    d.step.cleared = theta < 0.0
+    d.step.cleared = VALUES if theta < 0.0 else NOTHING
     return theta
-
-
-@jit
-def plainly_clear(d):
-    """Whether an explicit step without dense output is so far from any event that none is needed.
-
-    A clearance has the Hermite interpolant of order 6 from its value, rate and curvature at the ends of the
-    step. That stays above the least of its Bernstein coefficients.
-    """
-    if d.step.cleared != WITH_CURVES:
-        measure_end(d, d.step.state, d.work.rate_start)
-    keep_start(d)
-    for c in range(len(d.touch.active)):
-        d.work.clear_start_curve[c] = d.work.clear_end_curve[c]
-    measure_end(d, d.step.state_end, d.work.rate_end)
-    n, h, work = len(d.model.length), d.step.size, d.work
-    turn, reach, lasted = 0.0, 0.0, d.step.end - d.step.start
-    for i in range(n):
-        omega = max(abs(d.step.state[n + 4 + i]), abs(d.step.state_end[n + 4 + i]))
-        alpha = max(abs(work.rate_start[n + 4 + i]), abs(work.rate_end[n + 4 + i]))
-        turn = max(turn, lasted * (omega + 0.5 * lasted * alpha))
-        reach += d.model.length[i]
-    # the remainder is h⁶ φ⁽⁶⁾/46080; ten times that of the tip of a stretched chain that turns evenly
-    error = reach * turn**6 / 4608.0
-    clear = turn < SMALL_TURN
-    for c in range(len(d.touch.active)):
-        b1 = work.clear_start[c] + h * work.clear_start_rate[c] / 5.0
-        b2 = 2.0 * b1 - work.clear_start[c] + h * h * work.clear_start_curve[c] / 20.0
-        b4 = work.clear_end[c] - h * work.clear_end_rate[c] / 5.0
-        b3 = 2.0 * b4 - work.clear_end[c] + h * h * work.clear_end_curve[c] / 20.0
-        least = min(b1, b2, b3, b4, work.clear_end[c])
-        most = max(b1, b2, b3, b4, work.clear_end[c])
-        clear = clear and least > MARGIN * (most - least) + error
-    for k in range(d.touch.active_count):
-        c = d.touch.active_index[k]
-        _, gap_rate = clearance(d, c)
-        fastest = max(d.touch.speed[c], -gap_rate)
-        clear = clear and fastest <= NEARLY * RELATCH_RATIO * d.touch.impact_speed[c]
-    return clear
-
-
-@jit
-def measure_end(d, y, rate):
-    """Set φ, φ̇ and φ̈ of every candidate at an end of the step, for its state and rate."""
-    locate_points(d.model, y, d.work)
-    accelerate_points(d.model, y, rate, d.work)
-    p, change = set_clearances(d, y)
-    for c in range(len(d.touch.active)):
-        if c == d.step.pacer:
-            d.work.clear_end_curve[c] = root_curve(d, d.work.clear_end[c], d.work.clear_end_rate[c])
-        else:
-            sign = -1.0 if d.touch.active[c] else 1.0
-            velocity = along_normal(d, c, d.work.velocity)
-            # φ′ = p φ̇,  φ″ = p² φ̈ + p′ φ̇
-            curve = p * p * along_normal(d, c, d.work.acceleration) + change * velocity
-            d.work.clear_end_curve[c] = sign * curve
 
 
 @jit
@@ -154,10 +106,8 @@ def find_relatch(d, touch):
     found = -1
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
-        fast = RELATCH_RATIO * d.touch.impact_speed[c]
-        _, gap_rate = clearance(d, c)
-        if max(d.touch.speed[c], -gap_rate) > NEARLY * fast:
-            theta = when_fast(d, c, fast, first)
+        if nearly_fast(d, c):
+            theta = when_fast(d, c, RELATCH_RATIO * d.touch.impact_speed[c], first)
             if theta >= 0.0:
                 found, first = c, theta
             measure(d, first)
@@ -190,7 +140,7 @@ def when_fast(d, c, fast, end):
 @jit
 def faster(d, c, fast, theta):
     """Whether δ̇ of candidate c exceeds a speed [m/s] at the fraction θ of the step."""
-    measure(d, theta)
+    locate_at(d, theta)
     _, gap_rate = clearance(d, c)
     return -gap_rate > fast
 
@@ -226,49 +176,21 @@ def bound_curvature(d):
 
 @jit
 def measure(d, theta):
-    """Set φ and φ̇ of every candidate at the fraction θ of the step, as the end of the interval."""
-    if theta == 0.0:
-        locate_points(d.model, d.step.state, d.work)
-        set_clearances(d, d.step.state)
-    elif theta == 1.0:
-        locate_points(d.model, d.step.state_end, d.work)
-        set_clearances(d, d.step.state_end)
-    else:
+    """Set φ and φ′ of every candidate at the fraction θ of the step, as the end of the interval."""
+    locate_at(d, theta)
+    set_clearances(d, d.work.y)
+
+
+@jit
+def locate_at(d, theta):
+    """Set ``work.y`` to the state at the fraction θ of the step, and locate its points."""
+    if 0.0 < theta < 1.0:
         complete(d, SOLVER)
         interpolate(d.step, theta, d.work.y)
-        locate_points(d.model, d.work.y, d.work)
-        set_clearances(d, d.work.y)
-
-
-@jit
-def set_clearances(d, y):
-    """Set φ and φ′ of every candidate for the state y and its located points; returns p and p′."""
-    u, slope, p, change = 1.0, 0.0, 1.0, 0.0
-    if d.step.pacer != TIME:
-        u = y[root_at(d.step)]
-        slope = root_rate(d, u)
-        p, change = pace(u), pace_change(u, slope)
-    for c in range(len(d.touch.active)):
-        if d.touch.active[c] and d.contact.impulsive:
-            # held: it cannot touch
-            d.work.clear_end[c], d.work.clear_end_rate[c] = math.inf, 0.0
-            continue
-        if c == d.step.pacer:
-            d.work.clear_end[c], d.work.clear_end_rate[c] = u, slope
-            continue
-        gap, gap_rate = clearance(d, c)
-        sign = -1.0 if d.touch.active[c] else 1.0
-        d.work.clear_end[c] = sign * gap
-        d.work.clear_end_rate[c] = sign * p * gap_rate
-    return p, change
-
-
-@jit
-def keep_start(d):
-    """Make the end of the interval the start of the next one."""
-    for c in range(len(d.touch.active)):
-        d.work.clear_start[c] = d.work.clear_end[c]
-        d.work.clear_start_rate[c] = d.work.clear_end_rate[c]
+    else:
+        for j in range(len(d.work.y)):
+            d.work.y[j] = d.step.state[j] if theta == 0.0 else d.step.state_end[j]
+    locate_points(d.model, d.work.y, d.work)
 
 
 @jit
@@ -313,7 +235,6 @@ def locate(d, a, b):
         if d.touch.event[c] and d.work.clear_end[c] < 0.0:
             first = root(d, c, a, first)
             found = c
-    measure(d, first)
     within = SIMULTANEOUS + 4e-16 * abs(d.step.end)
     for c in range(len(d.touch.active)):
         # a slow point may be no nearer at its own root, for round-off
@@ -361,5 +282,8 @@ def root(d, c, a, b):
         if abs(guess - theta) <= 0.25 * resolution:
             break
         theta = guess
-        measure(d, theta)
+        locate_at(d, theta)
+        u, slope = root_now(d, d.work.y)
+        set_clearance(d, c, u, slope)
+    measure(d, theta)
     return theta

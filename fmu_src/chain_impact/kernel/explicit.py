@@ -5,9 +5,9 @@ import math
 from chain_impact.kernel import dop853
 from chain_impact.kernel.combination import combination
 from chain_impact.kernel.constraints import holding, meet_walls
-from chain_impact.kernel.contact import locate_points
+from chain_impact.kernel.contact import accelerate_points, locate_points, place_points
 from chain_impact.kernel.dense import DENSE_COEFFICIENTS, extend
-from chain_impact.kernel.equations import state_rate
+from chain_impact.kernel.equations import located_rate, state_rate
 from chain_impact.kernel.errors import scaled_error, set_gap_errors
 from chain_impact.kernel.jit import jit
 from chain_impact.kernel.pace import TIME, at_pace, paced_rate, runs_back
@@ -74,7 +74,8 @@ def attempt(d, h):
         d.work.error[1, j] = 0.0
     _error_5(d.work.stage, d.work.error[0], h, d.work.error[0])
     _error_3(d.work.stage, d.work.error[1], h, d.work.error[1])
-    locate_points(d.model, d.work.y, d.work)
+    if d.touch.active_count > 0:
+        locate_points(d.model, d.work.y, d.work)
     set_gap_errors(d, 0)
     error_5 = scaled_error(d, 0)
     set_gap_errors(d, 1)
@@ -89,11 +90,18 @@ def attempt(d, h):
 
 @jit
 def accept(d, h):
-    """Make the step that was tried the last accepted one, with the rate at its end."""
+    """Make the step that was tried the last accepted one, with the rate and the points at its end."""
     if holding(d):
         meet_walls(d, d.work.y)
     extend(d.step, h, d.work.y, 0)
-    state_rate(d, d.step.state_end, d.work.rate_end)
+    y, rate = d.step.state_end, d.work.rate_end
+    if d.touch.active_count > 0:
+        located_rate(d, y, rate)
+    else:
+        state_rate(d, y, rate)
+        place_points(d.model, y, d.work)
+    accelerate_points(d.model, y, rate, d.work)
+    d.work.at_end = 1
     d.statistics.rhs_evaluations += 1
     d.step.rate_known = 1
 

@@ -18,20 +18,15 @@ HELD_SAMPLES = 5  # of a holding force over a step, its ends included
 
 
 @jit
-def follow_contacts(d, rate):
+def follow_contacts(d):
     """Follow every active contact over the last step: peak force and largest penetration.
 
-    The points have to be located at the end of the step, and are so afterwards.
-
-    Args:
-        d: the instance.
-        rate: ẏ at the end of the step.
+    The points have to be located and accelerated at the end of the step, and are so afterwards.
     """
     touch = d.touch
     if d.contact.impulsive:
         follow_held(d)
         return
-    accelerate_points(d.model, d.step.state_end, rate, d.work)
     for k in range(touch.active_count):
         c = touch.active_index[k]
         gap, gap_rate = clearance(d, c)
@@ -85,7 +80,8 @@ def follow_to_now(d):
     for c in range(len(d.touch.event)):
         d.touch.event[c] = 0  # it is beyond, and will be found again
     state_rate(d, step.state_end, rate)
-    follow_contacts(d, rate)
+    accelerate_points(d.model, step.state_end, rate, d.work)
+    follow_contacts(d)
     d.statistics.rhs_evaluations = evaluations  # a look, not the solver's work
 
 
@@ -102,23 +98,25 @@ def rate_of_force(d, c):
 def maximum(d, c, quantity):
     """The maximum of FORCE or PENETRATION of candidate c inside the last step.
 
-    Parabolas through three points, ever closer to the top of the last one.
+    Parabolas through three points, ever closer to the top of the last one; the top of the last of all.
     """
     complete(d, SOLVER)
     end = fraction(d.step, d.step.end)
-    middle, reach, best = 0.5 * end, 0.5 * end, 0.0
-    for _ in range(4):
+    middle, reach, best, summit = 0.5 * end, 0.5 * end, 0.0, 0.0
+    for _ in range(3):
         left = sample(d, c, quantity, middle - reach)
         top = sample(d, c, quantity, middle)
         right = sample(d, c, quantity, middle + reach)
         best = max(best, left, top, right)
         bend = left - 2.0 * top + right
         if bend >= 0.0:
-            break
-        middle += 0.5 * reach * (left - right) / bend
+            return best
+        shift = 0.5 * (left - right) / bend
+        summit = top - 0.25 * (left - right) * shift if abs(shift) <= 1.0 else top
+        middle += shift * reach
         reach *= 0.1
         middle = min(max(middle, reach), end - reach)
-    return best
+    return max(best, summit)
 
 
 @jit

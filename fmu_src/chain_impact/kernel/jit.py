@@ -6,3 +6,5 @@ from numba import njit
 # so the compiled kernel needs nothing of Python. Strict IEEE arithmetic (no fastmath) keeps results
 # bit-equal on every machine.
 jit = njit(error_model="numpy")
+# where the compiler is to know an argument
+inlined = njit(error_model="numpy", forceinline=True)

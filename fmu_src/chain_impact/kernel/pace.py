@@ -73,15 +73,21 @@ def root_curve(d, u, slope):
 
 @jit
 def pace_change(u, slope):
-    """p′ = u′ (1 − u²)/(1 + u²)²."""
+    """The change p′ = u′ (1 − u²)/(1 + u²)²."""
     quotient = 1.0 / (1.0 + u * u)
     return slope * (1.0 - u * u) * quotient * quotient
 
 
 @jit
+def pace_of(d, u):
+    """The pace; 1 without a pacer."""
+    return 1.0 if d.step.pacer == TIME else pace(u)
+
+
+@jit
 def pace_now(d, y):
-    """p in state y; not less than SLOW, as it serves to turn the size of a step into seconds."""
-    return 1.0 if d.step.pacer == TIME else max(SLOW, pace(y[root_at(d.step)]))
+    """The pace in state y; not less than SLOW, as it serves to turn the size of a step into seconds."""
+    return max(SLOW, pace_of(d, y[root_at(d.step)]))
 
 
 @jit

@@ -18,17 +18,14 @@ frictionless impact-contacts in open-loop robotic mechanisms*, Mechanism and Mac
 elimination in this form is derived in docs/computation.md.
 """
 
-from chain_impact.kernel.jit import jit
-from chain_impact.kernel.sincos import cosines_sines
+from chain_impact.kernel.jit import inlined, jit
+from chain_impact.kernel.sincos import polar
 
 
 @jit
-def link_vectors(model, angle, work):
-    """Set L_i [m], the vector from the proximal to the distal joint of each link."""
-    cosines_sines(angle, work.link.x, work.link.y)
-    for i in range(len(model.length)):
-        work.link.x[i] *= model.length[i]
-        work.link.y[i] *= model.length[i]
+def link_vectors(model, y, work):
+    """Set L_i [m], the vector from the proximal to the distal joint of each link, for the state y."""
+    polar(model.length, y, 2, work.link.x, work.link.y)
 
 
 @jit
@@ -49,74 +46,105 @@ def arm(model, link, i, outward):
 @jit
 def hinge(lx, ly, sx, sy, inertia, axx, axy, ayy):
     """Return h and 1/H for L, m c, I + m c² and A'."""
-    # h = m c⊥ + A' L⊥,  H = I + m c² + L⊥·A' L⊥
-    px, py = axy * lx - axx * ly, ayy * lx - axy * ly
-    return px - sy, py + sx, 1.0 / (inertia + lx * py - ly * px)
+    # h = m c⊥ + A' L⊥
+    hx, hy = axy * lx - axx * ly - sy, ayy * lx - axy * ly + sx
+    # H = I + m c² + L⊥·A' L⊥, on which all else waits
+    return hx, hy, 1.0 / ((inertia + ayy * (lx * lx)) + (axx * (ly * ly) - axy * (2.0 * lx * ly)))
 
 
 @jit
-def eliminate(model, work, omega, i, outward, axx, axy, ayy, bx, by):
+def eliminate(model, work, y, i, outward, axx, axy, ayy, bx, by):
     """Eliminate α_i: return A and b for A' and b'."""
-    joint = i + 1 if outward else i
-    lx, ly, sx, sy, inertia = arm(model, work.link, i, outward)
-    hx, hy, inverse = hinge(lx, ly, sx, sy, inertia, axx, axy, ayy)
-    m, gx, gy = model.mass[i], model.gravity[0], model.gravity[1]
-    w2 = omega[i] * omega[i]
+    joint, omega = i + 1 if outward else i, y[len(model.length) + 4 + i]
+    link = lx, ly, sx, sy, inertia = arm(model, work.link, i, outward)
+    w2 = omega * omega
     # d = b' − f − ω² A' L : what the outer joint asks for α = 0 and a = 0
     dx = bx - work.load.x[joint] - w2 * (axx * lx + axy * ly)
     dy = by - work.load.y[joint] - w2 * (axy * lx + ayy * ly)
+    hx, hy, inverse = hinge(lx, ly, sx, sy, inertia, axx, axy, ayy)
+    return take_out(model, work, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy)
+
+
+@jit
+def eliminate_end(model, work, y, i, outward):
+    """As ``eliminate``, for the link at a free end: A' = 0 and b' = 0, and no quotient to wait for."""
+    joint, omega = i + 1 if outward else i, y[len(model.length) + 4 + i]
+    link = _, _, sx, sy, inertia = arm(model, work.link, i, outward)
+    dx, dy = -work.load.x[joint], -work.load.y[joint]
+    w2 = omega * omega
+    return take_out(model, work, i, w2, link, -sy, sx, 1.0 / inertia, 0.0, 0.0, 0.0, dx, dy)
+
+
+@jit
+def take_out(model, work, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
+    """Return A and b for A' and d; keep what ``accelerate`` needs of link i."""
+    lx, ly, sx, sy, _ = link
+    m, gx, gy = model.mass[i], model.gravity[0], model.gravity[1]
     # h₀ = L⊥·d − m c⊥·g − τ
-    h0 = lx * dy - ly * dx + sy * gx - sx * gy - work.moment[i]
+    h0 = (lx * dy - ly * dx) + (sy * gx - sx * gy - work.moment[i])
+    kx, ky = hx * inverse, hy * inverse
     kept = work.elimination
-    kept.gain_x[i], kept.gain_y[i], kept.bias[i] = hx * inverse, hy * inverse, h0 * inverse
+    kept.gain_x[i], kept.gain_y[i], kept.bias[i] = kx, ky, h0 * inverse
     # A = A' + m 1 − h hᵀ/H,  b = d − ω² m c − m g − h h₀/H
     return (
-        axx + m - hx * hx * inverse,
-        axy - hx * hy * inverse,
-        ayy + m - hy * hy * inverse,
-        dx - w2 * sx - m * gx - hx * h0 * inverse,
-        dy - w2 * sy - m * gy - hy * h0 * inverse,
+        (axx + m) - hx * kx,
+        axy - hx * ky,
+        (ayy + m) - hy * ky,
+        (dx - w2 * sx - m * gx) - kx * h0,
+        (dy - w2 * sy - m * gy) - ky * h0,
     )
 
 
 @jit
-def accelerate(work, omega, i, outward, ax, ay, alpha):
+def accelerate(model, work, y, i, outward, ax, ay, rate):
     """Set α_i for the acceleration of its inner joint; return that of the outer one."""
-    kept = work.elimination
+    kept, own = work.elimination, len(model.length) + 4 + i
     # α = −(h·a + h₀)/H
     a = -(kept.gain_x[i] * ax + kept.gain_y[i] * ay + kept.bias[i])
-    alpha[i] = a
-    w2 = omega[i] * omega[i]
+    rate[own] = a
+    w2 = y[own] * y[own]
     sign = 1.0 if outward else -1.0
     lx, ly = sign * work.link.x[i], sign * work.link.y[i]
     # a' = a + α L⊥ − ω² L
-    return ax - (a * ly + w2 * lx), ay + (a * lx - w2 * ly)
+    return (ax - w2 * lx) - a * ly, (ay - w2 * ly) + a * lx
 
 
 @jit
-def accelerations(model, omega, work, base_acceleration, alpha):
+def accelerations(model, y, work, rate):
     """Solve the equations of motion for the accelerations.
 
     Args:
         model: the model record.
-        omega: angular velocities ω_i, shape (N,) [rad/s].
+        y: state, of which the angular velocities ω_i [rad/s] are read.
         work: the work record; reads ``link`` (L_i), ``load`` (external force on each
             point 0..N) [N] and ``moment`` (net joint torque on each link) [N·m].
-        base_acceleration: result, shape (2,) [m/s²]; zero for a pinned base.
-        alpha: result, angular accelerations α_i, shape (N,) [rad/s²].
+        rate: result, of which the accelerations of the base [m/s²], zero if it is pinned, and of the links
+            [rad/s²] are set.
     """
-    n, middle = len(model.length), model.middle
-    axx, axy, ayy, bx, by = 0.0, 0.0, 0.0, 0.0, 0.0
+    # twice, so that the compiler knows the middle joint
+    if model.pinned:
+        arms(model, y, work, rate, 0)
+    else:
+        arms(model, y, work, rate, len(model.length) // 2)
+
+
+@inlined
+def arms(model, y, work, rate, middle):
+    """As ``accelerations``, for the joint at which the arms of the elimination meet."""
+    n = len(model.length)
+    axx, axy, ayy, bx, by = eliminate_end(model, work, y, n - 1, True)
     cxx, cxy, cyy, dx, dy = 0.0, 0.0, 0.0, 0.0, 0.0
-    for k in range(n - middle):
+    if middle > 0:
+        cxx, cxy, cyy, dx, dy = eliminate_end(model, work, y, 0, False)
+    for k in range(1, n - middle):
         i = n - 1 - k
-        axx, axy, ayy, bx, by = eliminate(model, work, omega, i, True, axx, axy, ayy, bx, by)
+        axx, axy, ayy, bx, by = eliminate(model, work, y, i, True, axx, axy, ayy, bx, by)
         if k < middle:
-            cxx, cxy, cyy, dx, dy = eliminate(model, work, omega, k, False, cxx, cxy, cyy, dx, dy)
+            cxx, cxy, cyy, dx, dy = eliminate(model, work, y, k, False, cxx, cxy, cyy, dx, dy)
 
     # the middle joint: A a + b = 0 when the base is free; it is the base, and a = 0, when that is pinned
     ax, ay = 0.0, 0.0
-    if not model.pinned:
+    if middle > 0 or not model.pinned:
         axx, axy, ayy = axx + cxx, axy + cxy, ayy + cyy
         bx, by = bx + dx - work.load.x[middle], by + dy - work.load.y[middle]
         determinant = axx * ayy - axy * axy
@@ -126,11 +154,11 @@ def accelerations(model, omega, work, base_acceleration, alpha):
     # accelerations back out
     cx, cy = ax, ay
     for k in range(n - middle):
-        ax, ay = accelerate(work, omega, middle + k, True, ax, ay, alpha)
+        ax, ay = accelerate(model, work, y, middle + k, True, ax, ay, rate)
         if k < middle:
-            cx, cy = accelerate(work, omega, middle - 1 - k, False, cx, cy, alpha)
-    base_acceleration[0] = cx
-    base_acceleration[1] = cy
+            cx, cy = accelerate(model, work, y, middle - 1 - k, False, cx, cy, rate)
+    rate[n + 2] = cx
+    rate[n + 3] = cy
 
 
 @jit

@@ -10,8 +10,8 @@ from chain_impact.kernel.jit import jit
 
 LARGEST = 1e6  # rad; beyond it the reduction loses digits
 TWO_OVER_PI = 0.6366197723675814
-# π/2 in parts of 33 bits, of which any multiple by k < 2²⁰ is exact (after Cody & Waite 1980)
-HALF_PI_1, HALF_PI_2, HALF_PI_3 = 1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21
+# π/2 in two parts, the first of 33 bits, so that any multiple by k < 2²⁰ is exact (after Cody & Waite 1980)
+HALF_PI_1, HALF_PI_2 = 1.5707963267341256, 6.077100506506192e-11
 # best approximations on |r| ≤ π/4: sin r = r + r³ S(r²), cos r = 1 − r²/2 + r⁴ C(r²), by Remez's exchange
 # fmt: off
 S = (-0.166666666666666, 0.008333333333316473, -0.00019841269825928324,
@@ -26,24 +26,27 @@ ROUND = 1.5 * 2.0**52
 
 
 @jit
-def cosines_sines(angle, cosine, sine):
-    """Set the cosine and the sine of each angle [rad]; all arrays are of one shape (N,) or longer."""
-    total = 0.0
-    for i in range(len(angle)):
-        total += abs(angle[i])
+def polar(radius, y, first, horizontal, vertical):
+    """Set r cos φ and r sin φ for each radius r and the angles φ in y, the first of which stands at ``first``.
+
+    All arrays are as long as ``radius``, shape (N,), or longer.
+    """
+    count, total = len(radius), 0.0
+    for i in range(count):
+        total += abs(y[first + i])
     if not total < LARGEST:
-        for i in range(len(angle)):
-            cosine[i], sine[i] = math.cos(angle[i]), math.sin(angle[i])
+        for i in range(count):
+            horizontal[i] = radius[i] * math.cos(y[first + i])
+            vertical[i] = radius[i] * math.sin(y[first + i])
         return
-    # in two loops, which the compiler turns into vector instructions
-    for i in range(len(angle)):
+    # the compiler turns it into vector instructions
+    for i in range(count):
+        angle = y[first + i]
         # angle = k π/2 + r
-        k = (angle[i] * TWO_OVER_PI + ROUND) - ROUND
-        cosine[i] = ((angle[i] - k * HALF_PI_1) - k * HALF_PI_2) - k * HALF_PI_3
+        k = (angle * TWO_OVER_PI + ROUND) - ROUND
+        r = (angle - k * HALF_PI_1) - k * HALF_PI_2
         # the quarter turns k mod 4, from −2 to 2
-        sine[i] = k - 4.0 * ((0.25 * k + ROUND) - ROUND)
-    for i in range(len(angle)):
-        r, turns = cosine[i], sine[i]
+        turns = k - 4.0 * ((0.25 * k + ROUND) - ROUND)
         t = r * r
         t2 = t * t
         s = r + r * t * ((S[0] + t * S[1]) + t2 * ((S[2] + t * S[3]) + t2 * (S[4] + t * S[5])))
@@ -51,5 +54,5 @@ def cosines_sines(angle, cosine, sine):
         # p = cos(turns π/2) and q = sin(turns π/2) are polynomials in turns, exact in floating point
         u = turns * turns
         p, q = 1.0 - u * (7.0 - u) * (1.0 / 6.0), turns * (4.0 - u) * (1.0 / 3.0)
-        cosine[i] = p * c - q * s
-        sine[i] = p * s + q * c
+        horizontal[i] = radius[i] * (p * c - q * s)
+        vertical[i] = radius[i] * (p * s + q * c)
