@@ -77,8 +77,7 @@ def remains_far(d):
     if step.pacer == TIME:
         far = d.touch.active_count == 0
     else:
-        far = d.touch.active_count == 1 and step.state_end[root_at(step)] > 0.0
-        far = far and not nearly_fast(d, step.pacer)
+        far = step.state_end[root_at(step)] > 0.0 and not nearly_fast(d, step.pacer)
     if far:
         step.cleared = FAR
     return far

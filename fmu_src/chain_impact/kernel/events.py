@@ -240,20 +240,7 @@ def locate(d, a, b):
         # a slow point may be no nearer at its own root, for round-off
         if c != found and d.work.clear_end[c] > within * abs(d.work.clear_end_rate[c]):
             d.touch.event[c] = 0
-    if found >= 0 and found == d.step.pacer:
-        end_together(d)
     return first
-
-
-@jit
-def end_together(d):
-    """Let the contacts end with the pacer that are no deeper, so that a symmetric chain stays so."""
-    own, _ = clearance(d, d.step.pacer)
-    for k in range(d.touch.active_count):
-        c = d.touch.active_index[k]
-        gap, gap_rate = clearance(d, c)
-        if gap_rate > 0.0 and gap > min(0.0, own) - RESOLUTION * d.model.size:
-            d.touch.event[c] = TOUCH
 
 
 @jit

@@ -8,8 +8,7 @@ creeps away from one end and toward the other. It is smooth in the variable s of
 
 with δ* the expected penetration: there δ goes as s², and F as s³. The denominator makes an impact as even in
 its middle as at its ends, so that steps of one size suit all of it. So u and t join the state y, and a step
-runs in s, at the *pace* p of the contact that is nearest to its onset or end, its pacer. Without one p = 1,
-and s is time.
+runs in s, at the *pace* p of its pacer, the one contact that there is. Without a pacer p = 1, and s is time.
 
 Source: K. F. Sundman 1913, Mémoire sur le problème des trois corps, Acta Mathematica 36:105, where the
 distance of two bodies stands in for p.
@@ -99,7 +98,7 @@ def set_pace(d, anew):
         anew: whether the size of the step has been chosen for it, as contacts began or ended.
     """
     step = d.step
-    before, (pacer, u) = pace_now(d, step.state_end), slowest(d)
+    before, (pacer, u) = pace_now(d, step.state_end), lone_contact(d)
     changed = pacer != step.pacer
     step.pacer = pacer
     step.state_end[root_at(step)] = u
@@ -117,16 +116,17 @@ def runs_back(d, y):
 
 
 @jit
-def slowest(d):
-    """The active contact with the least u, which is nearest to its onset or end, and u; or TIME and 1."""
-    pacer, least = TIME, math.inf
-    if d.step.implicit or d.contact.impulsive:
+def lone_contact(d):
+    """The active contact and its u, if it is alone and not a point that lies on a wall; else TIME and 1.
+
+    Others would have their ends at other moments, and what paces one of them suits none of the rest.
+    """
+    if d.step.implicit or d.contact.impulsive or d.touch.active_count != 1:
         return TIME, 1.0
-    for k in range(d.touch.active_count):
-        c = d.touch.active_index[k]
-        gap, gap_rate = clearance(d, c)
-        u = math.sqrt(max(0.0, -gap) / d.touch.depth_scale[c])
-        lasts = u > 0.0 or gap_rate < 0.0
-        if lasts and u + abs(gap_rate) / d.touch.impact_speed[c] > SLOW and u < least:
-            pacer, least = c, u
-    return pacer, 1.0 if pacer == TIME else least
+    c = d.touch.active_index[0]
+    gap, gap_rate = clearance(d, c)
+    u = math.sqrt(max(0.0, -gap) / d.touch.depth_scale[c])
+    over = u == 0.0 and gap_rate >= 0.0
+    if over or u + abs(gap_rate) / d.touch.impact_speed[c] <= SLOW:
+        return TIME, 1.0
+    return c, u

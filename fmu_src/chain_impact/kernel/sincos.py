@@ -27,7 +27,7 @@ ROUND = 1.5 * 2.0**52
 
 @jit
 def polar(radius, y, first, horizontal, vertical):
-    """Set r cos φ and r sin φ for each radius r and the angles φ in y, the first of which stands at ``first``.
+    """Set r cos φ and r sin φ for each radius r and the angles φ in y, from index ``first`` on.
 
     All arrays are as long as ``radius``, shape (N,), or longer.
     """
