@@ -52,7 +52,7 @@ def test_a_step_from_the_onset_keeps_the_order_of_the_method():
 
 def test_time_is_found_in_a_step_that_runs_in_another_variable():
     d, y = at_onset()[0], np.zeros(10)
-    h = time_scale(d)
+    h = 0.8 * time_scale(d)
     attempt(d, h)
     accept(d, h)
     dense_output(d)
