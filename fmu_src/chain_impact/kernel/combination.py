@@ -21,3 +21,25 @@ def combination(row):
             out[j] = base[j] + h * total
 
     return combine
+
+
+def combinations(one, two):
+    """Compile the sums h Σ_j row[j] k_j of two rows at once, so that each k_j is read once for both.
+
+    The compiled function takes (stages, h, first, second), the last two for the results.
+    """
+    names = tuple(sorted({*one, *two}))
+    row_1, row_2 = (tuple(row.get(name, 0.0) for name in names) for row in (one, two))
+    count = len(names)
+
+    @jit
+    def combine(stages, h, first, second):
+        for j in range(len(first)):
+            total_1, total_2 = 0.0, 0.0
+            for m in range(count):
+                stage = stages[names[m], j]
+                total_1 += row_1[m] * stage
+                total_2 += row_2[m] * stage
+            first[j], second[j] = h * total_1, h * total_2
+
+    return combine

@@ -3,10 +3,10 @@
 import math
 
 from chain_impact.kernel import dop853
-from chain_impact.kernel.combination import combination
+from chain_impact.kernel.combination import combination, combinations
 from chain_impact.kernel.constraints import holding, meet_walls
 from chain_impact.kernel.contact import accelerate_points, locate_points, place_points
-from chain_impact.kernel.dense import DENSE_COEFFICIENTS, extend
+from chain_impact.kernel.dense import extend
 from chain_impact.kernel.equations import located_rate, state_rate
 from chain_impact.kernel.errors import scaled_error, set_gap_errors
 from chain_impact.kernel.jit import jit
@@ -52,9 +52,8 @@ _from_start = jit(lambda d: d.step.state)
 _stages = _sequence(*(_stage(i, _from_end) for i in range(1, LAST)))
 _step_end = combination(dop853.B)
 _dense_stages = _sequence(*(_stage(i, _from_start) for i in range(LAST + 1, STAGES)))
-_error_5 = combination(dop853.E5)
-_error_3 = combination(dop853.E3)
-_high_0, _high_1, _high_2, _high_3 = (combination(row) for row in dop853.D)
+_errors = combinations(dop853.E5, dop853.E3)
+_high_01, _high_23 = combinations(*dop853.D[:2]), combinations(*dop853.D[2:])
 
 
 @jit
@@ -69,11 +68,7 @@ def attempt(d, h):
     _step_end(d.work.stage, d.step.state_end, h, d.work.y)
     if runs_back(d, d.work.y):
         return FAR
-    for j in range(len(d.work.y)):
-        d.work.error[0, j] = 0.0
-        d.work.error[1, j] = 0.0
-    _error_5(d.work.stage, d.work.error[0], h, d.work.error[0])
-    _error_3(d.work.stage, d.work.error[1], h, d.work.error[1])
+    _errors(d.work.stage, h, d.work.error[0], d.work.error[1])
     if d.touch.active_count > 0:
         locate_points(d.model, d.work.y, d.work)
     set_gap_errors(d, 0)
@@ -119,9 +114,5 @@ def dense_output(d):
         step.dense[0, j] = change
         step.dense[1, j] = h * d.work.stage[0, j] - change
         step.dense[2, j] = 2.0 * change - h * (d.work.stage[LAST, j] + d.work.stage[0, j])
-        for m in range(3, DENSE_COEFFICIENTS):
-            step.dense[m, j] = 0.0
-    _high_0(d.work.stage, step.dense[3], h, step.dense[3])
-    _high_1(d.work.stage, step.dense[4], h, step.dense[4])
-    _high_2(d.work.stage, step.dense[5], h, step.dense[5])
-    _high_3(d.work.stage, step.dense[6], h, step.dense[6])
+    _high_01(d.work.stage, h, step.dense[3], step.dense[4])
+    _high_23(d.work.stage, h, step.dense[5], step.dense[6])
