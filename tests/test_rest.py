@@ -182,8 +182,7 @@ def test_every_method_finds_the_same_rest(method, stiffness):
     tolerance = 1e-10
     last = simulate(scene, tolerance=tolerance, method=method).outputs[-1]
     # errors of a depth may be as large as errors of speeds over the contact's frequency, v₀ over the depth
-    # (explicit steps at rest are as long as stability lets them, and keep a residue of it moving)
-    allowed = (30 if method == "explicit" else 10) * tolerance / scene.contact.minimum_impact_speed
+    allowed = 10 * tolerance / scene.contact.minimum_impact_speed
     assert last["penetration"][0] == pytest.approx(rest_depth(scene), rel=allowed)
     assert last["force"][0] == pytest.approx(GRAVITY, rel=10 * allowed)
 
@@ -322,12 +321,9 @@ def test_a_bound_on_work_ends_a_simulation_with_what_it_has():
 
 
 @pytest.mark.parametrize(("stiffness", "restitution", "onsets"), [(1e5, 0.3, 5), (1e10, 0.5, 27)])
-@pytest.mark.parametrize("tolerance", [1e-7, 1e-8, 1e-10])
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-8, 1e-10])
 def test_a_second_hit_inside_a_step_is_noticed(stiffness, restitution, onsets, tolerance):
-    """The other end's impact presses a point in for less than a step: v₀ is latched anew all the same.
-
-    Barely: the speed exceeds twice v₀ by little and for a moment. At 1e-6 one of these moments is missed.
-    """
+    """The other end's impact presses a point in for less than a step: v₀ is latched anew all the same."""
     rod = {"base": "free", "links": [{"length": 1.0, "mass": 1.0}]}
     contact = {"stiffness": stiffness, "restitution": restitution}
     dropped = {

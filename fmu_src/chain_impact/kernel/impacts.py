@@ -12,7 +12,7 @@ from chain_impact.kernel.contact import (
 from chain_impact.kernel.dense import SOLVER, fraction, interpolate
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.jit import jit
-from chain_impact.kernel.peaks import FORCE, PENETRATION, course, maximum
+from chain_impact.kernel.peaks import course, largest_depth, largest_force
 
 HELD_SAMPLES = 5  # of a holding force over a step, its ends included
 
@@ -42,11 +42,13 @@ def follow_contacts(d):
         touch.speed[c] = -gap_rate
         if force_peaked or depth_peaked:
             polynomial = course(d, c)
-            if force_peaked:
-                touch.peak_force[c] = max(touch.peak_force[c], maximum(d, c, FORCE, polynomial))
             if depth_peaked:
-                highest = maximum(d, c, PENETRATION, polynomial)
-                touch.max_penetration[c] = max(touch.max_penetration[c], highest)
+                deepest = largest_depth(d, c, polynomial)
+                touch.max_penetration[c] = max(touch.max_penetration[c], deepest)
+            if force_peaked:
+                touch.peak_force[c] = max(touch.peak_force[c], largest_force(d, c, polynomial))
+                locate_points(d.model, d.step.state_end, d.work)
+                accelerate_points(d.model, d.step.state_end, d.work.rate_end, d.work)
 
 
 @jit
