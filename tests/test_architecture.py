@@ -36,7 +36,6 @@ TESTED_ELSEWHERE = {
     "kernel/law_registry.py": "kernel/test_contact_laws.py",
     "kernel/observe.py": "test_simulate.py",
     "kernel/ros34pw2.py": "test_simulate.py",
-    "kernel/peaks.py": "test_impacts.py",
     "kernel/release.py": "test_newton_rest.py",
     "kernel/status.py": "test_variables.py",
     "kernel/switching.py": "test_rest.py",

@@ -20,9 +20,9 @@ import numpy as np
 from kernel_functions import Entries, built, happen, rate_at, start_and_stop
 from numba import carray, float64, int32, types, void
 
+from chain_impact.kernel.clearing import RELATCH_RATIO
 from chain_impact.kernel.contact import clearance, locate_points
 from chain_impact.kernel.equations import state_rate
-from chain_impact.kernel.clearing import RELATCH_RATIO
 from chain_impact.kernel.jit import jit
 from peers.model import AT_ZERO, CLEAR, HOP
 

@@ -12,8 +12,8 @@ from chain_impact.kernel.contact import (
 from chain_impact.kernel.dense import SOLVER, fraction, interpolate
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.jit import jit
-from chain_impact.kernel.peaks import course, largest_depth, largest_force
 
+FORCE, PENETRATION = 0, 1
 HELD_SAMPLES = 5  # of a holding force over a step, its ends included
 
 
@@ -40,15 +40,12 @@ def follow_contacts(d):
         depth_peaked = touch.speed[c] > 0.0 and gap_rate >= 0.0
         touch.force_rate[c] = force_rate
         touch.speed[c] = -gap_rate
+        if force_peaked:
+            touch.peak_force[c] = max(touch.peak_force[c], maximum(d, c, FORCE))
+        if depth_peaked:
+            touch.max_penetration[c] = max(touch.max_penetration[c], maximum(d, c, PENETRATION))
         if force_peaked or depth_peaked:
-            polynomial = course(d, c)
-            if depth_peaked:
-                deepest = largest_depth(d, c, polynomial)
-                touch.max_penetration[c] = max(touch.max_penetration[c], deepest)
-            if force_peaked:
-                touch.peak_force[c] = max(touch.peak_force[c], largest_force(d, c, polynomial))
-                locate_points(d.model, d.step.state_end, d.work)
-                accelerate_points(d.model, d.step.state_end, d.work.rate_end, d.work)
+            locate_points(d.model, d.step.state_end, d.work)
 
 
 @jit
@@ -95,6 +92,41 @@ def rate_of_force(d, c):
     # Ḟ = ∂F/∂δ δ̇ + ∂F/∂δ̇ δ̈
     _, gap_rate = clearance(d, c)
     return -(stiffness * gap_rate + damping * along_normal(d, c, d.work.acceleration))
+
+
+@jit
+def maximum(d, c, quantity):
+    """The maximum of FORCE or PENETRATION of candidate c inside the last step.
+
+    Parabolas through three points, ever closer to the top of the last one; the top of the last of all.
+    """
+    complete(d, SOLVER)
+    end = fraction(d.step, d.step.end)
+    middle, reach, best, summit = 0.5 * end, 0.5 * end, 0.0, 0.0
+    for _ in range(3):
+        left = sample(d, c, quantity, middle - reach)
+        top = sample(d, c, quantity, middle)
+        right = sample(d, c, quantity, middle + reach)
+        best = max(best, left, top, right)
+        bend = left - 2.0 * top + right
+        if bend >= 0.0:
+            return best
+        shift = 0.5 * (left - right) / bend
+        summit = top - 0.25 * (left - right) * shift if abs(shift) <= 1.0 else top
+        middle += shift * reach
+        reach *= 0.1
+        middle = min(max(middle, reach), end - reach)
+    return max(best, summit)
+
+
+@jit
+def sample(d, c, quantity, theta):
+    """FORCE [N] or PENETRATION [m] of candidate c at the fraction θ of the last step."""
+    interpolate(d.step, theta, d.work.y)
+    locate_points(d.model, d.work.y, d.work)
+    gap, gap_rate = clearance(d, c)
+    force, _ = contact_force(d, c, gap, gap_rate)
+    return force if quantity == FORCE else -gap
 
 
 @jit
