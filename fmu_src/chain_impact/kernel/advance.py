@@ -11,7 +11,13 @@ import math
 from chain_impact.kernel import explicit, implicit, step_size
 from chain_impact.kernel.clearing import RELATCH_RATIO
 from chain_impact.kernel.complete import complete
-from chain_impact.kernel.contact import accelerate_points, clear_loads, latch, locate_points
+from chain_impact.kernel.contact import (
+    accelerate_points,
+    clear_loads,
+    drop_events,
+    latch,
+    locate_points,
+)
 from chain_impact.kernel.contact_force import latch_damping
 from chain_impact.kernel.dense import OUTPUTS, fraction, interpolate, time_at
 from chain_impact.kernel.equations import state_rate
@@ -60,8 +66,7 @@ def restart(d):
     interpolate(d.step, fraction(d.step, d.step.time), d.work.y)
     d.step.next_size *= pace_now(d, d.work.y)  # in seconds
     still(d, d.step.time, d.work.y)
-    for c in range(len(d.touch.event)):
-        d.touch.event[c] = 0
+    drop_events(d.touch)
     status = change_law(d)
     clear_loads(d)
     # a chain at rest takes steps far too long for what an input may do to it

@@ -179,6 +179,13 @@ def latch(d, c):
 
 
 @jit
+def drop_events(touch):
+    """Forget the events found in the last step."""
+    for c in range(len(touch.event)):
+        touch.event[c] = 0
+
+
+@jit
 def effective_mass(d, c):
     """1/(J M⁻¹ Jᵀ) [kg] of candidate c at the located points: what a blow along its normal has to move.
 

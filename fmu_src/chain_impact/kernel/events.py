@@ -29,7 +29,7 @@ from chain_impact.kernel.clearing import (
 )
 from chain_impact.kernel.complete import complete
 from chain_impact.kernel.constraints import holding
-from chain_impact.kernel.contact import clearance, locate_points
+from chain_impact.kernel.contact import clearance, drop_events, locate_points
 from chain_impact.kernel.dense import SOLVER, interpolate, rate_bounds, root_at
 from chain_impact.kernel.implicit import clearance_curvature
 from chain_impact.kernel.jit import jit
@@ -113,8 +113,7 @@ def find_relatch(d, touch):
             measure(d, first)
     if found < 0:
         return touch
-    for c in range(len(d.touch.event)):
-        d.touch.event[c] = 0
+    drop_events(d.touch)
     d.touch.event[found] = RELATCH
     return first
 

@@ -7,6 +7,7 @@ from chain_impact.kernel.contact import (
     clearance,
     contact_force,
     contact_slopes,
+    drop_events,
     locate_points,
 )
 from chain_impact.kernel.dense import SOLVER, fraction, interpolate
@@ -77,8 +78,7 @@ def follow_to_now(d):
     step.end = step.time
     step.rate_known = 0
     step.cleared = 0
-    for c in range(len(d.touch.event)):
-        d.touch.event[c] = 0  # it is beyond, and will be found again
+    drop_events(d.touch)  # they are beyond, and will be found again
     state_rate(d, step.state_end, rate)
     accelerate_points(d.model, step.state_end, rate, d.work)
     follow_contacts(d)

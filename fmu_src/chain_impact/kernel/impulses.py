@@ -25,7 +25,7 @@ from chain_impact.kernel.constraints import (
     press,
     start_from_accelerations,
 )
-from chain_impact.kernel.contact import clear_loads, clearance, latch, locate_points
+from chain_impact.kernel.contact import clear_loads, clearance, drop_events, latch, locate_points
 from chain_impact.kernel.equations import free_rate
 from chain_impact.kernel.events import TOUCH
 from chain_impact.kernel.impacts import finish
@@ -173,8 +173,7 @@ def judge(d):
         complement(d, scale)
         part(d)
         list_touching(d)
-    for c in range(len(touch.event)):
-        touch.event[c] = 0
+    drop_events(touch)
 
 
 @jit

@@ -2,6 +2,7 @@
 
 import math
 
+from chain_impact.kernel.contact import drop_events
 from chain_impact.kernel.dense import interpolate
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.jit import jit
@@ -62,8 +63,7 @@ def pulls(d, theta):
 def mark_pulling(d, theta):
     """Mark the held contacts that pull at θ for release, and no other event."""
     pulls(d, theta)
-    for c in range(len(d.touch.event)):
-        d.touch.event[c] = 0
+    drop_events(d.touch)
     for k in range(d.touch.active_count):
         if d.work.rigid.impulse[k] < -pull_limit(d):
             d.touch.event[d.touch.active_index[k]] = RELEASE
