@@ -1,7 +1,7 @@
 """The kernel's model as C functions for other code, compiled just as the kernel itself is.
 
 What rest_model.py and peers/kernel_model.py have in common: start and stop of a solver whose state lacks the
-end of the kernel's (energies, pace, time), f(y), what an event does, and the way from such functions to a
+end of the kernel's (energies, u, time), f(y), what an event does, and the way from such functions to a
 library.
 """
 

@@ -236,6 +236,35 @@ def test_the_record_holds_everything():
     assert instance._block.tobytes() == other._block.tobytes()
 
 
+def test_a_bounce_off_which_links_turn_far_faster_does_not_hold_up_the_solver():
+    """A step as long as that before it would be of 15 turns; its errors overflow."""
+    wall = 2.290016350654996
+    values = {
+        ("solver", "tolerance"): 1e-4,
+        ("solver", "method"): "explicit",
+        ("initial", "position"): (0.0, 0.0),
+        ("initial", "velocity"): (3.5634856097160164, 3.942296303296642),
+        ("initial", "angles"): (
+            1.9217599797316,
+            -2.7438948538530545,
+            -3.064778828822475,
+            -1.8066526540180536,
+        ),
+        ("initial", "angular_velocities"): (
+            -0.9326127638667658,
+            -0.8311383187044885,
+            -0.5477486814351775,
+            -0.2465287975569228,
+        ),
+        ("box", "x_min"): -2.3410989985259376,
+        ("box", "y_min"): -wall,
+        **{("box", name): wall for name in ("x_max", "y_max")},
+    }
+    result = simulate(with_values(default_scene(model=LAW, restitution=0.9), values), stop_time=1.0)
+    assert len(result.impacts) == 2
+    assert result.statistics["rejected_steps"] <= result.statistics["steps"]
+
+
 def test_communication_points_change_neither_result_nor_cost():
     scene = default_scene(model=LAW, restitution=0.3)
     coarse, fine = simulate(scene, 4.0, 0.1), simulate(scene, 4.0, 1e-3)

@@ -1,7 +1,7 @@
 """The kernel's own right-hand side and events as C functions, for solvers that take pointers to such.
 
 Compiled by numba and linked just as the kernel is, on the same record; so these solvers evaluate the very
-machine code that ours does. Their state is the kernel's without energies, pace and time, which drive nothing.
+machine code that ours does. Their state is the kernel's without energies, u and time, which drive nothing.
 
     int32 peer_start(instance*, double* y)                        initialize; the state at 0 s
     void  peer_rate(double t, const double* y, double* rate, instance*)

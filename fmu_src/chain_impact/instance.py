@@ -6,7 +6,7 @@ double or an integer), so each has an index counted in doubles from the start of
 needs no other knowledge of the layout.
 
 N links, points 0…N (0 the base, N the tip), C candidates (pairs of a point and a wall), state vector
-y = (x₀, θ, ẋ₀, ω, dissipated energy, energy supplied) of n = 2(N+2)+2 numbers.
+y = (x₀, θ, ẋ₀, ω, dissipated energy, energy supplied, u, t) of n = 2(N+2)+4 numbers.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chain_impact.kernel.clearing import FAR, WITH_CURVES
+from chain_impact.kernel.dense import FAR, WITH_CURVES
 from chain_impact.scene import load_scene, with_values
 from chain_impact.simulate import Instance
 

@@ -310,6 +310,16 @@ def test_a_step_that_is_not_finite_is_not_accepted(entry):
     assert not attempt(d, 0.1) <= 1.0
 
 
+@pytest.mark.parametrize("size", [1.0, 1e2, 1e4, 1e8])
+def test_a_step_far_too_long_is_not_accepted(size):
+    """Its error estimates are so large that their squares overflow, and the quotient of these is 0."""
+    d = started(FLYER)
+    n = len(d["model"]["length"])
+    d["step"]["state_end"][n + 4 : 2 * n + 4] = 1e3 * np.arange(1, n + 1)
+    state_rate(d, d["step"]["state_end"], d["work"]["stage"][0])
+    assert not attempt(d, size) <= 1.0
+
+
 def test_only_a_step_with_an_event_or_an_output_gets_a_dense_output():
     """11 evaluations for a step that is tried and one at its end; none that only outputs need is counted."""
     spent = []

@@ -195,9 +195,10 @@ def begin(d):
     if not d.step.rate_known:
         state_rate(d, d.step.state_end, last)
         d.statistics.rhs_evaluations += 1
+    elif d.touch.active_count > 0 and not placed:
+        locate_points(d.model, d.step.state_end, d.work)
     if d.touch.active_count > 0:
         if not placed:
-            locate_points(d.model, d.step.state_end, d.work)
             accelerate_points(d.model, d.step.state_end, last, d.work)
         follow_contacts(d)
 
@@ -206,6 +207,8 @@ def begin(d):
     if events > 0 and apply_events(d):
         state_rate(d, d.step.state_end, rate)
         d.statistics.rhs_evaluations += 1
+    if events > 0 and d.contact.impulsive:
+        d.step.next_size = min(d.step.next_size, step_size.in_flight(d, d.step.state_end, rate))
     choose_method(d)
     set_pace(d, events > 0)
     at_pace(d, d.step.state_end, rate, d.work.stage[0])

@@ -7,13 +7,10 @@ as functions of the variable that the step runs in. What touches, or ends, is ev
 import math
 
 from chain_impact.kernel.contact import accelerate_points, along_normal, clearance, locate_points
-from chain_impact.kernel.dense import root_at
+from chain_impact.kernel.dense import FAR, WITH_CURVES, root_at
 from chain_impact.kernel.jit import jit
 from chain_impact.kernel.pace import TIME, pace_change, pace_of, root_curve, root_rate
 
-# of step.cleared: what is known of the candidates at the end of the last step. FAR: that those apart are at
-# least `step.room` from touching
-NOTHING, VALUES, WITH_CURVES, FAR = 0, 1, 2, 3
 SMALL_TURN, MARGIN = 1.0, 0.05  # rad of a link, part of the range of values: where ends of a step can tell
 RELATCH_RATIO = 2.0  # δ̇/v₀ at which v₀ is latched anew; what gravity adds after an onset stays far below
 NEARLY = 0.75  # of that speed, at an end of the step
@@ -65,7 +62,7 @@ def largest_turn(d):
 
 @jit
 def remains_far(d):
-    """Whether all are far from touching, as they were, but for the pacer, which is far from its end."""
+    """Whether all are far from touching, as they were, but for the pacer, which has not come to its end."""
     step, known, lasted = d.step, d.step.cleared >= WITH_CURVES, d.step.end - d.step.start
     speed, acceleration = step.speed, step.acceleration
     step.speed, step.acceleration = fastest(d.work.velocity), fastest(d.work.acceleration)

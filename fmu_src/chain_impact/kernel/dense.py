@@ -7,6 +7,9 @@ from chain_impact.kernel.jit import jit
 DENSE_COEFFICIENTS = 7
 RESOLUTION = 1e-15  # of a step, in which a time is found
 NOBODY, OUTPUTS, SOLVER = 0, 1, 2  # who has had the dense output of the last step
+# of `step.cleared`: what is known of the clearances at the end of the step, see clearing.py; FAR means that
+# they are at least `step.room` where there is no contact
+NOTHING, VALUES, WITH_CURVES, FAR = 0, 1, 2, 3
 
 
 @jit
@@ -63,19 +66,21 @@ def fraction(step, time):
     elapsed = time - step.start
     if step.pacer < 0:
         return elapsed / step.size
-    if elapsed >= step.dense[0, time_at(step)]:
+    at_end = step.state[root_at(step)] + step.dense[0, root_at(step)]
+    if elapsed >= step.dense[0, time_at(step)] and at_end >= 0.0:
         return 1.0
-    # t increases with θ, and dt/dθ = h p: Newton's method inside a bracket
+    # t increases with θ as long as u ≥ 0, and dt/dθ = h p: Newton's method inside a bracket
     low, high, theta = 0.0, 1.0, 0.5
     for _ in range(60):
         error = interpolate_component(step, theta, time_at(step)) - elapsed
         if error == 0.0:
             break
-        if error > 0.0:
+        u = interpolate_component(step, theta, root_at(step))
+        if error > 0.0 or u < 0.0:
             high = theta
         else:
             low = theta
-        slope = step.size * pace(interpolate_component(step, theta, root_at(step)))
+        slope = step.size * pace(u)
         guess = theta - error / slope if slope > 0.0 else high
         if not low < guess < high:
             guess = 0.5 * (low + high)

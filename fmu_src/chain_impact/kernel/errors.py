@@ -19,7 +19,7 @@ def scaled_error(d, row):
     value (turning or shifting the scene changes nothing); speeds relative to themselves plus one of these a
     second, and dissipated energy likewise; and the penetration of every active contact by its own scale,
     which may be a millionth of a link length. Energy supplied by inputs follows and is not controlled, nor
-    are the pace and the time of a step, which err far less than the motion.
+    are u and the time of a step, which err far less than the motion.
 
     Returns:
         At most 1 when the error keeps the tolerance; infinity when the result is not finite.

@@ -16,10 +16,7 @@ force, grow without bound; v₀ is latched anew.
 import math
 
 from chain_impact.kernel.clearing import (
-    FAR,
-    NOTHING,
     RELATCH_RATIO,
-    VALUES,
     keep_start,
     nearly_fast,
     plainly_clear,
@@ -30,7 +27,7 @@ from chain_impact.kernel.clearing import (
 from chain_impact.kernel.complete import complete
 from chain_impact.kernel.constraints import holding
 from chain_impact.kernel.contact import clearance, drop_events, locate_points
-from chain_impact.kernel.dense import SOLVER, interpolate, rate_bounds, root_at
+from chain_impact.kernel.dense import FAR, NOTHING, SOLVER, VALUES, interpolate, rate_bounds, root_at
 from chain_impact.kernel.implicit import clearance_curvature
 from chain_impact.kernel.jit import jit
 from chain_impact.kernel.pace import TIME
@@ -102,7 +99,7 @@ def find_relatch(d, touch):
 
     A contact whose point is nearly fast enough at either end of the step is looked at in between, too.
     """
-    first = touch if touch >= 0.0 else 1.0  # measured last
+    first = touch if touch >= 0.0 else 1.0  # where the points are located
     found = -1
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
@@ -110,7 +107,7 @@ def find_relatch(d, touch):
             theta = when_fast(d, c, RELATCH_RATIO * d.touch.impact_speed[c], first)
             if theta >= 0.0:
                 found, first = c, theta
-            measure(d, first)
+            locate_at(d, first)
     if found < 0:
         return touch
     drop_events(d.touch)
@@ -217,7 +214,8 @@ def inspect_candidate(d, c, width):
     if start > sag and end > sag:
         return QUIET
     settled = rate_start * rate_end > 0.0 and abs(rate_start) + abs(rate_end) > curvature * width
-    if settled or sag < RESOLUTION * d.model.size:
+    # not >=, which keeps on halving for a curvature that is not finite
+    if settled or not sag >= RESOLUTION * d.model.size:
         return EVENT if end < 0.0 and rate_end < 0.0 else QUIET
     return SPLIT
 

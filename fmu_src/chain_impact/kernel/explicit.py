@@ -15,7 +15,8 @@ from chain_impact.kernel.pace import TIME, at_pace, paced_rate, runs_back
 STAGES = len(dop853.A)
 LAST = dop853.STEP_STAGES  # the stage at the end of the step
 EXPONENT, SAFETY = -1.0 / dop853.ORDER, 0.8
-FAR = 50.0  # an error that halves the step
+HALVE = 50.0  # an error that halves the step
+HUGE = 1e100  # an error whose square could overflow
 STEP_EVALUATIONS = LAST - 1  # new right-hand sides of a step that is then rejected …
 DENSE_EVALUATIONS = STAGES - LAST  # … of its dense output, besides the one at its end
 
@@ -67,7 +68,7 @@ def attempt(d, h):
     d.statistics.rhs_evaluations += STEP_EVALUATIONS
     _step_end(d.work.stage, d.step.state_end, h, d.work.y)
     if runs_back(d, d.work.y):
-        return FAR
+        return HALVE
     _errors(d.work.stage, h, d.work.error[0], d.work.error[1])
     if d.touch.active_count > 0:
         locate_points(d.model, d.work.y, d.work)
@@ -75,8 +76,10 @@ def attempt(d, h):
     error_5 = scaled_error(d, 0)
     set_gap_errors(d, 1)
     error_3 = scaled_error(d, 1)
-    if error_5 in (0.0, math.inf):
-        return error_5
+    if error_5 == 0.0:
+        return 0.0
+    if max(error_5, error_3) > HUGE:
+        return math.inf
     # e₅²/√(e₅² + e₃²/100): behaves as order 8, as e₅/e₃ does as h² (Hairer, Nørsett, Wanner)
     ratio = error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3)
     # the error of a step is of order 9; in flight the difference is kept as a margin

@@ -10,7 +10,7 @@ from chain_impact.kernel.contact import (
     drop_events,
     locate_points,
 )
-from chain_impact.kernel.dense import SOLVER, fraction, interpolate
+from chain_impact.kernel.dense import NOTHING, SOLVER, fraction, interpolate
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.jit import jit
 
@@ -77,7 +77,7 @@ def follow_to_now(d):
     interpolate(step, fraction(step, step.time), step.state_end)
     step.end = step.time
     step.rate_known = 0
-    step.cleared = 0
+    step.cleared = NOTHING
     drop_events(d.touch)  # they are beyond, and will be found again
     state_rate(d, step.state_end, rate)
     accelerate_points(d.model, step.state_end, rate, d.work)

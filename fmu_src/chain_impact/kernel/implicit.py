@@ -124,7 +124,7 @@ def linearize(d):
 
 @jit
 def own_size(d):
-    """How much of y is in z: all but the pace, which is 1, and the time."""
+    """How much of y is in z: all but u, which is 1, and the time."""
     return len(d.work.y) - 2
 
 
@@ -156,7 +156,7 @@ def extended_rate(d, z, rate):
     dissipated = 0.0
     for k in range(d.touch.active_count):
         dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
-    loaded_rate(d, z, dissipated, rate)  # … and of pace and time, in whose place are clearances here
+    loaded_rate(d, z, dissipated, rate)  # … and of u and time, in whose place are clearances here
     accelerate_points(d.model, z, rate, d.work)
     clearance_rates(d, z, rate)
 

@@ -14,7 +14,7 @@ from chain_impact.kernel.contact_laws import (
     RATE_EXPONENTS,
     damping_factor,
 )
-from chain_impact.kernel.dense import SOLVER, root_at, time_at
+from chain_impact.kernel.dense import NOTHING, SOLVER, root_at, time_at
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.jit import jit
 from chain_impact.kernel.pace import TIME
@@ -73,7 +73,7 @@ def initialize(d, time):
 def derive_chain(model):
     """Find what the recursion needs of each link, and the absolute scales of positions and energies."""
     model.damped = 0
-    model.middle = 0 if model.pinned else len(model.length) // 2
+    model.middle = 0 if model.pinned else len(model.length) // 2  # as in `accelerations`
     model.size = 0.0
     for i in range(len(model.length)):
         c = model.center_of_mass[i]
@@ -165,7 +165,7 @@ def still(d, time, y):
     d.step.pacer = TIME
     d.step.rate_known = 0
     d.step.dense_for = SOLVER
-    d.step.cleared = 0
+    d.step.cleared = NOTHING
 
 
 @jit

@@ -17,7 +17,7 @@ distance of two bodies stands in for p.
 import math
 
 from chain_impact.kernel.contact import along_normal, clearance
-from chain_impact.kernel.dense import pace, root_at, time_at
+from chain_impact.kernel.dense import NOTHING, pace, root_at, time_at
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.jit import jit
 
@@ -104,7 +104,7 @@ def set_pace(d, anew):
     step.state_end[root_at(step)] = u
     step.state_end[time_at(step)] = 0.0
     if changed:
-        step.cleared = 0
+        step.cleared = NOTHING
         if not anew:
             step.next_size *= before / pace_now(d, step.state_end)
 
