@@ -88,18 +88,21 @@ def attempt(d, h):
 
 @jit
 def accept(d, h):
-    """Make the step that was tried the last accepted one, with the rate and the points at its end."""
+    """Make the step that was tried the last accepted one, with the rate and, for candidates, points there."""
     if holding(d):
         meet_walls(d, d.work.y)
     extend(d.step, h, d.work.y, 0)
     y, rate = d.step.state_end, d.work.rate_end
-    if d.touch.active_count > 0:
+    touching = d.touch.active_count > 0
+    if touching:
         located_rate(d, y, rate)
     else:
         state_rate(d, y, rate)
-        place_points(d.model, y, d.work)
-    accelerate_points(d.model, y, rate, d.work)
-    d.work.at_end = 1
+    if len(d.touch.active) > 0:
+        if not touching:
+            place_points(d.model, y, d.work)
+        accelerate_points(d.model, y, rate, d.work)
+        d.work.at_end = 1
     d.statistics.rhs_evaluations += 1
     d.step.rate_known = 1
 
