@@ -15,6 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 from unittest import mock
 
+from chain_impact.kernel.jit import jit
 from numba import carray, float64, int32, types
 
 from chain_impact.export import aot, lower
@@ -22,7 +23,6 @@ from chain_impact.kernel.advance import apply_events
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.events import RELATCH, TOUCH
 from chain_impact.kernel.initialize import initialize, still
-from chain_impact.kernel.jit import jit
 
 Entries = dict[str, tuple[object, Callable]]
 """C functions: name → (signature, function)."""

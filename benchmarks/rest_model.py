@@ -18,12 +18,12 @@ import subprocess
 from functools import cache
 from pathlib import Path
 
+from chain_impact.kernel.jit import jit
 from kernel_functions import Entries, built, happen, rate_at, start_and_stop, zig
 from numba import carray, float64, int32, types
 
 from chain_impact.kernel.clearing import RELATCH_RATIO
 from chain_impact.kernel.contact import clearance, locate_points
-from chain_impact.kernel.jit import jit
 
 DRIVER = Path(__file__).with_name("rest_cvode.c")
 LEFT_OUT = 3  # of the kernel's state

@@ -16,10 +16,17 @@ LONGEST = 400  # lines of a file
 MODULES = sorted(PACKAGE.rglob("*.py"))
 # modules without a test file of their own → the one that tests them
 TESTED_ELSEWHERE = {
-    "export/lower.py": "fmu/test_build.py",
+    "compilation/collecting.py": "compilation/test_lower.py",
+    "compilation/compilers.py": "compilation/test_library.py",
+    "compilation/entry_points.py": "test_simulate.py",
+    "compilation/errors.py": "compilation/test_library.py",
+    "compilation/functions.py": "compilation/test_record_type.py",
+    "compilation/law.py": "test_law_file.py",
+    "compilation/work.py": "test_cli.py",
     "export/description.py": "fmu/test_build.py",
     "export/fmu.py": "fmu/test_build.py",
     "limits.py": "test_scene.py",
+    "progress.py": "test_cli.py",
     "kernel/advance.py": "test_simulate.py",  # what only whole simulations can show
     "kernel/combination.py": "kernel/test_explicit.py",
     "kernel/complete.py": "kernel/test_explicit.py",
@@ -32,7 +39,7 @@ TESTED_ELSEWHERE = {
     "kernel/impacts.py": "test_impacts.py",
     "kernel/impulses.py": "test_newton_impact.py",
     "kernel/initialize.py": "test_simulate.py",
-    "kernel/jit.py": "test_simulate.py",  # one decorator, on every function of the kernel
+    "kernel/inlining.py": "kernel/test_recursion.py",
     "kernel/law_registry.py": "kernel/test_contact_laws.py",
     "kernel/observe.py": "test_simulate.py",
     "kernel/ros34pw2.py": "test_simulate.py",
@@ -57,10 +64,16 @@ def belongs(module, packages):
     return any(module == package or module.startswith(package + ".") for package in packages)
 
 
-@pytest.mark.parametrize("file", sorted((PACKAGE / "kernel").glob("*.py")), ids=lambda file: file.name)
-def test_the_kernel_imports_math_numpy_numba_and_itself_only(file):
-    allowed = ("math", "numpy", "numba", "chain_impact.kernel")
+@pytest.mark.parametrize("file", sorted((PACKAGE / "kernel").rglob("*.py")), ids=lambda file: file.name)
+def test_the_kernel_imports_math_numpy_and_itself_only(file):
+    allowed = ("math", "numpy", "chain_impact.kernel")
     assert [module for module in imported(file) if not belongs(module, allowed)] == []
+
+
+def test_only_the_lowering_imports_numba():
+    """So that who has ready kernels needs no compiler."""
+    users = {file.stem for file in MODULES if any(belongs(m, ("numba", "llvmlite")) for m in imported(file))}
+    assert users == {"collecting", "entry_points", "functions", "law", "lower", "record_type"}
 
 
 def test_the_slave_imports_the_standard_library_and_pythonfmu_only():

@@ -5,6 +5,7 @@ import io
 import re
 import subprocess
 import sys
+import time
 import zipfile
 
 import matplotlib as mpl
@@ -12,8 +13,9 @@ import pytest
 from matplotlib import pyplot
 from rich.console import Console
 
-from chain_impact import CONTACT_LAWS, cli, load_scene
-from chain_impact.export.aot import BuildError
+from chain_impact import CONTACT_LAWS, cli, load_scene, progress
+from chain_impact.compilation.errors import BuildError
+from chain_impact.compilation.work import Work
 from chain_impact.runs import record_fmu
 from chain_impact.scene import models_folder
 from chain_impact.variables import fmu_variables
@@ -59,7 +61,7 @@ def test_a_scene_is_a_file_a_folder_or_a_name(run, here, kind):
 def test_build_for_another_platform(run, here, monkeypatch):
     asked = []
 
-    def library(links, candidates, platform, notify, **_):
+    def library(links, platform, notify, **_):
         asked.append(platform)
         path = here / f"kernel.{platform}"
         path.write_text(platform)
@@ -320,7 +322,9 @@ def terminal(monkeypatch):
 
     def terminal(is_one):
         text = io.StringIO()
-        monkeypatch.setattr(cli, "err", Console(file=text, force_terminal=is_one, width=100))
+        console = Console(file=text, force_terminal=is_one, width=100)
+        for module in (cli, progress):
+            monkeypatch.setattr(module, "err", console)
         return text
 
     return terminal
@@ -331,7 +335,7 @@ def compiling(monkeypatch):
     cached = SIMULATE_MODULE.kernel_library
 
     def kernel_library(*arguments, notify, **_):
-        notify("compiling the kernel")
+        notify(Work("compiling the kernel", 12.0))
         return cached(*arguments)
 
     monkeypatch.setattr(SIMULATE_MODULE, "kernel_library", kernel_library)
@@ -351,12 +355,24 @@ def test_no_bar_when_nothing_compiles(run, terminal):
     assert text.getvalue() == ""
 
 
-def test_no_bar_in_a_file(run, monkeypatch, terminal):
+def test_a_line_instead_of_a_bar_in_a_file(run, monkeypatch, terminal):
     compiling(monkeypatch)
     text = terminal(False)
-    run("simulate", "rod_drop")
-    run("build", "rod_drop")
+    _, _, errors = run("simulate", "rod_drop")
+    assert errors == "chain-impact: compiling the kernel (about 12 s, then kept)\n"
+    _, _, errors = run("build", "rod_drop")
+    assert errors == ""  # of what takes a moment nothing is said
     assert text.getvalue() == ""
+
+
+def test_the_bar_moves_as_long_as_it_compiles(monkeypatch, terminal):
+    text = terminal(True)
+    with progress.progress() as (notify, _):
+        notify(Work("compiling the kernel", 0.8))
+        time.sleep(0.6)
+    shown = re.findall("━+", re.sub(r"\x1b\[38;[\d;]*m━+|\x1b\[0m", "", text.getvalue()))
+    assert "of about 1 s" in text.getvalue()
+    assert len({len(bar) for bar in shown}) >= 2
 
 
 def test_the_bar_says_what_is_being_done(run, terminal):

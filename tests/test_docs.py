@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from chain_impact import cli
-from chain_impact.instance import instance_dtype
 from chain_impact.kernel.contact_laws import CONTACT_LAWS
+from chain_impact.layout import instance_dtype
 from chain_impact.scene import scene_keys
 
 ROOT = Path(__file__).parents[1]
@@ -115,7 +115,9 @@ def test_commands_run(page, folder):
 
 def test_the_fields_of_the_symbol_table_exist():
     text = (ROOT / "docs" / "computation.md").read_text(encoding="utf-8")
-    fields = re.findall(r"`((?:model|contact|inputs|step|work|touch|output)(?:\.\w+)+)`", text)
+    fields = re.findall(
+        r"`((?:model|contact|inputs|step|work|touch|candidate|search|implicit|rigid|output)(?:\.\w+)+)`", text
+    )
     assert len(fields) > 30
     for field in fields:
         dtype = instance_dtype(2, 3)

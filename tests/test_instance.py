@@ -1,4 +1,4 @@
-"""The instance record: its layout, its size, and where the scene's values stand in it."""
+"""A new instance: its size, and where the scene's values stand in it."""
 
 import operator
 from functools import reduce
@@ -7,49 +7,15 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene
-from chain_impact.instance import candidates, instance_dtype, new_instance, output_dtype
+from chain_impact.instance import candidates, new_instance
 from chain_impact.scene import SOLVER_METHODS, WALLS, model_names, scene_to_dict, with_values
-from chain_impact.variables import WORD, fmu_variables, word_index
+from chain_impact.variables import fmu_variables, word_index
 
-SIZES = [(1, 0), (1, 1), (2, 2), (4, 20), (7, 32)]  # links N, candidates C
 BUFFER = 64 * 1024  # bytes, what an instance of four links in a box shall fit into
-
-
-def scalars(dtype):
-    """The offset [bytes] and the type of each scalar of a record."""
-    if dtype.subdtype:
-        item, shape = dtype.subdtype
-        for i in range(int(np.prod(shape))):
-            for offset, kind in scalars(item):
-                yield i * item.itemsize + offset, kind
-    elif dtype.fields:
-        for inner, start, *_ in dtype.fields.values():
-            for offset, kind in scalars(inner):
-                yield start + offset, kind
-    else:
-        yield 0, dtype
-
-
-@pytest.mark.parametrize(("links", "pairs"), SIZES)
-def test_every_scalar_has_eight_bytes_and_none_lie_between_them(links, pairs):
-    dtype = instance_dtype(links, pairs)
-    found = list(scalars(dtype))
-    assert {kind for _, kind in found} == {np.dtype(np.float64), np.dtype(np.int64)}
-    assert sorted(offset for offset, _ in found) == list(range(0, dtype.itemsize, WORD))
-
-
-@pytest.mark.parametrize(("links", "pairs"), SIZES)
-def test_the_output_record_is_the_row_of_a_time_series(links, pairs):
-    assert instance_dtype(links, pairs)["output"] == output_dtype(links, pairs)
 
 
 def test_four_links_in_a_box_fit_into_64_kilobytes():
     assert new_instance(load_scene("four_link_box")).nbytes < BUFFER
-
-
-def test_the_size_grows_linearly():
-    small, middle, large = (instance_dtype(n, 4 * (n + 1)).itemsize for n in (10, 20, 30))
-    assert large - middle == middle - small
 
 
 @pytest.mark.parametrize("model", model_names())
@@ -72,8 +38,9 @@ def test_candidates_are_the_listed_points_at_the_walls_that_are_there():
 @pytest.mark.parametrize("model", model_names())
 def test_the_record_names_point_and_wall_of_each_candidate(model):
     scene = load_scene(model)
-    held = new_instance(scene)[0]["model"]
-    assert list(zip(held["candidate_point"], held["candidate_wall"], strict=True)) == candidates(scene)
+    held = new_instance(scene)[0]
+    assert (held["links"], held["candidates"]) == (len(scene.chain.links), len(candidates(scene)))
+    assert list(zip(held["candidate"]["point"], held["candidate"]["wall"], strict=True)) == candidates(scene)
 
 
 def test_a_pinned_base_is_no_candidate_by_default():
@@ -115,5 +82,5 @@ def test_a_new_instance_holds_nothing_but_the_scene():
     scene = load_scene("four_link_box")
     instance = new_instance(scene)
     assert instance.tobytes() == new_instance(scene).tobytes()
-    for field in ("step", "touch", "finished", "statistics", "output", "work"):
+    for field in ("step", "touch", "search", "implicit", "rigid", "finished", "statistics", "output", "work"):
         assert not any(instance[0][field].tobytes()), field

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, SceneError, load_scene
-from chain_impact.export.aot import BuildError
+from chain_impact.compilation.errors import BuildError
 from chain_impact.export.fmu import build_fmu
 from chain_impact.runs import RunError, read_fmu, record_fmu, record_scene
 from chain_impact.scene import model_names

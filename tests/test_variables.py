@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.instance import candidates, new_instance, output_dtype
+from chain_impact.instance import candidates, new_instance
 from chain_impact.kernel.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
+from chain_impact.layout import output_dtype
 from chain_impact.scene import SOLVER_METHODS, WALLS, Scene, model_names, with_values
 from chain_impact.variables import UNITS, fmu_variables, output_columns, parameter_paths, word_index
 
@@ -54,7 +55,7 @@ def test_word_index_counts_as_numpy_does():
     instance = new_instance(SCENES["four_link_box"])
     instance.view(np.int64)[:] = np.arange(instance.nbytes // 8)
     whole = instance.view(instance.dtype)[0]
-    assert word_index(instance.dtype, ("model", "candidate_wall", 7)) == whole["model"]["candidate_wall"][7]
+    assert word_index(instance.dtype, ("candidate", "wall", 7)) == whole["candidate"]["wall"][7]
     place = ("step", "dense", 2, 5)
     assert word_index(instance.dtype, place) == whole["step"]["dense"].view(np.int64)[2, 5]
 

@@ -17,13 +17,13 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+from chain_impact.kernel.jit import jit
 from kernel_functions import Entries, built, happen, rate_at, start_and_stop
 from numba import carray, float64, int32, types, void
 
 from chain_impact.kernel.clearing import RELATCH_RATIO
 from chain_impact.kernel.contact import clearance, locate_points
 from chain_impact.kernel.equations import state_rate
-from chain_impact.kernel.jit import jit
 from peers.model import AT_ZERO, CLEAR, HOP
 
 POLISH = 1e-7  # s, how far a solver's root may be corrected

@@ -1,7 +1,7 @@
 """chain-impact: the impact dynamics of planar robotic chains, as an FMU."""
 
 from chain_impact.compare import Comparison, compare
-from chain_impact.export.aot import BuildError
+from chain_impact.compilation.errors import BuildError
 from chain_impact.export.fmu import build_fmu
 from chain_impact.kernel.contact_laws import CONTACT_LAWS
 from chain_impact.scene import Scene, SceneError, load_scene

@@ -4,32 +4,28 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator, Sequence
 from errno import ENOENT
 from pathlib import Path
-from time import monotonic
 from typing import TYPE_CHECKING, NoReturn
 
-from rich.console import Console, RenderableType
+from rich.console import RenderableType
 from rich.markup import escape
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from chain_impact.export.aot import HOST, ZIG_TARGETS, BuildError
+from chain_impact.compilation import cache, ready
+from chain_impact.compilation.compilers import HOST, ZIG_TARGETS
+from chain_impact.compilation.errors import BuildError
+from chain_impact.progress import err, out, progress
 from chain_impact.recording import Recording
 from chain_impact.runs import RunError, read_fmu, record_fmu, record_scene, with_settings
 from chain_impact.scene import SceneError, load_scene, scene_to_dict
-from chain_impact.screen import law_table, summary
+from chain_impact.screen import cache_report, law_table, summary
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DEFAULT_SCENE = "four_link_box"
 PICTURES = (".png", ".svg", ".pdf")
-BRIEF = 1.0  # s, for which nobody needs a progress bar
-Notify = Callable[[str], None]
-Advance = Callable[[float], None]
-out, err = Console(highlight=False), Console(stderr=True, highlight=False)
 
 
 class UsageError(ValueError):
@@ -115,6 +111,10 @@ def parser() -> argparse.ArgumentParser:
     validate = verbs.add_parser("validate", help="check an FMU against the FMI standard")
     validate.add_argument("fmu", metavar="FMU", type=Path)
     validate.set_defaults(run=run_validate)
+
+    kept = verbs.add_parser("cache", help="say which compiled kernels there are, and where; or remove them")
+    kept.add_argument("--clear", action="store_true", help="remove all that is in the cache")
+    kept.set_defaults(run=run_cache)
     return whole
 
 
@@ -244,6 +244,17 @@ def run_validate(options: argparse.Namespace) -> int:
     return 1 if problems else 0
 
 
+def run_cache(options: argparse.Namespace) -> int:
+    """Say what is in the cache of compiled kernels, or remove it."""
+    if options.clear:
+        size = cache.clear()
+        out.print(f"removed {size / 1e6:.1f} MB from {cache.base_folder()}", markup=False, soft_wrap=True)
+        return 0
+    for line in cache_report(ready.libraries(), cache.entries(), cache.cache_folder()):
+        out.print(line, markup=False, soft_wrap=True)
+    return 0
+
+
 # ---- what they share ------------------------------------------------------------------------------------
 
 
@@ -266,38 +277,6 @@ def _setting(text: str) -> tuple[str, str]:
     if not (name and equals and value):
         raise UsageError(f"--set {text}: must be NAME=VALUE, for example contact.stiffness=1e9")
     return name.strip(), value.strip()
-
-
-@contextmanager
-def progress(work: str = "simulating") -> Iterator[tuple[Notify, Advance]]:
-    """A progress bar, for work that takes long enough to see it.
-
-    Yields a function that says what is being done, for as long as it takes, and one that tells the fraction
-    of a simulation that is done.
-    """
-    columns = TextColumn("{task.description}"), BarColumn(pulse_style="cyan"), TimeElapsedColumn()
-    bar = Progress(*columns, console=err, transient=True, disable=not err.is_terminal)
-    begun, shown = monotonic(), 0.0
-
-    def notify(sentence: str, total: float | None = None) -> None:
-        if bar.task_ids:
-            bar.update(bar.task_ids[0], description=sentence, total=total)
-        else:
-            bar.add_task(sentence, total=total)
-            bar.start()
-
-    def advance(fraction: float) -> None:
-        nonlocal shown
-        if fraction > shown + 0.01 and monotonic() > begun + BRIEF:
-            notify(work, 1.0)
-            bar.update(bar.task_ids[0], completed=fraction)
-            shown = fraction
-
-    try:
-        yield notify, advance
-    finally:
-        if bar.task_ids:
-            bar.stop()
 
 
 def report(source: str, settings: Sequence[str], csv: Path | None, picture: Path | None) -> Recording:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.compilation.work import Notify, announce
 from chain_impact.kernel.contact_laws import CONTACT_LAWS
 from chain_impact.recording import written_whole
 from chain_impact.scene import Contact, Scene, SceneError, scene_from_dict, with_values
@@ -24,7 +25,6 @@ LONGEST = 200.0  # elastic contact times, after which a free impact is given up
 HEIGHT = 1e-3  # m, from which the mass of a free impact flies to the wall
 
 Changes = dict[tuple[str | int, ...], Any]
-Notify = Callable[[str], None]
 Advance = Callable[[float], None]
 
 
@@ -132,7 +132,7 @@ def _cell(value: object) -> object:
     return "" if value is None or (isinstance(value, float) and math.isnan(value)) else value
 
 
-def compare(scene: Scene, notify: Notify = lambda _: None, progress: Advance = lambda _: None) -> Comparison:
+def compare(scene: Scene, notify: Notify = announce, progress: Advance = lambda _: None) -> Comparison:
     """Simulate a scene with each law of the registry, and with its own law if it has one.
 
     A law that needs another exponent than the scene's is run with that, and with the stiffness that makes
@@ -243,8 +243,8 @@ def _first_impact(result: Result) -> dict[str, Any]:
     instance = Instance(result.scene)
     outputs = np.zeros(len(times), instance.record.dtype["output"])
     instance.trajectory(times, outputs)
-    model = instance.record["model"]
-    places = (model["candidate_point"] == impact["point"]) & (model["candidate_wall"] == impact["wall"])
+    candidate = instance.record["candidate"]
+    places = (candidate["point"] == impact["point"]) & (candidate["wall"] == impact["wall"])
     c = int(np.flatnonzero(places)[0])
     found["energy_lost"] = float(outputs["dissipated"][-1] - outputs["dissipated"][0])
     found["loop"] = np.array([outputs["penetration"][1:-1, c], outputs["force"][1:-1, c]]).clip(0.0)
@@ -270,7 +270,7 @@ def _against(expected: Result, run: LawRun) -> LawRun:
 # ---- a free impact ----------------------------------------------------------------------------------------
 
 
-def free_impact(contact: Contact, mass: float, speed: float, notify: Notify = lambda _: None) -> np.void:
+def free_impact(contact: Contact, mass: float, speed: float, notify: Notify = announce) -> np.void:
     """The impact of a point mass [kg] at a speed [m/s], with no other force: a row of ``Result.impacts``.
 
     Raises:
@@ -298,7 +298,7 @@ def free_impact(contact: Contact, mass: float, speed: float, notify: Notify = la
 def realised_restitution(
     comparison: Comparison,
     prescribed: np.ndarray,
-    notify: Notify = lambda _: None,
+    notify: Notify = announce,
     progress: Advance = lambda _: None,
 ) -> dict[str, np.ndarray]:
     """Realised over prescribed restitution of each law, in a free impact like the first of the comparison.

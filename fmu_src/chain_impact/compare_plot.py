@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact.compare import Comparison, LawRun, realised_restitution
+from chain_impact.compilation.work import Notify, announce
 from chain_impact.plots import STYLE
 from chain_impact.recording import written_whole
 
@@ -30,7 +31,7 @@ Looks = dict[str, dict[str, Any]]
 def plot_comparison(
     comparison: Comparison,
     path: Path,
-    notify: Callable[[str], None] = lambda _: None,
+    notify: Notify = announce,
     progress: Callable[[float], None] = lambda _: None,
 ) -> None:
     """Draw a comparison into a file; the suffix says which kind (png, svg, pdf).

@@ -1,6 +1,6 @@
-"""A user's own contact law: a Python file with a function of its name, to be compiled into the kernel.
+"""A user's own contact law: a Python file with a function of its name, to be linked to the kernel.
 
-A scene is validated by a look at the file; only the build of a kernel runs it.
+A scene is validated by a look at the file; only the build of a kernel runs it (compilation/law.py).
 """
 
 from __future__ import annotations
@@ -14,11 +14,7 @@ from inspect import getsource
 from pathlib import Path
 from typing import Any
 
-from numba import float64, types
-from numba.core.errors import NumbaError
-
 from chain_impact.kernel.contact_laws import CONTACT_LAWS
-from chain_impact.kernel.jit import jit
 from chain_impact.kernel.user_law import ARGUMENTS
 
 ONLY_IMPORT = "math"
@@ -98,44 +94,6 @@ def _arguments(function: ast.FunctionDef) -> tuple[str, ...]:
         if name not in ARGUMENTS or name in others:
             raise LawError(f"{function.name} takes {name}; it can take {', '.join(ARGUMENTS)}")
     return names
-
-
-def compiled_law(law: UserLaw) -> Callable[..., float]:
-    """Run the file of a law, and return its function, compiled for numbers, with all of ``ARGUMENTS``.
-
-    Raises:
-        LawError: when it cannot be compiled.
-    """
-    space: dict[str, Any] = {"__name__": law.id}
-    try:
-        exec(compile(law.source, f"{law.id}.py", "exec"), space)
-        for name in law.functions:  # a law may call others of its file
-            space[name] = jit(space[name])
-        space[law.id].compile((float64,) * len(law.arguments))
-        returned = space[law.id].nopython_signatures[0].return_type
-        if not isinstance(returned, types.Float | types.Integer):
-            raise LawError(f"must return a number, not {returned}")
-        call = f"lambda {', '.join(ARGUMENTS)}: float({law.id}({', '.join(law.arguments)}))"
-        function = jit(eval(call, space))
-        function.compile((float64,) * len(ARGUMENTS))
-    except LawError:
-        raise
-    except NumbaError as error:
-        raise LawError(f"does not compile: {_reason(error)}") from None
-    except Exception as error:  # whatever the file does
-        raise LawError(f"cannot be run: {type(error).__name__}: {error}") from None
-    if re.search(r"@NRT_\w*(new|alloc|Alloc)", function.inspect_llvm(function.signatures[0])):
-        raise LawError("makes arrays or lists; a law can use numbers only")
-    return function  # type: ignore[no-any-return]
-
-
-def _reason(error: NumbaError) -> str:
-    """The lines of numba's message that tell what is wrong and where, in one."""
-    text = re.sub(r"\x1b\[\d*m", "", str(error))  # colours
-    lines = [line.strip() for line in text.splitlines() if line.strip()]
-    said = [line for line in lines if not line.startswith("Failed in")]
-    place = re.findall(r"line (\d+)", text)
-    return (said or lines)[0] + (f" (line {place[-1]})" if place else "")
 
 
 def source_of(function: Callable[..., float]) -> str:

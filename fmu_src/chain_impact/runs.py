@@ -10,11 +10,12 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-import fmpy
 import numpy as np
 
+from chain_impact.compilation.work import Notify, announce
+from chain_impact.kernel.contact import WALLS
 from chain_impact.recording import Impact, Recording, impacts_from_outputs
-from chain_impact.scene import WALLS, Scene, SceneError, with_values
+from chain_impact.scene import Scene, SceneError, with_values
 from chain_impact.simulate import Result, SimulationError, simulate
 from chain_impact.variables import fmu_variables, output_columns, parameter_paths
 
@@ -34,7 +35,7 @@ class RunError(RuntimeError):
 def record_scene(
     scene: Scene,
     settings: Mapping[str, str],
-    notify: Callable[[str], None] = lambda _: None,
+    notify: Notify = announce,
     progress: Callable[[float], None] = lambda _: None,
 ) -> Recording:
     """Simulate a scene with some parameters, named as in its FMU, set to values in text.
@@ -90,6 +91,8 @@ def read_fmu(path: Path) -> Any:
     Raises:
         SceneError: when the file is no FMU.
     """
+    import fmpy  # takes half a second, so not at the top
+
     try:
         return fmpy.read_model_description(str(path))
     except OSError:
@@ -114,6 +117,8 @@ def record_fmu(
         SceneError: when the file is no FMU of a chain, a name is unknown or a value is no number.
         RunError: when the FMU reports a fault.
     """
+    import fmpy
+
     description = read_fmu(path)
     variables = {variable.name: variable for variable in description.modelVariables}
     if "point[0].x" not in variables:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from datetime import datetime
+from pathlib import Path
 
 from rich.console import RenderableType
 from rich.markup import escape
 from rich.table import Table
 
 from chain_impact.compare import Comparison, LawRun, advice
+from chain_impact.compilation.cache import Entry
 from chain_impact.recording import Recording
 
 NOTHING = "–"
@@ -78,3 +81,14 @@ def _row(run: LawRun) -> tuple[str, ...]:
 
 def _number(value: float, form: str) -> str:
     return NOTHING if math.isnan(value) else "∞" if math.isinf(value) else format(value, form)
+
+
+def cache_report(ready: Sequence[Path], entries: Sequence[Entry], present: Path) -> Iterator[str]:
+    """What there is of compiled kernels: ready ones, and the folders of the cache, of which one is in use."""
+    yield "ready    " + (f"{len(ready)} kernels in {ready[0].parent}" if ready else NOTHING)
+    yield f"cache    {present.parent}, {sum(entry.size for entry in entries) / 1e6:.1f} MB"
+    for entry in entries:
+        what = "the linker's own files" if not entry.files else ", ".join(entry.files)
+        used = datetime.fromtimestamp(entry.used).strftime("%Y-%m-%d")
+        mark = " (in use)" if entry.path == present else ""
+        yield f"  {entry.path.name}  {entry.size / 1e6:5.1f} MB  last used {used}{mark}: {what}"

@@ -11,7 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
-from chain_impact.export.aot import cache_folder, kernel_library
+from chain_impact.compilation.cache import cache_folder
+from chain_impact.compilation.library import kernel_library
+from chain_impact.compilation.work import Notify, announce
 from chain_impact.instance import new_instance
 from chain_impact.kernel.status import OK, STATUS_TEXT
 from chain_impact.law_file import LawError, source_of
@@ -106,7 +108,7 @@ def simulate(
     method: str | None = None,
     tolerance: float | None = None,
     *,
-    notify: Callable[[str], None] = lambda _: None,
+    notify: Notify = announce,
     progress: Callable[[float], None] = lambda _: None,
 ) -> Result:
     """Simulate a scene from t = 0.
@@ -118,7 +120,7 @@ def simulate(
             changes neither the solution nor its cost.
         method: solver method instead of the scene's.
         tolerance: relative tolerance instead of the scene's.
-        notify: called with a sentence before the kernel is compiled, once for a number of links and walls.
+        notify: called with a sentence before a kernel is compiled; by default that is said on standard error.
         progress: called with the fraction done.
 
     Raises:
@@ -184,7 +186,7 @@ def with_law(scene: Scene, law: Callable[..., float]) -> Scene:
 class Instance:
     """An initialized instance and the kernel that works on it."""
 
-    def __init__(self, scene: Scene, notify: Callable[[str], None] = lambda _: None) -> None:
+    def __init__(self, scene: Scene, notify: Notify = announce) -> None:
         """Load or compile the kernel and set the instance to its start.
 
         Raises:
@@ -192,12 +194,8 @@ class Instance:
         """
         self._block = new_instance(scene)
         self.record = self._block[0]
-        library = kernel_library(
-            len(scene.chain.links),
-            len(self.record["touch"]["active"]),
-            notify=notify,
-            law_file=scene.contact.law_file,
-        )
+        links, law_file = len(scene.chain.links), scene.contact.law_file
+        library = kernel_library(links, notify=notify, law_file=law_file)
         self._kernel = load_kernel(library)
         self._address = self._block.ctypes.data
         if self._kernel.initialize(self._address, 0.0) != OK:
@@ -223,10 +221,10 @@ class Instance:
     def open_contacts(self) -> np.ndarray:
         """The contacts that have not ended yet, with their peaks so far; drops what was solved ahead."""
         self._kernel.follow(self._address)
-        touch, model = self.record["touch"], self.record["model"]
+        touch, candidate = self.record["touch"], self.record["candidate"]
         active = touch["active"] == 1
         columns = {name: touch[name] for name in ("onset", "peak_force", "max_penetration", "effective_mass")}
-        columns |= {"point": model["candidate_point"], "wall": model["candidate_wall"]}
+        columns |= {"point": candidate["point"], "wall": candidate["wall"]}
         columns["impact_speed"] = touch["onset_speed"]
         columns |= {name: np.full(len(active), np.nan) for name in ("end", "separation_speed")}
         return _impact_rows(int(active.sum()), {name: column[active] for name, column in columns.items()})

@@ -9,8 +9,8 @@ from xml.etree import ElementTree
 import pytest
 
 from chain_impact import load_scene
+from chain_impact.compilation.errors import BuildError
 from chain_impact.export import fmu as export
-from chain_impact.export.aot import BuildError
 from chain_impact.export.fmu import build_fmu, slave_source, validate_fmu
 from chain_impact.instance import new_instance
 from chain_impact.scene import model_names, with_values

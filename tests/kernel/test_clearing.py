@@ -25,7 +25,7 @@ def least_clearance(d):
     angles = y[2 : 2 + len(lengths)]
     turns = np.cumsum(np.column_stack([np.cos(angles), np.sin(angles)]) * lengths[:, None], axis=0)
     points = y[:2] + np.vstack([np.zeros(2), turns])
-    wall, point = d["model"]["candidate_wall"], d["model"]["candidate_point"]
+    wall, point = d["candidate"]["wall"], d["candidate"]["point"]
     gaps = (1 - 2 * (wall % 2)) * (points[point, wall // 2] - d["model"]["wall"][wall])
     return gaps[d["touch"]["active"] == 0].min()
 

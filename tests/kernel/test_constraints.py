@@ -10,6 +10,7 @@ from chain_impact.kernel.constraints import complement, meet_walls, press
 from chain_impact.kernel.contact import clearance, locate_points
 from chain_impact.kernel.initialize import initialize
 from chain_impact.scene import WALLS, with_values
+from tests.plain import Plain
 from tests.problems import default_scene
 from tests.reference import clearance_gradient, complementary_impulses, mass_matrix
 
@@ -25,7 +26,7 @@ def located(angles, touching):
     far = {("box", name): -FAR if name.endswith("min") else FAR for name in WALLS}
     start = {("initial", "angles"): angles, ("initial", "position"): (0.0, 0.0)}
     scene = with_values(default_scene(model="newton_impact"), start | far)
-    d = new_instance(scene)[0]
+    d = Plain(new_instance(scene)[0])
     assert initialize(d, 0.0) == 0
     for k, (point, wall) in enumerate(touching):
         d["touch"]["active_index"][k] = 4 * point + WALLS.index(wall)
@@ -37,7 +38,7 @@ def located(angles, touching):
 
 
 def set_problem(d, start, aim, pressed):
-    own = d["work"]["rigid"]
+    own = d["rigid"]
     for name, values in (("start", start), ("aim", aim), ("pressed", pressed)):
         own[name][: len(start)] = values
     return own
@@ -111,7 +112,7 @@ def test_a_state_is_moved_onto_the_walls():
     d, _, _ = located([0.0, 1e-6, -2e-6, 1e-6], ON_FLOOR[:3])
     y = d["step"]["state_end"].copy()
     y[1] = 1e-6 - FAR
-    locate_points(d["model"], y, d["work"])
+    locate_points(d, y)
     meet_walls(d, y)
     for c in d["touch"]["active_index"][:3]:
         gap, gap_rate = clearance(d, c)

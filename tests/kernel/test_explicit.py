@@ -15,6 +15,7 @@ from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.explicit import accept, attempt, dense_output
 from chain_impact.kernel.initialize import initialize
 from chain_impact.simulate import Instance
+from tests.plain import Plain
 from tests.problems import FAR, ball, build, contact_table, rod
 
 STAGES = len(dop853.A)
@@ -120,13 +121,13 @@ def test_dense_output_fulfils_every_condition_of_order_7(order):
         assert interpolation_weights(theta) @ weights(tree) == pytest.approx(expected, abs=1e-12)
 
 
-# --- the compiled step -------------------------------------------------------------------------------------
+# --- the step, as plain Python ---------------------------------------------------------------------------
 
 
 def started(scene):
-    block = new_instance(scene)
-    assert initialize(block[0], 0.0) == 0
-    return block[0]
+    d = Plain(new_instance(scene)[0])
+    assert initialize(d, 0.0) == 0
+    return d
 
 
 def step(d, h):

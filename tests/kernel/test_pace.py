@@ -12,6 +12,7 @@ from chain_impact.kernel.events import TOUCH
 from chain_impact.kernel.explicit import accept, attempt, dense_output
 from chain_impact.kernel.initialize import initialize
 from chain_impact.simulate import Instance
+from tests.plain import Plain
 from tests.problems import ball
 
 SPEED, STIFFNESS = 2.0, 1e8
@@ -21,7 +22,7 @@ VELOCITY, ROOT, TIME = 4, -2, -1  # in the state of one link
 def at_onset():
     """A ball of 1 kg that touches the floor at this moment, with a law without loss."""
     block = new_instance(ball(0.0, SPEED, stiffness=STIFFNESS, restitution=1.0))
-    d = block[0]
+    d = Plain(block[0])
     assert initialize(d, 0.0) == 0
     d["touch"]["event"][0] = TOUCH
     assert begin(d) == 1
@@ -43,7 +44,7 @@ def test_a_step_from_the_onset_keeps_the_order_of_the_method():
     """In time the force begins as its power 3/2, and a step errs by its power 5/2, whatever the method."""
     start, sizes, errors = at_onset(), np.array([0.5, 0.6, 0.7, 0.8]), []
     for size in sizes:
-        d = start.copy()[0]
+        d = Plain(start.copy()[0])
         attempt(d, size * time_scale(d))
         errors.append(abs(energy(d, d["work"]["y"]) - energy(d, d["step"]["state_end"])))
     assert min(errors) > 1e-13  # else it is round-off that is measured
@@ -51,7 +52,7 @@ def test_a_step_from_the_onset_keeps_the_order_of_the_method():
 
 
 def test_time_is_found_in_a_step_that_runs_in_another_variable():
-    d, y = at_onset()[0], np.zeros(10)
+    d, y = Plain(at_onset()[0]), np.zeros(10)
     h = 0.8 * time_scale(d)
     attempt(d, h)
     accept(d, h)

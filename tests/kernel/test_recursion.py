@@ -9,9 +9,7 @@ import functools
 import numpy as np
 import pytest
 import sympy
-from numba import njit
 
-from chain_impact.export.aot import kernel_library
 from chain_impact.instance import new_instance
 from chain_impact.kernel.contact import locate_points
 from chain_impact.kernel.contact_force import latch_damping
@@ -19,6 +17,7 @@ from chain_impact.kernel.equations import mechanical_energy, state_rate
 from chain_impact.kernel.initialize import derive_chain, derive_law
 from chain_impact.kernel.recursion import accelerations, factorize, link_vectors, move_points, solve
 from chain_impact.scene import WALLS, scene_from_dict
+from tests.plain import Plain
 from tests.reference import exact_damping_factor, generalized_force, mass_matrix, point_jacobian
 
 RESTITUTION, STIFFNESS, DEPTH = 0.5, 2e4, 1e-3
@@ -57,8 +56,7 @@ def random_scene(rng, count, *, base="free", wall=None, point=1, with_gravity=Tr
 
 
 def instance(scene):
-    block = new_instance(scene)
-    d = block[0]
+    d = Plain(new_instance(scene)[0])
     derive_chain(d["model"])
     derive_law(d)
     return d
@@ -227,9 +225,9 @@ def recursive_accelerations(scene, angles, omega, loads, moments):
     work["load"]["x"], work["load"]["y"] = loads.T
     work["moment"] = moments
     y = np.array([0.0, 0.0, *angles, 0.0, 0.0, *omega])
-    link_vectors(d["model"], y, work)
+    link_vectors(d, y)
     rate = np.full(len(y), np.nan)
-    accelerations(d["model"], y, work, rate)
+    accelerations(d, y, rate)
     return rate[len(angles) + 2 :]
 
 
@@ -304,12 +302,12 @@ def test_impulses_move_the_chain_and_its_impedances_as_assembled(count, stiff, b
     expected = np.zeros(count + 2)
     expected[free] = np.linalg.solve(matrix[free, free], right[free])
 
-    link_vectors(d["model"], np.array([0.0, 0.0, *angles]), work)
+    link_vectors(d, np.array([0.0, 0.0, *angles]))
     found = np.full(count + 2, np.nan)
     work["load"]["x"], work["load"]["y"] = added.T
-    factorize(d["model"], work["link"], work["load"], work["factors"])
+    factorize(d, work["link"], work["load"], work["factors"])
     work["load"]["x"], work["load"]["y"] = impulses.T
-    solve(d["model"], work["link"], work["factors"], work["load"], found[:2], found[2:])
+    solve(d, work["link"], work["factors"], work["load"], found[:2], found[2:])
     # what an impedance holds fast moves by differences of what does not
     accuracy = 1e-11 * max(1.0, stiff / 1e4)
     np.testing.assert_allclose(found, expected, rtol=0, atol=accuracy * np.abs(expected).max())
@@ -325,36 +323,12 @@ def test_energy_is_that_of_the_assembled_mass_matrix():
     scene, angles, omega, *_ = long_chain(5, "free")
     d = instance(scene)
     y = np.concatenate([[0.3, -0.4], angles, [1.1, 0.7], omega, [0.0, 0.0]])
-    locate_points(d["model"], y, d["work"])
+    locate_points(d, y)
     kinetic, potential = mechanical_energy(d, y)
     velocities = y[7:14]
     assert kinetic == pytest.approx(velocities @ mass_matrix(scene, angles) @ velocities / 2, rel=1e-13)
     y[:2] += (2.0, 5.0)
-    locate_points(d["model"], y, d["work"])
+    locate_points(d, y)
     rise = mechanical_energy(d, y)[1] - potential
     weight = sum(link.mass for link in scene.chain.links) * np.array(scene.gravity)
     assert rise == pytest.approx(-weight @ (2.0, 5.0), rel=1e-12)
-
-
-# --- cost ------------------------------------------------------------------------------------------------
-
-ALLOCATION = ("NRT_Allocate", "NRT_MemInfo_alloc")
-
-
-def test_the_kernel_does_not_allocate():
-    library = kernel_library(1, 1)
-    code = (library.parent / "kernel-1-1.ll").read_text()
-    assert "@initialize" in code
-    assert not [name for name in ALLOCATION if name in code]
-
-
-def test_an_allocation_would_be_seen():
-    """The names searched for above are those that this numba uses."""
-
-    @njit
-    def allocate(count):
-        return np.zeros(count)
-
-    allocate(3)
-    (code,) = allocate.inspect_llvm().values()
-    assert any(name in code for name in ALLOCATION)

@@ -5,6 +5,9 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.sincos import LARGEST, polar
+from chain_impact.kernel.status import NOT_FINITE
+from chain_impact.simulate import Instance
+from tests.problems import ball
 
 
 def kernel(angles):
@@ -48,9 +51,8 @@ def test_larger_angles_are_left_to_the_c_library():
     np.testing.assert_array_equal(sine, np.sin(angles))
 
 
-def test_what_is_not_finite_gives_nan():
-    with np.errstate(invalid="ignore"):
-        for bad in (np.nan, np.inf):
-            cosine, sine = kernel(np.array([bad]))
-            assert np.isnan(cosine[0])
-            assert np.isnan(sine[0])
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_what_is_not_finite_is_refused(bad):
+    instance = Instance(ball())
+    instance.record["initial"]["angle"] = bad
+    assert instance._kernel.initialize(instance._address, 0.0) == NOT_FINITE

@@ -11,12 +11,15 @@ import sys
 import tempfile
 import uuid
 import zipfile
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from chain_impact.export.aot import ZIG_TARGETS, BuildError, kernel_library
+from chain_impact.compilation.compilers import ZIG_TARGETS
+from chain_impact.compilation.errors import BuildError
+from chain_impact.compilation.library import kernel_library
+from chain_impact.compilation.work import Notify, announce
 from chain_impact.export.description import model_description
 from chain_impact.instance import new_instance
 from chain_impact.kernel.status import STATUS_TEXT
@@ -33,7 +36,7 @@ def build_fmu(
     directory: str | os.PathLike[str] = ".",
     *,
     platforms: Sequence[str] = ("linux64",),
-    notify: Callable[[str], None] = lambda _: None,
+    notify: Notify = announce,
 ) -> Path:
     """Build ``<name>.fmu``, which appears in the directory only when it is complete and valid.
 
@@ -87,13 +90,13 @@ def slave_source() -> bytes:
     return (packaged if packaged.is_file() else Path(__file__).parents[2] / "slave.py").read_bytes()
 
 
-def _staged_files(scene: Scene, platforms: Sequence[str], notify: Callable[[str], None]) -> dict[str, bytes]:
+def _staged_files(scene: Scene, platforms: Sequence[str], notify: Notify) -> dict[str, bytes]:
     """The files that make the FMU, the slave's script first: name → content."""
     instance = new_instance(scene)
-    links, candidates = len(scene.chain.links), len(instance["touch"]["active"][0])
+    links = len(scene.chain.links)
     files = {"instance.bin": instance.tobytes()}
     for platform in sorted(platforms):
-        library = kernel_library(links, candidates, platform, notify, law_file=scene.contact.law_file)
+        library = kernel_library(links, platform, notify, law_file=scene.contact.law_file)
         files[f"kernel-{platform}{library.suffix}"] = library.read_bytes()
     slave, model, description = slave_source(), _model_table(scene), model_description(scene, guid="")
 

@@ -1,1 +1,1 @@
-"""The compiled kernel: imports nothing but math, numpy, numba and itself."""
+"""The compiled kernel: imports nothing but math, numpy and itself."""

@@ -25,7 +25,6 @@ from chain_impact.kernel.events import RELATCH, TOUCH, find_event
 from chain_impact.kernel.impacts import finish, follow_contacts
 from chain_impact.kernel.impulses import collide, end_contacts, judge
 from chain_impact.kernel.initialize import derive_law, first_size, still
-from chain_impact.kernel.jit import jit
 from chain_impact.kernel.pace import TIME, at_pace, pace_now, set_pace
 from chain_impact.kernel.status import LOG_FULL, NOT_FINITE, OK, RIGID_WHILE_TOUCHING, STEP_TOO_SMALL
 from chain_impact.kernel.switching import choose_method, explicit_again
@@ -35,7 +34,6 @@ LONGEST_STEP = 1.0  # s; a chain in flight without spin has no other limit
 SHORTEST_STEP = 1e-18  # s
 
 
-@jit
 def advance(d, time, room):
     """Bring the instance to ``time`` [s], not before its present time.
 
@@ -59,14 +57,13 @@ def advance(d, time, room):
     return OK
 
 
-@jit
 def restart(d):
     """Drop what lies beyond the communication point, as an input or parameter changed; returns a status."""
     d.inputs.changed = 0
     interpolate(d.step, fraction(d.step, d.step.time), d.work.y)
     d.step.next_size *= pace_now(d, d.work.y)  # in seconds
     still(d, d.step.time, d.work.y)
-    drop_events(d.touch)
+    drop_events(d)
     status = change_law(d)
     clear_loads(d)
     # a chain at rest takes steps far too long for what an input may do to it
@@ -74,7 +71,6 @@ def restart(d):
     return status
 
 
-@jit
 def change_law(d):
     """Take over the parameters of the contact law as they are now, and judge anew who is held.
 
@@ -96,11 +92,10 @@ def change_law(d):
     return status
 
 
-@jit
 def take_step(d):
     """Take one accepted step, up to the first event in it; returns a status."""
-    for c in range(len(d.touch.active)):
-        d.work.rigid.least[c] = 0.0  # of the stages to come
+    for c in range(d.candidates):
+        d.rigid.least[c] = 0.0  # of the stages to come
     status = watch_events(d, begin(d))
     if status == OK:
         status = watch_work(d)
@@ -134,7 +129,6 @@ def take_step(d):
     return OK
 
 
-@jit
 def attempt(d, h):
     """Try a step of size h by the method at work; returns its error relative to the tolerance."""
     if d.step.implicit:
@@ -142,7 +136,6 @@ def attempt(d, h):
     return explicit.attempt(d, h)
 
 
-@jit
 def accept(d, h):
     """Make the step that was tried the last accepted one."""
     if d.step.implicit:
@@ -151,7 +144,6 @@ def accept(d, h):
         explicit.accept(d, h)
 
 
-@jit
 def cut(d, theta):
     """End the last step at its fraction θ, at which an event was found."""
     interpolate(d.step, theta, d.step.state_end)
@@ -159,7 +151,6 @@ def cut(d, theta):
     d.step.rate_known = 0
 
 
-@jit
 def land(d, h):
     """Take the last step anew with the size h, to land on the end of a contact.
 
@@ -172,22 +163,20 @@ def land(d, h):
     accept(d, h)
 
 
-@jit
 def ends_contact(d):
     """Whether a contact ends in the event that was found, where the step is not smooth for it."""
     if d.step.pacer != TIME and d.touch.event[d.step.pacer] == TOUCH:
         return False
-    for c in range(len(d.touch.event)):
+    for c in range(d.candidates):
         if d.touch.event[c] == TOUCH and d.touch.active[c]:
             return True
     return False
 
 
-@jit
 def begin(d):
     """Let what happened at the end of the last step take effect; returns the number of events."""
     events = 0
-    for c in range(len(d.touch.event)):
+    for c in range(d.candidates):
         events += d.touch.event[c] != 0
 
     last, rate = d.work.rate_end, d.work.rate_start
@@ -196,10 +185,10 @@ def begin(d):
         state_rate(d, d.step.state_end, last)
         d.statistics.rhs_evaluations += 1
     elif d.touch.active_count > 0 and not placed:
-        locate_points(d.model, d.step.state_end, d.work)
+        locate_points(d, d.step.state_end)
     if d.touch.active_count > 0:
         if not placed:
-            accelerate_points(d.model, d.step.state_end, last, d.work)
+            accelerate_points(d, d.step.state_end, last)
         follow_contacts(d)
 
     for j in range(len(d.work.y)):
@@ -215,7 +204,6 @@ def begin(d):
     return events
 
 
-@jit
 def apply_events(d):
     """End and begin the contacts that the last step found, and choose the step that follows.
 
@@ -227,11 +215,11 @@ def apply_events(d):
         return True
     jumped = False
     touch = d.touch
-    locate_points(d.model, d.step.state_end, d.work)
+    locate_points(d, d.step.state_end)
     if touch.active_count == 0:
         d.step.flight_size = d.step.next_size
     onset = -1
-    for c in range(len(touch.event)):
+    for c in range(d.candidates):
         if touch.event[c] == RELATCH:
             touch.impact_speed[c] *= RELATCH_RATIO
             latch_damping(d, c)
@@ -247,7 +235,7 @@ def apply_events(d):
         touch.event[c] = 0
 
     touch.active_count = 0
-    for c in range(len(touch.active)):
+    for c in range(d.candidates):
         if touch.active[c]:
             touch.active_index[touch.active_count] = c
             touch.active_count += 1

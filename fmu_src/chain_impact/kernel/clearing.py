@@ -8,7 +8,6 @@ import math
 
 from chain_impact.kernel.contact import accelerate_points, along_normal, clearance, locate_points
 from chain_impact.kernel.dense import FAR, WITH_CURVES, root_at
-from chain_impact.kernel.jit import jit
 from chain_impact.kernel.pace import TIME, pace_change, pace_of, root_curve, root_rate
 
 SMALL_TURN, MARGIN = 1.0, 0.05  # rad of a link, part of the range of values: where ends of a step can tell
@@ -16,7 +15,6 @@ RELATCH_RATIO = 2.0  # δ̇/v₀ at which v₀ is latched anew; what gravity add
 NEARLY = 0.75  # of that speed, at an end of the step
 
 
-@jit
 def plainly_clear(d):
     """Whether the ends of the last, explicit step tell that there is no event in it.
 
@@ -27,30 +25,29 @@ def plainly_clear(d):
     if turn < SMALL_TURN and remains_far(d):
         return True
     if d.step.cleared != WITH_CURVES:
-        locate_points(d.model, d.step.state, d.work)
-        accelerate_points(d.model, d.step.state, d.work.rate_start, d.work)
+        locate_points(d, d.step.state)
+        accelerate_points(d, d.step.state, d.work.rate_start)
         measure_all(d, d.step.state)
-        locate_points(d.model, d.step.state_end, d.work)
-        accelerate_points(d.model, d.step.state_end, d.work.rate_end, d.work)
+        locate_points(d, d.step.state_end)
+        accelerate_points(d, d.step.state_end, d.work.rate_end)
     keep_start(d)
-    for c in range(len(d.touch.active)):
-        d.work.clear_start_curve[c] = d.work.clear_end_curve[c]
+    for c in range(d.candidates):
+        d.search.clear_start_curve[c] = d.search.clear_end_curve[c]
     measure_all(d, d.step.state_end)
     d.step.cleared = WITH_CURVES
     # the remainder is h⁶ φ⁽⁶⁾/46080; ten times that of the tip of a stretched chain that turns evenly
     error = reach * turn**6 / 4608.0
     clear = turn < SMALL_TURN
-    for c in range(len(d.touch.active)):
+    for c in range(d.candidates):
         clear = clear and stays_positive(d, c, error)
     for k in range(d.touch.active_count):
         clear = clear and not nearly_fast(d, d.touch.active_index[k])
     return clear
 
 
-@jit
 def largest_turn(d):
     """How far a link can have turned in the last step [rad], and the length of the stretched chain [m]."""
-    n, lasted, work = len(d.model.length), d.step.end - d.step.start, d.work
+    n, lasted, work = d.links, d.step.end - d.step.start, d.work
     turn, reach = 0.0, 0.0
     for i in range(n):
         omega = max(abs(d.step.state[n + 4 + i]), abs(d.step.state_end[n + 4 + i]))
@@ -60,7 +57,6 @@ def largest_turn(d):
     return turn, reach
 
 
-@jit
 def remains_far(d):
     """Whether all are far from touching, as they were, but for the pacer, which has not come to its end."""
     step, known, lasted = d.step, d.step.cleared >= WITH_CURVES, d.step.end - d.step.start
@@ -80,7 +76,6 @@ def remains_far(d):
     return far
 
 
-@jit
 def fastest(vectors):
     """A bound on the length of the vectors of all points."""
     most = 0.0
@@ -89,63 +84,58 @@ def fastest(vectors):
     return most
 
 
-@jit
 def nearly_fast(d, c):
     """Whether contact c, at either end of the last step, is pushed in so fast that v₀ may be latched anew."""
     _, gap_rate = clearance(d, c)
     return max(d.touch.speed[c], -gap_rate) > NEARLY * RELATCH_RATIO * d.touch.impact_speed[c]
 
 
-@jit
 def stays_positive(d, c, error):
     """Whether φ of candidate c is positive all over the last step, after its start, by more than an error.
 
     φ has the Hermite interpolant of order 6 from its value, rate and curvature at the ends of the step. That
     stays above the least of its Bernstein coefficients.
     """
-    h, work = d.step.size, d.work
+    h = d.step.size
     if c == d.step.pacer:
         # δ̇ would have to change its sign twice for u to fall to zero and rise again
-        return work.clear_end[c] > 0.0
-    b1 = work.clear_start[c] + h * work.clear_start_rate[c] / 5.0
-    b2 = 2.0 * b1 - work.clear_start[c] + h * h * work.clear_start_curve[c] / 20.0
-    b4 = work.clear_end[c] - h * work.clear_end_rate[c] / 5.0
-    b3 = 2.0 * b4 - work.clear_end[c] + h * h * work.clear_end_curve[c] / 20.0
-    least = min(b1, b2, b3, b4, work.clear_end[c])
-    most = max(b1, b2, b3, b4, work.clear_end[c])
+        return d.search.clear_end[c] > 0.0
+    b1 = d.search.clear_start[c] + h * d.search.clear_start_rate[c] / 5.0
+    b2 = 2.0 * b1 - d.search.clear_start[c] + h * h * d.search.clear_start_curve[c] / 20.0
+    b4 = d.search.clear_end[c] - h * d.search.clear_end_rate[c] / 5.0
+    b3 = 2.0 * b4 - d.search.clear_end[c] + h * h * d.search.clear_end_curve[c] / 20.0
+    least = min(b1, b2, b3, b4, d.search.clear_end[c])
+    most = max(b1, b2, b3, b4, d.search.clear_end[c])
     return least > MARGIN * (most - least) + error
 
 
-@jit
 def measure_all(d, y):
     """Set φ, φ′ and φ″ of every candidate for a state and its located and accelerated points."""
     slope = set_clearances(d, y)
     u = y[root_at(d.step)]
     p, change = pace_of(d, u), pace_change(u, slope)
     d.step.room = math.inf
-    for c in range(len(d.touch.active)):
+    for c in range(d.candidates):
         if c == d.step.pacer:
-            d.work.clear_end_curve[c] = root_curve(d, d.work.clear_end[c], d.work.clear_end_rate[c])
+            d.search.clear_end_curve[c] = root_curve(d, d.search.clear_end[c], d.search.clear_end_rate[c])
             continue
         sign = -1.0 if d.touch.active[c] else 1.0
         velocity = along_normal(d, c, d.work.velocity)
         # φ′ = p φ̇,  φ″ = p² φ̈ + p′ φ̇
         curve = p * p * along_normal(d, c, d.work.acceleration) + change * velocity
-        d.work.clear_end_curve[c] = sign * curve
+        d.search.clear_end_curve[c] = sign * curve
         if not d.touch.active[c]:
-            d.step.room = min(d.step.room, d.work.clear_end[c])
+            d.step.room = min(d.step.room, d.search.clear_end[c])
 
 
-@jit
 def set_clearances(d, y):
     """Set φ and φ′ of every candidate for the state y and its located points; returns u′."""
     u, slope = root_now(d, y)
-    for c in range(len(d.touch.active)):
+    for c in range(d.candidates):
         set_clearance(d, c, u, slope)
     return slope
 
 
-@jit
 def root_now(d, y):
     """The pacer's u and u′ for the state y and its located points; 1 and 0 without one."""
     if d.step.pacer == TIME:
@@ -154,25 +144,23 @@ def root_now(d, y):
     return u, root_rate(d, u)
 
 
-@jit
 def set_clearance(d, c, u, slope):
     """Set φ and φ′ of candidate c for the located points, u and u′."""
     if c == d.step.pacer:
-        d.work.clear_end[c], d.work.clear_end_rate[c] = u, slope
+        d.search.clear_end[c], d.search.clear_end_rate[c] = u, slope
         return
     if d.touch.active[c] and d.contact.impulsive:
         # held: it cannot touch
-        d.work.clear_end[c], d.work.clear_end_rate[c] = math.inf, 0.0
+        d.search.clear_end[c], d.search.clear_end_rate[c] = math.inf, 0.0
         return
     gap, gap_rate = clearance(d, c)
     sign = -1.0 if d.touch.active[c] else 1.0
-    d.work.clear_end[c] = sign * gap
-    d.work.clear_end_rate[c] = sign * pace_of(d, u) * gap_rate
+    d.search.clear_end[c] = sign * gap
+    d.search.clear_end_rate[c] = sign * pace_of(d, u) * gap_rate
 
 
-@jit
 def keep_start(d):
     """Make the end of the interval the start of the next one."""
-    for c in range(len(d.touch.active)):
-        d.work.clear_start[c] = d.work.clear_end[c]
-        d.work.clear_start_rate[c] = d.work.clear_end_rate[c]
+    for c in range(d.candidates):
+        d.search.clear_start[c] = d.search.clear_end[c]
+        d.search.clear_start_rate[c] = d.search.clear_end_rate[c]

@@ -1,7 +1,5 @@
 """Linear combinations of stages, compiled for the coefficients of a method."""
 
-from chain_impact.kernel.jit import jit
-
 
 def combination(row):
     """Compile ``out = base + h Σ_j row[j] k_j``, unrolled over the stages j that the row names.
@@ -12,7 +10,6 @@ def combination(row):
     names, coefficients = tuple(row), tuple(row.values())
     count = len(row)
 
-    @jit
     def combine(stages, base, h, out):
         for j in range(len(base)):
             total = 0.0
@@ -32,7 +29,6 @@ def combinations(one, two):
     row_1, row_2 = (tuple(row.get(name, 0.0) for name in names) for row in (one, two))
     count = len(names)
 
-    @jit
     def combine(stages, h, first, second):
         for j in range(len(first)):
             total_1, total_2 = 0.0, 0.0

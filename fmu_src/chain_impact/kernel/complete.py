@@ -2,10 +2,8 @@
 
 from chain_impact.kernel import explicit, implicit
 from chain_impact.kernel.dense import NOBODY, SOLVER
-from chain_impact.kernel.jit import jit
 
 
-@jit
 def complete(d, reader):
     """See that the last step has its dense output, before anything changes that it depends on.
 

@@ -26,7 +26,6 @@ from chain_impact.kernel.contact import (
     locate_points,
     zero,
 )
-from chain_impact.kernel.jit import jit
 from chain_impact.kernel.recursion import factorize, move_points, solve
 
 STIFF = 1e6  # D over the mean mass of a link
@@ -37,39 +36,36 @@ PATIENCE = 3  # rounds in which flipping all may bring no gain
 ROUNDS = 30  # of flips, and 4 for each candidate: far more than ever needed
 
 
-@jit
 def respond_to_impulses(d, factors, impulse):
     """Set ``change`` of the coordinates and ``motion`` of the points that impulses [N·s] bring about."""
-    work, n = d.work, len(d.model.length)
-    change = work.rigid.change
+    work, n = d.work, d.links
+    change = d.rigid.change
     zero(work.load)
     for k in range(d.touch.active_count):
         add_along_normal(d, d.touch.active_index[k], work.load, impulse[k])
-    solve(d.model, work.link, factors, work.load, change[0:2], change[2 : n + 2])
+    solve(d, work.link, factors, work.load, change[0:2], change[2 : n + 2])
     move_points(work.link, change[0:2], change[2 : n + 2], work.motion)
 
 
-@jit
 def eliminate_impedance(d, impedance, factors):
     """Eliminate M + Jᵀ D J for the located points, with an impedance D [kg] at those that are pressed."""
     zero(d.work.load)
     for k in range(d.touch.active_count):
-        if d.work.rigid.pressed[k]:
+        if d.rigid.pressed[k]:
             add_across_wall(d, d.touch.active_index[k], d.work.load, impedance)
-    factorize(d.model, d.work.link, d.work.load, factors)
+    factorize(d, d.work.link, d.work.load, factors)
 
 
-@jit
 def press(d, scale):
     """Find the impulses that bring the pressed candidates from ``start`` to ``aim``; the others have none.
 
     Args:
-        d: the instance, with the points located; ``work.rigid`` holds the problem and, afterwards, p in
+        d: the instance, with the points located; ``d.rigid`` holds the problem and, afterwards, p in
             ``impulse``, u in ``reached`` and Δ in ``change``.
         scale: the largest motion of a point, which round-off is relative to.
     """
-    own, count = d.work.rigid, d.touch.active_count
-    mean = d.model.energy / (d.model.size * d.model.size * len(d.model.length))
+    own, count = d.rigid, d.touch.active_count
+    mean = d.model.energy / (d.model.size * d.model.size * d.links)
     impedance = STIFF * mean
     eliminate_impedance(d, 0.0, d.work.factors)
     eliminate_impedance(d, impedance, own.factors)
@@ -97,7 +93,6 @@ def press(d, scale):
                 own.impulse[k] += own.missing[k] - back
 
 
-@jit
 def complement(d, scale):
     """Find p ≥ 0, u ≥ aim, p·(u − aim) = 0, from the guess which are ``pressed``; see ``press``.
 
@@ -105,7 +100,7 @@ def complement(d, scale):
     falls short is pressed, all at once as long as fewer and fewer are wrong, else only the last of them,
     which is bound to end when W is positive definite (Murty 1974, Linear Algebra Appl 9:65).
     """
-    own, count = d.work.rigid, d.touch.active_count
+    own, count = d.rigid, d.touch.active_count
     fewest, patience = count + 1, PATIENCE
     for _ in range(ROUNDS + 4 * count):
         press(d, scale)
@@ -124,10 +119,9 @@ def complement(d, scale):
                     break
 
 
-@jit
 def count_wrong(d, scale):
     """Mark the candidates that pull, or fall short of their aim by more than round-off; return how many."""
-    own, largest, wrong = d.work.rigid, 0.0, 0
+    own, largest, wrong = d.rigid, 0.0, 0
     for k in range(d.touch.active_count):
         largest = max(largest, abs(own.impulse[k]))
     for k in range(d.touch.active_count):
@@ -139,21 +133,18 @@ def count_wrong(d, scale):
     return wrong
 
 
-@jit
 def holding(d):
     """Whether rigid walls hold a point."""
     return d.contact.impulsive and d.touch.active_count > 0
 
 
-@jit
 def press_all(d):
     """Make every touching candidate a pressed one, that is to come to rest."""
     for k in range(d.touch.active_count):
-        d.work.rigid.pressed[k] = 1
-        d.work.rigid.aim[k] = 0.0
+        d.rigid.pressed[k] = 1
+        d.rigid.aim[k] = 0.0
 
 
-@jit
 def largest(vectors):
     """The largest component of the vectors of all points."""
     most = 0.0
@@ -162,22 +153,20 @@ def largest(vectors):
     return most
 
 
-@jit
 def start_from_accelerations(d, y, rate):
     """Set ``start`` to the g̈ of the touching candidates for a rate ẏ; return the largest |a| of a point."""
-    accelerate_points(d.model, y, rate, d.work)
+    accelerate_points(d, y, rate)
     for k in range(d.touch.active_count):
-        d.work.rigid.start[k] = along_normal(d, d.touch.active_index[k], d.work.acceleration)
+        d.rigid.start[k] = along_normal(d, d.touch.active_index[k], d.work.acceleration)
     return largest(d.work.acceleration)
 
 
-@jit
 def hold(d, y, rate):
     """Correct a rate ẏ, found without contact forces, by the forces with which the walls hold: g̈ = 0.
 
-    The forces [N] stand in ``work.rigid.impulse`` then; they do no work.
+    The forces [N] stand in ``d.rigid.impulse`` then; they do no work.
     """
-    own, n = d.work.rigid, len(d.model.length)
+    own, n = d.rigid, d.links
     scale = start_from_accelerations(d, y, rate)
     press_all(d)
     press(d, scale)
@@ -188,10 +177,9 @@ def hold(d, y, rate):
         own.least[c] = min(own.least[c], own.impulse[k])
 
 
-@jit
 def meet_walls(d, y):
     """Move the located state y to g = 0 and ġ = 0 of the held contacts, so that errors do not add up."""
-    own, n = d.work.rigid, len(d.model.length)
+    own, n = d.rigid, d.links
     for derivative in range(2):
         press_all(d)
         for k in range(d.touch.active_count):
@@ -200,4 +188,4 @@ def meet_walls(d, y):
         press(d, largest(d.work.velocity) if derivative else d.model.size)
         for j in range(n + 2):
             y[derivative * (n + 2) + j] += own.change[j]
-        locate_points(d.model, y, d.work)
+        locate_points(d, y)

@@ -1,7 +1,7 @@
 """Contact of points with walls: clearance, penetration, rate and the generalized force.
 
 A candidate is a pair of a point and a wall. The clearance g of a candidate is positive when apart; the
-penetration is δ = −g and its rate δ̇ > 0 while compressing. Walls are numbered x_min, x_max, y_min, y_max.
+penetration is δ = −g and its rate δ̇ > 0 while compressing.
 """
 
 from chain_impact.kernel.contact_force import (
@@ -11,93 +11,85 @@ from chain_impact.kernel.contact_force import (
     law_force,
     law_slopes,
 )
-from chain_impact.kernel.jit import jit
 from chain_impact.kernel.recursion import factorize, link_vectors, move_points, solve
 
+WALLS = ("x_min", "x_max", "y_min", "y_max")
+"""The walls in the order of their numbers, from 0."""
 
-@jit
-def locate_points(model, y, work):
+
+def locate_points(d, y):
     """Positions [m] and velocities [m/s] of the points 0…N, and the link vectors, for the state y."""
-    link_vectors(model, y, work)
-    place_points(model, y, work)
+    link_vectors(d, y)
+    place_points(d, y)
 
 
-@jit
-def place_points(model, y, work):
+def place_points(d, y):
     """As ``locate_points``, for the link vectors as they are."""
-    n = len(model.length)
-    work.at_end = 0
+    n, link, position, velocity = d.links, d.work.link, d.work.position, d.work.velocity
+    d.work.at_end = 0
     x, y_, vx, vy = y[0], y[1], y[n + 2], y[n + 3]
     for i in range(n):
-        work.position.x[i], work.position.y[i], work.velocity.x[i], work.velocity.y[i] = x, y_, vx, vy
+        position.x[i], position.y[i], velocity.x[i], velocity.y[i] = x, y_, vx, vy
         omega = y[n + 4 + i]
         # p_{i+1} = p_i + L_i,  v_{i+1} = v_i + ω L⊥
-        x += work.link.x[i]
-        y_ += work.link.y[i]
-        vx -= omega * work.link.y[i]
-        vy += omega * work.link.x[i]
-    work.position.x[n], work.position.y[n], work.velocity.x[n], work.velocity.y[n] = x, y_, vx, vy
+        x += link.x[i]
+        y_ += link.y[i]
+        vx -= omega * link.y[i]
+        vy += omega * link.x[i]
+    position.x[n], position.y[n], velocity.x[n], velocity.y[n] = x, y_, vx, vy
 
 
-@jit
-def accelerate_points(model, y, rate, work):
+def accelerate_points(d, y, rate):
     """Accelerations [m/s²] of the located points 0…N, for the state y and its rate."""
-    n = len(model.length)
+    n, link, acceleration = d.links, d.work.link, d.work.acceleration
     ax, ay = rate[n + 2], rate[n + 3]
     for i in range(n):
-        work.acceleration.x[i], work.acceleration.y[i] = ax, ay
+        acceleration.x[i], acceleration.y[i] = ax, ay
         alpha, w2 = rate[n + 4 + i], y[n + 4 + i] * y[n + 4 + i]
         # a_{i+1} = a_i + α L⊥ − ω² L
-        ax -= alpha * work.link.y[i] + w2 * work.link.x[i]
-        ay += alpha * work.link.x[i] - w2 * work.link.y[i]
-    work.acceleration.x[n], work.acceleration.y[n] = ax, ay
+        ax -= alpha * link.y[i] + w2 * link.x[i]
+        ay += alpha * link.x[i] - w2 * link.y[i]
+    acceleration.x[n], acceleration.y[n] = ax, ay
 
 
-@jit
 def clearance(d, c):
     """Clearance g [m] and its rate ġ [m/s] of candidate c, from the located points."""
-    wall = d.model.candidate_wall[c]
+    wall = d.candidate.wall[c]
     position = across_wall(d, c, d.work.position)
     gap = inward(wall) * (position - d.model.wall[wall]) - d.contact.radius
     return gap, along_normal(d, c, d.work.velocity)
 
 
-@jit
 def inward(wall):
     """Sign of the inward normal of a wall along its axis: +1 for x_min and y_min, −1 for the others."""
     return 1.0 - 2.0 * (wall % 2)
 
 
-@jit
 def across_wall(d, c, vectors):
     """Of the vectors of all points, the component for candidate c along the axis that its wall stands on."""
-    point = d.model.candidate_point[c]
-    return vectors.x[point] if d.model.candidate_wall[c] < 2 else vectors.y[point]
+    point = d.candidate.point[c]
+    return vectors.x[point] if d.candidate.wall[c] < 2 else vectors.y[point]
 
 
-@jit
 def add_across_wall(d, c, vectors, amount):
     """Add to that component."""
-    point = d.model.candidate_point[c]
-    if d.model.candidate_wall[c] < 2:
+    point = d.candidate.point[c]
+    if d.candidate.wall[c] < 2:
         vectors.x[point] += amount
     else:
         vectors.y[point] += amount
 
 
-@jit
 def add_along_normal(d, c, vectors, amount):
     """Add to that component an amount along the inward normal."""
-    add_across_wall(d, c, vectors, inward(d.model.candidate_wall[c]) * amount)
+    add_across_wall(d, c, vectors, inward(d.candidate.wall[c]) * amount)
 
 
-@jit
 def along_normal(d, c, vectors):
     """The component along the inward normal of candidate c of the vectors of all points."""
-    return inward(d.model.candidate_wall[c]) * across_wall(d, c, vectors)
+    return inward(d.candidate.wall[c]) * across_wall(d, c, vectors)
 
 
-@jit
 def contact_force(d, c, gap, gap_rate):
     """Force [N] of an active candidate at a clearance [m] and its rate [m/s], and dissipated power [W]."""
     # at the onset the clearance is 0 to round-off, and a force that jumps there has jumped
@@ -106,7 +98,6 @@ def contact_force(d, c, gap, gap_rate):
     return force, (elastic - force) * gap_rate
 
 
-@jit
 def apply_contact(d, c, gap, gap_rate):
     """Add the force of an active candidate to the load on its point; return the dissipated power [W]."""
     force, power = contact_force(d, c, gap, gap_rate)
@@ -114,7 +105,6 @@ def apply_contact(d, c, gap, gap_rate):
     return power
 
 
-@jit
 def clear_loads(d):
     """Set the loads on the points to the inputs alone."""
     zero(d.work.load)
@@ -123,7 +113,6 @@ def clear_loads(d):
     d.work.load.y[tip] = d.inputs.tip_force[1]
 
 
-@jit
 def apply_contacts(d):
     """Set the loads for the located points and return the power [W] dissipated by the contacts."""
     clear_loads(d)
@@ -135,7 +124,6 @@ def apply_contacts(d):
     return dissipated
 
 
-@jit
 def stored_energy(d):
     """Elastic energy [J] of the active contacts, for the located points."""
     energy = 0.0
@@ -146,14 +134,12 @@ def stored_energy(d):
     return energy
 
 
-@jit
 def contact_slopes(d, c):
     """∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of an active candidate, for the located points; 0 where F is."""
     gap, gap_rate = clearance(d, c)
     return law_slopes(d, c, max(0.0, -gap), -gap_rate)
 
 
-@jit
 def latch(d, c):
     """Begin the contact of candidate c at the located points: fix v₀, effective mass and expected depth."""
     _, gap_rate = clearance(d, c)
@@ -173,35 +159,32 @@ def latch(d, c):
         latch_damping(d, c)
     d.impact.count += 1
     d.impact.last_time = d.step.end
-    d.impact.last_point = d.model.candidate_point[c]
-    d.impact.last_wall = d.model.candidate_wall[c] + 1
+    d.impact.last_point = d.candidate.point[c]
+    d.impact.last_wall = d.candidate.wall[c] + 1
     d.impact.last_speed = touch.onset_speed[c]
 
 
-@jit
-def drop_events(touch):
+def drop_events(d):
     """Forget the events found in the last step."""
-    for c in range(len(touch.event)):
-        touch.event[c] = 0
+    for c in range(d.candidates):
+        d.touch.event[c] = 0
 
 
-@jit
 def effective_mass(d, c):
     """1/(J M⁻¹ Jᵀ) [kg] of candidate c at the located points: what a blow along its normal has to move.
 
     Leaves the response M⁻¹ Jᵀ to a unit impulse in ``work.y``.
     """
     work = d.work
-    n = len(d.model.length)
+    n = d.links
     zero(work.load)
-    factorize(d.model, work.link, work.load, work.factors)
+    factorize(d, work.link, work.load, work.factors)
     add_along_normal(d, c, work.load, 1.0)
-    solve(d.model, work.link, work.factors, work.load, work.y[0:2], work.y[2 : n + 2])
+    solve(d, work.link, work.factors, work.load, work.y[0:2], work.y[2 : n + 2])
     move_points(work.link, work.y[0:2], work.y[2 : n + 2], work.motion)
     return 1.0 / along_normal(d, c, work.motion)
 
 
-@jit
 def zero(vectors):
     """Set the vectors of all points to zero."""
     for k in range(len(vectors.x)):

@@ -8,13 +8,11 @@ import math
 
 from chain_impact.kernel import user_law
 from chain_impact.kernel.contact_laws import LAW_COUNT, MASS_POWERS
-from chain_impact.kernel.jit import jit
 
 USER_LAW = LAW_COUNT + 1  # its number, in a kernel that holds one
 DIFFERENCE = 1e-5  # of penetration and speed, for its slopes
 
 
-@jit
 def power(depth, exponent):
     """δ^exponent for δ ≥ 0, without pow() for the usual exponents."""
     if exponent == 1.5:
@@ -30,19 +28,16 @@ def power(depth, exponent):
     return depth**exponent
 
 
-@jit
 def elastic_force(contact, penetration):
     """K δⁿ [N] for a penetration δ ≥ 0 [m]."""
     return contact.stiffness * power(penetration, contact.exponent)
 
 
-@jit
 def elastic_energy(contact, penetration):
     """K δⁿ⁺¹/(n+1) [J] for a penetration δ ≥ 0 [m]."""
     return elastic_force(contact, penetration) * penetration / (contact.exponent + 1.0)
 
 
-@jit
 def elastic_depth(contact, mass, speed):
     """Penetration [m] at which a mass [kg] arriving at a speed [m/s] has given its energy to the spring."""
     # K δⁿ⁺¹/(n+1) = ½ m v²
@@ -50,7 +45,6 @@ def elastic_depth(contact, mass, speed):
     return (energy * (contact.exponent + 1.0) / contact.stiffness) ** (1.0 / (contact.exponent + 1.0))
 
 
-@jit
 def latch_damping(d, c):
     """Set the damping d [N·s/m^(p+1)] of candidate c, for the v₀ and effective mass of its contact."""
     contact, touch = d.contact, d.touch
@@ -64,13 +58,12 @@ def latch_damping(d, c):
         touch.damping[c] = contact.damping_factor * contact.stiffness * ratio**mass_power
 
 
-@jit
 def law_force(d, c, depth, rate):
     """Force of candidate c at a penetration δ ≥ 0 [m] and its rate [m/s], and its elastic part K δⁿ [N]."""
     contact = d.contact
     spring = power(depth, contact.exponent)
     elastic = contact.stiffness * spring
-    if user_law.PRESENT and contact.law == USER_LAW:
+    if contact.law == USER_LAW and user_law.present():
         force = user_law.force(
             depth,
             rate,
@@ -85,7 +78,6 @@ def law_force(d, c, depth, rate):
     return max(0.0, elastic + damping_slope(d, c, depth, rate, spring) * rate), elastic
 
 
-@jit
 def damping_slope(d, c, depth, rate, spring):
     """∂F/∂δ̇ = d δᵖ [N·s/m] of candidate c where the force is not cut off, for spring = δⁿ."""
     contact = d.contact
@@ -95,13 +87,12 @@ def damping_slope(d, c, depth, rate, spring):
     return d.touch.damping[c] * (spring if same else power(depth, contact.rate_exponent))
 
 
-@jit
 def law_slopes(d, c, depth, rate):
     """∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of candidate c at a penetration δ ≥ 0 [m] and its rate; 0 where F is."""
     force, elastic = law_force(d, c, depth, rate)
     if force == 0.0:
         return 0.0, 0.0
-    if user_law.PRESENT and d.contact.law == USER_LAW:
+    if d.contact.law == USER_LAW and user_law.present():
         return user_slopes(d, c, depth, rate)
     contact = d.contact
     damping = damping_slope(d, c, depth, rate, power(depth, contact.exponent))
@@ -110,7 +101,6 @@ def law_slopes(d, c, depth, rate):
     return stiffness / depth if depth > 0.0 else 0.0, damping
 
 
-@jit
 def user_slopes(d, c, depth, rate):
     """As ``law_slopes``, of a user's law, by differences; at least 0."""
     step = DIFFERENCE * depth
@@ -123,7 +113,6 @@ def user_slopes(d, c, depth, rate):
     return max(0.0, stiffness), max(0.0, (high - low) / (2.0 * step))
 
 
-@jit
 def damping_share(d, c):
     """What damping adds to the force of candidate c at v₀ and the expected depth, over its elastic part; ≥ 0.
 

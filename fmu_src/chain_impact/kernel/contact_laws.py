@@ -18,7 +18,6 @@ laws go to the end.
 
 import math
 
-from chain_impact.kernel.jit import jit
 from chain_impact.kernel.law_registry import CONTACT_LAWS, contact_law
 
 # ---- the Hunt–Crossley family ---------------------------------------------------------------------------
@@ -233,7 +232,6 @@ def tsuji(e):
     return _logarithmic_damping(math.sqrt(5.0), e)
 
 
-@jit
 def _logarithmic_damping(scale, e):
     """A multiple of the damping ratio ζ of a linear oscillator whose half-cycles shrink to e."""
     return -scale * math.log(e) / math.sqrt(math.pi * math.pi + math.log(e) ** 2)
@@ -287,7 +285,6 @@ def kuwabara_kono(e):
     return 0.5 * (low + high)
 
 
-@jit
 def viscoelastic_rebound(damping):
     """The restitution e′ of m = K = v₀ = 1 under F = max(0, δ^{3/2} + g δ^{1/2} δ̇), for the damping g.
 
@@ -311,7 +308,6 @@ def viscoelastic_rebound(damping):
             return -(before + 0.5 * h * last * last / (last - slope))
 
 
-@jit
 def _slowing(z, w, damping):
     return -2.0 * z * z * (z * z + damping * w)
 
@@ -336,9 +332,9 @@ def _dispatch(functions):
     """One compiled function of (number, e) over all laws: the registry is the only list of them."""
     first, rest = functions[0], functions[1:]
     if not rest:
-        return jit(lambda _number, e: first(e))
+        return lambda _number, e: first(e)
     others = _dispatch(rest)
-    return jit(lambda number, e: first(e) if number == 1 else others(number - 1, e))
+    return lambda number, e: first(e) if number == 1 else others(number - 1, e)
 
 
 __all__ = ["CONTACT_LAWS", "LAW_COUNT", "NEWTON_IMPACT", "contact_law", "damping_factor"]

@@ -2,8 +2,6 @@
 
 import numpy as np
 
-from chain_impact.kernel.jit import jit
-
 DENSE_COEFFICIENTS = 7
 RESOLUTION = 1e-15  # of a step, in which a time is found
 NOBODY, OUTPUTS, SOLVER = 0, 1, 2  # who has had the dense output of the last step
@@ -12,25 +10,21 @@ NOBODY, OUTPUTS, SOLVER = 0, 1, 2  # who has had the dense output of the last st
 NOTHING, VALUES, WITH_CURVES, FAR = 0, 1, 2, 3
 
 
-@jit
 def root_at(step):
     """Where u stands in y."""
     return len(step.state) - 2
 
 
-@jit
 def time_at(step):
     """Where the time since the start of the step stands in y."""
     return len(step.state) - 1
 
 
-@jit
 def pace(u):
     """The pace p = dt/ds of a step that a contact paces (pace.py)."""
     return u / (1.0 + u * u)
 
 
-@jit
 def extend(step, h, y, implicit):
     """Append a step of size h [s] that ends in state y; its interpolant and final rate are yet to be set."""
     for j in range(len(step.state)):
@@ -44,14 +38,12 @@ def extend(step, h, y, implicit):
     step.made_implicit = implicit
 
 
-@jit
 def interpolate(step, theta, y):
     """Set y to the state at the fraction θ ∈ [0, 1] of the last step."""
     for j in range(len(step.state)):
         y[j] = interpolate_component(step, theta, j)
 
 
-@jit
 def interpolate_component(step, theta, j):
     """Component j of that state."""
     rest = 1.0 - theta
@@ -60,7 +52,6 @@ def interpolate_component(step, theta, j):
     return step.state[j] + theta * (step.dense[0, j] + rest * (step.dense[1, j] + theta * low))
 
 
-@jit
 def fraction(step, time):
     """The fraction θ of the last step at which it is that time [s]."""
     elapsed = time - step.start
@@ -106,7 +97,6 @@ def _basis_bounds():
 BASIS_BOUND, SLOPE_BOUND = _basis_bounds()
 
 
-@jit
 def rate_bounds(step, j):
     """Bounds on |y_j| and |ẏ_j| over the last step, from the interpolant's coefficients."""
     value, slope = abs(step.state[j]), 0.0

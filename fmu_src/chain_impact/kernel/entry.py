@@ -1,68 +1,46 @@
-"""The entry points of the compiled kernel, as C functions on a pointer to the instance.
-
-int32 initialize(instance*, double time)
-int32 advance(instance*, double time)
-int32 observe(instance*)
-int64 trajectory(instance*, const double* times, int64 rows, output* out)
-    int32 follow(instance*)
-"""
-
-from numba import carray, float64, int32, int64, types
+"""What a caller can ask of an instance. The C functions for it are in compilation/entry_points.py."""
 
 from chain_impact.kernel.advance import advance, restart
-from chain_impact.kernel.impacts import follow_to_now
-from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.jit import jit
 from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import OK
 
 UNLIMITED = 1 << 62
 
 
-@jit
-def trajectory(d, times, out):
+def advance_to(d, time):
+    """Bring the instance to ``time`` [s]; returns a status.
+
+    If nobody collects the finished contacts, the oldest are lost.
+    """
+    return advance(d, time, UNLIMITED)
+
+
+def observe_now(d):
+    """Fill the outputs with what holds at the communication point; returns a status."""
+    if d.statistics.status == OK and d.inputs.changed and restart(d) != OK:
+        d.inputs.changed = 1  # a parameter that goes with the others may yet be set before the next step
+    observe(d)
+    return d.statistics.status
+
+
+def trajectory(d, times, output, rows):
     """Advance to each of the times [s] in turn and fill one row of outputs for each.
+
+    Args:
+        d: the instance.
+        times: shape (T,), increasing [s].
+        output: the numbers of ``d.output``, shape (W,).
+        rows: result, shape (T, W).
 
     Returns:
         The number of rows filled: fewer than asked for after a fault, or when the log of finished contacts
         is about to overflow and has to be collected.
     """
-    room = len(d.finished.point) - len(d.touch.active)
+    room = len(d.finished.point) - d.candidates
     for row in range(len(times)):
         if advance(d, times[row], room) != OK:
             return row
-        observe(d, out[row])
+        observe(d)
+        for j in range(len(output)):
+            rows[row, j] = output[j]
     return len(times)
-
-
-def entry_points(instance, output):
-    """The C functions for the record types of an instance and its output: name → (signature, function)."""
-    pointer, rows = types.CPointer(instance), types.CPointer(output)
-
-    def initialize_entry(p, time):
-        return initialize(carray(p, (1,))[0], time)
-
-    def advance_entry(p, time):
-        return advance(carray(p, (1,))[0], time, UNLIMITED)
-
-    def observe_entry(p):
-        d = carray(p, (1,))[0]
-        if d.statistics.status == OK and d.inputs.changed and restart(d) != OK:
-            d.inputs.changed = 1  # a parameter that goes with the others may yet be set before the next step
-        observe(d, d.output)
-        return d.statistics.status
-
-    def follow_entry(p):
-        follow_to_now(carray(p, (1,))[0])
-        return 0
-
-    def trajectory_entry(p, times, count, out):
-        return trajectory(carray(p, (1,))[0], carray(times, (count,)), carray(out, (count,)))
-
-    return {
-        "initialize": (int32(pointer, float64), initialize_entry),
-        "advance": (int32(pointer, float64), advance_entry),
-        "observe": (int32(pointer), observe_entry),
-        "follow": (int32(pointer), follow_entry),
-        "trajectory": (int64(pointer, types.CPointer(float64), int64, rows), trajectory_entry),
-    }

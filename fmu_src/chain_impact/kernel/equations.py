@@ -6,23 +6,20 @@ is the time since the start of a step.
 
 from chain_impact.kernel.constraints import hold
 from chain_impact.kernel.contact import apply_contacts, clear_loads, locate_points
-from chain_impact.kernel.jit import jit
 from chain_impact.kernel.recursion import accelerations, link_vectors
 
 
-@jit
 def state_rate(d, y, rate):
     """Set rate = f(y) for the contacts that are active and the inputs that hold now."""
     # in free flight no point is located and no force evaluated
     if d.touch.active_count > 0 or d.model.driven:
-        locate_points(d.model, y, d.work)
+        locate_points(d, y)
         located_rate(d, y, rate)
     else:
-        link_vectors(d.model, y, d.work)
+        link_vectors(d, y)
         loaded_rate(d, y, 0.0, rate)
 
 
-@jit
 def located_rate(d, y, rate):
     """As ``state_rate``, for the located points."""
     if d.contact.impulsive:
@@ -33,17 +30,15 @@ def located_rate(d, y, rate):
         loaded_rate(d, y, apply_contacts(d), rate)
 
 
-@jit
 def free_rate(d, y, rate):
     """As ``located_rate``, as if the walls were not there."""
     clear_loads(d)
     loaded_rate(d, y, 0.0, rate)
 
 
-@jit
 def loaded_rate(d, y, dissipated, rate):
     """As ``state_rate``, under the present loads, which dissipate a power [W]."""
-    n = len(d.model.length)
+    n = d.links
     supplied = 0.0
     if d.model.damped or d.model.driven:
         damped, supplied = joint_moments(d, y[n + 4 : 2 * n + 4])
@@ -53,14 +48,13 @@ def loaded_rate(d, y, dissipated, rate):
     rate[1] = y[n + 3]
     for i in range(n):
         rate[2 + i] = y[n + 4 + i]
-    accelerations(d.model, y, d.work, rate)
+    accelerations(d, y, rate)
     rate[2 * n + 4] = dissipated
     rate[2 * n + 5] = supplied
     rate[2 * n + 6] = 0.0
     rate[2 * n + 7] = 1.0
 
 
-@jit
 def joint_moments(d, omega):
     """Set the net joint moment on each link; return the power [W] dissipated and supplied.
 
@@ -69,10 +63,10 @@ def joint_moments(d, omega):
     """
     dissipated = 0.0
     # force on the tip
-    tip = len(d.model.length)
+    tip = d.links
     supplied = d.inputs.tip_force[0] * d.work.velocity.x[tip] + d.inputs.tip_force[1] * d.work.velocity.y[tip]
     before = 0.0
-    for i in range(len(d.model.length)):
+    for i in range(d.links):
         torque = 0.0
         if i > 0 or d.model.pinned:
             relative = omega[i] - before
@@ -87,10 +81,9 @@ def joint_moments(d, omega):
     return dissipated, supplied
 
 
-@jit
 def mechanical_energy(d, y):
     """Kinetic and potential energy [J] of the chain, for the located points."""
-    n = len(d.model.length)
+    n = d.links
     kinetic, potential = 0.0, 0.0
     for i in range(n):
         m, ratio, omega = d.model.mass[i], d.model.center_of_mass_ratio[i], y[n + 4 + i]

@@ -3,13 +3,11 @@
 import math
 
 from chain_impact.kernel.contact import along_normal, clearance
-from chain_impact.kernel.jit import jit
 from chain_impact.kernel.recursion import move_points
 
 LARGEST_ERROR = 0.01  # of a penetration, relative
 
 
-@jit
 def scaled_error(d, row):
     """Largest scaled component of an error estimate in ``work.error``, for the result in ``work.y``.
 
@@ -24,7 +22,7 @@ def scaled_error(d, row):
     Returns:
         At most 1 when the error keeps the tolerance; infinity when the result is not finite.
     """
-    n = len(d.model.length)
+    n = d.links
     error, y, size = d.work.error[row], d.work.y, d.model.size
     worst = 0.0
     for j in range(2 * n + 5):
@@ -44,11 +42,10 @@ def scaled_error(d, row):
         worst = max(worst, abs(error[j]) / scale)
     for k in range(d.touch.active_count):
         scale = penetration_scale(d, d.touch.active_index[k])
-        worst = max(worst, abs(d.work.gap_error[k]) / scale)
+        worst = max(worst, abs(d.touch.gap_error[k]) / scale)
     return worst / d.solver.tolerance
 
 
-@jit
 def impact_energy(d):
     """The kinetic energy [J] with which the active contacts began, ½ m v₀² of each."""
     energy = 0.0
@@ -58,17 +55,15 @@ def impact_energy(d):
     return energy
 
 
-@jit
 def set_gap_errors(d, row):
     """Set the errors in the clearances of the active contacts that go with an error estimate."""
     if d.touch.active_count > 0:
-        n, error = len(d.model.length), d.work.error[row]
+        n, error = d.links, d.work.error[row]
         move_points(d.work.link, error[0:2], error[2 : n + 2], d.work.motion)
     for k in range(d.touch.active_count):
-        d.work.gap_error[k] = along_normal(d, d.touch.active_index[k], d.work.motion)
+        d.touch.gap_error[k] = along_normal(d, d.touch.active_index[k], d.work.motion)
 
 
-@jit
 def penetration_scale(d, c):
     """The scale [m] of errors in the penetration of an active candidate, at the located points.
 

@@ -29,7 +29,6 @@ from chain_impact.kernel.constraints import holding
 from chain_impact.kernel.contact import clearance, drop_events, locate_points
 from chain_impact.kernel.dense import FAR, NOTHING, SOLVER, VALUES, interpolate, rate_bounds, root_at
 from chain_impact.kernel.implicit import clearance_curvature
-from chain_impact.kernel.jit import jit
 from chain_impact.kernel.pace import TIME
 from chain_impact.kernel.release import find_release
 
@@ -41,14 +40,13 @@ TOUCH, RELATCH = 1, 2  # … and RELEASE in release.py
 SAMPLES = 4  # places in a step to look at for the latter
 
 
-@jit
 def find_event(d):
     """Search the last step for the earliest event.
 
     Returns:
         The fraction θ ∈ [0, 1] of the step at which it happens, or −1. ``touch.event`` tells whose it is.
     """
-    if len(d.touch.active) == 0:
+    if d.candidates == 0:
         return -1.0
     if d.step.made_implicit or holding(d):
         if d.step.cleared in (NOTHING, FAR):
@@ -68,7 +66,6 @@ def find_event(d):
     return theta
 
 
-@jit
 def find_touch(d):
     """θ of the first onset or end of a contact in the last step, or −1; marks whose it is.
 
@@ -93,7 +90,6 @@ def find_touch(d):
             b = min(1.0, a + width)
 
 
-@jit
 def find_relatch(d, touch):
     """θ of the first of the event at ``touch`` (−1: none) and a contact to latch anew; marks whose it is.
 
@@ -110,12 +106,11 @@ def find_relatch(d, touch):
             locate_at(d, first)
     if found < 0:
         return touch
-    drop_events(d.touch)
+    drop_events(d)
     d.touch.event[found] = RELATCH
     return first
 
 
-@jit
 def when_fast(d, c, fast, end):
     """θ ≤ ``end`` at which δ̇ of candidate c first exceeds a speed [m/s], or −1."""
     low = 0.0
@@ -133,7 +128,6 @@ def when_fast(d, c, fast, end):
     return -1.0
 
 
-@jit
 def faster(d, c, fast, theta):
     """Whether δ̇ of candidate c exceeds a speed [m/s] at the fraction θ of the step."""
     locate_at(d, theta)
@@ -141,14 +135,13 @@ def faster(d, c, fast, theta):
     return -gap_rate > fast
 
 
-@jit
 def bound_curvature(d):
     """Bound |g̈| of every candidate over the last step.
 
     |a_k| ≤ |a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²) holds for any point k. It is far from sharp for a point that a
     stiff wall holds; but there the implicit step integrates the clearance itself.
     """
-    n = len(d.model.length)
+    n = d.links
     # d²g/ds² = p d(ġ)/ds + p′ ġ, with p ≤ u and |p′| ≤ |u′|
     p, change = 1.0, 0.0
     if d.step.pacer != TIME:
@@ -163,21 +156,19 @@ def bound_curvature(d):
         speed += d.model.length[i] * omega
         bound += d.model.length[i] * (alpha + p * omega * omega)
         acceleration[i + 1] = p * bound + change * speed
-    for c in range(len(d.touch.active)):
-        d.work.curvature[c] = acceleration[d.model.candidate_point[c]]
+    for c in range(d.candidates):
+        d.search.curvature[c] = acceleration[d.candidate.point[c]]
     if d.step.made_implicit:
         for k in range(d.touch.active_count):
-            d.work.curvature[d.touch.active_index[k]] = clearance_curvature(d, k)
+            d.search.curvature[d.touch.active_index[k]] = clearance_curvature(d, k)
 
 
-@jit
 def measure(d, theta):
     """Set φ and φ′ of every candidate at the fraction θ of the step, as the end of the interval."""
     locate_at(d, theta)
     set_clearances(d, d.work.y)
 
 
-@jit
 def locate_at(d, theta):
     """Set ``work.y`` to the state at the fraction θ of the step, and locate its points."""
     if 0.0 < theta < 1.0:
@@ -186,14 +177,13 @@ def locate_at(d, theta):
     else:
         for j in range(len(d.work.y)):
             d.work.y[j] = d.step.state[j] if theta == 0.0 else d.step.state_end[j]
-    locate_points(d.model, d.work.y, d.work)
+    locate_points(d, d.work.y)
 
 
-@jit
 def inspect(d, width):
     """QUIET if no candidate can have an event in the interval, EVENT if one has, SPLIT if unsettled."""
     verdict = QUIET
-    for c in range(len(d.touch.active)):
+    for c in range(d.candidates):
         judged = inspect_candidate(d, c, width)
         if judged == SPLIT:
             return SPLIT
@@ -201,15 +191,14 @@ def inspect(d, width):
     return verdict
 
 
-@jit
 def inspect_candidate(d, c, width):
     """The verdict on one candidate over an interval of a width in the variable of the step."""
-    start, end = d.work.clear_start[c], d.work.clear_end[c]
+    start, end = d.search.clear_start[c], d.search.clear_end[c]
     if c == d.step.pacer:
         # δ̇ would have to change its sign twice for u to fall to zero and rise again
         return EVENT if end < 0.0 else QUIET
-    rate_start, rate_end = d.work.clear_start_rate[c], d.work.clear_end_rate[c]
-    curvature = d.work.curvature[c]
+    rate_start, rate_end = d.search.clear_start_rate[c], d.search.clear_end_rate[c]
+    curvature = d.search.curvature[c]
     sag = curvature * width * width / 8.0
     if start > sag and end > sag:
         return QUIET
@@ -220,40 +209,38 @@ def inspect_candidate(d, c, width):
     return SPLIT
 
 
-@jit
 def locate(d, a, b):
     """Find the earliest event in (a, b], in which every candidate is settled, and mark whose it is."""
     width = (b - a) * d.step.size
     first, found = b, -1
-    for c in range(len(d.touch.active)):
+    for c in range(d.candidates):
         d.touch.event[c] = TOUCH if inspect_candidate(d, c, width) == EVENT else 0
-    for c in range(len(d.touch.active)):
+    for c in range(d.candidates):
         # `first` is measured: whoever is still clear there comes later
-        if d.touch.event[c] and d.work.clear_end[c] < 0.0:
+        if d.touch.event[c] and d.search.clear_end[c] < 0.0:
             first = root(d, c, a, first)
             found = c
     within = SIMULTANEOUS + 4e-16 * abs(d.step.end)
-    for c in range(len(d.touch.active)):
+    for c in range(d.candidates):
         # a slow point may be no nearer at its own root, for round-off
-        if c != found and d.work.clear_end[c] > within * abs(d.work.clear_end_rate[c]):
+        if c != found and d.search.clear_end[c] > within * abs(d.search.clear_end_rate[c]):
             d.touch.event[c] = 0
     return first
 
 
-@jit
 def root(d, c, a, b):
     """θ in [a, b] at which φ of candidate c, negative at b, falls through zero; measured there.
 
     Newton's method kept inside a shrinking bracket. The start of the bracket when φ is not positive there:
     the event is overdue.
     """
-    if d.work.clear_start[c] <= 0.0 and d.work.clear_start_rate[c] <= 0.0:
+    if d.search.clear_start[c] <= 0.0 and d.search.clear_start_rate[c] <= 0.0:
         measure(d, a)
         return a
     resolution = max(4e-16 * abs(d.step.end), 1e-16) / d.step.size
     low, high, theta = a, b, b
     for _ in range(100):
-        value, slope = d.work.clear_end[c], d.work.clear_end_rate[c] * d.step.size
+        value, slope = d.search.clear_end[c], d.search.clear_end_rate[c] * d.step.size
         if value > 0.0:
             low = theta
         else:

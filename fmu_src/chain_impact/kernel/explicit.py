@@ -9,7 +9,6 @@ from chain_impact.kernel.contact import accelerate_points, locate_points, place_
 from chain_impact.kernel.dense import extend
 from chain_impact.kernel.equations import located_rate, state_rate
 from chain_impact.kernel.errors import scaled_error, set_gap_errors
-from chain_impact.kernel.jit import jit
 from chain_impact.kernel.pace import TIME, at_pace, paced_rate, runs_back
 
 STAGES = len(dop853.A)
@@ -21,25 +20,26 @@ STEP_EVALUATIONS = LAST - 1  # new right-hand sides of a step that is then rejec
 DENSE_EVALUATIONS = STAGES - LAST  # … of its dense output, besides the one at its end
 
 
-def _stage(i, base):
-    """Compile stage i of the step from the state base(d): the point, and the rate there."""
+def _stage(i, accepted):
+    """Stage i of a step: the point, and the rate there.
+
+    A step is tried from the end of the last one. Once it is ``accepted``, that is its start.
+    """
     combine = combination(dop853.A[i])
 
-    @jit
     def stage(d, h):
-        combine(d.work.stage, base(d), h, d.work.y)
+        combine(d.work.stage, d.step.state if accepted else d.step.state_end, h, d.work.y)
         paced_rate(d, d.work.y, d.work.stage[i])
 
     return stage
 
 
 def _sequence(first, *others):
-    """Compile the call of several functions of (d, h) in turn."""
+    """The call of several functions of (d, h) in turn."""
     if not others:
         return first
     rest = _sequence(*others)
 
-    @jit
     def both(d, h):
         first(d, h)
         rest(d, h)
@@ -47,17 +47,13 @@ def _sequence(first, *others):
     return both
 
 
-# a step is tried from the end of the last one; once accepted, that is its start
-_from_end = jit(lambda d: d.step.state_end)
-_from_start = jit(lambda d: d.step.state)
-_stages = _sequence(*(_stage(i, _from_end) for i in range(1, LAST)))
+_stages = _sequence(*(_stage(i, accepted=False) for i in range(1, LAST)))
 _step_end = combination(dop853.B)
-_dense_stages = _sequence(*(_stage(i, _from_start) for i in range(LAST + 1, STAGES)))
+_dense_stages = _sequence(*(_stage(i, accepted=True) for i in range(LAST + 1, STAGES)))
 _errors = combinations(dop853.E5, dop853.E3)
 _high_01, _high_23 = combinations(*dop853.D[:2]), combinations(*dop853.D[2:])
 
 
-@jit
 def attempt(d, h):
     """Try a step of size h from ``step.state_end``; the result stands in ``work.y``.
 
@@ -71,7 +67,7 @@ def attempt(d, h):
         return HALVE
     _errors(d.work.stage, h, d.work.error[0], d.work.error[1])
     if d.touch.active_count > 0:
-        locate_points(d.model, d.work.y, d.work)
+        locate_points(d, d.work.y)
     set_gap_errors(d, 0)
     error_5 = scaled_error(d, 0)
     set_gap_errors(d, 1)
@@ -86,7 +82,6 @@ def attempt(d, h):
     return error_5 * ratio * (1.0 if d.step.pacer == TIME else math.sqrt(ratio))
 
 
-@jit
 def accept(d, h):
     """Make the step that was tried the last accepted one, with the rate and, for candidates, points there."""
     if holding(d):
@@ -98,20 +93,19 @@ def accept(d, h):
         located_rate(d, y, rate)
     else:
         state_rate(d, y, rate)
-    if len(d.touch.active) > 0:
+    if d.candidates > 0:
         if not touching:
-            place_points(d.model, y, d.work)
-        accelerate_points(d.model, y, rate, d.work)
+            place_points(d, y)
+        accelerate_points(d, y, rate)
         d.work.at_end = 1
     d.statistics.rhs_evaluations += 1
     d.step.rate_known = 1
 
 
-@jit
 def dense_output(d):
     """Set the dense output of the last step."""
     step, h = d.step, d.step.size
-    locate_points(d.model, step.state_end, d.work)
+    locate_points(d, step.state_end)
     at_pace(d, step.state_end, d.work.rate_end, d.work.stage[LAST])
     _dense_stages(d, h)
     for j in range(len(d.work.y)):

@@ -12,13 +12,11 @@ from chain_impact.kernel.contact import (
 )
 from chain_impact.kernel.dense import NOTHING, SOLVER, fraction, interpolate
 from chain_impact.kernel.equations import state_rate
-from chain_impact.kernel.jit import jit
 
 FORCE, PENETRATION = 0, 1
 HELD_SAMPLES = 5  # of a holding force over a step, its ends included
 
 
-@jit
 def follow_contacts(d):
     """Follow every active contact over the last step: peak force and largest penetration.
 
@@ -46,30 +44,28 @@ def follow_contacts(d):
         if depth_peaked:
             touch.max_penetration[c] = max(touch.max_penetration[c], maximum(d, c, PENETRATION))
         if force_peaked or depth_peaked:
-            locate_points(d.model, d.step.state_end, d.work)
+            locate_points(d, d.step.state_end)
 
 
-@jit
 def follow_held(d):
     """Follow the forces of rigid walls over the last step: their peaks, by parabolas through samples."""
-    step, samples = d.step, d.work.rigid.sample
+    step, samples = d.step, d.rigid.sample
     end = fraction(step, step.end)
     for j in range(HELD_SAMPLES):
         interpolate(step, end * j / (HELD_SAMPLES - 1), d.work.y)
         state_rate(d, d.work.y, d.work.error[0])
         for k in range(d.touch.active_count):
             c = d.touch.active_index[k]
-            left, top, right = samples[0, k], samples[1, k], d.work.rigid.impulse[k]
+            left, top, right = samples[0, k], samples[1, k], d.rigid.impulse[k]
             peak, bend = right, left - 2.0 * top + right
             if j >= 2 and top > max(left, right):
                 peak = top - (right - left) ** 2 / (8.0 * bend)
             d.touch.peak_force[c] = max(d.touch.peak_force[c], peak)
             samples[0, k], samples[1, k] = top, right
     d.statistics.rhs_evaluations += HELD_SAMPLES
-    locate_points(d.model, step.state_end, d.work)
+    locate_points(d, step.state_end)
 
 
-@jit
 def follow_to_now(d):
     """Follow the active contacts up to the communication point, where the last step ends from now on."""
     step, rate, evaluations = d.step, d.work.rate_end, d.statistics.rhs_evaluations
@@ -78,14 +74,13 @@ def follow_to_now(d):
     step.end = step.time
     step.rate_known = 0
     step.cleared = NOTHING
-    drop_events(d.touch)  # they are beyond, and will be found again
+    drop_events(d)  # they are beyond, and will be found again
     state_rate(d, step.state_end, rate)
-    accelerate_points(d.model, step.state_end, rate, d.work)
+    accelerate_points(d, step.state_end, rate)
     follow_contacts(d)
     d.statistics.rhs_evaluations = evaluations  # a look, not the solver's work
 
 
-@jit
 def rate_of_force(d, c):
     """dF/dt [N/s] of candidate c, from the located and accelerated points; its sign is what counts."""
     stiffness, damping = contact_slopes(d, c)
@@ -94,7 +89,6 @@ def rate_of_force(d, c):
     return -(stiffness * gap_rate + damping * along_normal(d, c, d.work.acceleration))
 
 
-@jit
 def maximum(d, c, quantity):
     """The maximum of FORCE or PENETRATION of candidate c inside the last step.
 
@@ -119,24 +113,22 @@ def maximum(d, c, quantity):
     return max(best, summit)
 
 
-@jit
 def sample(d, c, quantity, theta):
     """FORCE [N] or PENETRATION [m] of candidate c at the fraction θ of the last step."""
     interpolate(d.step, theta, d.work.y)
-    locate_points(d.model, d.work.y, d.work)
+    locate_points(d, d.work.y)
     gap, gap_rate = clearance(d, c)
     force, _ = contact_force(d, c, gap, gap_rate)
     return force if quantity == FORCE else -gap
 
 
-@jit
 def finish(d, c):
     """Log the contact of candidate c, which ends now. When nobody collects the log the oldest are lost."""
     touch, log = d.touch, d.finished
     _, gap_rate = clearance(d, c)
     row = log.count % len(log.point)
-    log.point[row] = d.model.candidate_point[c]
-    log.wall[row] = d.model.candidate_wall[c]
+    log.point[row] = d.candidate.point[c]
+    log.wall[row] = d.candidate.wall[c]
     log.onset[row] = touch.onset[c]
     log.end[row] = d.step.end
     log.impact_speed[row] = touch.onset_speed[c]

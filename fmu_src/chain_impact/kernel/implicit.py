@@ -39,7 +39,6 @@ from chain_impact.kernel.contact import (
 from chain_impact.kernel.dense import extend, interpolate, root_at, time_at
 from chain_impact.kernel.equations import loaded_rate
 from chain_impact.kernel.errors import scaled_error
-from chain_impact.kernel.jit import jit
 from chain_impact.kernel.recursion import factorize, move_points, solve
 
 GAMMA = ros34pw2.GAMMA_DIAGONAL
@@ -56,9 +55,8 @@ def _stage(i, rate, solve_shifted):
     point = combination(ros34pw2.ALPHA[i])
     correction = combination({j: g / GAMMA for j, g in ros34pw2.GAMMA[i].items()})
 
-    @jit
     def stage(d, z_start, z, h):
-        stages = d.work.implicit.stage
+        stages = d.implicit.stage
         point(stages, z_start, h, z)
         rate(d, z, stages[RATE])
         # (1 − hγA)(k + s) = f + s
@@ -87,9 +85,8 @@ def linearly_implicit(rate, solve_shifted):
     result = combination(ros34pw2.B)
     difference = combination({i: b - ros34pw2.B_EMBEDDED[i] for i, b in ros34pw2.B.items()})
 
-    @jit
     def step(d, start, z, h):
-        stages = d.work.implicit.stage
+        stages = d.implicit.stage
         solve_shifted(d, h * GAMMA, stages[START_RATE], stages[1])
         second(d, start, z, h)
         third(d, start, z, h)
@@ -100,47 +97,42 @@ def linearly_implicit(rate, solve_shifted):
     return step
 
 
-@jit
 def linearize(d):
     """Set z and its rate at the start of the step, where the slopes of the contact forces and J hold.
 
     Active contacts need the points located there, and the first stage evaluated.
     """
-    work, n, size = d.work, len(d.model.length), own_size(d)
-    z, rate = work.implicit.start, work.implicit.stage[START_RATE]
-    accelerate_points(d.model, d.step.state_end, work.rate_start, work)
+    work, n, size = d.work, d.links, own_size(d)
+    z, rate = d.implicit.start, d.implicit.stage[START_RATE]
+    accelerate_points(d, d.step.state_end, work.rate_start)
     for i in range(n):
-        work.implicit.link.x[i] = work.link.x[i]
-        work.implicit.link.y[i] = work.link.y[i]
+        d.implicit.link.x[i] = work.link.x[i]
+        d.implicit.link.y[i] = work.link.y[i]
     for j in range(size):
         z[j] = d.step.state_end[j]
         rate[j] = work.rate_start[j]
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
-        work.implicit.stiffness[k], work.implicit.damping[k] = contact_slopes(d, c)
+        d.implicit.stiffness[k], d.implicit.damping[k] = contact_slopes(d, c)
         z[gap_at(d, k)], z[rate_at(d, k)] = clearance(d, c)
     clearance_rates(d, z, rate)
 
 
-@jit
 def own_size(d):
     """How much of y is in z: all but u, which is 1, and the time."""
     return len(d.work.y) - 2
 
 
-@jit
 def gap_at(d, k):
     """Where the clearance of the k-th active contact stands in z."""
     return own_size(d) + k
 
 
-@jit
 def rate_at(d, k):
     """Where the rate of that clearance stands in z."""
     return own_size(d) + d.touch.active_count + k
 
 
-@jit
 def clearance_rates(d, z, rate):
     """Set the rates of g and ġ, for accelerated points."""
     for k in range(d.touch.active_count):
@@ -148,48 +140,44 @@ def clearance_rates(d, z, rate):
         rate[rate_at(d, k)] = along_normal(d, d.touch.active_index[k], d.work.acceleration)
 
 
-@jit
 def extended_rate(d, z, rate):
     """Set rate = ż, with the contact forces at the clearances and rates in z."""
-    locate_points(d.model, z, d.work)
+    locate_points(d, z)
     clear_loads(d)
     dissipated = 0.0
     for k in range(d.touch.active_count):
         dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
     loaded_rate(d, z, dissipated, rate)  # … and of u and time, in whose place are clearances here
-    accelerate_points(d.model, z, rate, d.work)
+    accelerate_points(d, z, rate)
     clearance_rates(d, z, rate)
 
 
-@jit
 def factorize_contacts(d, shift):
     """Eliminate M + Jᵀ D J for hγ = ``shift`` [s]."""
-    own = d.work.implicit
+    own = d.implicit
     zero(d.work.load)
     for k in range(d.touch.active_count):
         # D = hγ c + (hγ)² k
         own.impedance[k] = shift * (own.damping[k] + shift * own.stiffness[k])
         add_across_wall(d, d.touch.active_index[k], d.work.load, own.impedance[k])
-    factorize(d.model, own.link, d.work.load, d.work.factors)
+    factorize(d, own.link, d.work.load, d.work.factors)
 
 
-@jit
 def respond(d, base, angular):
     """Solve (M + Jᵀ D J) Δ = Jᵀ p for Δ = (base, angular) and J Δ, with p and then J Δ in ``normal``."""
-    work, own = d.work, d.work.implicit
+    work, own = d.work, d.implicit
     zero(work.load)
     for k in range(d.touch.active_count):
         add_along_normal(d, d.touch.active_index[k], work.load, own.normal[k])
-    solve(d.model, own.link, work.factors, work.load, base, angular)
+    solve(d, own.link, work.factors, work.load, base, angular)
     move_points(own.link, base, angular, work.motion)
     for k in range(d.touch.active_count):
         own.normal[k] = along_normal(d, d.touch.active_index[k], work.motion)
 
 
-@jit
 def solve_contacts(d, shift, r, x):
     """Solve (1 − hγA) x = r for hγ = ``shift`` [s]."""
-    n, own = len(d.model.length), d.work.implicit
+    n, own = d.links, d.implicit
     for k in range(d.touch.active_count):
         # D r_ġ + hγ k r_g
         own.normal[k] = own.impedance[k] * r[rate_at(d, k)] + shift * own.stiffness[k] * r[gap_at(d, k)]
@@ -207,7 +195,6 @@ def solve_contacts(d, shift, r, x):
 _step = linearly_implicit(extended_rate, solve_contacts)
 
 
-@jit
 def attempt(d, h):
     """Try a step of size h [s] from where it was linearized; the result stands in ``work.y``.
 
@@ -217,29 +204,28 @@ def attempt(d, h):
     work, active = d.work, d.touch.active_count
     length = own_size(d) + 2 * active
     factorize_contacts(d, h * GAMMA)
-    _step(d, work.implicit.start[:length], work.implicit.z[:length], h)
+    _step(d, d.implicit.start[:length], d.implicit.z[:length], h)
     # the columns of the Jacobian count as evaluations
     d.statistics.rhs_evaluations += STEP_EVALUATIONS + active
     for j in range(own_size(d)):
-        work.y[j] = work.implicit.z[j]
-        work.error[0, j] = abs(work.implicit.stage[ERROR, j])
+        work.y[j] = d.implicit.z[j]
+        work.error[0, j] = abs(d.implicit.stage[ERROR, j])
     work.y[root_at(d.step)], work.y[time_at(d.step)] = 1.0, h
     for k in range(active):
-        work.gap_error[k] = work.implicit.stage[ERROR, gap_at(d, k)]
-    locate_points(d.model, work.y, work)
-    apart = largest_mismatch(d)
+        d.touch.gap_error[k] = d.implicit.stage[ERROR, gap_at(d, k)]
+    locate_points(d, work.y)
+    apart, change = largest_mismatch(d), d.implicit.stage[RIGHT, : d.links + 2]
     for derivative in range(2):
         for k in range(active):
             at = rate_at(d, k) if derivative else gap_at(d, k)
-            work.implicit.normal[k] = work.implicit.z[at]
-        first, change = meet(d, derivative)
+            d.implicit.normal[k] = d.implicit.z[at]
+        first = meet(d, derivative, change)
         for j in range(len(change)):
             work.y[first + j] += change[j]
             work.error[0, first + j] += abs(change[j])
     return max(scaled_error(d, 0), apart / APART)
 
 
-@jit
 def largest_mismatch(d):
     """How far the located coordinates have left the clearances in z, in parts of the penetration."""
     worst = 0.0
@@ -247,34 +233,31 @@ def largest_mismatch(d):
         c = d.touch.active_index[k]
         gap, _ = clearance(d, c)
         depth = max(d.touch.depth_scale[c], -gap)
-        worst = max(worst, abs(d.work.implicit.z[gap_at(d, k)] - gap) / depth)
+        worst = max(worst, abs(d.implicit.z[gap_at(d, k)] - gap) / depth)
     return worst
 
 
-@jit
-def meet(d, derivative):
-    """The change of coordinates (or, for derivative 1, velocities) to the clearances (rates) in ``normal``.
+def meet(d, derivative, change):
+    """Set the change of coordinates (for derivative 1: velocities) to the clearances (rates) in ``normal``.
 
     The coordinates that are integrated beside the clearances differ from them by little, which a stiff wall
     would feel as a blow. The points have to be located.
 
     Returns:
-        Where the coordinates begin in y, and their change.
+        Where the coordinates begin in y.
     """
-    n, own = len(d.model.length), d.work.implicit
-    change = own.stage[RIGHT, : n + 2]
+    n, own = d.links, d.implicit
     for k in range(d.touch.active_count):
         gap, gap_rate = clearance(d, d.touch.active_index[k])
         own.normal[k] = own.impedance[k] * (own.normal[k] - (gap_rate if derivative else gap))
     respond(d, change[0:2], change[2 : n + 2])
-    return derivative * (n + 2), change
+    return derivative * (n + 2)
 
 
-@jit
 def accept(d, h):
     """Make the step that was tried the last accepted one, with a dense output for the state alone."""
     extend(d.step, h, d.work.y, 1)
-    dense, stages = d.step.dense, d.work.implicit.stage
+    dense, stages = d.step.dense, d.implicit.stage
     for j in range(len(d.work.y)):
         for m in range(len(dense)):
             dense[m, j] = 0.0
@@ -287,47 +270,44 @@ def accept(d, h):
         dense[0, j] = d.step.state_end[j] - d.step.state[j]
 
 
-@jit
 def dense_output(d):
     """Make the dense output keep the clearances in between, too, at thirds of the last step.
 
     F₃ and F₄ of dense.py, with θ²(1−θ)² and θ³(1−θ)², leave its ends as they are.
     """
-    dense = d.step.dense
+    dense, change = d.step.dense, d.implicit.stage[RIGHT, : d.links + 2]
     if d.touch.active_count == 0:
         return
     for third in range(1, 3):
         interpolate(d.step, third / 3.0, d.work.y)
-        locate_points(d.model, d.work.y, d.work)
+        locate_points(d, d.work.y)
         for derivative in range(2):
             for k in range(d.touch.active_count):
                 at = rate_at(d, k) if derivative else gap_at(d, k)
-                d.work.implicit.normal[k] = interpolated(d, at, third / 3.0)
-            first, change = meet(d, derivative)
+                d.implicit.normal[k] = interpolated(d, at, third / 3.0)
+            first = meet(d, derivative, change)
             for j in range(len(change)):
                 d.work.error[third - 1, first + j] = change[j]
-    for j in range(2 * len(d.model.length) + 4):
+    for j in range(2 * d.links + 4):
         one, two = d.work.error[0, j], d.work.error[1, j]
         # 4/81 F₃ + 4/243 F₄ and 4/81 F₃ + 8/243 F₄ are to be the changes
         dense[4, j] = 243.0 / 4.0 * (two - one)
         dense[3, j] = 81.0 / 4.0 * one - dense[4, j] / 3.0
 
 
-@jit
 def interpolated(d, j, theta):
     """Component j of z at the fraction θ of the last step."""
-    own, total = d.work.implicit, 0.0
+    own, total = d.implicit, 0.0
     for i, (linear, square, cube) in _DENSE:
         total += theta * (linear + theta * (square + theta * cube)) * own.stage[i, j]
     return own.start[j] + d.step.size * total
 
 
-@jit
 def clearance_curvature(d, k):
     """Bound on |g̈| [m/s²] of the k-th active contact over the last step."""
     square, cube = 0.0, 0.0
     for i, (_, b, c) in _DENSE:
-        g = d.work.implicit.stage[i, gap_at(d, k)]
+        g = d.implicit.stage[i, gap_at(d, k)]
         square += b * g
         cube += c * g
     # g = g₀ + h (c₁θ + c₂θ² + c₃θ³)

@@ -29,7 +29,6 @@ from chain_impact.kernel.contact import clear_loads, clearance, drop_events, lat
 from chain_impact.kernel.equations import free_rate
 from chain_impact.kernel.events import TOUCH
 from chain_impact.kernel.impacts import finish
-from chain_impact.kernel.jit import jit
 from chain_impact.kernel.release import RELEASE
 
 STICK = 1e-3  # of the smallest speed that bounces: slower points do not leave, or they would for ever
@@ -39,15 +38,14 @@ GAIN = 1e-9  # of the energies moved in an impact, more than round-off
 APART = 1e-13  # of a link length: where a point without a force is put, lest round-off make it touch
 
 
-@jit
 def collide(d):
     """Apply the events at the end of the last step: impulses, and who is held after them."""
     touch = d.touch
-    locate_points(d.model, d.step.state_end, d.work)
+    locate_points(d, d.step.state_end)
     # an interpolated state keeps to the walls but for its error
     meet_walls(d, d.step.state_end)
     struck = False
-    for c in range(len(touch.event)):
+    for c in range(d.candidates):
         if touch.event[c] == TOUCH:
             latch(d, c)
             touch.active[c] = 1
@@ -62,35 +60,32 @@ def collide(d):
     clear_loads(d)
 
 
-@jit
 def list_touching(d):
     """Pack the candidates in contact."""
     touch = d.touch
     touch.active_count = 0
-    for c in range(len(touch.active)):
+    for c in range(d.candidates):
         if touch.active[c]:
             touch.active_index[touch.active_count] = c
             touch.active_count += 1
 
 
-@jit
 def join_neighbours(d):
     """Let points that all but touch take part in an impact.
 
     A link that wedges between two walls would else hit them in turn, infinitely often in a finite time.
     """
     touch = d.touch
-    for c in range(len(touch.active)):
+    for c in range(d.candidates):
         gap, _ = clearance(d, c)
         if not touch.active[c] and gap < NEAR * d.model.size:
             touch.active[c] = 1
             touch.event[c] = NEIGHBOUR
 
 
-@jit
 def strike(d):
     """Give the impulses of an impact to the velocities, and what they take to the dissipated energy."""
-    own, n, state = d.work.rigid, len(d.model.length), d.step.state_end
+    own, n, state = d.rigid, d.links, d.step.state_end
     lost, moved = find_impulses(d, d.contact.restitution)
     if lost < -GAIN * moved:
         # only a neighbour on its way from the wall can have brought that about
@@ -104,13 +99,12 @@ def strike(d):
     for j in range(n + 2):
         state[n + 2 + j] += own.change[j]
     state[2 * n + 4] += max(0.0, lost)
-    locate_points(d.model, state, d.work)
+    locate_points(d, state)
 
 
-@jit
 def find_impulses(d, restitution):
     """Find the impulses of an impact; return the energy [J] that they take, and the sum of all they move."""
-    own, lost, moved = d.work.rigid, 0.0, 0.0
+    own, lost, moved = d.rigid, 0.0, 0.0
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         _, own.start[k] = clearance(d, c)
@@ -127,28 +121,25 @@ def find_impulses(d, restitution):
     return lost, moved
 
 
-@jit
 def bounce(d):
     """End the contacts that leave with a speed."""
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
-        if d.touch.event[c] == NEIGHBOUR and d.work.rigid.impulse[k] <= 0.0:
+        if d.touch.event[c] == NEIGHBOUR and d.rigid.impulse[k] <= 0.0:
             d.touch.active[c] = 0  # not met
-        elif d.work.rigid.reached[k] > STICK * d.contact.minimum_impact_speed:
+        elif d.rigid.reached[k] > STICK * d.contact.minimum_impact_speed:
             leave(d, c)
     list_touching(d)
 
 
-@jit
 def end_contacts(d):
     """End all contacts where they stand: another law takes them over as it finds them."""
-    locate_points(d.model, d.step.state_end, d.work)
+    locate_points(d, d.step.state_end)
     for k in range(d.touch.active_count):
         leave(d, d.touch.active_index[k])
     list_touching(d)
 
 
-@jit
 def leave(d, c):
     """End a contact. One of no duration has an impulse, and no finite force."""
     if d.touch.onset[c] == d.step.end:
@@ -157,12 +148,11 @@ def leave(d, c):
     d.touch.active[c] = 0
 
 
-@jit
 def judge(d):
     """Hold the touching points that a force has to hold, and let go of the others: 0 ≤ F ⟂ g̈ ≥ 0."""
-    touch, own, state = d.touch, d.work.rigid, d.step.state_end
+    touch, own, state = d.touch, d.rigid, d.step.state_end
     if touch.active_count > 0:
-        locate_points(d.model, state, d.work)
+        locate_points(d, state)
         meet_walls(d, state)
         rate = d.work.stage[0]
         free_rate(d, state, rate)
@@ -173,13 +163,12 @@ def judge(d):
         complement(d, scale)
         part(d)
         list_touching(d)
-    drop_events(touch)
+    drop_events(d)
 
 
-@jit
 def part(d):
     """End the contacts that no force holds, and put their points a hair's breadth off the wall."""
-    own, n, state = d.work.rigid, len(d.model.length), d.step.state_end
+    own, n, state = d.rigid, d.links, d.step.state_end
     parting = False
     for k in range(d.touch.active_count):
         own.start[k], _ = clearance(d, d.touch.active_index[k])

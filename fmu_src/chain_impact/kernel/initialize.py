@@ -16,7 +16,6 @@ from chain_impact.kernel.contact_laws import (
 )
 from chain_impact.kernel.dense import NOTHING, SOLVER, root_at, time_at
 from chain_impact.kernel.equations import state_rate
-from chain_impact.kernel.jit import jit
 from chain_impact.kernel.pace import TIME
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
@@ -35,7 +34,6 @@ METHODS = 3  # auto, explicit, implicit
 OVERLAP = 1e-12  # m, of a start that counts as touching
 
 
-@jit
 def initialize(d, time):
     """Set the state at ``time`` [s] from the parameters and initial values; returns a status."""
     derive_chain(d.model)
@@ -45,7 +43,7 @@ def initialize(d, time):
         d.statistics.status = derive_law(d)
     if d.statistics.status != OK:
         return d.statistics.status
-    n = len(d.model.length)
+    n = d.links
     y = d.work.y
     for j in range(2):
         y[j] = d.initial.position[j]
@@ -69,7 +67,6 @@ def initialize(d, time):
     return d.statistics.status
 
 
-@jit
 def derive_chain(model):
     """Find what the recursion needs of each link, and the absolute scales of positions and energies."""
     model.damped = 0
@@ -91,11 +88,10 @@ def derive_chain(model):
     model.energy = total * model.size * model.size
 
 
-@jit
 def derive_law(d):
     """Find what the law makes of the restitution, also for the contacts that last; returns a status."""
     contact = d.contact
-    if not 1 <= contact.law <= (USER_LAW if user_law.PRESENT else LAW_COUNT):
+    if not 1 <= contact.law <= LAW_COUNT + user_law.present():
         return UNKNOWN_LAW
     if not 0.0 <= contact.restitution <= 1.0 or not contact.stiffness > 0.0:
         return PARAMETER_OUT_OF_RANGE
@@ -111,7 +107,6 @@ def derive_law(d):
     return OK
 
 
-@jit
 def derive_damping(contact):
     """Find the law's factor f(e) and the power p of its damping; returns a status."""
     contact.rate_exponent, contact.approach_only = contact.exponent, 0
@@ -128,10 +123,9 @@ def derive_damping(contact):
     return OK if math.isfinite(contact.damping_factor) else RESTITUTION_NOT_ALLOWED
 
 
-@jit
 def check_parameters(d):
     """Check what a division or a loop relies on; the importer may have set anything. Returns a status."""
-    for i in range(len(d.model.length)):
+    for i in range(d.links):
         for value in (d.model.length[i], d.model.mass[i], d.model.inertia[i]):
             if not (value > 0.0 and math.isfinite(value)):
                 return PARAMETER_OUT_OF_RANGE
@@ -148,7 +142,6 @@ def check_parameters(d):
     return OK
 
 
-@jit
 def still(d, time, y):
     """Stand at ``time`` in state y, with a last step of no length."""
     for j in range(len(d.step.state)):
@@ -168,21 +161,19 @@ def still(d, time, y):
     d.step.cleared = NOTHING
 
 
-@jit
 def first_size(d):
     """A first step [s] that the turning of the links calls for: the error control does the rest."""
     state_rate(d, d.step.state, d.work.rate_start)
     return in_flight(d, d.step.state, d.work.rate_start)
 
 
-@jit
 def check_start(d):
     """Refuse a start that is not finite or lies beyond a wall; returns a status."""
-    locate_points(d.model, d.step.state, d.work)
+    locate_points(d, d.step.state)
     for j in range(len(d.work.y)):
         if not math.isfinite(d.step.state[j] + d.work.rate_start[j]):
             return NOT_FINITE
-    for c in range(len(d.touch.active)):
+    for c in range(d.candidates):
         gap, _ = clearance(d, c)
         if gap < -OVERLAP:
             return STARTS_INSIDE_WALL

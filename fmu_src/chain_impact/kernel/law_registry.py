@@ -1,7 +1,5 @@
 """The registry of contact laws: what is known of each, and the order that numbers them in the FMU."""
 
-from chain_impact.kernel.jit import jit
-
 FAMILY_FORCE = "Kδⁿ (1 + λ δ̇/v₀)"
 POWERS = {0.0: "", 0.25: "δ^¼ ", 0.5: "δ^½ "}
 DAMPINGS = {0.0: "λ K/v₀", 0.5: "f √(K m)", 0.4: "f K^⅗ m^⅖ at 1 m/s"}
@@ -124,7 +122,7 @@ def contact_law(
             mass_power=mass_power,
             approach_only=approach_only,
             impulsive=impulsive,
-            damping_factor=jit(function),
+            damping_factor=function,
         )
         return CONTACT_LAWS[function.__name__].damping_factor
 

@@ -9,22 +9,20 @@ from chain_impact.kernel.contact import (
 )
 from chain_impact.kernel.dense import fraction, interpolate
 from chain_impact.kernel.equations import located_rate, mechanical_energy
-from chain_impact.kernel.jit import jit
 
 
-@jit
-def observe(d, out):
-    """Fill the output record ``out`` with what holds at ``step.time``.
+def observe(d):
+    """Fill the output record with what holds at ``step.time``.
 
     Contacts count as the solver held them during the step that contains that time: an impact that it has
     already found later on does not show yet.
     """
-    n = len(d.model.length)
+    n, out = d.links, d.output
     y, rate = d.work.y, d.work.error[0]
     interpolate(d.step, fraction(d.step, d.step.time), y)
-    locate_points(d.model, y, d.work)
+    locate_points(d, y)
     located_rate(d, y, rate)
-    accelerate_points(d.model, y, rate, d.work)
+    accelerate_points(d, y, rate)
     work = d.work
     for k in range(n + 1):
         out.point_position[k, 0], out.point_position[k, 1] = work.position.x[k], work.position.y[k]
@@ -37,13 +35,13 @@ def observe(d, out):
         out.angle[i] = y[2 + i]
         out.angular_velocity[i] = y[n + 4 + i]
         out.angular_acceleration[i] = rate[n + 4 + i]
-    for c in range(len(d.touch.active)):
+    for c in range(d.candidates):
         out.force[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         gap, gap_rate = clearance(d, c)
         if d.contact.impulsive:
-            out.force[c] = max(0.0, work.rigid.impulse[k])
+            out.force[c] = max(0.0, d.rigid.impulse[k])
         elif gap < 0.0:
             out.force[c], _ = contact_force(d, c, gap, gap_rate)
             out.penetration[c], out.penetration_rate[c] = -gap, -gap_rate

@@ -19,14 +19,12 @@ import math
 from chain_impact.kernel.contact import along_normal, clearance
 from chain_impact.kernel.dense import NOTHING, pace, root_at, time_at
 from chain_impact.kernel.equations import state_rate
-from chain_impact.kernel.jit import jit
 
 TIME = -1  # in step.pacer: no contact sets the pace
 BACK = -0.5  # u, further than which no step goes
 SLOW = 0.1  # u and δ̇/v₀ below which a contact is a point that lies on a wall, and time does
 
 
-@jit
 def paced_rate(d, y, rate):
     """Set rate = dy/ds, for the pace of the step."""
     state_rate(d, y, rate)
@@ -34,7 +32,6 @@ def paced_rate(d, y, rate):
         slow_down(d, y, rate)
 
 
-@jit
 def at_pace(d, y, time_rate, rate):
     """Set rate = dy/ds for dy/dt and the located points; at the ends of a step."""
     for j in range(len(rate)):
@@ -43,7 +40,6 @@ def at_pace(d, y, time_rate, rate):
         slow_down(d, y, rate)
 
 
-@jit
 def slow_down(d, y, rate):
     """Turn a rate in time into one in s, for the located points."""
     u = y[root_at(d.step)]
@@ -53,14 +49,12 @@ def slow_down(d, y, rate):
     rate[root_at(d.step)] = root_rate(d, u)
 
 
-@jit
 def root_rate(d, u):
     """u′ = du/ds = δ̇/(2 δ* (1 + u²)) of the pacer, for the located points."""
     _, gap_rate = clearance(d, d.step.pacer)
     return -0.5 * gap_rate / (d.touch.depth_scale[d.step.pacer] * (1.0 + u * u))
 
 
-@jit
 def root_curve(d, u, slope):
     """u″ of the pacer, for the located and accelerated points and u′."""
     quotient = 1.0 / (1.0 + u * u)
@@ -70,26 +64,22 @@ def root_curve(d, u, slope):
     return quotient * (curve - 2.0 * u * slope * slope)
 
 
-@jit
 def pace_change(u, slope):
     """The change p′ = u′ (1 − u²)/(1 + u²)²."""
     quotient = 1.0 / (1.0 + u * u)
     return slope * (1.0 - u * u) * quotient * quotient
 
 
-@jit
 def pace_of(d, u):
     """The pace; 1 without a pacer."""
     return 1.0 if d.step.pacer == TIME else pace(u)
 
 
-@jit
 def pace_now(d, y):
     """The pace in state y; not less than SLOW, as it serves to turn the size of a step into seconds."""
     return max(SLOW, pace_of(d, y[root_at(d.step)]))
 
 
-@jit
 def set_pace(d, anew):
     """Choose what paces the step to come, for the points located at its start.
 
@@ -109,13 +99,11 @@ def set_pace(d, anew):
             step.next_size *= before / pace_now(d, step.state_end)
 
 
-@jit
 def runs_back(d, y):
     """Whether a step to state y goes far beyond the end of its pacer, where u < 0 and time runs backwards."""
     return d.step.pacer != TIME and (y[root_at(d.step)] < BACK or y[time_at(d.step)] <= 0.0)
 
 
-@jit
 def lone_contact(d):
     """The active contact and its u, if it is alone and not a point that lies on a wall; else TIME and 1.
 

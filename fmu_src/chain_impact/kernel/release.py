@@ -5,14 +5,12 @@ import math
 from chain_impact.kernel.contact import drop_events
 from chain_impact.kernel.dense import interpolate
 from chain_impact.kernel.equations import state_rate
-from chain_impact.kernel.jit import jit
 
 RELEASE = 3  # in `touch.event`
 RESOLUTION = 1e-12  # s
 PULL, SAMPLES = 1e-11, 8  # of the chain's weight, a force that counts; places in a step to look at
 
 
-@jit
 def find_release(d, touch):
     """θ of the first of the event at ``touch`` (−1: none) and a held contact that would pull; marks whose.
 
@@ -20,7 +18,7 @@ def find_release(d, touch):
     """
     pulling = False
     for k in range(d.touch.active_count):
-        pulling |= d.work.rigid.least[d.touch.active_index[k]] < -pull_limit(d)
+        pulling |= d.rigid.least[d.touch.active_index[k]] < -pull_limit(d)
     if not pulling:
         return touch
     end = touch if touch >= 0.0 else 1.0
@@ -40,14 +38,12 @@ def find_release(d, touch):
     return touch
 
 
-@jit
 def pull_limit(d):
     """The force [N] that a held contact may pull with, for round-off's sake."""
     gravity = math.hypot(d.model.gravity[0], d.model.gravity[1])
     return PULL * d.model.energy / (d.model.size * d.model.size) * (gravity + d.model.size)
 
 
-@jit
 def pulls(d, theta):
     """Whether a held contact pulls at the fraction θ of the last step."""
     interpolate(d.step, theta, d.work.y)
@@ -55,15 +51,14 @@ def pulls(d, theta):
     d.statistics.rhs_evaluations += 1
     least = 0.0
     for k in range(d.touch.active_count):
-        least = min(least, d.work.rigid.impulse[k])
+        least = min(least, d.rigid.impulse[k])
     return least < -pull_limit(d)
 
 
-@jit
 def mark_pulling(d, theta):
     """Mark the held contacts that pull at θ for release, and no other event."""
     pulls(d, theta)
-    drop_events(d.touch)
+    drop_events(d)
     for k in range(d.touch.active_count):
-        if d.work.rigid.impulse[k] < -pull_limit(d):
+        if d.rigid.impulse[k] < -pull_limit(d):
             d.touch.event[d.touch.active_index[k]] = RELEASE

@@ -6,8 +6,6 @@ do not depend on its C library. Their errors are below 2e-16, see tests/kernel/t
 
 import math
 
-from chain_impact.kernel.jit import jit
-
 LARGEST = 1e6  # rad; beyond it the reduction loses digits
 TWO_OVER_PI = 0.6366197723675814
 # π/2 in two parts, the first of 33 bits, so that any multiple by k < 2²⁰ is exact (after Cody & Waite 1980)
@@ -25,7 +23,6 @@ C = (0.0416666666666666, -0.0013888888888874133, 2.480158728948765e-05,
 ROUND = 1.5 * 2.0**52
 
 
-@jit
 def polar(radius, y, first, horizontal, vertical):
     """Set r cos φ and r sin φ for each radius r and the angles φ in y, from index ``first`` on.
 
@@ -39,9 +36,12 @@ def polar(radius, y, first, horizontal, vertical):
             horizontal[i] = radius[i] * math.cos(y[first + i])
             vertical[i] = radius[i] * math.sin(y[first + i])
         return
-    # the compiler turns it into vector instructions
+    # a copy, of which the compiler knows that the results do not overwrite it …
     for i in range(count):
-        angle = y[first + i]
+        vertical[i] = y[first + i]
+    # … so it turns this into vector instructions
+    for i in range(count):
+        angle = vertical[i]
         # angle = k π/2 + r
         k = (angle * TWO_OVER_PI + ROUND) - ROUND
         r = (angle - k * HALF_PI_1) - k * HALF_PI_2

@@ -11,7 +11,6 @@ from chain_impact.kernel import explicit, implicit
 from chain_impact.kernel.contact import accelerate_points
 from chain_impact.kernel.contact_force import damping_share
 from chain_impact.kernel.dense import root_at
-from chain_impact.kernel.jit import jit
 from chain_impact.kernel.pace import TIME, root_curve
 
 SHRINK, GROW = 0.1, 6.0  # of the size of a step, at most
@@ -20,7 +19,6 @@ FIRST = 4.5  # of the time scale of a contact, likewise
 BEYOND, STRETCH = 1.04, 1.2  # of the way to the end of a contact; of a step, to get there
 
 
-@jit
 def factor(d, error):
     """What the size of a step is to be multiplied with, for its error relative to the tolerance."""
     if d.step.implicit:
@@ -28,17 +26,15 @@ def factor(d, error):
     return max(SHRINK, explicit.SAFETY * error**explicit.EXPONENT)
 
 
-@jit
 def in_flight(d, y, rate):
     """A size [s] for an explicit step from state y with its rate, as fast as the links turn; at most 1 s."""
-    n, fastest = len(d.model.length), 0.0
+    n, fastest = d.links, 0.0
     for i in range(n):
         fastest = max(fastest, abs(y[n + 4 + i]), math.sqrt(abs(rate[n + 4 + i])))
     turn = TURN * d.solver.tolerance**-explicit.EXPONENT
     return turn / max(fastest, turn)
 
 
-@jit
 def at_onset(d, c):
     """A size for the first step of the contact of candidate c, which has just been latched."""
     share, power = damping_share(d, c), 1.0 / (d.contact.rate_exponent + 1.0)
@@ -47,7 +43,6 @@ def at_onset(d, c):
     return FIRST * scale * d.solver.tolerance**-explicit.EXPONENT
 
 
-@jit
 def toward_end(d, h):
     """The size of the step that begins, over an end that is near, if the error control allows a size h."""
     if d.step.pacer == TIME:
@@ -55,7 +50,7 @@ def toward_end(d, h):
     u, slope = d.step.state_end[root_at(d.step)], d.work.stage[0, root_at(d.step)]
     if u + 2.0 * slope * h >= 0.0:
         return h
-    accelerate_points(d.model, d.step.state_end, d.work.rate_start, d.work)
+    accelerate_points(d, d.step.state_end, d.work.rate_start)
     # u + u′ s + ½ u″ s² = 0
     square = slope * slope - 2.0 * u * root_curve(d, u, slope)
     left = 2.0 * u / (math.sqrt(max(0.0, square)) - slope)

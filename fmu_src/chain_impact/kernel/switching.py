@@ -11,7 +11,6 @@ NOT_STIFF, explicit steps get further for the same work, and more accurately.
 import math
 
 from chain_impact.kernel.contact import contact_slopes
-from chain_impact.kernel.jit import jit
 
 AUTO, EXPLICIT, IMPLICIT = 1, 2, 3  # solver.method
 STIFF = 2.5  # hρ of explicit steps that implicit ones could replace
@@ -19,7 +18,6 @@ NOT_STIFF = 2.0  # hρ of implicit steps that explicit ones could replace
 PATIENCE = 4  # steps in a row that have to agree
 
 
-@jit
 def choose_method(d):
     """Decide on the method of the next step, with the points located at its start."""
     step = d.step
@@ -41,7 +39,6 @@ def choose_method(d):
             step.implicit = 1 - step.implicit
 
 
-@jit
 def explicit_again(step):
     """Begin a new phase, in which the explicit method has the first word."""
     step.implicit = 0
@@ -49,7 +46,6 @@ def explicit_again(step):
     step.patience = PATIENCE
 
 
-@jit
 def fastest_rate(d):
     """The largest max(c/m, √(k/m)) [1/s] of the active contacts, for the located points."""
     fastest = 0.0

@@ -1,8 +1,9 @@
-"""The place of a user's law in the kernel: lower.py fills it before it compiles a kernel that has one."""
+"""A user's own contact law, as the kernel sees it: two functions that are linked to it.
 
-from chain_impact.kernel.jit import jit
+In a kernel without such a law, and in plain Python, they are those below. A user's law takes their place when
+a library is linked, see compilation/linker.py.
+"""
 
-PRESENT = False
 ARGUMENTS = (
     "penetration",
     "rate",
@@ -15,10 +16,11 @@ ARGUMENTS = (
 """What a law may ask for: δ ≥ 0 [m], δ̇ [m/s], v₀ [m/s], m_eff [kg], K [N/mⁿ], n, e."""
 
 
-force = jit(lambda *_: 0.0)  # N, of ARGUMENTS, before it is cut off at 0
+def present():
+    """1 if there is a user's law, or 0."""
+    return 0
 
 
-def install(compiled):
-    """Make a compiled function of ``ARGUMENTS`` the user's law of the kernels lowered from now on."""
-    global PRESENT, force
-    PRESENT, force = True, compiled
+def force(_penetration, _rate, _impact_speed, _effective_mass, _stiffness, _exponent, _restitution):
+    """The force [N] of the user's law for all of ``ARGUMENTS``, before it is cut off at 0."""
+    return 0.0

@@ -1,6 +1,5 @@
 """Bounds on work and events for simulated time, so that no scene can keep the solver busy for ever."""
 
-from chain_impact.kernel.jit import jit
 from chain_impact.kernel.status import EVENT_STORM, OK, TOO_MUCH_WORK
 
 WORK_WINDOW = 1.0  # s
@@ -8,7 +7,6 @@ EVENT_WINDOW = 1e-3  # s, in which a candidate can have …
 MOST_EVENTS = 1000  # … this many onsets and ends before it is called a storm
 
 
-@jit
 def watch_work(d):
     """TOO_MUCH_WORK when the evaluations in a second of simulated time exceed the limit, or OK."""
     watch = d.watch
@@ -19,7 +17,6 @@ def watch_work(d):
     return OK if done <= d.solver.work_limit * WORK_WINDOW else TOO_MUCH_WORK
 
 
-@jit
 def watch_events(d, events):
     """EVENT_STORM when ``events`` more are too many for a short window of time, or OK."""
     watch = d.watch
@@ -27,4 +24,4 @@ def watch_events(d, events):
         watch.event_start = d.step.end
         watch.event_count = 0
     watch.event_count += events
-    return OK if watch.event_count <= MOST_EVENTS * len(d.touch.active) else EVENT_STORM
+    return OK if watch.event_count <= MOST_EVENTS * d.candidates else EVENT_STORM

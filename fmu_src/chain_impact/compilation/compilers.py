@@ -1,0 +1,163 @@
+"""The two programs that make a library: numba's front end, run once, and zig's C compiler, run for each.
+
+lower.py writes the kernel in LLVM's language, without sizes. The prelude has the sizes; with it the kernel is
+compiled and linked.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from filelock import FileLock
+
+from chain_impact.compilation.cache import ZIG, base_folder
+from chain_impact.compilation.errors import BuildError
+from chain_impact.compilation.sources import PACKAGE
+from chain_impact.law_file import LawError
+
+ZIG_TARGETS = {
+    "linux64": ("x86_64-linux-gnu.2.17", ".so"),
+    "win64": ("x86_64-windows-gnu", ".dll"),
+}
+"""FMI platform → zig target and file suffix; the platforms for which pythonfmu has a wrapper."""
+HOST = "linux64"
+PACKAGES = ("numba", "llvmlite", "ziglang")
+EXTRA = "chain-impact[compiler]"
+PORTABLE_CPU = "x86-64-v2"
+BAD_LAW = 3  # exit code of lower.py; what is wrong stands on standard error
+# For every x86 processor since 2009, so that results are bit-equal on all of them. Twice as much as usual is
+# inlined, which makes steps of four links up to 4 % faster.
+FLAGS = ("-mcpu=x86_64_v2", "-O2", "-mllvm", "-inline-threshold=500", "-Wno-everything")
+# numba's code refers to these on its error paths only, which the kernel never takes: it does not allocate
+# and its error model is NumPy's
+PYTHON_SYMBOLS = (
+    *("NRT_Free", "NRT_MemInfo_call_dtor", "PyBytes_FromStringAndSize", "PyErr_Clear", "PyErr_SetNone"),
+    *("PyErr_SetString", "PyErr_WriteUnraisable", "PyExc_RuntimeError", "PyExc_StopIteration"),
+    *("PyExc_SystemError", "PyUnicode_FromString", "Py_DecRef", "numba_do_raise", "numba_gil_ensure"),
+    *("numba_gil_release", "numba_runtime_build_excinfo_struct", "numba_unpickle"),
+)
+STUB = '__attribute__((visibility("hidden"))) void {}(void) {{}}\n'
+
+# A number that the instance holds does not change while the kernel works on it, and is of a sensible size.
+HELD = """define internal i64 @{name}(ptr %instance) alwaysinline {{
+  %place = getelementptr i64, ptr %instance, i64 {word}
+  %number = load i64, ptr %place, align 8, !invariant.load !{{}}, !range !{{i64 0, i64 1048576}}
+  ret i64 %number
+}}
+"""
+CONSTANT = """define internal i64 @{name}(ptr %instance) alwaysinline {{
+  ret i64 {number}
+}}
+"""
+NO_LAW = """define internal i64 @user_law_present() alwaysinline {
+  ret i64 0
+}
+define internal double @user_law_force(double, double, double, double, double, double, double) alwaysinline {
+  ret double 0.0
+}
+"""
+LAW = """define internal i64 @user_law_present() alwaysinline {
+  ret i64 1
+}
+declare hidden double @user_law_force(double, double, double, double, double, double, double)
+"""
+_DECLARED_ABOVE = re.compile(
+    r"^declare .*@(chain_links|chain_candidates|user_law_present|user_law_force)\(.*$\n", re.M
+)
+
+
+def prelude(links: int | None, with_law: bool) -> str:
+    """What the lowered kernel leaves open: the numbers of links (None: any) and candidates, and the law."""
+    name = "chain_links"
+    sizes = HELD.format(name=name, word=0) if links is None else CONSTANT.format(name=name, number=links)
+    return sizes + HELD.format(name="chain_candidates", word=1) + (LAW if with_law else NO_LAW)
+
+
+def require_compilers(purpose: str) -> None:
+    """Refuse what needs compilers that are not installed.
+
+    Raises:
+        BuildError: when one of them is not; ``purpose`` begins its sentence.
+    """
+    missing = [name for name in PACKAGES if find_spec(name) is None]
+    if missing:
+        raise BuildError(f"{purpose} needs a compiler: pip install '{EXTRA}' ({', '.join(missing)} missing)")
+
+
+def lower(module: Path, law: Path | None = None) -> None:
+    """Write the kernel, or a user's law, in LLVM's language.
+
+    Raises:
+        LawError: when the law cannot be compiled.
+        BuildError: when numba fails.
+    """
+    files = [str(path) for path in (module, law) if path]
+    command = [sys.executable, "-m", "chain_impact.compilation.lower", *files]
+    # numba takes the features of this machine unless told otherwise, and orders by hash
+    settings = {"NUMBA_CPU_NAME": PORTABLE_CPU, "NUMBA_CPU_FEATURES": "", "PYTHONHASHSEED": "0"}
+    path = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
+    done = _run(command, **settings, PYTHONPATH=path)
+    if done.returncode == BAD_LAW:
+        raise LawError(done.stderr.strip())
+    _check(done)
+
+
+def link(module: str, library: Path, platform: str, links: int | None, law: Path | None = None) -> None:
+    """Make the library of a lowered kernel.
+
+    Args:
+        module: the kernel in LLVM's language, as lower.py writes it.
+        library: the file to write; others are put beside it.
+        platform: of ``ZIG_TARGETS``.
+        links: the number of links that it is for; None for any.
+        law: the user's law in LLVM's language, if there is one.
+
+    Raises:
+        BuildError: when the compiler fails.
+    """
+    kernel = library.with_name("kernel.ll")
+    kernel.write_text(_DECLARED_ABOVE.sub("", module) + prelude(links, law is not None))
+    prepare_zig(platform)
+    _zig(platform, library, kernel, *([law] if law else []))
+
+
+def prepare_zig(platform: str) -> None:
+    """See that zig has the libraries that it makes for itself when it first links for a platform.
+
+    Later it only reads them, so several can link at once.
+    """
+    done = base_folder() / ZIG / f"prepared-{platform}"
+    if not done.exists():
+        done.parent.mkdir(parents=True, exist_ok=True)
+        with FileLock(done.with_suffix(".lock")), TemporaryDirectory() as scratch:
+            if not done.exists():
+                _zig(platform, Path(scratch, "nothing"))
+                done.touch()
+
+
+def _zig(platform: str, library: Path, *inputs: Path) -> None:
+    """Make a library with zig's C compiler, in a cache that no other program uses."""
+    stubs = library.with_name("stubs.c")
+    stubs.write_text("".join(map(STUB.format, PYTHON_SYMBOLS)))
+    target, _ = ZIG_TARGETS[platform]
+    compiler = [sys.executable, "-m", "ziglang", "cc", "-target", target, *FLAGS, "-shared", "-s"]
+    folders = {"ZIG_GLOBAL_CACHE_DIR": base_folder() / ZIG, "ZIG_LOCAL_CACHE_DIR": library.with_name("zig")}
+    files = map(str, ("-o", library, *inputs, stubs))
+    _check(_run([*compiler, *files, "-lm"], **{name: str(path) for name, path in folders.items()}))
+
+
+def _run(command: list[str], **environment: str) -> subprocess.CompletedProcess[str]:
+    settings = {**os.environ, **environment}
+    return subprocess.run(command, env=settings, capture_output=True, text=True, check=False)
+
+
+def _check(done: subprocess.CompletedProcess[str]) -> None:
+    if done.returncode != 0:
+        command = " ".join(done.args[:4])
+        raise BuildError(f"could not compile the kernel: {command} … said:\n{done.stderr}")

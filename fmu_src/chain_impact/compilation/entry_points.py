@@ -1,0 +1,50 @@
+"""The C functions of a kernel.
+
+    int32 initialize(instance*, double time)
+    int32 advance(instance*, double time)
+    int32 observe(instance*)
+    int32 follow(instance*)
+    int64 trajectory(instance*, const double* times, int64 rows, output* out)
+
+What they do, kernel/entry.py tells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from numba import float64, int32, int64, types
+
+from chain_impact.compilation import functions  # noqa: F401 - so that numba takes the kernel's functions
+from chain_impact.compilation.record_type import INSTANCE, matrix, vector, words
+from chain_impact.kernel import entry
+from chain_impact.kernel.impacts import follow_to_now
+from chain_impact.kernel.initialize import initialize
+
+Entries = dict[str, tuple[Any, Callable[..., Any]]]
+"""C functions: name → (signature, function)."""
+
+
+def follow(d):
+    """Follow the contacts up to the communication point."""
+    follow_to_now(d)
+    return 0
+
+
+def trajectory(d, times, count, out):
+    """Fill rows of outputs; return how many."""
+    output = words(d.output)
+    return entry.trajectory(d, vector(times, count), output, matrix(out, count, len(output)))
+
+
+def entry_points() -> Entries:
+    """Those of the kernel."""
+    reals = types.CPointer(float64)
+    return {
+        "initialize": (int32(INSTANCE, float64), initialize),
+        "advance": (int32(INSTANCE, float64), entry.advance_to),
+        "observe": (int32(INSTANCE), entry.observe_now),
+        "follow": (int32(INSTANCE), follow),
+        "trajectory": (int64(INSTANCE, reals, int64, reals), trajectory),
+    }

@@ -1,0 +1,64 @@
+"""A user's own contact law as a C function, to be linked to a kernel."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+from numba import float64, njit, types
+from numba.core.errors import NumbaError
+
+from chain_impact.compilation.functions import LAW_FORCE, OPTIONS
+from chain_impact.kernel.user_law import ARGUMENTS
+from chain_impact.law_file import LawError, UserLaw
+
+MEMORY = "NRT required"  # numba says so where a function needs memory of its own
+
+
+def law_entry(law: UserLaw) -> dict[str, tuple[Any, Callable[..., Any]]]:
+    """The C function of a law, as in entry_points.py.
+
+    Raises:
+        LawError: when it cannot be compiled.
+    """
+    numbers = (float64,) * len(ARGUMENTS)
+    return {LAW_FORCE: (float64(*numbers), compiled_law(law).py_func)}
+
+
+def compiled_law(law: UserLaw) -> Any:
+    """Run the file of a law, and return its function, compiled for numbers, with all of ``ARGUMENTS``.
+
+    Raises:
+        LawError: when it cannot be compiled.
+    """
+    space: dict[str, Any] = {"__name__": law.id}
+    try:
+        exec(compile(law.source, f"{law.id}.py", "exec"), space)
+        for name in law.functions:  # a law may call others of its file
+            space[name] = njit(**OPTIONS)(space[name])
+        space[law.id].compile((float64,) * len(law.arguments))
+        returned = space[law.id].nopython_signatures[0].return_type
+        if not isinstance(returned, types.Float | types.Integer):
+            raise LawError(f"must return a number, not {returned}")
+        call = f"lambda {', '.join(ARGUMENTS)}: float({law.id}({', '.join(law.arguments)}))"
+        function = njit(**OPTIONS)(eval(call, space))
+        function.compile((float64,) * len(ARGUMENTS))
+    except LawError:
+        raise
+    except NumbaError as error:
+        if MEMORY in str(error):
+            raise LawError("makes arrays or lists; a law can use numbers only") from None
+        raise LawError(f"does not compile: {_reason(error)}") from None
+    except Exception as error:  # whatever the file does
+        raise LawError(f"cannot be run: {type(error).__name__}: {error}") from None
+    return function
+
+
+def _reason(error: NumbaError) -> str:
+    """The lines of numba's message that tell what is wrong and where, in one."""
+    text = re.sub(r"\x1b\[\d*m", "", str(error))  # colours
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    said = [line for line in lines if not line.startswith("Failed in")]
+    place = re.findall(r"line (\d+)", text)
+    return (said or lines)[0] + (f" (line {place[-1]})" if place else "")

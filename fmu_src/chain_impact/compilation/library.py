@@ -1,0 +1,85 @@
+"""The kernel as a shared library: ready, cached, or compiled just now."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+from chain_impact.compilation import cache, compilers, ready
+from chain_impact.compilation.compilers import HOST
+from chain_impact.compilation.errors import BuildError
+from chain_impact.compilation.work import Notify, Work, announce
+from chain_impact.law_file import LawError, UserLaw, read_law
+
+LOWERING, LINKING, FIRST_FOR_ANOTHER_PLATFORM = 12.0, 3.0, 60.0  # s
+
+
+def kernel_library(links: int, platform: str = HOST, notify: Notify = announce, law_file: str = "") -> Path:
+    """Return the shared library for chains of N ``links``.
+
+    Args:
+        links: number of links N.
+        platform: ``linux64`` or ``win64``.
+        notify: called with a sentence, a ``Work``, before work that takes seconds.
+        law_file: the file of a user's law that the kernel shall have, if any.
+
+    Raises:
+        BuildError: when the user's law or a compiler fails, or there is no compiler and no ready kernel.
+    """
+    exact = ready.exact(links)
+    law = _law(law_file) if law_file else None
+    name = ready.library_name(exact, platform, _law_name(law) if law else "")
+    found = ready.find(name) or cache.find(name)
+    if found:
+        return found
+    compilers.require_compilers(_purpose(platform, law_file))
+    law_module = _lowered_law(law, law_file) if law else None
+    module = _lowered_kernel(notify)
+
+    def link(library: Path) -> None:
+        seconds = LINKING if platform == HOST else FIRST_FOR_ANOTHER_PLATFORM
+        notify(Work(f"linking the kernel for {platform}", seconds))
+        compilers.link(module, library, platform, exact, law_module)
+
+    return cache.made(name, link)
+
+
+def _lowered_kernel(notify: Notify) -> str:
+    """The kernel in LLVM's language, free of sizes."""
+
+    def lower(module: Path) -> None:
+        notify(Work("compiling the kernel", LOWERING))
+        compilers.lower(module)
+
+    return ready.module() or cache.made("kernel.ll", lower).read_text()
+
+
+def _lowered_law(law: UserLaw, file: str) -> Path:
+    """A user's law in LLVM's language."""
+
+    def lower(module: Path) -> None:
+        copy = module.with_name(f"{law.id}.py")  # of what was read: the file may be another by now
+        copy.write_text(law.source, encoding="utf-8")
+        try:
+            compilers.lower(module, copy)
+        except LawError as error:
+            raise BuildError(f"{file} {error}") from None
+
+    return cache.made(f"{_law_name(law)}.ll", lower)
+
+
+def _law(file: str) -> UserLaw:
+    try:
+        return read_law(Path(file))
+    except LawError as error:
+        raise BuildError(f"{file} {error}") from None
+
+
+def _law_name(law: UserLaw) -> str:
+    return f"{law.id}-{hashlib.sha256(law.source.encode()).hexdigest()[:16]}"
+
+
+def _purpose(platform: str, law_file: str) -> str:
+    if law_file:
+        return f"{law_file}: a contact law of one's own"
+    return "this kernel" if platform == HOST else f"a kernel for {platform}"

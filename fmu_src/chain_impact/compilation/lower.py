@@ -1,0 +1,61 @@
+"""Lower the kernel, or a user's law, to LLVM's intermediate language: lower.py FILE [LAW].
+
+It is run in a process of its own, because it changes how numba compiles, and because numba reads the
+processor to compile for when it is imported.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from llvmlite import binding as llvm
+from numba import cfunc
+
+from chain_impact.compilation.collecting import Library, collect_only
+from chain_impact.compilation.compilers import BAD_LAW
+from chain_impact.compilation.entry_points import Entries, entry_points
+from chain_impact.compilation.functions import OPTIONS
+from chain_impact.compilation.law import law_entry
+from chain_impact.law_file import LawError, read_law
+
+
+def lowered(entries: Entries) -> str:
+    """Some C functions and all that they call as one module, free of a target and of sizes."""
+    libraries: dict[Library, None] = {}
+    names = {}
+    for name, (signature, function) in entries.items():
+        callback = cfunc(signature, **OPTIONS)(function)
+        libraries |= dict.fromkeys(callback._library.and_those_it_calls())
+        names[callback.native_name] = name
+    whole = llvm.parse_assembly("")
+    for library in libraries:
+        for symbol in (*library.module.functions, *library.module.global_variables):
+            if not symbol.is_declaration and symbol.linkage in (llvm.Linkage.external, llvm.Linkage.common):
+                # not lost when they are linked before they are called
+                symbol.linkage = llvm.Linkage.weak_odr
+        whole.link_in(library.module, preserve=True)
+    for symbol in (*whole.functions, *whole.global_variables):
+        if symbol.name in names:
+            symbol.name = names[symbol.name]
+            symbol.linkage = llvm.Linkage.external
+        elif not symbol.is_declaration:
+            # private to the library, and gone once it is inlined
+            symbol.linkage = llvm.Linkage.internal
+    return "".join(f"{line}\n" for line in str(whole).splitlines() if not line.startswith("target "))
+
+
+def main() -> None:
+    """Write the module of the kernel, or of the law in the file LAW, to FILE."""
+    path, *laws = map(Path, sys.argv[1:])
+    collect_only()
+    try:
+        entries = law_entry(read_law(laws[0])) if laws else entry_points()
+    except LawError as error:
+        print(error, file=sys.stderr)
+        sys.exit(BAD_LAW)
+    path.write_text(lowered(entries))
+
+
+if __name__ == "__main__":
+    main()

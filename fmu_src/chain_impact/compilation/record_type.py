@@ -1,0 +1,223 @@
+"""The instance as a numba type: one lowering of the kernel serves every number of links and candidates.
+
+numba's own record types have all sizes in them. Code for this type asks for two numbers, N links and C
+candidates, by calling functions that are defined when a kernel is linked (compilers.py): as constants, or as
+numbers that the instance holds. All sizes and offsets are a + bN + cC, worked out from the layout.
+
+A value is the address of the instance. Which record or field of it is meant, the type tells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import from_dtype, types
+from numba.core import cgutils
+from numba.core.typing.templates import AttributeTemplate
+from numba.extending import (
+    infer_getattr,
+    intrinsic,
+    lower_getattr_generic,
+    lower_setattr_generic,
+    models,
+    register_model,
+)
+
+from chain_impact.layout import instance_dtype
+
+LINKS, CANDIDATES = "chain_links", "chain_candidates"  # the functions that tell N and C for an instance
+WORD = 8  # bytes of every scalar
+SAMPLES = ((5, 7), (6, 7), (5, 8), (7, 10))  # pairs N, C from which all sizes and offsets are worked out
+
+Path = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Affine:
+    """The number ``constant + per_link N + per_candidate C``."""
+
+    constant: int
+    per_link: int
+    per_candidate: int
+
+    def built(self, builder: ir.IRBuilder, instance: ir.Value) -> ir.Value:
+        """The number, computed for an instance."""
+        total: ir.Value = cgutils.intp_t(self.constant)
+        for factor, name in ((self.per_link, LINKS), (self.per_candidate, CANDIDATES)):
+            if factor:
+                count = builder.call(_counter(builder, name), [instance])
+                total = builder.add(total, builder.mul(count, cgutils.intp_t(factor)))
+        return total
+
+
+@dataclass(frozen=True)
+class Field:
+    """A part of the instance.
+
+    Attributes:
+        offset: bytes from the start of the instance.
+        size: bytes.
+        fields: the parts of a record; none for a number or an array.
+        dtype: of a number or of the entries of an array.
+        shape: of an array.
+    """
+
+    offset: Affine
+    size: Affine
+    fields: Sequence[str]
+    dtype: np.dtype
+    shape: Sequence[Affine]
+
+
+def _affine(numbers: Sequence[int]) -> Affine:
+    """The number whose values for the layouts of ``SAMPLES`` are given; the last one is a check."""
+    links, candidates = SAMPLES[0]
+    first, b, c = numbers[0], numbers[1] - numbers[0], numbers[2] - numbers[0]
+    if first + 2 * b + 3 * c != numbers[3]:
+        raise ValueError(f"{numbers}: no size a + bN + cC")
+    return Affine(first - b * links - c * candidates, b, c)
+
+
+def _table() -> dict[Path, Field]:
+    """Every part of the instance, by its path."""
+    table: dict[Path, Field] = {}
+
+    def add(path: Path, dtypes: Sequence[Any], offsets: Sequence[int]) -> None:
+        one = dtypes[0]
+        table[path] = Field(
+            offset=_affine(offsets),
+            size=_affine([dtype.itemsize for dtype in dtypes]),
+            fields=one.names or (),
+            dtype=one.base,
+            shape=[_affine(sizes) for sizes in zip(*(dtype.shape for dtype in dtypes), strict=True)],
+        )
+        for name in one.names or ():
+            inner, starts, *_ = zip(*(dtype.fields[name] for dtype in dtypes), strict=True)
+            add((*path, name), inner, [sum(pair) for pair in zip(offsets, starts, strict=True)])
+
+    layouts = [instance_dtype(*sample) for sample in SAMPLES]
+    add((), layouts, [0] * len(layouts))
+    return table
+
+
+TABLE = _table()
+
+
+class Record(types.Type):
+    """An instance, or a record in it."""
+
+    def __init__(self, path: Path = ()) -> None:
+        self.path = path
+        super().__init__(name=".".join(("instance", *path)))
+
+
+register_model(Record)(models.OpaqueModel)
+INSTANCE = Record()
+
+
+@infer_getattr
+class _Fields(AttributeTemplate):
+    """The types of a record's fields."""
+
+    key = Record
+
+    def generic_resolve(self, record: Record, name: str) -> types.Type | None:
+        """The type of one."""
+        field = TABLE.get((*record.path, name))
+        if field is None:
+            return None
+        if field.fields:
+            return Record((*record.path, name))
+        scalar = from_dtype(field.dtype)
+        return types.Array(scalar, len(field.shape), "C") if field.shape else scalar
+
+
+def _counter(builder: ir.IRBuilder, name: str) -> ir.Function:
+    kind = ir.FunctionType(cgutils.intp_t, [cgutils.voidptr_t])
+    return cgutils.get_or_insert_function(builder.module, kind, name)
+
+
+def _place(context: Any, builder: ir.IRBuilder, instance: ir.Value, field: Field) -> ir.Value:
+    """The address of a field, as that of numbers."""
+    kind = context.get_data_type(from_dtype(field.dtype) if not field.fields else types.float64).as_pointer()
+    return cgutils.pointer_add(builder, instance, field.offset.built(builder, instance), kind)
+
+
+@lower_getattr_generic(Record)
+def _get_field(context: Any, builder: ir.IRBuilder, record: Record, instance: ir.Value, name: str) -> Any:
+    field = TABLE[(*record.path, name)]
+    if field.fields:
+        return instance
+    if record.path == () and name in {"links", "candidates"}:
+        return builder.call(_counter(builder, LINKS if name == "links" else CANDIDATES), [instance])
+    place = _place(context, builder, instance, field)
+    if field.shape:
+        shape = [size.built(builder, instance) for size in field.shape]
+        return _array(context, builder, from_dtype(field.dtype), place, shape)
+    return builder.load(place)
+
+
+def _array(
+    context: Any, builder: ir.IRBuilder, scalar: types.Type, first: ir.Value, shape: Sequence[ir.Value]
+) -> ir.Value:
+    """An array without gaps that does not own its memory, from the address of its first entry."""
+    array = cgutils.create_struct_proxy(types.Array(scalar, len(shape), "C"))(context, builder)
+    strides: list[ir.Value] = []
+    step: ir.Value = cgutils.intp_t(WORD)
+    for size in reversed(shape):
+        strides.insert(0, step)
+        step = builder.mul(step, size)
+    array.meminfo = cgutils.get_null_value(array.meminfo.type)
+    array.parent = cgutils.get_null_value(array.parent.type)
+    array.nitems = builder.udiv(step, cgutils.intp_t(WORD))
+    array.itemsize, array.data = cgutils.intp_t(WORD), first
+    array.shape, array.strides = cgutils.pack_array(builder, shape), cgutils.pack_array(builder, strides)
+    return array._getvalue()
+
+
+@lower_setattr_generic(Record)
+def _set_field(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any, name: str) -> None:
+    record, given = signature.args
+    instance, value = arguments
+    field = TABLE[(*record.path, name)]
+    value = context.cast(builder, value, given, from_dtype(field.dtype))
+    builder.store(value, _place(context, builder, instance, field))
+
+
+@intrinsic
+def words(_context: Any, record: Record) -> Any:
+    """All of a record as an array of doubles, shape (its size,)."""
+    whole = TABLE[record.path]
+
+    def code(context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> Any:
+        (instance,) = arguments
+        size = builder.udiv(whole.size.built(builder, instance), cgutils.intp_t(WORD))
+        return _array(context, builder, types.float64, _place(context, builder, instance, whole), [size])
+
+    return types.Array(types.float64, 1, "C")(record), code
+
+
+@intrinsic
+def vector(_context: Any, first: types.CPointer, count: types.Integer) -> Any:
+    """An array of doubles for the address of the first one, shape (count,)."""
+
+    def code(context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> Any:
+        first, *shape = arguments
+        return _array(context, builder, types.float64, first, shape)
+
+    return types.Array(types.float64, 1, "C")(first, count), code
+
+
+@intrinsic
+def matrix(_context: Any, first: types.CPointer, rows: types.Integer, columns: types.Integer) -> Any:
+    """An array of doubles for the address of the first one, shape (rows, columns)."""
+
+    def code(context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> Any:
+        first, *shape = arguments
+        return _array(context, builder, types.float64, first, shape)
+
+    return types.Array(types.float64, 2, "C")(first, rows, columns), code

@@ -1,0 +1,28 @@
+"""What a kernel is made of: a fingerprint of the sources that its machine code follows from."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+PACKAGE = Path(__file__).parents[1]
+COMPILED = ("kernel", "compilation", "layout.py", "law_file.py")
+"""Folders and files of the package from which kernels follow: lower.py imports nothing else of it."""
+
+
+@cache
+def fingerprint() -> str:
+    """16 hexadecimal digits that change whenever one of the sources does, wherever the package is."""
+    digest = hashlib.sha256()
+    for source in sorted(_sources()):
+        name, content = source.relative_to(PACKAGE).as_posix().encode(), source.read_bytes()
+        digest.update(len(name).to_bytes(8, "big") + name + len(content).to_bytes(8, "big") + content)
+    return digest.hexdigest()[:16]
+
+
+def _sources() -> Iterator[Path]:
+    for name in COMPILED:
+        path = PACKAGE / name
+        yield from path.rglob("*.py") if path.is_dir() else [path]

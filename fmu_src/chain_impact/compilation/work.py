@@ -1,0 +1,28 @@
+"""What is said of work that takes long."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+
+Notify = Callable[[str], None]
+
+
+class Work(str):
+    """A sentence about work that is done once and then kept, and how many ``seconds`` it takes about."""
+
+    __slots__ = ("seconds",)
+    seconds: float
+
+    def __new__(cls, sentence: str, seconds: float) -> Work:
+        """The sentence, with its seconds."""
+        work = super().__new__(cls, sentence)
+        work.seconds = seconds
+        return work
+
+
+def announce(sentence: str) -> None:
+    """Say on standard error, in one line, what is done once and takes long."""
+    if isinstance(sentence, Work):
+        text = f"chain-impact: {sentence} (about {sentence.seconds:.0f} s, then kept)"
+        print(text, file=sys.stderr, flush=True)

@@ -1,0 +1,274 @@
+"""The layout of an instance: one flat record that holds everything a running simulation knows.
+
+Parameters, inputs, the integrator's memory, statistics, outputs and work space are the fields of one NumPy
+record without pointers, so the state of an FMU is a copy of its bytes. Every scalar takes eight bytes (a
+double or an integer), so each has an index counted in doubles from the start of the record: the slave
+needs no other knowledge of the layout.
+
+N links, points 0…N (0 the base, N the tip), C candidates (pairs of a point and a wall), state vector
+y = (x₀, θ, ẋ₀, ω, dissipated energy, energy supplied, u, t) of n = 2(N+2)+4 numbers.
+
+Every size and offset is a + bN + cC. The compiled kernel relies on it (compilation/record_type.py). What has
+to do with candidates comes last, so that the places of all else do not depend on their number.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from chain_impact.kernel.contact import WALLS
+from chain_impact.kernel.dense import DENSE_COEFFICIENTS
+from chain_impact.kernel.explicit import STAGES
+from chain_impact.kernel.implicit import ROWS
+
+REAL, INTEGER = np.float64, np.int64
+LOG_SIZE = 32  # finished contacts kept until they are collected, besides one for each candidate
+
+
+def _record(*fields: tuple[object, ...]) -> np.dtype:
+    return np.dtype(list(fields), align=True)
+
+
+@cache
+def output_dtype(links: int, candidates: int) -> np.dtype:
+    """What an observer sees at the communication point; one row of a time series."""
+    points = links + 1
+    return _record(
+        ("point_position", REAL, (points, 2)),  # m
+        ("point_velocity", REAL, (points, 2)),  # m/s
+        ("point_acceleration", REAL, (points, 2)),  # m/s²
+        ("angle", REAL, (links,)),  # rad, absolute, from +x
+        ("angular_velocity", REAL, (links,)),  # rad/s
+        ("angular_acceleration", REAL, (links,)),  # rad/s²
+        ("force", REAL, (candidates,)),  # N, wall on point, along the inward normal
+        ("penetration", REAL, (candidates,)),  # m, 0 when apart
+        ("penetration_rate", REAL, (candidates,)),  # m/s, > 0 compressing, 0 when apart
+        ("kinetic", REAL),  # J
+        ("potential", REAL),  # J, gravity, zero at the origin
+        ("elastic", REAL),  # J, stored in the contacts
+        ("dissipated", REAL),  # J, by contacts and joint damping since the start
+        ("supplied", REAL),  # J, by the inputs since the start
+        ("total", REAL),  # J, kinetic + potential + elastic
+    )
+
+
+@cache
+def instance_dtype(links: int, candidates: int) -> np.dtype:
+    """The record of an instance with N = ``links`` links and C = ``candidates`` candidates."""
+    points = links + 1
+    state = 2 * (links + 2) + 4
+    log = LOG_SIZE + candidates
+    model = _record(
+        ("gravity", REAL, (2,)),  # m/s²
+        ("length", REAL, (links,)),  # m
+        ("mass", REAL, (links,)),  # kg
+        ("center_of_mass", REAL, (links,)),  # m from the proximal joint
+        ("inertia", REAL, (links,)),  # kg·m² about the centre of mass
+        ("joint_damping", REAL, (links,)),  # N·m·s/rad at the proximal joint
+        ("wall", REAL, (len(WALLS),)),  # m, position of x_min, x_max, y_min, y_max
+        ("pinned", INTEGER),  # 1: the base cannot move
+        ("driven", INTEGER),  # 1: there are inputs
+        # derived at initialization
+        ("damped", INTEGER),  # 1: some joint has damping
+        ("center_of_mass_ratio", REAL, (links,)),  # centre of mass / length
+        ("proximal_inertia", REAL, (links,)),  # kg·m² about the proximal …
+        ("distal_inertia", REAL, (links,)),  # kg·m² … and about the distal joint
+        ("middle", INTEGER),  # joint at which the two arms of the elimination meet: the base if it is pinned
+        ("size", REAL),  # m, longest link: the absolute scale of positions
+        ("energy", REAL),  # J, of the whole mass at one `size` a second: the absolute scale of energies
+    )
+    contact = _record(
+        ("law", INTEGER),  # id of the force law, counted from 1
+        ("stiffness", REAL),  # N/m^exponent
+        ("exponent", REAL),
+        ("restitution", REAL),
+        ("radius", REAL),  # m
+        ("minimum_impact_speed", REAL),  # m/s, floor of the latched impact speed
+        # derived whenever law or restitution changes
+        ("damping_factor", REAL),  # f(e), λ of the Hunt–Crossley family
+        ("rate_exponent", REAL),  # p of the damping d δᵖ δ̇
+        ("approach_only", INTEGER),  # 1: damped while compressing only
+        ("derived_law", INTEGER),  # law and …
+        ("derived_restitution", REAL),  # … restitution that these are for
+        ("impulsive", INTEGER),  # 1: rigid walls, with impulses in place of a force law
+    )
+    initial = _record(
+        ("position", REAL, (2,)),  # m
+        ("velocity", REAL, (2,)),  # m/s
+        ("angle", REAL, (links,)),  # rad
+        ("angular_velocity", REAL, (links,)),  # rad/s
+    )
+    solver = _record(
+        ("method", INTEGER),  # index into SOLVER_METHODS, counted from 1
+        ("tolerance", REAL),
+        ("work_limit", REAL),  # 1/s, evaluations for a second of simulated time
+    )
+    inputs = _record(
+        ("joint_torque", REAL, (links,)),  # N·m
+        ("tip_force", REAL, (2,)),  # N
+        ("changed", INTEGER),  # 1: an input or a tunable parameter was set since the last step
+    )
+    # the last accepted step and its dense output, valid from `start` to `end`
+    step = _record(
+        ("time", REAL),  # s, the communication point; start ≤ time ≤ end
+        ("start", REAL),  # s
+        ("end", REAL),  # s, start + size, or the event that cut the step short
+        ("size", REAL),  # s, of the variable that the step runs in, see kernel/pace.py
+        ("next_size", REAL),  # … proposed, likewise
+        ("flight_size", REAL),  # s, of the last step before the first of the present contacts
+        ("state", REAL, (state,)),  # y at `start`
+        ("state_end", REAL, (state,)),  # y at `end`
+        ("dense", REAL, (DENSE_COEFFICIENTS, state)),  # interpolant over `size`
+        ("rate_known", INTEGER),  # 1: `work.rate_end` is ẏ at `end`
+        ("dense_for", INTEGER),  # who has had the dense output so far, see kernel/dense.py
+        ("made_implicit", INTEGER),  # 1: the last step was an implicit one
+        ("cleared", INTEGER),  # what is known of the clearances at `end`, see kernel/clearing.py
+        ("room", REAL),  # m, at least, from there to a touch, where nobody looked again …
+        ("speed", REAL),  # m/s, of the fastest point there …
+        ("acceleration", REAL),  # m/s², … and its largest
+        ("pacer", INTEGER),  # the candidate that sets the pace of the step, −1: time does
+        ("implicit", INTEGER),  # 1: the implicit method is at work
+        ("doubts", INTEGER),  # steps in a row for which the other method would do better …
+        ("patience", INTEGER),  # … and how many make the solver change
+    )
+    impact = _record(
+        ("count", INTEGER),  # onsets since the start
+        ("last_time", REAL),  # s
+        ("last_point", INTEGER),  # 0…N, −1 before the first impact
+        ("last_wall", INTEGER),  # 1…4 in the order of WALLS, 0 before the first impact
+        ("last_speed", REAL),  # m/s
+    )
+    statistics = _record(
+        ("steps", INTEGER),  # accepted
+        ("rejected_steps", INTEGER),
+        ("rhs_evaluations", INTEGER),  # by the solver; looking at outputs is not counted
+        ("implicit_steps", INTEGER),
+        ("status", INTEGER),  # see kernel/status.py
+    )
+    # events and evaluations are counted over windows of time, and must not be too many
+    watch = _record(
+        ("event_start", REAL),  # s
+        ("event_count", INTEGER),
+        ("work_start", REAL),  # s
+        ("work_count", INTEGER),  # evaluations before `work_start`
+    )
+    vectors = _record(("x", REAL, (points,)), ("y", REAL, (points,)))
+    elimination = _record(*((name, REAL, (links,)) for name in ("gain_x", "gain_y", "bias")))
+    factors = _record(
+        *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse")),
+        ("middle", REAL, (3,)),  # 1/kg, A⁻¹ of the middle joint: xx, xy, yy
+    )
+    work = _record(
+        ("stage", REAL, (STAGES, state)),  # dy/ds at the stages
+        ("rate_start", REAL, (state,)),  # ẏ at the start …
+        ("rate_end", REAL, (state,)),  # … and the end of the step
+        ("y", REAL, (state,)),
+        ("error", REAL, (2, state)),  # the embedded error estimates; spare for observers
+        ("link", vectors),  # m, L_i; entry N is not used
+        ("load", vectors),  # N or N·s on each point
+        ("moment", REAL, (links,)),  # N·m on each link, from its joints
+        ("elimination", elimination),  # h/H and h₀/H of each link
+        ("factors", factors),  # of an implicit step, kept over its stages, or of an effective mass
+        ("position", vectors),  # m, of the points
+        ("velocity", vectors),  # m/s
+        ("acceleration", vectors),  # m/s²
+        ("at_end", INTEGER),  # 1: these are the points at the end of the step
+        ("motion", vectors),  # of the points, for a given motion of the coordinates
+    )
+    # per candidate; what is latched at onset holds until the contact ends, or v₀ is latched anew
+    touch = _record(
+        ("active_count", INTEGER),
+        ("active_index", INTEGER, (candidates,)),  # the candidates in contact, packed
+        ("active", INTEGER, (candidates,)),  # 1: in contact
+        ("event", INTEGER, (candidates,)),  # at `step.end` and not yet applied, see kernel/events.py
+        ("onset", REAL, (candidates,)),  # s
+        ("onset_speed", REAL, (candidates,)),  # m/s, normal approach speed at onset
+        ("impact_speed", REAL, (candidates,)),  # m/s, v0 of the force law
+        ("effective_mass", REAL, (candidates,)),  # kg, 1/(J M⁻¹ Jᵀ) at onset
+        ("depth_scale", REAL, (candidates,)),  # m, expected penetration
+        ("damping", REAL, (candidates,)),  # N·s/m^(p+1), d of the force law
+        ("speed", REAL, (candidates,)),  # m/s, δ̇ and …
+        ("force_rate", REAL, (candidates,)),  # N/s, dF/dt at the start of the step, to find the peaks
+        ("peak_force", REAL, (candidates,)),  # N
+        ("max_penetration", REAL, (candidates,)),  # m
+        (
+            "gap_error",
+            REAL,
+            (candidates,),
+        ),  # m, of a tried step, in the clearances of the active contacts, packed
+    )
+    candidate = _record(
+        ("point", INTEGER, (candidates,)),  # 0…N
+        ("wall", INTEGER, (candidates,)),  # index into WALLS
+    )
+    # for events, at the ends of the interval that is searched
+    search = _record(
+        ("curvature", REAL, (candidates,)),  # m/s², bound on |g̈| of each candidate over the step
+        ("clear_start", REAL, (candidates,)),  # m, clearance of each candidate …
+        ("clear_end", REAL, (candidates,)),
+        ("clear_start_rate", REAL, (candidates,)),  # m/s … and its rate
+        ("clear_end_rate", REAL, (candidates,)),
+        ("clear_start_curve", REAL, (candidates,)),  # m/s², second derivative
+        ("clear_end_curve", REAL, (candidates,)),
+    )
+    # of the implicit step: z = (y, clearances of the active contacts, their rates), see kernel/implicit.py
+    extended = state + 2 * candidates
+    implicit = _record(
+        ("start", REAL, (extended,)),  # z at the start of a step
+        ("z", REAL, (extended,)),
+        ("stage", REAL, (ROWS, extended)),
+        ("link", vectors),  # m, L_i at the start of a step
+        ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts, packed, …
+        ("damping", REAL, (candidates,)),  # N·s/m, … and ∂F/∂δ̇, at the start of a step
+        ("impedance", REAL, (candidates,)),  # kg, … what they add to the inertia of their points
+        ("normal", REAL, (candidates,)),  # N·s or m/s, … along their normals
+    )
+    # the touching candidates of a rigid wall, packed, see kernel/constraints.py
+    rigid = _record(
+        ("factors", factors),  # with an impedance at the pressed points
+        ("change", REAL, (links + 2,)),  # m, m/s or m/s², rad …, of the coordinates, by the impulses
+        ("pressed", INTEGER, (candidates,)),  # 1: has an impulse
+        ("wrong", INTEGER, (candidates,)),  # 1: of the wrong sign
+        ("start", REAL, (candidates,)),  # normal motion without impulses, m, m/s or m/s², …
+        ("reached", REAL, (candidates,)),  # … with them, …
+        ("aim", REAL, (candidates,)),  # … as it shall be, at the least, …
+        ("missing", REAL, (candidates,)),  # … what is missing, then that times the impedance
+        ("impulse", REAL, (candidates,)),  # N·s, or N
+        ("sample", REAL, (2, candidates)),  # N, the last two forces looked at
+        ("least", REAL, (candidates,)),  # N, smallest holding force in the stages of the step; not packed
+    )
+    finished = _record(
+        ("count", INTEGER),  # contacts ended since last collected
+        ("point", INTEGER, (log,)),
+        ("wall", INTEGER, (log,)),
+        ("onset", REAL, (log,)),  # s
+        ("end", REAL, (log,)),  # s
+        ("impact_speed", REAL, (log,)),  # m/s, approach speed at onset
+        ("separation_speed", REAL, (log,)),  # m/s
+        ("peak_force", REAL, (log,)),  # N
+        ("max_penetration", REAL, (log,)),  # m
+        ("effective_mass", REAL, (log,)),  # kg
+    )
+    return _record(
+        ("links", INTEGER),  # N
+        ("candidates", INTEGER),  # C
+        ("model", model),
+        ("contact", contact),
+        ("initial", initial),
+        ("solver", solver),
+        ("inputs", inputs),
+        ("step", step),
+        ("impact", impact),
+        ("statistics", statistics),
+        ("watch", watch),
+        ("work", work),
+        ("touch", touch),
+        ("candidate", candidate),
+        ("search", search),
+        ("implicit", implicit),
+        ("rigid", rigid),
+        ("finished", finished),
+        ("output", output_dtype(links, candidates)),
+    )

@@ -1,0 +1,78 @@
+"""What the command line shows of work that takes its time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from time import monotonic
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn
+from rich.progress_bar import ProgressBar
+from rich.text import Text
+
+from chain_impact.compilation.work import Notify, Work, announce
+
+BRIEF = 1.0  # s, for which nobody needs a progress bar
+Advance = Callable[[float], None]
+out, err = Console(highlight=False), Console(stderr=True, highlight=False)
+
+
+class EstimatedBar(BarColumn):
+    """A bar that moves with the time, for work of which nothing is known but how long it takes about."""
+
+    def render(self, task: Task) -> ProgressBar:
+        """The bar, which is not full before the work is done."""
+        expected = task.fields.get("expected")
+        if expected:
+            task.total, task.completed = expected, min(task.elapsed or 0.0, 0.98 * expected)
+        return super().render(task)
+
+
+class TimeColumn(ProgressColumn):
+    """The seconds that have passed, and how many there will be."""
+
+    def render(self, task: Task) -> Text:
+        """For example: 3 of about 12 s."""
+        expected = task.fields.get("expected")
+        of = f" of about {expected:.0f}" if expected else ""
+        return Text(f"{task.elapsed or 0.0:.0f}{of} s", style="progress.elapsed")
+
+
+@contextmanager
+def progress(work: str = "simulating") -> Iterator[tuple[Notify, Advance]]:
+    """A progress bar, for work that takes long enough to see it.
+
+    Where there is no terminal, a line is written about what takes long.
+
+    Yields a function that says what is being done, for as long as it takes, and one that tells the fraction
+    of a simulation that is done.
+    """
+    columns = TextColumn("{task.description}"), EstimatedBar(pulse_style="cyan"), TimeColumn()
+    bar = Progress(*columns, console=err, transient=True, disable=not err.is_terminal)
+    begun, shown = monotonic(), 0.0
+
+    def begin(sentence: str, total: float | None = None) -> None:
+        for task in bar.task_ids:
+            bar.remove_task(task)
+        bar.add_task(sentence, total=total, expected=sentence.seconds if isinstance(sentence, Work) else None)
+        bar.start()
+
+    def notify(sentence: str) -> None:
+        if err.is_terminal:
+            begin(sentence)
+        else:
+            announce(sentence)
+
+    def advance(fraction: float) -> None:
+        nonlocal shown
+        if fraction > shown + 0.01 and monotonic() > begun + BRIEF:
+            if shown == 0.0:
+                begin(work, 1.0)
+            bar.update(bar.task_ids[0], completed=fraction)
+            shown = fraction
+
+    try:
+        yield notify, advance
+    finally:
+        bar.stop()

@@ -1,0 +1,198 @@
+"""The kernel as a shared library: what it asks of a system, and where it comes from."""
+
+import re
+import struct
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import chain_impact.kernel
+from chain_impact import BuildError, load_scene, simulate
+from chain_impact.compilation import compilers, library, ready
+from chain_impact.compilation.library import kernel_library
+from chain_impact.instance import new_instance
+from chain_impact.scene import with_values
+from chain_impact.simulate import load_kernel
+
+ENTRY_POINTS = {"initialize", "advance", "observe", "follow", "trajectory"}
+OLDEST_GLIBC = (2, 17)  # CentOS 7, of 2014
+HOST_ONLY = pytest.mark.skipif(sys.platform != "linux", reason="reads an ELF file")
+
+
+@pytest.fixture(scope="module")
+def one_link():
+    return kernel_library(1)
+
+
+def dynamic_symbols(path):
+    """The names of a 64-bit ELF library that others see: those it needs and those it offers."""
+    data = path.read_bytes()
+    assert data[:6] == b"\x7fELF\x02\x01"
+    start, size, count = struct.unpack_from("<Q", data, 40) + struct.unpack_from("<HH", data, 58)
+    # name, type, flags, address, offset, size, link, info, alignment, size of an entry
+    sections = [struct.unpack_from("<IIQQQQIIQQ", data, start + size * i) for i in range(count)]
+    needed, offered = set(), set()
+    for _, kind, _, _, offset, length, link, _, _, entry in sections:
+        if kind == 11:  # SHT_DYNSYM
+            names = sections[link][4]
+            for place in range(offset + entry, offset + length, entry):
+                name, _, _, section = struct.unpack_from("<IBBH", data, place)
+                text = data[names + name : data.index(b"\0", names + name)].decode()
+                (offered if section else needed).add(text)
+    return needed, offered
+
+
+@HOST_ONLY
+def test_the_library_needs_neither_python_nor_numba(one_link):
+    needed, _ = dynamic_symbols(one_link)
+    assert [name for name in needed if re.match(r"_?Py|NRT_|numba|_ZN|chain_|user_law", name)] == []
+    assert "sin" in needed or "sincos" in needed  # so the table was read: it has the kernel's own needs
+
+
+@HOST_ONLY
+def test_the_library_offers_its_entry_points(one_link):
+    _, offered = dynamic_symbols(one_link)
+    assert {name for name in offered if not name.startswith("_")} == ENTRY_POINTS
+
+
+@HOST_ONLY
+def test_the_library_runs_on_old_systems(one_link):
+    versions = re.findall(rb"GLIBC_(\d+)\.(\d+)", one_link.read_bytes())
+    assert versions
+    assert max((int(major), int(minor)) for major, minor in versions) <= OLDEST_GLIBC
+
+
+@HOST_ONLY
+def test_no_path_of_this_machine_is_in_the_library(one_link):
+    content = one_link.read_bytes()
+    assert str(Path.home()).encode() + b"/" not in content
+    assert str(Path(chain_impact.kernel.__file__).parent).encode() not in content
+
+
+def test_the_kernel_does_not_allocate():
+    module = library._lowered_kernel(lambda _: None)
+    assert "@initialize" in module
+    assert not [name for name in ("NRT_Allocate", "NRT_MemInfo_alloc", "malloc") if name in module]
+
+
+def test_a_kernel_for_any_number_of_links_gives_the_same_bits_as_one_for_four():
+    scene = load_scene("four_link_box")
+    outputs = []
+    for path in (kernel_library(4), kernel_library(ready.LARGEST_EXACT + 1)):
+        block, kernel = new_instance(scene), load_kernel(path)
+        assert kernel.initialize(block.ctypes.data, 0.0) == 0
+        assert kernel.advance(block.ctypes.data, 1.0) == 0
+        assert kernel.observe(block.ctypes.data) == 0
+        outputs.append(block.tobytes())
+    assert outputs[0] == outputs[1]
+    assert block[0]["impact"]["count"] > 1
+
+
+def test_the_number_of_candidates_is_no_part_of_a_kernel():
+    """A wall that is never touched changes nothing, but for the places in the record."""
+    scene = load_scene("rod_drop")
+    more = with_values(scene, {("box", "y_max"): 1e3, ("box", "x_min"): -1e3})
+    one, other = simulate(scene, stop_time=1.0), simulate(more, stop_time=1.0)
+    np.testing.assert_array_equal(one.points, other.points)
+    np.testing.assert_array_equal(one.energy, other.energy)
+    assert one.statistics == other.statistics
+
+
+def test_all_long_chains_share_a_kernel():
+    assert kernel_library(30) == kernel_library(1000) != kernel_library(10)
+
+
+# --- where it comes from, with compilers that only write files -------------------------------------------
+
+
+class Compilers:
+    """Stand in for numba and zig."""
+
+    def __init__(self):
+        self.lowered, self.linked = [], []
+
+    def lower(self, module, law=None):
+        self.lowered.append(law)
+        module.write_text("a module")
+
+    def link(self, module, library, platform, links, law=None):
+        self.linked.append((platform, links, law is not None))
+        library.write_text(module)
+
+
+@pytest.fixture
+def stand_in(tmp_path, monkeypatch):
+    """Stand-in compilers, an empty cache, and nothing ready."""
+    monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(ready, "_usable", lambda: False)
+    both = Compilers()
+    monkeypatch.setattr(compilers, "lower", both.lower)
+    monkeypatch.setattr(compilers, "link", both.link)
+    return both
+
+
+def test_the_kernel_is_lowered_once_and_linked_for_each_number_of_links(stand_in):
+    said = []
+    first = kernel_library(3, notify=said.append)
+    assert said == ["compiling the kernel", "linking the kernel for linux64"]
+    assert kernel_library(3, notify=said.append) == first
+    assert kernel_library(4, notify=said.append) != first
+    assert len(stand_in.lowered) == 1
+    assert stand_in.linked == [("linux64", 3, False), ("linux64", 4, False)]
+    assert len(said) == 3
+
+
+def test_each_platform_has_its_library(stand_in):
+    linux, windows = kernel_library(3, "linux64"), kernel_library(3, "win64")
+    assert (linux.suffix, windows.suffix) == (".so", ".dll")
+    assert len(stand_in.lowered) == 1
+
+
+def test_a_law_is_linked_to_it(stand_in, tmp_path):
+    files = [tmp_path / "one" / "mine.py", tmp_path / "two" / "mine.py"]
+    for file, force in zip(files, ("1.0", "2.0"), strict=True):
+        file.parent.mkdir()
+        file.write_text(f"def mine(rate):\n    return {force}\n")
+    one, two = (kernel_library(3, law_file=str(file)) for file in files)
+    assert len({one, two, kernel_library(3)}) == 3
+    assert [law is not None for law in stand_in.lowered] == [True, False, True]
+    assert stand_in.linked == [("linux64", 3, True), ("linux64", 3, True), ("linux64", 3, False)]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (
+            {"links": 3},
+            "this kernel needs a compiler: pip install 'chain-impact[compiler]' (ziglang missing)",
+        ),
+        ({"links": 3, "platform": "win64"}, "a kernel for win64 needs a compiler: "),
+        ({"links": 3, "law_file": "LAW"}, "LAW: a contact law of one's own needs a compiler: "),
+    ],
+)
+def test_without_a_compiler_one_sentence_says_what_to_install(
+    stand_in, monkeypatch, tmp_path, arguments, message
+):
+    law = tmp_path / "mine.py"
+    law.write_text("def mine(rate):\n    return 1.0\n")
+    if "law_file" in arguments:
+        arguments = arguments | {"law_file": str(law)}
+    monkeypatch.setattr(compilers, "find_spec", lambda name: None if name == "ziglang" else name)
+    with pytest.raises(BuildError) as caught:
+        kernel_library(**arguments)
+    assert str(caught.value).startswith(message.replace("LAW", str(law)))
+    assert stand_in.lowered == []
+
+
+def test_a_compiler_that_fails_leaves_nothing_behind(stand_in, monkeypatch, tmp_path):
+    def fails(module, library, *_):
+        library.write_text("half")
+        raise BuildError("no luck")
+
+    monkeypatch.setattr(compilers, "link", fails)
+    with pytest.raises(BuildError, match="no luck"):
+        kernel_library(3)
+    (folder,) = (path for path in (tmp_path / "cache").iterdir() if path.is_dir())
+    assert [path.name for path in folder.iterdir() if not path.name.endswith(".lock")] == ["kernel.ll"]

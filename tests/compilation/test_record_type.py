@@ -1,0 +1,85 @@
+"""The instance as a numba type: every field where NumPy has it, and code that does what plain Python does."""
+
+import numpy as np
+import pytest
+
+from chain_impact.compilation.record_type import TABLE, _affine
+from chain_impact.instance import new_instance
+from chain_impact.kernel.entry import observe_now, trajectory
+from chain_impact.kernel.initialize import initialize
+from chain_impact.layout import instance_dtype
+from chain_impact.scene import load_scene, with_values
+from chain_impact.simulate import Instance
+from tests.plain import Plain
+
+
+def number(affine, links, candidates):
+    return affine.constant + affine.per_link * links + affine.per_candidate * candidates
+
+
+def places(dtype, path=(), offset=0):
+    """Path, offset and type of every record, array and number of a record."""
+    yield path, offset, dtype
+    for name, (inner, start, *_) in (dtype.fields or {}).items():
+        yield from places(inner, (*path, name), offset + start)
+
+
+@pytest.mark.parametrize(("links", "candidates"), [(1, 0), (1, 1), (4, 20), (10, 44), (64, 3)])
+def test_every_field_is_where_numpy_has_it(links, candidates):
+    found = list(places(instance_dtype(links, candidates)))
+    assert {path for path, *_ in found} == set(TABLE)
+    for path, offset, dtype in found:
+        field = TABLE[path]
+        assert number(field.offset, links, candidates) == offset, path
+        assert number(field.size, links, candidates) == dtype.itemsize, path
+        assert tuple(number(size, links, candidates) for size in field.shape) == dtype.shape, path
+
+
+def test_what_has_to_do_with_candidates_comes_last():
+    """So that the place of all else is a constant in a kernel for a number of links."""
+    for path in ("step", "work", "statistics"):
+        assert all(
+            field.offset.per_candidate == 0 and field.size.per_candidate == 0
+            for place, field in TABLE.items()
+            if place[:1] == (path,)
+        )
+    assert TABLE["touch", "active_count"].offset.per_candidate == 0
+
+
+def test_a_size_that_is_not_affine_is_refused():
+    with pytest.raises(ValueError, match="no size"):
+        _affine([25, 36, 25, 49])
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {("contact", "model"): "newton_impact"},
+        {("contact", "model"): "kelvin_voigt", ("contact", "exponent"): 1.0},
+        {("solver", "method"): "implicit", ("contact", "stiffness"): 1e5},
+    ],
+    ids=["explicit", "rigid", "with a jump", "implicit"],
+)
+def test_compiled_code_gives_the_bits_of_plain_python(changes):
+    """The whole kernel through an impact: lowering and linking change no rounding."""
+    scene = with_values(load_scene("rod_drop"), changes)
+    times = np.array([0.2, 0.3195, 0.3196, 0.33, 0.37, 0.5])
+    instance = Instance(scene)
+    rows = np.zeros(len(times), instance.record.dtype["output"])
+    assert instance.trajectory(times, rows) == len(times)
+
+    block = new_instance(scene)
+    d = Plain(block[0])
+    found = np.zeros_like(rows)
+    with np.errstate(all="ignore"):
+        assert initialize(d, 0.0) == 0
+        offset, size = TABLE["output",].offset, TABLE["output",].size
+        shape = len(scene.chain.links), len(instance.record["touch"]["active"])
+        start, end = number(offset, *shape) // 8, (number(offset, *shape) + number(size, *shape)) // 8
+        output = block.view(np.float64)[start:end]
+        assert trajectory(d, times, output, found.view(np.float64).reshape(len(times), -1)) == len(times)
+        assert observe_now(d) == 0
+    assert d.impact.count == instance.record["impact"]["count"] >= 1
+    assert found.tobytes() == rows.tobytes()
+    assert d._record["statistics"] == instance.record["statistics"]

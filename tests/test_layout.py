@@ -1,0 +1,42 @@
+"""The layout of an instance: what lies where in the record."""
+
+import numpy as np
+import pytest
+
+from chain_impact.layout import instance_dtype, output_dtype
+from chain_impact.variables import WORD
+
+SIZES = [(1, 0), (1, 1), (2, 2), (4, 20), (7, 32)]  # links N, candidates C
+
+
+def scalars(dtype):
+    """The offset [bytes] and the type of each scalar of a record."""
+    if dtype.subdtype:
+        item, shape = dtype.subdtype
+        for i in range(int(np.prod(shape))):
+            for offset, kind in scalars(item):
+                yield i * item.itemsize + offset, kind
+    elif dtype.fields:
+        for inner, start, *_ in dtype.fields.values():
+            for offset, kind in scalars(inner):
+                yield start + offset, kind
+    else:
+        yield 0, dtype
+
+
+@pytest.mark.parametrize(("links", "pairs"), SIZES)
+def test_every_scalar_has_eight_bytes_and_none_lie_between_them(links, pairs):
+    dtype = instance_dtype(links, pairs)
+    found = list(scalars(dtype))
+    assert {kind for _, kind in found} == {np.dtype(np.float64), np.dtype(np.int64)}
+    assert sorted(offset for offset, _ in found) == list(range(0, dtype.itemsize, WORD))
+
+
+@pytest.mark.parametrize(("links", "pairs"), SIZES)
+def test_the_output_record_is_the_row_of_a_time_series(links, pairs):
+    assert instance_dtype(links, pairs)["output"] == output_dtype(links, pairs)
+
+
+def test_the_size_grows_linearly():
+    small, middle, large = (instance_dtype(n, 4 * (n + 1)).itemsize for n in (10, 20, 30))
+    assert large - middle == middle - small
