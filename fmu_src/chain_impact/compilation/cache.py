@@ -22,7 +22,8 @@ from filelock import FileLock
 
 from chain_impact.compilation.sources import fingerprint
 
-COMPILERS = ("numba", "llvmlite", "ziglang", "numpy")
+COMPILERS = {"llvmlite": "0.50.0", "numba": "0.68.1", "ziglang": "0.17.0"}
+"""The compilers and their versions, which must agree; those of the extra in pyproject.toml."""
 UNUSED = 30 * 24 * 3600.0  # s, after which a folder for other sources is removed
 ZIG = "zig"  # in the cache, what the linker keeps for itself
 _NAME = re.compile(r"[0-9a-f]{16}")  # of a folder for some sources and compilers
@@ -41,11 +42,12 @@ def cache_folder() -> Path:
     return base_folder() / digest.hexdigest()[:16]
 
 
-def _version(package: str) -> str:
+def _version(compiler: str) -> str:
+    """The version that is installed, or that would be."""
     try:
-        return version(package)
+        return version(compiler)
     except PackageNotFoundError:
-        return "absent"
+        return COMPILERS[compiler]
 
 
 def find(name: str) -> Path | None:

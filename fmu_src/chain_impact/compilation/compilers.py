@@ -16,7 +16,7 @@ from tempfile import TemporaryDirectory
 
 from filelock import FileLock
 
-from chain_impact.compilation.cache import ZIG, base_folder
+from chain_impact.compilation.cache import COMPILERS, ZIG, base_folder
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.sources import PACKAGE
 from chain_impact.law_file import LawError
@@ -27,7 +27,6 @@ ZIG_TARGETS = {
 }
 """FMI platform → zig target and file suffix; the platforms for which pythonfmu has a wrapper."""
 HOST = "linux64"
-PACKAGES = ("numba", "llvmlite", "ziglang")
 EXTRA = "chain-impact[compiler]"
 PORTABLE_CPU = "x86-64-v2"
 BAD_LAW = 3  # exit code of lower.py; what is wrong stands on standard error
@@ -85,7 +84,7 @@ def require_compilers(purpose: str) -> None:
     Raises:
         BuildError: when one of them is not; ``purpose`` begins its sentence.
     """
-    missing = [name for name in PACKAGES if find_spec(name) is None]
+    missing = [name for name in COMPILERS if find_spec(name) is None]
     if missing:
         raise BuildError(f"{purpose} needs a compiler: pip install '{EXTRA}' ({', '.join(missing)} missing)")
 

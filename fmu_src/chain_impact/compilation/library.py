@@ -51,7 +51,7 @@ def _lowered_kernel(notify: Notify) -> str:
         notify(Work("compiling the kernel", LOWERING))
         compilers.lower(module)
 
-    return ready.module() or cache.made("kernel.ll", lower).read_text()
+    return ready.module() or cache.made(ready.LOWERED, lower).read_text()
 
 
 def _lowered_law(law: UserLaw, file: str) -> Path:

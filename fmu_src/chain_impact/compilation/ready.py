@@ -1,28 +1,31 @@
 """The kernels that a wheel carries, so that who installs it needs no compiler.
 
-They are made when the wheel is built (hatch_build.py at the top of the repository). An editable installation
+They are made when the wheel is built (packaging/ at the top of the repository). An editable installation
 has none: its kernels are made when they are needed, and kept in the cache.
 """
 
 from __future__ import annotations
 
+import functools
 import lzma
 import os
 import shutil
 from concurrent.futures import ThreadPoolExecutor
-from functools import cache
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
-from chain_impact.compilation import compilers
+from chain_impact.compilation import cache, compilers
 from chain_impact.compilation.sources import PACKAGE, fingerprint
 
 FOLDER = PACKAGE / "ready"
-MODULE = "kernel.ll.xz"
+LOWERED, MODULE = "kernel.ll", "kernel.ll.xz"  # the lowered kernel: in the cache, and packed in a wheel
 MADE_FROM = "sources.txt"  # the fingerprint of the sources that they are made from
 LARGEST_EXACT = 10
 """Up to so many links there is a kernel for each number of links. All longer chains share one that reads the
 number from the instance: with it, steps of four links are a quarter slower, of ten a sixth, of thirty not."""
+
+SIZES: tuple[int | None, ...] = (None, *range(1, LARGEST_EXACT + 1))
+REQUIREMENTS = [*(f"{name}=={version}" for name, version in cache.COMPILERS.items()), "numpy>=2.0,<3"]
+"""What has to be installed to compile kernels."""
 
 
 def exact(links: int) -> int | None:
@@ -52,29 +55,37 @@ def libraries() -> list[Path]:
     return sorted(FOLDER.glob("kernel-*")) if _usable() else []
 
 
-@cache
+@functools.cache
 def _usable() -> bool:
     mark = FOLDER / MADE_FROM
     return mark.is_file() and mark.read_text() == fingerprint()
 
 
+def all_cached(platform: str = compilers.HOST) -> bool:
+    """Whether all kernels for a platform are in the cache, so that it takes no compiler to ``make`` them."""
+    return all(cache.find(name) for name in (LOWERED, *(library_name(size, platform) for size in SIZES)))
+
+
 def make(folder: Path, platform: str = compilers.HOST) -> None:
-    """Make all kernels for a platform, and the module that more can be made from, in a new folder."""
-    folder.mkdir(parents=True)
-    with TemporaryDirectory(prefix="chain-impact-") as scratch, ThreadPoolExecutor(os.cpu_count()) as pool:
-        prepared = pool.submit(compilers.prepare_zig, platform)
-        lowered = Path(scratch, "kernel.ll")
-        compilers.lower(lowered)
-        text = lowered.read_text()
-        prepared.result()
+    """Put all kernels for a platform into a new folder, and the module that more can be made from.
 
-        def link(links: int | None) -> None:
-            place = Path(scratch, str(links), library_name(links, platform))
-            place.parent.mkdir()
-            compilers.link(text, place, platform, links)
-            shutil.move(place, folder)
+    What is not in the cache is compiled, as much at once as there are cores.
+    """
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        prepared = pool.submit(compilers.prepare_zig, platform) if not all_cached(platform) else None
+        text = cache.made(LOWERED, compilers.lower).read_text()
+        if prepared:
+            prepared.result()
 
-        for done in [pool.submit(link, links) for links in (None, *range(1, LARGEST_EXACT + 1))]:
-            done.result()
+        def library(links: int | None) -> Path:
+            def link(file: Path) -> None:
+                compilers.link(text, file, platform, links)
+
+            return cache.made(library_name(links, platform), link)
+
+        libraries = list(pool.map(library, SIZES))
+    folder.mkdir()
+    for file in libraries:
+        shutil.copy(file, folder)
     (folder / MODULE).write_bytes(lzma.compress(text.encode()))
     (folder / MADE_FROM).write_text(fingerprint())

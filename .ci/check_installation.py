@@ -1,0 +1,61 @@
+"""What the README's first command has installed: run by the Python of its environment, in its folder.
+
+No compiler, kernels for every chain, the right tag, and not too much.
+"""
+
+from importlib.metadata import distribution
+from importlib.util import find_spec
+from pathlib import Path
+
+from chain_impact import BuildError, load_scene, simulate
+from chain_impact.compilation import cache
+from chain_impact.scene import scene_from_dict, with_values
+
+MOST = 350  # MB
+TAG = "Tag: py3-none-manylinux_2_17_x86_64"
+
+
+def chain(links: int) -> dict[str, object]:
+    """A scene in which a chain falls on the floor."""
+    return {
+        "name": "Chain",
+        "chain": {"links": [{"length": 0.2, "mass": 0.3}] * links},
+        "box": {"y_min": 0.0},
+        "initial": {"position": [0.1, 0.5], "angles": [0.01 * i for i in range(links)]},
+    }
+
+
+installed = [name for name in ("numba", "llvmlite", "ziglang") if find_spec(name)]
+assert not installed, f"compilers are installed for ordinary use: {installed}"
+assert Path("build/FourLinkBox.png").is_file()
+wheel = distribution("chain-impact").read_text("WHEEL") or ""
+assert TAG in wheel, wheel
+
+before = [entry.files for entry in cache.entries()]
+for links in (1, 10, 64, 65):
+    assert len(simulate(scene_from_dict(chain(links), "chain"), stop_time=0.35).impacts) > 0
+assert [entry.files for entry in cache.entries()] == before, (
+    "a kernel was compiled, though all should be ready"
+)
+
+law = Path("mine.py")
+law.write_text("def mine(penetration):\n    return 1e6 * penetration\n", encoding="utf-8")
+own = with_values(load_scene("rod_drop"), {("contact", "law_file"): str(law), ("contact", "model"): "mine"})
+try:
+    simulate(own)
+    said = "nothing"
+except BuildError as error:
+    said = str(error)
+assert "pip install 'chain-impact[compiler]'" in said, f"without a compiler a law of one's own said {said}"
+
+packages = Path(find_spec("chain_impact").origin).parents[1]
+of_the_environment = ("pip", "setuptools", "pkg_resources", "_distutils_hack")
+files = [
+    file.lstat()
+    for file in packages.rglob("*")
+    if file.is_file() and not file.is_symlink()
+    if not file.relative_to(packages).parts[0].startswith(of_the_environment)
+]
+size = sum(file.st_blocks * 512 for file in files) / 1e6
+print(f"installed: {size:.0f} MB, no compiler")
+assert size <= MOST
