@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 # before numpy and numba are imported: this module comes first
-PORTABLE_CPU = "x86-64-v2"  # what the shipped kernel is compiled for, see chain_impact/export/aot.py
+PORTABLE_CPU = "x86-64-v2"  # as the shipped kernel, see compilation/compilers.py
 os.environ["NUMBA_CPU_NAME"], os.environ["NUMBA_CPU_FEATURES"] = PORTABLE_CPU, ""
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 

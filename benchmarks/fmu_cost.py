@@ -19,7 +19,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from chain_impact.export.fmu import build_fmu
-from chain_impact.instance import candidates, instance_dtype
+from chain_impact.instance import new_instance
 from chain_impact.scene import Scene, load_scene
 from chain_impact.variables import fmu_variables
 
@@ -134,7 +134,7 @@ def main() -> None:
         results["bytes"] = {
             "FMU": fmus["ours"].stat().st_size,
             "empty FMU": fmus["empty"].stat().st_size,
-            "instance": instance_dtype(len(scene.chain.links), len(candidates(scene))).itemsize,
+            "instance": new_instance(scene).nbytes,
         }
     print(json.dumps(results, indent=1))
     settings = {

@@ -8,27 +8,27 @@ library.
 from __future__ import annotations
 
 import hashlib
-import os
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from unittest import mock
 
-from chain_impact.kernel.jit import jit
-from numba import carray, float64, int32, types
+from numba import float64, int32, types
 
-from chain_impact.export import aot, lower
+from chain_impact.compilation import compilers, ready
+from chain_impact.compilation.cache import made
+from chain_impact.compilation.entry_points import Entries
+from chain_impact.compilation.functions import compiled
+from chain_impact.compilation.record_type import INSTANCE
 from chain_impact.kernel.advance import apply_events
 from chain_impact.kernel.equations import state_rate
 from chain_impact.kernel.events import RELATCH, TOUCH
 from chain_impact.kernel.initialize import initialize, still
 
-Entries = dict[str, tuple[object, Callable]]
-"""C functions: name → (signature, function)."""
+HERE = Path(__file__).parent
+REALS = types.CPointer(float64)
 
 
-@jit
+@compiled
 def rate_at(d, y, out):
     """Set the first components of f(y)."""
     state_rate(d, y, d.work.stage[0])
@@ -36,7 +36,7 @@ def rate_at(d, y, out):
         out[j] = d.work.stage[0, j]
 
 
-@jit
+@compiled
 def happen(d, time, y, found):
     """Let the events found take effect.
 
@@ -47,35 +47,30 @@ def happen(d, time, y, found):
         found: for each candidate the sign of the change of its clearance, then of what its speed leaves to
             being latched anew; 0 without an event.
     """
-    count = len(d.touch.active)
     d.step.end = time
     for j in range(len(y)):
         d.step.state_end[j] = y[j]
-    for c in range(count):
+    for c in range(d.candidates):
         touched = found[c] > 0 if d.touch.active[c] else found[c] < 0
-        d.touch.event[c] = TOUCH if touched else RELATCH if found[count + c] < 0 else 0
+        d.touch.event[c] = TOUCH if touched else RELATCH if found[d.candidates + c] < 0 else 0
     apply_events(d)
 
 
-def start_and_stop(prefix: str, instance: types.Record, left_out: int) -> Entries:
+def start_and_stop(prefix: str, left_out: int) -> Entries:
     """Initialize and set the state at 0 s; stand in a state at a time, to be observed.
 
     Args:
         prefix: of the names.
-        instance: its record type.
         left_out: how many components at the end of the kernel's state the other one is without.
     """
-    pointer, reals = types.CPointer(instance), types.CPointer(float64)
 
-    def start(p, y):
-        d = carray(p, (1,))[0]
+    def start(d, y):
         status = initialize(d, 0.0)
         for j in range(len(d.step.state) - left_out):
             y[j] = d.step.state[j]
         return status
 
-    def stop(p, time, y):
-        d = carray(p, (1,))[0]
+    def stop(d, time, y):
         size = len(d.step.state) - left_out
         for j in range(len(d.step.state)):
             d.work.y[j] = y[j] if j < size else 0.0
@@ -83,52 +78,31 @@ def start_and_stop(prefix: str, instance: types.Record, left_out: int) -> Entrie
         return 0
 
     return {
-        f"{prefix}_start": (int32(pointer, reals), start),
-        f"{prefix}_stop": (int32(pointer, float64, reals), stop),
+        f"{prefix}_start": (int32(INSTANCE, REALS), start),
+        f"{prefix}_stop": (int32(INSTANCE, float64, REALS), stop),
     }
 
 
-def zig(*arguments: object) -> None:
-    """Run zig's C compiler for the oldest system that the kernel runs on."""
-    target, _ = aot.ZIG_TARGETS[aot.HOST]
-    compiler = [sys.executable, "-m", "ziglang", "cc", "-target", target, "-O2", "-Wno-everything"]
-    subprocess.run([*compiler, *map(str, arguments)], check=True)
+def digest(*sources: Path) -> str:
+    """Hexadecimal digits that change with the content of the files."""
+    return hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()[:12]
 
 
-def link(library: Path, ir: Path, stubs: Path) -> None:
-    """Make a library of nothing but the functions."""
-    zig("-shared", "-s", "-o", library, ir, stubs, "-lm")
-
-
-def built(
-    kind: str,
-    links: int,
-    candidates: int,
-    entry_points: Callable[[types.Record, types.Record], Entries],
-    *,
-    sources: tuple[Path, ...],
-    linked: Callable[[Path, Path, Path], None] = link,
-) -> Path:
-    """The library of some functions, compiled if it is not cached.
+def built(module: str, links: int, *sources: Path) -> Path:
+    """The library of the C functions of a module of this folder, compiled if it is not cached.
 
     Args:
-        kind: how the file's name begins.
+        module: its name; its ``entry_points()`` are the functions, as in compilation/entry_points.py.
         links: number of links.
-        candidates: number of pairs of a contact point and a wall.
-        entry_points: the functions for the record types of an instance and its output, as in kernel/entry.py.
-        sources: the files that tell, besides this one and the kernel, what is in the library.
-        linked: makes a library from the functions in LLVM's language and the stubs that these need.
+        sources: the files that tell, besides the module, this one and the kernel, what is in the library.
     """
-    parts = b"".join(source.read_bytes() for source in (Path(__file__), *sources))
-    folder = aot.cache_folder()
-    library = folder / f"{kind}-{links}-{candidates}-{hashlib.sha256(parts).hexdigest()[:12]}.so"
-    if not library.exists():
-        folder.mkdir(parents=True, exist_ok=True)
-        ir, stubs = library.with_suffix(".ll"), library.with_name(f"{library.stem}-stubs.c")
-        with mock.patch.object(lower, "entry_points", entry_points):
-            ir.write_text(lower.lower(links, candidates))
-        stubs.write_text("".join(map(aot.STUB.format, aot.PYTHON_SYMBOLS)))
-        fresh = library.with_suffix(f".{os.getpid()}")
-        linked(fresh, ir, stubs)
-        fresh.replace(library)
-    return library
+    own, program = HERE.joinpath(*module.split(".")).with_suffix(".py"), HERE / "lower_functions.py"
+    name, exact = f"{module}-{digest(Path(__file__), own, program, *sources)}", ready.exact(links)
+
+    def lower(file: Path) -> None:
+        subprocess.run([sys.executable, str(program), module, str(file)], check=True)
+
+    def link(library: Path) -> None:
+        compilers.link(made(f"{name}.ll", lower).read_text(), library, compilers.HOST, exact)
+
+    return made(f"{name}-{exact or 'any'}.so", link)

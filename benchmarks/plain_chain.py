@@ -21,7 +21,7 @@ inlined = njit(error_model="numpy", inline="always")
 
 
 class Chain(NamedTuple):
-    """What stays constant; units as in chain_impact/instance.py."""
+    """What stays constant; units as in chain_impact/layout.py."""
 
     gravity: np.ndarray
     length: np.ndarray

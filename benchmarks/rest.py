@@ -78,9 +78,9 @@ class Run:
     def cvode(self, adams: int, careful: int) -> float:
         """CVODE; returns its CPU time [s]."""
         self.block[:] = self.fresh
-        step, touch = self.instance.record["step"], self.instance.record["touch"]
-        states = len(step["state"]) - rest_model.LEFT_OUT
-        settings = Settings(states, len(touch["active"]), adams, careful, BUDGET)
+        record = self.instance.record
+        states = len(record["step"]["state"]) - rest_model.LEFT_OUT
+        settings = Settings(states, int(record["candidates"]), adams, careful, BUDGET)
         times = np.arange(1.0, STOP + 1.0)
         self.rows[:] = 0
         pointers = ctypes.byref(settings), times.ctypes.data, STOP, self.rows.ctypes.data
@@ -93,7 +93,7 @@ class Run:
         self.kernel.observe(self.address)
         record, last = self.instance.record, self.rows[STOP - 1]
         output, model = record["output"], record["model"]
-        floor = model["candidate_wall"] == 2
+        floor = record["candidate"]["wall"] == 2
         weight = float(model["mass"].sum() * -model["gravity"][1])
         initial = self.fresh.copy()
         self.kernel.observe(initial.ctypes.data)
@@ -196,9 +196,8 @@ def draw(page, record) -> None:
 def main() -> None:
     """Measure and draw."""
     base = with_values(load_scene("four_link_box"), {("solver", "tolerance"): TOLERANCE})
-    record = Instance(base).record
     try:
-        driver = rest_model.driver(len(base.chain.links), len(record["touch"]["active"]))
+        driver = rest_model.driver(len(base.chain.links))
     except rest_model.NoSundialsError as error:
         sys.exit(f"rest.py: {error}")
     started = common.environment()

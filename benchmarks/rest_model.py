@@ -18,14 +18,17 @@ import subprocess
 from functools import cache
 from pathlib import Path
 
-from chain_impact.kernel.jit import jit
-from kernel_functions import Entries, built, happen, rate_at, start_and_stop, zig
-from numba import carray, float64, int32, types
+from kernel_functions import HERE, REALS, built, digest, happen, rate_at, start_and_stop
+from numba import float64, int32, types
 
+from chain_impact.compilation.cache import made
+from chain_impact.compilation.entry_points import Entries
+from chain_impact.compilation.functions import compiled
+from chain_impact.compilation.record_type import INSTANCE, vector
 from chain_impact.kernel.clearing import RELATCH_RATIO
 from chain_impact.kernel.contact import clearance, locate_points
 
-DRIVER = Path(__file__).with_name("rest_cvode.c")
+DRIVER = HERE / "rest_cvode.c"
 LEFT_OUT = 3  # of the kernel's state
 SUNDIALS = ("cvode", "nvecserial", "sunlinsoldense", "sunmatrixdense", "sunnonlinsolfixedpoint")
 POSITION_ERROR = 1e-2  # of the static penetration: what the position may err by while in contact …
@@ -36,14 +39,25 @@ class NoSundialsError(RuntimeError):
     """SUNDIALS is not there to be compiled against."""
 
 
-@jit
+@compiled
 def static_depth(d):
     """Penetration [m] under the weight of one link."""
     weight = abs(d.model.gravity[1]) * d.model.mass[0]
     return (weight / d.contact.stiffness) ** (1.0 / d.contact.exponent)
 
 
-@jit
+def rate(d, y, out):
+    """f(y)."""
+    rate_at(d, vector(y, len(d.step.state) - LEFT_OUT), out)
+    return 0
+
+
+def happens(d, time, y, found):
+    """Let the events found take effect."""
+    happen(d, time, vector(y, len(d.step.state) - LEFT_OUT), found)
+    return 0
+
+
 def roots(d, careful, y, value):
     """For each candidate its clearance, and how far an active one is from being latched anew.
 
@@ -52,24 +66,23 @@ def roots(d, careful, y, value):
     wall. There is no force up there.
     """
     margin = MARGIN * static_depth(d) if careful else 0.0
-    locate_points(d.model, y, d.work)
-    count = len(d.touch.active)
-    for c in range(count):
+    locate_points(d, vector(y, len(d.step.state) - LEFT_OUT))
+    for c in range(d.candidates):
         gap, gap_rate = clearance(d, c)
         active = d.touch.active[c]
         value[c] = gap - margin if active else gap
         # δ̇ = −ġ
-        value[count + c] = RELATCH_RATIO * d.touch.impact_speed[c] + gap_rate if active else 1.0
+        value[d.candidates + c] = RELATCH_RATIO * d.touch.impact_speed[c] + gap_rate if active else 1.0
+    return 0
 
 
-@jit
 def weights(d, careful, y, weight):
     """One over the error allowed in each component.
 
     As users have it: tolerance × (|y| + scale), the scale that of the kernel. Careful: positions without the
     relative part, and while a contact is active no more than a part of the static penetration.
     """
-    n = len(d.model.length)
+    n = d.links
     tolerance = d.solver.tolerance
     position = tolerance * d.model.size
     if careful and d.touch.active_count > 0:
@@ -83,47 +96,26 @@ def weights(d, careful, y, weight):
             scale = d.model.size if j < n + 4 else 1.0 if j < 2 * n + 4 else d.model.energy
             allowed = tolerance * (scale + abs(y[j]))
         weight[j] = 1.0 / allowed
+    return 0
 
 
-def entry_points(instance: types.Record, _output: types.Record) -> Entries:
-    """The C functions for the record type of an instance."""
-    pointer, reals, integers = types.CPointer(instance), types.CPointer(float64), types.CPointer(int32)
-
-    def rate(p, y, out):
-        d = carray(p, (1,))[0]
-        rate_at(d, carray(y, (len(d.step.state) - LEFT_OUT,)), out)
-        return 0
-
-    def roots_entry(p, careful, y, value):
-        d = carray(p, (1,))[0]
-        roots(d, careful, carray(y, (len(d.step.state) - LEFT_OUT,)), value)
-        return 0
-
-    def happen_entry(p, time, y, found):
-        d = carray(p, (1,))[0]
-        happen(d, time, carray(y, (len(d.step.state) - LEFT_OUT,)), found)
-        return 0
-
-    def weights_entry(p, careful, y, weight):
-        weights(carray(p, (1,))[0], careful, y, weight)
-        return 0
-
-    return start_and_stop("rest", instance, LEFT_OUT) | {
-        "rest_rate": (int32(pointer, reals, reals), rate),
-        "rest_roots": (int32(pointer, int32, reals, reals), roots_entry),
-        "rest_happen": (int32(pointer, float64, reals, integers), happen_entry),
-        "rest_weights": (int32(pointer, int32, reals, reals), weights_entry),
+def entry_points() -> Entries:
+    """The C functions."""
+    return start_and_stop("rest", LEFT_OUT) | {
+        "rest_rate": (int32(INSTANCE, REALS, REALS), rate),
+        "rest_roots": (int32(INSTANCE, int32, REALS, REALS), roots),
+        "rest_happen": (int32(INSTANCE, float64, REALS, types.CPointer(int32)), happens),
+        "rest_weights": (int32(INSTANCE, int32, REALS, REALS), weights),
     }
 
 
-def link_driver(library: Path, ir: Path, stubs: Path) -> None:
-    """Make the library of the driver and the model: by gcc, as SUNDIALS was compiled for this system."""
-    model = library.with_suffix(".o")
-    zig("-fPIC", "-c", "-o", model, ir)
+def link_driver(library: Path, model: Path) -> None:
+    """Make the library of the driver, which loads that of the model: by gcc, as SUNDIALS was compiled."""
     gcc = ["gcc", "-O2", "-fPIC", "-shared", "-Wall", "-Wextra", "-Wl,--no-undefined", "-o", str(library)]
-    inputs = [str(DRIVER), str(model), str(stubs)]
     libraries = [f"-lsundials_{name}" for name in SUNDIALS]
-    done = subprocess.run([*gcc, *inputs, *libraries, "-lm"], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [*gcc, str(DRIVER), str(model), *libraries, "-lm"], capture_output=True, text=True, check=False
+    )
     if "cvode/cvode.h" in done.stderr or "-lsundials" in done.stderr:
         raise NoSundialsError("SUNDIALS is not installed: on Debian `apt-get install libsundials-dev`")
     if done.returncode != 0 or done.stderr:
@@ -131,15 +123,15 @@ def link_driver(library: Path, ir: Path, stubs: Path) -> None:
 
 
 @cache
-def driver(links: int, candidates: int) -> ctypes.CDLL:
-    """The library of rest_cvode.c with the model in it, compiled if it is not cached.
+def driver(links: int) -> ctypes.CDLL:
+    """The library of rest_cvode.c, with the model for so many links, compiled if it is not cached.
 
     Raises:
         NoSundialsError: when there is no SUNDIALS to compile against.
     """
-    sources = Path(__file__), DRIVER
-    made = built("rest", links, candidates, entry_points, sources=sources, linked=link_driver)
-    library = ctypes.CDLL(str(made))
+    model = built("rest_model", links)
+    name = f"rest_cvode-{digest(DRIVER, Path(__file__))}-{model.name}"
+    library = ctypes.CDLL(str(made(name, lambda file: link_driver(file, model))))
     library.rest_solve.argtypes = [ctypes.c_void_p] * 3 + [ctypes.c_long, ctypes.c_void_p]
     library.rest_solve.restype = ctypes.c_long
     return library

@@ -1,8 +1,8 @@
 """Cost of one right-hand side in flight against the number of links: ``python benchmarks/rhs.py``.
 
-Contenders: the kernel's ``state_rate`` on the instance record; the same recursion over plain arrays
-(plain_chain.py), both compiled by the same numba for the processor that the shipped kernel is compiled for;
-and the textbook assembly of M(q) in NumPy with ``np.linalg.solve`` (textbook.py).
+Contenders: the kernel's ``state_rate``, compiled just as the shipped kernel is (rhs_share.py); the same
+recursion over plain arrays (plain_chain.py), compiled by numba for the same processor; and the textbook
+assembly of M(q) in NumPy with ``np.linalg.solve`` (textbook.py).
 """
 
 from __future__ import annotations
@@ -12,33 +12,15 @@ import common  # isort: skip
 import numpy as np
 from numba import njit
 from plain_chain import flight_rate, plain_chain, start
+from rhs_share import load
 from textbook import Textbook
 
-from chain_impact.instance import new_instance
-from chain_impact.kernel.equations import state_rate
-from chain_impact.kernel.initialize import initialize
 from chain_impact.scene import Scene, scene_from_dict
+from chain_impact.simulate import Instance
 
 SIZES = (1, 2, 4, 10, 30, 100, 300, 1000)
 CALLS = {1: 20000, 30: 4000, 300: 400}  # right-hand sides in one compiled loop, from this size on
 ROUNDS = 9
-
-
-@njit(error_model="numpy")
-def many_kernel(block, y, out, calls):
-    """Right-hand sides in a row; each depends on all of the last one, as the stages of a step do.
-
-    State and rate stand in the record, likewise.
-    """
-    d = block[0]
-    for j in range(len(y)):
-        d.work.y[j] = y[j]
-    for _ in range(calls):
-        state_rate(d, d.work.y, d.work.stage[1])
-        for j in range(len(y)):
-            d.work.y[j] += 1e-30 * d.work.stage[1, j]
-    for j in range(len(y)):
-        out[j] = d.work.stage[1, j]
 
 
 # fmt: off
@@ -47,7 +29,7 @@ def many_plain(  # noqa: PLR0917
     gravity, length, mass, ratio, joint_inertia, lx, ly,
     load_x, load_y, moment, gain_x, gain_y, bias, y, out, calls
 ):
-    """The same for plain arrays."""
+    """Right-hand sides in a row; each depends on the last one, as in rhs_share.py."""
     for _ in range(calls):
         flight_rate(
             gravity, length, mass, ratio, joint_inertia, lx, ly,
@@ -58,12 +40,6 @@ def many_plain(  # noqa: PLR0917
 
 
 # fmt: on
-@njit
-def prepare(block):
-    """Initialize the instance."""
-    initialize(block[0], 0.0)
-
-
 def chain(links: int) -> Scene:
     """A chain in flight, folded and turning."""
     wave = np.arange(links)
@@ -88,10 +64,10 @@ def measure(links: int) -> dict:
     """Time the three for a number of links, after checking that they agree."""
     scene = chain(links)
     calls = next(count for least, count in reversed(CALLS.items()) if links >= least)
-    block, y = new_instance(scene), start(scene)
-    prepare(block)
-    ours, full = np.zeros(len(y) + 2), np.append(y, [0.0, 0.0])
-    many_kernel(block, full.copy(), ours, 1)
+    instance, y = Instance(scene), start(scene)
+    many_kernel, address = load(links).share_rates, instance._address
+    many_kernel(address, 1)
+    ours = instance.record["work"]["stage"][1]
     arrays, plain = plain_chain(scene)[:5] + tuple(np.zeros((8, links + 1))), np.zeros(len(y))
     many_plain(*arrays, y.copy(), plain, 1)
     textbook = Textbook(scene)
@@ -102,7 +78,7 @@ def measure(links: int) -> dict:
 
     timings = common.interleave(
         {
-            "ours": lambda: many_kernel(block, full, ours, calls),
+            "ours": lambda: many_kernel(address, calls),
             "plain arrays": lambda: many_plain(*arrays, y, plain, calls),
             "NumPy": lambda: textbook.rate(y),
         },

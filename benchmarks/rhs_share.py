@@ -13,14 +13,15 @@ import ctypes
 import math
 from dataclasses import dataclass, field
 from functools import cache
-from pathlib import Path
 
 import numpy as np
-from kernel_functions import Entries, built
-from numba import carray, int32, int64, types
+from kernel_functions import built
+from numba import int32, int64
 from peers.ours import Kernel
 from problems import PROBLEMS
 
+from chain_impact.compilation.entry_points import Entries
+from chain_impact.compilation.record_type import INSTANCE
 from chain_impact.kernel.equations import state_rate
 
 PLACES = (("box", 0.6), ("box", 1.2), ("flight", 2.0))
@@ -30,28 +31,28 @@ ROUNDS = 9
 RUN = "run"
 
 
-def entry_points(instance: types.Record, _output: types.Record) -> Entries:
-    """``int32 share_rates(instance*, int64 calls)``: right-hand sides in a row, from the start of a step."""
-
-    def rates(p, calls):
-        d = carray(p, (1,))[0]
-        y, rate = d.work.y, d.work.stage[1]
+def rates(d, calls):
+    """Right-hand sides in a row, from the start of a step; the last one is left in ``work.stage[1]``."""
+    y, rate = d.work.y, d.work.stage[1]
+    for j in range(len(y)):
+        y[j] = d.step.state[j]
+    for _ in range(calls):
+        state_rate(d, y, rate)
+        # each depends on the last one, as the stages of a step do
         for j in range(len(y)):
-            y[j] = d.step.state[j]
-        for _ in range(calls):
-            state_rate(d, y, rate)
-            # each depends on the last one, as the stages of a step do
-            for j in range(len(y)):
-                y[j] += 1e-30 * rate[j]
-        return 0
+            y[j] += 1e-30 * rate[j]
+    return 0
 
-    return {"share_rates": (int32(types.CPointer(instance), int64), rates)}
+
+def entry_points() -> Entries:
+    """``int32 share_rates(instance*, int64 calls)``."""
+    return {"share_rates": (int32(INSTANCE, int64), rates)}
 
 
 @cache
-def load(links: int, candidates: int) -> ctypes.CDLL:
+def load(links: int) -> ctypes.CDLL:
     """The library, compiled if it is not cached."""
-    library = ctypes.CDLL(str(built("share", links, candidates, entry_points, sources=(Path(__file__),))))
+    library = ctypes.CDLL(str(built("rhs_share", links)))
     library.share_rates.argtypes = [ctypes.c_void_p, ctypes.c_int64]
     return library
 
@@ -81,8 +82,7 @@ def follow(run: Kernel) -> dict[tuple[int, ...], State]:
 
 def timed(run: Kernel, states: dict[tuple[int, ...], State]) -> dict:
     """Seconds of the run, and of its right-hand sides with each set of active contacts, round by round."""
-    model = run.instance.record["model"]
-    library = load(len(model["length"]), len(model["candidate_point"]))
+    library = load(int(run.instance.record["links"]))
     contenders = {RUN: run.run}
     for active, state in states.items():
         block = state.blocks[len(state.blocks) // 2]

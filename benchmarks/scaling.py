@@ -1,8 +1,7 @@
 """Cost against the number of links: ``python benchmarks/scaling.py [--quick] [--most N]``.
 
 Flight: the folded, turning chain of rhs.py for 1 s. Heap: a chain of short links falls on a floor, with every
-point of it, and comes to rest; 1 s. Kernels are compiled for each number of links, half a minute each the
-first time.
+point of it, and comes to rest; 1 s.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ from chain_impact.scene import Scene, scene_from_dict
 SIZES = (1, 4, 10, 30, 100, 300, 1000)
 BASE = 10  # links: from here on the cost for each of them should be one
 STOP, TOLERANCE = 1.0, 1e-6
-# compiled peers take a minute to compile for a size; heyoka's expressions grow with N², NumPy's work with N³
+# heyoka's expressions grow with N², NumPy's work with N³
 LIMITS = {"numbalsoda": 1000, "cvode": 1000, "scipy": 1000, "NumPy": 300, "heyoka": 10}
 HEAP_LIMIT = 100  # links, of CVODE: its dense Jacobian costs N² evaluations
 ROUNDS, SPAN, PATIENCE = 5, 0.02, 1.0

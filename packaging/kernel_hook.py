@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import platform
 import sys
 import tempfile
@@ -23,6 +24,10 @@ def kernels() -> ModuleType:
         package = ModuleType("chain_impact")
         package.__path__ = [str(PACKAGE)]
         sys.modules["chain_impact"] = package
+    try:
+        import_module("chain_impact.compilation.cache").cache_folder().mkdir(parents=True, exist_ok=True)
+    except (OSError, RuntimeError):  # who builds has no home, or must not write there
+        os.environ["CHAIN_IMPACT_CACHE"] = tempfile.mkdtemp(prefix="chain-impact-")
     return import_module("chain_impact.compilation.ready")
 
 

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import pickle
 import re
 import subprocess
 import sys
@@ -347,6 +348,22 @@ def test_a_bar_shows_on_a_terminal_while_something_compiles(run, monkeypatch, te
     assert run("simulate", "rod_drop")[0] == 0
     assert "compiling the kernel" in text.getvalue()
     assert text.getvalue().endswith("\x1b[2K")  # and is wiped out
+
+
+def test_a_sentence_about_work_goes_to_another_process():
+    work = pickle.loads(pickle.dumps(Work("compiling", 12.0)))
+    assert (work, work.seconds) == ("compiling", 12.0)
+
+
+def test_the_bar_returns_to_the_simulation_after_a_second_compilation(monkeypatch, terminal):
+    monkeypatch.setattr(progress, "BRIEF", 0.0)
+    text = terminal(True)
+    with progress.progress() as (notify, advance):
+        advance(0.1)
+        notify(Work("linking", 3.0))
+        advance(0.5)
+        time.sleep(0.2)
+    assert "simulating" in text.getvalue().split("linking")[-1]
 
 
 def test_no_bar_when_nothing_compiles(run, terminal):

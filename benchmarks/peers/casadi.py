@@ -9,13 +9,14 @@ from __future__ import annotations
 import hashlib
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from problems import Problem
 
-from chain_impact.export import aot
+from chain_impact.compilation.cache import made
 from peers import Contender, Outcome
 from peers.model import CLEAR, Model
 from peers.symbolic import accelerations, clearances
@@ -112,18 +113,18 @@ class Casadi:
 
 def compiled(function: Any) -> Any:
     """A CasADi function by way of its C code."""
-    folder = aot.cache_folder()
-    folder.mkdir(parents=True, exist_ok=True)
     generator = ca.CodeGenerator("peer.c")
     generator.add(function)
     source = generator.dump()
-    name = "casadi-" + hashlib.sha256(source.encode()).hexdigest()[:16]
-    library, path = folder / f"{name}.so", folder / f"{name}.c"
-    if not library.exists():
+    digest = hashlib.sha256(source.encode()).hexdigest()[:16]
+
+    def make(library: Path) -> None:
+        path = library.with_suffix(".c")
         path.write_text(source)
         zig = [sys.executable, "-m", "ziglang", "cc", "-O2", CPU, "-shared", "-fPIC", "-Wno-everything"]
         subprocess.run([*zig, "-o", str(library), str(path), "-lm"], check=True)
-    return ca.external(function.name(), str(library))
+
+    return ca.external(function.name(), str(made(f"casadi-{digest}.so", make)))
 
 
 def contenders(problem: Problem, tolerance: float, stop: float) -> dict[str, Contender]:

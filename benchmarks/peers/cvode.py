@@ -23,8 +23,8 @@ class Cvode(OnInstance):
         super().__init__(scene, stop)
         record = self.instance.record
         states = len(record["step"]["state"]) - rest_model.LEFT_OUT
-        candidates = len(record["touch"]["active"])
-        self.driver = rest_model.driver(len(scene.chain.links), candidates)
+        candidates = int(record["candidates"])
+        self.driver = rest_model.driver(len(scene.chain.links))
         self.settings = Settings(states, candidates, adams, careful, BUDGET)
         self.times, self.row = np.array([stop]), np.zeros(1, COUNTS)
 

@@ -14,13 +14,14 @@ from __future__ import annotations
 
 import ctypes
 from functools import cache
-from pathlib import Path
 
 import numpy as np
-from chain_impact.kernel.jit import jit
-from kernel_functions import Entries, built, happen, rate_at, start_and_stop
-from numba import carray, float64, int32, types, void
+from kernel_functions import HERE, REALS, built, happen, rate_at, start_and_stop
+from numba import float64, int32, types, void
 
+from chain_impact.compilation.entry_points import Entries
+from chain_impact.compilation.functions import compiled
+from chain_impact.compilation.record_type import INSTANCE, vector
 from chain_impact.kernel.clearing import RELATCH_RATIO
 from chain_impact.kernel.contact import clearance, locate_points
 from chain_impact.kernel.equations import state_rate
@@ -30,12 +31,12 @@ POLISH = 1e-7  # s, how far a solver's root may be corrected
 LEFT_OUT = 4  # of the kernel's state
 
 
-@jit
+@compiled
 def least_event(d, y):
     """The smallest of all event functions, and its rate where it is a clearance."""
     lowest, slope = np.inf, 0.0
-    locate_points(d.model, y, d.work)
-    for c in range(len(d.touch.active)):
+    locate_points(d, y)
+    for c in range(d.candidates):
         gap, gap_rate = clearance(d, c)
         sign = -1.0 if d.touch.active[c] else 1.0
         if sign * gap < lowest:
@@ -46,12 +47,13 @@ def least_event(d, y):
     return lowest + CLEAR, slope
 
 
-@jit
-def switch(d, clock, y, found):
+def switch(d, clock, values, found):
     """Let the event at clock[0] [s] take effect, and propose a next step in clock[1] [s].
 
     A root finder with a coarse tolerance in time is helped: the last part to the root is gone by f(y).
+    Returns the number of active contacts.
     """
+    y = vector(values, len(d.step.state) - LEFT_OUT)
     value, slope = least_event(d, y)
     if slope < 0.0 and abs(value) < -slope * POLISH:
         dt = -value / slope
@@ -60,54 +62,48 @@ def switch(d, clock, y, found):
             y[j] += dt * d.work.stage[0, j]
         clock[0] += dt
     hop = np.inf
-    count = len(d.touch.active)
-    locate_points(d.model, y, d.work)
-    for c in range(count):
+    locate_points(d, y)
+    for c in range(d.candidates):
         gap, gap_rate = clearance(d, c)
         active = d.touch.active[c]
         sign = -1.0 if active else 1.0
         falls = sign * gap_rate < 0.0 and sign * gap <= -sign * gap_rate * AT_ZERO + 1e-15
         found[c] = (1 if active else -1) if falls else 0
         fast = active and -gap_rate >= RELATCH_RATIO * d.touch.impact_speed[c] * (1.0 - 1e-9)
-        found[count + c] = -1 if fast and not falls else 0
+        found[d.candidates + c] = -1 if fast and not falls else 0
         if falls:
             hop = min(hop, abs(gap_rate) * HOP / 9.81)
     d.step.next_size = clock[1]
     happen(d, clock[0], y, found)
     clock[1] = min(clock[1], hop) if d.touch.active_count == 0 else d.step.next_size
+    return d.touch.active_count
 
 
-def entry_points(instance: types.Record, _output: types.Record) -> Entries:
-    """The C functions for the record type of an instance."""
-    pointer, reals, integers = types.CPointer(instance), types.CPointer(float64), types.CPointer(int32)
+def rate(_t, y, out, d):
+    """f(y)."""
+    d.statistics.rhs_evaluations += 1
+    rate_at(d, vector(y, len(d.step.state) - LEFT_OUT), out)
 
-    def rate(_t, y, out, p):
-        d = carray(p, (1,))[0]
-        d.statistics.rhs_evaluations += 1
-        rate_at(d, carray(y, (len(d.step.state) - LEFT_OUT,)), out)
 
-    def least(_t, y, out, p):
-        d = carray(p, (1,))[0]
-        out[0], _ = least_event(d, carray(y, (len(d.step.state) - LEFT_OUT,)))
+def least(_t, y, out, d):
+    """The least event function."""
+    out[0], _ = least_event(d, vector(y, len(d.step.state) - LEFT_OUT))
 
-    def switch_entry(p, clock, y, found):
-        d = carray(p, (1,))[0]
-        switch(d, clock, carray(y, (len(d.step.state) - LEFT_OUT,)), found)
-        return d.touch.active_count
 
-    function = void(float64, reals, reals, pointer)
-    return start_and_stop("peer", instance, LEFT_OUT) | {
+def entry_points() -> Entries:
+    """The C functions."""
+    function = void(float64, REALS, REALS, INSTANCE)
+    return start_and_stop("peer", LEFT_OUT) | {
         "peer_rate": (function, rate),
         "peer_least": (function, least),
-        "peer_switch": (int32(pointer, reals, reals, integers), switch_entry),
+        "peer_switch": (int32(INSTANCE, REALS, REALS, types.CPointer(int32)), switch),
     }
 
 
 @cache
-def load(links: int, candidates: int) -> ctypes.CDLL:
+def load(links: int) -> ctypes.CDLL:
     """The library, compiled if it is not cached."""
-    sources = Path(__file__), Path(__file__).with_name("model.py")
-    model = ctypes.CDLL(str(built("peer", links, candidates, entry_points, sources=sources)))
+    model = ctypes.CDLL(str(built("peers.kernel_model", links, HERE / "peers" / "model.py")))
     pointer = ctypes.c_void_p
     model.peer_start.argtypes = [pointer] * 2
     model.peer_rate.argtypes = model.peer_least.argtypes = [ctypes.c_double, *[pointer] * 3]

@@ -130,10 +130,9 @@ class OnKernel(OnInstance):
         scene = problem.scene(tolerance)
         super().__init__(scene, stop)
         self.tolerance = tolerance
-        candidates = len(self.instance.record["touch"]["active"])
-        self.model = kernel_model.load(len(scene.chain.links), candidates)
+        self.model = kernel_model.load(len(scene.chain.links))
         self.y = np.zeros(2 * len(scene.chain.links) + 4)
-        self.found = np.zeros(2 * candidates, np.int32)
+        self.found = np.zeros(2 * self.instance.record["candidates"], np.int32)
         self.rate, self.least = (
             ctypes.cast(f, ctypes.c_void_p).value for f in (self.model.peer_rate, self.model.peer_least)
         )

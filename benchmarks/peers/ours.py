@@ -24,11 +24,11 @@ class OnInstance:
         """State, and onsets by candidate."""
         self.kernel.observe(self.address)
         record = self.instance.record
-        out, model = record["output"], record["model"]
+        out, candidate = record["output"], record["candidate"]
         state = np.concatenate(
             [out["point_position"][0], out["angle"], out["point_velocity"][0], out["angular_velocity"]]
         )
-        pairs = list(zip(model["candidate_point"], model["candidate_wall"], strict=True))
+        pairs = list(zip(candidate["point"], candidate["wall"], strict=True))
         # of a run with more contacts than the log holds the oldest are lost
         log = record["finished"]
         log["count"] = min(log["count"], len(log["point"]))

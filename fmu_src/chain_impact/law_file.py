@@ -33,14 +33,12 @@ class UserLaw:
         source: the text of the file.
         summary: first line of the function's docstring.
         arguments: what the function takes, some of ``ARGUMENTS``.
-        functions: the names of all functions in the file.
     """
 
     id: str
     source: str
     summary: str
     arguments: tuple[str, ...]
-    functions: tuple[str, ...]
 
 
 def read_law(path: Path) -> UserLaw:
@@ -68,7 +66,7 @@ def read_law(path: Path) -> UserLaw:
         _check_statement(node)
     summary = (ast.get_docstring(functions[name]) or "a user's law").split("\n")[0]
     arguments = _arguments(functions[name])
-    return UserLaw(name, source, re.sub(r"[^ -~\u00a0-\ud7ff]", " ", summary), arguments, tuple(functions))
+    return UserLaw(name, source, re.sub(r"[^ -~\u00a0-\ud7ff]", " ", summary), arguments)
 
 
 def _check_statement(node: ast.AST) -> None:

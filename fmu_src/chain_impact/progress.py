@@ -50,13 +50,15 @@ def progress(work: str = "simulating") -> Iterator[tuple[Notify, Advance]]:
     """
     columns = TextColumn("{task.description}"), EstimatedBar(pulse_style="cyan"), TimeColumn()
     bar = Progress(*columns, console=err, transient=True, disable=not err.is_terminal)
-    begun, shown = monotonic(), 0.0
+    started, shown, simulating = monotonic(), 0.0, False
 
     def begin(sentence: str, total: float | None = None) -> None:
+        nonlocal simulating
         for task in bar.task_ids:
             bar.remove_task(task)
         bar.add_task(sentence, total=total, expected=sentence.seconds if isinstance(sentence, Work) else None)
         bar.start()
+        simulating = total is not None
 
     def notify(sentence: str) -> None:
         if err.is_terminal:
@@ -66,8 +68,8 @@ def progress(work: str = "simulating") -> Iterator[tuple[Notify, Advance]]:
 
     def advance(fraction: float) -> None:
         nonlocal shown
-        if fraction > shown + 0.01 and monotonic() > begun + BRIEF:
-            if shown == 0.0:
+        if fraction > shown + 0.01 and monotonic() > started + BRIEF:
+            if not simulating:
                 begin(work, 1.0)
             bar.update(bar.task_ids[0], completed=fraction)
             shown = fraction
@@ -75,4 +77,5 @@ def progress(work: str = "simulating") -> Iterator[tuple[Notify, Advance]]:
     try:
         yield notify, advance
     finally:
-        bar.stop()
+        if bar.task_ids:
+            bar.stop()

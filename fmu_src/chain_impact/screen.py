@@ -12,7 +12,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from chain_impact.compare import Comparison, LawRun, advice
-from chain_impact.compilation.cache import Entry
+from chain_impact.compilation.cache import LINKER, Entry
 from chain_impact.recording import Recording
 
 NOTHING = "–"
@@ -88,7 +88,7 @@ def cache_report(ready: Sequence[Path], entries: Sequence[Entry], present: Path)
     yield "ready    " + (f"{len(ready)} kernels in {ready[0].parent}" if ready else NOTHING)
     yield f"cache    {present.parent}, {sum(entry.size for entry in entries) / 1e6:.1f} MB"
     for entry in entries:
-        what = "the linker's own files" if not entry.files else ", ".join(entry.files)
+        what = "of the linker" if entry.path.name.startswith(LINKER) else ", ".join(entry.files)
         used = datetime.fromtimestamp(entry.used).strftime("%Y-%m-%d")
         mark = " (in use)" if entry.path == present else ""
         yield f"  {entry.path.name}  {entry.size / 1e6:5.1f} MB  last used {used}{mark}: {what}"

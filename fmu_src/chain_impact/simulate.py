@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import ctypes
+import functools
 import hashlib
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 
 import numpy as np
 
-from chain_impact.compilation.cache import cache_folder
+from chain_impact.compilation import cache
 from chain_impact.compilation.library import kernel_library
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.instance import new_instance
@@ -176,10 +176,13 @@ def with_law(scene: Scene, law: Callable[..., float]) -> Scene:
         source = source_of(law)
     except LawError as error:
         raise SceneError(f"{scene.name}: the contact law {law!r} {error}") from None
-    folder = cache_folder() / "laws" / hashlib.sha256(source.encode()).hexdigest()[:16]
-    folder.mkdir(parents=True, exist_ok=True)
-    file = folder / f"{law.__name__}.py"
-    file.write_text(source, encoding="utf-8")
+
+    def write(folder: Path) -> None:
+        folder.mkdir()
+        (folder / f"{law.__name__}.py").write_text(source, encoding="utf-8")
+
+    digest = hashlib.sha256(source.encode()).hexdigest()[:16]
+    file = cache.made(f"law-{digest}", write) / f"{law.__name__}.py"
     return with_values(scene, {("contact", "law_file"): str(file), ("contact", "model"): law.__name__})
 
 
@@ -253,7 +256,7 @@ def _impact_rows(count: int, columns: dict[str, np.ndarray]) -> np.ndarray:
     return rows
 
 
-@cache
+@functools.cache
 def load_kernel(library: Path) -> ctypes.CDLL:
     """Load a compiled kernel and declare its entry points (see kernel/entry.py)."""
     kernel = ctypes.CDLL(str(library))

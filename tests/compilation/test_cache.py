@@ -11,11 +11,16 @@ import pytest
 
 from chain_impact.compilation import cache
 from chain_impact.compilation.cache import base_folder, cache_folder, clear, entries, made
+from chain_impact.compilation.errors import BuildError
+from chain_impact.screen import cache_report
 
 
 @pytest.fixture(autouse=True)
 def _empty(tmp_path, monkeypatch):
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
+    cache._version.cache_clear()
+    yield
+    cache._version.cache_clear()
 
 
 def files():
@@ -119,24 +124,75 @@ def test_a_file_that_is_found_counts_as_use():
 def test_another_compiler_has_another_place(monkeypatch):
     before = cache_folder()
     monkeypatch.setattr(cache, "version", lambda _: "0.0.1")
+    cache._version.cache_clear()
     assert cache_folder() != before
 
 
-def test_the_place_is_known_without_compilers(monkeypatch):
+def test_without_compilers_it_is_the_place_of_those_of_the_extra(monkeypatch):
     def absent(name):
         raise cache.PackageNotFoundError(name)
 
+    before = cache_folder()
     monkeypatch.setattr(cache, "version", absent)
-    assert cache_folder().parent == base_folder()
+    cache._version.cache_clear()
+    assert cache_folder() == before
+
+
+def test_without_a_home_an_error_says_what_to_set(monkeypatch):
+    def homeless(_):
+        raise RuntimeError("no home")
+
+    monkeypatch.delenv("CHAIN_IMPACT_CACHE")
+    monkeypatch.setattr(cache.platformdirs, "user_cache_dir", homeless)
+    with pytest.raises(BuildError, match="no place to keep kernels: no home; set CHAIN_IMPACT_CACHE"):
+        cache.find("a.so")
+
+
+def test_a_cache_that_can_only_be_read_is_read(monkeypatch):
+    def refused(*_):
+        raise PermissionError
+
+    made("a.so", lambda path: path.write_text("whole"))
+    monkeypatch.setattr(cache.os, "utime", refused)
+    assert made("a.so", lambda _: None).read_text() == "whole"
+
+
+def test_who_waits_says_so(monkeypatch):
+    monkeypatch.setattr(cache, "PATIENCE", 0.05)
+    begun, said = threading.Event(), []
+
+    def make(path):
+        begun.set()
+        time.sleep(0.3)
+        path.write_text("whole")
+
+    one = threading.Thread(target=lambda: made("a.so", make))
+    one.start()
+    begun.wait()
+    made("a.so", make, said.append)
+    one.join()
+    assert said == ["waiting for another process that compiles the kernel"]
+
+
+def test_a_cache_that_is_cleared_meanwhile_is_one_clear_error():
+    with pytest.raises(BuildError, match=r"was removed while a\.so was made there: try again"):
+        made("a.so", lambda _: clear())
 
 
 def test_what_is_there_is_told_and_removed():
     assert entries() == []
     made("a.so", lambda path: path.write_text("12345"))
-    (base_folder() / "zig").mkdir()
-    (base_folder() / "mine").mkdir()
-    own, zig = entries()
+    zig = base_folder() / f"{cache.LINKER}0.17.0"
+    zig.mkdir()
+    (zig / "prepared-linux64").touch()
+    for name in ("mine", "zig"):  # what is not ours stays
+        (base_folder() / name).mkdir()
+    own, linker = sorted(entries(), key=lambda entry: len(entry.path.name))
     assert (own.path, own.size, own.files) == (cache_folder(), 5, ("a.so",))
-    assert (zig.path.name, zig.files) == ("zig", ())
+    assert (linker.path, linker.files) == (zig, ())
+    lines = list(cache_report([], entries(), cache_folder()))
+    assert lines[0] == "ready    –"
+    assert "(in use): a.so" in "".join(lines)
+    assert "of the linker" in "".join(lines)
     assert clear() == 5
-    assert [path.name for path in base_folder().iterdir()] == ["mine"]  # what is not ours stays
+    assert sorted(path.name for path in base_folder().iterdir()) == ["mine", "zig"]

@@ -7,6 +7,7 @@ import pytest
 
 from chain_impact.compilation import compilers, library
 from chain_impact.compilation.collecting import Library
+from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.sources import PACKAGE
 
 
@@ -33,6 +34,29 @@ def test_the_same_sources_give_the_same_bytes_wherever_they_are(module, tmp_path
     monkeypatch.setenv("PYTHONHASHSEED", "4711")
     compilers.lower(tmp_path / "kernel.ll")
     assert (tmp_path / "kernel.ll").read_text() == module
+
+
+def test_other_files_and_settings_of_the_user_do_not_matter(tmp_path, monkeypatch):
+    """Another chain_impact in the present folder would be lowered in place of this one."""
+    (tmp_path / "chain_impact").mkdir()
+    (tmp_path / "chain_impact" / "__init__.py").write_text("raise RuntimeError('another one')")
+    law = tmp_path / "mine.py"
+    law.write_text("def mine(rate):\n    return 2.0 * rate\n")
+    compilers.lower(tmp_path / "one.ll", law)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("NUMBA_BOUNDSCHECK", "1")
+    monkeypatch.setenv("NUMBA_DEBUGINFO", "1")
+    compilers.lower(tmp_path / "two.ll", law)
+    assert (tmp_path / "one.ll").read_text() == (tmp_path / "two.ll").read_text()
+
+
+def test_sources_that_change_meanwhile_are_refused(tmp_path, monkeypatch):
+    law = tmp_path / "mine.py"
+    law.write_text("def mine(rate):\n    return 2.0 * rate\n")
+    monkeypatch.setattr(compilers, "fingerprint", lambda: "as they were")
+    with pytest.raises(BuildError, match="the sources of the kernel have changed since the program began"):
+        compilers.lower(tmp_path / "kernel.ll", law)
+    assert not (tmp_path / "kernel.ll").exists()
 
 
 def test_every_library_is_collected_once():

@@ -5,6 +5,7 @@ One process makes a file while others that need it wait. A file appears when it 
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import os
 import re
@@ -12,26 +13,37 @@ import shutil
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import platformdirs
-from filelock import FileLock
+from filelock import FileLock, Timeout
 
+from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.sources import fingerprint
+from chain_impact.compilation.work import Notify, announce
 
 COMPILERS = {"llvmlite": "0.50.0", "numba": "0.68.1", "ziglang": "0.17.0"}
 """The compilers and their versions, which must agree; those of the extra in pyproject.toml."""
 UNUSED = 30 * 24 * 3600.0  # s, after which a folder for other sources is removed
-ZIG = "zig"  # in the cache, what the linker keeps for itself
-_NAME = re.compile(r"[0-9a-f]{16}")  # of a folder for some sources and compilers
+LINKER = "chain-impact-zig-"  # and a version: the name of the folder that this linker keeps for itself
+_OURS = re.compile(rf"[0-9a-f]{{16}}|{LINKER}.*")  # folders for some sources and compilers, and of linkers
+PATIENCE = 1.0  # s, after which it is said that another process is waited for
 
 
 def base_folder() -> Path:
-    """Where all that is cached lies: ``CHAIN_IMPACT_CACHE``, or the user's cache folder."""
-    return Path(os.environ.get("CHAIN_IMPACT_CACHE") or platformdirs.user_cache_dir("chain-impact"))
+    """Where all that is cached lies: ``CHAIN_IMPACT_CACHE``, or the user's cache folder.
+
+    Raises:
+        BuildError: when the user has no home.
+    """
+    given = os.environ.get("CHAIN_IMPACT_CACHE")
+    try:
+        return Path(given or platformdirs.user_cache_dir("chain-impact")).absolute()
+    except RuntimeError as error:
+        raise BuildError(f"no place to keep kernels: {error}; set CHAIN_IMPACT_CACHE to a folder") from None
 
 
 def cache_folder() -> Path:
@@ -42,6 +54,12 @@ def cache_folder() -> Path:
     return base_folder() / digest.hexdigest()[:16]
 
 
+def linker_folder() -> Path:
+    """The folder that this version of the linker keeps for itself."""
+    return base_folder() / f"{LINKER}{_version('ziglang')}"
+
+
+@functools.cache
 def _version(compiler: str) -> str:
     """The version that is installed, or that would be."""
     try:
@@ -51,34 +69,56 @@ def _version(compiler: str) -> str:
 
 
 def find(name: str) -> Path | None:
-    """The file of that name in the cache folder, if it is there."""
+    """The file or folder of that name in the cache folder, if it is there."""
     file = cache_folder() / name
     if not file.exists():
         return None
-    os.utime(file.parent)  # it is in use
+    with suppress(OSError):  # somebody else's cache can be read
+        os.utime(file.parent)  # it is in use
     return file
 
 
-def made(name: str, make: Callable[[Path], None]) -> Path:
-    """Return the file of that name in the cache folder; if it is not there, make it.
+def made(name: str, make: Callable[[Path], None], notify: Notify = announce) -> Path:
+    """Return the file or folder of that name in the cache folder; if it is not there, make it.
 
     Args:
-        name: of the file.
+        name: of the file or folder.
         make: writes it to the path that it is given, in a folder for itself.
+        notify: is told when another process is waited for.
+
+    Raises:
+        BuildError: when the cache is cleared meanwhile.
     """
     found = find(name)
     if found:
         return found
     folder = cache_folder()
     folder.mkdir(parents=True, exist_ok=True)
-    # the system gives the lock back when a process is killed
-    with FileLock(folder / f".{name}.lock"):
+    with _locked(folder / f".{name}.lock", notify):
         if not find(name):
             with _scratch(folder, f".{name}-") as scratch:
                 make(scratch / name)
-                (scratch / name).replace(folder / name)
+                try:
+                    (scratch / name).replace(folder / name)
+                except FileNotFoundError:
+                    raise BuildError(f"{folder} was removed while {name} was made there: try again") from None
             _prune(folder)
     return folder / name
+
+
+@contextmanager
+def _locked(path: Path, notify: Notify) -> Iterator[None]:
+    """Hold a lock, which the system gives back when a process is killed."""
+    lock = FileLock(path)
+    try:
+        lock.acquire(timeout=PATIENCE)
+    except Timeout:
+        notify("waiting for another process that compiles the kernel")
+        lock.acquire()
+    try:
+        yield
+    finally:
+        lock.release()
 
 
 @contextmanager
@@ -91,11 +131,12 @@ def _scratch(folder: Path, prefix: str) -> Iterator[Path]:
 
 
 def _prune(present: Path) -> None:
-    """Remove the folders for other sources that nobody has used for long."""
+    """Remove the folders for other sources, or of other linkers, that nobody has used for long."""
     for folder in present.parent.iterdir():
-        old = _NAME.fullmatch(folder.name) and folder.stat().st_mtime < time.time() - UNUSED
-        if old and folder != present:
-            shutil.rmtree(folder, ignore_errors=True)
+        with suppress(FileNotFoundError):  # another process prunes, too
+            old = folder.stat().st_mtime < time.time() - UNUSED
+            if old and _OURS.fullmatch(folder.name) and folder != present:
+                shutil.rmtree(folder, ignore_errors=True)
 
 
 @dataclass(frozen=True)
@@ -106,7 +147,7 @@ class Entry:
         path: where it is.
         size: of all that is in it [bytes].
         used: when it was last used [s since 1970].
-        files: the names of the files in it.
+        files: the names of the kernels and whatever else is finished in it; none of the linker's.
     """
 
     path: Path
@@ -119,7 +160,7 @@ def entries() -> list[Entry]:
     """What is in the cache: the folders for some sources and compilers, and the linker's own."""
     base = base_folder()
     folders = sorted(base.iterdir()) if base.is_dir() else []
-    return [_entry(path) for path in folders if path.is_dir() and _ours(path.name)]
+    return [_entry(path) for path in folders if path.is_dir() and _OURS.fullmatch(path.name)]
 
 
 def clear() -> int:
@@ -130,11 +171,10 @@ def clear() -> int:
     return sum(entry.size for entry in found)
 
 
-def _ours(name: str) -> bool:
-    return name == ZIG or _NAME.fullmatch(name) is not None
-
-
 def _entry(path: Path) -> Entry:
-    files = [file for file in path.rglob("*") if file.is_file()]
-    shown = tuple(sorted(file.name for file in path.iterdir() if file.is_file() and file.name[0] != "."))
-    return Entry(path, sum(file.stat().st_size for file in files), path.stat().st_mtime, shown)
+    size = 0
+    for file in path.rglob("*"):
+        with suppress(FileNotFoundError):  # of a compiler at work
+            size += file.lstat().st_size if not file.is_dir() else 0
+    kernels = () if path.name.startswith(LINKER) else (p.name for p in path.iterdir() if p.name[0] != ".")
+    return Entry(path, size, path.stat().st_mtime, tuple(sorted(kernels)))

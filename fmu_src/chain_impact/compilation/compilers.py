@@ -16,9 +16,9 @@ from tempfile import TemporaryDirectory
 
 from filelock import FileLock
 
-from chain_impact.compilation.cache import COMPILERS, ZIG, base_folder
+from chain_impact.compilation.cache import COMPILERS, linker_folder
 from chain_impact.compilation.errors import BuildError
-from chain_impact.compilation.sources import PACKAGE
+from chain_impact.compilation.sources import PACKAGE, fingerprint
 from chain_impact.law_file import LawError
 
 ZIG_TARGETS = {
@@ -94,16 +94,15 @@ def lower(module: Path, law: Path | None = None) -> None:
 
     Raises:
         LawError: when the law cannot be compiled.
-        BuildError: when numba fails.
+        BuildError: when numba fails, or the sources are other ones by now.
     """
-    files = [str(path) for path in (module, law) if path]
-    command = [sys.executable, "-m", "chain_impact.compilation.lower", *files]
     # numba takes the features of this machine unless told otherwise, and orders by hash
     settings = {"NUMBA_CPU_NAME": PORTABLE_CPU, "NUMBA_CPU_FEATURES": "", "PYTHONHASHSEED": "0"}
     path = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
-    done = _run(command, **settings, PYTHONPATH=path)
+    files = [str(path) for path in (module, law) if path]
+    done = _run("chain_impact.compilation.lower", fingerprint(), *files, **settings, PYTHONPATH=path)
     if done.returncode == BAD_LAW:
-        raise LawError(done.stderr.strip())
+        raise LawError(done.stderr.splitlines()[-1])
     _check(done)
 
 
@@ -126,18 +125,24 @@ def link(module: str, library: Path, platform: str, links: int | None, law: Path
     _zig(platform, library, kernel, *([law] if law else []))
 
 
+def zig_is_prepared(platform: str) -> bool:
+    """Whether zig has already linked for a platform."""
+    return (linker_folder() / f"prepared-{platform}").exists()
+
+
 def prepare_zig(platform: str) -> None:
     """See that zig has the libraries that it makes for itself when it first links for a platform.
 
     Later it only reads them, so several can link at once.
     """
-    done = base_folder() / ZIG / f"prepared-{platform}"
-    if not done.exists():
-        done.parent.mkdir(parents=True, exist_ok=True)
-        with FileLock(done.with_suffix(".lock")), TemporaryDirectory() as scratch:
-            if not done.exists():
-                _zig(platform, Path(scratch, "nothing"))
-                done.touch()
+    if zig_is_prepared(platform):
+        return
+    folder = linker_folder()
+    folder.mkdir(parents=True, exist_ok=True)
+    with FileLock(folder / f"{platform}.lock"), TemporaryDirectory() as scratch:
+        if not zig_is_prepared(platform):
+            _zig(platform, Path(scratch, "nothing"))
+            (folder / f"prepared-{platform}").touch()
 
 
 def _zig(platform: str, library: Path, *inputs: Path) -> None:
@@ -145,18 +150,27 @@ def _zig(platform: str, library: Path, *inputs: Path) -> None:
     stubs = library.with_name("stubs.c")
     stubs.write_text("".join(map(STUB.format, PYTHON_SYMBOLS)))
     target, _ = ZIG_TARGETS[platform]
-    compiler = [sys.executable, "-m", "ziglang", "cc", "-target", target, *FLAGS, "-shared", "-s"]
-    folders = {"ZIG_GLOBAL_CACHE_DIR": base_folder() / ZIG, "ZIG_LOCAL_CACHE_DIR": library.with_name("zig")}
+    options = ["cc", "-target", target, *FLAGS, "-shared", "-s"]
+    folders = {"ZIG_GLOBAL_CACHE_DIR": linker_folder(), "ZIG_LOCAL_CACHE_DIR": library.with_name("zig")}
     files = map(str, ("-o", library, *inputs, stubs))
-    _check(_run([*compiler, *files, "-lm"], **{name: str(path) for name, path in folders.items()}))
+    _check(_run("ziglang", *options, *files, "-lm", **{name: str(path) for name, path in folders.items()}))
 
 
-def _run(command: list[str], **environment: str) -> subprocess.CompletedProcess[str]:
-    settings = {**os.environ, **environment}
-    return subprocess.run(command, env=settings, capture_output=True, text=True, check=False)
+def _run(module: str, *arguments: str, **settings: str) -> subprocess.CompletedProcess[str]:
+    """Run a module of Python, whatever the user's settings of numba and the files of the present folder."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}
+    with TemporaryDirectory() as nowhere:
+        return subprocess.run(
+            [sys.executable, "-P", "-m", module, *arguments],
+            cwd=nowhere,
+            env=kept | settings,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
 
 
 def _check(done: subprocess.CompletedProcess[str]) -> None:
     if done.returncode != 0:
-        command = " ".join(done.args[:4])
+        command = " ".join(done.args[2:5])
         raise BuildError(f"could not compile the kernel: {command} … said:\n{done.stderr}")

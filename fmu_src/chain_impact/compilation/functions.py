@@ -1,4 +1,4 @@
-"""How numba takes the kernel: plain functions of Python, compiled when another one calls them."""
+"""How numba takes the kernel, and a user's law: as plain functions of Python."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from chain_impact.kernel import user_law
 # the compiled kernel needs nothing of Python. Strict IEEE arithmetic (no fastmath) keeps results bit-equal on
 # every machine. No array of the kernel owns its memory: there are no references to count (_nrt).
 OPTIONS = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
-KERNEL = chain_impact.kernel.__name__ + "."
+MODULES = {f"{chain_impact.kernel.__name__}."}
+"""Packages and modules, with a dot at the end, whose functions are compiled when another one calls them."""
 LAW_PRESENT, LAW_FORCE = "user_law_present", "user_law_force"
 # what a library gets from elsewhere when it is linked
 EXTERNAL: dict[Any, types.Type] = {
@@ -41,7 +42,7 @@ register_model(Function)(models.OpaqueModel)
 
 @typeof_impl.register(FunctionType)
 def _type_of_function(function: FunctionType, _context: object) -> types.Type | None:
-    if not function.__module__.startswith(KERNEL):
+    if not f"{function.__module__}.".startswith(tuple(MODULES)):
         return None  # numba knows some functions by themselves
     return EXTERNAL[function] if function in EXTERNAL else Function(compiled(function))
 

@@ -6,10 +6,10 @@ import re
 from collections.abc import Callable
 from typing import Any
 
-from numba import float64, njit, types
+from numba import float64, types
 from numba.core.errors import NumbaError
 
-from chain_impact.compilation.functions import LAW_FORCE, OPTIONS
+from chain_impact.compilation.functions import LAW_FORCE, MODULES, compiled
 from chain_impact.kernel.user_law import ARGUMENTS
 from chain_impact.law_file import LawError, UserLaw
 
@@ -23,11 +23,11 @@ def law_entry(law: UserLaw) -> dict[str, tuple[Any, Callable[..., Any]]]:
         LawError: when it cannot be compiled.
     """
     numbers = (float64,) * len(ARGUMENTS)
-    return {LAW_FORCE: (float64(*numbers), compiled_law(law).py_func)}
+    return {LAW_FORCE: (float64(*numbers), _checked_function(law))}
 
 
-def compiled_law(law: UserLaw) -> Any:
-    """Run the file of a law, and return its function, compiled for numbers, with all of ``ARGUMENTS``.
+def _checked_function(law: UserLaw) -> Callable[..., float]:
+    """Run the file of a law, and return its function with all of ``ARGUMENTS``, which can be compiled.
 
     Raises:
         LawError: when it cannot be compiled.
@@ -35,15 +35,15 @@ def compiled_law(law: UserLaw) -> Any:
     space: dict[str, Any] = {"__name__": law.id}
     try:
         exec(compile(law.source, f"{law.id}.py", "exec"), space)
-        for name in law.functions:  # a law may call others of its file
-            space[name] = njit(**OPTIONS)(space[name])
-        space[law.id].compile((float64,) * len(law.arguments))
-        returned = space[law.id].nopython_signatures[0].return_type
+        MODULES.add(f"{law.id}.")  # a law may call other functions of its file
+        inner = compiled(space[law.id])
+        inner.compile((float64,) * len(law.arguments))
+        returned = inner.nopython_signatures[0].return_type
         if not isinstance(returned, types.Float | types.Integer):
             raise LawError(f"must return a number, not {returned}")
         call = f"lambda {', '.join(ARGUMENTS)}: float({law.id}({', '.join(law.arguments)}))"
-        function = njit(**OPTIONS)(eval(call, space))
-        function.compile((float64,) * len(ARGUMENTS))
+        function: Callable[..., float] = eval(call, space)
+        compiled(function).compile((float64,) * len(ARGUMENTS))
     except LawError:
         raise
     except NumbaError as error:

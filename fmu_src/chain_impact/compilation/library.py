@@ -11,7 +11,8 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.work import Notify, Work, announce
 from chain_impact.law_file import LawError, UserLaw, read_law
 
-LOWERING, LINKING, FIRST_FOR_ANOTHER_PLATFORM = 12.0, 3.0, 60.0  # s
+LOWERING, LINKING = 12.0, 3.0  # s
+FIRST_LINKING = {"linux64": 5.0, "win64": 60.0}  # s, in which zig makes its own libraries
 
 
 def kernel_library(links: int, platform: str = HOST, notify: Notify = announce, law_file: str = "") -> Path:
@@ -33,15 +34,15 @@ def kernel_library(links: int, platform: str = HOST, notify: Notify = announce, 
     if found:
         return found
     compilers.require_compilers(_purpose(platform, law_file))
-    law_module = _lowered_law(law, law_file) if law else None
+    law_module = _lowered_law(law, law_file, notify) if law else None
     module = _lowered_kernel(notify)
 
     def link(library: Path) -> None:
-        seconds = LINKING if platform == HOST else FIRST_FOR_ANOTHER_PLATFORM
+        seconds = LINKING if compilers.zig_is_prepared(platform) else FIRST_LINKING[platform]
         notify(Work(f"linking the kernel for {platform}", seconds))
         compilers.link(module, library, platform, exact, law_module)
 
-    return cache.made(name, link)
+    return cache.made(name, link, notify)
 
 
 def _lowered_kernel(notify: Notify) -> str:
@@ -51,10 +52,10 @@ def _lowered_kernel(notify: Notify) -> str:
         notify(Work("compiling the kernel", LOWERING))
         compilers.lower(module)
 
-    return ready.module() or cache.made(ready.LOWERED, lower).read_text()
+    return ready.module() or cache.made(ready.LOWERED, lower, notify).read_text()
 
 
-def _lowered_law(law: UserLaw, file: str) -> Path:
+def _lowered_law(law: UserLaw, file: str, notify: Notify) -> Path:
     """A user's law in LLVM's language."""
 
     def lower(module: Path) -> None:
@@ -65,7 +66,7 @@ def _lowered_law(law: UserLaw, file: str) -> Path:
         except LawError as error:
             raise BuildError(f"{file} {error}") from None
 
-    return cache.made(f"{_law_name(law)}.ll", lower)
+    return cache.made(f"{_law_name(law)}.ll", lower, notify)
 
 
 def _law(file: str) -> UserLaw:

@@ -1,4 +1,4 @@
-"""Lower the kernel, or a user's law, to LLVM's intermediate language: lower.py FILE [LAW].
+"""Lower the kernel, or a user's law, to LLVM's intermediate language: lower.py FINGERPRINT FILE [LAW].
 
 It is run in a process of its own, because it changes how numba compiles, and because numba reads the
 processor to compile for when it is imported.
@@ -17,6 +17,7 @@ from chain_impact.compilation.compilers import BAD_LAW
 from chain_impact.compilation.entry_points import Entries, entry_points
 from chain_impact.compilation.functions import OPTIONS
 from chain_impact.compilation.law import law_entry
+from chain_impact.compilation.sources import fingerprint
 from chain_impact.law_file import LawError, read_law
 
 
@@ -47,14 +48,18 @@ def lowered(entries: Entries) -> str:
 
 def main() -> None:
     """Write the module of the kernel, or of the law in the file LAW, to FILE."""
-    path, *laws = map(Path, sys.argv[1:])
+    expected = sys.argv[1]
+    path, *laws = map(Path, sys.argv[2:])
     collect_only()
     try:
         entries = law_entry(read_law(laws[0])) if laws else entry_points()
     except LawError as error:
-        print(error, file=sys.stderr)
+        print(" ".join(str(error).split()), file=sys.stderr)
         sys.exit(BAD_LAW)
-    path.write_text(lowered(entries))
+    text = lowered(entries)
+    if fingerprint() != expected:
+        sys.exit("the sources of the kernel have changed since the program began: run it again")
+    path.write_text(text)
 
 
 if __name__ == "__main__":

@@ -201,23 +201,23 @@ def words(_context: Any, record: Record) -> Any:
     return types.Array(types.float64, 1, "C")(record), code
 
 
-@intrinsic
-def vector(_context: Any, first: types.CPointer, count: types.Integer) -> Any:
-    """An array of doubles for the address of the first one, shape (count,)."""
+def _numbers(first: types.CPointer, *counts: types.Integer) -> Any:
+    """The signature and the code of an array of doubles, from the address of the first one and its shape."""
 
     def code(context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> Any:
         first, *shape = arguments
         return _array(context, builder, types.float64, first, shape)
 
-    return types.Array(types.float64, 1, "C")(first, count), code
+    return types.Array(types.float64, len(counts), "C")(first, *counts), code
+
+
+@intrinsic
+def vector(_context: Any, first: types.CPointer, count: types.Integer) -> Any:
+    """An array of doubles for the address of the first one, shape (count,)."""
+    return _numbers(first, count)
 
 
 @intrinsic
 def matrix(_context: Any, first: types.CPointer, rows: types.Integer, columns: types.Integer) -> Any:
     """An array of doubles for the address of the first one, shape (rows, columns)."""
-
-    def code(context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> Any:
-        first, *shape = arguments
-        return _array(context, builder, types.float64, first, shape)
-
-    return types.Array(types.float64, 2, "C")(first, rows, columns), code
+    return _numbers(first, rows, columns)

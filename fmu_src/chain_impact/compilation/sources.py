@@ -9,7 +9,7 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1]
 COMPILED = ("kernel", "compilation", "layout.py", "law_file.py")
-"""Folders and files of the package from which kernels follow: lower.py imports nothing else of it."""
+"""Folders and files of the package: kernels follow from nothing else in it."""
 
 
 @cache

@@ -20,6 +20,10 @@ class Work(str):
         work.seconds = seconds
         return work
 
+    def __getnewargs__(self) -> tuple[str, float]:  # type: ignore[override]
+        """So that it can go to another process."""
+        return str(self), self.seconds
+
 
 def announce(sentence: str) -> None:
     """Say on standard error, in one line, what is done once and takes long."""

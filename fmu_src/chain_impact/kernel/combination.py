@@ -1,10 +1,10 @@
-"""Linear combinations of stages, compiled for the coefficients of a method."""
+"""Linear combinations of stages: functions for the coefficients of a method."""
 
 
 def combination(row):
-    """Compile ``out = base + h Σ_j row[j] k_j``, unrolled over the stages j that the row names.
+    """Make ``out = base + h Σ_j row[j] k_j``, unrolled over the stages j that the row names.
 
-    The compiled function takes (stages, base, h, out), with the stages k_j the rows of ``stages``, which may
+    The function takes (stages, base, h, out), with the stages k_j the rows of ``stages``, which may
     be longer than ``base`` and ``out``.
     """
     names, coefficients = tuple(row), tuple(row.values())
@@ -21,9 +21,9 @@ def combination(row):
 
 
 def combinations(one, two):
-    """Compile the sums h Σ_j row[j] k_j of two rows at once, so that each k_j is read once for both.
+    """Make the sums h Σ_j row[j] k_j of two rows at once, so that each k_j is read once for both.
 
-    The compiled function takes (stages, h, first, second), the last two for the results.
+    The function takes (stages, h, first, second), the last two for the results.
     """
     names = tuple(sorted({*one, *two}))
     row_1, row_2 = (tuple(row.get(name, 0.0) for name in names) for row in (one, two))

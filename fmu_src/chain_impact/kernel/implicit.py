@@ -51,7 +51,7 @@ APART = 0.03  # of a penetration, by which the coordinates may leave the clearan
 
 
 def _stage(i, rate, solve_shifted):
-    """Compile stage i > 1 of a step."""
+    """Stage i > 1 of a step."""
     point = combination(ros34pw2.ALPHA[i])
     correction = combination({j: g / GAMMA for j, g in ros34pw2.GAMMA[i].items()})
 
@@ -71,14 +71,14 @@ def _stage(i, rate, solve_shifted):
 
 
 def linearly_implicit(rate, solve_shifted):
-    """Compile the stages and the result of a step for a right-hand side and its linear solver.
+    """The stages and the result of a step, for a right-hand side and its linear solver.
 
     Args:
-        rate: compiled function (d, z, out) for out = f(z).
-        solve_shifted: compiled function (d, hγ, r, x) for (1 − hγA) x = r.
+        rate: function (d, z, out) for out = f(z).
+        solve_shifted: function (d, hγ, r, x) for (1 − hγA) x = r.
 
     Returns:
-        A compiled function (d, start, z, h): from z = ``start`` with its rate in the first row of
+        A function (d, start, z, h): from z = ``start`` with its rate in the first row of
         ``implicit.stage``, to the result in ``z``, the error estimate in the last of these rows.
     """
     second, third, fourth = (_stage(i, rate, solve_shifted) for i in (2, 3, 4))

@@ -23,7 +23,7 @@ class ContactLaw:
         mass_power: s of d = f K^(1−s) m^s, with the effective mass m; 0 for the family, where d = λ K/v₀.
         approach_only: whether the damping acts while compressing only.
         impulsive: whether the walls are rigid: impulses in place of a force (kernel/impulses.py).
-        damping_factor: f(e), compiled.
+        damping_factor: f(e), a function of the kernel.
     """
 
     id: str

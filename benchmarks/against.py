@@ -1,0 +1,115 @@
+"""The kernel against that of another commit: ``python benchmarks/against.py REVISION``.
+
+Each side's own package makes instances of the same scenes and its kernel (against_side.py). Both kernels then
+run in this process, in turn, and what they leave in the records ``output`` and ``statistics`` is compared,
+byte by byte.
+"""
+
+from __future__ import annotations
+
+import common  # isort: skip
+
+import argparse
+import ctypes
+import os
+import pickle
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+ROUNDS = 15
+LINE, PLACE = 64, 16  # bytes: NumPy puts large arrays 16 bytes behind the start of a line of the cache
+
+
+class Run:
+    """A kernel on an instance of a scene."""
+
+    def __init__(self, side: dict) -> None:
+        self.fresh = np.frombuffer(side["instance"], np.uint8)
+        room = np.empty(len(self.fresh) + LINE, np.uint8)
+        first = (PLACE - room.ctypes.data) % LINE
+        self.block = room[first : first + len(self.fresh)]
+        self.address, self.stop, self.compared = self.block.ctypes.data, side["stop"], side["compared"]
+        self.kernel = ctypes.CDLL(side["library"])
+        pointer, real = ctypes.c_void_p, ctypes.c_double
+        self.kernel.initialize.argtypes = self.kernel.advance.argtypes = [pointer, real]
+        self.kernel.observe.argtypes = [pointer]
+
+    def __call__(self) -> None:
+        """From parameters to the end."""
+        self.block[:] = self.fresh
+        self.kernel.initialize(self.address, 0.0)
+        assert self.kernel.advance(self.address, self.stop) == 0
+
+    def outcome(self) -> list[bytes]:
+        """The records that are compared, after one more run."""
+        self()
+        self.kernel.observe(self.address)
+        return [self.block[start:end].tobytes() for start, end in self.compared]
+
+
+@contextmanager
+def worktree(revision: str) -> Iterator[Path]:
+    """The files of a commit, in a temporary folder."""
+    with TemporaryDirectory() as scratch:
+        folder = Path(scratch, "tree")
+        git("worktree", "add", "--quiet", "--detach", str(folder), revision)
+        try:
+            yield folder
+        finally:
+            git("worktree", "remove", "--force", str(folder))
+
+
+def git(*arguments: str) -> str:
+    """What git says, in this repository."""
+    done = subprocess.run(["git", *arguments], cwd=common.ROOT, stdout=subprocess.PIPE, text=True, check=True)
+    return done.stdout.strip()
+
+
+def sides(root: Path) -> dict[str, dict]:
+    """What the package of a tree makes of each scene; a kernel that is not cached is compiled."""
+    environment = {**os.environ, "PYTHONPATH": str(root / "fmu_src")}
+    command = [sys.executable, str(Path(__file__).with_name("against_side.py"))]
+    done = subprocess.run(command, cwd=root, env=environment, stdout=subprocess.PIPE, check=True)
+    made: dict[str, dict] = pickle.loads(done.stdout)
+    return made
+
+
+def compare(scene: str, new: dict, old: dict) -> dict:
+    """Both kernels on a scene."""
+    runs = {"new": Run(new), "old": Run(old)}
+    equal = runs["new"].outcome() == runs["old"].outcome()
+    timings = common.interleave(runs, ROUNDS)
+    row = {
+        "scene": scene,
+        "microseconds": {name: common.median([1e6 * value for value in timings[name]]) for name in runs},
+        "new / old": common.ratio(timings, "new", "old"),
+        "equal": equal,
+    }
+    ratios, times = row["new / old"], row["microseconds"]
+    shown = f"{scene:15}{times['old']:9.1f}{times['new']:9.1f}{ratios['median']:9.3f}{ratios['least']:9.3f}"
+    print(f"{shown}{ratios['largest']:9.3f}  {'equal' if equal else 'different'}", flush=True)
+    return row
+
+
+def main() -> None:
+    """Measure."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("revision", help="any name that git has for a commit")
+    commit = git("rev-parse", "--verify", f"{parser.parse_args().revision}^{{commit}}")
+    started = common.environment()
+    with worktree(commit) as tree:
+        old = sides(tree)
+    new = sides(common.ROOT)
+    print(f"{'scene':15}{'old [µs]':>9}{'new [µs]':>9}{'new/old':>9}{'least':>9}{'largest':>9}  bytes")
+    results = [compare(scene, new[scene], old[scene]) for scene in new]
+    common.save("against", started, {"old commit": commit, "rounds": ROUNDS}, results)
+
+
+if __name__ == "__main__":
+    main()

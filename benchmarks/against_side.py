@@ -1,0 +1,86 @@
+"""What the package of some commit makes of the scenes of against.py, pickled, on standard output.
+
+It is run in a process of its own, which imports the package of that commit.
+"""
+
+from __future__ import annotations
+
+import pickle
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from chain_impact.instance import new_instance
+from chain_impact.scene import Scene, load_scene, scene_from_dict, with_values
+
+
+def chain(height: float) -> Scene:
+    """Ten links, folded and turning, that start at a height [m] above a floor."""
+    wave = np.arange(10)
+    return scene_from_dict(
+        {
+            "name": "Ten",
+            "gravity": [0.0, -9.81],
+            "chain": {"base": "free", "links": [{"length": 0.3, "mass": 1.0}] * 10},
+            "box": {"x_min": 0.0, "x_max": 4.5, "y_min": 0.0, "y_max": height + 2.5},
+            "contact": {"model": "flores", "stiffness": 1e8, "restitution": 0.6},
+            "initial": {
+                "position": [0.6, height],
+                "angles": list(0.8 * np.sin(1.0 + 1.7 * wave)),
+                "angular_velocities": list(1.5 * np.cos(2.3 * wave)),
+            },
+        },
+        "ten",
+    )
+
+
+def scenes() -> dict[str, tuple[Scene, float]]:
+    """Name → scene and stop time [s]."""
+    box = load_scene("four_link_box")
+
+    def changed(**changes: object) -> Scene:
+        tables = {name: "solver" if name in {"tolerance", "method"} else "contact" for name in changes}
+        return with_values(box, {(tables[name], name): value for name, value in changes.items()})
+
+    return {
+        "box, 1e-8": (changed(tolerance=1e-8), 1.2),
+        "box, 1e-4": (changed(tolerance=1e-4), 1.2),
+        "flight": (changed(tolerance=1e-8), 0.45),
+        "coming to rest": (changed(model="flores", restitution=0.1, tolerance=1e-6), 10.0),
+        "implicit": (changed(method="implicit", tolerance=1e-5), 1.0),
+        "newton_impact": (changed(model="newton_impact", restitution=0.3), 3.0),
+        "rod": (load_scene("rod_drop"), 0.6),
+        "heap of ten": (chain(1.5), 1.5),
+        "flight of ten": (chain(51.5), 1.0),
+    }
+
+
+def library(links: int, candidates: int) -> Path:
+    """The kernel."""
+    try:
+        from chain_impact.compilation.library import kernel_library
+    except ImportError:  # before there was one for all numbers of candidates
+        from chain_impact.export.aot import kernel_library
+
+        return kernel_library(links, candidates)
+    return kernel_library(links)
+
+
+def main() -> None:
+    """Name → stop time, kernel, bytes of a new instance, and where the records to compare are in these."""
+    sides = {}
+    for name, (scene, stop) in scenes().items():
+        block = new_instance(scene)
+        places = [block.dtype.fields[record] for record in ("output", "statistics")]
+        sides[name] = {
+            "stop": stop,
+            "library": str(library(len(scene.chain.links), len(block[0]["touch"]["active"]))),
+            "instance": block.tobytes(),
+            "compared": [(offset, offset + kind.itemsize) for kind, offset in places],
+        }
+    pickle.dump(sides, sys.stdout.buffer)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,25 @@
+"""Lower the C functions of a module of this folder to LLVM's language: ``lower_functions.py MODULE FILE``.
+
+It is run in a process of its own, because it changes how numba compiles.
+"""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from pathlib import Path
+
+from chain_impact.compilation.collecting import collect_only
+from chain_impact.compilation.lower import lowered
+
+
+def main() -> None:
+    """Write what the module's ``entry_points()`` are and call to the file."""
+    name, file = sys.argv[1:]
+    module = import_module(name)
+    collect_only()
+    Path(file).write_text(lowered(module.entry_points()), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
