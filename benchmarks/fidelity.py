@@ -23,7 +23,7 @@ from problems import PROBLEMS, STEEL
 from work_precision import judge
 
 from chain_impact.compare import law_values
-from chain_impact.kernel.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.scene import Scene, SceneError, load_scene, with_values
 from chain_impact.simulate import simulate
 

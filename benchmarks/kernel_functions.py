@@ -20,9 +20,9 @@ from chain_impact.compilation.entry_points import Entries
 from chain_impact.compilation.functions import compiled
 from chain_impact.compilation.record_type import INSTANCE
 from chain_impact.kernel.advance import apply_events
-from chain_impact.kernel.equations import state_rate
-from chain_impact.kernel.events import RELATCH, TOUCH
+from chain_impact.kernel.events.search import RELATCH, TOUCH
 from chain_impact.kernel.initialize import initialize, still
+from chain_impact.kernel.model.equations import state_rate
 
 HERE = Path(__file__).parent
 REALS = types.CPointer(float64)

@@ -1,7 +1,7 @@
 """The model once more, compiled, over plain arrays: the yardstick for rhs.py and what the peers integrate.
 
-The same recursion as in kernel/recursion.py, and the same law of force, on ``float64[:]`` arrays of a length
-known at run time only, as numba is mostly used. State y = (x₀, θ, ẋ₀, ω), without the energies.
+The same recursion as in kernel/chain/recursion.py, and the same law of force, on ``float64[:]`` arrays of a
+length known at run time only, as numba is mostly used. State y = (x₀, θ, ẋ₀, ω), without the energies.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class Work(NamedTuple):
 
 def plain_chain(scene: Scene) -> Chain:
     """The arrays of a scene with a free base, no joint damping and no inputs."""
-    from chain_impact.kernel.contact_laws import CONTACT_LAWS
+    from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 
     assert scene.chain.base == "free"
     assert scene.contact.radius == 0.0

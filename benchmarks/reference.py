@@ -20,7 +20,7 @@ from problems import PROBLEMS, Problem
 from textbook import Textbook
 
 from chain_impact.instance import candidates
-from chain_impact.kernel.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.scene import Scene
 
 REAL = np.longdouble

@@ -25,8 +25,9 @@ from chain_impact.compilation.cache import made
 from chain_impact.compilation.entry_points import Entries
 from chain_impact.compilation.functions import compiled
 from chain_impact.compilation.record_type import INSTANCE, vector
-from chain_impact.kernel.clearing import RELATCH_RATIO
-from chain_impact.kernel.contact import clearance, locate_points
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.events.exclusion import RELATCH_RATIO
+from chain_impact.kernel.model.geometry import clearance
 
 DRIVER = HERE / "rest_cvode.c"
 LEFT_OUT = 3  # of the kernel's state

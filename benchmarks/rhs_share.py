@@ -22,7 +22,7 @@ from problems import PROBLEMS
 
 from chain_impact.compilation.entry_points import Entries
 from chain_impact.compilation.record_type import INSTANCE
-from chain_impact.kernel.equations import state_rate
+from chain_impact.kernel.model.equations import state_rate
 
 PLACES = (("box", 0.6), ("box", 1.2), ("flight", 2.0))
 TOLERANCE = 1e-8

@@ -16,8 +16,8 @@ from matplotlib import colormaps
 from matplotlib.figure import Figure
 
 from chain_impact.compare import free_impact
-from chain_impact.kernel.contact_laws import CONTACT_LAWS
-from chain_impact.kernel.law_registry import ContactLaw
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.laws.registry import ContactLaw
 from chain_impact.scene import load_scene
 
 PICTURE = Path(__file__).parent / "images" / "restitution.png"

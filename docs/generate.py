@@ -12,8 +12,8 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any, get_args, get_origin
 
 from chain_impact import cli, sphere_plane_stiffness
-from chain_impact.kernel.contact_laws import CONTACT_LAWS
-from chain_impact.kernel.law_registry import ContactLaw
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.laws.registry import ContactLaw
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.limits import Derived, allowed
 from chain_impact.scene import (

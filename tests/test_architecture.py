@@ -28,26 +28,28 @@ TESTED_ELSEWHERE = {
     "limits.py": "test_scene.py",
     "progress.py": "test_cli.py",
     "kernel/advance.py": "test_simulate.py",  # what only whole simulations can show
-    "kernel/combination.py": "kernel/test_explicit.py",
-    "kernel/complete.py": "kernel/test_explicit.py",
-    "kernel/contact.py": "kernel/test_contact_laws.py",
-    "kernel/dense.py": "kernel/test_explicit.py",
-    "kernel/dop853.py": "kernel/test_explicit.py",
+    "kernel/integration/combination.py": "kernel/integration/test_explicit.py",
+    "kernel/integration/complete.py": "kernel/integration/test_explicit.py",
+    "kernel/model/contact.py": "kernel/laws/test_contact_laws.py",
+    "kernel/integration/dense.py": "kernel/integration/test_explicit.py",
+    "kernel/integration/dop853.py": "kernel/integration/test_explicit.py",
     "kernel/entry.py": "test_simulate.py",  # each call goes through it
-    "kernel/equations.py": "kernel/test_recursion.py",
-    "kernel/errors.py": "kernel/test_explicit.py",
-    "kernel/impacts.py": "test_impacts.py",
-    "kernel/impulses.py": "test_newton_impact.py",
+    "kernel/model/equations.py": "kernel/chain/test_recursion.py",
+    "kernel/integration/errors.py": "kernel/integration/test_explicit.py",
+    "kernel/events/contact_log.py": "test_impacts.py",
+    "kernel/events/impulses.py": "test_newton_impact.py",
     "kernel/initialize.py": "test_simulate.py",
-    "kernel/inlining.py": "kernel/test_recursion.py",
-    "kernel/law_registry.py": "kernel/test_contact_laws.py",
+    "kernel/inlining.py": "kernel/chain/test_recursion.py",
+    "kernel/laws/registry.py": "kernel/laws/test_contact_laws.py",
     "kernel/observe.py": "test_simulate.py",
-    "kernel/ros34pw2.py": "test_simulate.py",
-    "kernel/release.py": "test_newton_rest.py",
+    "kernel/integration/ros34pw2.py": "test_simulate.py",
+    "kernel/events/release.py": "test_newton_rest.py",
     "kernel/status.py": "test_variables.py",
-    "kernel/switching.py": "test_rest.py",
-    "kernel/user_law.py": "test_law_file.py",
-    "kernel/watch.py": "test_rest.py",
+    "kernel/integration/switching.py": "test_rest.py",
+    "kernel/laws/user_law.py": "test_law_file.py",
+    "kernel/events/work_limit.py": "test_rest.py",
+    "kernel/chain/kinematics.py": "kernel/chain/test_recursion.py",
+    "kernel/model/geometry.py": "kernel/events/test_search.py",
 }
 
 
@@ -90,7 +92,7 @@ def test_files_are_short(file):
     "module", [file.relative_to(PACKAGE).as_posix() for file in MODULES if file.name != "__init__.py"]
 )
 def test_every_module_has_a_test(module):
-    """tests/kernel/test_events.py for kernel/events.py, and so on."""
+    """tests/kernel/events/test_search.py for kernel/events/search.py, and so on."""
     path = Path(module)
     own = ROOT / "tests" / path.parent / f"test_{path.name}"
     elsewhere = TESTED_ELSEWHERE.get(module)

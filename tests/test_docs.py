@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from chain_impact import cli
-from chain_impact.kernel.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.layout import instance_dtype
 from chain_impact.scene import scene_keys
 
@@ -127,7 +127,7 @@ def test_the_fields_of_the_symbol_table_exist():
 
 def test_the_code_that_the_computation_page_names_exists():
     text = (ROOT / "docs" / "computation.md").read_text(encoding="utf-8")
-    files = set(re.findall(r"`(kernel/\w+\.py)`", text))
+    files = set(re.findall(r"`(kernel/[\w/]+\.py)`", text))
     assert len(files) > 10
     assert all((ROOT / "fmu_src" / "chain_impact" / file).is_file() for file in files)
 

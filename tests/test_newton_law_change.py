@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact import SimulationError
-from chain_impact.kernel.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.status import RIGID_WHILE_TOUCHING
 from chain_impact.simulate import Instance
 from tests.newton import LAW, WEIGHT, floor_forces, rigid

@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chain_impact.kernel.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.scene import (
     MAX_LINKS,
     SOLVER_METHODS,

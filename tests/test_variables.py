@@ -8,7 +8,7 @@ import pytest
 
 from chain_impact import load_scene
 from chain_impact.instance import candidates, new_instance
-from chain_impact.kernel.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.layout import output_dtype
 from chain_impact.scene import SOLVER_METHODS, WALLS, Scene, model_names, with_values

@@ -19,7 +19,7 @@ import optimistix
 from jax import numpy as jnp
 from problems import Problem
 
-from chain_impact.kernel.clearing import RELATCH_RATIO
+from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from peers import Contender, Outcome
 from peers.model import CLEAR, Contacts, Model
 from peers.symbolic import accelerations, clearances

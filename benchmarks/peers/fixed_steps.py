@@ -7,7 +7,7 @@ import math
 import numpy as np
 from plain_chain import clearance, jit, locate, mechanical_energy, new_work, rate
 
-from chain_impact.kernel.clearing import RELATCH_RATIO
+from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 
 
 @jit

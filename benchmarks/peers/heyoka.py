@@ -13,7 +13,7 @@ import heyoka as hy
 import numpy as np
 from problems import Problem
 
-from chain_impact.kernel.clearing import RELATCH_RATIO
+from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from peers import Contender, Outcome
 from peers.model import Contacts, Model
 from peers.symbolic import accelerations, clearances

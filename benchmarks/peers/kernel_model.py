@@ -22,9 +22,10 @@ from numba import float64, int32, types, void
 from chain_impact.compilation.entry_points import Entries
 from chain_impact.compilation.functions import compiled
 from chain_impact.compilation.record_type import INSTANCE, vector
-from chain_impact.kernel.clearing import RELATCH_RATIO
-from chain_impact.kernel.contact import clearance, locate_points
-from chain_impact.kernel.equations import state_rate
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.events.exclusion import RELATCH_RATIO
+from chain_impact.kernel.model.equations import state_rate
+from chain_impact.kernel.model.geometry import clearance
 from peers.model import AT_ZERO, CLEAR, HOP
 
 POLISH = 1e-7  # s, how far a solver's root may be corrected

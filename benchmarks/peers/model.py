@@ -15,7 +15,7 @@ from numba import njit
 from plain_chain import Chain, clearance, jit, locate, mechanical_energy, new_work, plain_chain, rate, start
 from textbook import Textbook
 
-from chain_impact.kernel.clearing import RELATCH_RATIO
+from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.scene import Scene
 
 AT_ZERO = 1e-12  # s, how far from zero in time a candidate is that has an event

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from chain_impact.kernel.contact import WALLS
-from chain_impact.kernel.contact_force import USER_LAW
-from chain_impact.kernel.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.model.contact_force import USER_LAW
+from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.layout import instance_dtype
 from chain_impact.scene import SOLVER_METHODS, Scene
 

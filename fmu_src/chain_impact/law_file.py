@@ -14,8 +14,8 @@ from inspect import getsource
 from pathlib import Path
 from typing import Any
 
-from chain_impact.kernel.contact_laws import CONTACT_LAWS
-from chain_impact.kernel.user_law import ARGUMENTS
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.laws.user_law import ARGUMENTS
 
 ONLY_IMPORT = "math"
 

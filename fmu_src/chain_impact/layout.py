@@ -18,10 +18,10 @@ from functools import cache
 
 import numpy as np
 
-from chain_impact.kernel.contact import WALLS
-from chain_impact.kernel.dense import DENSE_COEFFICIENTS
-from chain_impact.kernel.explicit import STAGES
-from chain_impact.kernel.implicit import ROWS
+from chain_impact.kernel.integration.dense import DENSE_COEFFICIENTS
+from chain_impact.kernel.integration.explicit import STAGES
+from chain_impact.kernel.integration.implicit import ROWS
+from chain_impact.kernel.model.geometry import WALLS
 
 REAL, INTEGER = np.float64, np.int64
 LOG_SIZE = 32  # finished contacts kept until they are collected, besides one for each candidate
@@ -115,16 +115,16 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("time", REAL),  # s, the communication point; start ≤ time ≤ end
         ("start", REAL),  # s
         ("end", REAL),  # s, start + size, or the event that cut the step short
-        ("size", REAL),  # s, of the variable that the step runs in, see kernel/pace.py
+        ("size", REAL),  # s, of the variable that the step runs in, see kernel/integration/sundman.py
         ("next_size", REAL),  # … proposed, likewise
         ("flight_size", REAL),  # s, of the last step before the first of the present contacts
         ("state", REAL, (state,)),  # y at `start`
         ("state_end", REAL, (state,)),  # y at `end`
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),  # interpolant over `size`
         ("rate_known", INTEGER),  # 1: `work.rate_end` is ẏ at `end`
-        ("dense_for", INTEGER),  # who has had the dense output so far, see kernel/dense.py
+        ("dense_for", INTEGER),  # who has had the dense output so far, see kernel/integration/dense.py
         ("made_implicit", INTEGER),  # 1: the last step was an implicit one
-        ("cleared", INTEGER),  # what is known of the clearances at `end`, see kernel/clearing.py
+        ("cleared", INTEGER),  # what is known of the clearances at `end`, see kernel/events/exclusion.py
         ("room", REAL),  # m, at least, from there to a touch, where nobody looked again …
         ("speed", REAL),  # m/s, of the fastest point there …
         ("acceleration", REAL),  # m/s², … and its largest
@@ -182,7 +182,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("active_count", INTEGER),
         ("active_index", INTEGER, (candidates,)),  # the candidates in contact, packed
         ("active", INTEGER, (candidates,)),  # 1: in contact
-        ("event", INTEGER, (candidates,)),  # at `step.end` and not yet applied, see kernel/events.py
+        ("event", INTEGER, (candidates,)),  # at `step.end` and not yet applied, see kernel/events/search.py
         ("onset", REAL, (candidates,)),  # s
         ("onset_speed", REAL, (candidates,)),  # m/s, normal approach speed at onset
         ("impact_speed", REAL, (candidates,)),  # m/s, v0 of the force law
@@ -213,7 +213,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("clear_start_curve", REAL, (candidates,)),  # m/s², second derivative
         ("clear_end_curve", REAL, (candidates,)),
     )
-    # of the implicit step: z = (y, clearances of the active contacts, their rates), see kernel/implicit.py
+    # of the implicit step, z = (y, clearances of the active contacts, their rates): integration/implicit.py
     extended = state + 2 * candidates
     implicit = _record(
         ("start", REAL, (extended,)),  # z at the start of a step
@@ -225,7 +225,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("impedance", REAL, (candidates,)),  # kg, … what they add to the inertia of their points
         ("normal", REAL, (candidates,)),  # N·s or m/s, … along their normals
     )
-    # the touching candidates of a rigid wall, packed, see kernel/constraints.py
+    # the touching candidates of a rigid wall, packed, see kernel/model/constraints.py
     rigid = _record(
         ("factors", factors),  # with an impedance at the pressed points
         ("change", REAL, (links + 2,)),  # m, m/s or m/s², rad …, of the coordinates, by the impulses

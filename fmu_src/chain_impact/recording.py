@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from chain_impact.kernel.contact import WALLS
+from chain_impact.kernel.model.geometry import WALLS
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.compilation.work import Notify, announce
-from chain_impact.kernel.contact import WALLS
+from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.recording import Impact, Recording, impacts_from_outputs
 from chain_impact.scene import Scene, SceneError, with_values
 from chain_impact.simulate import Result, SimulationError, simulate

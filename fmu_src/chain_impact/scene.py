@@ -17,8 +17,8 @@ from numbers import Integral, Real
 from pathlib import Path
 from typing import Any, get_args, get_origin
 
-from chain_impact.kernel.contact import WALLS
-from chain_impact.kernel.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.law_file import LawError, read_law
 from chain_impact.limits import Derived, allowed, extended, keeps, quantity
 

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from chain_impact.instance import candidates
-from chain_impact.kernel.contact import WALLS
-from chain_impact.kernel.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.law_file import read_law
 from chain_impact.limits import allowed

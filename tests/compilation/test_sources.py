@@ -28,7 +28,13 @@ def test_equal_sources_have_one_wherever_they_are(copy):
 
 @pytest.mark.parametrize(
     "source",
-    ["kernel/contact.py", "kernel/events.py", "layout.py", "compilation/record_type.py", "law_file.py"],
+    [
+        "kernel/model/contact.py",
+        "kernel/events/search.py",
+        "layout.py",
+        "compilation/record_type.py",
+        "law_file.py",
+    ],
 )
 def test_every_source_counts(copy, source):
     before = fingerprint()

@@ -19,7 +19,7 @@ from numba import float64, int32, int64, types
 from chain_impact.compilation import functions  # noqa: F401 - so that numba takes the kernel's functions
 from chain_impact.compilation.record_type import INSTANCE, matrix, vector, words
 from chain_impact.kernel import entry
-from chain_impact.kernel.impacts import follow_to_now
+from chain_impact.kernel.events.contact_log import follow_to_now
 from chain_impact.kernel.initialize import initialize
 
 Entries = dict[str, tuple[Any, Callable[..., Any]]]

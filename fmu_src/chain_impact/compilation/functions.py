@@ -11,7 +11,7 @@ from numba.core.imputils import lower_constant
 from numba.extending import models, register_model, typeof_impl
 
 import chain_impact.kernel
-from chain_impact.kernel import user_law
+from chain_impact.kernel.laws import user_law
 
 # error_model="numpy": a division by zero gives inf, which the step control rejects, instead of raising. So
 # the compiled kernel needs nothing of Python. Strict IEEE arithmetic (no fastmath) keeps results bit-equal on

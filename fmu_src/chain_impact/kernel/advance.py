@@ -8,27 +8,22 @@ the communication point has passed it.
 
 import math
 
-from chain_impact.kernel import explicit, implicit, step_size
-from chain_impact.kernel.clearing import RELATCH_RATIO
-from chain_impact.kernel.complete import complete
-from chain_impact.kernel.contact import (
-    accelerate_points,
-    clear_loads,
-    drop_events,
-    latch,
-    locate_points,
-)
-from chain_impact.kernel.contact_force import latch_damping
-from chain_impact.kernel.dense import OUTPUTS, fraction, interpolate, time_at
-from chain_impact.kernel.equations import state_rate
-from chain_impact.kernel.events import RELATCH, TOUCH, find_event
-from chain_impact.kernel.impacts import finish, follow_contacts
-from chain_impact.kernel.impulses import collide, end_contacts, judge
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.events.contact_log import finish, follow_contacts
+from chain_impact.kernel.events.exclusion import RELATCH_RATIO
+from chain_impact.kernel.events.impulses import collide, end_contacts, judge
+from chain_impact.kernel.events.search import RELATCH, TOUCH, find_event
+from chain_impact.kernel.events.work_limit import watch_events, watch_work
 from chain_impact.kernel.initialize import derive_law, first_size, still
-from chain_impact.kernel.pace import TIME, at_pace, pace_now, set_pace
+from chain_impact.kernel.integration import explicit, implicit, step_size
+from chain_impact.kernel.integration.complete import complete
+from chain_impact.kernel.integration.dense import OUTPUTS, fraction, interpolate, time_at
+from chain_impact.kernel.integration.sundman import TIME, at_pace, pace_now, set_pace
+from chain_impact.kernel.integration.switching import choose_method, explicit_again
+from chain_impact.kernel.model.contact import clear_loads, drop_events, latch
+from chain_impact.kernel.model.contact_force import latch_damping
+from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.status import LOG_FULL, NOT_FINITE, OK, RIGID_WHILE_TOUCHING, STEP_TOO_SMALL
-from chain_impact.kernel.switching import choose_method, explicit_again
-from chain_impact.kernel.watch import watch_events, watch_work
 
 LONGEST_STEP = 1.0  # s; a chain in flight without spin has no other limit
 SHORTEST_STEP = 1e-18  # s

@@ -2,10 +2,13 @@
 
 import math
 
-from chain_impact.kernel import user_law
-from chain_impact.kernel.contact import clear_loads, clearance, locate_points
-from chain_impact.kernel.contact_force import USER_LAW, latch_damping
-from chain_impact.kernel.contact_laws import (
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.integration.dense import NOTHING, SOLVER, root_at, time_at
+from chain_impact.kernel.integration.step_size import in_flight
+from chain_impact.kernel.integration.sundman import TIME
+from chain_impact.kernel.integration.switching import explicit_again
+from chain_impact.kernel.laws import user_law
+from chain_impact.kernel.laws.contact_laws import (
     ANY,
     APPROACH_ONLY,
     EXPONENTS,
@@ -14,9 +17,10 @@ from chain_impact.kernel.contact_laws import (
     RATE_EXPONENTS,
     damping_factor,
 )
-from chain_impact.kernel.dense import NOTHING, SOLVER, root_at, time_at
-from chain_impact.kernel.equations import state_rate
-from chain_impact.kernel.pace import TIME
+from chain_impact.kernel.model.contact import clear_loads
+from chain_impact.kernel.model.contact_force import USER_LAW, latch_damping
+from chain_impact.kernel.model.equations import state_rate
+from chain_impact.kernel.model.geometry import clearance
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
     NOT_FINITE,
@@ -27,8 +31,6 @@ from chain_impact.kernel.status import (
     UNKNOWN_LAW,
     UNKNOWN_METHOD,
 )
-from chain_impact.kernel.step_size import in_flight
-from chain_impact.kernel.switching import explicit_again
 
 METHODS = 3  # auto, explicit, implicit
 OVERLAP = 1e-12  # m, of a start that counts as touching

@@ -1,14 +1,10 @@
 """What an observer sees at the communication point."""
 
-from chain_impact.kernel.contact import (
-    accelerate_points,
-    clearance,
-    contact_force,
-    locate_points,
-    stored_energy,
-)
-from chain_impact.kernel.dense import fraction, interpolate
-from chain_impact.kernel.equations import located_rate, mechanical_energy
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.integration.dense import fraction, interpolate
+from chain_impact.kernel.model.contact import contact_force, stored_energy
+from chain_impact.kernel.model.equations import located_rate, mechanical_energy
+from chain_impact.kernel.model.geometry import clearance
 
 
 def observe(d):

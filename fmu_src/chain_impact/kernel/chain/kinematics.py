@@ -1,0 +1,70 @@
+"""Kinematics of the chain: where its points are, how fast they move and how they accelerate.
+
+Vectors of all points are records with ``x, y``, shape (N+1,).
+"""
+
+from chain_impact.kernel.chain.sincos import polar
+
+
+def locate_points(d, y):
+    """Positions [m] and velocities [m/s] of the points 0…N, and the link vectors, for the state y."""
+    link_vectors(d, y)
+    place_points(d, y)
+
+
+def place_points(d, y):
+    """As ``locate_points``, for the link vectors as they are."""
+    n, link, position, velocity = d.links, d.work.link, d.work.position, d.work.velocity
+    d.work.at_end = 0
+    x, y_, vx, vy = y[0], y[1], y[n + 2], y[n + 3]
+    for i in range(n):
+        position.x[i], position.y[i], velocity.x[i], velocity.y[i] = x, y_, vx, vy
+        omega = y[n + 4 + i]
+        # p_{i+1} = p_i + L_i,  v_{i+1} = v_i + ω L⊥
+        x += link.x[i]
+        y_ += link.y[i]
+        vx -= omega * link.y[i]
+        vy += omega * link.x[i]
+    position.x[n], position.y[n], velocity.x[n], velocity.y[n] = x, y_, vx, vy
+
+
+def accelerate_points(d, y, rate):
+    """Accelerations [m/s²] of the located points 0…N, for the state y and its rate."""
+    n, link, acceleration = d.links, d.work.link, d.work.acceleration
+    ax, ay = rate[n + 2], rate[n + 3]
+    for i in range(n):
+        acceleration.x[i], acceleration.y[i] = ax, ay
+        alpha, w2 = rate[n + 4 + i], y[n + 4 + i] * y[n + 4 + i]
+        # a_{i+1} = a_i + α L⊥ − ω² L
+        ax -= alpha * link.y[i] + w2 * link.x[i]
+        ay += alpha * link.x[i] - w2 * link.y[i]
+    acceleration.x[n], acceleration.y[n] = ax, ay
+
+
+def zero(vectors):
+    """Set the vectors of all points to zero."""
+    for k in range(len(vectors.x)):
+        vectors.x[k], vectors.y[k] = 0.0, 0.0
+
+
+def link_vectors(d, y):
+    """Set L_i [m], the vector from the proximal to the distal joint of each link, for the state y."""
+    polar(d.model.length, y, 2, d.work.link.x, d.work.link.y)
+
+
+def move_points(links, base, angular, motion):
+    """Motion of the points that a motion (base, angular) of the coordinates makes: p_{i+1} = p_i + a L⊥."""
+    x, y = base[0], base[1]
+    for i in range(len(angular)):
+        motion.x[i], motion.y[i] = x, y
+        x -= angular[i] * links.y[i]
+        y += angular[i] * links.x[i]
+    motion.x[len(angular)], motion.y[len(angular)] = x, y
+
+
+def largest(vectors):
+    """The largest component of the vectors of all points."""
+    most = 0.0
+    for k in range(len(vectors.x)):
+        most = max(most, abs(vectors.x[k]), abs(vectors.y[k]))
+    return most

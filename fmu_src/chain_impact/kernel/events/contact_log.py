@@ -1,0 +1,133 @@
+"""What is known of each impact: its peak values, followed during contact, and the log of finished ones."""
+
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.integration.complete import complete
+from chain_impact.kernel.integration.dense import NOTHING, SOLVER, fraction, interpolate
+from chain_impact.kernel.model.contact import contact_force, contact_slopes, drop_events
+from chain_impact.kernel.model.equations import state_rate
+from chain_impact.kernel.model.geometry import along_normal, clearance
+
+FORCE, PENETRATION = 0, 1
+HELD_SAMPLES = 5  # of a holding force over a step, its ends included
+
+
+def follow_contacts(d):
+    """Follow every active contact over the last step: peak force and largest penetration.
+
+    The points have to be located and accelerated at the end of the step, and are so afterwards.
+    """
+    touch = d.touch
+    if d.contact.impulsive:
+        follow_held(d)
+        return
+    for k in range(touch.active_count):
+        c = touch.active_index[k]
+        gap, gap_rate = clearance(d, c)
+        force, _ = contact_force(d, c, gap, gap_rate)
+        touch.peak_force[c] = max(touch.peak_force[c], force)
+        touch.max_penetration[c] = max(touch.max_penetration[c], -gap)
+
+        # both have a maximum inside the step when their rate falls through zero
+        force_rate = rate_of_force(d, c)
+        force_peaked = touch.force_rate[c] > 0.0 and force_rate <= 0.0
+        depth_peaked = touch.speed[c] > 0.0 and gap_rate >= 0.0
+        touch.force_rate[c] = force_rate
+        touch.speed[c] = -gap_rate
+        if force_peaked:
+            touch.peak_force[c] = max(touch.peak_force[c], maximum(d, c, FORCE))
+        if depth_peaked:
+            touch.max_penetration[c] = max(touch.max_penetration[c], maximum(d, c, PENETRATION))
+        if force_peaked or depth_peaked:
+            locate_points(d, d.step.state_end)
+
+
+def follow_held(d):
+    """Follow the forces of rigid walls over the last step: their peaks, by parabolas through samples."""
+    step, samples = d.step, d.rigid.sample
+    end = fraction(step, step.end)
+    for j in range(HELD_SAMPLES):
+        interpolate(step, end * j / (HELD_SAMPLES - 1), d.work.y)
+        state_rate(d, d.work.y, d.work.error[0])
+        for k in range(d.touch.active_count):
+            c = d.touch.active_index[k]
+            left, top, right = samples[0, k], samples[1, k], d.rigid.impulse[k]
+            peak, bend = right, left - 2.0 * top + right
+            if j >= 2 and top > max(left, right):
+                peak = top - (right - left) ** 2 / (8.0 * bend)
+            d.touch.peak_force[c] = max(d.touch.peak_force[c], peak)
+            samples[0, k], samples[1, k] = top, right
+    d.statistics.rhs_evaluations += HELD_SAMPLES
+    locate_points(d, step.state_end)
+
+
+def follow_to_now(d):
+    """Follow the active contacts up to the communication point, where the last step ends from now on."""
+    step, rate, evaluations = d.step, d.work.rate_end, d.statistics.rhs_evaluations
+    complete(d, SOLVER)
+    interpolate(step, fraction(step, step.time), step.state_end)
+    step.end = step.time
+    step.rate_known = 0
+    step.cleared = NOTHING
+    drop_events(d)  # they are beyond, and will be found again
+    state_rate(d, step.state_end, rate)
+    accelerate_points(d, step.state_end, rate)
+    follow_contacts(d)
+    d.statistics.rhs_evaluations = evaluations  # a look, not the solver's work
+
+
+def rate_of_force(d, c):
+    """dF/dt [N/s] of candidate c, from the located and accelerated points; its sign is what counts."""
+    stiffness, damping = contact_slopes(d, c)
+    # Ḟ = ∂F/∂δ δ̇ + ∂F/∂δ̇ δ̈
+    _, gap_rate = clearance(d, c)
+    return -(stiffness * gap_rate + damping * along_normal(d, c, d.work.acceleration))
+
+
+def maximum(d, c, quantity):
+    """The maximum of FORCE or PENETRATION of candidate c inside the last step.
+
+    Parabolas through three points, ever closer to the top of the last one; the top of the last of all.
+    """
+    complete(d, SOLVER)
+    end = fraction(d.step, d.step.end)
+    middle, reach, best, summit = 0.5 * end, 0.5 * end, 0.0, 0.0
+    for _ in range(3):
+        left = sample(d, c, quantity, middle - reach)
+        top = sample(d, c, quantity, middle)
+        right = sample(d, c, quantity, middle + reach)
+        best = max(best, left, top, right)
+        bend = left - 2.0 * top + right
+        if bend >= 0.0:
+            return best
+        shift = 0.5 * (left - right) / bend
+        summit = top - 0.25 * (left - right) * shift if abs(shift) <= 1.0 else top
+        middle += shift * reach
+        reach *= 0.1
+        middle = min(max(middle, reach), end - reach)
+    return max(best, summit)
+
+
+def sample(d, c, quantity, theta):
+    """FORCE [N] or PENETRATION [m] of candidate c at the fraction θ of the last step."""
+    interpolate(d.step, theta, d.work.y)
+    locate_points(d, d.work.y)
+    gap, gap_rate = clearance(d, c)
+    force, _ = contact_force(d, c, gap, gap_rate)
+    return force if quantity == FORCE else -gap
+
+
+def finish(d, c):
+    """Log the contact of candidate c, which ends now. When nobody collects the log the oldest are lost."""
+    touch, log = d.touch, d.finished
+    _, gap_rate = clearance(d, c)
+    row = log.count % len(log.point)
+    log.point[row] = d.candidate.point[c]
+    log.wall[row] = d.candidate.wall[c]
+    log.onset[row] = touch.onset[c]
+    log.end[row] = d.step.end
+    log.impact_speed[row] = touch.onset_speed[c]
+    log.separation_speed[row] = gap_rate
+    log.peak_force[row] = touch.peak_force[c]
+    log.max_penetration[row] = touch.max_penetration[c]
+    log.effective_mass[row] = touch.effective_mass[c]
+    log.count += 1

@@ -1,0 +1,167 @@
+"""Clearances over a step, and whether they show without a search that nothing can have happened in it.
+
+φ is the clearance of a candidate that is apart and the penetration of one in contact, or u for the pacer, all
+as functions of the variable that the step runs in. What touches, or ends, is events.py's business.
+"""
+
+import math
+
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.integration.dense import FAR, WITH_CURVES, root_at
+from chain_impact.kernel.integration.sundman import TIME, pace_change, pace_of, root_curve, root_rate
+from chain_impact.kernel.model.geometry import along_normal, clearance
+
+SMALL_TURN, MARGIN = 1.0, 0.05  # rad of a link, part of the range of values: where ends of a step can tell
+RELATCH_RATIO = 2.0  # δ̇/v₀ at which v₀ is latched anew; what gravity adds after an onset stays far below
+NEARLY = 0.75  # of that speed, at an end of the step
+
+
+def plainly_clear(d):
+    """Whether the ends of the last, explicit step tell that there is no event in it.
+
+    Its end has to be located and accelerated. If it cannot be told, φ and φ′ of all candidates are known at
+    either end.
+    """
+    turn, reach = largest_turn(d)
+    if turn < SMALL_TURN and remains_far(d):
+        return True
+    if d.step.cleared != WITH_CURVES:
+        locate_points(d, d.step.state)
+        accelerate_points(d, d.step.state, d.work.rate_start)
+        measure_all(d, d.step.state)
+        locate_points(d, d.step.state_end)
+        accelerate_points(d, d.step.state_end, d.work.rate_end)
+    keep_start(d)
+    for c in range(d.candidates):
+        d.search.clear_start_curve[c] = d.search.clear_end_curve[c]
+    measure_all(d, d.step.state_end)
+    d.step.cleared = WITH_CURVES
+    # the remainder is h⁶ φ⁽⁶⁾/46080; ten times that of the tip of a stretched chain that turns evenly
+    error = reach * turn**6 / 4608.0
+    clear = turn < SMALL_TURN
+    for c in range(d.candidates):
+        clear = clear and stays_positive(d, c, error)
+    for k in range(d.touch.active_count):
+        clear = clear and not nearly_fast(d, d.touch.active_index[k])
+    return clear
+
+
+def largest_turn(d):
+    """How far a link can have turned in the last step [rad], and the length of the stretched chain [m]."""
+    n, lasted, work = d.links, d.step.end - d.step.start, d.work
+    turn, reach = 0.0, 0.0
+    for i in range(n):
+        omega = max(abs(d.step.state[n + 4 + i]), abs(d.step.state_end[n + 4 + i]))
+        alpha = max(abs(work.rate_start[n + 4 + i]), abs(work.rate_end[n + 4 + i]))
+        turn = max(turn, lasted * (omega + 0.5 * lasted * alpha))
+        reach += d.model.length[i]
+    return turn, reach
+
+
+def remains_far(d):
+    """Whether all are far from touching, as they were, but for the pacer, which has not come to its end."""
+    step, known, lasted = d.step, d.step.cleared >= WITH_CURVES, d.step.end - d.step.start
+    speed, acceleration = step.speed, step.acceleration
+    step.speed, step.acceleration = fastest(d.work.velocity), fastest(d.work.acceleration)
+    # no point goes further than that, with twice what its acceleration makes of it
+    way = lasted * (max(speed, step.speed) + lasted * max(acceleration, step.acceleration))
+    step.room -= way
+    if not (known and step.room > 0.0):
+        return False
+    if step.pacer == TIME:
+        far = d.touch.active_count == 0
+    else:
+        far = step.state_end[root_at(step)] > 0.0 and not nearly_fast(d, step.pacer)
+    if far:
+        step.cleared = FAR
+    return far
+
+
+def fastest(vectors):
+    """A bound on the length of the vectors of all points."""
+    most = 0.0
+    for k in range(len(vectors.x)):
+        most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
+    return most
+
+
+def nearly_fast(d, c):
+    """Whether contact c, at either end of the last step, is pushed in so fast that v₀ may be latched anew."""
+    _, gap_rate = clearance(d, c)
+    return max(d.touch.speed[c], -gap_rate) > NEARLY * RELATCH_RATIO * d.touch.impact_speed[c]
+
+
+def stays_positive(d, c, error):
+    """Whether φ of candidate c is positive all over the last step, after its start, by more than an error.
+
+    φ has the Hermite interpolant of order 6 from its value, rate and curvature at the ends of the step. That
+    stays above the least of its Bernstein coefficients.
+    """
+    h = d.step.size
+    if c == d.step.pacer:
+        # δ̇ would have to change its sign twice for u to fall to zero and rise again
+        return d.search.clear_end[c] > 0.0
+    b1 = d.search.clear_start[c] + h * d.search.clear_start_rate[c] / 5.0
+    b2 = 2.0 * b1 - d.search.clear_start[c] + h * h * d.search.clear_start_curve[c] / 20.0
+    b4 = d.search.clear_end[c] - h * d.search.clear_end_rate[c] / 5.0
+    b3 = 2.0 * b4 - d.search.clear_end[c] + h * h * d.search.clear_end_curve[c] / 20.0
+    least = min(b1, b2, b3, b4, d.search.clear_end[c])
+    most = max(b1, b2, b3, b4, d.search.clear_end[c])
+    return least > MARGIN * (most - least) + error
+
+
+def measure_all(d, y):
+    """Set φ, φ′ and φ″ of every candidate for a state and its located and accelerated points."""
+    slope = set_clearances(d, y)
+    u = y[root_at(d.step)]
+    p, change = pace_of(d, u), pace_change(u, slope)
+    d.step.room = math.inf
+    for c in range(d.candidates):
+        if c == d.step.pacer:
+            d.search.clear_end_curve[c] = root_curve(d, d.search.clear_end[c], d.search.clear_end_rate[c])
+            continue
+        sign = -1.0 if d.touch.active[c] else 1.0
+        velocity = along_normal(d, c, d.work.velocity)
+        # φ′ = p φ̇,  φ″ = p² φ̈ + p′ φ̇
+        curve = p * p * along_normal(d, c, d.work.acceleration) + change * velocity
+        d.search.clear_end_curve[c] = sign * curve
+        if not d.touch.active[c]:
+            d.step.room = min(d.step.room, d.search.clear_end[c])
+
+
+def set_clearances(d, y):
+    """Set φ and φ′ of every candidate for the state y and its located points; returns u′."""
+    u, slope = root_now(d, y)
+    for c in range(d.candidates):
+        set_clearance(d, c, u, slope)
+    return slope
+
+
+def root_now(d, y):
+    """The pacer's u and u′ for the state y and its located points; 1 and 0 without one."""
+    if d.step.pacer == TIME:
+        return 1.0, 0.0
+    u = y[root_at(d.step)]
+    return u, root_rate(d, u)
+
+
+def set_clearance(d, c, u, slope):
+    """Set φ and φ′ of candidate c for the located points, u and u′."""
+    if c == d.step.pacer:
+        d.search.clear_end[c], d.search.clear_end_rate[c] = u, slope
+        return
+    if d.touch.active[c] and d.contact.impulsive:
+        # held: it cannot touch
+        d.search.clear_end[c], d.search.clear_end_rate[c] = math.inf, 0.0
+        return
+    gap, gap_rate = clearance(d, c)
+    sign = -1.0 if d.touch.active[c] else 1.0
+    d.search.clear_end[c] = sign * gap
+    d.search.clear_end_rate[c] = sign * pace_of(d, u) * gap_rate
+
+
+def keep_start(d):
+    """Make the end of the interval the start of the next one."""
+    for c in range(d.candidates):
+        d.search.clear_start[c] = d.search.clear_end[c]
+        d.search.clear_start_rate[c] = d.search.clear_end_rate[c]

@@ -1,0 +1,180 @@
+"""Impact at a rigid wall: impulses of no duration, and which contacts are held after them.
+
+Newton's law of impact for any number of contacts at once, in the form of Moreau (1988, *Unilateral contact
+and dry friction in finite freedom dynamics*): of the touching candidates, those that arrive and those that
+are held,
+
+    u⁺ = u⁻ + W p,   0 ≤ p ⟂ u⁺ + e u⁻ ≥ 0,
+
+with e = 0 for a held contact and for one that arrives slower than ``contact.minimum_impact_speed``, so
+that a bouncing point comes to rest after finitely many impacts. Every p does the work ½ p (u⁺ + u⁻) =
+½ p (1 − e) u⁻ ≤ 0: no impact brings energy, whatever touches. (Where a point all but touches and is on its
+way from the wall, u⁻ > 0, it could: the impact is then taken for one with e = 0, which cannot.)
+
+A contact that leaves with a speed is over. The others, at rest, are held by forces F as long as these push:
+
+    0 ≤ F ⟂ g̈ ≥ 0.
+"""
+
+import math
+
+from chain_impact.kernel.chain.kinematics import largest, locate_points
+from chain_impact.kernel.events.contact_log import finish
+from chain_impact.kernel.events.release import RELEASE
+from chain_impact.kernel.events.search import TOUCH
+from chain_impact.kernel.model.constraints import complement, meet_walls, press, start_from_accelerations
+from chain_impact.kernel.model.contact import clear_loads, drop_events, latch
+from chain_impact.kernel.model.equations import free_rate
+from chain_impact.kernel.model.geometry import clearance
+
+STICK = 1e-3  # of the smallest speed that bounces: slower points do not leave, or they would for ever
+NEAR = 1e-12  # of a link length: no distance, within an impact
+NEIGHBOUR = 4  # in `touch.event`, no event: what is that near, while an impact is worked out
+GAIN = 1e-9  # of the energies moved in an impact, more than round-off
+APART = 1e-13  # of a link length: where a point without a force is put, lest round-off make it touch
+
+
+def collide(d):
+    """Apply the events at the end of the last step: impulses, and who is held after them."""
+    touch = d.touch
+    locate_points(d, d.step.state_end)
+    # an interpolated state keeps to the walls but for its error
+    meet_walls(d, d.step.state_end)
+    struck = False
+    for c in range(d.candidates):
+        if touch.event[c] == TOUCH:
+            latch(d, c)
+            touch.active[c] = 1
+            struck = True
+    if struck:
+        join_neighbours(d)
+    list_touching(d)
+    if struck:
+        strike(d)
+        bounce(d)
+    judge(d)
+    clear_loads(d)
+
+
+def list_touching(d):
+    """Pack the candidates in contact."""
+    touch = d.touch
+    touch.active_count = 0
+    for c in range(d.candidates):
+        if touch.active[c]:
+            touch.active_index[touch.active_count] = c
+            touch.active_count += 1
+
+
+def join_neighbours(d):
+    """Let points that all but touch take part in an impact.
+
+    A link that wedges between two walls would else hit them in turn, infinitely often in a finite time.
+    """
+    touch = d.touch
+    for c in range(d.candidates):
+        gap, _ = clearance(d, c)
+        if not touch.active[c] and gap < NEAR * d.model.size:
+            touch.active[c] = 1
+            touch.event[c] = NEIGHBOUR
+
+
+def strike(d):
+    """Give the impulses of an impact to the velocities, and what they take to the dissipated energy."""
+    own, n, state = d.rigid, d.links, d.step.state_end
+    lost, moved = find_impulses(d, d.contact.restitution)
+    if lost < -GAIN * moved:
+        # only a neighbour on its way from the wall can have brought that about
+        lost, _ = find_impulses(d, 0.0)
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        if d.touch.event[c] == NEIGHBOUR and own.impulse[k] > 0.0:
+            latch(d, c)
+            d.touch.onset_speed[c] = max(0.0, d.touch.onset_speed[c])
+            d.impact.last_speed = d.touch.onset_speed[c]
+    for j in range(n + 2):
+        state[n + 2 + j] += own.change[j]
+    state[2 * n + 4] += max(0.0, lost)
+    locate_points(d, state)
+
+
+def find_impulses(d, restitution):
+    """Find the impulses of an impact; return the energy [J] that they take, and the sum of all they move."""
+    own, lost, moved = d.rigid, 0.0, 0.0
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        _, own.start[k] = clearance(d, c)
+        fast = -own.start[k] >= d.contact.minimum_impact_speed
+        arrives = fast and d.touch.event[c] in (TOUCH, NEIGHBOUR)
+        # u⁺ ≥ −e u⁻
+        own.aim[k] = -restitution * own.start[k] if arrives else 0.0
+        own.pressed[k] = 1
+    complement(d, largest(d.work.velocity))
+    for k in range(d.touch.active_count):
+        # −½ p (u⁻ + u⁺)
+        lost -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
+        moved += own.impulse[k] * (abs(own.start[k]) + abs(own.reached[k]))
+    return lost, moved
+
+
+def bounce(d):
+    """End the contacts that leave with a speed."""
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        if d.touch.event[c] == NEIGHBOUR and d.rigid.impulse[k] <= 0.0:
+            d.touch.active[c] = 0  # not met
+        elif d.rigid.reached[k] > STICK * d.contact.minimum_impact_speed:
+            leave(d, c)
+    list_touching(d)
+
+
+def end_contacts(d):
+    """End all contacts where they stand: another law takes them over as it finds them."""
+    locate_points(d, d.step.state_end)
+    for k in range(d.touch.active_count):
+        leave(d, d.touch.active_index[k])
+    list_touching(d)
+
+
+def leave(d, c):
+    """End a contact. One of no duration has an impulse, and no finite force."""
+    if d.touch.onset[c] == d.step.end:
+        d.touch.peak_force[c] = math.inf
+    finish(d, c)
+    d.touch.active[c] = 0
+
+
+def judge(d):
+    """Hold the touching points that a force has to hold, and let go of the others: 0 ≤ F ⟂ g̈ ≥ 0."""
+    touch, own, state = d.touch, d.rigid, d.step.state_end
+    if touch.active_count > 0:
+        locate_points(d, state)
+        meet_walls(d, state)
+        rate = d.work.stage[0]
+        free_rate(d, state, rate)
+        scale = start_from_accelerations(d, state, rate)
+        for k in range(touch.active_count):
+            own.aim[k] = 0.0
+            own.pressed[k] = touch.event[touch.active_index[k]] != RELEASE
+        complement(d, scale)
+        part(d)
+        list_touching(d)
+    drop_events(d)
+
+
+def part(d):
+    """End the contacts that no force holds, and put their points a hair's breadth off the wall."""
+    own, n, state = d.rigid, d.links, d.step.state_end
+    parting = False
+    for k in range(d.touch.active_count):
+        own.start[k], _ = clearance(d, d.touch.active_index[k])
+        own.aim[k] = 0.0
+        if not own.pressed[k]:
+            leave(d, d.touch.active_index[k])
+            own.aim[k] = APART * d.model.size
+            own.pressed[k] = 1
+            parting = True
+    if parting:
+        press(d, d.model.size)
+        for j in range(n + 2):
+            state[j] += own.change[j]

@@ -1,0 +1,118 @@
+"""The explicit step of order 8, for flight and impact (the method's data: dop853.py)."""
+
+import math
+
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, place_points
+from chain_impact.kernel.integration import dop853
+from chain_impact.kernel.integration.combination import combination, combinations
+from chain_impact.kernel.integration.dense import extend
+from chain_impact.kernel.integration.errors import scaled_error, set_gap_errors
+from chain_impact.kernel.integration.sundman import TIME, at_pace, paced_rate, runs_back
+from chain_impact.kernel.model.constraints import holding, meet_walls
+from chain_impact.kernel.model.equations import located_rate, state_rate
+
+STAGES = len(dop853.A)
+LAST = dop853.STEP_STAGES  # the stage at the end of the step
+EXPONENT, SAFETY = -1.0 / dop853.ORDER, 0.8
+HALVE = 50.0  # an error that halves the step
+HUGE = 1e100  # an error whose square could overflow
+STEP_EVALUATIONS = LAST - 1  # new right-hand sides of a step that is then rejected …
+DENSE_EVALUATIONS = STAGES - LAST  # … of its dense output, besides the one at its end
+
+
+def _stage(i, accepted):
+    """Stage i of a step: the point, and the rate there.
+
+    A step is tried from the end of the last one. Once it is ``accepted``, that is its start.
+    """
+    combine = combination(dop853.A[i])
+
+    def stage(d, h):
+        combine(d.work.stage, d.step.state if accepted else d.step.state_end, h, d.work.y)
+        paced_rate(d, d.work.y, d.work.stage[i])
+
+    return stage
+
+
+def _sequence(first, *others):
+    """The call of several functions of (d, h) in turn."""
+    if not others:
+        return first
+    rest = _sequence(*others)
+
+    def both(d, h):
+        first(d, h)
+        rest(d, h)
+
+    return both
+
+
+_stages = _sequence(*(_stage(i, accepted=False) for i in range(1, LAST)))
+_step_end = combination(dop853.B)
+_dense_stages = _sequence(*(_stage(i, accepted=True) for i in range(LAST + 1, STAGES)))
+_errors = combinations(dop853.E5, dop853.E3)
+_high_01, _high_23 = combinations(*dop853.D[:2]), combinations(*dop853.D[2:])
+
+
+def attempt(d, h):
+    """Try a step of size h from ``step.state_end``; the result stands in ``work.y``.
+
+    Returns:
+        The error relative to the tolerance: at most 1 for a step to accept; not finite when f was not.
+    """
+    _stages(d, h)
+    d.statistics.rhs_evaluations += STEP_EVALUATIONS
+    _step_end(d.work.stage, d.step.state_end, h, d.work.y)
+    if runs_back(d, d.work.y):
+        return HALVE
+    _errors(d.work.stage, h, d.work.error[0], d.work.error[1])
+    if d.touch.active_count > 0:
+        locate_points(d, d.work.y)
+    set_gap_errors(d, 0)
+    error_5 = scaled_error(d, 0)
+    set_gap_errors(d, 1)
+    error_3 = scaled_error(d, 1)
+    if error_5 == 0.0:
+        return 0.0
+    if max(error_5, error_3) > HUGE:
+        return math.inf
+    # e₅²/√(e₅² + e₃²/100): behaves as order 8, as e₅/e₃ does as h² (Hairer, Nørsett, Wanner)
+    ratio = error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3)
+    # the error of a step is of order 9; in flight the difference is kept as a margin
+    return error_5 * ratio * (1.0 if d.step.pacer == TIME else math.sqrt(ratio))
+
+
+def accept(d, h):
+    """Make the step that was tried the last accepted one, with the rate and, for candidates, points there."""
+    if holding(d):
+        meet_walls(d, d.work.y)
+    extend(d.step, h, d.work.y, 0)
+    y, rate = d.step.state_end, d.work.rate_end
+    touching = d.touch.active_count > 0
+    if touching:
+        located_rate(d, y, rate)
+    else:
+        state_rate(d, y, rate)
+    if d.candidates > 0:
+        if not touching:
+            place_points(d, y)
+        accelerate_points(d, y, rate)
+        d.work.at_end = 1
+    d.statistics.rhs_evaluations += 1
+    d.step.rate_known = 1
+
+
+def dense_output(d):
+    """Set the dense output of the last step."""
+    step, h = d.step, d.step.size
+    locate_points(d, step.state_end)
+    at_pace(d, step.state_end, d.work.rate_end, d.work.stage[LAST])
+    _dense_stages(d, h)
+    for j in range(len(d.work.y)):
+        # the interpolant is y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + (1−θ)(F₃ + θ(F₄ + (1−θ)(F₅ + θ F₆))))))
+        change = step.state_end[j] - step.state[j]
+        step.dense[0, j] = change
+        step.dense[1, j] = h * d.work.stage[0, j] - change
+        step.dense[2, j] = 2.0 * change - h * (d.work.stage[LAST, j] + d.work.stage[0, j])
+    _high_01(d.work.stage, h, step.dense[3], step.dense[4])
+    _high_23(d.work.stage, h, step.dense[5], step.dense[6])

@@ -1,0 +1,308 @@
+"""The linearly implicit step of order 3, for sustained contact (the method's data: ros34pw2.py).
+
+A point resting on a stiff wall makes the equations stiff: the contact's own motions are far faster than the
+chain's, and decay. Their part of the Jacobian has the rank of the active contacts, and all else may be left
+out of it, as the method keeps its order with any A.
+
+As the links turn, a stage's coordinates leave the wall's tangent by ½ h² J̇ẏ. That is little, but soon more
+than the penetration of a stiff wall. So the clearances g of the active contacts and their rates are
+integrated beside y, z = (y, g, ġ), with g̈ the acceleration of the point along the normal. The forces are
+those at g and ġ, in which the fast motions are linear but for the law of force, and the Jacobian is
+
+    ∂v̇/∂(g, ġ) = −M⁻¹ Jᵀ (k, c),   ∂g̈/∂(g, ġ) = −J M⁻¹ Jᵀ (k, c),   ∂(ẋ, ġ)/∂(v, ġ) = 1,
+
+k = ∂F/∂δ, c = ∂F/∂δ̇, J the gradient of the clearances. Solving (1 − hγA) x = r takes no linear algebra but
+the recursion:
+
+    (M + Jᵀ D J) Δ = Jᵀ (D r_ġ + hγ k r_g),   D = hγ c + (hγ)² k,
+    x_v = r_v − Δ,   x_ġ = r_ġ − J Δ,   x_q = r_q + hγ x_v,   x_g = r_g + hγ x_ġ,
+
+with Δ the response of the chain to impulses at the touching points, and the contacts' impedance D added to
+the articulated inertia there. The coordinates of a result are moved to the g and ġ that came with it in the
+same way, and those of its dense output in between. How far they had left them counts as an error.
+"""
+
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, move_points, zero
+from chain_impact.kernel.chain.recursion import factorize, solve
+from chain_impact.kernel.integration import ros34pw2
+from chain_impact.kernel.integration.combination import combination
+from chain_impact.kernel.integration.dense import extend, interpolate, root_at, time_at
+from chain_impact.kernel.integration.errors import scaled_error
+from chain_impact.kernel.model.contact import apply_contact, clear_loads, contact_slopes
+from chain_impact.kernel.model.equations import loaded_rate
+from chain_impact.kernel.model.geometry import add_across_wall, add_along_normal, along_normal, clearance
+
+GAMMA = ros34pw2.GAMMA_DIAGONAL
+# rows of implicit.stage, in which 1 to 4 are the stages k_i
+START_RATE, RATE, CORRECTION, RIGHT, ZEROS, ERROR = 0, 5, 6, 7, 8, 9
+ROWS = 10
+STEP_EVALUATIONS = len(ros34pw2.B) - 1  # the first stage has f at the start of the step
+EXPONENT, SAFETY = -1.0 / ros34pw2.ORDER, 0.9
+APART = 0.03  # of a penetration, by which the coordinates may leave the clearance over a step
+
+
+def _stage(i, rate, solve_shifted):
+    """Stage i > 1 of a step."""
+    point = combination(ros34pw2.ALPHA[i])
+    correction = combination({j: g / GAMMA for j, g in ros34pw2.GAMMA[i].items()})
+
+    def stage(d, z_start, z, h):
+        stages = d.implicit.stage
+        point(stages, z_start, h, z)
+        rate(d, z, stages[RATE])
+        # (1 − hγA)(k + s) = f + s
+        correction(stages, stages[ZEROS, : len(z)], 1.0, stages[CORRECTION])
+        for j in range(len(z)):
+            stages[RIGHT, j] = stages[RATE, j] + stages[CORRECTION, j]
+        solve_shifted(d, h * GAMMA, stages[RIGHT], stages[i])
+        for j in range(len(z)):
+            stages[i, j] -= stages[CORRECTION, j]
+
+    return stage
+
+
+def linearly_implicit(rate, solve_shifted):
+    """The stages and the result of a step, for a right-hand side and its linear solver.
+
+    Args:
+        rate: function (d, z, out) for out = f(z).
+        solve_shifted: function (d, hγ, r, x) for (1 − hγA) x = r.
+
+    Returns:
+        A function (d, start, z, h): from z = ``start`` with its rate in the first row of
+        ``implicit.stage``, to the result in ``z``, the error estimate in the last of these rows.
+    """
+    second, third, fourth = (_stage(i, rate, solve_shifted) for i in (2, 3, 4))
+    result = combination(ros34pw2.B)
+    difference = combination({i: b - ros34pw2.B_EMBEDDED[i] for i, b in ros34pw2.B.items()})
+
+    def step(d, start, z, h):
+        stages = d.implicit.stage
+        solve_shifted(d, h * GAMMA, stages[START_RATE], stages[1])
+        second(d, start, z, h)
+        third(d, start, z, h)
+        fourth(d, start, z, h)
+        result(stages, start, h, z)
+        difference(stages, stages[ZEROS, : len(z)], h, stages[ERROR])
+
+    return step
+
+
+def linearize(d):
+    """Set z and its rate at the start of the step, where the slopes of the contact forces and J hold.
+
+    Active contacts need the points located there, and the first stage evaluated.
+    """
+    work, n, size = d.work, d.links, own_size(d)
+    z, rate = d.implicit.start, d.implicit.stage[START_RATE]
+    accelerate_points(d, d.step.state_end, work.rate_start)
+    for i in range(n):
+        d.implicit.link.x[i] = work.link.x[i]
+        d.implicit.link.y[i] = work.link.y[i]
+    for j in range(size):
+        z[j] = d.step.state_end[j]
+        rate[j] = work.rate_start[j]
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        d.implicit.stiffness[k], d.implicit.damping[k] = contact_slopes(d, c)
+        z[gap_at(d, k)], z[rate_at(d, k)] = clearance(d, c)
+    clearance_rates(d, z, rate)
+
+
+def own_size(d):
+    """How much of y is in z: all but u, which is 1, and the time."""
+    return len(d.work.y) - 2
+
+
+def gap_at(d, k):
+    """Where the clearance of the k-th active contact stands in z."""
+    return own_size(d) + k
+
+
+def rate_at(d, k):
+    """Where the rate of that clearance stands in z."""
+    return own_size(d) + d.touch.active_count + k
+
+
+def clearance_rates(d, z, rate):
+    """Set the rates of g and ġ, for accelerated points."""
+    for k in range(d.touch.active_count):
+        rate[gap_at(d, k)] = z[rate_at(d, k)]
+        rate[rate_at(d, k)] = along_normal(d, d.touch.active_index[k], d.work.acceleration)
+
+
+def extended_rate(d, z, rate):
+    """Set rate = ż, with the contact forces at the clearances and rates in z."""
+    locate_points(d, z)
+    clear_loads(d)
+    dissipated = 0.0
+    for k in range(d.touch.active_count):
+        dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
+    loaded_rate(d, z, dissipated, rate)  # … and of u and time, in whose place are clearances here
+    accelerate_points(d, z, rate)
+    clearance_rates(d, z, rate)
+
+
+def factorize_contacts(d, shift):
+    """Eliminate M + Jᵀ D J for hγ = ``shift`` [s]."""
+    own = d.implicit
+    zero(d.work.load)
+    for k in range(d.touch.active_count):
+        # D = hγ c + (hγ)² k
+        own.impedance[k] = shift * (own.damping[k] + shift * own.stiffness[k])
+        add_across_wall(d, d.touch.active_index[k], d.work.load, own.impedance[k])
+    factorize(d, own.link, d.work.load, d.work.factors)
+
+
+def respond(d, base, angular):
+    """Solve (M + Jᵀ D J) Δ = Jᵀ p for Δ = (base, angular) and J Δ, with p and then J Δ in ``normal``."""
+    work, own = d.work, d.implicit
+    zero(work.load)
+    for k in range(d.touch.active_count):
+        add_along_normal(d, d.touch.active_index[k], work.load, own.normal[k])
+    solve(d, own.link, work.factors, work.load, base, angular)
+    move_points(own.link, base, angular, work.motion)
+    for k in range(d.touch.active_count):
+        own.normal[k] = along_normal(d, d.touch.active_index[k], work.motion)
+
+
+def solve_contacts(d, shift, r, x):
+    """Solve (1 − hγA) x = r for hγ = ``shift`` [s]."""
+    n, own = d.links, d.implicit
+    for k in range(d.touch.active_count):
+        # D r_ġ + hγ k r_g
+        own.normal[k] = own.impedance[k] * r[rate_at(d, k)] + shift * own.stiffness[k] * r[gap_at(d, k)]
+    respond(d, x[n + 2 : n + 4], x[n + 4 : 2 * n + 4])
+    for j in range(n + 2):
+        x[n + 2 + j] = r[n + 2 + j] - x[n + 2 + j]
+        x[j] = r[j] + shift * x[n + 2 + j]
+    for k in range(d.touch.active_count):
+        x[rate_at(d, k)] = r[rate_at(d, k)] - own.normal[k]
+        x[gap_at(d, k)] = r[gap_at(d, k)] + shift * x[rate_at(d, k)]
+    for j in range(2 * n + 4, own_size(d)):
+        x[j] = r[j]
+
+
+_step = linearly_implicit(extended_rate, solve_contacts)
+
+
+def attempt(d, h):
+    """Try a step of size h [s] from where it was linearized; the result stands in ``work.y``.
+
+    Returns:
+        The error relative to the tolerance: at most 1 for a step to accept; not finite when f was not.
+    """
+    work, active = d.work, d.touch.active_count
+    length = own_size(d) + 2 * active
+    factorize_contacts(d, h * GAMMA)
+    _step(d, d.implicit.start[:length], d.implicit.z[:length], h)
+    # the columns of the Jacobian count as evaluations
+    d.statistics.rhs_evaluations += STEP_EVALUATIONS + active
+    for j in range(own_size(d)):
+        work.y[j] = d.implicit.z[j]
+        work.error[0, j] = abs(d.implicit.stage[ERROR, j])
+    work.y[root_at(d.step)], work.y[time_at(d.step)] = 1.0, h
+    for k in range(active):
+        d.touch.gap_error[k] = d.implicit.stage[ERROR, gap_at(d, k)]
+    locate_points(d, work.y)
+    apart, change = largest_mismatch(d), d.implicit.stage[RIGHT, : d.links + 2]
+    for derivative in range(2):
+        for k in range(active):
+            at = rate_at(d, k) if derivative else gap_at(d, k)
+            d.implicit.normal[k] = d.implicit.z[at]
+        first = meet(d, derivative, change)
+        for j in range(len(change)):
+            work.y[first + j] += change[j]
+            work.error[0, first + j] += abs(change[j])
+    return max(scaled_error(d, 0), apart / APART)
+
+
+def largest_mismatch(d):
+    """How far the located coordinates have left the clearances in z, in parts of the penetration."""
+    worst = 0.0
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        gap, _ = clearance(d, c)
+        depth = max(d.touch.depth_scale[c], -gap)
+        worst = max(worst, abs(d.implicit.z[gap_at(d, k)] - gap) / depth)
+    return worst
+
+
+def meet(d, derivative, change):
+    """Set the change of coordinates (for derivative 1: velocities) to the clearances (rates) in ``normal``.
+
+    The coordinates that are integrated beside the clearances differ from them by little, which a stiff wall
+    would feel as a blow. The points have to be located.
+
+    Returns:
+        Where the coordinates begin in y.
+    """
+    n, own = d.links, d.implicit
+    for k in range(d.touch.active_count):
+        gap, gap_rate = clearance(d, d.touch.active_index[k])
+        own.normal[k] = own.impedance[k] * (own.normal[k] - (gap_rate if derivative else gap))
+    respond(d, change[0:2], change[2 : n + 2])
+    return derivative * (n + 2)
+
+
+def accept(d, h):
+    """Make the step that was tried the last accepted one, with a dense output for the state alone."""
+    extend(d.step, h, d.work.y, 1)
+    dense, stages = d.step.dense, d.implicit.stage
+    for j in range(len(d.work.y)):
+        for m in range(len(dense)):
+            dense[m, j] = 0.0
+    for i, (_, square, cube) in _DENSE:
+        for j in range(own_size(d)):
+            # c₁θ + c₂θ² + c₃θ³ = θ(F₀ + (1−θ)(F₁ + θF₂)) with F₂ = −c₃, F₁ = −c₂−c₃, F₀ = c₁+c₂+c₃
+            dense[1, j] -= h * (square + cube) * stages[i, j]
+            dense[2, j] -= h * cube * stages[i, j]
+    for j in range(len(d.work.y)):
+        dense[0, j] = d.step.state_end[j] - d.step.state[j]
+
+
+def dense_output(d):
+    """Make the dense output keep the clearances in between, too, at thirds of the last step.
+
+    F₃ and F₄ of dense.py, with θ²(1−θ)² and θ³(1−θ)², leave its ends as they are.
+    """
+    dense, change = d.step.dense, d.implicit.stage[RIGHT, : d.links + 2]
+    if d.touch.active_count == 0:
+        return
+    for third in range(1, 3):
+        interpolate(d.step, third / 3.0, d.work.y)
+        locate_points(d, d.work.y)
+        for derivative in range(2):
+            for k in range(d.touch.active_count):
+                at = rate_at(d, k) if derivative else gap_at(d, k)
+                d.implicit.normal[k] = interpolated(d, at, third / 3.0)
+            first = meet(d, derivative, change)
+            for j in range(len(change)):
+                d.work.error[third - 1, first + j] = change[j]
+    for j in range(2 * d.links + 4):
+        one, two = d.work.error[0, j], d.work.error[1, j]
+        # 4/81 F₃ + 4/243 F₄ and 4/81 F₃ + 8/243 F₄ are to be the changes
+        dense[4, j] = 243.0 / 4.0 * (two - one)
+        dense[3, j] = 81.0 / 4.0 * one - dense[4, j] / 3.0
+
+
+def interpolated(d, j, theta):
+    """Component j of z at the fraction θ of the last step."""
+    own, total = d.implicit, 0.0
+    for i, (linear, square, cube) in _DENSE:
+        total += theta * (linear + theta * (square + theta * cube)) * own.stage[i, j]
+    return own.start[j] + d.step.size * total
+
+
+def clearance_curvature(d, k):
+    """Bound on |g̈| [m/s²] of the k-th active contact over the last step."""
+    square, cube = 0.0, 0.0
+    for i, (_, b, c) in _DENSE:
+        g = d.implicit.stage[i, gap_at(d, k)]
+        square += b * g
+        cube += c * g
+    # g = g₀ + h (c₁θ + c₂θ² + c₃θ³)
+    return (2.0 * abs(square) + 6.0 * abs(cube)) / d.step.size
+
+
+_DENSE = tuple(ros34pw2.DENSE.items())

@@ -1,0 +1,57 @@
+"""Which method takes the next step.
+
+The explicit one is better as long as accuracy limits its step: in flight and in impacts. In sustained
+contact its stability does, or the order that it loses there. The fastest motion of a contact has the rate
+ρ = max(c/m, √(k/m)), with m the effective mass at its onset; the explicit method is stable for about hρ < 6.
+Impacts are resolved with hρ below 1, so explicit steps beyond STIFF tell that the contact lasts; that needs
+no evaluation to see. An implicit step costs a third of an explicit one: when it is shorter than
+NOT_STIFF, explicit steps get further for the same work, and more accurately.
+"""
+
+import math
+
+from chain_impact.kernel.model.contact import contact_slopes
+
+AUTO, EXPLICIT, IMPLICIT = 1, 2, 3  # solver.method
+STIFF = 2.5  # hρ of explicit steps that implicit ones could replace
+NOT_STIFF = 2.0  # hρ of implicit steps that explicit ones could replace
+PATIENCE = 4  # steps in a row that have to agree
+
+
+def choose_method(d):
+    """Decide on the method of the next step, with the points located at its start."""
+    step = d.step
+    if d.contact.impulsive:
+        explicit_again(step)  # nothing is stiff
+    elif d.solver.method != AUTO:
+        step.implicit = d.solver.method == IMPLICIT
+    elif d.touch.active_count == 0:
+        explicit_again(step)
+    elif step.end > step.start:  # not just restarted
+        z = (step.end - step.start) * fastest_rate(d)
+        doubtful = z < NOT_STIFF if step.implicit else z > STIFF
+        step.doubts = step.doubts + 1 if doubtful else 0
+        if step.doubts >= step.patience:
+            step.doubts = 0
+            if step.implicit:
+                # came in vain: wait longer before the next try
+                step.patience *= 2
+            step.implicit = 1 - step.implicit
+
+
+def explicit_again(step):
+    """Begin a new phase, in which the explicit method has the first word."""
+    step.implicit = 0
+    step.doubts = 0
+    step.patience = PATIENCE
+
+
+def fastest_rate(d):
+    """The largest max(c/m, √(k/m)) [1/s] of the active contacts, for the located points."""
+    fastest = 0.0
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        stiffness, damping = contact_slopes(d, c)
+        mass = d.touch.effective_mass[c]
+        fastest = max(fastest, damping / mass, math.sqrt(stiffness / mass))
+    return fastest

@@ -1,0 +1,1 @@
+"""The contact laws, their registry, and a user's law."""

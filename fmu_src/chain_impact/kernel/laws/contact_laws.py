@@ -1,0 +1,351 @@
+"""The contact laws.
+
+    F = max(0, K δⁿ + d δᵖ δ̇)
+
+K stiffness [N/mⁿ], δ penetration [m], δ̇ its rate [m/s]. The damping d is found once for a contact, at its
+onset, from a factor that the law makes of the prescribed restitution e: f(e), below. Three kinds of laws:
+
+- The Hunt–Crossley family, F = K δⁿ (1 + λ δ̇/v₀): p = n, f = λ and d = λ K/v₀, with v₀ the approach speed at
+  the onset [m/s]. Its restitution depends on λ alone: the realised one, e′, solves
+  λ(1 + e′) = ln[(1+λ)/(1−λe′)], so e′ = [1 + W₀(−(1+λ)e^{−(1+λ)})]/λ with Lambert's W.
+- Laws with another power p of the penetration in their damping, for one exponent n. Their d needs the mass of
+  the impact: the effective mass m of the chain at the contact [kg].
+- Rigid walls, with impulses in place of a force: no d at all (impulses.py).
+
+The relations are derived in docs/contact_laws.md. A law's place in this file is its number in the FMU, so new
+laws go to the end.
+"""
+
+import math
+
+from chain_impact.kernel.laws.registry import CONTACT_LAWS, contact_law
+
+# ---- the Hunt–Crossley family ---------------------------------------------------------------------------
+
+
+@contact_law("Hertz", "Hertz 1881, J Reine Angew Math 92:156", "0", accurate=(1.0, 1.0), evidence="A")
+def hertz(e):
+    """Elastic: no dissipation, whatever e."""
+    return 0.0 * e
+
+
+@contact_law(
+    "Hunt & Crossley",
+    "Hunt & Crossley 1975, J Appl Mech 42:440",
+    "3(1−e)/2",
+    accurate=(0.785, 1.0),
+    evidence="A",
+)
+def hunt_crossley(e):
+    """For e near 1: energy lost along the elastic path."""
+    return 1.5 * (1.0 - e)
+
+
+@contact_law(
+    "Herbert & McWhannell",
+    "Herbert & McWhannell 1977, J Eng Ind 99:513",
+    "6(1−e)/[(2e−1)²+3]",
+    accurate=(0.66, 1.0),
+    evidence="B",
+)
+def herbert_mcwhannell(e):
+    """Impact of a gear pair, integrated over the contact."""
+    return 6.0 * (1.0 - e) / ((2.0 * e - 1.0) ** 2 + 3.0)
+
+
+@contact_law(
+    "Lee & Wang",
+    "Lee & Wang 1983, J Mech Transm Autom Des 105:534",
+    "3(1−e)/4",
+    accurate=(0.915, 1.0),
+    evidence="B",
+)
+def lee_wang(e):
+    """Half the damping of Hunt and Crossley: for e close to 1."""
+    return 0.75 * (1.0 - e)
+
+
+@contact_law(
+    "Lankarani & Nikravesh",
+    "Lankarani & Nikravesh 1990, J Mech Des 112:369",
+    "3(1−e²)/4",
+    accurate=(0.82, 1.0),
+    evidence="B, recomputed",
+)
+def lankarani_nikravesh(e):
+    """For e near 1: energy lost, from momentum balance, along the elastic path."""
+    return 0.75 * (1.0 - e * e)
+
+
+@contact_law(
+    "Gonthier et al.",
+    "Gonthier, McPhee, Lange & Piedbœuf 2004, Multibody Syst Dyn 11:209",
+    "(1−e²)/e",
+    accurate=(0.0, 1.0),
+    evidence="A",
+    allows_zero=False,
+)
+def gonthier(e):
+    """Close for all e: the largest error of the realised restitution is 0.032."""
+    return (1.0 - e * e) / e
+
+
+@contact_law(
+    "Zhang & Sharf",
+    "Zhang & Sharf 2009, J Appl Mech 76:051002",
+    "root of λ(1+e) = ln[(1+λ)/(1−λe)]",
+    accurate=(0.0, 1.0),
+    evidence="derived; after the paper",
+    allows_zero=False,
+)
+def zhang_sharf(e):
+    """Exact for all e: the realised restitution is the prescribed one."""
+    if e >= 1.0:
+        return 0.0
+    u = 1.0 - e
+    # Near e = 1 the root is a difference of nearly equal numbers; this series is exact to u⁵
+    if u < 1e-3:
+        return u * (1.5 + u * (1.5 + u * (1.35 + u * 1.2)))
+    # With d = λe = 1 − e^{−s} the equation reads s − d(1 + 1/e) + ln(1 + d/e) = 0. It is well conditioned
+    # in s, and not in d: below e ≈ 0.03 d is 1 to double precision. The left side falls from 0, then rises
+    # through its one positive root, convex: from beyond it Newton's method comes down to it.
+    s, before = 2.0 + 2.0 / e, math.inf
+    while s < before:
+        d = -math.expm1(-s)
+        value = s - d * (1.0 + 1.0 / e) + math.log1p(d / e)
+        slope = 1.0 - (1.0 - d) * (1.0 + 1.0 / e - 1.0 / (e + d))
+        before, s = s, s - value / slope
+    return -math.expm1(-s) / e
+
+
+@contact_law(
+    "Zhiying & Qishao",
+    "Zhiying & Qishao 2006, J Dyn Control 4:294",
+    "¾(1−e²)e^{2(1−e)}",
+    accurate=(0.335, 1.0),
+    evidence="B",
+)
+def zhiying_qishao(e):
+    """Lankarani and Nikravesh, corrected for lower e."""
+    return 0.75 * (1.0 - e * e) * math.exp(2.0 * (1.0 - e))
+
+
+@contact_law(
+    "Ye, Li & Zhu",
+    "Ye, Li & Zhu 2009, Earthq Eng Struct Dyn 38:1135",
+    "8(1−e)/(5e)",
+    accurate=(0.54, 1.0),
+    evidence="A",
+    allows_zero=False,
+)
+def ye(e):
+    """Pounding of buildings; the formula that Flores et al. found too."""
+    return 1.6 * (1.0 - e) / e
+
+
+@contact_law(
+    "Flores et al.",
+    "Flores, Machado, Silva & Martins 2011, Multibody Syst Dyn 25:357",
+    "8(1−e)/(5e)",
+    accurate=(0.54, 1.0),
+    evidence="A",
+    allows_zero=False,
+)
+def flores(e):
+    """For soft materials too: the damping grows without bound as e → 0."""
+    return 1.6 * (1.0 - e) / e
+
+
+@contact_law(
+    "Gharib & Hurmuzlu",
+    "Gharib & Hurmuzlu 2012, J Appl Mech 79:064506",
+    "1/e",
+    accurate=(0.0, 0.28),
+    evidence="C",
+    allows_zero=False,
+)
+def gharib_hurmuzlu(e):
+    """For low e only: at e = 1 the realised restitution is 0.594."""
+    return 1.0 / e
+
+
+@contact_law(
+    "Hu & Guo",
+    "Hu & Guo 2015, Multibody Syst Dyn 35:131",
+    "3(1−e)/(2e)",
+    accurate=(0.405, 1.0),
+    evidence="C",
+    allows_zero=False,
+)
+def hu_guo(e):
+    """Energy lost along the damped path."""
+    return 1.5 * (1.0 - e) / e
+
+
+@contact_law(
+    "Carvalho & Martins",
+    "Carvalho & Martins 2019, Mech Mach Theory 139:174",
+    "(3/2)(1−e)(11−e)/(1+9e)",
+    accurate=(0.21, 1.0),
+    evidence="A",
+)
+def carvalho_martins(e):
+    """A rational fit to the exact relation, in use down to e ≈ 0.2."""
+    return 1.5 * (1.0 - e) * (11.0 - e) / (1.0 + 9.0 * e)
+
+
+# ---- damping with a mass and another power of the penetration ---------------------------------------------
+
+
+@contact_law(
+    "Kelvin–Voigt",
+    "Anagnostopoulos 1988, Earthq Eng Struct Dyn 16:443; 2004, 33:897",
+    "2ζ, ζ = −ln e/√(π²+ln²e)",
+    exponent=1.0,
+    rate_exponent=0.0,
+    mass_power=0.5,
+    accurate=(0.611, 1.0),
+    evidence="C, recomputed",
+    allows_zero=False,
+)
+def kelvin_voigt(e):
+    """Spring and dashpot: the force jumps at the onset. Its f is that of a contact that can pull.
+
+    Cut off at 0, it realises e^(1 − (2/π) arctan(−ln e/π)).
+    """
+    return _logarithmic_damping(2.0, e)
+
+
+@contact_law(
+    "Tsuji, Tanaka & Ishida",
+    "Tsuji, Tanaka & Ishida 1992, Powder Technol 71:239; α after Antypov & Elliott 2011, EPL 94:50004",
+    "α = −√5 ln e/√(π²+ln²e)",
+    exponent=1.5,
+    rate_exponent=0.25,
+    mass_power=0.5,
+    accurate=(0.611, 1.0),
+    evidence="C, recomputed",
+    allows_zero=False,
+)
+def tsuji(e):
+    """Kelvin–Voigt in δ^(5/4), with the same restitution. The force rises steeply, as δ^¼."""
+    return _logarithmic_damping(math.sqrt(5.0), e)
+
+
+def _logarithmic_damping(scale, e):
+    """A multiple of the damping ratio ζ of a linear oscillator whose half-cycles shrink to e."""
+    return -scale * math.log(e) / math.sqrt(math.pi * math.pi + math.log(e) ** 2)
+
+
+@contact_law(
+    "Jankowski",
+    "Jankowski 2005, Earthq Eng Struct Dyn 34:595",
+    "2ξ, ξ = (9√5/2)(1−e²)/{e[e(9π−16)+16]}",
+    exponent=1.5,
+    rate_exponent=0.25,
+    mass_power=0.5,
+    approach_only=True,
+    accurate=(0.164, 1.0),
+    evidence="C, recomputed",
+    allows_zero=False,
+)
+def jankowski(e):
+    """For pounding of buildings: damped on approach only, so never pulls. The force rises as δ^¼."""
+    return 9.0 * math.sqrt(5.0) * (1.0 - e * e) / (e * (e * (9.0 * math.pi - 16.0) + 16.0))
+
+
+@contact_law(
+    "Kuwabara & Kono",
+    "Kuwabara & Kono 1987, Jpn J Appl Phys 26:1230",
+    "root of e′ = e at 1 m/s",
+    exponent=1.5,
+    rate_exponent=0.5,
+    mass_power=0.4,
+    accurate=(0.0, 1.0),
+    evidence="derived; after the paper",
+    allows_zero=False,
+)
+def kuwabara_kono(e):
+    """Viscoelastic spheres: the prescribed e is that of a free impact at 1 m/s.
+
+    Slower impacts rebound better and faster ones worse: restitution depends on f v₀^(1/5).
+    """
+    if not e > 0.0:
+        return math.inf
+    if 1.0 - e < 1e-6:
+        return (1.0 - e) / 1.153449
+    # e′(f) falls from 1, as 1 − 1.153449 f, and tends to 1.31 f^(−5/3)
+    low, high = 0.0, 2.0 * e**-0.6
+    while high - low > 1e-14 * high:
+        middle = 0.5 * (low + high)
+        if viscoelastic_rebound(middle) > e:
+            low = middle
+        else:
+            high = middle
+    return 0.5 * (low + high)
+
+
+def viscoelastic_rebound(damping):
+    """The restitution e′ of m = K = v₀ = 1 under F = max(0, δ^{3/2} + g δ^{1/2} δ̇), for the damping g.
+
+    In z = √δ, w = δ̇ and a variable s with dt = 2z ds the equations are those of a polynomial,
+    dz/ds = w, dw/ds = −2z²(z² + g w). While F > 0, w falls; −e′ is its minimum.
+    """
+    h = 1e-3 / (1.0 + damping) ** (1.0 / 3.0)
+    z, w, slope = 0.0, 1.0, 0.0
+    while True:
+        # the classical method of Runge and Kutta, of order 4
+        z1, w1 = w, slope
+        z2, w2 = w + 0.5 * h * w1, _slowing(z + 0.5 * h * z1, w + 0.5 * h * w1, damping)
+        z3, w3 = w + 0.5 * h * w2, _slowing(z + 0.5 * h * z2, w + 0.5 * h * w2, damping)
+        z4, w4 = w + h * w3, _slowing(z + h * z3, w + h * w3, damping)
+        z += h * (z1 + 2.0 * (z2 + z3) + z4) / 6.0
+        before, last = w, slope
+        w += h * (w1 + 2.0 * (w2 + w3) + w4) / 6.0
+        slope = _slowing(z, w, damping)
+        if w < 0.0 and (slope >= 0.0 or z <= 0.0):
+            # the slope is all but linear over the step: w falls on until it is zero
+            return -(before + 0.5 * h * last * last / (last - slope))
+
+
+def _slowing(z, w, damping):
+    return -2.0 * z * z * (z * z + damping * w)
+
+
+# ---- rigid walls ------------------------------------------------------------------------------------------
+
+
+@contact_law(
+    "Newton",
+    "Newton 1687, Principia; Moreau 1988, CISM Courses 302:1",
+    "none: u⁺ = −e u⁻",
+    accurate=(0.0, 1.0),
+    evidence="C",
+    impulsive=True,
+)
+def newton_impact(e):
+    """Rigid walls, the limit of all the others: impulses of no duration in place of a force."""
+    return 0.0 * e
+
+
+def _dispatch(functions):
+    """One compiled function of (number, e) over all laws: the registry is the only list of them."""
+    first, rest = functions[0], functions[1:]
+    if not rest:
+        return lambda _number, e: first(e)
+    others = _dispatch(rest)
+    return lambda number, e: first(e) if number == 1 else others(number - 1, e)
+
+
+__all__ = ["CONTACT_LAWS", "LAW_COUNT", "NEWTON_IMPACT", "contact_law", "damping_factor"]
+
+_LAWS = tuple(CONTACT_LAWS.values())
+LAW_COUNT = len(_LAWS)
+NEWTON_IMPACT = CONTACT_LAWS["newton_impact"].number
+damping_factor = _dispatch(tuple(law.damping_factor for law in _LAWS))
+# for the kernel, where ANY stands for "any exponent" and "as the exponent"
+ANY = -1.0
+EXPONENTS = tuple(ANY if law.exponent is None else law.exponent for law in _LAWS)
+RATE_EXPONENTS = tuple(ANY if law.rate_exponent is None else law.rate_exponent for law in _LAWS)
+MASS_POWERS = tuple(law.mass_power for law in _LAWS)
+APPROACH_ONLY = tuple(int(law.approach_only) for law in _LAWS)

@@ -1,0 +1,1 @@
+"""The equations of motion: geometry and force of contact, constraints of rigid walls."""

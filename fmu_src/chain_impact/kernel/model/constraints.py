@@ -1,0 +1,176 @@
+"""Touching points of a rigid wall: the impulses or forces that bring them where they have to be.
+
+A rigid wall has no force law. The touching candidates k have normal motions u_k, rates or accelerations, and
+impulses p_k change them by the recursion's response: M Δ = Jᵀ p, u = u⁻ + J Δ = u⁻ + W p, W = J M⁻¹ Jᵀ. Two
+problems come up:
+
+    equality          u_k = aim_k for the pressed candidates, p_k = 0 for the others       (``press``)
+    complementarity   p ≥ 0,  u ≥ aim,  p·(u − aim) = 0                                    (``complement``)
+
+W is never formed. With an impedance D at the pressed points the recursion solves, in O(N),
+
+    (M + Jᵀ D J) z = Jᵀ D m,   p ← p + D (m − J z),   m = aim − u,
+
+the step of an augmented Lagrangian: each sweep leaves about 1/(D W) of what was missing, as far as round-off
+lets it, and it needs no independent constraints. D is a million times a link's mass, so a few sweeps do.
+"""
+
+import math
+
+from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points, move_points, zero
+from chain_impact.kernel.chain.recursion import factorize, solve
+from chain_impact.kernel.model.geometry import add_across_wall, add_along_normal, along_normal, clearance
+
+STIFF = 1e6  # D over the mean mass of a link
+MOST_SWEEPS = 30
+ROUND_OFF = 1e-15  # of the largest motion, what may be missing at the end
+DOUBT = 1e-12  # of the largest, a sign within it means nothing
+PATIENCE = 3  # rounds in which flipping all may bring no gain
+ROUNDS = 30  # of flips, and 4 for each candidate: far more than ever needed
+
+
+def respond_to_impulses(d, factors, impulse):
+    """Set ``change`` of the coordinates and ``motion`` of the points that impulses [N·s] bring about."""
+    work, n = d.work, d.links
+    change = d.rigid.change
+    zero(work.load)
+    for k in range(d.touch.active_count):
+        add_along_normal(d, d.touch.active_index[k], work.load, impulse[k])
+    solve(d, work.link, factors, work.load, change[0:2], change[2 : n + 2])
+    move_points(work.link, change[0:2], change[2 : n + 2], work.motion)
+
+
+def eliminate_impedance(d, impedance, factors):
+    """Eliminate M + Jᵀ D J for the located points, with an impedance D [kg] at those that are pressed."""
+    zero(d.work.load)
+    for k in range(d.touch.active_count):
+        if d.rigid.pressed[k]:
+            add_across_wall(d, d.touch.active_index[k], d.work.load, impedance)
+    factorize(d, d.work.link, d.work.load, factors)
+
+
+def press(d, scale):
+    """Find the impulses that bring the pressed candidates from ``start`` to ``aim``; the others have none.
+
+    Args:
+        d: the instance, with the points located; ``d.rigid`` holds the problem and, afterwards, p in
+            ``impulse``, u in ``reached`` and Δ in ``change``.
+        scale: the largest motion of a point, which round-off is relative to.
+    """
+    own, count = d.rigid, d.touch.active_count
+    mean = d.model.energy / (d.model.size * d.model.size * d.links)
+    impedance = STIFF * mean
+    eliminate_impedance(d, 0.0, d.work.factors)
+    eliminate_impedance(d, impedance, own.factors)
+    for k in range(count):
+        own.impulse[k] = 0.0
+    before = math.inf
+    for _ in range(MOST_SWEEPS):
+        respond_to_impulses(d, d.work.factors, own.impulse)
+        worst = 0.0
+        for k in range(count):
+            own.reached[k] = own.start[k] + along_normal(d, d.touch.active_index[k], d.work.motion)
+            # m = aim − u
+            own.missing[k] = own.aim[k] - own.reached[k] if own.pressed[k] else 0.0
+            worst = max(worst, abs(own.missing[k]))
+        if worst <= ROUND_OFF * scale or not worst < 0.5 * before:
+            return
+        before = worst
+        # (M + Jᵀ D J) z = Jᵀ D m,  p ← p + D (m − J z)
+        for k in range(count):
+            own.missing[k] *= impedance
+        respond_to_impulses(d, own.factors, own.missing)
+        for k in range(count):
+            if own.pressed[k]:
+                back = impedance * along_normal(d, d.touch.active_index[k], d.work.motion)
+                own.impulse[k] += own.missing[k] - back
+
+
+def complement(d, scale):
+    """Find p ≥ 0, u ≥ aim, p·(u − aim) = 0, from the guess which are ``pressed``; see ``press``.
+
+    Block principal pivoting (after Júdice & Pires 1994, Comput Oper Res 21:587): who pulls is let go and who
+    falls short is pressed, all at once as long as fewer and fewer are wrong, else only the last of them,
+    which is bound to end when W is positive definite (Murty 1974, Linear Algebra Appl 9:65).
+    """
+    own, count = d.rigid, d.touch.active_count
+    fewest, patience = count + 1, PATIENCE
+    for _ in range(ROUNDS + 4 * count):
+        press(d, scale)
+        wrong = count_wrong(d, scale)
+        if wrong == 0:
+            return
+        if wrong < fewest:
+            fewest, patience = wrong, PATIENCE
+        else:
+            patience -= 1
+        for i in range(count):
+            k = count - 1 - i
+            if own.wrong[k]:
+                own.pressed[k] = 1 - own.pressed[k]
+                if patience < 0:
+                    break
+
+
+def count_wrong(d, scale):
+    """Mark the candidates that pull, or fall short of their aim by more than round-off; return how many."""
+    own, largest, wrong = d.rigid, 0.0, 0
+    for k in range(d.touch.active_count):
+        largest = max(largest, abs(own.impulse[k]))
+    for k in range(d.touch.active_count):
+        if own.pressed[k]:
+            own.wrong[k] = own.impulse[k] < -DOUBT * largest
+        else:
+            own.wrong[k] = own.reached[k] < own.aim[k] - DOUBT * scale
+        wrong += own.wrong[k]
+    return wrong
+
+
+def holding(d):
+    """Whether rigid walls hold a point."""
+    return d.contact.impulsive and d.touch.active_count > 0
+
+
+def press_all(d):
+    """Make every touching candidate a pressed one, that is to come to rest."""
+    for k in range(d.touch.active_count):
+        d.rigid.pressed[k] = 1
+        d.rigid.aim[k] = 0.0
+
+
+def start_from_accelerations(d, y, rate):
+    """Set ``start`` to the g̈ of the touching candidates for a rate ẏ; return the largest |a| of a point."""
+    accelerate_points(d, y, rate)
+    for k in range(d.touch.active_count):
+        d.rigid.start[k] = along_normal(d, d.touch.active_index[k], d.work.acceleration)
+    return largest(d.work.acceleration)
+
+
+def hold(d, y, rate):
+    """Correct a rate ẏ, found without contact forces, by the forces with which the walls hold: g̈ = 0.
+
+    The forces [N] stand in ``d.rigid.impulse`` then; they do no work.
+    """
+    own, n = d.rigid, d.links
+    scale = start_from_accelerations(d, y, rate)
+    press_all(d)
+    press(d, scale)
+    for j in range(n + 2):
+        rate[n + 2 + j] += own.change[j]
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        own.least[c] = min(own.least[c], own.impulse[k])
+
+
+def meet_walls(d, y):
+    """Move the located state y to g = 0 and ġ = 0 of the held contacts, so that errors do not add up."""
+    own, n = d.rigid, d.links
+    for derivative in range(2):
+        press_all(d)
+        for k in range(d.touch.active_count):
+            gap, gap_rate = clearance(d, d.touch.active_index[k])
+            own.start[k] = gap_rate if derivative else gap
+        press(d, largest(d.work.velocity) if derivative else d.model.size)
+        for j in range(n + 2):
+            y[derivative * (n + 2) + j] += own.change[j]
+        locate_points(d, y)

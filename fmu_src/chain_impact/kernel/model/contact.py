@@ -1,0 +1,111 @@
+"""Contact of points with walls: clearance, penetration, rate and the generalized force.
+
+A candidate is a pair of a point and a wall. The clearance g of a candidate is positive when apart; the
+penetration is δ = −g and its rate δ̇ > 0 while compressing.
+"""
+
+from chain_impact.kernel.chain.kinematics import move_points, zero
+from chain_impact.kernel.chain.recursion import factorize, solve
+from chain_impact.kernel.model.contact_force import (
+    elastic_depth,
+    elastic_energy,
+    latch_damping,
+    law_force,
+    law_slopes,
+)
+from chain_impact.kernel.model.geometry import add_along_normal, along_normal, clearance
+
+
+def contact_force(d, c, gap, gap_rate):
+    """Force [N] of an active candidate at a clearance [m] and its rate [m/s], and dissipated power [W]."""
+    # at the onset the clearance is 0 to round-off, and a force that jumps there has jumped
+    force, elastic = law_force(d, c, max(0.0, -gap), -gap_rate)
+    # what the elastic part does not store is lost: (F − K δⁿ) δ̇ ≥ 0
+    return force, (elastic - force) * gap_rate
+
+
+def apply_contact(d, c, gap, gap_rate):
+    """Add the force of an active candidate to the load on its point; return the dissipated power [W]."""
+    force, power = contact_force(d, c, gap, gap_rate)
+    add_along_normal(d, c, d.work.load, force)
+    return power
+
+
+def clear_loads(d):
+    """Set the loads on the points to the inputs alone."""
+    zero(d.work.load)
+    tip = len(d.work.load.x) - 1
+    d.work.load.x[tip] = d.inputs.tip_force[0]
+    d.work.load.y[tip] = d.inputs.tip_force[1]
+
+
+def apply_contacts(d):
+    """Set the loads for the located points and return the power [W] dissipated by the contacts."""
+    clear_loads(d)
+    dissipated = 0.0
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        gap, gap_rate = clearance(d, c)
+        dissipated += apply_contact(d, c, gap, gap_rate)
+    return dissipated
+
+
+def stored_energy(d):
+    """Elastic energy [J] of the active contacts, for the located points."""
+    energy = 0.0
+    for k in range(d.touch.active_count):
+        gap, _ = clearance(d, d.touch.active_index[k])
+        if gap < 0.0 and not d.contact.impulsive:
+            energy += elastic_energy(d.contact, -gap)
+    return energy
+
+
+def contact_slopes(d, c):
+    """∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of an active candidate, for the located points; 0 where F is."""
+    gap, gap_rate = clearance(d, c)
+    return law_slopes(d, c, max(0.0, -gap), -gap_rate)
+
+
+def latch(d, c):
+    """Begin the contact of candidate c at the located points: fix v₀, effective mass and expected depth."""
+    _, gap_rate = clearance(d, c)
+    touch = d.touch
+    touch.onset[c] = d.step.end
+    touch.onset_speed[c] = 0.0 - gap_rate  # not −0
+    touch.impact_speed[c] = max(-gap_rate, d.contact.minimum_impact_speed)
+    touch.speed[c] = -gap_rate
+    touch.force_rate[c] = 1.0  # rising
+    touch.peak_force[c] = 0.0
+    touch.max_penetration[c] = 0.0
+    touch.effective_mass[c] = effective_mass(d, c)
+    if d.contact.impulsive:
+        touch.depth_scale[c] = d.model.size  # no depth to be exact about
+    else:
+        touch.depth_scale[c] = elastic_depth(d.contact, touch.effective_mass[c], touch.impact_speed[c])
+        latch_damping(d, c)
+    d.impact.count += 1
+    d.impact.last_time = d.step.end
+    d.impact.last_point = d.candidate.point[c]
+    d.impact.last_wall = d.candidate.wall[c] + 1
+    d.impact.last_speed = touch.onset_speed[c]
+
+
+def drop_events(d):
+    """Forget the events found in the last step."""
+    for c in range(d.candidates):
+        d.touch.event[c] = 0
+
+
+def effective_mass(d, c):
+    """1/(J M⁻¹ Jᵀ) [kg] of candidate c at the located points: what a blow along its normal has to move.
+
+    Leaves the response M⁻¹ Jᵀ to a unit impulse in ``work.y``.
+    """
+    work = d.work
+    n = d.links
+    zero(work.load)
+    factorize(d, work.link, work.load, work.factors)
+    add_along_normal(d, c, work.load, 1.0)
+    solve(d, work.link, work.factors, work.load, work.y[0:2], work.y[2 : n + 2])
+    move_points(work.link, work.y[0:2], work.y[2 : n + 2], work.motion)
+    return 1.0 / along_normal(d, c, work.motion)

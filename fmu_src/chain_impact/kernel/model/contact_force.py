@@ -1,0 +1,122 @@
+"""The force of a contact, F = max(0, K δⁿ + d δᵖ δ̇), its slopes and what is stored in it.
+
+The damping d is latched at the onset; of the laws in contact_laws.py, only what they make of it is left here.
+A user's law (user_law.py) is a force of its own.
+"""
+
+import math
+
+from chain_impact.kernel.laws import user_law
+from chain_impact.kernel.laws.contact_laws import LAW_COUNT, MASS_POWERS
+
+USER_LAW = LAW_COUNT + 1  # its number, in a kernel that holds one
+DIFFERENCE = 1e-5  # of penetration and speed, for its slopes
+
+
+def power(depth, exponent):
+    """δ^exponent for δ ≥ 0, without pow() for the usual exponents."""
+    if exponent == 1.5:
+        return depth * math.sqrt(depth)
+    if exponent == 1.0:
+        return depth
+    if exponent == 0.0:
+        return 1.0
+    if exponent == 0.5:
+        return math.sqrt(depth)
+    if exponent == 0.25:
+        return math.sqrt(math.sqrt(depth))
+    return depth**exponent
+
+
+def elastic_force(contact, penetration):
+    """K δⁿ [N] for a penetration δ ≥ 0 [m]."""
+    return contact.stiffness * power(penetration, contact.exponent)
+
+
+def elastic_energy(contact, penetration):
+    """K δⁿ⁺¹/(n+1) [J] for a penetration δ ≥ 0 [m]."""
+    return elastic_force(contact, penetration) * penetration / (contact.exponent + 1.0)
+
+
+def elastic_depth(contact, mass, speed):
+    """Penetration [m] at which a mass [kg] arriving at a speed [m/s] has given its energy to the spring."""
+    # K δⁿ⁺¹/(n+1) = ½ m v²
+    energy = 0.5 * mass * speed * speed
+    return (energy * (contact.exponent + 1.0) / contact.stiffness) ** (1.0 / (contact.exponent + 1.0))
+
+
+def latch_damping(d, c):
+    """Set the damping d [N·s/m^(p+1)] of candidate c, for the v₀ and effective mass of its contact."""
+    contact, touch = d.contact, d.touch
+    mass_power = MASS_POWERS[contact.law - 1] if contact.law <= LAW_COUNT else 0.0
+    if mass_power == 0.0:
+        # λ K/v₀
+        touch.damping[c] = contact.damping_factor * contact.stiffness / touch.impact_speed[c]
+    else:
+        # f K^(1−s) m^s
+        ratio = touch.effective_mass[c] / contact.stiffness
+        touch.damping[c] = contact.damping_factor * contact.stiffness * ratio**mass_power
+
+
+def law_force(d, c, depth, rate):
+    """Force of candidate c at a penetration δ ≥ 0 [m] and its rate [m/s], and its elastic part K δⁿ [N]."""
+    contact = d.contact
+    spring = power(depth, contact.exponent)
+    elastic = contact.stiffness * spring
+    if contact.law == USER_LAW and user_law.present():
+        force = user_law.force(
+            depth,
+            rate,
+            d.touch.impact_speed[c],
+            d.touch.effective_mass[c],
+            contact.stiffness,
+            contact.exponent,
+            contact.restitution,
+        )
+        # not max(), in which a NaN would be lost
+        return 0.0 if force < 0.0 else force, elastic
+    return max(0.0, elastic + damping_slope(d, c, depth, rate, spring) * rate), elastic
+
+
+def damping_slope(d, c, depth, rate, spring):
+    """∂F/∂δ̇ = d δᵖ [N·s/m] of candidate c where the force is not cut off, for spring = δⁿ."""
+    contact = d.contact
+    if contact.approach_only and rate < 0.0:
+        return 0.0
+    same = contact.rate_exponent == contact.exponent
+    return d.touch.damping[c] * (spring if same else power(depth, contact.rate_exponent))
+
+
+def law_slopes(d, c, depth, rate):
+    """∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of candidate c at a penetration δ ≥ 0 [m] and its rate; 0 where F is."""
+    force, elastic = law_force(d, c, depth, rate)
+    if force == 0.0:
+        return 0.0, 0.0
+    if d.contact.law == USER_LAW and user_law.present():
+        return user_slopes(d, c, depth, rate)
+    contact = d.contact
+    damping = damping_slope(d, c, depth, rate, power(depth, contact.exponent))
+    # ∂F/∂δ = (n K δⁿ + p d δᵖ δ̇)/δ ≥ (n−p) K δⁿ⁻¹ as F > 0, for n ≥ p
+    stiffness = contact.exponent * elastic + contact.rate_exponent * (force - elastic)
+    return stiffness / depth if depth > 0.0 else 0.0, damping
+
+
+def user_slopes(d, c, depth, rate):
+    """As ``law_slopes``, of a user's law, by differences; at least 0."""
+    step = DIFFERENCE * depth
+    low, _ = law_force(d, c, depth - step, rate)
+    high, _ = law_force(d, c, depth + step, rate)
+    stiffness = (high - low) / (2.0 * step) if step > 0.0 else 0.0
+    step = DIFFERENCE * (abs(rate) + d.touch.impact_speed[c])
+    low, _ = law_force(d, c, depth, rate - step)
+    high, _ = law_force(d, c, depth, rate + step)
+    return max(0.0, stiffness), max(0.0, (high - low) / (2.0 * step))
+
+
+def damping_share(d, c):
+    """What damping adds to the force of candidate c at v₀ and the expected depth, over its elastic part; ≥ 0.
+
+    It is λ for the Hunt–Crossley family.
+    """
+    force, elastic = law_force(d, c, d.touch.depth_scale[c], d.touch.impact_speed[c])
+    return max(0.0, force / elastic - 1.0)

@@ -1,0 +1,334 @@
+"""The recursion against two derivations that share nothing with it.
+
+Lagrange's equations by SymPy for up to three links, and the textbook form M(q)q̈ = h assembled with
+NumPy for up to a thousand.
+"""
+
+import functools
+
+import numpy as np
+import pytest
+import sympy
+
+from chain_impact.instance import new_instance
+from chain_impact.kernel.chain.kinematics import link_vectors, locate_points, move_points
+from chain_impact.kernel.chain.recursion import accelerations, factorize, solve
+from chain_impact.kernel.initialize import derive_chain, derive_law
+from chain_impact.kernel.model.contact_force import latch_damping
+from chain_impact.kernel.model.equations import mechanical_energy, state_rate
+from chain_impact.scene import WALLS, scene_from_dict
+from tests.plain import Plain
+from tests.reference import exact_damping_factor, generalized_force, mass_matrix, point_jacobian
+
+RESTITUTION, STIFFNESS, DEPTH = 0.5, 2e4, 1e-3
+IMPACT_SPEED = 60.0  # m/s, so high that the wall pushes at any speed of the point
+
+
+def random_links(rng, count):
+    """Links without any symmetry; the centre of mass may lie beyond the distal joint."""
+    return [
+        {
+            "length": rng.uniform(0.2, 1.5),
+            "mass": rng.uniform(0.2, 3.0),
+            "center_of_mass": rng.uniform(0.0, 1.6),
+            "inertia": rng.uniform(0.01, 0.5),
+            "joint_damping": rng.uniform(0.1, 2.0),
+        }
+        for _ in range(count)
+    ]
+
+
+def random_scene(rng, count, *, base="free", wall=None, point=1, with_gravity=True, with_damping=True):
+    links = random_links(rng, count)
+    if not with_damping:
+        links = [link | {"joint_damping": 0.0} for link in links]
+    far = 1e6 if wall is None or wall.endswith("max") else -1e6
+    table = {
+        "name": "Random",
+        "gravity": [2.3, -9.81] if with_gravity else [0.0, 0.0],
+        "chain": {"base": base, "links": links},
+        "box": {wall or "y_max": far},
+        "contact": {"points": [point], "restitution": RESTITUTION, "stiffness": STIFFNESS},
+        "inputs": {"joint_torques": True, "tip_force": True},
+        "initial": {"angles": [0.0] * count},
+    }
+    return scene_from_dict(table, "random")
+
+
+def instance(scene):
+    d = Plain(new_instance(scene)[0])
+    derive_chain(d["model"])
+    derive_law(d)
+    return d
+
+
+# --- SymPy: Lagrange's equations ------------------------------------------------------------------------
+
+
+@functools.cache
+def lagrange(count):
+    """Functions M(q…) and h(q…) of Lagrange's equations M q̈ = h, from T, V, Rayleigh's D and virtual work."""
+    n = count
+    q = sympy.symbols(f"x y theta0:{n}")
+    qd = sympy.symbols(f"vx vy omega0:{n}")
+    m, length, centre, inertia, damping, torque = (
+        sympy.symbols(f"{name}0:{n}") for name in ("m", "l", "c", "I", "d", "u")
+    )
+    gx, gy, pinned = sympy.symbols("gx gy pinned")
+    load = sympy.symbols(f"f0:{2 * (n + 1)}")
+    time_derivative = lambda e: sum(e.diff(a) * b for a, b in zip(q, qd, strict=True))  # noqa: E731
+
+    joint = sympy.Matrix(q[:2])
+    kinetic = potential = rayleigh = work = 0
+    for i in range(n):
+        work += load[2 * i] * joint[0] + load[2 * i + 1] * joint[1]
+        along = sympy.Matrix([sympy.cos(q[2 + i]), sympy.sin(q[2 + i])])
+        mass_centre = joint + centre[i] * along
+        velocity = mass_centre.applyfunc(time_derivative)
+        kinetic += m[i] * velocity.dot(velocity) / 2 + inertia[i] * qd[2 + i] ** 2 / 2
+        potential -= m[i] * (gx * mass_centre[0] + gy * mass_centre[1])
+        # joint i turns link i against link i − 1, the first one against the ground, if there is a joint
+        held = pinned if i == 0 else 1
+        before = (0, 0) if i == 0 else (q[1 + i], qd[1 + i])
+        rayleigh += held * damping[i] * (qd[2 + i] - before[1]) ** 2 / 2
+        work += held * torque[i] * (q[2 + i] - before[0])
+        joint = joint + length[i] * along
+    work += load[2 * n] * joint[0] + load[2 * n + 1] * joint[1]
+
+    lagrangian = kinetic - potential
+    momenta = [lagrangian.diff(rate) for rate in qd]
+    matrix = sympy.Matrix([[momentum.diff(rate) for rate in qd] for momentum in momenta])
+    right = sympy.Matrix(
+        [
+            lagrangian.diff(a) + work.diff(a) - rayleigh.diff(b) - time_derivative(momentum)
+            for a, b, momentum in zip(q, qd, momenta, strict=True)
+        ]
+    )
+    arguments = [q, qd, m, length, centre, inertia, damping, torque, (gx, gy), pinned, load]
+    return sympy.lambdify(arguments, matrix, cse=True), sympy.lambdify(arguments, right, cse=True)
+
+
+def lagrange_accelerations(scene, angles, velocities, torques, loads):
+    """q̈ = M⁻¹h, with ẍ₀ = ÿ₀ = 0 for a pinned base."""
+    links = scene.chain.links
+    pinned = scene.chain.base == "pinned"
+    names = ("mass", "length", "center_of_mass", "inertia", "joint_damping")
+    columns = [[getattr(link, name) for link in links] for name in names]
+    arguments = [(0.0, 0.0, *angles), velocities, *columns, torques, scene.gravity, pinned, loads.ravel()]
+    matrix, right = (np.array(f(*arguments), float) for f in lagrange(len(links)))
+    free = slice(2, None) if pinned else slice(None)
+    result = np.zeros(len(links) + 2)
+    result[free] = np.linalg.solve(matrix[free, free], right[free, 0])
+    return result
+
+
+EFFECTS = ("inertia", "gravity", "joint torques", "joint damping", "tip force", "contact", "all")
+
+
+@pytest.mark.parametrize("effect", EFFECTS)
+@pytest.mark.parametrize("base", ["free", "pinned"])
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_accelerations_are_lagranges(count, base, effect):
+    rng = np.random.default_rng(17 * count + len(base) + EFFECTS.index(effect))
+    has = {one: effect in (one, "all") for one in EFFECTS}
+    point, wall = int(rng.integers(1, count + 1)), "y_min"
+    scene = random_scene(
+        rng, count, base=base, wall=wall, point=point,
+        with_gravity=has["gravity"], with_damping=has["joint damping"],
+    )  # fmt: skip
+    check_against_lagrange(rng, scene, point, wall, has)
+
+
+@pytest.mark.parametrize("wall", WALLS)
+def test_every_wall_pushes_inwards(wall):
+    rng = np.random.default_rng(5)
+    scene = random_scene(rng, 2, wall=wall, point=1)
+    check_against_lagrange(rng, scene, 1, wall, dict.fromkeys(EFFECTS, True))
+
+
+def check_against_lagrange(rng, scene, point, wall, has):
+    """Compare ẏ with Lagrange's accelerations, and the powers with force times speed."""
+    n = len(scene.chain.links)
+    d = instance(scene)
+    y = np.zeros_like(d["work"]["y"])
+    rate = np.full_like(y, np.nan)
+    pinned = scene.chain.base == "pinned"
+    angles = y[2 : n + 2] = rng.uniform(-np.pi, np.pi, n)
+    omega = y[n + 4 : 2 * n + 4] = rng.uniform(-5.0, 5.0, n)
+    if not pinned:
+        y[:2], y[n + 2 : n + 4] = rng.uniform(-1.0, 1.0, 2), rng.uniform(-1.0, 1.0, 2)
+    velocities = y[n + 2 : 2 * n + 4]
+
+    torques, loads = np.zeros(n), np.zeros((n + 1, 2))
+    if has["joint torques"]:
+        torques = d["inputs"]["joint_torque"][:] = rng.uniform(-5.0, 5.0, n)
+    if has["tip force"]:
+        loads[n] = d["inputs"]["tip_force"][:] = rng.uniform(-5.0, 5.0, 2)
+    supplied = loads[n] @ point_jacobian(scene, angles, n) @ velocities
+    joints = np.diff(omega, prepend=0.0)
+    if not pinned:
+        joints[0] = 0.0  # there is no joint
+    supplied += torques @ joints
+    dissipated = sum(link.joint_damping * w**2 for link, w in zip(scene.chain.links, joints, strict=True))
+
+    if has["contact"]:
+        # put the wall where the point is 1 mm deep
+        axis, side = divmod(WALLS.index(wall), 2)
+        inward = 1 - 2 * side
+        place = y[axis] + sum(
+            link.length * (np.cos, np.sin)[axis](angle)
+            for link, angle in zip(scene.chain.links[:point], angles[:point], strict=True)
+        )
+        d["model"]["wall"][WALLS.index(wall)] = place + inward * DEPTH
+        d["touch"]["active"][0] = d["touch"]["active_count"] = 1
+        d["touch"]["impact_speed"][0] = IMPACT_SPEED
+        latch_damping(d, 0)
+        speed = -inward * (point_jacobian(scene, angles, point) @ velocities)[axis]
+        elastic = STIFFNESS * DEPTH**1.5
+        ratio = max(0.0, 1 + exact_damping_factor(RESTITUTION) * speed / max(IMPACT_SPEED, speed))
+        loads[point, axis] += inward * elastic * ratio
+        dissipated += elastic * (ratio - 1) * speed
+
+    state_rate(d, y, rate)
+
+    expected = lagrange_accelerations(scene, angles, velocities, torques, loads)
+    np.testing.assert_array_equal(rate[: n + 2], velocities)
+    np.testing.assert_allclose(
+        rate[n + 2 : 2 * n + 4], expected, rtol=0.0, atol=1e-11 * np.abs(expected).max()
+    )
+    assert rate[2 * n + 4] == pytest.approx(dissipated, rel=1e-11, abs=1e-12)
+    assert rate[2 * n + 5] == pytest.approx(supplied, rel=1e-11, abs=1e-12)
+
+
+# --- NumPy: the assembled equations ----------------------------------------------------------------------
+
+
+def long_chain(count, base, seed=2):
+    """A random chain without contacts in a random state, with loads on all points and links."""
+    rng = np.random.default_rng(seed)
+    table = {
+        "name": "Long",
+        "gravity": [2.3, -9.81],
+        "chain": {"base": base, "links": random_links(rng, count)},
+        "contact": {"points": []},
+        "initial": {"angles": [0.0] * count},
+    }
+    scene = scene_from_dict(table, "long")
+    angles, omega = rng.uniform(-np.pi, np.pi, count), rng.uniform(-5.0, 5.0, count)
+    loads, moments = rng.uniform(-20.0, 20.0, (count + 1, 2)), rng.uniform(-5.0, 5.0, count)
+    return scene, angles, omega, loads, moments
+
+
+def recursive_accelerations(scene, angles, omega, loads, moments):
+    d = instance(scene)
+    work = d["work"]
+    work["load"]["x"], work["load"]["y"] = loads.T
+    work["moment"] = moments
+    y = np.array([0.0, 0.0, *angles, 0.0, 0.0, *omega])
+    link_vectors(d, y)
+    rate = np.full(len(y), np.nan)
+    accelerations(d, y, rate)
+    return rate[len(angles) + 2 :]
+
+
+def assembled_equations(scene, *state):
+    """M and h of the coordinates that can move."""
+    free = slice(2, None) if scene.chain.base == "pinned" else slice(None)
+    return mass_matrix(scene, state[0])[free, free], generalized_force(scene, *state)[free], free
+
+
+@pytest.mark.parametrize("base", ["free", "pinned"])
+@pytest.mark.parametrize("count", [1, 5, 50])
+def test_accelerations_solve_the_assembled_equations(count, base):
+    problem = long_chain(count, base)
+    matrix, right, free = assembled_equations(*problem)
+    expected = np.linalg.solve(matrix, right)
+    found = recursive_accelerations(*problem)
+    assert found[free] == pytest.approx(expected, rel=0.0, abs=1e-11 * np.abs(expected).max())
+    if base == "pinned":
+        np.testing.assert_array_equal(found[:2], 0.0)
+
+
+def test_a_thousand_links_solve_the_assembled_equations():
+    """The residual must be round-off: of the size of ε |M| |q̈|, whatever the conditioning of M.
+
+    The solution itself can only agree to ε cond(M), for either method.
+    """
+    problem = long_chain(1000, "free")
+    matrix, right, _ = assembled_equations(*problem)
+    found = recursive_accelerations(*problem)
+    epsilon = np.finfo(float).eps
+    scale = np.abs(matrix) @ np.abs(found) + np.abs(right)
+    assert np.abs((matrix @ found - right) / scale).max() < 100.0 * epsilon
+    expected = np.linalg.solve(matrix, right)
+    allowed = 10.0 * epsilon * np.linalg.cond(matrix)
+    assert allowed < 1e-6  # else the comparison says nothing
+    assert np.abs(found - expected).max() < allowed * np.abs(expected).max()
+
+
+def test_acceleration_is_linear_in_the_load_and_reciprocal():
+    """Maxwell: a unit load at point j moves point k as one at k moves j, along each other's direction."""
+    scene, angles, _, loads, moments = long_chain(5, "free")
+    rest = np.zeros(5)
+
+    def response(point, axis):
+        load = np.zeros_like(loads)
+        load[point, axis] = 1.0
+        change = recursive_accelerations(scene, angles, rest, load, 0.0 * moments)
+        return change - recursive_accelerations(scene, angles, rest, 0.0 * load, 0 * moments)
+
+    places = [(point, axis) for point in range(6) for axis in range(2)]
+    rows = np.array([point_jacobian(scene, angles, point)[axis] for point, axis in places])
+    compliance = rows @ np.array([response(*place) for place in places]).T
+    assert compliance == pytest.approx(compliance.T, rel=1e-10, abs=1e-12)
+    assert np.linalg.eigvalsh(compliance).min() > -1e-12
+
+
+@pytest.mark.parametrize("base", ["free", "pinned"])
+@pytest.mark.parametrize("stiff", [0.0, 1.0, 1e8])
+@pytest.mark.parametrize("count", [1, 5, 50])
+def test_impulses_move_the_chain_and_its_impedances_as_assembled(count, stiff, base):
+    """(M + Jᵀ D J) q̇ = Jᵀ p for impulses p at the points, which carry the added inertias D along the axes."""
+    scene, angles, _, impulses, _ = long_chain(count, base)
+    d = instance(scene)
+    work, free = d["work"], slice(2, None) if base == "pinned" else slice(None)
+    added = stiff * np.random.default_rng(8).uniform(0.0, 1.0, (count + 1, 2))
+    added[::2] = 0.0
+    matrix, right = mass_matrix(scene, angles), np.zeros(count + 2)
+    for k in range(count + 1):
+        jacobian = point_jacobian(scene, angles, k)
+        matrix += jacobian.T @ np.diag(added[k]) @ jacobian
+        right += jacobian.T @ impulses[k]
+    expected = np.zeros(count + 2)
+    expected[free] = np.linalg.solve(matrix[free, free], right[free])
+
+    link_vectors(d, np.array([0.0, 0.0, *angles]))
+    found = np.full(count + 2, np.nan)
+    work["load"]["x"], work["load"]["y"] = added.T
+    factorize(d, work["link"], work["load"], work["factors"])
+    work["load"]["x"], work["load"]["y"] = impulses.T
+    solve(d, work["link"], work["factors"], work["load"], found[:2], found[2:])
+    # what an impedance holds fast moves by differences of what does not
+    accuracy = 1e-11 * max(1.0, stiff / 1e4)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=accuracy * np.abs(expected).max())
+
+    move_points(work["link"], found[:2], found[2:], work["motion"])
+    for k in range(count + 1):
+        moved = work["motion"]["x"][k], work["motion"]["y"][k]
+        np.testing.assert_allclose(moved, point_jacobian(scene, angles, k) @ found, rtol=0, atol=1e-12)
+
+
+def test_energy_is_that_of_the_assembled_mass_matrix():
+    """T = ½ q̇ᵀ M q̇, and V changes by −M g·Δ when the base moves by Δ."""
+    scene, angles, omega, *_ = long_chain(5, "free")
+    d = instance(scene)
+    y = np.concatenate([[0.3, -0.4], angles, [1.1, 0.7], omega, [0.0, 0.0]])
+    locate_points(d, y)
+    kinetic, potential = mechanical_energy(d, y)
+    velocities = y[7:14]
+    assert kinetic == pytest.approx(velocities @ mass_matrix(scene, angles) @ velocities / 2, rel=1e-13)
+    y[:2] += (2.0, 5.0)
+    locate_points(d, y)
+    rise = mechanical_energy(d, y)[1] - potential
+    weight = sum(link.mass for link in scene.chain.links) * np.array(scene.gravity)
+    assert rise == pytest.approx(-weight @ (2.0, 5.0), rel=1e-12)

@@ -1,0 +1,334 @@
+"""The explicit method: its order proved on the coefficients, and measured on flights with closed forms."""
+
+import functools
+import itertools
+import math
+
+import numpy as np
+import pytest
+from scipy.special import ellipj
+
+from chain_impact.instance import new_instance
+from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.integration import dop853
+from chain_impact.kernel.integration.dense import interpolate, rate_bounds
+from chain_impact.kernel.integration.explicit import accept, attempt, dense_output
+from chain_impact.kernel.model.equations import state_rate
+from chain_impact.simulate import Instance
+from tests.plain import Plain
+from tests.problems import FAR, ball, build, contact_table, rod
+
+STAGES = len(dop853.A)
+
+
+def dense(rows):
+    """Rows of {stage: coefficient} as a matrix over all stages."""
+    matrix = np.zeros((len(rows), STAGES))
+    for i, row in enumerate(rows):
+        matrix[i, list(row)] = list(row.values())
+    return matrix
+
+
+A, D = dense(dop853.A), dense(dop853.D)
+B, E5, E3 = dense([dop853.B, dop853.E5, dop853.E3])
+C = A.sum(axis=1)
+
+
+# --- the coefficients --------------------------------------------------------------------------------------
+
+
+@functools.cache
+def trees(order):
+    """The rooted trees with so many vertices, each the sorted tuple of the trees hanging from its root."""
+    if order == 1:
+        return ((),)
+    found = set()
+    for parts in partitions(order - 1, order - 1):
+        for children in itertools.product(*(trees(part) for part in parts)):
+            found.add(tuple(sorted(children)))
+    return tuple(sorted(found))
+
+
+def partitions(total, largest):
+    if total == 0:
+        yield ()
+    for part in range(min(total, largest), 0, -1):
+        for rest in partitions(total - part, part):
+            yield (part, *rest)
+
+
+def size(tree):
+    return 1 + sum(size(child) for child in tree)
+
+
+def density(tree):
+    """γ(t): the order condition of tree t is Σ b_i Φ_i(t) = 1/γ(t) (Butcher 1963)."""
+    return size(tree) * math.prod(density(child) for child in tree)
+
+
+def weights(tree):
+    """Φ_i(t) of the stages."""
+    return math.prod((A @ weights(child) for child in tree), start=np.ones(STAGES))
+
+
+def test_there_are_as_many_rooted_trees_as_cayley_counted():
+    assert [len(trees(order)) for order in range(1, 9)] == [1, 1, 2, 4, 9, 20, 48, 115]
+
+
+@pytest.mark.parametrize("order", range(1, dop853.ORDER + 1))
+def test_step_fulfils_every_order_condition(order):
+    for tree in trees(order):
+        assert B @ weights(tree) == pytest.approx(1 / density(tree), abs=1e-13)
+
+
+def test_step_is_of_no_higher_order():
+    assert max(abs(B @ weights(tree) - 1 / density(tree)) for tree in trees(dop853.ORDER + 1)) > 1e-6
+
+
+@pytest.mark.parametrize("power", range(8))
+def test_step_integrates_polynomials_exactly(power):
+    assert pytest.approx(1 / (power + 1), abs=1e-14) == B @ C**power
+
+
+@pytest.mark.parametrize(("estimate", "order"), [(E5, 5), (E3, 3)])
+def test_error_estimate_sees_nothing_up_to_its_order_and_something_beyond(estimate, order):
+    seen = [max(abs(estimate @ weights(tree)) for tree in trees(p)) for p in range(1, order + 2)]
+    assert max(seen[:-1]) < 1e-13
+    assert seen[-1] > 1e-6
+
+
+def test_stages_use_earlier_ones_only_and_the_last_stands_at_the_end():
+    assert (np.triu(A) == 0.0).all()
+    assert C[dop853.STEP_STAGES] == pytest.approx(1.0, abs=1e-14)
+    assert dop853.STEP_STAGES not in dop853.B
+    assert (C >= 0.0).all()
+    assert (C <= 1.0 + 1e-14).all()
+
+
+def interpolation_weights(theta):
+    """b_i(θ) of the interpolant θ(F₀ + (1−θ)(F₁ + θ(F₂ + …))), applied to every stage as a unit vector."""
+    first, last = np.eye(STAGES)[[0, dop853.STEP_STAGES]]
+    total = np.zeros(STAGES)
+    for m, row in enumerate([B, first - B, 2 * B - first - last, *D]):
+        total += theta ** (m // 2 + 1) * (1 - theta) ** ((m + 1) // 2) * row
+    return total
+
+
+@pytest.mark.parametrize("order", range(1, 8))
+def test_dense_output_fulfils_every_condition_of_order_7(order):
+    for theta, tree in itertools.product([0.1, 0.37, 0.5, 0.9], trees(order)):
+        expected = theta**order / density(tree)
+        assert interpolation_weights(theta) @ weights(tree) == pytest.approx(expected, abs=1e-12)
+
+
+# --- the step, as plain Python ---------------------------------------------------------------------------
+
+
+def started(scene):
+    d = Plain(new_instance(scene)[0])
+    assert initialize(d, 0.0) == 0
+    return d
+
+
+def step(d, h):
+    """One step of the size h, whatever its error; returns that."""
+    d["step"]["state_end"][-1] = 0.0  # the time since its start
+    state_rate(d, d["step"]["state_end"], d["work"]["stage"][0])
+    error = attempt(d, h)
+    accept(d, h)
+    dense_output(d)
+    return error
+
+
+SPIN = 4.0
+PENDULUM = build(
+    "Pendulum",
+    [{"length": 1.0, "mass": 2.0}],
+    {"angles": [-math.pi / 2], "angular_velocities": [SPIN]},
+    {"y_max": FAR},
+    contact_table(points=[1]),
+    gravity=9.81,
+    base="pinned",
+)
+FLYER = rod(0.4, 3.0, speed=-2.0, spin=8.0, gravity=9.81, box={"y_max": FAR}, points=[1])
+
+
+def pendulum_at(t):
+    """θ and ω of a hanging rod set off at ω₀: sin(φ/2) = k sn(Ωt, k), Ω² = 3g/(2L), k = ω₀/(2Ω)."""
+    frequency = math.sqrt(1.5 * 9.81)
+    k = SPIN / (2 * frequency)
+    sn, cn, _, _ = ellipj(frequency * t, k * k)
+    return np.array([2 * np.arcsin(k * sn) - math.pi / 2, 2 * k * frequency * cn])
+
+
+def flyer_at(t):
+    """Base, θ, base velocity and ω of a rod in flight: its centre on a parabola, its angle linear."""
+    initial = FLYER.initial
+    spin, angle = initial.angular_velocities[0], initial.angles[0] + initial.angular_velocities[0] * t
+
+    def arm(theta):
+        return 0.5 * np.array([math.cos(theta), math.sin(theta)])
+
+    def arm_rate(theta):
+        return 0.5 * spin * np.array([-math.sin(theta), math.cos(theta)])
+
+    start = np.array(initial.position) + arm(initial.angles[0])
+    velocity = np.array(initial.velocity) + arm_rate(initial.angles[0])
+    gravity = np.array([0.0, -9.81])
+    place = start + velocity * t + gravity * t**2 / 2 - arm(angle)
+    return np.concatenate([place, [angle], velocity + gravity * t - arm_rate(angle), [spin]])
+
+
+PROBLEMS = pytest.mark.parametrize(
+    ("scene", "exact", "columns"),
+    [(PENDULUM, pendulum_at, [2, 5]), (FLYER, flyer_at, [0, 1, 2, 3, 4, 5])],
+    ids=["pendulum", "flying rod"],
+)
+
+
+def slope(sizes, errors):
+    """Of the logarithm of the error over that of the step."""
+    return np.polyfit(np.log(sizes), np.log(errors), 1)[0]
+
+
+@PROBLEMS
+def test_flight_converges_with_order_8(scene, exact, columns):
+    """The root mean square of the error over a second, as at one time the leading term may vanish."""
+    counts, errors = np.array([12, 16, 20, 24, 28]), []
+    for count in counts:
+        d, total = started(scene), 0.0
+        for k in range(count):
+            step(d, 1.0 / count)
+            total += np.sum((d["step"]["state_end"][columns] - exact((k + 1) / count)) ** 2) / count
+        errors.append(math.sqrt(total))
+    assert min(errors) > 1e-13  # else it is round-off that is measured
+    assert slope(1 / counts, errors) == pytest.approx(8.0, abs=0.2)
+
+
+@PROBLEMS
+def test_dense_output_converges_with_order_7(scene, exact, columns):
+    """Over one step, where the error is h times that of the order: between the ends it falls as h⁸."""
+    sizes, errors, y = np.array([0.1, 0.08, 0.06, 0.05]), [], np.zeros(10)
+    for h in sizes:
+        d = started(scene)
+        step(d, h)
+        worst = 0.0
+        for theta in np.linspace(0.0, 1.0, 21):
+            interpolate(d["step"], theta, y)
+            worst = max(worst, np.abs(y[columns] - exact(theta * h)).max())
+        errors.append(worst)
+    assert min(errors) > 1e-14
+    assert slope(sizes, errors) == pytest.approx(8.0, abs=0.3)
+
+
+def test_dense_output_joins_the_ends_of_the_step():
+    d, y = started(PENDULUM), np.zeros(10)
+    step(d, 0.1)
+    for theta, end in ((0.0, "state"), (1.0, "state_end")):
+        interpolate(d["step"], theta, y)
+        np.testing.assert_allclose(y, d["step"][end], rtol=0, atol=1e-15)
+
+
+@PROBLEMS
+def test_bounds_on_the_interpolant_hold(scene, exact, columns):
+    d, y = started(scene), np.zeros((201, 10))
+    h = 0.2
+    step(d, h)
+    for row, theta in zip(y, np.linspace(0.0, 1.0, 201), strict=True):
+        interpolate(d["step"], theta, row)
+    rates = np.diff(y, axis=0) / (h / 200)
+    for j in columns:
+        value, rate = rate_bounds(d["step"], j)
+        assert np.abs(y[:, j]).max() <= value * (1 + 1e-14)
+        assert np.abs(rates[:, j]).max() <= rate * (1 + 1e-9) + 1e-9
+        # and are not so wide as to be useless
+        assert rate <= 4 * np.abs(rates[:, j]).max() + 1e-9
+
+
+# --- the error estimate ------------------------------------------------------------------------------------
+
+
+@PROBLEMS
+def test_error_estimate_falls_with_order_8(scene, exact, columns):
+    sizes = np.array([0.05, 0.04, 0.03, 0.02])
+    assert slope(sizes, [step(started(scene), h) for h in sizes]) == pytest.approx(8.0, abs=0.2)
+
+
+@PROBLEMS
+@pytest.mark.parametrize("h", [0.06, 0.12])
+def test_error_estimate_is_not_below_the_true_error(scene, exact, columns, h):
+    d = started(scene)
+    estimate = step(d, h) * scene.solver.tolerance
+    y = d["step"]["state_end"][columns]
+    # the scales of the pendulum and of the rod: 1 m, 1 rad, and speeds with respect to themselves plus one
+    scale = np.where(np.array(columns) < 3, 1.0, 1.0 + np.abs(y))
+    true = np.abs((y - exact(h)) / scale).max()
+    assert true < estimate < 1e5 * true
+
+
+def test_error_is_measured_in_units_of_the_tolerance():
+    d = started(FLYER)
+    tight = step(d, 0.1)
+    d = started(FLYER)
+    d["solver"]["tolerance"] *= 1e3
+    assert step(d, 0.1) == pytest.approx(tight / 1e3, rel=1e-12)
+
+
+@pytest.mark.parametrize("turns", [0, 100])
+@pytest.mark.parametrize("shift", [0.0, 500.0])
+def test_error_does_not_depend_on_where_the_chain_is_and_how_often_it_has_turned(shift, turns):
+    here, there = started(FLYER), started(FLYER)
+    there["step"]["state_end"][:3] += (shift, -shift, 2 * math.pi * turns)
+    assert step(there, 0.1) == pytest.approx(step(here, 0.1), rel=1e-3)
+
+
+def test_error_does_not_depend_on_the_unit_of_length():
+    """A chain ten times as long, in gravity ten times as strong, moves in the same way."""
+    long = rod(0.4, 30.0, speed=-20.0, spin=8.0, gravity=98.1, box={"y_max": FAR}, length=10.0, points=[1])
+    here, there = started(FLYER), started(long)
+    # speeds count from one length per second
+    assert step(there, 0.1) == pytest.approx(step(here, 0.1), rel=1e-3)
+
+
+def test_error_of_a_contact_is_measured_against_its_depth():
+    """The penetration is a millionth of a link: an error of that size must not pass as 1e-6."""
+    errors = []
+    for depth_scale in (1e-4, 1e-6):
+        d = started(ball(0.0, 1e-9, stiffness=1e5))
+        d["step"]["state_end"][1] = -1e-7
+        d["touch"]["active"][0] = d["touch"]["active_count"] = 1
+        d["touch"]["impact_speed"][0] = 1.0
+        d["touch"]["depth_scale"][0] = depth_scale
+        errors.append(step(d, 0.1))
+    assert errors[1] == pytest.approx(100 * errors[0], rel=1e-6)
+
+
+@pytest.mark.parametrize("entry", range(6))
+def test_a_step_that_is_not_finite_is_not_accepted(entry):
+    d = started(FLYER)
+    d["step"]["state_end"][entry] = math.nan
+    state_rate(d, d["step"]["state_end"], d["work"]["stage"][0])
+    assert not attempt(d, 0.1) <= 1.0
+
+
+@pytest.mark.parametrize("size", [1.0, 1e2, 1e4, 1e8])
+def test_a_step_far_too_long_is_not_accepted(size):
+    """Its error estimates are so large that their squares overflow, and the quotient of these is 0."""
+    d = started(FLYER)
+    n = len(d["model"]["length"])
+    d["step"]["state_end"][n + 4 : 2 * n + 4] = 1e3 * np.arange(1, n + 1)
+    state_rate(d, d["step"]["state_end"], d["work"]["stage"][0])
+    assert not attempt(d, size) <= 1.0
+
+
+def test_only_a_step_with_an_event_or_an_output_gets_a_dense_output():
+    """11 evaluations for a step that is tried and one at its end; none that only outputs need is counted."""
+    spent = []
+    for outputs in (1, 50):
+        instance = Instance(PENDULUM)
+        for time in np.linspace(0.0, 1.0, outputs + 1)[1:]:
+            instance.advance(time)
+        spent.append(instance.statistics)
+    tried = spent[0]["steps"] + spent[0]["rejected_steps"]
+    assert spent[0]["rhs_evaluations"] == 1 + spent[0]["steps"] + 11 * tried
+    assert spent[0] == spent[1]

@@ -1,0 +1,219 @@
+"""The contact laws: f(e) against the literature, and the realised restitution against what is exact."""
+
+import functools
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from chain_impact import CONTACT_LAWS, SceneError, load_scene
+from chain_impact.kernel.laws.contact_laws import LAW_COUNT, viscoelastic_rebound
+from chain_impact.kernel.status import OK, RESTITUTION_NOT_ALLOWED
+from chain_impact.scene import with_values
+from chain_impact.simulate import Instance
+from tests.problems import ball
+from tests.reference import exact_damping_factor, realised_restitution, rebound
+
+
+def damping_ratio(e):
+    """ζ of a linear oscillator whose half-cycles shrink to e."""
+    return -math.log(e) / math.hypot(math.pi, math.log(e)) if e < 1 else 0.0
+
+
+def viscoelastic(e):
+    """f of Kuwabara and Kono by SciPy alone: its impact at 1 m/s, of unit mass and stiffness, realises e."""
+    if e == 1:
+        return 0.0
+    return brentq(lambda f: rebound(1.5, 0.5, f).restitution - e, 0.0, 2 * e**-0.6, xtol=1e-14)
+
+
+# f(e) as the reviews quote it (sources: the registry), in the order of the FMU's enumeration
+LITERATURE = {
+    "hertz": lambda e: 0 * e,
+    "hunt_crossley": lambda e: 3 * (1 - e) / 2,
+    "herbert_mcwhannell": lambda e: 6 * (1 - e) / ((2 * e - 1) ** 2 + 3),
+    "lee_wang": lambda e: 3 * (1 - e) / 4,
+    "lankarani_nikravesh": lambda e: 3 * (1 - e**2) / 4,
+    "gonthier": lambda e: (1 - e**2) / e,
+    "zhang_sharf": exact_damping_factor,
+    "zhiying_qishao": lambda e: 3 * (1 - e**2) * math.exp(2 * (1 - e)) / 4,
+    "ye": lambda e: 8 * (1 - e) / (5 * e),
+    "flores": lambda e: 8 * (1 - e) / (5 * e),
+    "gharib_hurmuzlu": lambda e: 1 / e,
+    "hu_guo": lambda e: 3 * (1 - e) / (2 * e),
+    "carvalho_martins": lambda e: 3 * (1 - e) * (11 - e) / (2 * (1 + 9 * e)),
+    "kelvin_voigt": lambda e: 2 * damping_ratio(e),
+    "tsuji": lambda e: 5**0.5 * damping_ratio(e),
+    "jankowski": lambda e: 9 * 5**0.5 * (1 - e**2) / (e * (e * (9 * math.pi - 16) + 16)),
+    "kuwabara_kono": viscoelastic,
+}
+WITH_FORCE = [law for law in CONTACT_LAWS.values() if not law.impulsive]
+LAWS = pytest.mark.parametrize("law", WITH_FORCE, ids=[law.id for law in WITH_FORCE])
+FAMILY = [law for law in WITH_FORCE if law.in_family]
+OTHERS = [law for law in WITH_FORCE if not law.in_family]
+
+
+@functools.cache
+def kernel():
+    """An instance of a ball, to derive a law's factor in."""
+    return Instance(ball())
+
+
+def factor_of(law, e):
+    """The factor f(e) that the compiled kernel derives; infinite where it refuses e."""
+    instance = kernel()
+    contact = instance.record["contact"]
+    contact["law"], contact["restitution"], contact["exponent"] = law.number, e, law.exponent or 1.5
+    status = instance._kernel.initialize(instance._address, 0.0)
+    assert status in (OK, RESTITUTION_NOT_ALLOWED)
+    return float(contact["damping_factor"]) if status == OK else math.inf
+
+
+@functools.cache
+def realised(law, e):
+    """The restitution that a free impact has, at 1 m/s if that counts: by Lambert's W, or by integration."""
+    factor = factor_of(law, e)
+    if law.rate_exponent is None:
+        return realised_restitution(factor)
+    return rebound(law.exponent, law.rate_exponent, factor, law.approach_only).restitution
+
+
+def test_the_enumeration_of_the_fmu_keeps_its_numbers():
+    """A law's number is part of the FMU's interface: new laws go to the end."""
+    first = list(CONTACT_LAWS)[: len(LITERATURE)]
+    assert first == list(LITERATURE)
+    assert [law.number for law in CONTACT_LAWS.values()] == list(range(1, LAW_COUNT + 1))
+
+
+@LAWS
+@pytest.mark.parametrize("e", [0.02, 0.3, 0.5, 0.77, 0.999, 1.0])
+def test_damping_factor_is_that_of_the_literature(law, e):
+    expected = LITERATURE[law.id](e)
+    # the root of an equation, or a formula
+    accuracy = {"zhang_sharf": 1e-9, "kuwabara_kono": 1e-8}.get(law.id, 1e-14)
+    assert factor_of(law, e) == pytest.approx(expected, rel=accuracy, abs=1e-15)
+    assert law.damping_factor(e) == pytest.approx(factor_of(law, e), rel=1e-15)  # as plain Python
+
+
+@LAWS
+def test_damping_never_drives_and_falls_with_the_restitution(law):
+    factors = np.array([factor_of(law, e) for e in np.linspace(0.001, 1.0, 200)])
+    assert (factors >= 0.0).all()
+    assert (np.diff(factors) <= 0.0).all()
+
+
+@LAWS
+def test_only_laws_that_allow_it_are_finite_at_zero_restitution(law):
+    assert math.isfinite(factor_of(law, 0.0)) == law.allows_zero
+    assert ("0 ≤ e" in law.restitution_range) == law.allows_zero
+
+
+# --- Zhang & Sharf is exact --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("e", "factor"), [(0.5, 1.43275053), (0.9, 0.16648195)])
+def test_zhang_sharf_has_the_known_values(e, factor):
+    assert factor_of(CONTACT_LAWS["zhang_sharf"], e) == pytest.approx(factor, abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    "e", [0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 0.6, 0.9, 0.99, 0.9989, 0.9991, 0.9999, 1.0]
+)
+def test_zhang_sharf_realises_the_prescribed_restitution(e):
+    factor = factor_of(CONTACT_LAWS["zhang_sharf"], e)
+    assert realised_restitution(factor) == pytest.approx(e, rel=1e-9)
+    assert factor == pytest.approx(exact_damping_factor(e), rel=1e-9, abs=1e-15)
+
+
+@pytest.mark.parametrize("factor", [0.2, 1.43275053, 9.0])
+@pytest.mark.parametrize("exponent", [1.0, 1.5, 2.5])
+def test_lambert_w_is_what_the_equation_of_motion_gives(factor, exponent):
+    """m δ̈ = −K δⁿ(1 + λ δ̇/v₀) integrated by SciPy: the reference of this file stands on its own feet."""
+
+    def rate(_, y):
+        return [y[1], -(max(y[0], 0.0) ** exponent) * (1.0 + factor * y[1])]
+
+    def separated(t, y):
+        return y[0] if t > 0.1 else 1.0
+
+    separated.terminal, separated.direction = True, -1
+    # K = m = v₀ = 1
+    end = solve_ivp(rate, (0.0, 1e3), [0.0, 1.0], "DOP853", events=separated, rtol=1e-12, atol=1e-14)
+    assert -end.y_events[0][0, 1] == pytest.approx(realised_restitution(factor), rel=1e-8)
+
+
+# --- what the others realise -------------------------------------------------------------------------------
+
+
+@LAWS
+def test_accuracy_range_is_where_the_rebound_is_within_five_percent(law):
+    def error(e):
+        return abs(realised(law, e) / e - 1.0)
+
+    first, last = max(law.accurate_from, 0.001), law.accurate_to
+    assert all(error(e) <= 0.05 for e in np.linspace(first, last, 40))
+    # and it is no wider than it says: 5 % beyond its ends the rebound is worse
+    assert first == 0.001 or error(0.95 * first) > 0.05
+    assert last == 1.0 or error(1.05 * last) > 0.05
+
+
+@LAWS
+def test_the_rebound_is_elastic_at_the_one_end_and_falls_to_the_other(law):
+    """e → 1: no damping, but for the one law that says so. e → 0: no rebound where f has no bound there."""
+    rebounds = [realised(law, e) for e in (0.01, 0.1, 0.4, 0.8, 1.0)]
+    assert all(np.diff(rebounds) >= 0.0)
+    assert rebounds[-1] == pytest.approx(0.5936 if law.id == "gharib_hurmuzlu" else 1.0, abs=1e-4)
+    kept = {"hertz": 1.0, "hunt_crossley": 0.49, "herbert_mcwhannell": 0.49, "lee_wang": 0.66}
+    kept |= {"lankarani_nikravesh": 0.66, "zhiying_qishao": 0.18, "carvalho_martins": 0.07}
+    kept |= {"kelvin_voigt": 0.17, "tsuji": 0.17}  # the damping of a contact that pulls is bounded
+    assert rebounds[0] == pytest.approx(kept.get(law.id, 0.01), abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("law", "figures"),
+    [
+        ("kelvin_voigt", {0.1: 0.253, 0.5: 0.550, 0.9: 0.902}),
+        ("tsuji", {0.1: 0.253, 0.5: 0.550, 0.9: 0.902}),
+        ("jankowski", {0.1: 0.093, 0.5: 0.495, 0.9: 0.900}),
+        ("kuwabara_kono", {0.1: 0.1, 0.5: 0.5, 0.9: 0.9}),
+    ],
+)
+def test_other_laws_realise_the_known_figures(law, figures):
+    for e, known in figures.items():
+        assert realised(CONTACT_LAWS[law], e) == pytest.approx(known, abs=5e-4)
+
+
+@pytest.mark.parametrize("law", ["kelvin_voigt", "tsuji"])
+@pytest.mark.parametrize("e", [0.02, 0.1, 0.5, 0.9, 0.99])
+def test_kelvin_voigt_cut_off_has_a_closed_form(law, e):
+    exact = e ** (1 - 2 / math.pi * math.atan(-math.log(e) / math.pi))
+    assert realised(CONTACT_LAWS[law], e) == pytest.approx(exact, rel=1e-10)
+
+
+@pytest.mark.parametrize("damping", [0.0, 1e-3, 0.1, 1.0, 10.0, 300.0])
+def test_viscoelastic_rebound_is_that_of_an_independent_integration(damping):
+    assert viscoelastic_rebound(damping) == pytest.approx(rebound(1.5, 0.5, damping).restitution, abs=2e-10)
+
+
+# --- what the registry says --------------------------------------------------------------------------------
+
+
+@LAWS
+def test_the_registry_is_complete(law):
+    for text in (law.title, law.source, law.formula, law.limits, law.evidence, law.force, law.damping):
+        assert text
+    assert law.restitution_range.endswith("≤ 1")
+    assert law.mass_power == 0.0 if law in FAMILY else law.mass_power > 0.0
+    assert law.allows_exponent(1.5) == (law.id != "kelvin_voigt")
+    assert law.continuous == (law.id != "kelvin_voigt")
+
+
+@pytest.mark.parametrize("law", OTHERS, ids=lambda law: law.id)
+def test_a_law_for_one_exponent_is_refused_with_another(law):
+    changes = {("contact", "model"): law.id, ("contact", "exponent"): 1.2}
+    with pytest.raises(SceneError) as caught:
+        with_values(load_scene("rod_drop"), changes)
+    needed = f"must be {law.exponent} for the contact model {law.id}"
+    assert str(caught.value) == f"RodDrop: contact.exponent = 1.2 {needed}"
