@@ -26,6 +26,8 @@ from xml.etree import ElementTree
 
 from pythonfmu import Fmi2Slave
 
+SIZES = 16  # bytes at the start of the block: the numbers of links and candidates
+PAUSED = -2  # of the kernel's functions: there is more to do, see chain_impact/kernel/status.py
 INSTANTIATED, INITIALIZING, STEPPING, TERMINATED = range(4)
 PHASES = ("before initialization", "in initialization mode", "after initialization", "after terminate")
 SETTABLE_UNTIL = {"fixed": INITIALIZING, "tunable": STEPPING, "input": STEPPING, "output": -1}
@@ -136,7 +138,9 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
         if time > self.stop_time + slack:
             raise SlaveError(f"fmi2DoStep: {time!r} s lies beyond the stop time {self.stop_time!r} s", self)
         self.observed = False
-        status = self._kernel().advance(self.address, time)
+        status = PAUSED
+        while status == PAUSED:  # in between, Python looks after signals, such as that of Ctrl-C
+            status = self._kernel().advance_awhile(self.address, time)
         if status:
             reached = self.reals[self.words["time"]]
             raise SlaveError(f"the simulation stopped at t = {reached:.9g} s: {self._text(status)}", self)
@@ -217,7 +221,11 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
         guid, phase, initialized, time, stop_time = STATE.unpack_from(state)
         if guid != self.guid.encode() or len(state) != STATE.size + len(self.block):
             raise SlaveError("fmi2SetFMUstate: the state is that of another FMU", self)
-        self.block[:] = state[STATE.size :]
+        block = bytearray(state[STATE.size :])
+        address = ctypes.addressof(ctypes.c_char.from_buffer(block))
+        if block[:SIZES] != self.block[:SIZES] or not self._kernel().sound(address):
+            raise SlaveError("fmi2SetFMUstate: the state is damaged", self)
+        self.block[:] = block
         self.phase, self.initialized, self.observed = phase, bool(initialized), False
         self.time, self.stop_time = time, stop_time
 
@@ -245,8 +253,9 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
         if cls.kernel is None:
             name = "kernel-win64.dll" if sys.platform == "win32" else "kernel-linux64.so"
             cls.kernel = ctypes.CDLL(str(Path(self.resources, name)))
-            cls.kernel.initialize.argtypes = cls.kernel.advance.argtypes = [ctypes.c_void_p, ctypes.c_double]
-            cls.kernel.observe.argtypes = [ctypes.c_void_p]
+            cls.kernel.initialize.argtypes = [ctypes.c_void_p, ctypes.c_double]
+            cls.kernel.advance_awhile.argtypes = [ctypes.c_void_p, ctypes.c_double]
+            cls.kernel.observe.argtypes = cls.kernel.sound.argtypes = [ctypes.c_void_p]
         return cls.kernel
 
     def _initialize(self) -> None:

@@ -34,6 +34,7 @@ TESTED_ELSEWHERE = {
     "kernel/integration/dense.py": "kernel/integration/test_explicit.py",
     "kernel/integration/dop853.py": "kernel/integration/test_explicit.py",
     "kernel/entry.py": "test_simulate.py",  # each call goes through it
+    "kernel/soundness.py": "fmu/test_state.py",
     "kernel/model/equations.py": "kernel/chain/test_recursion.py",
     "kernel/integration/errors.py": "kernel/integration/test_explicit.py",
     "kernel/events/contact_log.py": "test_impacts.py",
@@ -47,7 +48,7 @@ TESTED_ELSEWHERE = {
     "kernel/status.py": "test_variables.py",
     "kernel/integration/switching.py": "test_rest.py",
     "kernel/laws/user_law.py": "test_law_file.py",
-    "kernel/events/work_limit.py": "test_rest.py",
+    "kernel/work_limit.py": "test_rest.py",
     "kernel/chain/kinematics.py": "kernel/chain/test_recursion.py",
     "kernel/model/geometry.py": "kernel/events/test_search.py",
 }

@@ -72,6 +72,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("driven", INTEGER),  # 1: there are inputs
         # derived at initialization
         ("damped", INTEGER),  # 1: some joint has damping
+        ("damping_rate", REAL),  # 1/s, at which the fastest motion of a damped joint fades
         ("center_of_mass_ratio", REAL, (links,)),  # centre of mass / length
         ("proximal_inertia", REAL, (links,)),  # kg·m² about the proximal …
         ("distal_inertia", REAL, (links,)),  # kg·m² … and about the distal joint
@@ -147,12 +148,13 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("implicit_steps", INTEGER),
         ("status", INTEGER),  # see kernel/status.py
     )
-    # events and evaluations are counted over windows of time, and must not be too many
+    # events and work are counted over windows of time, and must not be too many
     watch = _record(
         ("event_start", REAL),  # s
         ("event_count", INTEGER),
         ("work_start", REAL),  # s
-        ("work_count", INTEGER),  # evaluations before `work_start`
+        ("work_count", INTEGER),  # all work before `work_start`, in evaluations
+        ("other_work", INTEGER),  # besides evaluations: looks at points, responses to impulses
     )
     vectors = _record(("x", REAL, (points,)), ("y", REAL, (points,)))
     elimination = _record(*((name, REAL, (links,)) for name in ("gain_x", "gain_y", "bias")))

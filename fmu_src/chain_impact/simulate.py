@@ -15,7 +15,7 @@ from chain_impact.compilation import cache
 from chain_impact.compilation.library import kernel_library
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.instance import new_instance
-from chain_impact.kernel.status import OK, STATUS_TEXT
+from chain_impact.kernel.status import OK, PAUSED, STATUS_TEXT
 from chain_impact.law_file import LawError, source_of
 from chain_impact.scene import Scene, SceneError, with_values
 
@@ -206,7 +206,9 @@ class Instance:
 
     def advance(self, time: float) -> int:
         """Advance to a time [s], not before the present one; return the status."""
-        status: int = self._kernel.advance(self._address, time)
+        status: int = PAUSED
+        while status == PAUSED:  # in between, Python looks after Ctrl-C
+            status = self._kernel.advance_awhile(self._address, time)
         return status
 
     def trajectory(self, times: np.ndarray, outputs: np.ndarray) -> int:
@@ -262,6 +264,7 @@ def load_kernel(library: Path) -> ctypes.CDLL:
     kernel = ctypes.CDLL(str(library))
     pointer, real = ctypes.c_void_p, ctypes.c_double
     kernel.initialize.argtypes = kernel.advance.argtypes = [pointer, real]
+    kernel.advance_awhile.argtypes = [pointer, real]
     kernel.observe.argtypes = kernel.follow.argtypes = [pointer]
     kernel.trajectory.argtypes = [pointer, pointer, ctypes.c_int64, pointer]
     kernel.trajectory.restype = ctypes.c_int64

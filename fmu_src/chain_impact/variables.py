@@ -75,8 +75,11 @@ class Variable:
 
     @property
     def feedthrough(self) -> bool:
-        """Whether an input acts at once, without passing through a state: true of accelerations only."""
-        return str(self.place[1]).endswith("acceleration")
+        """Whether an input acts at once, without passing through a state.
+
+        True of accelerations, and of forces: those of rigid walls hold against a torque.
+        """
+        return str(self.place[1]).endswith(("acceleration", "force"))
 
     @property
     def allowed(self) -> str:

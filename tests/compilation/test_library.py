@@ -16,7 +16,7 @@ from chain_impact.instance import new_instance
 from chain_impact.scene import with_values
 from chain_impact.simulate import load_kernel
 
-ENTRY_POINTS = {"initialize", "advance", "observe", "follow", "trajectory"}
+ENTRY_POINTS = {"initialize", "advance", "advance_awhile", "observe", "sound", "follow", "trajectory"}
 OLDEST_GLIBC = (2, 17)  # CentOS 7, of 2014
 HOST_ONLY = pytest.mark.skipif(sys.platform != "linux", reason="reads an ELF file")
 

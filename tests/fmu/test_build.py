@@ -123,13 +123,14 @@ def test_units_types_and_unknowns_are_complete(fmus, model):
         assert indices == sorted(outputs, key=int)
 
 
-def test_inputs_act_at_once_on_accelerations_only(fmus):
+def test_inputs_act_at_once_on_accelerations_and_forces_only(fmus):
+    """On forces, as rigid walls hold against a torque, and the law can be changed."""
     root = description(fmus["pinned_arm"])
     names = [node.get("name") for node in root.iter("ScalarVariable")]
     for unknown in root.find("ModelStructure/Outputs"):
         name = names[int(unknown.get("index")) - 1]
         on = [names[int(number) - 1] for number in unknown.get("dependencies").split()]
-        at_once = name.endswith((".ax", ".ay", "angular_acceleration"))
+        at_once = name.endswith((".ax", ".ay", "angular_acceleration", ".force"))
         assert on == (["joint[1].torque", "joint[2].torque"] if at_once else [])
 
 

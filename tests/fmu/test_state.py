@@ -86,6 +86,48 @@ def damaged(fmu, other):
     return [messages, stranger]
 
 
+def absurd(fmu):
+    """States with a valid checksum, in which one word of the record in turn is huge or negative."""
+    import struct
+    import zlib
+
+    instance = Instance(fmu).start()
+    instance.step(0.5)
+    data = instance.fmu.serializeFMUstate(instance.fmu.getFMUstate())
+    before, refusals = instance.get(instance.outputs), 0
+    envelope, header = struct.Struct("<8sQQ"), 36 + 4 * 8
+    magic, length, _ = envelope.unpack_from(data)
+
+    def restore(content):
+        state = instance.fmu.deSerializeFMUstate(
+            envelope.pack(magic, length, zlib.crc32(content)) + bytes(content)
+        )
+        try:
+            instance.fmu.setFMUstate(state)
+            instance.time = 0.5
+        finally:
+            instance.fmu.freeFMUstate(state)
+
+    for place in range(header, length - 7, 8 * 3):
+        for number in (2**62, -5):
+            content = bytearray(data[envelope.size :])
+            struct.pack_into("<q", content, place, number)
+            try:
+                restore(content)
+                instance.get(instance.outputs)
+                instance.step(0.5001)
+            except Exception:
+                refusals += 1
+            restore(data[envelope.size :])
+    return [refusals, instance.get(instance.outputs) == before]
+
+
+def test_absurd_states_with_a_valid_checksum_do_no_harm(fmus, clean):
+    refusals, unharmed = clean(absurd, fmus["rod_drop"])
+    assert refusals > 10
+    assert unharmed
+
+
 def test_damaged_and_foreign_states_are_refused(fmus, clean):
     messages, stranger = clean(damaged, fmus["rod_drop"], fmus["pinned_arm"])
     assert all("the bytes are no state, or damaged" in message for message in messages)

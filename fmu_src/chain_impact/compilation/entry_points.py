@@ -2,7 +2,9 @@
 
     int32 initialize(instance*, double time)
     int32 advance(instance*, double time)
+    int32 advance_awhile(instance*, double time)
     int32 observe(instance*)
+    int32 sound(instance*)
     int32 follow(instance*)
     int64 trajectory(instance*, const double* times, int64 rows, output* out)
 
@@ -21,6 +23,7 @@ from chain_impact.compilation.record_type import INSTANCE, matrix, vector, words
 from chain_impact.kernel import entry
 from chain_impact.kernel.events.contact_log import follow_to_now
 from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.soundness import sound
 
 Entries = dict[str, tuple[Any, Callable[..., Any]]]
 """C functions: name → (signature, function)."""
@@ -44,7 +47,9 @@ def entry_points() -> Entries:
     return {
         "initialize": (int32(INSTANCE, float64), initialize),
         "advance": (int32(INSTANCE, float64), entry.advance_to),
+        "advance_awhile": (int32(INSTANCE, float64), entry.advance_awhile),
         "observe": (int32(INSTANCE), entry.observe_now),
+        "sound": (int32(INSTANCE), sound),
         "follow": (int32(INSTANCE), follow),
         "trajectory": (int64(INSTANCE, reals, int64, reals), trajectory),
     }

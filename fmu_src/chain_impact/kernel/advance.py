@@ -12,8 +12,7 @@ from chain_impact.kernel.chain.kinematics import accelerate_points, locate_point
 from chain_impact.kernel.events.contact_log import finish, follow_contacts
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.impulses import collide, end_contacts, judge
-from chain_impact.kernel.events.search import RELATCH, TOUCH, find_event
-from chain_impact.kernel.events.work_limit import watch_events, watch_work
+from chain_impact.kernel.events.search import REFUSED, RELATCH, TOUCH, find_event
 from chain_impact.kernel.initialize import derive_law, first_size, still
 from chain_impact.kernel.integration import explicit, implicit, step_size
 from chain_impact.kernel.integration.complete import complete
@@ -21,20 +20,31 @@ from chain_impact.kernel.integration.dense import OUTPUTS, fraction, interpolate
 from chain_impact.kernel.integration.sundman import TIME, at_pace, pace_now, set_pace
 from chain_impact.kernel.integration.switching import choose_method, explicit_again
 from chain_impact.kernel.model.contact import clear_loads, drop_events, latch
-from chain_impact.kernel.model.contact_force import latch_damping
+from chain_impact.kernel.model.contact_force import latch_damping, may_jump
 from chain_impact.kernel.model.equations import state_rate
-from chain_impact.kernel.status import LOG_FULL, NOT_FINITE, OK, RIGID_WHILE_TOUCHING, STEP_TOO_SMALL
+from chain_impact.kernel.status import (
+    LOG_FULL,
+    NOT_FINITE,
+    OK,
+    PAUSED,
+    RIGID_WHILE_TOUCHING,
+    STEP_TOO_SMALL,
+    TOO_MUCH_WORK,
+)
+from chain_impact.kernel.work_limit import overdrawn, watch_events, watch_work, work_done
 
 LONGEST_STEP = 1.0  # s; a chain in flight without spin has no other limit
 SHORTEST_STEP = 1e-18  # s
+COARSE = 1e6  # the error of a step that is too coarse to locate an event in it: a fifth is tried next
 
 
-def advance(d, time, room):
+def advance(d, time, room, work):
     """Bring the instance to ``time`` [s], not before its present time.
 
     Returns:
-        A status. After a fault the instance stays at the last time it reached; at LOG_FULL, when ``room``
-        finished contacts wait to be collected, it can go on once they are.
+        A status. After a fault the instance stays at the last time it reached. It can go on after LOG_FULL,
+        once the ``room`` finished contacts that wait are collected, and after PAUSED, which comes when all
+        work exceeds ``work`` evaluations.
     """
     if d.statistics.status == OK and d.inputs.changed:
         d.statistics.status = restart(d)
@@ -43,6 +53,8 @@ def advance(d, time, room):
     while d.step.end < time:
         if d.finished.count >= room:
             return LOG_FULL
+        if work_done(d) > work:
+            return PAUSED
         d.statistics.status = take_step(d)
         if d.statistics.status != OK:
             still(d, d.step.end, d.step.state_end)
@@ -92,8 +104,6 @@ def take_step(d):
     for c in range(d.candidates):
         d.rigid.least[c] = 0.0  # of the stages to come
     status = watch_events(d, begin(d))
-    if status == OK:
-        status = watch_work(d)
     if status != OK:
         return status
     h = min(d.step.next_size, LONGEST_STEP)
@@ -108,20 +118,25 @@ def take_step(d):
             return STEP_TOO_SMALL if math.isfinite(error) else NOT_FINITE
         error = attempt(d, h)
         if error <= 1.0:
-            break
+            accept(d, h)
+            theta = find_event(d)
+            if theta != REFUSED:
+                break
+            take_back(d)
+            error = COARSE
         d.statistics.rejected_steps += 1
         h *= step_size.factor(d, error) if math.isfinite(error) else 0.1
         grow = 1.0
-    accept(d, h)
+        if overdrawn(d):
+            return TOO_MUCH_WORK
     d.statistics.steps += 1
     d.statistics.implicit_steps += d.step.implicit
     d.step.next_size = h * min(grow, step_size.factor(d, max(error, 1e-16)))
-    theta = find_event(d)
     if theta > 0.0 and ends_contact(d):
         land(d, theta * h)
     elif theta >= 0.0:
         cut(d, theta)
-    return OK
+    return watch_work(d)
 
 
 def attempt(d, h):
@@ -146,14 +161,19 @@ def cut(d, theta):
     d.step.rate_known = 0
 
 
+def take_back(d):
+    """Stand at the start of the last step again."""
+    d.step.end = d.step.start
+    for j in range(len(d.step.state)):
+        d.step.state_end[j] = d.step.state[j]
+
+
 def land(d, h):
     """Take the last step anew with the size h, to land on the end of a contact.
 
     The force is not smooth there, and the interpolant of a step across it less accurate than the step.
     """
-    d.step.end = d.step.start
-    for j in range(len(d.step.state)):
-        d.step.state_end[j] = d.step.state[j]
+    take_back(d)
     attempt(d, h)
     accept(d, h)
 
@@ -203,12 +223,12 @@ def apply_events(d):
     """End and begin the contacts that the last step found, and choose the step that follows.
 
     Returns:
-        Whether a force has jumped, as a v₀ was latched anew.
+        Whether a force has jumped, where a contact begins or ends or as a v₀ was latched anew.
     """
     if d.contact.impulsive:
         collide(d)
         return True
-    jumped = False
+    jumped, latched_anew = False, False
     touch = d.touch
     locate_points(d, d.step.state_end)
     if touch.active_count == 0:
@@ -218,15 +238,17 @@ def apply_events(d):
         if touch.event[c] == RELATCH:
             touch.impact_speed[c] *= RELATCH_RATIO
             latch_damping(d, c)
-            jumped = True
+            jumped, latched_anew = True, True
         elif touch.event[c] == TOUCH and touch.active[c]:
             finish(d, c)
             touch.active[c] = 0
+            jumped = jumped or may_jump(d.contact)
         elif touch.event[c] == TOUCH:
             latch(d, c)
             touch.active[c] = 1
             explicit_again(d.step)
             onset = c
+            jumped = jumped or may_jump(d.contact)
         touch.event[c] = 0
 
     touch.active_count = 0
@@ -239,6 +261,6 @@ def apply_events(d):
         d.step.next_size = min(
             d.step.flight_size, step_size.in_flight(d, d.step.state_end, d.work.rate_start)
         )
-    elif not d.step.implicit and (onset >= 0 or not jumped):
+    elif not d.step.implicit and (onset >= 0 or not latched_anew):
         d.step.next_size = step_size.at_onset(d, onset if onset >= 0 else touch.active_index[0])
     return jumped

@@ -3,6 +3,7 @@
 from chain_impact.kernel.advance import advance, restart
 from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import OK
+from chain_impact.kernel.work_limit import work_done, work_of_a_call
 
 UNLIMITED = 1 << 62
 
@@ -12,7 +13,12 @@ def advance_to(d, time):
 
     If nobody collects the finished contacts, the oldest are lost.
     """
-    return advance(d, time, UNLIMITED)
+    return advance(d, time, UNLIMITED, UNLIMITED)
+
+
+def advance_awhile(d, time):
+    """As ``advance_to``, but return PAUSED after less than a second's work: the caller may want to stop."""
+    return advance(d, time, UNLIMITED, work_done(d) + work_of_a_call(d))
 
 
 def observe_now(d):
@@ -33,12 +39,13 @@ def trajectory(d, times, output, rows):
         rows: result, shape (T, W).
 
     Returns:
-        The number of rows filled: fewer than asked for after a fault, or when the log of finished contacts
-        is about to overflow and has to be collected.
+        The number of rows filled: fewer than asked for after a fault, when the log of finished contacts is
+        about to overflow and has to be collected, or after less than a second's work.
     """
     room = len(d.finished.point) - d.candidates
+    work = work_done(d) + work_of_a_call(d)
     for row in range(len(times)):
-        if advance(d, times[row], room) != OK:
+        if advance(d, times[row], room, work) != OK:
             return row
         observe(d)
         for j in range(len(output)):

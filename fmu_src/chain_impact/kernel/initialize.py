@@ -17,7 +17,7 @@ from chain_impact.kernel.laws.contact_laws import (
     RATE_EXPONENTS,
     damping_factor,
 )
-from chain_impact.kernel.model.contact import clear_loads
+from chain_impact.kernel.model.contact import clear_loads, drop_events
 from chain_impact.kernel.model.contact_force import USER_LAW, latch_damping
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import clearance
@@ -39,6 +39,7 @@ OVERLAP = 1e-12  # m, of a start that counts as touching
 def initialize(d, time):
     """Set the state at ``time`` [s] from the parameters and initial values; returns a status."""
     derive_chain(d.model)
+    forget_run(d)
     d.contact.derived_law = 0  # any parameter may be another now
     d.statistics.status = check_parameters(d)
     if d.statistics.status == OK:
@@ -60,7 +61,6 @@ def initialize(d, time):
     d.step.next_size = first_size(d)
     d.step.flight_size = d.step.next_size
     d.impact.last_time = time
-    d.impact.last_point = -1
     d.watch.event_start = time
     d.watch.work_start = time
     d.inputs.changed = 0
@@ -69,9 +69,23 @@ def initialize(d, time):
     return d.statistics.status
 
 
+def forget_run(d):
+    """Remove what an earlier run has left: contacts, impacts, the log and all counts."""
+    d.touch.active_count = 0
+    for c in range(d.candidates):
+        d.touch.active[c], d.touch.active_index[c] = 0, 0
+    drop_events(d)
+    impact, statistics, watch = d.impact, d.statistics, d.watch
+    impact.count, impact.last_point, impact.last_wall, impact.last_speed = 0, -1, 0, 0.0
+    d.finished.count = 0
+    statistics.steps, statistics.rejected_steps = 0, 0
+    statistics.rhs_evaluations, statistics.implicit_steps = 0, 0
+    watch.event_count, watch.work_count, watch.other_work = 0, 0, 0
+
+
 def derive_chain(model):
     """Find what the recursion needs of each link, and the absolute scales of positions and energies."""
-    model.damped = 0
+    model.damped, model.damping_rate = 0, 0.0
     model.middle = 0 if model.pinned else len(model.length) // 2  # as in `accelerations`
     model.size = 0.0
     for i in range(len(model.length)):
@@ -84,6 +98,11 @@ def derive_chain(model):
         model.size = max(model.size, model.length[i])
         if model.joint_damping[i] != 0.0 and (i > 0 or model.pinned):
             model.damped = 1
+            # ω_i − ω_{i−1} fades with c (1/I_i + 1/I_{i−1}), or slower: joints make the links heavier
+            rate = model.joint_damping[i] / model.inertia[i]
+            if i > 0:
+                rate += model.joint_damping[i] / model.inertia[i - 1]
+            model.damping_rate = max(model.damping_rate, rate)
     total = 0.0
     for i in range(len(model.length)):
         total += model.mass[i]

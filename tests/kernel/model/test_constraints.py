@@ -28,14 +28,19 @@ def located(angles, touching):
     start = {("initial", "angles"): angles, ("initial", "position"): (0.0, 0.0)}
     scene = with_values(default_scene(model="newton_impact"), start | far)
     d = Plain(new_instance(scene)[0])
+    start_touching(d, touching)
+    gradient = np.array([clearance_gradient(scene, angles, *contact) for contact in touching])
+    response = np.linalg.solve(mass_matrix(scene, angles), gradient.T)
+    return d, gradient @ response, response
+
+
+def start_touching(d, touching):
+    """Initialize, and let these (points, walls) touch."""
     assert initialize(d, 0.0) == 0
     for k, (point, wall) in enumerate(touching):
         d["touch"]["active_index"][k] = 4 * point + WALLS.index(wall)
         d["touch"]["active"][4 * point + WALLS.index(wall)] = 1
     d["touch"]["active_count"] = len(touching)
-    gradient = np.array([clearance_gradient(scene, angles, *contact) for contact in touching])
-    response = np.linalg.solve(mass_matrix(scene, angles), gradient.T)
-    return d, gradient @ response, response
 
 
 def set_problem(d, start, aim, pressed):
@@ -56,7 +61,7 @@ def test_pressed_points_reach_their_aims(base, pressed):
     d, w, response = located([0.3, -0.4, 0.9, -0.1], touching)
     if base == "pinned":
         d["model"]["pinned"] = 1
-        assert initialize(d, 0.0) == 0
+        start_touching(d, touching)
     start, aim = np.array([-1.0, 0.3, 0.1, -2.0]), np.array([0.5, 0.0, 0.0, 0.7])
     own = set_problem(d, start, aim, pressed)
     press(d, 1.0)
@@ -75,7 +80,7 @@ def test_masses_that_differ_by_a_million_are_no_hindrance(ratio):
     d, _, _ = located([0.1, -0.2, 0.1, 0.2], ON_FLOOR)
     masses = np.array([1.0, ratio, 1.0, 1.0])
     d["model"]["mass"], d["model"]["inertia"] = masses, masses * 0.25 / 12
-    assert initialize(d, 0.0) == 0
+    start_touching(d, ON_FLOOR)
     own = set_problem(d, -np.ones(5), np.full(5, 0.5), np.ones(5))
     press(d, 1.0)
     np.testing.assert_allclose(own["reached"][:5], 0.5, atol=1e-10)

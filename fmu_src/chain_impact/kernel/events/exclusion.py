@@ -9,7 +9,7 @@ import math
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.integration.dense import FAR, WITH_CURVES, root_at
 from chain_impact.kernel.integration.sundman import TIME, pace_change, pace_of, root_curve, root_rate
-from chain_impact.kernel.model.geometry import along_normal, clearance
+from chain_impact.kernel.model.geometry import along_normal, clearance, harmless_depth
 
 SMALL_TURN, MARGIN = 1.0, 0.05  # rad of a link, part of the range of values: where ends of a step can tell
 RELATCH_RATIO = 2.0  # δ̇/v₀ at which v₀ is latched anew; what gravity adds after an onset stays far below
@@ -36,14 +36,21 @@ def plainly_clear(d):
         d.search.clear_start_curve[c] = d.search.clear_end_curve[c]
     measure_all(d, d.step.state_end)
     d.step.cleared = WITH_CURVES
-    # the remainder is h⁶ φ⁽⁶⁾/46080; ten times that of the tip of a stretched chain that turns evenly
-    error = reach * turn**6 / 4608.0
-    clear = turn < SMALL_TURN
+    # the remainder is h⁶ φ⁽⁶⁾/46080; ten times that of the tip of a stretched chain that turns evenly, and
+    # that of a motion which fades with the rate ρ: φ⁽⁶⁾ = ρ⁴ φ̈
+    fade = fading(d)
+    error = reach * turn**2 * max(turn, fade) ** 4 / 4608.0
+    clear = max(turn, fade) < SMALL_TURN
     for c in range(d.candidates):
         clear = clear and stays_positive(d, c, error)
     for k in range(d.touch.active_count):
         clear = clear and not nearly_fast(d, d.touch.active_index[k])
     return clear
+
+
+def fading(d):
+    """How far, at most, motions have faded by joint damping in the last step: ρ h, a pure number."""
+    return (d.step.end - d.step.start) * d.model.damping_rate
 
 
 def largest_turn(d):
@@ -107,7 +114,7 @@ def stays_positive(d, c, error):
     b3 = 2.0 * b4 - d.search.clear_end[c] + h * h * d.search.clear_end_curve[c] / 20.0
     least = min(b1, b2, b3, b4, d.search.clear_end[c])
     most = max(b1, b2, b3, b4, d.search.clear_end[c])
-    return least > MARGIN * (most - least) + error
+    return least > MARGIN * (most - least) + error - harmless_depth(d)
 
 
 def measure_all(d, y):

@@ -13,8 +13,6 @@ touch-down so slow that gravity soon outruns it. The v₀ latched at onset would
 force, grow without bound; v₀ is latched anew.
 """
 
-import math
-
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events.exclusion import (
     RELATCH_RATIO,
@@ -40,10 +38,13 @@ from chain_impact.kernel.integration.implicit import clearance_curvature
 from chain_impact.kernel.integration.sundman import TIME
 from chain_impact.kernel.model.constraints import holding
 from chain_impact.kernel.model.contact import drop_events
-from chain_impact.kernel.model.geometry import clearance
+from chain_impact.kernel.model.geometry import bound_along_normal, clearance, harmless_depth
+from chain_impact.kernel.work_limit import overdrawn
 
 SIMULTANEOUS = 1e-12  # s, events closer than this are one event
 RESOLUTION = 1e-15  # of a link length: curvature below it is round-off
+DEEP = 1e-9  # of a link length, how deep in a wall no onset is located
+REFUSED = -2.0  # in place of θ
 QUIET, SPLIT, EVENT = 0, 1, 2
 # kinds of event: contact begins or ends, v₀ is latched anew
 TOUCH, RELATCH = 1, 2  # … and RELEASE in release.py
@@ -54,7 +55,8 @@ def find_event(d):
     """Search the last step for the earliest event.
 
     Returns:
-        The fraction θ ∈ [0, 1] of the step at which it happens, or −1. ``touch.event`` tells whose it is.
+        The fraction θ ∈ [0, 1] of the step at which it happens, or −1; REFUSED when the step is too coarse to
+        tell. ``touch.event`` tells whose it is.
     """
     if d.candidates == 0:
         return -1.0
@@ -68,6 +70,11 @@ def find_event(d):
         complete(d, SOLVER)
     bound_curvature(d)
     theta = find_touch(d)
+    # a point that is inside at the start will be so in a shorter step, too
+    if theta > 0.0 and not credible(d):
+        drop_events(d)
+        d.step.cleared = NOTHING
+        return REFUSED
     if holding(d):
         theta = find_release(d, theta)
     elif d.touch.active_count > 0:
@@ -82,7 +89,7 @@ def find_touch(d):
     The start of the step is measured.
     """
     a, b = 0.0, 1.0
-    while True:
+    while not overdrawn(d):
         measure(d, b)
         verdict = inspect(d, (b - a) * d.step.size)
         if verdict == SPLIT:
@@ -98,6 +105,21 @@ def find_touch(d):
             while a + width < 1.0 and a % (2.0 * width) == 0.0:
                 width *= 2.0
             b = min(1.0, a + width)
+    return -1.0  # the run ends: who called looks at the work
+
+
+def credible(d):
+    """Whether the onsets found, where they are measured, are of points that arrive at a wall.
+
+    The positions of a step and its speeds contradict each other by what the tolerance allows. An onset deep
+    inside, or of a point that moves away, is the fault of a step that is too long.
+    """
+    for c in range(d.candidates):
+        if d.touch.event[c] == TOUCH and not d.touch.active[c]:
+            deep = d.search.clear_end[c] < -DEEP * d.model.size
+            if deep or d.search.clear_end_rate[c] > 0.0:
+                return False
+    return True
 
 
 def find_relatch(d, touch):
@@ -148,8 +170,8 @@ def faster(d, c, fast, theta):
 def bound_curvature(d):
     """Bound |g̈| of every candidate over the last step.
 
-    |a_k| ≤ |a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²) holds for any point k. It is far from sharp for a point that a
-    stiff wall holds; but there the implicit step integrates the clearance itself.
+    |a_k| ≤ |a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²) holds for both components of any point k. It is far from sharp
+    for a point that a stiff wall holds; but there the implicit step integrates the clearance itself.
     """
     n = d.links
     # d²g/ds² = p d(ġ)/ds + p′ ġ, with p ≤ u and |p′| ≤ |u′|
@@ -158,16 +180,15 @@ def bound_curvature(d):
         p, change = rate_bounds(d.step, root_at(d.step))
     vx, ax = rate_bounds(d.step, n + 2)
     vy, ay = rate_bounds(d.step, n + 3)
-    speed, bound = math.sqrt(vx * vx + vy * vy), math.sqrt(ax * ax + ay * ay)
-    acceleration = d.work.motion.x
-    acceleration[0] = p * bound + change * speed
+    bounds = d.work.motion
+    bounds.x[0], bounds.y[0] = p * ax + change * vx, p * ay + change * vy
     for i in range(n):
         omega, alpha = rate_bounds(d.step, n + 4 + i)
-        speed += d.model.length[i] * omega
-        bound += d.model.length[i] * (alpha + p * omega * omega)
-        acceleration[i + 1] = p * bound + change * speed
+        # what link i adds, in any direction
+        more = d.model.length[i] * (p * (alpha + p * omega * omega) + change * omega)
+        bounds.x[i + 1], bounds.y[i + 1] = bounds.x[i] + more, bounds.y[i] + more
     for c in range(d.candidates):
-        d.search.curvature[c] = acceleration[d.candidate.point[c]]
+        d.search.curvature[c] = bound_along_normal(d, c, bounds)
     if d.step.made_implicit:
         for k in range(d.touch.active_count):
             d.search.curvature[d.touch.active_index[k]] = clearance_curvature(d, k)
@@ -181,6 +202,7 @@ def measure(d, theta):
 
 def locate_at(d, theta):
     """Set ``work.y`` to the state at the fraction θ of the step, and locate its points."""
+    d.watch.other_work += 1
     if 0.0 < theta < 1.0:
         complete(d, SOLVER)
         interpolate(d.step, theta, d.work.y)
@@ -209,13 +231,15 @@ def inspect_candidate(d, c, width):
         return EVENT if end < 0.0 else QUIET
     rate_start, rate_end = d.search.clear_start_rate[c], d.search.clear_end_rate[c]
     curvature = d.search.curvature[c]
-    sag = curvature * width * width / 8.0
-    if start > sag and end > sag:
+    sag, harmless = curvature * width * width / 8.0, harmless_depth(d)
+    falls = end < 0.0 and rate_end < 0.0
+    if start > sag - harmless and end > sag - harmless and not falls:
         return QUIET
     settled = rate_start * rate_end > 0.0 and abs(rate_start) + abs(rate_end) > curvature * width
     # not >=, which keeps on halving for a curvature that is not finite
     if settled or not sag >= RESOLUTION * d.model.size:
-        return EVENT if end < 0.0 and rate_end < 0.0 else QUIET
+        # at a loose tolerance a point can get deep without having moved there, as far as its speed tells
+        return EVENT if falls or end < -harmless <= start else QUIET
     return SPLIT
 
 

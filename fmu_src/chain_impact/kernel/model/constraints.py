@@ -20,6 +20,7 @@ import math
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points, move_points, zero
 from chain_impact.kernel.chain.recursion import factorize, solve
 from chain_impact.kernel.model.geometry import add_across_wall, add_along_normal, along_normal, clearance
+from chain_impact.kernel.work_limit import overdrawn
 
 STIFF = 1e6  # D over the mean mass of a link
 MOST_SWEEPS = 30
@@ -32,6 +33,7 @@ ROUNDS = 30  # of flips, and 4 for each candidate: far more than ever needed
 def respond_to_impulses(d, factors, impulse):
     """Set ``change`` of the coordinates and ``motion`` of the points that impulses [N·s] bring about."""
     work, n = d.work, d.links
+    d.watch.other_work += 1
     change = d.rigid.change
     zero(work.load)
     for k in range(d.touch.active_count):
@@ -96,6 +98,8 @@ def complement(d, scale):
     own, count = d.rigid, d.touch.active_count
     fewest, patience = count + 1, PATIENCE
     for _ in range(ROUNDS + 4 * count):
+        if overdrawn(d):
+            return
         press(d, scale)
         wrong = count_wrong(d, scale)
         if wrong == 0:

@@ -78,6 +78,11 @@ def law_force(d, c, depth, rate):
     return max(0.0, elastic + damping_slope(d, c, depth, rate, spring) * rate), elastic
 
 
+def may_jump(contact):
+    """Whether the force may jump where a contact begins or ends: a user's, or one with damping there."""
+    return contact.law == USER_LAW or contact.rate_exponent == 0.0
+
+
 def damping_slope(d, c, depth, rate, spring):
     """∂F/∂δ̇ = d δᵖ [N·s/m] of candidate c where the force is not cut off, for spring = δⁿ."""
     contact = d.contact

@@ -3,6 +3,8 @@
 A candidate is a pair of a point and a wall. Its clearance g is positive when apart.
 """
 
+HARMLESS = 1e-12  # of a link length, how deep a point touches a wall without a force that counts
+
 WALLS = ("x_min", "x_max", "y_min", "y_max")
 """The walls in the order of their numbers, from 0."""
 
@@ -43,3 +45,13 @@ def add_along_normal(d, c, vectors, amount):
 def along_normal(d, c, vectors):
     """The component along the inward normal of candidate c of the vectors of all points."""
     return inward(d.candidate.wall[c]) * across_wall(d, c, vectors)
+
+
+def harmless_depth(d):
+    """How deep [m] a point that is apart may be in a wall; 0 in a rigid one."""
+    return 0.0 if d.contact.impulsive else HARMLESS * d.model.size
+
+
+def bound_along_normal(d, c, bounds):
+    """A bound on the component along the normal, from bounds on both components of all vectors."""
+    return across_wall(d, c, bounds)

@@ -1,0 +1,37 @@
+"""Whether a record that came from outside, such as a restored state of an FMU, can be worked on.
+
+What is checked is what the kernel uses as an index or as the number of rounds of a loop. All else may be
+absurd: it leads to a status, not out of the record.
+"""
+
+from chain_impact.kernel.events.impulses import NEIGHBOUR
+from chain_impact.kernel.initialize import METHODS
+from chain_impact.kernel.integration.dense import FAR, SOLVER
+from chain_impact.kernel.integration.sundman import TIME
+from chain_impact.kernel.laws.contact_laws import LAW_COUNT
+from chain_impact.kernel.laws.user_law import present
+from chain_impact.kernel.model.geometry import WALLS
+
+
+def sound(d):
+    """1 if every index of the record is one, or 0. The numbers of links and candidates have to be right."""
+    laws = LAW_COUNT + present()
+    fits = within(d.model.middle, 0, d.links) and within(d.step.pacer, TIME, max(0, d.candidates - 1))
+    fits = fits and within(d.contact.law, 1, laws) and within(d.contact.derived_law, 0, laws)
+    fits = fits and within(d.solver.method, 1, METHODS) and d.finished.count >= 0
+    fits = fits and within(d.step.cleared, 0, FAR) and within(d.step.dense_for, 0, SOLVER)
+    fits = fits and within(d.touch.active_count, 0, d.candidates)
+    for c in range(d.candidates):
+        fits = (
+            fits
+            and within(d.candidate.point[c], 0, d.links)
+            and within(d.candidate.wall[c], 0, len(WALLS) - 1)
+        )
+        fits = fits and within(d.touch.active_index[c], 0, d.candidates - 1)
+        fits = fits and within(d.touch.active[c], 0, 1) and within(d.touch.event[c], 0, NEIGHBOUR)
+    return 1 if fits else 0
+
+
+def within(number, least, most):
+    """Whether least ≤ number ≤ most."""
+    return least <= number <= most

@@ -1,0 +1,46 @@
+"""Bounds on work and events for simulated time, so that no scene can keep the solver busy for ever.
+
+All work is counted in one currency: an evaluation of the right-hand side. A look at the points in the search
+for events costs about as much, and so does a response of the chain to impulses.
+"""
+
+from chain_impact.kernel.status import EVENT_STORM, OK, TOO_MUCH_WORK
+
+WORK_WINDOW = 1.0  # s
+CALL_WORK = 20_000_000  # evaluations times links
+EVENT_WINDOW = 1e-3  # s, in which a candidate can have …
+MOST_EVENTS = 1000  # … this many onsets and ends before it is called a storm
+
+
+def work_done(d):
+    """All work since the start, in evaluations."""
+    return d.statistics.rhs_evaluations + d.watch.other_work
+
+
+def overdrawn(d):
+    """Whether the work in a second of simulated time exceeds the limit; every long loop asks."""
+    return work_done(d) - d.watch.work_count > d.solver.work_limit * WORK_WINDOW
+
+
+def work_of_a_call(d):
+    """How much work a caller waits for that wants to be asked in between whether to go on: below a second."""
+    return CALL_WORK // (d.links + 1)
+
+
+def watch_work(d):
+    """TOO_MUCH_WORK when the work in a second of simulated time exceeds the limit, or OK."""
+    watch = d.watch
+    if d.step.end >= watch.work_start + WORK_WINDOW:
+        watch.work_start = d.step.end
+        watch.work_count = work_done(d)
+    return TOO_MUCH_WORK if overdrawn(d) else OK
+
+
+def watch_events(d, events):
+    """EVENT_STORM when ``events`` more are too many for a short window of time, or OK."""
+    watch = d.watch
+    if d.step.end >= watch.event_start + EVENT_WINDOW:
+        watch.event_start = d.step.end
+        watch.event_count = 0
+    watch.event_count += events
+    return OK if watch.event_count <= MOST_EVENTS * d.candidates else EVENT_STORM

@@ -1,0 +1,168 @@
+"""Scenes that are hard on the search for events, the count of work and the energy balance."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact import simulate
+from chain_impact.kernel.status import OK, TOO_MUCH_WORK
+from chain_impact.scene import scene_from_dict, with_values
+from chain_impact.simulate import Instance, SimulationError
+from tests.reference import balance
+
+
+def chain(count, initial, *, gravity=(0.0, -9.81), link=None, length=0.5, **tables):
+    """Equal links of 1 kg, above the floor unless a box is given."""
+    table = {
+        "name": "Chain",
+        "gravity": list(gravity),
+        "chain": {"links": [{"length": length, "mass": 1.0, **(link or {})}] * count},
+        "box": {"y_min": 0.0},
+        "initial": initial,
+        **tables,
+    }
+    return scene_from_dict(table, "chain")
+
+
+def work(instance):
+    """All that is counted against solver.work_limit."""
+    record = instance.record
+    return int(record["statistics"]["rhs_evaluations"] + record["watch"]["other_work"])
+
+
+# --- gliding along a wall, at no distance ------------------------------------------------------------------
+
+
+HANGING = [-math.pi / 2] * 4
+WALL = {"x_min": 0.0, "y_min": -1e3}
+
+
+@pytest.mark.parametrize("gravity", [(0.0, -9.81), (0.0, -1000.0), (0.0, 0.0)])
+@pytest.mark.parametrize("law", ["zhang_sharf", "newton_impact"])
+def test_a_chain_flush_with_a_wall_falls_along_it_as_one_millimetre_away(law, gravity):
+    costs = []
+    for gap in (0.0, 1e-3):
+        start = {"position": [gap, 2.4], "angles": HANGING, "velocity": [0.0, -1.0]}
+        instance = Instance(chain(4, start, box=WALL, gravity=gravity, contact={"model": law}))
+        assert instance.advance(1.0) == OK
+        assert instance.record["impact"]["count"] == 0
+        costs.append(work(instance))
+    assert costs[0] <= 3 * costs[1]
+
+
+@pytest.mark.parametrize("law", ["zhang_sharf", "newton_impact"])
+def test_a_rod_lying_on_the_floor_slides_as_one_millimetre_above(law):
+    costs = []
+    for gap in (0.0, 1e-3):
+        start = {"position": [0.0, gap], "angles": [0.0]}
+        instance = Instance(chain(1, start, gravity=(9.81, 0.0), contact={"model": law}))
+        assert instance.advance(1.0) == OK
+        assert instance.record["impact"]["count"] == 0
+        costs.append(work(instance))
+    assert costs[0] <= 3 * costs[1]
+
+
+# --- loose tolerances --------------------------------------------------------------------------------------
+
+
+def thrown(seed, count, damping, tolerance):
+    """A chain with damped joints that is thrown onto the floor, spinning."""
+    rng = np.random.default_rng(seed)
+    length = 0.5 if count == 2 else 0.3
+    start = {
+        "position": [0.0, length * count * 1.05],
+        "angles": list(rng.uniform(-0.3, 3.4, count)),
+        "angular_velocities": list(rng.normal(0.0, 8.0, count)),
+        "velocity": list(rng.normal(0.0, 3.0, 2)),
+    }
+    link, solver = {"joint_damping": damping}, {"tolerance": tolerance}
+    return chain(count, start, link=link, solver=solver, contact={"stiffness": 1e8}, length=length)
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_no_tolerance_makes_energy_of_damped_joints(seed):
+    """At a loose tolerance positions and speeds of a step contradict each other by millimetres."""
+    count, damping, tolerance = [(2, 1.0, 1e-2), (10, 1000.0, 4e-3), (10, 1000.0, 1e-3)][seed % 3]
+    result = simulate(thrown(seed, count, damping, tolerance), stop_time=0.6)
+    assert balance(result) < 10 * tolerance
+    ended = result.impacts[np.isfinite(result.impacts["end"])]
+    assert (result.impacts["impact_speed"] >= 0.0).all()
+    assert (ended["separation_speed"] >= 0.0).all()
+
+
+def test_a_point_is_not_latched_deep_in_a_wall():
+    """It is 8 mm deep at the end of a step, by its position, and has not moved there, by its speed."""
+    start = {
+        "position": [0.0, 0.5230660473858592],
+        "angles": [3.067928601106657, 2.7314651993312498],
+        "angular_velocities": [-4.0684225728589185, 4.793214702481997],
+        "velocity": [-0.646789204280724, -0.9128523793815926],
+    }
+    solver, contact = {"tolerance": 1e-2}, {"stiffness": 1e8}
+    scene = chain(2, start, link={"joint_damping": 1.0}, solver=solver, contact=contact)
+    result = simulate(scene, stop_time=0.6)
+    assert balance(result) < 0.01
+    assert result.outputs["penetration"].max() < 2e-3
+
+
+# --- rigid walls -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("floor", [1e-9, 1e-6, 1e-3])
+@pytest.mark.parametrize("restitution", [0.0, 1e-6, 0.3])
+def test_a_point_that_leaves_a_rigid_wall_is_no_impact(restitution, floor):
+    start = {"position": [0.0, 0.6], "angles": [0.3, -0.5, 0.7]}
+    contact = {"model": "newton_impact", "restitution": restitution, "minimum_impact_speed": floor}
+    for damping in (0.0, 5.0):
+        scene = chain(3, start, link={"joint_damping": damping}, contact=contact)
+        result = simulate(scene, stop_time=2.0)
+        assert (result.impacts["impact_speed"] >= 0.0).all()
+        assert balance(result) < 1e-6
+
+
+# --- all work counts ---------------------------------------------------------------------------------------
+
+
+def test_the_search_for_events_counts_as_work():
+    """A limit that the evaluations keep, but not the looks at the points of a long heap."""
+    start = {"position": [0.0, 0.6], "angles": [0.3, -0.5, 0.7]}
+    scene = chain(3, start, contact={"model": "newton_impact", "restitution": 0.9})
+    instance = Instance(scene)
+    assert instance.advance(1.0) == OK
+    evaluations = int(instance.record["statistics"]["rhs_evaluations"])
+    assert work(instance) > evaluations + 50
+    with pytest.raises(SimulationError) as caught:
+        simulate(with_values(scene, {("solver", "work_limit"): float(evaluations)}), stop_time=1.0)
+    assert caught.value.status == TOO_MUCH_WORK
+
+
+def test_a_long_call_returns_in_between():
+    """So that Python can look after Ctrl-C; the result is the same."""
+    start = {"position": [0.0, 0.6], "angles": [0.3, -0.5, 0.7]}
+    scene = chain(3, start, solver={"method": "explicit"}, contact={"stiffness": 1e12, "restitution": 0.2})
+    instance, paused = Instance(scene), 0
+    while instance._kernel.advance_awhile(instance._address, 40.0):
+        paused += 1
+    whole = Instance(scene)
+    assert whole._kernel.advance(whole._address, 40.0) == OK
+    assert paused > 0
+    assert instance.record["step"].tobytes() == whole.record["step"].tobytes()
+
+
+# --- beginnings --------------------------------------------------------------------------------------------
+
+
+def test_an_instance_that_has_run_starts_as_a_new_one():
+    scene = chain(3, {"position": [0.0, 0.6], "angles": [0.3, -0.5, 0.7]})
+    used, new = Instance(scene), Instance(scene)
+    assert used.advance(0.75) == OK
+    assert used._kernel.initialize(used._address, 0.0) == OK
+    for instance in (used, new):
+        assert instance.advance(0.7) == OK
+    for name in ("step", "impact", "statistics", "finished"):
+        if name == "finished":
+            assert used.record[name]["count"] == new.record[name]["count"]
+        else:
+            assert used.record[name].tobytes() == new.record[name].tobytes(), name
+    assert used.collect().tolist() == new.collect().tolist()
