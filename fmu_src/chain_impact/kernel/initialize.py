@@ -2,6 +2,7 @@
 
 import math
 
+from chain_impact.kernel.chain.damped import damping_rate
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.integration.dense import NOTHING, SOLVER, root_at, time_at
 from chain_impact.kernel.integration.step_size import in_flight
@@ -84,6 +85,7 @@ def derive_chain(model):
         model.size = max(model.size, model.length[i])
         if model.joint_damping[i] != 0.0 and (i > 0 or model.pinned):
             model.damped = 1
+    model.damping_rate = damping_rate(model)
     total = 0.0
     for i in range(len(model.length)):
         total += model.mass[i]

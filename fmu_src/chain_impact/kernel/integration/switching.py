@@ -6,6 +6,9 @@ contact its stability does, or the order that it loses there. The fastest motion
 Impacts are resolved with hρ below 1, so explicit steps beyond STIFF tell that the contact lasts; that needs
 no evaluation to see. An implicit step costs a third of an explicit one: when it is shorter than
 NOT_STIFF, explicit steps get further for the same work, and more accurately.
+
+A damped joint has a rate of its own, in flight as in contact: model.damping_rate. Points that rigid walls
+hold are a matter of the explicit method alone.
 """
 
 import math
@@ -15,18 +18,20 @@ from chain_impact.kernel.model.contact import contact_slopes
 AUTO, EXPLICIT, IMPLICIT = 1, 2, 3  # solver.method
 STIFF = 2.5  # hρ of explicit steps that implicit ones could replace
 NOT_STIFF = 2.0  # hρ of implicit steps that explicit ones could replace
+STABLE = 3.0  # hρ of an explicit step, ρ being an estimate
 PATIENCE = 4  # steps in a row that have to agree
 
 
 def choose_method(d):
     """Decide on the method of the next step, with the points located at its start."""
     step = d.step
-    if d.contact.impulsive:
-        explicit_again(step)  # nothing is stiff
+    touching = d.touch.active_count > 0
+    if d.contact.impulsive and (touching or not d.model.damped):
+        explicit_again(step)
     elif d.solver.method != AUTO:
         step.implicit = d.solver.method == IMPLICIT
-    elif d.touch.active_count == 0:
-        explicit_again(step)
+    elif not (touching or d.model.damped):
+        explicit_again(step)  # nothing is stiff
     elif step.end > step.start:  # not just restarted
         z = (step.end - step.start) * fastest_rate(d)
         doubtful = z < NOT_STIFF if step.implicit else z > STIFF
@@ -39,6 +44,25 @@ def choose_method(d):
             step.implicit = 1 - step.implicit
 
 
+def begin_phase(d, size):
+    """Begin a new phase, in which implicit steps of a size [s] are called for.
+
+    The explicit method has the first word, unless steps were implicit and damping is stiff for them.
+    """
+    step = d.step
+    stiff = step.implicit and size * d.model.damping_rate > STIFF
+    explicit_again(step)
+    if stiff:
+        step.implicit = 1
+    else:
+        within_stability(d)
+
+
+def within_stability(d):
+    """Shorten the first step of a phase to what damping lets an explicit one be."""
+    d.step.next_size = min(d.step.next_size, STABLE / d.model.damping_rate)
+
+
 def explicit_again(step):
     """Begin a new phase, in which the explicit method has the first word."""
     step.implicit = 0
@@ -47,8 +71,10 @@ def explicit_again(step):
 
 
 def fastest_rate(d):
-    """The largest max(c/m, √(k/m)) [1/s] of the active contacts, for the located points."""
-    fastest = 0.0
+    """The largest rate [1/s] of the joints' damping and the active contacts, for the located points."""
+    fastest = d.model.damping_rate
+    if d.contact.impulsive:
+        return fastest
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         stiffness, damping = contact_slopes(d, c)
