@@ -2,7 +2,7 @@
 
 import math
 
-from chain_impact.kernel.chain.damped import damping_rate
+from chain_impact.kernel.chain.damping_rate import damping_bound
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.integration.dense import NOTHING, SOLVER, root_at, time_at
 from chain_impact.kernel.integration.step_size import in_flight
@@ -40,6 +40,7 @@ OVERLAP = 1e-12  # m, of a start that counts as touching
 def initialize(d, time):
     """Set the state at ``time`` [s] from the parameters and initial values; returns a status."""
     derive_chain(d.model)
+    d.model.damping_bound = damping_bound(d)
     d.contact.derived_law = 0  # any parameter may be another now
     d.statistics.status = check_parameters(d)
     if d.statistics.status == OK:
@@ -85,7 +86,6 @@ def derive_chain(model):
         model.size = max(model.size, model.length[i])
         if model.joint_damping[i] != 0.0 and (i > 0 or model.pinned):
             model.damped = 1
-    model.damping_rate = damping_rate(model)
     total = 0.0
     for i in range(len(model.length)):
         total += model.mass[i]

@@ -24,8 +24,6 @@ What is left has the coefficients, with σ = κ/(H + κ) between 0 and 1,
 in which nothing cancels, however large κ is. The elimination goes from the tip to the base, whose β is 0.
 """
 
-import math
-
 from chain_impact.kernel.chain.recursion import arm
 
 
@@ -112,24 +110,3 @@ def solve_damped(d, links, factors, load, aim, base, angular):
         x -= a * links.y[i]
         y += a * links.x[i]
         before = a
-
-
-def damping_rate(model):
-    """An estimate of the fastest rate [1/s] at which the joints' damping decays.
-
-    It is an eigenvalue of M⁻¹ C, C = Σ c_i g_i g_iᵀ, that changes with the angles: at most what it were for the
-    I_i alone in place of M, as for two links in line, and about what it were for their inertias about a
-    joint, when one is folded onto the other. J_i is the geometric mean of the two. The eigenvalues of
-    diag(J)⁻¹ C, but for zeros, are those of a tridiagonal matrix, and at most its largest sum of a row:
-
-        max_i √c_i [(√c_{i−1} + √c_i)/J_{i−1} + (√c_i + √c_{i+1})/J_i].
-    """
-    n, fastest, before = len(model.length), 0.0, 0.0
-    root = math.sqrt(model.joint_damping[0]) if model.pinned else 0.0
-    for i in range(n):
-        after = math.sqrt(model.joint_damping[i + 1]) if i + 1 < n else 0.0
-        inner = math.sqrt(model.inertia[i] * min(model.proximal_inertia[i], model.distal_inertia[i]))
-        own = (root + after) / inner
-        fastest = max(fastest, root * (before + own))
-        before, root = own, after
-    return fastest

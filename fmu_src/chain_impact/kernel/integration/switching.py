@@ -7,18 +7,19 @@ Impacts are resolved with hρ below 1, so explicit steps beyond STIFF tell that 
 no evaluation to see. An implicit step costs a third of an explicit one: when it is shorter than
 NOT_STIFF, explicit steps get further for the same work, and more accurately.
 
-A damped joint has a rate of its own, in flight as in contact: model.damping_rate. Points that rigid walls
+A damped joint has a rate of its own, in flight as in contact (chain/damping_rate.py). Points that rigid walls
 hold are a matter of the explicit method alone.
 """
 
 import math
 
+from chain_impact.kernel.chain.damping_rate import damping_rate
 from chain_impact.kernel.model.contact import contact_slopes
 
 AUTO, EXPLICIT, IMPLICIT = 1, 2, 3  # solver.method
 STIFF = 2.5  # hρ of explicit steps that implicit ones could replace
 NOT_STIFF = 2.0  # hρ of implicit steps that explicit ones could replace
-STABLE = 3.0  # hρ of an explicit step, ρ being an estimate
+STABLE = 4.0  # hρ of an explicit step to begin a phase with
 PATIENCE = 4  # steps in a row that have to agree
 
 
@@ -33,7 +34,7 @@ def choose_method(d):
     elif not (touching or d.model.damped):
         explicit_again(step)  # nothing is stiff
     elif step.end > step.start:  # not just restarted
-        z = (step.end - step.start) * fastest_rate(d)
+        z = stiffness_of(d, step.end - step.start)
         doubtful = z < NOT_STIFF if step.implicit else z > STIFF
         step.doubts = step.doubts + 1 if doubtful else 0
         if step.doubts >= step.patience:
@@ -50,7 +51,7 @@ def begin_phase(d, size):
     The explicit method has the first word, unless steps were implicit and damping is stiff for them.
     """
     step = d.step
-    stiff = step.implicit and size * d.model.damping_rate > STIFF
+    stiff = step.implicit and damping_over(d, size) > STIFF
     explicit_again(step)
     if stiff:
         step.implicit = 1
@@ -60,7 +61,9 @@ def begin_phase(d, size):
 
 def within_stability(d):
     """Shorten the first step of a phase to what damping lets an explicit one be."""
-    d.step.next_size = min(d.step.next_size, STABLE / d.model.damping_rate)
+    z = damping_over(d, d.step.next_size)
+    if z > STABLE:
+        d.step.next_size *= STABLE / z
 
 
 def explicit_again(step):
@@ -70,11 +73,21 @@ def explicit_again(step):
     step.patience = PATIENCE
 
 
-def fastest_rate(d):
-    """The largest rate [1/s] of the joints' damping and the active contacts, for the located points."""
-    fastest = d.model.damping_rate
-    if d.contact.impulsive:
-        return fastest
+def stiffness_of(d, h):
+    """hρ of a step [s], with the rate of what is fastest, joints' damping or active contacts."""
+    z = 0.0 if d.contact.impulsive else h * fastest_contact(d)
+    return max(z, damping_over(d, h)) if d.model.damped else z
+
+
+def damping_over(d, h):
+    """hρ of a step [s] for the joints' damping; no more than a bound if it is not stiff."""
+    z = h * d.model.damping_bound
+    return h * damping_rate(d, d.step.state_end) if z > NOT_STIFF else z
+
+
+def fastest_contact(d):
+    """The largest max(c/m, √(k/m)) [1/s] of the active contacts, for the located points."""
+    fastest = 0.0
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         stiffness, damping = contact_slopes(d, c)
