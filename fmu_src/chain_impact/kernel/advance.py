@@ -19,13 +19,17 @@ from chain_impact.kernel.integration import explicit, implicit, step_size
 from chain_impact.kernel.integration.complete import complete
 from chain_impact.kernel.integration.dense import OUTPUTS, fraction, interpolate, time_at
 from chain_impact.kernel.integration.sundman import TIME, at_pace, pace_now, set_pace
-from chain_impact.kernel.integration.switching import begin_phase, choose_method, explicit_again
+from chain_impact.kernel.integration.switching import (
+    begin_flight,
+    begin_impact,
+    choose_method,
+    explicit_again,
+)
 from chain_impact.kernel.model.contact import clear_loads, drop_events, latch
 from chain_impact.kernel.model.contact_force import latch_damping
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.status import LOG_FULL, NOT_FINITE, OK, RIGID_WHILE_TOUCHING, STEP_TOO_SMALL
 
-IMPLICIT_IMPACT = 0.05  # of an explicit step in an impact, how long an implicit one is
 LONGEST_STEP = 1.0  # s; a chain in flight without spin has no other limit
 SHORTEST_STEP = 1e-18  # s
 
@@ -240,10 +244,9 @@ def apply_events(d):
         d.step.next_size = min(
             d.step.flight_size, step_size.in_flight(d, d.step.state_end, d.work.rate_start)
         )
+        begin_flight(d)
     elif onset >= 0 or not (d.step.implicit or jumped):
         d.step.next_size = step_size.at_onset(d, onset if onset >= 0 else touch.active_index[0])
-    if touch.active_count == 0:
-        begin_phase(d, d.step.next_size)
-    elif onset >= 0:
-        begin_phase(d, IMPLICIT_IMPACT * step_size.at_onset(d, onset))
+    if onset >= 0:
+        begin_impact(d)
     return jumped

@@ -10,7 +10,8 @@ of the link before it:
     Z = ½ a·A a + β e·a + ½ p β² − b·a − t β,
 
 with A, e and p a symmetric 3×3 articulated inertia. To this, link i adds its own inertia and its damper,
-and is eliminated, Δ_i = α. With L, m c, x⊥ as in recursion.py and primes for what hangs from it (β = α there):
+and is eliminated, Δ_i = α. With L, m c, x⊥ as in recursion.py and primes for what hangs from it, where α is
+the β:
 
     h = m c⊥ + A' L⊥ + e',   H = I + m c² + L⊥·A' L⊥ + 2 L⊥·e' + p',   s = L⊥·b' + t',
     Z = ½ a·(A' + m 1) a + α h·a + ½ H α² − s α − b'·a + ½ κ (α − β − τ)²,

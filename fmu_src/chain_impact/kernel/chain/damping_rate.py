@@ -1,12 +1,12 @@
-"""How fast the motions decay that dampers in the joints slow down: the largest eigenvalue of M⁻¹ C, in O(N).
+"""How fast the motions decay that damped joints slow down: the largest eigenvalue of M⁻¹ C, in O(N).
 
-C = Σ c_i g_i g_iᵀ with g_i the gradient of ω_i − ω_{i−1}. The eigenvalue is at least the rate of one joint whose
-damper is the only one,
+C = Σ c_i g_i g_iᵀ with g_i the gradient of ω_i − ω_{i−1}. The eigenvalue is at least the rate of one joint
+whose damper is the only one,
 
     ρ_i = c_i g_iᵀ M⁻¹ g_i,
 
-and for one damper that is all. A moment 1 in joint i acts on two arms that share the joint's acceleration a:
-from the joint outward (A, k = h/H, 1/H, as recursion.py eliminates it) and inward (Ā, k̄, 1/H̄), where it is −1:
+and not much more. A moment in joint i acts on two arms that share the joint's acceleration a: as 1 on the one
+outward (A, k = h/H, 1/H, as recursion.py eliminates it), as −1 on the one inward (Ā, k̄, 1/H̄):
 
     α = 1/H − k·a,   ᾱ = −1/H̄ − k̄·a,   (A + Ā) a + k − k̄ = 0,
     g_iᵀ M⁻¹ g_i = α − ᾱ = 1/H + 1/H̄ + (k − k̄)·(A + Ā)⁻¹ (k − k̄).

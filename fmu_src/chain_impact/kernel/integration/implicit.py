@@ -1,4 +1,4 @@
-"""The linearly implicit step of order 3, for sustained contact and stiff joint damping (the method's data: ros34pw2.py).
+"""The linearly implicit step of order 3, for sustained contact and stiff joints (its data: ros34pw2.py).
 
 A point resting on a stiff wall makes the equations stiff: the contact's own motions are far faster than the
 chain's, and decay. Their part of the Jacobian has the rank of the active contacts, and all else may be left
@@ -22,8 +22,10 @@ the recursion. With x_v = r_v − Δ the rows of v̇ are M Δ = hγ (Jᵀ (k x_g
 
 with Δ the response of the chain to impulses at the touching points and moments in the joints. The contacts'
 impedance D adds to the articulated inertia at their points. hγ c_i is a damper that resists, in its joint, a
-change other than that of r: chain/damped.py, which only chains with damping need. The coordinates of a result are moved to the g and ġ that came with it in the
-same way, and those of its dense output in between. How far they had left them counts as an error.
+change other than that of r: chain/damped.py, which only chains with damping need.
+
+The coordinates of a result are moved to the g and ġ that came with it in the same way, and those of its dense
+output in between. How far they had left them counts as an error.
 """
 
 from chain_impact.kernel.chain.damped import factorize_damped, solve_damped

@@ -19,7 +19,8 @@ from chain_impact.kernel.model.contact import contact_slopes
 AUTO, EXPLICIT, IMPLICIT = 1, 2, 3  # solver.method
 STIFF = 2.5  # hρ of explicit steps that implicit ones could replace
 NOT_STIFF = 2.0  # hρ of implicit steps that explicit ones could replace
-STABLE = 4.0  # hρ of an explicit step to begin a phase with
+STABLE = 4.0  # hρ of an explicit step to begin a flight with
+IMPACT = 0.05  # of the size of an explicit step in an impact, that of an implicit one
 PATIENCE = 4  # steps in a row that have to agree
 
 
@@ -45,30 +46,32 @@ def choose_method(d):
             step.implicit = 1 - step.implicit
 
 
-def begin_phase(d, size):
-    """Begin a new phase, in which implicit steps of a size [s] are called for.
+def begin_impact(d):
+    """Begin a new phase at an onset, with an explicit step chosen: that method has the first word.
 
-    The explicit method has the first word, unless steps were implicit and damping is stiff for them.
+    But not if steps were implicit, and damping will make those of the impact so.
     """
-    step = d.step
-    stiff = step.implicit and damping_over(d, size) > STIFF
-    explicit_again(step)
-    if stiff:
-        step.implicit = 1
-    else:
-        within_stability(d)
+    d.step.implicit = d.step.implicit and damping_over(d, IMPACT * d.step.next_size) > STIFF
+    forget_doubts(d.step)
 
 
-def within_stability(d):
-    """Shorten the first step of a phase to what damping lets an explicit one be."""
+def begin_flight(d):
+    """Begin a new phase after the last contact, likewise."""
     z = damping_over(d, d.step.next_size)
-    if z > STABLE:
+    d.step.implicit = d.step.implicit and z > STIFF
+    if z > STABLE and not d.step.implicit:
         d.step.next_size *= STABLE / z
+    forget_doubts(d.step)
 
 
 def explicit_again(step):
     """Begin a new phase, in which the explicit method has the first word."""
     step.implicit = 0
+    forget_doubts(step)
+
+
+def forget_doubts(step):
+    """Let the present method have its turn."""
     step.doubts = 0
     step.patience = PATIENCE
 
