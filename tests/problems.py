@@ -311,6 +311,33 @@ def flat_chain(
     )
 
 
+def stiff_joint(
+    damping: float, count: int = 2, stop_time: float = 1.0, base: str = "free", **contact: Any
+) -> Scene:
+    """Links of 50 g and 0.5 m whose joints are so damped [N·m·s/rad] that they turn as one."""
+    rods = [{"length": 0.5, "mass": 0.05, "joint_damping": damping} for _ in range(count)]
+    if base == "free":
+        rods[0]["joint_damping"] = 0.0
+    initial = {
+        "position": [0.0, 0.6],
+        "angles": [0.3, -0.5, 1.0][:count],
+        "angular_velocities": [1.0, -3.0, 2.0][:count],
+    }
+    walls = {"y_min": 0.0} if base == "free" else {}
+    table = contact_table(**contact) if base == "free" else {"points": []}
+    return build(
+        "StiffJoint",
+        rods,
+        initial,
+        walls,
+        table,
+        gravity=GRAVITY,
+        stop_time=stop_time,
+        base=base,
+        tolerance=1e-8,
+    )
+
+
 def heap(stop_time: float, **contact: Any) -> Scene:
     """A hundred short links above a floor, on which they come to lie in a heap."""
     links = [{"length": 0.1, "mass": 0.1}] * 100

@@ -71,8 +71,8 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("pinned", INTEGER),  # 1: the base cannot move
         ("driven", INTEGER),  # 1: there are inputs
         # derived at initialization
-        ("damped", INTEGER),  # 1: some joint has damping
-        ("damping_rate", REAL),  # 1/s, at which the fastest motion of a damped joint fades
+        ("damped", INTEGER),  # 1: some joint has damping …
+        ("damping_bound", REAL),  # 1/s, … and bounds how fast the motions that it damps decay
         ("center_of_mass_ratio", REAL, (links,)),  # centre of mass / length
         ("proximal_inertia", REAL, (links,)),  # kg·m² about the proximal …
         ("distal_inertia", REAL, (links,)),  # kg·m² … and about the distal joint
@@ -162,6 +162,17 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse")),
         ("middle", REAL, (3,)),  # 1/kg, A⁻¹ of the middle joint: xx, xy, yy
     )
+    damped = _record(
+        *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse")),
+        ("own", REAL, (links,)),  # kg·m², H
+        ("damper", REAL, (links,)),  # kg·m², κ
+        ("aim", REAL, (links,)),  # rad/s, τ
+        ("base", REAL, (3,)),  # 1/kg, A⁻¹ of the base: xx, xy, yy
+    )
+    inner = _record(
+        *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse")),
+        *((name, REAL, (links,)) for name in ("xx", "xy", "yy")),  # kg, Ā
+    )
     work = _record(
         ("stage", REAL, (STAGES, state)),  # dy/ds at the stages
         ("rate_start", REAL, (state,)),  # ẏ at the start …
@@ -178,6 +189,8 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("acceleration", vectors),  # m/s²
         ("at_end", INTEGER),  # 1: these are the points at the end of the step
         ("motion", vectors),  # of the points, for a given motion of the coordinates
+        ("damped", damped),  # factors of an implicit step when joints are damped, see kernel/chain/damped.py
+        ("inner", inner),  # arms from each joint inward, see kernel/chain/damping_rate.py
     )
     # per candidate; what is latched at onset holds until the contact ends, or v₀ is latched anew
     touch = _record(

@@ -67,8 +67,9 @@ def chain():
         {("contact", "model"): "newton_impact"},
         {("contact", "model"): "kelvin_voigt", ("contact", "exponent"): 1.0},
         {("solver", "method"): "implicit", ("contact", "stiffness"): 1e5},
+        {("chain", "links", 1, "joint_damping"): 100.0, ("solver", "tolerance"): 1e-5},
     ],
-    ids=["explicit", "rigid", "with a jump", "implicit"],
+    ids=["explicit", "rigid", "with a jump", "implicit", "a stiff joint"],
 )
 def test_compiled_code_gives_the_bits_of_plain_python(changes):
     """The whole kernel through impacts: lowering and linking change no rounding."""

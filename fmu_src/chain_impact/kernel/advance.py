@@ -18,7 +18,12 @@ from chain_impact.kernel.integration import explicit, implicit, step_size
 from chain_impact.kernel.integration.complete import complete
 from chain_impact.kernel.integration.dense import OUTPUTS, fraction, interpolate, time_at
 from chain_impact.kernel.integration.sundman import TIME, at_pace, pace_now, set_pace
-from chain_impact.kernel.integration.switching import choose_method, explicit_again
+from chain_impact.kernel.integration.switching import (
+    begin_flight,
+    begin_impact,
+    choose_method,
+    explicit_again,
+)
 from chain_impact.kernel.model.contact import clear_loads, drop_events, latch
 from chain_impact.kernel.model.contact_force import latch_damping, may_jump
 from chain_impact.kernel.model.equations import state_rate
@@ -227,6 +232,7 @@ def apply_events(d):
     """
     if d.contact.impulsive:
         collide(d)
+        explicit_again(d.step)  # blows move what damping slows down
         return True
     jumped, latched_anew = False, False
     touch = d.touch
@@ -246,7 +252,6 @@ def apply_events(d):
         elif touch.event[c] == TOUCH:
             latch(d, c)
             touch.active[c] = 1
-            explicit_again(d.step)
             onset = c
             jumped = jumped or may_jump(d.contact)
         touch.event[c] = 0
@@ -261,6 +266,9 @@ def apply_events(d):
         d.step.next_size = min(
             d.step.flight_size, step_size.in_flight(d, d.step.state_end, d.work.rate_start)
         )
-    elif not d.step.implicit and (onset >= 0 or not latched_anew):
+        begin_flight(d)
+    elif onset >= 0 or not (d.step.implicit or latched_anew):
         d.step.next_size = step_size.at_onset(d, onset if onset >= 0 else touch.active_index[0])
+    if onset >= 0:
+        begin_impact(d)
     return jumped

@@ -2,6 +2,7 @@
 
 import math
 
+from chain_impact.kernel.chain.damping_rate import damping_bound
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.integration.dense import NOTHING, SOLVER, root_at, time_at
 from chain_impact.kernel.integration.step_size import in_flight
@@ -40,6 +41,7 @@ def initialize(d, time):
     """Set the state at ``time`` [s] from the parameters and initial values; returns a status."""
     derive_chain(d.model)
     forget_run(d)
+    d.model.damping_bound = damping_bound(d)
     d.contact.derived_law = 0  # any parameter may be another now
     d.statistics.status = check_parameters(d)
     if d.statistics.status == OK:
@@ -85,7 +87,7 @@ def forget_run(d):
 
 def derive_chain(model):
     """Find what the recursion needs of each link, and the absolute scales of positions and energies."""
-    model.damped, model.damping_rate = 0, 0.0
+    model.damped = 0
     model.middle = 0 if model.pinned else len(model.length) // 2  # as in `accelerations`
     model.size = 0.0
     for i in range(len(model.length)):
@@ -98,11 +100,6 @@ def derive_chain(model):
         model.size = max(model.size, model.length[i])
         if model.joint_damping[i] != 0.0 and (i > 0 or model.pinned):
             model.damped = 1
-            # ω_i − ω_{i−1} fades with c (1/I_i + 1/I_{i−1}), or slower: joints make the links heavier
-            rate = model.joint_damping[i] / model.inertia[i]
-            if i > 0:
-                rate += model.joint_damping[i] / model.inertia[i - 1]
-            model.damping_rate = max(model.damping_rate, rate)
     total = 0.0
     for i in range(len(model.length)):
         total += model.mass[i]

@@ -14,13 +14,20 @@ from chain_impact.kernel.integration.implicit import (
     GAMMA,
     ROWS,
     START_RATE,
+    factorize_stiff,
+    gap_at,
     interpolated,
+    linearize,
     linearly_implicit,
+    own_size,
+    rate_at,
+    solve_stiff,
 )
 from chain_impact.kernel.model.geometry import clearance
-from chain_impact.scene import load_scene, with_values
+from chain_impact.scene import WALLS, load_scene, with_values
 from chain_impact.simulate import Instance
 from tests.plain import Plain
+from tests.reference import clearance_gradient, mass_matrix
 
 
 @cache
@@ -185,9 +192,51 @@ def test_van_der_pol_with_mu_of_a_million_takes_few_steps():
     assert steps < 8000
 
 
-def touching(tolerance):
+@pytest.mark.parametrize("shift", [1e-6, 1e-3, 1.0])
+@pytest.mark.parametrize("damping", [0.0, 1.0, 1e4])
+def test_the_stiff_part_of_the_jacobian_is_that_of_contacts_and_joint_damping(damping, shift):
+    """(1 − hγA) x = r, with A assembled: rows of ẋ, v̇, ġ and g̈ in the unknowns x, v, g and ġ."""
+    changes = {("chain", "links", i, "joint_damping"): damping * (1 + i) for i in range(1, 4)}
+    instance = touching(1e-4, **{} if damping == 0.0 else {"changes": changes})
+    instance.advance(0.8)
+    d = Plain(instance.record)
+    count, n = int(d["touch"]["active_count"]), 4
+    assert count > 0
+    locate_points(d, d["step"]["state_end"])
+    linearize(d)
+    size = own_size(d) + 2 * count
+    r, x = np.random.default_rng(6).uniform(-1.0, 1.0, size), np.full(size, np.nan)
+    factorize_stiff(d, shift)
+    solve_stiff(d, shift, r, x)
+
+    angles = d["step"]["state_end"][2 : n + 2]
+    scene, candidate = load_scene("four_link_box"), d["candidate"]
+    chosen = [int(c) for c in d["touch"]["active_index"][:count]]
+    normals = np.array(
+        [
+            clearance_gradient(scene, angles, int(candidate["point"][c]), WALLS[int(candidate["wall"][c])])
+            for c in chosen
+        ]
+    )
+    across = np.hstack([np.zeros((n, 2)), np.eye(n) - np.eye(n, k=-1)])
+    joint = np.array([0.0, *(damping * (1 + i) for i in range(1, n))])
+    forces = np.zeros((n + 2, size))
+    v, gap, rate = slice(n + 2, 2 * n + 4), slice(gap_at(d, 0), rate_at(d, 0)), slice(rate_at(d, 0), size)
+    forces[:, gap] = -normals.T * d["implicit"]["stiffness"][:count]
+    forces[:, rate] = -normals.T * d["implicit"]["damping"][:count]
+    forces[:, v] = -across.T @ np.diag(joint) @ across
+    jacobian = np.zeros((size, size))
+    jacobian[v] = np.linalg.solve(mass_matrix(scene, angles), forces)
+    jacobian[rate] = normals @ jacobian[v]
+    jacobian[: n + 2, v], jacobian[gap, rate] = np.eye(n + 2), np.eye(count)
+    left = x - shift * jacobian @ x
+    scale = np.abs(x) + shift * np.abs(jacobian) @ np.abs(x) + np.abs(r)
+    assert np.abs((left - r) / scale).max() < 1e-10
+
+
+def touching(tolerance, changes=None):
     """An instance of links that fold on the stiffest floor."""
-    scene = load_scene("four_link_box")
+    scene = with_values(load_scene("four_link_box"), changes or {})
     changes = {("contact", "stiffness"): 1e12, ("contact", "restitution"): 0.05}
     return Instance(with_values(scene, changes | {("solver", "tolerance"): tolerance}))
 

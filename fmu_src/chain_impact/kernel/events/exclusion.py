@@ -40,7 +40,7 @@ def plainly_clear(d):
     # that of a motion which fades with the rate ρ: φ⁽⁶⁾ = ρ⁴ φ̈
     fade = fading(d)
     error = reach * turn**2 * max(turn, fade) ** 4 / 4608.0
-    clear = max(turn, fade) < SMALL_TURN
+    clear = turn < SMALL_TURN
     for c in range(d.candidates):
         clear = clear and stays_positive(d, c, error)
     for k in range(d.touch.active_count):
@@ -50,7 +50,7 @@ def plainly_clear(d):
 
 def fading(d):
     """How far, at most, motions have faded by joint damping in the last step: ρ h, a pure number."""
-    return (d.step.end - d.step.start) * d.model.damping_rate
+    return (d.step.end - d.step.start) * d.model.damping_bound
 
 
 def largest_turn(d):

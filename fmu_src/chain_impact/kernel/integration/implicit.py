@@ -1,4 +1,4 @@
-"""The linearly implicit step of order 3, for sustained contact (the method's data: ros34pw2.py).
+"""The linearly implicit step of order 3, for sustained contact and stiff joints (its data: ros34pw2.py).
 
 A point resting on a stiff wall makes the equations stiff: the contact's own motions are far faster than the
 chain's, and decay. Their part of the Jacobian has the rank of the active contacts, and all else may be left
@@ -7,21 +7,28 @@ out of it, as the method keeps its order with any A.
 As the links turn, a stage's coordinates leave the wall's tangent by ½ h² J̇ẏ. That is little, but soon more
 than the penetration of a stiff wall. So the clearances g of the active contacts and their rates are
 integrated beside y, z = (y, g, ġ), with g̈ the acceleration of the point along the normal. The forces are
-those at g and ġ, in which the fast motions are linear but for the law of force, and the Jacobian is
+those at g and ġ, in which the fast motions are linear but for the law of force.
 
-    ∂v̇/∂(g, ġ) = −M⁻¹ Jᵀ (k, c),   ∂g̈/∂(g, ġ) = −J M⁻¹ Jᵀ (k, c),   ∂(ẋ, ġ)/∂(v, ġ) = 1,
+Damped joints make the equations stiff, too, and need nothing beside y: their moments −C v are linear in it,
+C = Σ c_i g_i g_iᵀ with g_i the gradient of ω_i − ω_{i−1}. The Jacobian is
+
+    ∂v̇/∂(g, ġ, v) = −M⁻¹ (Jᵀk, Jᵀc, C),   ∂g̈/∂(g, ġ, v) = −J M⁻¹ (Jᵀk, Jᵀc, C),   ∂(ẋ, ġ)/∂(v, ġ) = 1,
 
 k = ∂F/∂δ, c = ∂F/∂δ̇, J the gradient of the clearances. Solving (1 − hγA) x = r takes no linear algebra but
-the recursion:
+the recursion. With x_v = r_v − Δ the rows of v̇ are M Δ = hγ (Jᵀ (k x_g + c x_ġ) + C x_v), hence
 
-    (M + Jᵀ D J) Δ = Jᵀ (D r_ġ + hγ k r_g),   D = hγ c + (hγ)² k,
+    (M + Jᵀ D J + hγ C) Δ = Jᵀ (D r_ġ + hγ k r_g) + hγ C r_v,   D = hγ c + (hγ)² k,
     x_v = r_v − Δ,   x_ġ = r_ġ − J Δ,   x_q = r_q + hγ x_v,   x_g = r_g + hγ x_ġ,
 
-with Δ the response of the chain to impulses at the touching points, and the contacts' impedance D added to
-the articulated inertia there. The coordinates of a result are moved to the g and ġ that came with it in the
-same way, and those of its dense output in between. How far they had left them counts as an error.
+with Δ the response of the chain to impulses at the touching points and moments in the joints. The contacts'
+impedance D adds to the articulated inertia at their points. hγ c_i is a damper that resists, in its joint, a
+change other than that of r: chain/damped.py, which only chains with damping need.
+
+The coordinates of a result are moved to the g and ġ that came with it in the same way, and those of its dense
+output in between. How far they had left them counts as an error.
 """
 
+from chain_impact.kernel.chain.damped import factorize_damped, solve_damped
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, move_points, zero
 from chain_impact.kernel.chain.recursion import factorize, solve
 from chain_impact.kernel.integration import ros34pw2
@@ -143,35 +150,47 @@ def extended_rate(d, z, rate):
     clearance_rates(d, z, rate)
 
 
-def factorize_contacts(d, shift):
-    """Eliminate M + Jᵀ D J for hγ = ``shift`` [s]."""
+def factorize_stiff(d, shift):
+    """Eliminate M + Jᵀ D J + hγ C for hγ = ``shift`` [s]."""
     own = d.implicit
     zero(d.work.load)
     for k in range(d.touch.active_count):
         # D = hγ c + (hγ)² k
         own.impedance[k] = shift * (own.damping[k] + shift * own.stiffness[k])
         add_across_wall(d, d.touch.active_index[k], d.work.load, own.impedance[k])
-    factorize(d, own.link, d.work.load, d.work.factors)
+    if d.model.damped:
+        factorize_damped(d, own.link, d.work.load, shift, d.work.damped)
+    else:
+        factorize(d, own.link, d.work.load, d.work.factors)
 
 
 def respond(d, base, angular):
-    """Solve (M + Jᵀ D J) Δ = Jᵀ p for Δ = (base, angular) and J Δ, with p and then J Δ in ``normal``."""
+    """Solve (M + Jᵀ D J + hγ C) Δ = Jᵀ p + hγ C r for Δ = (base, angular) and J Δ.
+
+    p stands in ``normal``, and then J Δ; the relative angular velocities of r in ``work.damped.aim``.
+    """
     work, own = d.work, d.implicit
     zero(work.load)
     for k in range(d.touch.active_count):
         add_along_normal(d, d.touch.active_index[k], work.load, own.normal[k])
-    solve(d, own.link, work.factors, work.load, base, angular)
+    if d.model.damped:
+        solve_damped(d, own.link, work.damped, work.load, work.damped.aim, base, angular)
+    else:
+        solve(d, own.link, work.factors, work.load, base, angular)
     move_points(own.link, base, angular, work.motion)
     for k in range(d.touch.active_count):
         own.normal[k] = along_normal(d, d.touch.active_index[k], work.motion)
 
 
-def solve_contacts(d, shift, r, x):
+def solve_stiff(d, shift, r, x):
     """Solve (1 − hγA) x = r for hγ = ``shift`` [s]."""
     n, own = d.links, d.implicit
     for k in range(d.touch.active_count):
         # D r_ġ + hγ k r_g
         own.normal[k] = own.impedance[k] * r[rate_at(d, k)] + shift * own.stiffness[k] * r[gap_at(d, k)]
+    if d.model.damped:
+        for i in range(n):
+            d.work.damped.aim[i] = r[n + 4 + i] - (r[n + 3 + i] if i > 0 else 0.0)
     respond(d, x[n + 2 : n + 4], x[n + 4 : 2 * n + 4])
     for j in range(n + 2):
         x[n + 2 + j] = r[n + 2 + j] - x[n + 2 + j]
@@ -183,7 +202,7 @@ def solve_contacts(d, shift, r, x):
         x[j] = r[j]
 
 
-_step = linearly_implicit(extended_rate, solve_contacts)
+_step = linearly_implicit(extended_rate, solve_stiff)
 
 
 def attempt(d, h):
@@ -194,7 +213,7 @@ def attempt(d, h):
     """
     work, active = d.work, d.touch.active_count
     length = own_size(d) + 2 * active
-    factorize_contacts(d, h * GAMMA)
+    factorize_stiff(d, h * GAMMA)
     _step(d, d.implicit.start[:length], d.implicit.z[:length], h)
     # the columns of the Jacobian count as evaluations
     d.statistics.rhs_evaluations += STEP_EVALUATIONS + active
@@ -241,6 +260,8 @@ def meet(d, derivative, change):
     for k in range(d.touch.active_count):
         gap, gap_rate = clearance(d, d.touch.active_index[k])
         own.normal[k] = own.impedance[k] * (own.normal[k] - (gap_rate if derivative else gap))
+    for i in range(n):
+        d.work.damped.aim[i] = 0.0
     respond(d, change[0:2], change[2 : n + 2])
     return derivative * (n + 2)
 

@@ -6,29 +6,36 @@ contact its stability does, or the order that it loses there. The fastest motion
 Impacts are resolved with hρ below 1, so explicit steps beyond STIFF tell that the contact lasts; that needs
 no evaluation to see. An implicit step costs a third of an explicit one: when it is shorter than
 NOT_STIFF, explicit steps get further for the same work, and more accurately.
+
+A damped joint has a rate of its own, in flight as in contact (chain/damping_rate.py). Points that rigid walls
+hold are a matter of the explicit method alone.
 """
 
 import math
 
+from chain_impact.kernel.chain.damping_rate import damping_rate
 from chain_impact.kernel.model.contact import contact_slopes
 
 AUTO, EXPLICIT, IMPLICIT = 1, 2, 3  # solver.method
 STIFF = 2.5  # hρ of explicit steps that implicit ones could replace
 NOT_STIFF = 2.0  # hρ of implicit steps that explicit ones could replace
+STABLE = 4.0  # hρ of an explicit step to begin a flight with
+IMPACT = 0.05  # of the size of an explicit step in an impact, that of an implicit one
 PATIENCE = 4  # steps in a row that have to agree
 
 
 def choose_method(d):
     """Decide on the method of the next step, with the points located at its start."""
     step = d.step
-    if d.contact.impulsive:
-        explicit_again(step)  # nothing is stiff
+    touching = d.touch.active_count > 0
+    if d.contact.impulsive and (touching or not d.model.damped):
+        explicit_again(step)
     elif d.solver.method != AUTO:
         step.implicit = d.solver.method == IMPLICIT
-    elif d.touch.active_count == 0:
-        explicit_again(step)
+    elif not (touching or d.model.damped):
+        explicit_again(step)  # nothing is stiff
     elif step.end > step.start:  # not just restarted
-        z = (step.end - step.start) * fastest_rate(d)
+        z = stiffness_of(d, step.end - step.start)
         doubtful = z < NOT_STIFF if step.implicit else z > STIFF
         step.doubts = step.doubts + 1 if doubtful else 0
         if step.doubts >= step.patience:
@@ -39,14 +46,49 @@ def choose_method(d):
             step.implicit = 1 - step.implicit
 
 
+def begin_impact(d):
+    """Begin a new phase at an onset, with an explicit step chosen: that method has the first word.
+
+    But not if steps were implicit, and damping will make those of the impact so.
+    """
+    d.step.implicit = d.step.implicit and damping_over(d, IMPACT * d.step.next_size) > STIFF
+    forget_doubts(d.step)
+
+
+def begin_flight(d):
+    """Begin a new phase after the last contact, likewise."""
+    z = damping_over(d, d.step.next_size)
+    d.step.implicit = d.step.implicit and z > STIFF
+    if z > STABLE and not d.step.implicit:
+        d.step.next_size *= STABLE / z
+    forget_doubts(d.step)
+
+
 def explicit_again(step):
     """Begin a new phase, in which the explicit method has the first word."""
     step.implicit = 0
+    forget_doubts(step)
+
+
+def forget_doubts(step):
+    """Let the present method have its turn."""
     step.doubts = 0
     step.patience = PATIENCE
 
 
-def fastest_rate(d):
+def stiffness_of(d, h):
+    """hρ of a step [s], with the rate of what is fastest, joints' damping or active contacts."""
+    z = 0.0 if d.contact.impulsive else h * fastest_contact(d)
+    return max(z, damping_over(d, h)) if d.model.damped else z
+
+
+def damping_over(d, h):
+    """hρ of a step [s] for the joints' damping; no more than a bound if it is not stiff."""
+    z = h * d.model.damping_bound
+    return h * damping_rate(d, d.step.state_end) if z > NOT_STIFF else z
+
+
+def fastest_contact(d):
     """The largest max(c/m, √(k/m)) [1/s] of the active contacts, for the located points."""
     fastest = 0.0
     for k in range(d.touch.active_count):

@@ -1,0 +1,113 @@
+"""The recursion with dampers in the joints: M + Jᵀ D J + K, in O(N).
+
+K = Σ κ_i g_i g_iᵀ with g_i the gradient of ω_i − ω_{i−1}: each joint resists a change of its relative angular
+velocity by a moment κ_i (Δ_i − Δ_{i−1} − τ_i), with τ_i the change at which it would not resist. The base has
+a damper only if it is pinned.
+
+A damped joint transmits a moment. What hangs from it therefore answers the motion a of the joint and β, that
+of the link before it:
+
+    Z = ½ a·A a + β e·a + ½ p β² − b·a − t β,
+
+with A, e and p a symmetric 3×3 articulated inertia. To this, link i adds its own inertia and its damper,
+and is eliminated, Δ_i = α. With L, m c, x⊥ as in recursion.py and primes for what hangs from it, where α is
+the β:
+
+    h = m c⊥ + A' L⊥ + e',   H = I + m c² + L⊥·A' L⊥ + 2 L⊥·e' + p',   s = L⊥·b' + t',
+    Z = ½ a·(A' + m 1) a + α h·a + ½ H α² − s α − b'·a + ½ κ (α − β − τ)²,
+    α = (s + κ τ − h·a + κ β)/(H + κ).
+
+What is left has the coefficients, with σ = κ/(H + κ) between 0 and 1,
+
+    A = A' + m 1 − h hᵀ/(H + κ),   e = σ h,   p = σ H,
+    b = b' − h (s + κ τ)/(H + κ),  t = σ (s − H τ),
+
+in which nothing cancels, however large κ is. The elimination goes from the tip to the base, whose β is 0.
+"""
+
+from chain_impact.kernel.chain.recursion import arm
+
+
+def factorize_damped(d, links, impedance, shift, factors):
+    """Eliminate M + Jᵀ D J + K, with D a diagonal impedance at the points and κ_i = ``shift`` times c_i.
+
+    Args:
+        d: the instance.
+        links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
+        impedance: record with ``x, y``, shape (N+1,): added inertia of each point along the axes [kg].
+        shift: [s].
+        factors: record for the result, used by ``solve_damped``.
+    """
+    axx, axy, ayy, ex, ey, p = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(d.links):
+        i = d.links - 1 - k
+        axx += impedance.x[i + 1]
+        ayy += impedance.y[i + 1]
+        lx, ly, sx, sy, inertia = arm(d, links, i, True)
+        # h = m c⊥ + A' L⊥ + e'
+        ux, uy = axy * lx - axx * ly + ex, ayy * lx - axy * ly + ey
+        hx, hy = ux - sy, uy + sx
+        # H = I + m c² + L⊥·(A' L⊥ + e') + L⊥·e' + p'
+        own = inertia + p + lx * (uy + ey) - ly * (ux + ex)
+        damper = shift * damping_of(d, i)
+        inverse = 1.0 / (own + damper)
+        share = damper * inverse
+        factors.gain_x[i], factors.gain_y[i], factors.inverse[i] = hx * inverse, hy * inverse, inverse
+        factors.own[i], factors.damper[i] = own, damper
+        m = d.model.mass[i]
+        # A = A' + m 1 − h hᵀ/(H + κ),  e = σ h,  p = σ H
+        axx, axy, ayy = axx + m - hx * hx * inverse, axy - hx * hy * inverse, ayy + m - hy * hy * inverse
+        ex, ey, p = share * hx, share * hy, share * own
+    axx += impedance.x[0]
+    ayy += impedance.y[0]
+    # A⁻¹ of the base, 0 when that is pinned
+    scale = 0.0 if d.model.pinned else 1.0 / (axx * ayy - axy * axy)
+    factors.base[0], factors.base[1], factors.base[2] = ayy * scale, -axy * scale, axx * scale
+
+
+def damping_of(d, i):
+    """c_i [N·m·s/rad]: a free base has no joint."""
+    return d.model.joint_damping[i] if i > 0 or d.model.pinned else 0.0
+
+
+def solve_damped(d, links, factors, load, aim, base, angular):
+    """Solve (M + Jᵀ D J + K) (base, angular) = Jᵀ load + Σ κ_i τ_i g_i.
+
+    Args:
+        d: the instance.
+        links: as for ``factorize_damped``.
+        factors: its result.
+        load: record with ``x, y``, shape (N+1,): impulse on each point [N·s].
+        aim: τ_i, shape (N,) [rad/s].
+        base: result, change of the base's velocity, shape (2,) [m/s].
+        angular: result, change of the angular velocities, shape (N,) [rad/s].
+    """
+    n = d.links
+    bx, by, t = 0.0, 0.0, 0.0
+    for k in range(n):
+        i = n - 1 - k
+        bx += load.x[i + 1]
+        by += load.y[i + 1]
+        damper, inverse = factors.damper[i], factors.inverse[i]
+        # s = L⊥·b' + t'
+        s = links.x[i] * by - links.y[i] * bx + t
+        moment = s + damper * aim[i]
+        angular[i] = moment * inverse
+        # b = b' − h (s + κ τ)/(H + κ),  t = σ (s − H τ)
+        bx -= factors.gain_x[i] * moment
+        by -= factors.gain_y[i] * moment
+        t = damper * inverse * (s - factors.own[i] * aim[i])
+    bx += load.x[0]
+    by += load.y[0]
+    x = factors.base[0] * bx + factors.base[1] * by
+    y = factors.base[1] * bx + factors.base[2] * by
+    base[0], base[1] = x, y
+    before = 0.0
+    for i in range(n):
+        # α = (s + κ τ − h·a + κ β)/(H + κ)
+        share = factors.damper[i] * factors.inverse[i]
+        a = angular[i] - factors.gain_x[i] * x - factors.gain_y[i] * y + share * before
+        angular[i] = a
+        x -= a * links.y[i]
+        y += a * links.x[i]
+        before = a

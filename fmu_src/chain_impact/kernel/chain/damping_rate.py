@@ -1,0 +1,62 @@
+"""How fast the motions decay that damped joints slow down: the largest eigenvalue of M⁻¹ C, in O(N).
+
+C = Σ c_i g_i g_iᵀ with g_i the gradient of ω_i − ω_{i−1}. The eigenvalue is at least the rate of one joint
+whose damper is the only one,
+
+    ρ_i = c_i g_iᵀ M⁻¹ g_i,
+
+and not much more. A moment in joint i acts on two arms that share the joint's acceleration a: as 1 on the one
+outward (A, k = h/H, 1/H, as recursion.py eliminates it), as −1 on the one inward (Ā, k̄, 1/H̄):
+
+    α = 1/H − k·a,   ᾱ = −1/H̄ − k̄·a,   (A + Ā) a + k − k̄ = 0,
+    g_iᵀ M⁻¹ g_i = α − ᾱ = 1/H + 1/H̄ + (k − k̄)·(A + Ā)⁻¹ (k − k̄).
+
+As M is at least the I_i alone, no eigenvalue exceeds those of diag(I)⁻¹ C, and these no sum of a row
+(Gershgorin): 2 (c_i + c_{i+1})/I_i. This bound does not change with the angles.
+"""
+
+from chain_impact.kernel.chain.damped import damping_of
+from chain_impact.kernel.chain.kinematics import link_vectors, zero
+from chain_impact.kernel.chain.recursion import factorize_link
+
+HELD = 1e6  # of the mass of the first link: the inertia that stands for a pin
+
+
+def damping_bound(d):
+    """A bound [1/s] on the rates at which the joints' damping decays."""
+    most = 0.0
+    for i in range(d.links):
+        after = damping_of(d, i + 1) if i + 1 < d.links else 0.0
+        most = max(most, 2.0 * (damping_of(d, i) + after) / d.model.inertia[i])
+    return most
+
+
+def damping_rate(d, y):
+    """The largest ρ_i [1/s] in the state y, whose link vectors are left in ``work.link``."""
+    link_vectors(d, y)
+    link, factors, inner = d.work.link, d.work.factors, d.work.inner
+    zero(d.work.motion)  # no impedance at any point
+    pin = HELD * d.model.mass[0] if d.model.pinned else 0.0
+    axx, axy, ayy = pin, 0.0, pin
+    for i in range(d.links):
+        axx, axy, ayy = factorize_link(d, link, d.work.motion, inner, i, False, axx, axy, ayy)
+        inner.xx[i], inner.xy[i], inner.yy[i] = axx, axy, ayy
+    fastest = 0.0
+    axx, axy, ayy = 0.0, 0.0, 0.0
+    for k in range(d.links):
+        i = d.links - 1 - k
+        axx, axy, ayy = factorize_link(d, link, d.work.motion, factors, i, True, axx, axy, ayy)
+        fastest = max(fastest, damping_of(d, i) * mobility(d, i, axx, axy, ayy))
+    return fastest
+
+
+def mobility(d, i, axx, axy, ayy):
+    """g_iᵀ M⁻¹ g_i [1/(kg·m²)] for both arms of joint i and the A of the outer one."""
+    outer, inner = d.work.factors, d.work.inner
+    if i == 0:
+        return outer.inverse[0]  # a pin: a = 0
+    x, y = outer.gain_x[i] - inner.gain_x[i - 1], outer.gain_y[i] - inner.gain_y[i - 1]
+    axx, axy, ayy = axx + inner.xx[i - 1], axy + inner.xy[i - 1], ayy + inner.yy[i - 1]
+    # (k − k̄)·(A + Ā)⁻¹ (k − k̄)
+    shared = (ayy * x * x - 2.0 * axy * x * y + axx * y * y) / (axx * ayy - axy * axy)
+    return outer.inverse[i] + inner.inverse[i - 1] + shared

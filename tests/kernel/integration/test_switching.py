@@ -1,0 +1,63 @@
+"""When implicit steps are taken for joints' damping, and that what is not stiff does without."""
+
+import pytest
+
+from chain_impact import simulate
+from chain_impact.kernel.integration.switching import PATIENCE
+from chain_impact.scene import with_values
+from chain_impact.simulate import Instance
+from tests.problems import stiff_joint
+
+
+def test_light_damping_stays_explicit():
+    result = simulate(with_values(stiff_joint(1e-3), {("simulation", "stop_time"): 0.25}))
+    assert len(result.impacts) == 0
+    assert result.statistics["implicit_steps"] == 0
+
+
+@pytest.mark.parametrize("damping", [1e2, 1e4, 1e6])
+def test_stiff_damping_is_implicit_in_flight_after_its_own_motion_has_decayed(damping):
+    result = simulate(with_values(stiff_joint(damping), {("simulation", "stop_time"): 0.25}))
+    steps, implicit = result.statistics["steps"], result.statistics["implicit_steps"]
+    assert len(result.impacts) == 0
+    assert PATIENCE <= steps - implicit <= 30
+    assert implicit <= 60
+
+
+def test_a_forced_method_is_kept():
+    scene = with_values(stiff_joint(1.0), {("simulation", "stop_time"): 0.25})
+    explicit, implicit = (simulate(scene, method=method).statistics for method in ("explicit", "implicit"))
+    assert explicit["implicit_steps"] == 0
+    assert implicit["implicit_steps"] == implicit["steps"]
+
+
+def test_an_onset_leaves_very_stiff_damping_implicit():
+    instance = Instance(stiff_joint(1e6))
+    while instance.record["impact"]["count"] == 0:
+        instance.advance(float(instance.record["step"]["end"]) + 1e-9)
+    before = instance.statistics
+    instance.advance(float(instance.record["impact"]["last_time"]) + 1e-4)
+    after = instance.statistics
+    steps = after["steps"] - before["steps"]
+    assert steps > 50
+    assert after["implicit_steps"] - before["implicit_steps"] > 0.9 * steps
+
+
+def test_rigid_walls_have_implicit_steps_in_flight_and_explicit_ones_at_rest():
+    changes = {("contact", "model"): "newton_impact", ("simulation", "stop_time"): 0.3}
+    result = simulate(with_values(stiff_joint(100.0), changes))
+    assert result.statistics["implicit_steps"] > 40
+    held = with_values(stiff_joint(1.0), changes | {("simulation", "stop_time"): 1.0})
+    instance = Instance(held)
+    for _ in range(2000):
+        instance.advance(instance.time + 1e-3)
+        if instance.record["touch"]["active_count"] > 0:
+            assert not instance.record["step"]["implicit"]
+
+
+def test_the_count_does_not_depend_on_the_communication_step():
+    counts = set()
+    for step in (1.0, 0.01, 0.0007):
+        result = simulate(stiff_joint(100.0), output_step=step)
+        counts.add(tuple(sorted(result.statistics.items())))
+    assert len(counts) == 1
