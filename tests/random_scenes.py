@@ -200,9 +200,10 @@ def _box(
             low = box.get(WALLS[number - 1])
             if low is not None and not box[name] - low > 2.0 * radius + 1e-3 * size:
                 # who touches one wall of such a corridor always touches the other
-                box[name] = low + 2.0 * radius + size * usual
                 if number == flush:
-                    box[name], box[WALLS[number - 1]] = low + 2.0 * radius, low - size * usual
+                    box[WALLS[number - 1]] -= size * usual
+                else:
+                    box[name] += size * usual
         else:
             box[name] = float(places[:, axis].min()) - radius - margin
     return box

@@ -12,19 +12,24 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from functools import partial
 from multiprocessing import get_context
 from queue import SimpleQueue
 from typing import Any
 
+import numpy as np
+
 from chain_impact.compilation.library import kernel_library
+from chain_impact.instance import candidates
 from chain_impact.kernel.status import OK
+from chain_impact.layout import instance_dtype
 from chain_impact.scene import Scene
 from chain_impact.simulate import load_kernel
 from tests import oracle
 from tests.oracle import CPU, Finding
 from tests.random_scenes import scene as scene_of
 
+MEMORY = 40_000  # numbers, room for the record of any scene
+SLOWEST = 1e4  # evaluations in a second of CPU time; fewer tell of a loop that makes none
 CONTEXT = get_context("forkserver")
 CONTEXT.set_forkserver_preload(["tests.search"])
 
@@ -95,23 +100,22 @@ class Worker:
     def ask(self, scene: Scene | None, seed: int, cpu: float) -> Verdict:
         if self.process is None:
             self.start()
-        self.reached.value = 0.0
         try:
             self.pipe.send((scene, seed, cpu))
             result = self.pipe.recv()
         except (EOFError, OSError):
             self.process.join()
-            ended, code = self.reached.value, self.process.exitcode
+            code = self.process.exitcode
             self.close()
-            return _ended(scene or scene_of(seed), seed, cpu, ended, code)
+            return _ended(scene or scene_of(seed), seed, cpu, self.memory, code)
         if isinstance(result, Exception):
             raise result
         return result
 
     def start(self) -> None:
-        self.reached = CONTEXT.RawValue("d", 0.0)
+        self.memory = CONTEXT.RawArray("d", MEMORY)
         self.pipe, theirs = CONTEXT.Pipe()
-        self.process = CONTEXT.Process(target=_serve, args=(theirs, self.reached), daemon=True)
+        self.process = CONTEXT.Process(target=_serve, args=(theirs, self.memory), daemon=True)
         self.process.start()
         theirs.close()
 
@@ -123,17 +127,22 @@ class Worker:
         self.process = None
 
 
-def _ended(scene: Scene, seed: int, cpu: float, reached: float, code: int) -> Verdict:
-    stop = scene.simulation.stop_time
+def _ended(scene: Scene, seed: int, cpu: float, memory: Any, code: int) -> Verdict:
+    """On a run that was ended, by the record that it left."""
+    record = np.frombuffer(memory, instance_dtype(len(scene.chain.links), len(candidates(scene))), count=1)[0]
+    statistics = record["statistics"]
+    counts = {name: int(statistics[name]) for name in statistics.dtype.names}
+    end, work = float(record["step"]["end"]), f"{counts['steps']} steps, {counts['rhs_evaluations']} evaluations"
+    where = f"ended at {end:.6g} of {scene.simulation.stop_time:.6g} s after {work}"
     if code == -signal.SIGPROF:
-        text = f"CPU time [s] of a run that was ended between t = {reached:.6g} and the next output, of {stop:.6g} s"
-        finding = Finding("slow", cpu, cpu, text)
+        hangs = counts["rhs_evaluations"] < cpu * SLOWEST
+        finding = Finding("hang" if hangs else "slow", cpu, cpu, f"CPU time [s], {where}")
     else:
-        finding = Finding("crash", float(code), 0.0, f"the process died at t = {reached:.6g} s, of {stop:.6g} s")
-    return Verdict(seed, scene.contact.model, scene.solver.method, [finding], status=None, cpu=cpu)
+        finding = Finding("crash", float(abs(code)), 0.0, f"the process died, {where}")
+    return Verdict(seed, scene.contact.model, scene.solver.method, [finding], None, cpu, counts)
 
 
-def _serve(pipe: Any, reached: Any) -> None:
+def _serve(pipe: Any, memory: Any) -> None:
     signal.signal(signal.SIGPROF, signal.SIG_DFL)
     while True:
         try:
@@ -141,16 +150,16 @@ def _serve(pipe: Any, reached: Any) -> None:
         except EOFError:
             return
         try:
-            pipe.send(_judged(scene or scene_of(seed), seed, cpu, reached))
+            pipe.send(_judged(scene or scene_of(seed), seed, cpu, memory))
         except Exception as error:  # of the search itself: the parent raises it
             pipe.send(RuntimeError(f"scene({seed}): {error!r}"))
 
 
-def _judged(scene: Scene, seed: int, cpu: float, reached: Any) -> Verdict:
+def _judged(scene: Scene, seed: int, cpu: float, memory: Any) -> Verdict:
     # a kernel that has to be compiled takes seconds, which are not the run's
     load_kernel(kernel_library(len(scene.chain.links), notify=lambda _: None))
     signal.setitimer(signal.ITIMER_PROF, cpu)
-    run = oracle.account(scene, seed, partial(setattr, reached, "value"))
+    run = oracle.account(scene, seed, memory)
     signal.setitimer(signal.ITIMER_PROF, 0.0)
     counts = {**run.statistics, "impacts": len(run.impacts)}
     rows = list(oracle.checks(run, cpu))
