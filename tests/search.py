@@ -1,8 +1,8 @@
 """The random search: scenes run in processes of their own, which a timer ends when they take too long.
 
-``verdict(scene, seed)`` for one; ``verdicts(seeds)`` for many, on as many cores as wanted. A run that exceeds its CPU
-time is killed by the timer of its process (SIGPROF, whose default ends it: no code of Python has to run, nor of the
-kernel); the parent sees the pipe close, says how far the run came, and starts another process.
+``verdict(scene, seed)`` for one; ``verdicts(seeds)`` for many, on as many cores as wanted. A run that exceeds its
+CPU time is killed by the timer of its process (SIGPROF, whose default ends it: no code of Python has to run, nor
+of the kernel); the parent sees the pipe close, says how far the run came, and starts another process.
 """
 
 from __future__ import annotations
@@ -132,7 +132,10 @@ def _ended(scene: Scene, seed: int, cpu: float, memory: Any, code: int) -> Verdi
     record = np.frombuffer(memory, instance_dtype(len(scene.chain.links), len(candidates(scene))), count=1)[0]
     statistics = record["statistics"]
     counts = {name: int(statistics[name]) for name in statistics.dtype.names}
-    end, work = float(record["step"]["end"]), f"{counts['steps']} steps, {counts['rhs_evaluations']} evaluations"
+    end, work = (
+        float(record["step"]["end"]),
+        f"{counts['steps']} steps, {counts['rhs_evaluations']} evaluations",
+    )
     where = f"ended at {end:.6g} of {scene.simulation.stop_time:.6g} s after {work}"
     if code == -signal.SIGPROF:
         hangs = counts["rhs_evaluations"] < cpu * SLOWEST
