@@ -1,9 +1,10 @@
 """The oracle of the random search: what a run of any scene must keep, from the laws of physics and the docs.
 
 It knows no exact solution. Each check is a bound that follows from what the solver promises, as
-docs/computation.md says it: errors of a step within the tolerance times scales of the model. ``judge`` looks at
-what a run has given (``Account``) and returns ``Finding``s, each with its numbers; ``search.verdict`` runs a scene
-in a process of its own, which is ended when it takes too long, so that a hang is a finding (tests/search.py).
+docs/computation.md says it: errors of a step within the tolerance times scales of the model. ``judge`` looks
+at what a run has given (``Account``) and returns ``Finding``s, each with its numbers; ``search.verdict`` runs
+a scene in a process of its own, which is ended when it takes too long, so that a hang is a finding
+(tests/search.py).
 """
 
 from __future__ import annotations
@@ -144,15 +145,16 @@ def checks(run: Account, cpu: float = CPU) -> Iterator[tuple[str, float, float, 
 def energy_bound(run: Account) -> float:
     """How far the ledger may drift [J].
 
-    The exact flow keeps the ledger, from wherever it starts; so the drift is the sum of what the errors of the
-    steps change in it, and nothing amplifies them. One step may err by the tolerance times a scale for each
-    component of the state (docs/computation.md, error norm); ``energy_scale`` is what this makes of the ledger, to
-    first order. The errors of n steps add up like √n, as they have no sign in common. SAFETY is for the rest: the
-    solver steers by an estimate of a step's error, an output between steps is an interpolation, and the scale is
-    sampled at some points only. The largest drift in the scenes of 2000 seeds was √n/2 times tolerance and scale.
+    The exact flow keeps the ledger, from wherever it starts; so the drift is the sum of what the errors of
+    the steps change in it, and nothing amplifies them. One step may err by the tolerance times a scale for
+    each component of the state (docs/computation.md, error norm); ``energy_scale`` is what this makes of the
+    ledger, to first order. The errors of n steps add up like √n, as they have no sign in common. SAFETY is
+    for the rest: the solver steers by an estimate of a step's error, an output between steps is an
+    interpolation, and the scale is sampled at some points only. The largest drift in the scenes of 2000 seeds
+    was √n/2 times tolerance and scale.
 
-    Round-off comes on top: a few units in the last place of the energies, and of the positions where walls are
-    stiff, as a force F turns an error of a position into one of energy.
+    Round-off comes on top: a few units in the last place of the energies, and of the positions where walls
+    are stiff, as a force F turns an error of a position into one of energy.
     """
     return per_step(run, energy_scale(run))
 
@@ -255,7 +257,7 @@ def clearances(run: Account) -> np.ndarray:
 
 
 def depth_bound(run: Account) -> float:
-    """DEEPER times the depth δ with K δⁿ⁺¹/(n+1) = all the energy that there was, plus that of a point at rest.
+    """DEEPER times the depth δ with K δⁿ⁺¹/(n+1) = all the energy that there was, plus a depth at rest.
 
     Energy: the total at the start, and what the inputs supplied, over the potential at the time. Rest: K δⁿ =
     weight + tip force. Zero for a rigid wall.

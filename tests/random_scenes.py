@@ -1,8 +1,8 @@
 """Random scenes for the search for faults: anything that a user may ask for, made from one integer.
 
 ``scene(seed)`` is the same for ever, as long as nobody changes the order of the draws below. A scene is meant
-to cost milliseconds, whatever it is made of: the stop time is cut to what the links' turning, the tolerance and
-the method call for. Where a scene asks for much work, and nobody could spare the solver that,
+to cost milliseconds, whatever it is made of: the stop time is cut to what the links' turning, the tolerance
+and the method call for. Where a scene asks for much work, and nobody could spare the solver that,
 ``solver.work_limit`` ends it early (``hard``); everywhere else it keeps its default, so that slowness shows.
 """
 

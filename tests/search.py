@@ -1,8 +1,9 @@
 """The random search: scenes run in processes of their own, which a timer ends when they take too long.
 
-``verdict(scene, seed)`` for one; ``verdicts(seeds)`` for many, on as many cores as wanted. A run that exceeds its
-CPU time is killed by the timer of its process (SIGPROF, whose default ends it: no code of Python has to run, nor
-of the kernel); the parent sees the pipe close, says how far the run came, and starts another process.
+``verdict(scene, seed)`` for one; ``verdicts(seeds)`` for many, on as many cores as wanted. A run that exceeds
+its CPU time is killed by the timer of its process (SIGPROF, whose default ends it: no code of Python has to
+run, nor of the kernel); the parent sees the pipe close, says how far the run came, and starts another
+process.
 """
 
 from __future__ import annotations
