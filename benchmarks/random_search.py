@@ -50,9 +50,10 @@ def main() -> None:
     parser.add_argument(
         "--shrink", type=int, metavar="SEED", help="make the scene of this seed small instead"
     )
+    parser.add_argument("--kind", help="the finding that it shall keep; its first by default")
     options = parser.parse_args()
     if options.shrink is not None:
-        shrink(options.shrink, options.cpu)
+        shrink(options.shrink, options.cpu, options.kind)
         return
     started, begin = common.environment(), time.time()
     seeds = range(options.first, options.first + options.count)
@@ -140,15 +141,14 @@ def show(results: dict[str, Any], count: int, seconds: float) -> None:
 # --- a smaller scene ---------------------------------------------------------------------------------------
 
 
-def shrink(seed: int, cpu: float) -> None:
-    """Print the smallest scene that has the first finding of a seed."""
+def shrink(seed: int, cpu: float, kind: str | None) -> None:
+    """Print the smallest scene that has a finding of a seed."""
     scene = scene_of(seed)
     start = verdict(scene, seed, cpu)
-    if not start.findings:
-        print(f"scene({seed}) has no findings")
-        return
     print(start)
-    kind = start.findings[0].kind
+    if not start.findings:
+        return
+    kind = kind or start.findings[0].kind
     last, table, progress = start, scene_to_dict(scene), True
     while progress:
         progress = False
@@ -160,7 +160,7 @@ def shrink(seed: int, cpu: float) -> None:
             if kind in one.kinds:
                 last, table, progress = one, smaller, True
                 break
-    pprint.pp(table, width=110, compact=True)
+    pprint.pp(scene_to_dict(scene_from_dict(table, "shrunk")), width=110, compact=True)
     print(last)
 
 
@@ -218,8 +218,7 @@ def _slower(table: dict[str, Any]) -> Iterator[dict[str, Any]]:
 def _rods(table: dict[str, Any]) -> Iterator[dict[str, Any]]:
     for i, link in enumerate(table["chain"]["links"]):
         rod = {key: link[key] for key in ("length", "mass", "joint_damping")}
-        even = rod["mass"] * rod["length"] ** 2 / 12
-        if (link["inertia"], link["center_of_mass"]) != (even, rod["length"] / 2):
+        if set(link) - set(rod):
             yield _with_link(table, i, rod)
         for key, simple in (("mass", 1.0), ("length", 1.0), ("joint_damping", 0.0)):
             if link[key] != simple:

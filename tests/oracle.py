@@ -198,7 +198,7 @@ def dissipated_scale(run: Account) -> float:
 
 
 def available(run: Account) -> np.ndarray:
-    """The energy that motion, walls and heat can have in each row [J]: that of the start and the supplied one."""
+    """The energy that motion, walls and heat can have in each row [J]: that of the start and the supplied."""
     outputs = run.outputs
     return np.maximum(0.0, outputs["total"][0] + outputs["supplied"] - outputs["potential"])
 
