@@ -250,6 +250,8 @@ def dissipation_bound(run: Account) -> float:
 def containment(run: Account) -> Iterator[tuple[str, float, float, str]]:
     """Who is beyond a wall is in contact, and no deeper than the energy there is can push it."""
     outputs, contact = run.outputs, run.scene.contact
+    if not candidates(run.scene):
+        return
     gaps = clearances(run)
     unseen = float((-gaps - outputs["penetration"]).max())
     slack = OUTSIDE
