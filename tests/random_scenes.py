@@ -18,7 +18,7 @@ from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.scene import SOLVER_METHODS, Scene, scene_from_dict
 
 MOST_LINKS = 10
-HARD_WORK = 2e4  # evaluations, for a scene that asks for much
+HARD_WORK = 5e4  # evaluations, for a scene that asks for much
 TURNS = 300.0  # rad, at most, that a link turns by, as it starts
 IMPLICIT_STEPS = 1e4  # of the method of order 3, as estimated
 
