@@ -25,6 +25,7 @@ from tests.random_scenes import drive
 CPU = 2.0  # s, that a run may take
 ROWS = 50  # communication points, besides the start
 SAFETY = 3.0  # of the tolerance: the error control steers by estimates, and scales are sampled
+INTERPOLATED = 10.0  # times the error of a step, that of an output between steps
 OUTSIDE = 1e-9  # m, that a point may be outside a wall, of what is not reported as penetration
 DEEPER = 3.0  # times the depth that the energy there is can reach
 ROUND_OFF = 1e-12  # of the speeds that there are, and of a link length a second: a sign is not known better
@@ -140,6 +141,7 @@ def checks(run: Account, cpu: float = CPU) -> Iterator[tuple[str, float, float, 
         yield "dissipates", lost, dissipation_bound(run), "energy that an elastic wall has taken [J]"
     yield from containment(run)
     yield from speeds(run)
+    yield from moments(run)
 
 
 # --- energy ------------------------------------------------------------------------------------------------
@@ -151,10 +153,10 @@ def energy_bound(run: Account) -> float:
     The exact flow keeps the ledger, from wherever it starts; so the drift is the sum of what the errors of
     the steps change in it, and nothing amplifies them. One step may err by the tolerance times a scale for
     each component of the state (docs/computation.md, error norm); ``energy_scale`` is what this makes of the
-    ledger, to first order. The errors of n steps add up like √n, as they have no sign in common. SAFETY is
-    for the rest: the solver steers by an estimate of a step's error, an output between steps is an
-    interpolation, and the scale is sampled at some points only. The largest drift in the scenes of 2000 seeds
-    was √n/2 times tolerance and scale.
+    ledger, to first order. The errors of n steps add up like √n, as they have no sign in common, and an
+    output between steps is an interpolation, which may err by ten times as much. SAFETY is for the rest: the
+    solver steers by an estimate of a step's error, and the scale is sampled at some points only. The largest
+    drift in the scenes of 2000 seeds was √n/2 times tolerance and scale.
 
     Round-off comes on top: a few units in the last place of the energies, and of the positions where walls
     are stiff, as a force F turns an error of a position into one of energy.
@@ -165,7 +167,8 @@ def energy_bound(run: Account) -> float:
 def per_step(run: Account, scale: float) -> float:
     """What errors of the tolerance times a scale [J], and round-off, make in all steps of a run [J]."""
     steps = max(1.0, float(run.statistics["steps"]))
-    return float(SAFETY * steps**0.5 * run.scene.solver.tolerance * scale + steps * round_off(run))
+    errors = SAFETY * max(INTERPOLATED, steps**0.5) * run.scene.solver.tolerance * scale
+    return float(errors + steps * round_off(run))
 
 
 def energy_scale(run: Account) -> float:
@@ -299,6 +302,18 @@ def speeds(run: Account) -> Iterator[tuple[str, float, float, str]]:
         known = run.impacts[name][~np.isnan(run.impacts[name])]
         least = float(known.min(initial=0.0))
         yield f"negative {name}", -least, ROUND_OFF * fastest, f"{name} below zero by [m/s]"
+
+
+def moments(run: Account) -> Iterator[tuple[str, float, float, str]]:
+    """No contact begins before the start, ends before it begins, or after all."""
+    onset, end = run.impacts["onset"], run.impacts["end"]
+    last = run.scene.simulation.stop_time if run.status == OK else np.inf
+    over = ~np.isnan(end)
+    late = max(float(onset.max(initial=0.0)), float(end[over].max(initial=0.0))) - last
+    yield "too late", late, 0.0, "a contact after the stop time [s]"
+    yield "too early", -float(onset.min(initial=0.0)), 0.0, "a contact before the start [s]"
+    backwards = float((onset - end)[over].max(initial=0.0))
+    yield "backwards", backwards, 0.0, "a contact that ends before it begins [s]"
 
 
 # --- the chain ---------------------------------------------------------------------------------------------

@@ -119,6 +119,15 @@ def test_a_negative_speed_is_found(run, speed):
     assert kinds(run) == {f"negative {speed}"}
 
 
+def test_contacts_at_impossible_times_are_found(run):
+    run.impacts["onset"][2] = -1e-9
+    assert kinds(run) == {"too early"}
+    run.impacts["onset"][2] = run.impacts["end"][2] + 1e-9
+    assert kinds(run) == {"backwards"}
+    run.impacts["end"][2] = 2.1
+    assert kinds(run) == {"too late"}
+
+
 def test_what_is_not_finite_is_found(run):
     run.outputs["angle"][20, 1] = math.nan
     assert kinds(run) == {"not finite"}
