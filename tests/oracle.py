@@ -1,0 +1,350 @@
+"""The oracle of the random search: what a run of any scene must keep, from the laws of physics and the docs.
+
+It knows no exact solution. Each check is a bound that follows from what the solver promises, as
+docs/computation.md says it: errors of a step within the tolerance times scales of the model. ``judge`` looks
+at what a run has given (``Account``) and returns ``Finding``s, each with its numbers; ``search.verdict`` runs
+a scene in a process of its own, which is ended when it takes too long, so that a hang is a finding
+(tests/search.py).
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from chain_impact.instance import candidates
+from chain_impact.kernel.status import OK, STATUS_TEXT, TOO_MUCH_WORK
+from chain_impact.scene import Scene
+from chain_impact.simulate import Instance, SimulationError
+from tests.random_scenes import drive
+
+CPU = 2.0  # s, that a run may take
+ROWS = 50  # communication points, besides the start
+SAFETY = 3.0  # of the tolerance: the error control steers by estimates, and scales are sampled
+INTERPOLATED = 10.0  # times the error of a step, that of an output between steps
+OUTSIDE = 1e-9  # m, that a point may be outside a wall, of what is not reported as penetration
+DEEPER = 3.0  # times the depth that the energy there is can reach
+ROUND_OFF = 1e-12  # of the speeds that there are, and of a link length a second: a sign is not known better
+EPSILON = 2.0**-52
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One check that failed: its kind, the value and the bound that it breaks, and a sentence."""
+
+    kind: str
+    value: float
+    bound: float
+    text: str
+
+    def __str__(self) -> str:
+        return f"{self.kind}: {self.text} ({self.value:.3g}, at most {self.bound:.3g})"
+
+
+@dataclass
+class Account:
+    """What a run has given: rows of outputs at the times that it reached, contacts, counts."""
+
+    scene: Scene
+    time: np.ndarray  # s
+    outputs: np.ndarray
+    impacts: np.ndarray
+    statistics: dict[str, int]
+    cpu: float  # s
+    refused: bool = False  # it did not even start
+    push: float = 0.0  # N, on the tip
+
+    @property
+    def status(self) -> int:
+        return self.statistics["status"]
+
+
+def account(scene: Scene, seed: int, memory: Any = None) -> Account:
+    """Run a scene in this process; its record lies in ``memory``, if given, for others to look at."""
+    begin = time.process_time()
+    times = np.linspace(0.0, scene.simulation.stop_time, ROWS + 1)
+    try:
+        instance = Instance(scene)
+    except SimulationError as error:
+        none = np.zeros(0)
+        cpu = time.process_time() - begin
+        return Account(scene, none, none, none, {"status": error.status, "steps": 0}, cpu, refused=True)
+    if memory is not None:
+        move(instance, memory)
+    record = instance.record
+    torque, force = drive(scene, seed)
+    if scene.inputs.joint_torques or scene.inputs.tip_force:
+        record["inputs"]["joint_torque"], record["inputs"]["tip_force"] = torque, force
+        record["inputs"]["changed"] = 1
+    outputs = np.zeros(len(times), record.dtype["output"])
+    done, impacts = 0, []
+    while done < len(times) and instance.status == OK:
+        done += instance.trajectory(times[done:], outputs[done:])
+        impacts.append(instance.collect())
+    impacts.append(instance.open_contacts())
+    statistics, cpu = instance.statistics, time.process_time() - begin
+    rows = np.concatenate(impacts)
+    return Account(
+        scene, times[:done], outputs[:done], rows, statistics, cpu, push=float(np.linalg.norm(force))
+    )
+
+
+def move(instance: Instance, memory: Any) -> None:
+    """Let an instance live in a buffer."""
+    block = instance._block
+    place = np.frombuffer(memory, block.dtype, count=1)
+    place[:] = block
+    instance._block, instance.record, instance._address = place, place[0], place.ctypes.data
+
+
+def judge(run: Account, cpu: float = CPU) -> list[Finding]:
+    """All that is wrong with a run."""
+    return [
+        Finding(kind, value, bound, text)
+        for kind, value, bound, text in checks(run, cpu)
+        if not value <= bound
+    ]
+
+
+def checks(run: Account, cpu: float = CPU) -> Iterator[tuple[str, float, float, str]]:
+    """Each check: kind, value, the most that it may be, and what that is."""
+    yield "slow", run.cpu, cpu, "CPU time [s]"
+    if run.refused:
+        yield "refused", 1.0, 0.0, f"a valid scene does not start: {STATUS_TEXT[run.status]}"
+        return
+    if run.status not in (OK, TOO_MUCH_WORK):
+        yield (
+            "stopped",
+            1.0,
+            0.0,
+            f"after {run.time[-1] if len(run.time) else 0.0:.3g} s: {STATUS_TEXT[run.status]}",
+        )
+    outputs = run.outputs
+    bad = [name for name in outputs.dtype.names if not np.isfinite(outputs[name]).all()]
+    # the end and the separation speed of an open contact are not known, nor the peak force of a rigid one
+    columns = ("onset", "impact_speed", "max_penetration", "effective_mass")
+    bad += [name for name in columns if not np.isfinite(run.impacts[name]).all()]
+    yield "not finite", float(len(bad)), 0.0, f"outputs or impacts that are not finite: {bad}"
+    if bad or not len(outputs):
+        return
+    ledger = outputs["total"] + outputs["dissipated"] - outputs["supplied"]
+    if run.status == OK:
+        yield "energy", float(np.ptp(ledger)), energy_bound(run), "drift of the ledger [J]"
+    fall = float((np.maximum.accumulate(outputs["dissipated"]) - outputs["dissipated"]).max())
+    yield "undissipated", fall, dissipation_bound(run), "fall of the dissipated energy [J]"
+    if run.scene.contact.model == "hertz" and not any(link.joint_damping for link in run.scene.chain.links):
+        lost = float(np.abs(outputs["dissipated"]).max())
+        yield "dissipates", lost, dissipation_bound(run), "energy that an elastic wall has taken [J]"
+    yield from containment(run)
+    yield from speeds(run)
+    yield from moments(run)
+
+
+# --- energy ------------------------------------------------------------------------------------------------
+
+
+def energy_bound(run: Account) -> float:
+    """How far the ledger may drift [J].
+
+    The exact flow keeps the ledger, from wherever it starts; so the drift is the sum of what the errors of
+    the steps change in it, and nothing amplifies them. One step may err by the tolerance times a scale for
+    each component of the state (docs/computation.md, error norm); ``energy_scale`` is what this makes of the
+    ledger, to first order. The errors of n steps add up like √n, as they have no sign in common, and an
+    output between steps is an interpolation, which may err by ten times as much. SAFETY is for the rest: the
+    solver steers by an estimate of a step's error, and the scale is sampled at some points only. The largest
+    drift in the scenes of 2000 seeds was √n/2 times tolerance and scale.
+
+    Round-off comes on top: a few units in the last place of the energies, and of the positions where walls
+    are stiff, as a force F turns an error of a position into one of energy.
+    """
+    return per_step(run, energy_scale(run))
+
+
+def per_step(run: Account, scale: float) -> float:
+    """What errors of the tolerance times a scale [J], and round-off, make in all steps of a run [J]."""
+    steps = max(1.0, float(run.statistics["steps"]))
+    errors = SAFETY * max(INTERPOLATED, steps**0.5) * run.scene.solver.tolerance * scale
+    return float(errors + steps * round_off(run))
+
+
+def energy_scale(run: Account) -> float:
+    """What an error of one, in the units of the error norm, changes in the ledger [J], at the most.
+
+    Kinetic: with |δv₀| ≤ s/1s + |v₀| and |δω| ≤ 1 rad/s + |ω|, Σ m |v_C| |δv_C| + I |ω| |δω|.
+    Potential: with |δx₀| ≤ s and |δθ| ≤ 1 rad, Σ m |g| |δx_C|. Dissipated: its scale in the norm. Elastic:
+    F |δg| with the scale of the penetration. Supplied energy is not controlled, but follows: its size counts.
+
+    Motion that has more energy than there is counts as if it had just that: an explosion is no excuse of
+    itself.
+    """
+    chain, outputs, there = _chain(run.scene), run.outputs, available(run)
+    share = np.sqrt(np.minimum(1.0, there / np.maximum(outputs["kinetic"], 1e-300)))[:, None]
+    base = chain.size + share * np.linalg.norm(outputs["point_velocity"][:, :1], axis=2)
+    omega = share * np.abs(outputs["angular_velocity"])
+    error = base + np.cumsum(chain.length * (1.0 + omega), axis=1)
+    speed = share * np.linalg.norm(centres(run, "point_velocity"), axis=2)
+    kinetic = (chain.mass * speed * error + chain.inertia * omega * (1.0 + omega)).sum(axis=1).max()
+    gravity = np.linalg.norm(run.scene.gravity)
+    potential = gravity * (chain.mass * (chain.size + np.cumsum(chain.length))).sum()
+    supplied = np.abs(outputs["supplied"]).max()
+    return float(kinetic + potential + supplied + dissipated_scale(run) + elastic_scale(run))
+
+
+def dissipated_scale(run: Account) -> float:
+    """That of the dissipated energy [J], the energy itself and the kinetic one that contacts begin with."""
+    sizes = np.abs(run.outputs["dissipated"]).max() + brought(run)
+    return _chain(run.scene).energy + min(float(sizes), 2.0 * float(available(run).max()))
+
+
+def available(run: Account) -> np.ndarray:
+    """The energy that motion, walls and heat can have in each row [J]: that of the start and the supplied."""
+    outputs = run.outputs
+    return np.maximum(0.0, outputs["total"][0] + outputs["supplied"] - outputs["potential"])
+
+
+def elastic_scale(run: Account) -> float:
+    """The largest K δⁿ of the contacts times the scale of the penetration of each [J]."""
+    contact, impacts = run.scene.contact, run.impacts
+    if contact.model == "newton_impact" or not len(impacts):
+        return 0.0
+    depth, n, k = impacts["max_penetration"], contact.exponent, contact.stiffness
+    v0 = np.maximum(impacts["impact_speed"], contact.minimum_impact_speed)
+    foreseen = (0.5 * impacts["effective_mass"] * v0**2 * (n + 1) / k) ** (1 / (n + 1))
+    chain = _chain(run.scene)
+    leeway = np.maximum(1.0, np.minimum(chain.size / v0, 0.01 / run.scene.solver.tolerance))
+    # but a clearance errs no more than the coordinates do
+    error = np.minimum(np.maximum(depth, foreseen) * leeway, chain.size + chain.length.sum())
+    return float((k * np.maximum(depth, 0.0) ** n * error).max())
+
+
+def brought(run: Account) -> float:
+    """The kinetic energy that the most violent contact began with, ½ m v₀² [J]."""
+    v0 = np.maximum(run.impacts["impact_speed"], run.scene.contact.minimum_impact_speed)
+    return float((0.5 * run.impacts["effective_mass"] * v0**2).max(initial=0.0))
+
+
+def round_off(run: Account) -> float:
+    """What round-off changes in the ledger in a step [J]."""
+    outputs, contact = run.outputs, run.scene.contact
+    terms = sum(
+        np.abs(outputs[name]).max() for name in ("kinetic", "potential", "elastic", "dissipated", "supplied")
+    )
+    # sums of what may cancel
+    far = np.abs(outputs["point_position"]).max()
+    terms += _chain(run.scene).mass.sum() * np.linalg.norm(run.scene.gravity) * far
+    if contact.model != "newton_impact" and len(run.impacts):
+        depth = max(0.0, run.impacts["max_penetration"].max())
+        terms += contact.stiffness * depth**contact.exponent * far
+    return float(4.0 * EPSILON * terms)
+
+
+def dissipation_bound(run: Account) -> float:
+    """How far the dissipated energy may fall [J]: its true rate is ≥ 0, and its scale is in the norm."""
+    return per_step(run, dissipated_scale(run))
+
+
+# --- walls -------------------------------------------------------------------------------------------------
+
+
+def containment(run: Account) -> Iterator[tuple[str, float, float, str]]:
+    """Who is beyond a wall is in contact, and no deeper than the energy there is can push it."""
+    outputs, contact = run.outputs, run.scene.contact
+    if not candidates(run.scene):
+        return
+    gaps = clearances(run)
+    unseen = float((-gaps - outputs["penetration"]).max())
+    slack = OUTSIDE
+    if contact.model == "newton_impact":
+        # a held point is put back to its wall after each step; in between it errs as its position does
+        slack += run.scene.solver.tolerance * (_chain(run.scene).size + _chain(run.scene).length.sum())
+    yield "outside", unseen, slack, "outside a wall beyond the reported penetration [m]"
+    yield "pulls", float(-outputs["force"].min()), 0.0, "a wall pulls [N]"
+    deepest = float(outputs["penetration"].max())
+    if run.status == OK:  # else the contacts go on beyond the last row
+        deepest = max(deepest, float(run.impacts["max_penetration"].max(initial=0.0)))
+    yield "too deep", deepest, depth_bound(run), "penetration [m]"
+
+
+def clearances(run: Account) -> np.ndarray:
+    """Clearance of each candidate in each row [m]."""
+    box, radius = run.scene.box, run.scene.contact.radius
+    columns = []
+    for point, wall in candidates(run.scene):
+        at = run.outputs["point_position"][:, point, wall // 2]
+        place = (box.x_min, box.x_max, box.y_min, box.y_max)[wall]
+        columns.append((at - place) * (1.0 - 2.0 * (wall % 2)) - radius)
+    return np.transpose(columns)
+
+
+def depth_bound(run: Account) -> float:
+    """DEEPER times the depth δ with K δⁿ⁺¹/(n+1) = all the energy that there was, plus a depth at rest.
+
+    Energy: the total at the start, and what the inputs supplied, over the potential at the time. Rest: K δⁿ =
+    weight + tip force. Zero for a rigid wall.
+    """
+    contact = run.scene.contact
+    if contact.model == "newton_impact":
+        return 0.0
+    there = float(available(run).max()) + energy_bound(run)
+    n, k = contact.exponent, contact.stiffness
+    force = _chain(run.scene).mass.sum() * np.linalg.norm(run.scene.gravity) + run.push
+    return float(DEEPER * ((there * (n + 1) / k) ** (1 / (n + 1)) + (force / k) ** (1 / n)))
+
+
+def speeds(run: Account) -> Iterator[tuple[str, float, float, str]]:
+    """No contact begins with a point on its way from the wall, or ends with one on its way into it."""
+    fastest = _chain(run.scene).size + float(np.linalg.norm(run.outputs["point_velocity"], axis=2).max())
+    for name in ("impact_speed", "separation_speed"):
+        known = run.impacts[name][~np.isnan(run.impacts[name])]
+        least = float(known.min(initial=0.0))
+        yield f"negative {name}", -least, ROUND_OFF * fastest, f"{name} below zero by [m/s]"
+
+
+def moments(run: Account) -> Iterator[tuple[str, float, float, str]]:
+    """No contact begins before the start, ends before it begins, or after all."""
+    onset, end = run.impacts["onset"], run.impacts["end"]
+    last = run.scene.simulation.stop_time if run.status == OK else np.inf
+    over = ~np.isnan(end)
+    late = max(float(onset.max(initial=0.0)), float(end[over].max(initial=0.0))) - last
+    yield "too late", late, 0.0, "a contact after the stop time [s]"
+    yield "too early", -float(onset.min(initial=0.0)), 0.0, "a contact before the start [s]"
+    backwards = float((onset - end)[over].max(initial=0.0))
+    yield "backwards", backwards, 0.0, "a contact that ends before it begins [s]"
+
+
+# --- the chain ---------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Columns:
+    length: np.ndarray
+    mass: np.ndarray
+    ratio: np.ndarray
+    inertia: np.ndarray
+
+    @property
+    def size(self) -> float:
+        return float(self.length.max())
+
+    @property
+    def energy(self) -> float:
+        """Σ m s²/s² [J], the scale of the norm."""
+        return float(self.mass.sum()) * self.size**2
+
+
+def _chain(scene: Scene) -> _Columns:
+    rows = [
+        (link.length, link.mass, link.center_of_mass / link.length, link.inertia)
+        for link in scene.chain.links
+    ]
+    return _Columns(*np.transpose(rows))
+
+
+def centres(run: Account, name: str) -> np.ndarray:
+    """A vector of the points, at the centres of mass."""
+    points, ratio = run.outputs[name], _chain(run.scene).ratio[:, None]
+    return points[:, :-1] + ratio * np.diff(points, axis=1)

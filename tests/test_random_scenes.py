@@ -1,0 +1,157 @@
+"""A random search over scenes: no run hangs, gains or loses energy, or lets a point through a wall.
+
+``scene(seed)`` of tests/random_scenes.py makes the scene of a failure again, ``verdict(scene(seed), seed)``
+of tests/search.py judges it again, and benchmarks/random_search.py searches further and makes a failing scene
+smaller.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.status import EVENT_STORM, TOO_MUCH_WORK
+from chain_impact.scene import Scene, with_values
+from tests.oracle import account, judge
+from tests.problems import default_scene, dropped_ball
+from tests.random_scenes import STARTS, drive, scene
+from tests.search import verdict, verdicts
+
+BLOCKS, BLOCK = 6, 500  # seeds
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "first", range(0, BLOCKS * BLOCK, BLOCK), ids=lambda first: f"{first}-{first + BLOCK - 1}"
+)
+def test_random_scenes_keep_the_laws_of_physics(first):
+    found = [one for one in verdicts(range(first, first + BLOCK)) if one.findings]
+    assert not found, f"{len(found)} of {BLOCK} scenes:\n" + "\n".join(map(str, found))
+
+
+# --- the generator -----------------------------------------------------------------------------------------
+
+
+def test_a_scene_follows_from_its_seed():
+    for seed in range(20):
+        assert scene(seed) == scene(seed)
+        np.testing.assert_array_equal(drive(scene(seed), seed)[0], drive(scene(seed), seed)[0])
+    assert scene(1) != scene(2)
+
+
+def test_scenes_are_of_all_kinds():
+    scenes = [scene(seed) for seed in range(600)]
+    assert all(isinstance(one, Scene) for one in scenes)
+    assert {len(one.chain.links) for one in scenes} == set(range(1, 11))
+    assert {one.chain.base for one in scenes} == {"free", "pinned"}
+    assert {one.solver.method for one in scenes} == {"auto", "explicit", "implicit"}
+    assert len({one.contact.model for one in scenes}) == 18
+    assert min(one.contact.restitution for one in scenes) == 0.0
+    assert max(one.contact.restitution for one in scenes) == 1.0
+    touching = [one for one in scenes if gap(one) == pytest.approx(0.0, abs=1e-14)]
+    assert len(touching) > 150
+    assert min(map(gap, scenes)) > -1e-12
+    assert len(STARTS) == 6
+
+
+def gap(scene):
+    """The least clearance at the start [m]."""
+    x, y = scene.initial.position
+    places = [(x, y)]
+    for link, angle in zip(scene.chain.links, scene.initial.angles, strict=True):
+        x, y = x + link.length * math.cos(angle), y + link.length * math.sin(angle)
+        places.append((x, y))
+    box, radius = scene.box, scene.contact.radius
+    sides = ((0, box.x_min, 1), (0, box.x_max, -1), (1, box.y_min, 1), (1, box.y_max, -1))
+    return min(
+        sign * (places[point][axis] - place) - radius
+        for point in scene.contact.points
+        for axis, place, sign in sides
+        if place is not None
+    )
+
+
+# --- the oracle must be able to find something -----------------------------------------------------------
+
+
+@pytest.fixture
+def run():
+    """A run with impacts, in which nothing is wrong; its outputs and impacts may be changed."""
+    run = account(default_scene(), 0)
+    assert not judge(run)
+    return run
+
+
+def kinds(run, **changes):
+    return {finding.kind for finding in judge(replace(run, **changes))}
+
+
+def test_a_jump_of_the_energy_is_found(run):
+    run.outputs["total"][30:] += 1e-3
+    assert kinds(run) == {"energy"}
+
+
+def test_energy_that_is_dissipated_and_comes_back_is_found(run):
+    run.outputs["dissipated"][35:] -= 1e-4
+    run.outputs["total"][35:] += 1e-4
+    assert kinds(run) == {"undissipated"}
+
+
+def test_a_point_outside_its_wall_is_found(run):
+    run.outputs["point_position"][20, 2, 0] = run.scene.box.x_max + 1e-7
+    assert kinds(run) == {"outside"}
+
+
+def test_a_point_that_is_too_deep_in_a_wall_is_found(run):
+    run.impacts["max_penetration"][3] *= 100.0
+    assert kinds(run) == {"too deep"}
+
+
+def test_a_wall_that_pulls_is_found(run):
+    run.outputs["force"][20, 3] = -1e-6
+    assert kinds(run) == {"pulls"}
+
+
+@pytest.mark.parametrize("speed", ["impact_speed", "separation_speed"])
+def test_a_negative_speed_is_found(run, speed):
+    run.impacts[speed][2] = -1e-8
+    assert kinds(run) == {f"negative {speed}"}
+
+
+def test_contacts_at_impossible_times_are_found(run):
+    run.impacts["onset"][2] = -1e-9
+    assert kinds(run) == {"too early"}
+    run.impacts["onset"][2] = run.impacts["end"][2] + 1e-9
+    assert kinds(run) == {"backwards"}
+    run.impacts["end"][2] = 2.1
+    assert kinds(run) == {"too late"}
+
+
+def test_what_is_not_finite_is_found(run):
+    run.outputs["angle"][20, 1] = math.nan
+    assert kinds(run) == {"not finite"}
+
+
+def test_a_stop_is_found_but_for_one_that_the_user_has_set_a_limit_for(run):
+    assert kinds(run, statistics=run.statistics | {"status": EVENT_STORM}) == {"stopped"}
+    assert not kinds(run, statistics=run.statistics | {"status": TOO_MUCH_WORK})
+
+
+def test_an_elastic_wall_that_takes_energy_is_found():
+    run = account(dropped_ball(model="hertz")[0], 0)
+    assert not judge(run)
+    run.outputs["dissipated"][30:] += 1e-6
+    run.outputs["total"][30:] -= 1e-6
+    assert kinds(run) == {"dissipates"}
+
+
+def test_a_run_that_takes_too_long_is_ended_and_found():
+    endless = with_values(default_scene(model="hertz"), {("simulation", "stop_time"): 1e4})
+    result = verdict(endless, 7, cpu=0.1)
+    assert result.kinds == ["slow"]
+    assert result.status is None
+    assert "ended at" in str(result)
+    assert "scene(7)" in str(result)
+    # and the next is judged as ever
+    assert not verdict(default_scene(), 7).findings
