@@ -27,6 +27,7 @@ from chain_impact.kernel.integration.switching import (
 from chain_impact.kernel.model.contact import clear_loads, drop_events, latch
 from chain_impact.kernel.model.contact_force import latch_damping, may_jump
 from chain_impact.kernel.model.equations import state_rate
+from chain_impact.kernel.model.geometry import clearance
 from chain_impact.kernel.status import (
     LOG_FULL,
     NOT_FINITE,
@@ -246,8 +247,10 @@ def apply_events(d):
             latch_damping(d, c)
             jumped, latched_anew = True, True
         elif touch.event[c] == TOUCH and touch.active[c]:
-            finish(d, c)
-            touch.active[c] = 0
+            _, gap_rate = clearance(d, c)
+            if gap_rate >= 0.0:  # else it has not left: the tolerance allows its position to be that wrong
+                finish(d, c)
+                touch.active[c] = 0
             jumped = jumped or may_jump(d.contact)
         elif touch.event[c] == TOUCH:
             latch(d, c)

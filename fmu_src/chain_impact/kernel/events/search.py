@@ -72,9 +72,11 @@ def find_event(d):
     theta = find_touch(d)
     # a point that is inside at the start will be so in a shorter step, too
     if theta > 0.0 and not credible(d):
-        drop_events(d)
-        d.step.cleared = NOTHING
-        return REFUSED
+        if d.step.end - d.step.start > SIMULTANEOUS:
+            drop_events(d)
+            d.step.cleared = NOTHING
+            return REFUSED
+        theta = drop_leaving(d, theta)
     if holding(d):
         theta = find_release(d, theta)
     elif d.touch.active_count > 0:
@@ -120,6 +122,16 @@ def credible(d):
             if deep or d.search.clear_end_rate[c] > 0.0:
                 return False
     return True
+
+
+def drop_leaving(d, theta):
+    """Drop the onsets of points that move away; return the θ of what is left, or −1."""
+    left = False
+    for c in range(d.candidates):
+        if not d.touch.active[c] and d.search.clear_end_rate[c] > 0.0:
+            d.touch.event[c] = 0
+        left = left or d.touch.event[c] != 0
+    return theta if left else -1.0
 
 
 def find_relatch(d, touch):
