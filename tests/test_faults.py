@@ -28,7 +28,7 @@ def chain(count, initial, *, gravity=(0.0, -9.81), link=None, length=0.5, **tabl
 def work(instance):
     """All that is counted against solver.work_limit."""
     record = instance.record
-    return int(record["statistics"]["rhs_evaluations"] + record["watch"]["other_work"])
+    return int(record["statistics"]["rhs_evaluations"] + record["limits"]["other_work"])
 
 
 # --- gliding along a wall, at no distance ------------------------------------------------------------------

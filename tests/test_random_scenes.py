@@ -24,8 +24,9 @@ BLOCKS, BLOCK = 6, 500  # seeds
 def broken(one):
     """The findings of a run that break what holds for every scene.
 
-    Not yet for every scene hold: that no run is stopped early, takes more than 2 s, or, under rigid walls in a
-    toggle position, logs a point that leaves; and the ledger at tolerances above 1e-3.
+    These do not hold for every scene: that no run is stopped early or takes more than 2 s; that no point
+    that leaves a rigid wall is logged, and the ledger in its toggle positions; the ledger at tolerances above
+    1e-3.
     """
     rigid, loose = one.law == "newton_impact", scene(one.seed).solver.tolerance > 1e-3
     open_ = {"stopped", "slow"}

@@ -126,10 +126,10 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("dense_for", INTEGER),  # who has had the dense output so far, see kernel/integration/dense.py
         ("made_implicit", INTEGER),  # 1: the last step was an implicit one
         ("cleared", INTEGER),  # what is known of the clearances at `end`, see kernel/events/exclusion.py
-        ("room", REAL),  # m, at least, from there to a touch, where nobody looked again …
+        ("safe_distance", REAL),  # m, at least, from there to a touch, where nobody looked again …
         ("speed", REAL),  # m/s, of the fastest point there …
         ("acceleration", REAL),  # m/s², … and its largest
-        ("pacer", INTEGER),  # the candidate that sets the pace of the step, −1: time does
+        ("regularized", INTEGER),  # the candidate in whose fictitious time the step runs, −1: in time
         ("implicit", INTEGER),  # 1: the implicit method is at work
         ("doubts", INTEGER),  # steps in a row for which the other method would do better …
         ("patience", INTEGER),  # … and how many make the solver change
@@ -149,7 +149,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("status", INTEGER),  # see kernel/status.py
     )
     # events and work are counted over windows of time, and must not be too many
-    watch = _record(
+    limits = _record(
         ("event_start", REAL),  # s
         ("event_count", INTEGER),
         ("work_start", REAL),  # s
@@ -277,7 +277,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("step", step),
         ("impact", impact),
         ("statistics", statistics),
-        ("watch", watch),
+        ("limits", limits),
         ("work", work),
         ("touch", touch),
         ("candidate", candidate),

@@ -17,7 +17,7 @@ from chain_impact.kernel.initialize import derive_law, first_size, still
 from chain_impact.kernel.integration import explicit, implicit, step_size
 from chain_impact.kernel.integration.complete import complete
 from chain_impact.kernel.integration.dense import OUTPUTS, fraction, interpolate, time_at
-from chain_impact.kernel.integration.sundman import TIME, at_pace, pace_now, set_pace
+from chain_impact.kernel.integration.sundman import NO_CONTACT, choose_regularized, regularize, time_rate_now
 from chain_impact.kernel.integration.switching import (
     begin_flight,
     begin_impact,
@@ -37,7 +37,7 @@ from chain_impact.kernel.status import (
     STEP_TOO_SMALL,
     TOO_MUCH_WORK,
 )
-from chain_impact.kernel.work_limit import overdrawn, watch_events, watch_work, work_done
+from chain_impact.kernel.work_limit import check_events, check_work, overdrawn, work_done
 
 LONGEST_STEP = 1.0  # s; a chain in flight without spin has no other limit
 SHORTEST_STEP = 1e-18  # s
@@ -74,7 +74,7 @@ def restart(d):
     """Drop what lies beyond the communication point, as an input or parameter changed; returns a status."""
     d.inputs.changed = 0
     interpolate(d.step, fraction(d.step, d.step.time), d.work.y)
-    d.step.next_size *= pace_now(d, d.work.y)  # in seconds
+    d.step.next_size *= time_rate_now(d, d.work.y)  # in seconds
     still(d, d.step.time, d.work.y)
     drop_events(d)
     status = change_law(d)
@@ -109,7 +109,7 @@ def take_step(d):
     """Take one accepted step, up to the first event in it; returns a status."""
     for c in range(d.candidates):
         d.rigid.least[c] = 0.0  # of the stages to come
-    status = watch_events(d, begin(d))
+    status = check_events(d, begin(d))
     if status != OK:
         return status
     h = min(d.step.next_size, LONGEST_STEP)
@@ -142,7 +142,7 @@ def take_step(d):
         land(d, theta * h)
     elif theta >= 0.0:
         cut(d, theta)
-    return watch_work(d)
+    return check_work(d)
 
 
 def attempt(d, h):
@@ -186,7 +186,7 @@ def land(d, h):
 
 def ends_contact(d):
     """Whether a contact ends in the event that was found, where the step is not smooth for it."""
-    if d.step.pacer != TIME and d.touch.event[d.step.pacer] == TOUCH:
+    if d.step.regularized != NO_CONTACT and d.touch.event[d.step.regularized] == TOUCH:
         return False
     for c in range(d.candidates):
         if d.touch.event[c] == TOUCH and d.touch.active[c]:
@@ -220,8 +220,8 @@ def begin(d):
     if events > 0 and d.contact.impulsive:
         d.step.next_size = min(d.step.next_size, step_size.in_flight(d, d.step.state_end, rate))
     choose_method(d)
-    set_pace(d, events > 0)
-    at_pace(d, d.step.state_end, rate, d.work.stage[0])
+    choose_regularized(d, events > 0)
+    regularize(d, d.step.state_end, rate, d.work.stage[0])
     return events
 
 

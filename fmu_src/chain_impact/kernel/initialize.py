@@ -6,7 +6,7 @@ from chain_impact.kernel.chain.damping_rate import damping_bound
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.integration.dense import NOTHING, SOLVER, root_at, time_at
 from chain_impact.kernel.integration.step_size import in_flight
-from chain_impact.kernel.integration.sundman import TIME
+from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.integration.switching import explicit_again
 from chain_impact.kernel.laws import user_law
 from chain_impact.kernel.laws.contact_laws import (
@@ -63,8 +63,8 @@ def initialize(d, time):
     d.step.next_size = first_size(d)
     d.step.flight_size = d.step.next_size
     d.impact.last_time = time
-    d.watch.event_start = time
-    d.watch.work_start = time
+    d.limits.event_start = time
+    d.limits.work_start = time
     d.inputs.changed = 0
     explicit_again(d.step)
     d.statistics.status = check_start(d)
@@ -77,12 +77,12 @@ def forget_run(d):
     for c in range(d.candidates):
         d.touch.active[c], d.touch.active_index[c] = 0, 0
     drop_events(d)
-    impact, statistics, watch = d.impact, d.statistics, d.watch
+    impact, statistics, limits = d.impact, d.statistics, d.limits
     impact.count, impact.last_point, impact.last_wall, impact.last_speed = 0, -1, 0, 0.0
     d.finished.count = 0
     statistics.steps, statistics.rejected_steps = 0, 0
     statistics.rhs_evaluations, statistics.implicit_steps = 0, 0
-    watch.event_count, watch.work_count, watch.other_work = 0, 0, 0
+    limits.event_count, limits.work_count, limits.other_work = 0, 0, 0
 
 
 def derive_chain(model):
@@ -173,7 +173,7 @@ def still(d, time, y):
     d.step.start = time
     d.step.end = time
     d.step.size = 1.0
-    d.step.pacer = TIME
+    d.step.regularized = NO_CONTACT
     d.step.rate_known = 0
     d.step.dense_for = SOLVER
     d.step.cleared = NOTHING

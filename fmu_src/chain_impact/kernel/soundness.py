@@ -7,7 +7,7 @@ absurd: it leads to a status, not out of the record.
 from chain_impact.kernel.events.impulses import NEIGHBOUR
 from chain_impact.kernel.initialize import METHODS
 from chain_impact.kernel.integration.dense import FAR, SOLVER
-from chain_impact.kernel.integration.sundman import TIME
+from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.laws.contact_laws import LAW_COUNT
 from chain_impact.kernel.laws.user_law import present
 from chain_impact.kernel.model.geometry import WALLS
@@ -16,7 +16,8 @@ from chain_impact.kernel.model.geometry import WALLS
 def sound(d):
     """1 if every index of the record is one, or 0. The numbers of links and candidates have to be right."""
     laws = LAW_COUNT + present()
-    fits = within(d.model.middle, 0, d.links) and within(d.step.pacer, TIME, max(0, d.candidates - 1))
+    fits = within(d.model.middle, 0, d.links)
+    fits = fits and within(d.step.regularized, NO_CONTACT, max(0, d.candidates - 1))
     fits = fits and within(d.contact.law, 1, laws) and within(d.contact.derived_law, 0, laws)
     fits = fits and within(d.solver.method, 1, METHODS) and d.finished.count >= 0
     fits = fits and within(d.step.cleared, 0, FAR) and within(d.step.dense_for, 0, SOLVER)

@@ -17,15 +17,18 @@ PAUSED = -2  # not a fault: go on, if that is wanted
 
 STATUS_TEXT = {
     OK: "no fault",
-    STEP_TOO_SMALL: "the error control asks for a step smaller than the resolution of time",
+    STEP_TOO_SMALL: "the error control asks for a step smaller than the resolution of time: loosen "
+    "solver.tolerance or lower contact.stiffness",
     NOT_FINITE: "the state is no longer finite",
-    EVENT_STORM: "too many contacts begin and end in too short a time",
+    EVENT_STORM: "too many contacts begin and end in too short a time: a larger contact.minimum_impact_speed "
+    "or a smaller contact.restitution brings points to rest",
     STARTS_INSIDE_WALL: "a contact point starts beyond a wall",
     RESTITUTION_NOT_ALLOWED: "the contact law does not allow this restitution",
     UNKNOWN_LAW: "contact.model is not the number of a law",
     UNKNOWN_METHOD: "solver.method is not the number of a method",
     PARAMETER_OUT_OF_RANGE: "a parameter is not finite or lies outside its range",
-    TOO_MUCH_WORK: "a second of simulated time takes more evaluations than solver.work_limit allows",
+    TOO_MUCH_WORK: "a second of simulated time takes more evaluations than solver.work_limit allows: raise it, "
+    "loosen solver.tolerance or lower contact.stiffness",
     EXPONENT_NOT_ALLOWED: "the contact law is defined for another contact.exponent",
     RIGID_WHILE_TOUCHING: "contact.model can change to newton_impact only while no point touches a wall",
 }

@@ -14,12 +14,12 @@ MOST_EVENTS = 1000  # … this many onsets and ends before it is called a storm
 
 def work_done(d):
     """All work since the start, in evaluations."""
-    return d.statistics.rhs_evaluations + d.watch.other_work
+    return d.statistics.rhs_evaluations + d.limits.other_work
 
 
 def overdrawn(d):
     """Whether the work in a second of simulated time exceeds the limit; every long loop asks."""
-    return work_done(d) - d.watch.work_count > d.solver.work_limit * WORK_WINDOW
+    return work_done(d) - d.limits.work_count > d.solver.work_limit * WORK_WINDOW
 
 
 def work_of_a_call(d):
@@ -27,20 +27,20 @@ def work_of_a_call(d):
     return CALL_WORK // (d.links + 1)
 
 
-def watch_work(d):
+def check_work(d):
     """TOO_MUCH_WORK when the work in a second of simulated time exceeds the limit, or OK."""
-    watch = d.watch
-    if d.step.end >= watch.work_start + WORK_WINDOW:
-        watch.work_start = d.step.end
-        watch.work_count = work_done(d)
+    limits = d.limits
+    if d.step.end >= limits.work_start + WORK_WINDOW:
+        limits.work_start = d.step.end
+        limits.work_count = work_done(d)
     return TOO_MUCH_WORK if overdrawn(d) else OK
 
 
-def watch_events(d, events):
+def check_events(d, events):
     """EVENT_STORM when ``events`` more are too many for a short window of time, or OK."""
-    watch = d.watch
-    if d.step.end >= watch.event_start + EVENT_WINDOW:
-        watch.event_start = d.step.end
-        watch.event_count = 0
-    watch.event_count += events
-    return OK if watch.event_count <= MOST_EVENTS * d.candidates else EVENT_STORM
+    limits = d.limits
+    if d.step.end >= limits.event_start + EVENT_WINDOW:
+        limits.event_start = d.step.end
+        limits.event_count = 0
+    limits.event_count += events
+    return OK if limits.event_count <= MOST_EVENTS * d.candidates else EVENT_STORM

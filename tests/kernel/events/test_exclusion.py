@@ -46,7 +46,7 @@ def test_there_is_at_least_the_room_that_is_remembered(angles, speeds, tolerance
     for d in steps(instance, 0.8):
         if d["step"]["cleared"] in (WITH_CURVES, FAR):
             seen += 1
-            assert d["step"]["room"] <= least_clearance(d) + 1e-12
+            assert d["step"]["safe_distance"] <= least_clearance(d) + 1e-12
     assert seen > 0
 
 

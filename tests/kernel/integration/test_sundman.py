@@ -26,7 +26,7 @@ def at_onset():
     assert initialize(d, 0.0) == 0
     d["touch"]["event"][0] = TOUCH
     assert begin(d) == 1
-    assert d["step"]["pacer"] == 0
+    assert d["step"]["regularized"] == 0
     return block
 
 

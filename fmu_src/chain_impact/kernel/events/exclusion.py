@@ -1,14 +1,20 @@
 """Clearances over a step, and whether they show without a search that nothing can have happened in it.
 
-φ is the clearance of a candidate that is apart and the penetration of one in contact, or u for the pacer, all
-as functions of the variable that the step runs in. What touches, or ends, is events.py's business.
+φ is the clearance of a candidate that is apart and the penetration of one in contact, or u for the
+regularized one, all as functions of the variable that the step runs in. What touches, or ends, search.py tells.
 """
 
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.integration.dense import FAR, WITH_CURVES, root_at
-from chain_impact.kernel.integration.sundman import TIME, pace_change, pace_of, root_curve, root_rate
+from chain_impact.kernel.integration.sundman import (
+    NO_CONTACT,
+    root_curve,
+    root_rate,
+    time_rate_change,
+    time_rate_of,
+)
 from chain_impact.kernel.model.geometry import along_normal, clearance, harmless_depth
 
 SMALL_TURN, MARGIN = 1.0, 0.05  # rad of a link, part of the range of values: where ends of a step can tell
@@ -16,7 +22,7 @@ RELATCH_RATIO = 2.0  # δ̇/v₀ at which v₀ is latched anew; what gravity add
 NEARLY = 0.75  # of that speed, at an end of the step
 
 
-def plainly_clear(d):
+def excludes_events(d):
     """Whether the ends of the last, explicit step tell that there is no event in it.
 
     Its end has to be located and accelerated. If it cannot be told, φ and φ′ of all candidates are known at
@@ -66,19 +72,19 @@ def largest_turn(d):
 
 
 def remains_far(d):
-    """Whether all are far from touching, as they were, but for the pacer, which has not come to its end."""
+    """Whether all are far from touching, as before, but for the regularized contact, which has not ended."""
     step, known, lasted = d.step, d.step.cleared >= WITH_CURVES, d.step.end - d.step.start
     speed, acceleration = step.speed, step.acceleration
     step.speed, step.acceleration = fastest(d.work.velocity), fastest(d.work.acceleration)
     # no point goes further than that, with twice what its acceleration makes of it
     way = lasted * (max(speed, step.speed) + lasted * max(acceleration, step.acceleration))
-    step.room -= way
-    if not (known and step.room > 0.0):
+    step.safe_distance -= way
+    if not (known and step.safe_distance > 0.0):
         return False
-    if step.pacer == TIME:
+    if step.regularized == NO_CONTACT:
         far = d.touch.active_count == 0
     else:
-        far = step.state_end[root_at(step)] > 0.0 and not nearly_fast(d, step.pacer)
+        far = step.state_end[root_at(step)] > 0.0 and not nearly_fast(d, step.regularized)
     if far:
         step.cleared = FAR
     return far
@@ -105,7 +111,7 @@ def stays_positive(d, c, error):
     stays above the least of its Bernstein coefficients.
     """
     h = d.step.size
-    if c == d.step.pacer:
+    if c == d.step.regularized:
         # δ̇ would have to change its sign twice for u to fall to zero and rise again
         return d.search.clear_end[c] > 0.0
     b1 = d.search.clear_start[c] + h * d.search.clear_start_rate[c] / 5.0
@@ -121,10 +127,10 @@ def measure_all(d, y):
     """Set φ, φ′ and φ″ of every candidate for a state and its located and accelerated points."""
     slope = set_clearances(d, y)
     u = y[root_at(d.step)]
-    p, change = pace_of(d, u), pace_change(u, slope)
-    d.step.room = math.inf
+    p, change = time_rate_of(d, u), time_rate_change(u, slope)
+    d.step.safe_distance = math.inf
     for c in range(d.candidates):
-        if c == d.step.pacer:
+        if c == d.step.regularized:
             d.search.clear_end_curve[c] = root_curve(d, d.search.clear_end[c], d.search.clear_end_rate[c])
             continue
         sign = -1.0 if d.touch.active[c] else 1.0
@@ -133,7 +139,7 @@ def measure_all(d, y):
         curve = p * p * along_normal(d, c, d.work.acceleration) + change * velocity
         d.search.clear_end_curve[c] = sign * curve
         if not d.touch.active[c]:
-            d.step.room = min(d.step.room, d.search.clear_end[c])
+            d.step.safe_distance = min(d.step.safe_distance, d.search.clear_end[c])
 
 
 def set_clearances(d, y):
@@ -145,8 +151,8 @@ def set_clearances(d, y):
 
 
 def root_now(d, y):
-    """The pacer's u and u′ for the state y and its located points; 1 and 0 without one."""
-    if d.step.pacer == TIME:
+    """The regularized contact's u and u′ for the state y and its located points; 1 and 0 without one."""
+    if d.step.regularized == NO_CONTACT:
         return 1.0, 0.0
     u = y[root_at(d.step)]
     return u, root_rate(d, u)
@@ -154,7 +160,7 @@ def root_now(d, y):
 
 def set_clearance(d, c, u, slope):
     """Set φ and φ′ of candidate c for the located points, u and u′."""
-    if c == d.step.pacer:
+    if c == d.step.regularized:
         d.search.clear_end[c], d.search.clear_end_rate[c] = u, slope
         return
     if d.touch.active[c] and d.contact.impulsive:
@@ -164,7 +170,7 @@ def set_clearance(d, c, u, slope):
     gap, gap_rate = clearance(d, c)
     sign = -1.0 if d.touch.active[c] else 1.0
     d.search.clear_end[c] = sign * gap
-    d.search.clear_end_rate[c] = sign * pace_of(d, u) * gap_rate
+    d.search.clear_end_rate[c] = sign * time_rate_of(d, u) * gap_rate
 
 
 def keep_start(d):

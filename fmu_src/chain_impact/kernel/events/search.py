@@ -16,9 +16,9 @@ force, grow without bound; v₀ is latched anew.
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events.exclusion import (
     RELATCH_RATIO,
+    excludes_events,
     keep_start,
     nearly_fast,
-    plainly_clear,
     root_now,
     set_clearance,
     set_clearances,
@@ -35,7 +35,7 @@ from chain_impact.kernel.integration.dense import (
     root_at,
 )
 from chain_impact.kernel.integration.implicit import clearance_curvature
-from chain_impact.kernel.integration.sundman import TIME
+from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.model.constraints import holding
 from chain_impact.kernel.model.contact import drop_events
 from chain_impact.kernel.model.geometry import bound_along_normal, clearance, harmless_depth
@@ -64,7 +64,7 @@ def find_event(d):
         if d.step.cleared in (NOTHING, FAR):
             measure(d, 0.0)
         keep_start(d)
-    elif plainly_clear(d):
+    elif excludes_events(d):
         return -1.0
     if not d.step.made_implicit:
         complete(d, SOLVER)
@@ -188,7 +188,7 @@ def bound_curvature(d):
     n = d.links
     # d²g/ds² = p d(ġ)/ds + p′ ġ, with p ≤ u and |p′| ≤ |u′|
     p, change = 1.0, 0.0
-    if d.step.pacer != TIME:
+    if d.step.regularized != NO_CONTACT:
         p, change = rate_bounds(d.step, root_at(d.step))
     vx, ax = rate_bounds(d.step, n + 2)
     vy, ay = rate_bounds(d.step, n + 3)
@@ -214,7 +214,7 @@ def measure(d, theta):
 
 def locate_at(d, theta):
     """Set ``work.y`` to the state at the fraction θ of the step, and locate its points."""
-    d.watch.other_work += 1
+    d.limits.other_work += 1
     if 0.0 < theta < 1.0:
         complete(d, SOLVER)
         interpolate(d.step, theta, d.work.y)
@@ -238,7 +238,7 @@ def inspect(d, width):
 def inspect_candidate(d, c, width):
     """The verdict on one candidate over an interval of a width in the variable of the step."""
     start, end = d.search.clear_start[c], d.search.clear_end[c]
-    if c == d.step.pacer:
+    if c == d.step.regularized:
         # δ̇ would have to change its sign twice for u to fall to zero and rise again
         return EVENT if end < 0.0 else QUIET
     rate_start, rate_end = d.search.clear_start_rate[c], d.search.clear_end_rate[c]

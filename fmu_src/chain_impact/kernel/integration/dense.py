@@ -6,7 +6,7 @@ DENSE_COEFFICIENTS = 7
 RESOLUTION = 1e-15  # of a step, in which a time is found
 NOBODY, OUTPUTS, SOLVER = 0, 1, 2  # who has had the dense output of the last step
 # of `step.cleared`: what is known of the clearances at the end of the step, see clearing.py; FAR means that
-# they are at least `step.room` where there is no contact
+# they are at least `step.safe_distance` where there is no contact
 NOTHING, VALUES, WITH_CURVES, FAR = 0, 1, 2, 3
 
 
@@ -20,8 +20,8 @@ def time_at(step):
     return len(step.state) - 1
 
 
-def pace(u):
-    """The pace p = dt/ds of a step that a contact paces (pace.py)."""
+def time_rate(u):
+    """The rate p = dt/ds of time in a regularized step (sundman.py)."""
     return u / (1.0 + u * u)
 
 
@@ -55,7 +55,7 @@ def interpolate_component(step, theta, j):
 def fraction(step, time):
     """The fraction θ of the last step at which it is that time [s]."""
     elapsed = time - step.start
-    if step.pacer < 0:
+    if step.regularized < 0:
         return elapsed / step.size
     at_end = step.state[root_at(step)] + step.dense[0, root_at(step)]
     if elapsed >= step.dense[0, time_at(step)] and at_end >= 0.0:
@@ -71,7 +71,7 @@ def fraction(step, time):
             high = theta
         else:
             low = theta
-        slope = step.size * pace(u)
+        slope = step.size * time_rate(u)
         guess = theta - error / slope if slope > 0.0 else high
         if not low < guess < high:
             guess = 0.5 * (low + high)

@@ -7,7 +7,7 @@ from chain_impact.kernel.integration import dop853
 from chain_impact.kernel.integration.combination import combination, combinations
 from chain_impact.kernel.integration.dense import extend
 from chain_impact.kernel.integration.errors import scaled_error, set_gap_errors
-from chain_impact.kernel.integration.sundman import TIME, at_pace, paced_rate, runs_back
+from chain_impact.kernel.integration.sundman import NO_CONTACT, regularize, regularized_rate, runs_back
 from chain_impact.kernel.model.constraints import holding, meet_walls
 from chain_impact.kernel.model.equations import located_rate, state_rate
 
@@ -29,7 +29,7 @@ def _stage(i, accepted):
 
     def stage(d, h):
         combine(d.work.stage, d.step.state if accepted else d.step.state_end, h, d.work.y)
-        paced_rate(d, d.work.y, d.work.stage[i])
+        regularized_rate(d, d.work.y, d.work.stage[i])
 
     return stage
 
@@ -79,7 +79,7 @@ def attempt(d, h):
     # e₅²/√(e₅² + e₃²/100): behaves as order 8, as e₅/e₃ does as h² (Hairer, Nørsett, Wanner)
     ratio = error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3)
     # the error of a step is of order 9; in flight the difference is kept as a margin
-    return error_5 * ratio * (1.0 if d.step.pacer == TIME else math.sqrt(ratio))
+    return error_5 * ratio * (1.0 if d.step.regularized == NO_CONTACT else math.sqrt(ratio))
 
 
 def accept(d, h):
@@ -106,7 +106,7 @@ def dense_output(d):
     """Set the dense output of the last step."""
     step, h = d.step, d.step.size
     locate_points(d, step.state_end)
-    at_pace(d, step.state_end, d.work.rate_end, d.work.stage[LAST])
+    regularize(d, step.state_end, d.work.rate_end, d.work.stage[LAST])
     _dense_stages(d, h)
     for j in range(len(d.work.y)):
         # the interpolant is y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + (1−θ)(F₃ + θ(F₄ + (1−θ)(F₅ + θ F₆))))))

@@ -10,7 +10,7 @@ import math
 from chain_impact.kernel.chain.kinematics import accelerate_points
 from chain_impact.kernel.integration import explicit, implicit
 from chain_impact.kernel.integration.dense import root_at
-from chain_impact.kernel.integration.sundman import TIME, root_curve
+from chain_impact.kernel.integration.sundman import NO_CONTACT, root_curve
 from chain_impact.kernel.model.contact_force import damping_share
 
 SHRINK, GROW = 0.1, 6.0  # of the size of a step, at most
@@ -45,7 +45,7 @@ def at_onset(d, c):
 
 def toward_end(d, h):
     """The size of the step that begins, over an end that is near, if the error control allows a size h."""
-    if d.step.pacer == TIME:
+    if d.step.regularized == NO_CONTACT:
         return h
     u, slope = d.step.state_end[root_at(d.step)], d.work.stage[0, root_at(d.step)]
     if u + 2.0 * slope * h >= 0.0:

@@ -33,7 +33,7 @@ ROUNDS = 30  # of flips, and 4 for each candidate: far more than ever needed
 def respond_to_impulses(d, factors, impulse):
     """Set ``change`` of the coordinates and ``motion`` of the points that impulses [N·s] bring about."""
     work, n = d.work, d.links
-    d.watch.other_work += 1
+    d.limits.other_work += 1
     change = d.rigid.change
     zero(work.load)
     for k in range(d.touch.active_count):

@@ -1,7 +1,7 @@
 """The equations of motion ẏ = f(y): the table of contents of the model.
 
-y = (x₀, θ, ẋ₀, ω, dissipated energy, energy supplied by the inputs, u, t): pace.py says what u is for, and t
-is the time since the start of a step.
+y = (x₀, θ, ẋ₀, ω, dissipated energy, energy supplied by the inputs, u, t): sundman.py says what u is for, and
+t is the time since the start of a step.
 """
 
 from chain_impact.kernel.chain.kinematics import link_vectors, locate_points
