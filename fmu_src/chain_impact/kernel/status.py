@@ -27,8 +27,8 @@ STATUS_TEXT = {
     UNKNOWN_LAW: "contact.model is not the number of a law",
     UNKNOWN_METHOD: "solver.method is not the number of a method",
     PARAMETER_OUT_OF_RANGE: "a parameter is not finite or lies outside its range",
-    TOO_MUCH_WORK: "a second of simulated time takes more evaluations than solver.work_limit allows: raise it, "
-    "loosen solver.tolerance or lower contact.stiffness",
+    TOO_MUCH_WORK: "a second of simulated time takes more evaluations than solver.work_limit allows: "
+    "raise it, loosen solver.tolerance or lower contact.stiffness",
     EXPONENT_NOT_ALLOWED: "the contact law is defined for another contact.exponent",
     RIGID_WHILE_TOUCHING: "contact.model can change to newton_impact only while no point touches a wall",
 }
