@@ -166,3 +166,24 @@ def test_an_instance_that_has_run_starts_as_a_new_one():
         else:
             assert used.record[name].tobytes() == new.record[name].tobytes(), name
     assert used.collect().tolist() == new.collect().tolist()
+
+
+# --- forces that jump --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", ["explicit", "implicit"])
+def test_the_first_stage_after_an_onset_has_the_force_that_jumps_there(method):
+    """Kelvin and Voigt's begins at c v₀. The other end of the rod is in contact already."""
+    start = {"position": [0.0, 0.01], "angles": [1e-3], "velocity": [0.0, -1.0]}
+    contact = {"model": "kelvin_voigt", "exponent": 1.0, "stiffness": 1e4, "restitution": 0.5}
+    instance = Instance(chain(1, start, contact=contact, solver={"method": method}))
+    record = instance.record
+    while record["impact"]["count"] < 2:
+        assert instance.advance(math.nextafter(record["step"]["end"], math.inf)) == OK
+    assert record["touch"]["active_count"] == 2
+    used = record["work"]["rate_start"].copy()
+    record["step"]["time"] = record["step"]["start"]
+    instance._kernel.observe(instance._address)
+    output = record["output"]
+    expected = [*output["point_acceleration"][0], *output["angular_acceleration"]]
+    np.testing.assert_allclose(used[3:6], expected, rtol=1e-9, atol=1e-9)
