@@ -100,14 +100,17 @@ def test_who_is_killed_leaves_nothing_that_matters():
 def test_folders_that_nobody_uses_are_removed_when_something_is_made():
     made("a.so", lambda path: path.write_text("one"))
     old, recent, other = (base_folder() / name for name in ("0" * 16, "1" * 16, "of somebody else"))
-    for folder in (old, recent, other):
+    linker, former = cache.linker_folder(), base_folder() / f"{cache.LINKER}0.0.1"
+    for folder in (old, recent, other, linker, former):
         folder.mkdir()
         (folder / "b.so").touch()
     long_ago = time.time() - cache.UNUSED - 60
-    for folder in (old, other):
+    for folder in (old, other, linker, former):
         os.utime(folder, (long_ago, long_ago))
     made("c.so", lambda path: path.write_text("two"))
     assert not old.exists()
+    assert not former.exists()
+    assert linker.exists()  # others may be linking with it
     assert recent.exists()
     assert other.exists()
     assert files() == ["a.so", "c.so"]

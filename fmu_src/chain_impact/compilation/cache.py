@@ -135,7 +135,7 @@ def _prune(present: Path) -> None:
     for folder in present.parent.iterdir():
         with suppress(FileNotFoundError):  # another process prunes, too
             old = folder.stat().st_mtime < time.time() - UNUSED
-            if old and _OURS.fullmatch(folder.name) and folder != present:
+            if old and _OURS.fullmatch(folder.name) and folder not in (present, linker_folder()):
                 shutil.rmtree(folder, ignore_errors=True)
 
 

@@ -11,7 +11,7 @@ import math
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.events.contact_log import finish, follow_contacts
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
-from chain_impact.kernel.events.impulses import collide, end_contacts, judge
+from chain_impact.kernel.events.impulses import collide, end_contacts, judge, list_touching
 from chain_impact.kernel.events.search import REFUSED, RELATCH, TOUCH, find_event
 from chain_impact.kernel.initialize import derive_law, first_size, still
 from chain_impact.kernel.integration import explicit, implicit, step_size
@@ -259,11 +259,7 @@ def apply_events(d):
             jumped = jumped or may_jump(d.contact)
         touch.event[c] = 0
 
-    touch.active_count = 0
-    for c in range(d.candidates):
-        if touch.active[c]:
-            touch.active_index[touch.active_count] = c
-            touch.active_count += 1
+    list_touching(d)
     if touch.active_count == 0:
         clear_loads(d)
         d.step.next_size = min(
