@@ -46,7 +46,6 @@ TESTED_ELSEWHERE = {
     "kernel/integration/ros34pw2.py": "test_simulate.py",
     "kernel/events/release.py": "test_newton_rest.py",
     "kernel/status.py": "test_variables.py",
-    "kernel/integration/switching.py": "test_rest.py",
     "kernel/laws/user_law.py": "test_law_file.py",
     "kernel/work_limit.py": "test_rest.py",
     "kernel/chain/kinematics.py": "kernel/chain/test_recursion.py",

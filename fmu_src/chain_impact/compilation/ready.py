@@ -71,10 +71,11 @@ def make(folder: Path, platform: str = compilers.HOST) -> None:
 
     What is not in the cache is compiled, as much at once as there are cores.
     """
-    if not all_cached(platform):
+    cached = all_cached(platform)
+    if not cached:
         compilers.require_compilers("a wheel")
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        prepared = None if all_cached(platform) else pool.submit(compilers.prepare_zig, platform)
+        prepared = None if cached else pool.submit(compilers.prepare_zig, platform)
         text = cache.made(LOWERED, compilers.lower).read_text()
         if prepared:
             prepared.result()

@@ -11,7 +11,7 @@ import math
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.events.contact_log import finish, follow_contacts
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
-from chain_impact.kernel.events.impulses import collide, end_contacts, judge, list_touching
+from chain_impact.kernel.events.impulses import collide, end_contacts, judge
 from chain_impact.kernel.events.search import REFUSED, RELATCH, TOUCH, find_event
 from chain_impact.kernel.initialize import derive_law, first_size, still
 from chain_impact.kernel.integration import explicit, implicit, step_size
@@ -24,7 +24,7 @@ from chain_impact.kernel.integration.switching import (
     choose_method,
     explicit_again,
 )
-from chain_impact.kernel.model.contact import clear_loads, drop_events, latch
+from chain_impact.kernel.model.contact import clear_loads, drop_events, latch, list_touching
 from chain_impact.kernel.model.contact_force import latch_damping, may_jump
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import clearance

@@ -2,6 +2,7 @@
 
 import math
 
+from chain_impact.kernel.chain.damped import damping_of
 from chain_impact.kernel.chain.damping_rate import damping_bound
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.integration.dense import NOTHING, SOLVER, root_at, time_at
@@ -39,9 +40,8 @@ OVERLAP = 1e-12  # m, of a start that counts as touching
 
 def initialize(d, time):
     """Set the state at ``time`` [s] from the parameters and initial values; returns a status."""
-    derive_chain(d.model)
+    derive_chain(d)
     forget_run(d)
-    d.model.damping_bound = damping_bound(d)
     d.contact.derived_law = 0  # any parameter may be another now
     d.statistics.status = check_parameters(d)
     if d.statistics.status == OK:
@@ -85,8 +85,9 @@ def forget_run(d):
     limits.event_count, limits.work_count, limits.other_work = 0, 0, 0
 
 
-def derive_chain(model):
-    """Find what the recursion needs of each link, and the absolute scales of positions and energies."""
+def derive_chain(d):
+    """Find what the recursion needs of each link, the absolute scales, and what the joints damp."""
+    model = d.model
     model.damped = 0
     model.middle = 0 if model.pinned else len(model.length) // 2  # as in `accelerations`
     model.size = 0.0
@@ -98,12 +99,13 @@ def derive_chain(model):
         rest = model.length[i] - c
         model.distal_inertia[i] = model.inertia[i] + model.mass[i] * rest * rest
         model.size = max(model.size, model.length[i])
-        if model.joint_damping[i] != 0.0 and (i > 0 or model.pinned):
+        if damping_of(d, i) != 0.0:
             model.damped = 1
     total = 0.0
     for i in range(len(model.length)):
         total += model.mass[i]
     model.energy = total * model.size * model.size
+    model.damping_bound = damping_bound(d)
 
 
 def derive_law(d):

@@ -33,7 +33,7 @@ def random_chain(rng, count, base, largest):
 def prepared(scene, angles):
     """The record of a chain, as plain Python takes it, with its link vectors."""
     d = Plain(new_instance(scene)[0])
-    derive_chain(d.model)
+    derive_chain(d)
     link_vectors(d, np.array([0.0, 0.0, *angles]))
     return d
 

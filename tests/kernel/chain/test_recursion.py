@@ -57,7 +57,7 @@ def random_scene(rng, count, *, base="free", wall=None, point=1, with_gravity=Tr
 
 def instance(scene):
     d = Plain(new_instance(scene)[0])
-    derive_chain(d["model"])
+    derive_chain(d)
     derive_law(d)
     return d
 

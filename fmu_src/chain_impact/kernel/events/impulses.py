@@ -23,7 +23,7 @@ from chain_impact.kernel.events.contact_log import finish
 from chain_impact.kernel.events.release import RELEASE
 from chain_impact.kernel.events.search import TOUCH
 from chain_impact.kernel.model.constraints import complement, meet_walls, press, start_from_accelerations
-from chain_impact.kernel.model.contact import clear_loads, drop_events, latch
+from chain_impact.kernel.model.contact import clear_loads, drop_events, latch, list_touching
 from chain_impact.kernel.model.equations import free_rate
 from chain_impact.kernel.model.geometry import clearance
 
@@ -54,16 +54,6 @@ def collide(d):
         bounce(d)
     judge(d)
     clear_loads(d)
-
-
-def list_touching(d):
-    """Pack the candidates in contact."""
-    touch = d.touch
-    touch.active_count = 0
-    for c in range(d.candidates):
-        if touch.active[c]:
-            touch.active_index[touch.active_count] = c
-            touch.active_count += 1
 
 
 def join_neighbours(d):

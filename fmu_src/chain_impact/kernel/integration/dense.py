@@ -5,8 +5,8 @@ import numpy as np
 DENSE_COEFFICIENTS = 7
 RESOLUTION = 1e-15  # of a step, in which a time is found
 NOBODY, OUTPUTS, SOLVER = 0, 1, 2  # who has had the dense output of the last step
-# of `step.cleared`: what is known of the clearances at the end of the step, see clearing.py; FAR means that
-# they are at least `step.safe_distance` where there is no contact
+# of `step.cleared`: what is known of the clearances at the end of the step, see events/exclusion.py; FAR
+# means that they are at least `step.safe_distance` where there is no contact
 NOTHING, VALUES, WITH_CURVES, FAR = 0, 1, 2, 3
 
 

@@ -90,6 +90,16 @@ def latch(d, c):
     d.impact.last_speed = touch.onset_speed[c]
 
 
+def list_touching(d):
+    """Pack the candidates in contact."""
+    touch = d.touch
+    touch.active_count = 0
+    for c in range(d.candidates):
+        if touch.active[c]:
+            touch.active_index[touch.active_count] = c
+            touch.active_count += 1
+
+
 def drop_events(d):
     """Forget the events found in the last step."""
     for c in range(d.candidates):
