@@ -48,6 +48,7 @@ TESTED_ELSEWHERE = {
     "kernel/status.py": "test_variables.py",
     "kernel/laws/user_law.py": "test_law_file.py",
     "kernel/work_limit.py": "test_rest.py",
+    "kernel/chain/state.py": "kernel/chain/test_recursion.py",
     "kernel/chain/kinematics.py": "kernel/chain/test_recursion.py",
     "kernel/model/geometry.py": "kernel/events/test_search.py",
 }

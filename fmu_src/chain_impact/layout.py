@@ -5,8 +5,8 @@ record without pointers, so the state of an FMU is a copy of its bytes. Every sc
 double or an integer), so each has an index counted in doubles from the start of the record: the slave
 needs no other knowledge of the layout.
 
-N links, points 0…N (0 the base, N the tip), C candidates (pairs of a point and a wall), state vector
-y = (x₀, θ, ẋ₀, ω, dissipated energy, energy supplied, u, t) of n = 2(N+2)+4 numbers.
+N links, points 0…N (0 the base, N the tip), C candidates (pairs of a point and a wall), state vector y
+(kernel/chain/state.py).
 
 Every size and offset is a + bN + cC. The compiled kernel relies on it (compilation/record_type.py). What has
 to do with candidates comes last, so that the places of all else do not depend on their number.
@@ -18,6 +18,7 @@ from functools import cache
 
 import numpy as np
 
+from chain_impact.kernel.chain.state import coordinate_count, state_size
 from chain_impact.kernel.integration.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.integration.explicit import STAGES
 from chain_impact.kernel.integration.implicit import ROWS
@@ -58,7 +59,7 @@ def output_dtype(links: int, candidates: int) -> np.dtype:
 def instance_dtype(links: int, candidates: int) -> np.dtype:
     """The record of an instance with N = ``links`` links and C = ``candidates`` candidates."""
     points = links + 1
-    state = 2 * (links + 2) + 4
+    state = state_size(links)
     log = LOG_SIZE + candidates
     model = _record(
         ("gravity", REAL, (2,)),  # m/s²
@@ -243,7 +244,11 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
     # the touching candidates of a rigid wall, packed, see kernel/model/constraints.py
     rigid = _record(
         ("factors", factors),  # with an impedance at the pressed points
-        ("change", REAL, (links + 2,)),  # m, m/s or m/s², rad …, of the coordinates, by the impulses
+        (
+            "change",
+            REAL,
+            (coordinate_count(links),),
+        ),  # m, m/s or m/s², rad …, of the coordinates, by the impulses
         ("pressed", INTEGER, (candidates,)),  # 1: has an impulse
         ("wrong", INTEGER, (candidates,)),  # 1: of the wrong sign
         ("start", REAL, (candidates,)),  # normal motion without impulses, m, m/s or m/s², …

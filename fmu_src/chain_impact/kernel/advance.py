@@ -9,6 +9,7 @@ the communication point has passed it.
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.events.contact_log import finish, follow_contacts
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.impulses import collide, end_contacts, judge
@@ -16,7 +17,7 @@ from chain_impact.kernel.events.search import REFUSED, RELATCH, TOUCH, find_even
 from chain_impact.kernel.initialize import derive_law, first_size, still
 from chain_impact.kernel.integration import explicit, implicit, step_size
 from chain_impact.kernel.integration.complete import complete
-from chain_impact.kernel.integration.dense import OUTPUTS, fraction, interpolate, time_at
+from chain_impact.kernel.integration.dense import OUTPUTS, fraction, interpolate
 from chain_impact.kernel.integration.sundman import NO_CONTACT, choose_regularized, regularize, time_rate_now
 from chain_impact.kernel.integration.switching import (
     begin_flight,
@@ -73,7 +74,7 @@ def advance(d, time, room, work):
 def restart(d):
     """Drop what lies beyond the communication point, as an input or parameter changed; returns a status."""
     d.inputs.changed = 0
-    interpolate(d.step, fraction(d.step, d.step.time), d.work.y)
+    interpolate(d.step, fraction(d, d.step.time), d.work.y)
     d.step.next_size *= time_rate_now(d, d.work.y)  # in seconds
     still(d, d.step.time, d.work.y)
     drop_events(d)
@@ -163,7 +164,7 @@ def accept(d, h):
 def cut(d, theta):
     """End the last step at its fraction θ, at which an event was found."""
     interpolate(d.step, theta, d.step.state_end)
-    d.step.end = d.step.start + d.step.state_end[time_at(d.step)]
+    d.step.end = d.step.start + d.step.state_end[time_at(d.links)]
     d.step.rate_known = 0
 
 

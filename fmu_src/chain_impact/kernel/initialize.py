@@ -5,7 +5,16 @@ import math
 from chain_impact.kernel.chain.damped import damping_of
 from chain_impact.kernel.chain.damping_rate import damping_bound
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.integration.dense import NOTHING, SOLVER, root_at, time_at
+from chain_impact.kernel.chain.state import (
+    ANGLES,
+    dissipated_at,
+    omega_at,
+    root_at,
+    supplied_at,
+    time_at,
+    velocity_at,
+)
+from chain_impact.kernel.integration.dense import NOTHING, SOLVER
 from chain_impact.kernel.integration.step_size import in_flight
 from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.integration.switching import explicit_again
@@ -52,12 +61,12 @@ def initialize(d, time):
     y = d.work.y
     for j in range(2):
         y[j] = d.initial.position[j]
-        y[n + 2 + j] = d.initial.velocity[j]
+        y[velocity_at(n) + j] = d.initial.velocity[j]
     for i in range(n):
-        y[2 + i] = d.initial.angle[i]
-        y[n + 4 + i] = d.initial.angular_velocity[i]
-    y[2 * n + 4] = 0.0
-    y[2 * n + 5] = 0.0
+        y[ANGLES + i] = d.initial.angle[i]
+        y[omega_at(n) + i] = d.initial.angular_velocity[i]
+    y[dissipated_at(n)] = 0.0
+    y[supplied_at(n)] = 0.0
     still(d, time, y)
     clear_loads(d)
     d.step.next_size = first_size(d)
@@ -168,7 +177,7 @@ def still(d, time, y):
         d.step.state[j] = y[j]
         for m in range(len(d.step.dense)):
             d.step.dense[m, j] = 0.0
-    d.step.state[root_at(d.step)], d.step.state[time_at(d.step)] = 1.0, 0.0
+    d.step.state[root_at(d.links)], d.step.state[time_at(d.links)] = 1.0, 0.0
     for j in range(len(d.step.state)):
         d.step.state_end[j] = d.step.state[j]
     d.step.time = time

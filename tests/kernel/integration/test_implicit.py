@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.state import root_at
 from chain_impact.kernel.integration import ros34pw2
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.implicit import (
@@ -19,7 +20,6 @@ from chain_impact.kernel.integration.implicit import (
     interpolated,
     linearize,
     linearly_implicit,
-    own_size,
     rate_at,
     solve_stiff,
 )
@@ -204,7 +204,7 @@ def test_the_stiff_part_of_the_jacobian_is_that_of_contacts_and_joint_damping(da
     assert count > 0
     locate_points(d, d["step"]["state_end"])
     linearize(d)
-    size = own_size(d) + 2 * count
+    size = root_at(d.links) + 2 * count
     r, x = np.random.default_rng(6).uniform(-1.0, 1.0, size), np.full(size, np.nan)
     factorize_stiff(d, shift)
     solve_stiff(d, shift, r, x)

@@ -61,7 +61,7 @@ def test_time_is_found_in_a_step_that_runs_in_another_variable():
     lasts = step["end"] - step["start"]
     assert lasts < 0.3 * h  # u rises from 0 to 0.7, and p = u/(1 + u²)
     for part in (0.0, 1e-9, 1e-3, 0.1, 0.5, 0.9, 1.0):
-        theta = fraction(step, step["start"] + part * lasts)
+        theta = fraction(d, step["start"] + part * lasts)
         assert 0.0 <= theta <= 1.0
         interpolate(step, theta, y)
         assert y[TIME] == pytest.approx(part * lasts, abs=1e-14 * lasts)

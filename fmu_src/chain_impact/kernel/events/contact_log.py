@@ -44,7 +44,7 @@ def follow_contacts(d):
 def follow_held(d):
     """Follow the forces of rigid walls over the last step: their peaks, by parabolas through samples."""
     step, samples = d.step, d.rigid.sample
-    end = fraction(step, step.end)
+    end = fraction(d, step.end)
     for j in range(HELD_SAMPLES):
         interpolate(step, end * j / (HELD_SAMPLES - 1), d.work.y)
         state_rate(d, d.work.y, d.work.error[0])
@@ -64,7 +64,7 @@ def follow_to_now(d):
     """Follow the active contacts up to the communication point, where the last step ends from now on."""
     step, rate, evaluations = d.step, d.work.rate_end, d.statistics.rhs_evaluations
     complete(d, SOLVER)
-    interpolate(step, fraction(step, step.time), step.state_end)
+    interpolate(step, fraction(d, step.time), step.state_end)
     step.end = step.time
     step.rate_known = 0
     step.cleared = NOTHING
@@ -89,7 +89,7 @@ def maximum(d, c, quantity):
     Parabolas through three points, ever closer to the top of the last one; the top of the last of all.
     """
     complete(d, SOLVER)
-    end = fraction(d.step, d.step.end)
+    end = fraction(d, d.step.end)
     middle, reach, best, summit = 0.5 * end, 0.5 * end, 0.0, 0.0
     for _ in range(3):
         left = sample(d, c, quantity, middle - reach)

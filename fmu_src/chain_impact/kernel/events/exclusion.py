@@ -7,7 +7,8 @@ regularized one, all as functions of the variable that the step runs in. What to
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.integration.dense import FAR, WITH_CURVES, root_at
+from chain_impact.kernel.chain.state import omega_at, root_at
+from chain_impact.kernel.integration.dense import FAR, WITH_CURVES
 from chain_impact.kernel.integration.sundman import (
     NO_CONTACT,
     root_curve,
@@ -61,11 +62,11 @@ def fading(d):
 
 def largest_turn(d):
     """How far a link can have turned in the last step [rad], and the length of the stretched chain [m]."""
-    n, lasted, work = d.links, d.step.end - d.step.start, d.work
+    first, lasted, work = omega_at(d.links), d.step.end - d.step.start, d.work
     turn, reach = 0.0, 0.0
-    for i in range(n):
-        omega = max(abs(d.step.state[n + 4 + i]), abs(d.step.state_end[n + 4 + i]))
-        alpha = max(abs(work.rate_start[n + 4 + i]), abs(work.rate_end[n + 4 + i]))
+    for i in range(d.links):
+        omega = max(abs(d.step.state[first + i]), abs(d.step.state_end[first + i]))
+        alpha = max(abs(work.rate_start[first + i]), abs(work.rate_end[first + i]))
         turn = max(turn, lasted * (omega + 0.5 * lasted * alpha))
         reach += d.model.length[i]
     return turn, reach
@@ -84,7 +85,7 @@ def remains_far(d):
     if step.regularized == NO_CONTACT:
         far = d.touch.active_count == 0
     else:
-        far = step.state_end[root_at(step)] > 0.0 and not nearly_fast(d, step.regularized)
+        far = step.state_end[root_at(d.links)] > 0.0 and not nearly_fast(d, step.regularized)
     if far:
         step.cleared = FAR
     return far
@@ -126,7 +127,7 @@ def stays_positive(d, c, error):
 def measure_all(d, y):
     """Set φ, φ′ and φ″ of every candidate for a state and its located and accelerated points."""
     slope = set_clearances(d, y)
-    u = y[root_at(d.step)]
+    u = y[root_at(d.links)]
     p, change = time_rate_of(d, u), time_rate_change(u, slope)
     d.step.safe_distance = math.inf
     for c in range(d.candidates):
@@ -154,7 +155,7 @@ def root_now(d, y):
     """The regularized contact's u and u′ for the state y and its located points; 1 and 0 without one."""
     if d.step.regularized == NO_CONTACT:
         return 1.0, 0.0
-    u = y[root_at(d.step)]
+    u = y[root_at(d.links)]
     return u, root_rate(d, u)
 
 

@@ -14,6 +14,7 @@ force, grow without bound; v₀ is latched anew.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.state import omega_at, root_at, velocity_at
 from chain_impact.kernel.events.exclusion import (
     RELATCH_RATIO,
     excludes_events,
@@ -25,15 +26,7 @@ from chain_impact.kernel.events.exclusion import (
 )
 from chain_impact.kernel.events.release import find_release
 from chain_impact.kernel.integration.complete import complete
-from chain_impact.kernel.integration.dense import (
-    FAR,
-    NOTHING,
-    SOLVER,
-    VALUES,
-    interpolate,
-    rate_bounds,
-    root_at,
-)
+from chain_impact.kernel.integration.dense import FAR, NOTHING, SOLVER, VALUES, interpolate, rate_bounds
 from chain_impact.kernel.integration.implicit import clearance_curvature
 from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.model.constraints import holding
@@ -189,13 +182,13 @@ def bound_curvature(d):
     # d²g/ds² = p d(ġ)/ds + p′ ġ, with p ≤ u and |p′| ≤ |u′|
     p, change = 1.0, 0.0
     if d.step.regularized != NO_CONTACT:
-        p, change = rate_bounds(d.step, root_at(d.step))
-    vx, ax = rate_bounds(d.step, n + 2)
-    vy, ay = rate_bounds(d.step, n + 3)
+        p, change = rate_bounds(d.step, root_at(n))
+    vx, ax = rate_bounds(d.step, velocity_at(n))
+    vy, ay = rate_bounds(d.step, velocity_at(n) + 1)
     bounds = d.work.motion
     bounds.x[0], bounds.y[0] = p * ax + change * vx, p * ay + change * vy
     for i in range(n):
-        omega, alpha = rate_bounds(d.step, n + 4 + i)
+        omega, alpha = rate_bounds(d.step, omega_at(n) + i)
         # what link i adds, in any direction
         more = d.model.length[i] * (p * (alpha + p * omega * omega) + change * omega)
         bounds.x[i + 1], bounds.y[i + 1] = bounds.x[i] + more, bounds.y[i] + more

@@ -86,7 +86,7 @@ def accept(d, h):
     """Make the step that was tried the last accepted one, with the rate and, for candidates, points there."""
     if holding(d):
         meet_walls(d, d.work.y)
-    extend(d.step, h, d.work.y, 0)
+    extend(d, h, d.work.y, 0)
     y, rate = d.step.state_end, d.work.rate_end
     touching = d.touch.active_count > 0
     if touching:

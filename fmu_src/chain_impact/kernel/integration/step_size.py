@@ -8,8 +8,8 @@ explicit method takes.
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points
+from chain_impact.kernel.chain.state import omega_at, root_at
 from chain_impact.kernel.integration import explicit, implicit
-from chain_impact.kernel.integration.dense import root_at
 from chain_impact.kernel.integration.sundman import NO_CONTACT, root_curve
 from chain_impact.kernel.model.contact_force import damping_share
 
@@ -30,7 +30,7 @@ def in_flight(d, y, rate):
     """A size [s] for an explicit step from state y with its rate, as fast as the links turn; at most 1 s."""
     n, fastest = d.links, 0.0
     for i in range(n):
-        fastest = max(fastest, abs(y[n + 4 + i]), math.sqrt(abs(rate[n + 4 + i])))
+        fastest = max(fastest, abs(y[omega_at(n) + i]), math.sqrt(abs(rate[omega_at(n) + i])))
     turn = TURN * d.solver.tolerance**-explicit.EXPONENT
     return turn / max(fastest, turn)
 
@@ -47,7 +47,8 @@ def toward_end(d, h):
     """The size of the step that begins, over an end that is near, if the error control allows a size h."""
     if d.step.regularized == NO_CONTACT:
         return h
-    u, slope = d.step.state_end[root_at(d.step)], d.work.stage[0, root_at(d.step)]
+    root = root_at(d.links)
+    u, slope = d.step.state_end[root], d.work.stage[0, root]
     if u + 2.0 * slope * h >= 0.0:
         return h
     accelerate_points(d, d.step.state_end, d.work.rate_start)

@@ -17,7 +17,8 @@ distance of two bodies stands in for p.
 
 import math
 
-from chain_impact.kernel.integration.dense import NOTHING, root_at, time_at, time_rate
+from chain_impact.kernel.chain.state import root_at, time_at
+from chain_impact.kernel.integration.dense import NOTHING, time_rate
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import along_normal, clearance
 
@@ -43,11 +44,11 @@ def regularize(d, y, time_rate, rate):
 
 def to_fictitious_time(d, y, rate):
     """Turn a rate in time into one in s, for the located points."""
-    u = y[root_at(d.step)]
+    u = y[root_at(d.links)]
     p = time_rate(u)
     for j in range(len(rate)):
         rate[j] *= p
-    rate[root_at(d.step)] = root_rate(d, u)
+    rate[root_at(d.links)] = root_rate(d, u)
 
 
 def root_rate(d, u):
@@ -78,7 +79,7 @@ def time_rate_of(d, u):
 
 def time_rate_now(d, y):
     """dt/ds in state y; not less than SLOW, as it serves to turn the size of a step into seconds."""
-    return max(SLOW, time_rate_of(d, y[root_at(d.step)]))
+    return max(SLOW, time_rate_of(d, y[root_at(d.links)]))
 
 
 def choose_regularized(d, anew):
@@ -92,8 +93,8 @@ def choose_regularized(d, anew):
     before, (contact, u) = time_rate_now(d, step.state_end), lone_contact(d)
     changed = contact != step.regularized
     step.regularized = contact
-    step.state_end[root_at(step)] = u
-    step.state_end[time_at(step)] = 0.0
+    step.state_end[root_at(d.links)] = u
+    step.state_end[time_at(d.links)] = 0.0
     if changed:
         step.cleared = NOTHING
         if not anew:
@@ -102,7 +103,7 @@ def choose_regularized(d, anew):
 
 def runs_back(d, y):
     """Whether a step to state y goes far beyond the end of the contact: where u < 0, time runs backwards."""
-    return d.step.regularized != NO_CONTACT and (y[root_at(d.step)] < BACK or y[time_at(d.step)] <= 0.0)
+    return d.step.regularized != NO_CONTACT and (y[root_at(d.links)] < BACK or y[time_at(d.links)] <= 0.0)
 
 
 def lone_contact(d):
