@@ -103,7 +103,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("angular_velocity", REAL, (links,)),  # rad/s
     )
     solver = _record(
-        ("method", INTEGER),  # index into SOLVER_METHODS, counted from 1
+        ("method", INTEGER),  # index into SOLVER_METHODS of kernel/integration/methods.py, from 1
         ("tolerance", REAL),
         ("work_limit", REAL),  # 1/s, evaluations for a second of simulated time
     )
@@ -124,14 +124,11 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("state_end", REAL, (state,)),  # y at `end`
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),  # interpolant over `size`
         ("rate_known", INTEGER),  # 1: `work.rate_end` is ẏ at `end`
-        ("dense_for", INTEGER),  # who has had the dense output so far, see kernel/integration/dense.py
-        ("made_implicit", INTEGER),  # 1: the last step was an implicit one
-        ("cleared", INTEGER),  # what is known of the clearances at `end`, see kernel/events/exclusion.py
-        ("safe_distance", REAL),  # m, at least, from there to a touch, where nobody looked again …
-        ("speed", REAL),  # m/s, of the fastest point there …
-        ("acceleration", REAL),  # m/s², … and its largest
+        ("dense_for", INTEGER),  # who has had the dense output so far, see kernel/integration/last_step.py
+        ("made_by", INTEGER),  # the method of the last step, see kernel/integration/method.py
+        ("breaks", INTEGER),  # how often the next step did not go on where the last one ended
         ("regularized", INTEGER),  # the candidate in whose fictitious time the step runs, −1: in time
-        ("implicit", INTEGER),  # 1: the implicit method is at work
+        ("method", INTEGER),  # the method at work, see kernel/integration/method.py
         ("doubts", INTEGER),  # steps in a row for which the other method would do better …
         ("patience", INTEGER),  # … and how many make the solver change
     )
@@ -221,6 +218,11 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
     )
     # for events, at the ends of the interval that is searched
     search = _record(
+        ("known", INTEGER),  # what is known at the end of a step, see kernel/events/exclusion.py, …
+        ("known_for", INTEGER),  # … for so many breaks
+        ("safe_distance", REAL),  # m, at least, from there to a touch, where nobody looked again …
+        ("speed", REAL),  # m/s, of the fastest point there …
+        ("acceleration", REAL),  # m/s², … and its largest
         ("curvature", REAL, (candidates,)),  # m/s², bound on |g̈| of each candidate over the step
         ("clear_start", REAL, (candidates,)),  # m, clearance of each candidate …
         ("clear_end", REAL, (candidates,)),

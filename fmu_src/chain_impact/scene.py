@@ -17,13 +17,13 @@ from numbers import Integral, Real
 from pathlib import Path
 from typing import Any, get_args, get_origin
 
+from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.law_file import LawError, read_law
 from chain_impact.limits import Derived, allowed, extended, keeps, quantity
 
 SCENE_FILE = "scene.toml"
-SOLVER_METHODS = ("auto", "explicit", "implicit")
 MAX_LINKS = 1000
 START_TOLERANCE = 1e-12  # m, penetration at the start that counts as round-off
 

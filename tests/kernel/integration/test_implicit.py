@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import root_at
+from chain_impact.kernel.events.exclusion import NOTHING, known
 from chain_impact.kernel.integration import ros34pw2
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.implicit import (
@@ -23,6 +24,7 @@ from chain_impact.kernel.integration.implicit import (
     rate_at,
     solve_stiff,
 )
+from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.model.geometry import clearance
 from chain_impact.scene import WALLS, load_scene, with_values
 from chain_impact.simulate import Instance
@@ -249,7 +251,7 @@ def test_the_coordinates_keep_the_clearances_that_were_integrated(tolerance):
     y, size = np.zeros(len(d["work"]["y"])), len(d["work"]["y"]) - 2
     for time in np.arange(0.7, 1.2, 1e-3):
         instance.advance(time)
-        if not (d["step"]["made_implicit"] and d["step"]["cleared"]):
+        if d["step"]["made_by"] != IMPLICIT or known(d) == NOTHING:
             continue
         longest = max(longest, d["step"]["size"])
         for theta, found in errors.items():

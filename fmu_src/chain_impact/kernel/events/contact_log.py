@@ -1,8 +1,8 @@
 """What is known of each impact: its peak values, followed during contact, and the log of finished ones."""
 
-from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.integration.complete import complete
-from chain_impact.kernel.integration.dense import NOTHING, SOLVER, fraction, interpolate
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.integration.dense import fraction, interpolate
+from chain_impact.kernel.integration.last_step import SOLVER, complete, cut_now, see_points, see_rate
 from chain_impact.kernel.model.contact import contact_force, contact_slopes, drop_events
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import along_normal, clearance
@@ -62,15 +62,11 @@ def follow_held(d):
 
 def follow_to_now(d):
     """Follow the active contacts up to the communication point, where the last step ends from now on."""
-    step, rate, evaluations = d.step, d.work.rate_end, d.statistics.rhs_evaluations
-    complete(d, SOLVER)
-    interpolate(step, fraction(d, step.time), step.state_end)
-    step.end = step.time
-    step.rate_known = 0
-    step.cleared = NOTHING
+    evaluations = d.statistics.rhs_evaluations
+    cut_now(d)
     drop_events(d)  # they are beyond, and will be found again
-    state_rate(d, step.state_end, rate)
-    accelerate_points(d, step.state_end, rate)
+    see_rate(d)
+    see_points(d)
     follow_contacts(d)
     d.statistics.rhs_evaluations = evaluations  # a look, not the solver's work
 

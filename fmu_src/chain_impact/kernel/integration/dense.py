@@ -6,29 +6,11 @@ from chain_impact.kernel.chain.state import root_at, time_at
 
 DENSE_COEFFICIENTS = 7
 RESOLUTION = 1e-15  # of a step, in which a time is found
-NOBODY, OUTPUTS, SOLVER = 0, 1, 2  # who has had the dense output of the last step
-# of `step.cleared`: what is known of the clearances at the end of the step, see events/exclusion.py; FAR
-# means that they are at least `step.safe_distance` where there is no contact
-NOTHING, VALUES, WITH_CURVES, FAR = 0, 1, 2, 3
 
 
 def time_rate(u):
     """The rate p = dt/ds of time in a regularized step (sundman.py)."""
     return u / (1.0 + u * u)
-
-
-def extend(d, h, y, implicit):
-    """Append a step of size h [s] that ends in state y; its interpolant and final rate are yet to be set."""
-    step = d.step
-    for j in range(len(step.state)):
-        step.state[j] = step.state_end[j]
-        step.state_end[j] = y[j]
-    step.start = step.end
-    step.size = h
-    step.end = step.start + y[time_at(d.links)]
-    step.rate_known = 0
-    step.dense_for = NOBODY
-    step.made_implicit = implicit
 
 
 def interpolate(step, theta, y):

@@ -41,8 +41,9 @@ from chain_impact.kernel.chain.state import (
 )
 from chain_impact.kernel.integration import ros34pw2
 from chain_impact.kernel.integration.combination import combination
-from chain_impact.kernel.integration.dense import extend, interpolate
+from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.errors import scaled_error
+from chain_impact.kernel.integration.method import Method
 from chain_impact.kernel.model.contact import apply_contact, clear_loads, contact_slopes
 from chain_impact.kernel.model.equations import loaded_rate
 from chain_impact.kernel.model.geometry import add_across_wall, add_along_normal, along_normal, clearance
@@ -52,7 +53,6 @@ GAMMA = ros34pw2.GAMMA_DIAGONAL
 START_RATE, RATE, CORRECTION, RIGHT, ZEROS, ERROR = 0, 5, 6, 7, 8, 9
 ROWS = 10
 STEP_EVALUATIONS = len(ros34pw2.B) - 1  # the first stage has f at the start of the step
-EXPONENT, SAFETY = -1.0 / ros34pw2.ORDER, 0.9
 APART = 0.03  # of a penetration, by which the coordinates may leave the clearance over a step
 
 
@@ -270,9 +270,8 @@ def meet(d, derivative, change):
     return derivative * velocity_at(n)
 
 
-def accept(d, h):
-    """Make the step that was tried the last accepted one, with a dense output for the state alone."""
-    extend(d, h, d.work.y, 1)
+def finish(d, h):
+    """Keep a dense output of the step that was tried, for the state alone."""
     dense, stages = d.step.dense, d.implicit.stage
     for j in range(len(d.work.y)):
         for m in range(len(dense)):
@@ -286,7 +285,7 @@ def accept(d, h):
         dense[0, j] = d.step.state_end[j] - d.step.state[j]
 
 
-def dense_output(d):
+def dense_output(d, _h):
     """Make the dense output keep the clearances in between, too, at thirds of the last step.
 
     F₃ and F₄ of dense.py, with θ²(1−θ)² and θ³(1−θ)², leave its ends as they are.
@@ -331,3 +330,22 @@ def clearance_curvature(d, k):
 
 
 _DENSE = tuple(ros34pw2.DENSE.items())
+
+
+def prepare(d, h):
+    """Linearize for a step, and leave its size as it is."""
+    linearize(d)
+    return h
+
+
+METHOD = Method(
+    name="implicit",
+    order=ros34pw2.ORDER,
+    safety=0.9,
+    rate_at_end=False,
+    dense_evaluations=0,
+    prepare=prepare,
+    attempt=attempt,
+    finish=finish,
+    dense_output=dense_output,
+)
