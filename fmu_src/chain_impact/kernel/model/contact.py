@@ -5,7 +5,7 @@ penetration is δ = −g and its rate δ̇ > 0 while compressing.
 """
 
 from chain_impact.kernel.chain.kinematics import move_points, zero
-from chain_impact.kernel.chain.recursion import factorize, solve
+from chain_impact.kernel.chain.recursion import factorize, no_impedance, solve
 from chain_impact.kernel.model.contact_force import (
     elastic_depth,
     elastic_energy,
@@ -112,8 +112,9 @@ def effective_mass(d, c):
     Leaves the response M⁻¹ Jᵀ to a unit impulse in ``work.y``.
     """
     work = d.work
+    no_impedance(work.impedance)
+    factorize(d, work.link, work.impedance, work.factors)
     zero(work.load)
-    factorize(d, work.link, work.load, work.factors)
     add_along_normal(d, c, work.load, 1.0)
     solve(d, work.link, work.factors, work.load, work.y)
     move_points(work.link, work.y, work.motion)
