@@ -35,6 +35,7 @@ TESTED_ELSEWHERE = {
     "kernel/entry.py": "test_simulate.py",  # each call goes through it
     "kernel/soundness.py": "fmu/test_state.py",
     "kernel/model/equations.py": "kernel/chain/test_recursion.py",
+    "kernel/model/energy.py": "kernel/integration/test_balance.py",
     "kernel/integration/errors.py": "kernel/integration/test_explicit.py",
     "kernel/events/contact_log.py": "test_impacts.py",
     "kernel/events/impulses.py": "test_newton_impact.py",

@@ -78,6 +78,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("proximal_inertia", REAL, (links,)),  # kg·m² about the proximal …
         ("distal_inertia", REAL, (links,)),  # kg·m² … and about the distal joint
         ("middle", INTEGER),  # joint at which the two arms of the elimination meet: the base if it is pinned
+        ("reach", REAL),  # m, length of the stretched chain
         ("size", REAL),  # m, longest link: the absolute scale of positions
         ("energy", REAL),  # J, of the whole mass at one `size` a second: the absolute scale of energies
     )
@@ -153,6 +154,17 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("work_start", REAL),  # s
         ("work_count", INTEGER),  # all work before `work_start`, in evaluations
         ("other_work", INTEGER),  # besides evaluations: looks at points, responses to impulses
+    )
+    # the ledger of energies, see kernel/integration/balance.py
+    balance = _record(
+        ("ledger", REAL),  # J, at the start of the step
+        ("breaks", INTEGER),  # of the steps, when it was taken anew
+        ("start", REAL),  # s, of the present window
+        ("drift", REAL),  # J, what all steps in it have changed
+        ("allowed", REAL),  # J, the most that a step in it was allowed to, …
+        ("least", REAL),  # … and that any is
+        ("unit_motion", REAL),  # √J, √E₁
+        ("unit_scale", REAL),  # J, the parts of S that do not change
     )
     vectors = _record(("x", REAL, (points,)), ("y", REAL, (points,)))
     impedance = _record(*((name, REAL, (points,)) for name in ("xx", "xy", "yy")))
@@ -297,6 +309,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("impact", impact),
         ("statistics", statistics),
         ("limits", limits),
+        ("balance", balance),
         ("work", work),
         ("touch", touch),
         ("candidate", candidate),

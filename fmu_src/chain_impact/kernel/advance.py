@@ -15,6 +15,7 @@ from chain_impact.kernel.events.impulses import collide, end_contacts, judge
 from chain_impact.kernel.events.search import REFUSED, RELATCH, TOUCH, find_event
 from chain_impact.kernel.initialize import derive_law, first_size
 from chain_impact.kernel.integration import step_size
+from chain_impact.kernel.integration.balance import check_balance, keeps_balance, take_stock
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.last_step import (
     OUTPUTS,
@@ -122,55 +123,58 @@ def take_step(d):
     for c in range(d.candidates):
         d.rigid.least[c] = 0.0  # of the stages to come
     status = check_events(d, begin(d))
-    if status != OK:
-        return status
-    status, theta = find_step(d)
-    if status != OK:
-        return status
-    d.statistics.steps += 1
-    d.statistics.implicit_steps += d.step.made_by == IMPLICIT
-    if theta > 0.0 and ends_contact(d):
-        land(d, theta * d.step.size)
-    elif theta >= 0.0:
-        cut(d, theta)
-    return check_work(d)
+    if status == OK:
+        status = find_step(d)
+    if status == OK:
+        d.statistics.steps += 1
+        d.statistics.implicit_steps += d.step.made_by == IMPLICIT
+        status = check_balance(d)
+    return status if status != OK else check_work(d)
 
 
 def find_step(d):
-    """Try steps of ever smaller size until one is accepted.
-
-    Returns:
-        A status, and the fraction θ of the step at which the first event in it happens, or −1.
-    """
+    """Try steps of ever smaller size until one is accepted, up to its first event; returns a status."""
     step, grow, error = d.step, step_size.GROW, 0.0
     h = prepare(d, min(step.next_size, LONGEST_STEP))
     while True:
         if h < SHORTEST_STEP or step.end + h == step.end:
-            return (STEP_TOO_SMALL if math.isfinite(error) else NOT_FINITE), -1.0
+            return STEP_TOO_SMALL if math.isfinite(error) else NOT_FINITE
         error = attempt(d, h)
         if error <= 1.0:
             accept(d, h)
-            theta = find_event(d)
-            if theta != REFUSED:
+            if ends_well(d, find_event(d)):
                 step.next_size = h * min(grow, step_size.factor(d, max(error, 1e-16)))
-                return OK, theta
+                return OK
             take_back(d)
+            drop_events(d)
             error = COARSE
         d.statistics.rejected_steps += 1
         h *= step_size.factor(d, error) if math.isfinite(error) else 0.1
         grow = 1.0
         if overdrawn(d):
-            return TOO_MUCH_WORK, -1.0
+            return TOO_MUCH_WORK
 
 
-def land(d, h):
-    """Take the last step anew with the size h, to land on the end of a contact.
+def ends_well(d, theta):
+    """End the last step at its fraction θ, if it is not −1; returns whether it keeps the ledger up to there.
 
-    The force is not smooth there, and the interpolant of a step across it less accurate than the step.
+    The end of a contact is landed on by a step anew: the force is not smooth there, and the interpolant of a
+    step across it less accurate than the step.
     """
-    take_back(d)
-    attempt(d, h)
-    accept(d, h)
+    if theta == REFUSED:
+        return False
+    if theta > 0.0 and ends_contact(d):
+        h = theta * d.step.size
+        take_back(d)
+        if not attempt(d, h) <= 1.0:
+            return False
+        accept(d, h)
+        theta = -1.0
+    if not keeps_balance(d, theta):
+        return False
+    if theta >= 0.0:
+        cut(d, theta)
+    return True
 
 
 def ends_contact(d):
@@ -202,6 +206,9 @@ def begin(d):
         d.statistics.rhs_evaluations += 1
     if events > 0 and d.contact.impulsive:
         d.step.next_size = min(d.step.next_size, step_size.in_flight(d, d.step.state_end, rate))
+    if events > 0 or d.balance.breaks != d.step.breaks:
+        take_stock(d)
+        d.balance.breaks = d.step.breaks
     choose_method(d)
     choose_variable(d, events > 0)
     regularize(d, d.step.state_end, rate, d.work.stage[0])

@@ -12,6 +12,7 @@ from chain_impact.kernel.chain.state import (
     supplied_at,
     velocity_at,
 )
+from chain_impact.kernel.integration.balance import start_balance
 from chain_impact.kernel.integration.last_step import stand
 from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.integration.step_size import in_flight
@@ -72,6 +73,7 @@ def initialize(d, time):
     d.impact.last_time = time
     d.limits.event_start = time
     d.limits.work_start = time
+    start_balance(d, time)
     d.inputs.changed = 0
     begin_explicit(d.step)
     d.statistics.status = check_start(d)
@@ -87,7 +89,7 @@ def forget_run(d):
     impact, statistics, limits = d.impact, d.statistics, d.limits
     impact.count, impact.last_point, impact.last_wall, impact.last_speed = 0, -1, 0, 0.0
     d.finished.count = 0
-    d.step.breaks, d.search.known_for = 0, 0
+    d.step.breaks, d.search.known_for, d.balance.breaks = 0, 0, 0
     statistics.steps, statistics.rejected_steps = 0, 0
     statistics.rhs_evaluations, statistics.implicit_steps = 0, 0
     limits.event_count, limits.work_count, limits.other_work = 0, 0, 0
@@ -98,7 +100,7 @@ def derive_chain(d):
     model = d.model
     model.damped = 0
     model.middle = 0 if model.pinned else len(model.length) // 2  # as in `accelerations`
-    model.size = 0.0
+    model.size, model.reach = 0.0, 0.0
     for i in range(len(model.length)):
         c = model.center_of_mass[i]
         model.center_of_mass_ratio[i] = c / model.length[i]
@@ -107,6 +109,7 @@ def derive_chain(d):
         rest = model.length[i] - c
         model.distal_inertia[i] = model.inertia[i] + model.mass[i] * rest * rest
         model.size = max(model.size, model.length[i])
+        model.reach += model.length[i]
         if damping_of(d, i) != 0.0:
             model.damped = 1
     total = 0.0

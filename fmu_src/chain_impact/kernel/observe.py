@@ -3,8 +3,9 @@
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at
 from chain_impact.kernel.integration.dense import fraction, interpolate
-from chain_impact.kernel.model.contact import contact_force, stored_energy
-from chain_impact.kernel.model.equations import located_rate, mechanical_energy
+from chain_impact.kernel.model.contact import contact_force
+from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
+from chain_impact.kernel.model.equations import located_rate
 from chain_impact.kernel.model.geometry import clearance
 
 

@@ -12,6 +12,7 @@ PARAMETER_OUT_OF_RANGE = 8
 TOO_MUCH_WORK = 9
 EXPONENT_NOT_ALLOWED = 10
 RIGID_WHILE_TOUCHING = 11
+ENERGY_NOT_KEPT = 12
 LOG_FULL = -1  # not a fault: collect the finished contacts and go on
 PAUSED = -2  # not a fault: go on, if that is wanted
 
@@ -31,4 +32,6 @@ STATUS_TEXT = {
     "raise it, loosen solver.tolerance or lower contact.stiffness",
     EXPONENT_NOT_ALLOWED: "the contact law is defined for another contact.exponent",
     RIGID_WHILE_TOUCHING: "contact.model can change to newton_impact only while no point touches a wall",
+    ENERGY_NOT_KEPT: "the energy drifts in a second of simulated time by more than 100 times what "
+    "solver.tolerance allows for a step: tighten it or lower contact.stiffness",
 }

@@ -15,7 +15,8 @@ from chain_impact.kernel.chain.kinematics import link_vectors, locate_points, mo
 from chain_impact.kernel.chain.recursion import accelerations, factorize, solve
 from chain_impact.kernel.initialize import derive_chain, derive_law
 from chain_impact.kernel.model.contact_force import latch_damping
-from chain_impact.kernel.model.equations import mechanical_energy, state_rate
+from chain_impact.kernel.model.energy import mechanical_energy
+from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import place_walls
 from chain_impact.scene import WALLS, scene_from_dict
 from tests.plain import Plain

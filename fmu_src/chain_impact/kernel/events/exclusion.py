@@ -7,7 +7,8 @@ regularized one, all as functions of the variable that the step runs in. What to
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.chain.state import omega_at, root_at
+from chain_impact.kernel.chain.state import root_at
+from chain_impact.kernel.integration.last_step import largest_turn, see_points
 from chain_impact.kernel.integration.sundman import (
     NO_CONTACT,
     root_curve,
@@ -43,15 +44,14 @@ def excludes_events(d):
     Its end has to be located and accelerated. If it cannot be told, φ and φ′ of all candidates are known at
     either end.
     """
-    turn, reach = largest_turn(d)
+    turn = largest_turn(d)
     if turn < SMALL_TURN and remains_far(d):
         return True
     if known(d) != WITH_CURVES:
         locate_points(d, d.step.state)
         accelerate_points(d, d.step.state, d.work.rate_start)
         measure_all(d, d.step.state)
-        locate_points(d, d.step.state_end)
-        accelerate_points(d, d.step.state_end, d.work.rate_end)
+        see_points(d)
     keep_start(d)
     for c in range(d.candidates):
         d.search.clear_start_curve[c] = d.search.clear_end_curve[c]
@@ -60,7 +60,7 @@ def excludes_events(d):
     # the remainder is h⁶ φ⁽⁶⁾/46080; ten times that of the tip of a stretched chain that turns evenly, and
     # that of a motion which fades with the rate ρ: φ⁽⁶⁾ = ρ⁴ φ̈
     fade = fading(d)
-    error = reach * turn**2 * max(turn, fade) ** 4 / 4608.0
+    error = d.model.reach * turn**2 * max(turn, fade) ** 4 / 4608.0
     clear = turn < SMALL_TURN
     for c in range(d.candidates):
         clear = clear and stays_positive(d, c, error)
@@ -72,18 +72,6 @@ def excludes_events(d):
 def fading(d):
     """How far, at most, motions have faded by joint damping in the last step: ρ h, a pure number."""
     return (d.step.end - d.step.start) * d.model.damping_bound
-
-
-def largest_turn(d):
-    """How far a link can have turned in the last step [rad], and the length of the stretched chain [m]."""
-    first, lasted, work = omega_at(d.links), d.step.end - d.step.start, d.work
-    turn, reach = 0.0, 0.0
-    for i in range(d.links):
-        omega = max(abs(d.step.state[first + i]), abs(d.step.state_end[first + i]))
-        alpha = max(abs(work.rate_start[first + i]), abs(work.rate_end[first + i]))
-        turn = max(turn, lasted * (omega + 0.5 * lasted * alpha))
-        reach += d.model.length[i]
-    return turn, reach
 
 
 def remains_far(d):

@@ -72,7 +72,6 @@ def find_event(d):
     # a point that is inside at the start will be so in a shorter step, too
     if theta > 0.0 and not credible(d):
         if d.step.end - d.step.start > SIMULTANEOUS:
-            drop_events(d)
             return REFUSED
         theta = drop_leaving(d, theta)
     if holding(d):

@@ -6,7 +6,7 @@ from the end of this one, in the same variable. `step.breaks` counts that.
 """
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, place_points
-from chain_impact.kernel.chain.state import root_at, time_at
+from chain_impact.kernel.chain.state import omega_at, root_at, time_at
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.methods import DENSE_EVALUATIONS, RATE_AT_END, dense_output, finish
 from chain_impact.kernel.integration.sundman import NO_CONTACT, lone_contact, time_rate_now
@@ -46,7 +46,7 @@ def accept(d, h):
     step.end = step.start + y[time_at(d.links)]
     step.made_by = step.method
     step.dense_for = NOBODY
-    step.rate_known = 0
+    step.rate_known, d.work.at_end = 0, 0
     finish(d)
     if RATE_AT_END[step.made_by]:
         # its error control has located the points of active contacts
@@ -136,6 +136,17 @@ def see_points(d):
         locate_points(d, d.step.state_end)
         accelerate_points(d, d.step.state_end, d.work.rate_end)
         d.work.at_end = 1
+
+
+def largest_turn(d):
+    """How far a link can have turned in the last step [rad], with the rates at both ends known."""
+    first, lasted, work = omega_at(d.links), d.step.end - d.step.start, d.work
+    turn = 0.0
+    for i in range(d.links):
+        omega = max(abs(d.step.state[first + i]), abs(d.step.state_end[first + i]))
+        alpha = max(abs(work.rate_start[first + i]), abs(work.rate_end[first + i]))
+        turn = max(turn, lasted * (omega + 0.5 * lasted * alpha))
+    return turn
 
 
 def complete(d, reader):

@@ -8,7 +8,6 @@ from chain_impact.kernel.chain.kinematics import move_points, zero
 from chain_impact.kernel.chain.recursion import factorize, no_impedance, solve
 from chain_impact.kernel.model.contact_force import (
     elastic_depth,
-    elastic_energy,
     latch_damping,
     law_force,
     law_slopes,
@@ -48,16 +47,6 @@ def apply_contacts(d):
         gap, gap_rate = clearance(d, c)
         dissipated += apply_contact(d, c, gap, gap_rate)
     return dissipated
-
-
-def stored_energy(d):
-    """Elastic energy [J] of the active contacts, for the located points."""
-    energy = 0.0
-    for k in range(d.touch.active_count):
-        gap, _ = clearance(d, d.touch.active_index[k])
-        if gap < 0.0 and not d.contact.impulsive:
-            energy += elastic_energy(d.contact, -gap)
-    return energy
 
 
 def contact_slopes(d, c):

@@ -1,0 +1,143 @@
+"""The balance of energy over a step: the ledger shows what the error control cannot see.
+
+The exact motion keeps the ledger of energies (model/energy.py), so what a step changes in it is error. Steps
+that keep the tolerance change it by about the tolerance times a scale S, or less. To first order, with the
+scales of errors.py for what the components of the state may err,
+
+    S = (√(2T) + √E₁)² + M g (s + Σ L_i) + E₂ + Σ (K δⁿ s_δ + ½ m v₀²) + dissipated and supplied energy,
+
+where T is the kinetic energy, E₁ twice that of the stretched chain when it moves by the longest link s and
+turns by 1 rad in a second, E₂ = M s² in a second squared, M the mass, and s_δ, v₀ and m those of the active
+contacts. A step that changes much more is rejected: there is something that its error estimate does not see,
+such as a motion that fades within its first stage. Nor must the errors of all steps in a second of simulated
+time add up to much more.
+"""
+
+import math
+
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.state import dissipated_at, supplied_at
+from chain_impact.kernel.integration.dense import interpolate
+from chain_impact.kernel.integration.errors import impact_energy, penetration_scale
+from chain_impact.kernel.integration.last_step import SOLVER, complete, largest_turn, see_points, see_rate
+from chain_impact.kernel.integration.method import EXPLICIT
+from chain_impact.kernel.integration.switching import STABLE, damping_over
+from chain_impact.kernel.model.contact_force import elastic_force
+from chain_impact.kernel.model.energy import ledger, mechanical_energy
+from chain_impact.kernel.model.geometry import clearance
+from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
+
+OF_A_STEP = 3.0  # times tolerance and S; in more than 99 % of random scenes no step changes as much
+OF_A_WINDOW = 100.0  # likewise, for all steps in a window
+WINDOW = 1.0  # s
+LONG_TURN = 1.0  # rad of a link in a step: most steps turn by less, at any tolerance
+INTERPOLATED = 10.0  # times what a step may change: the dense output has a lower order
+ROUND_OFF = 1e-15  # of the energies, and of a force times the place of its point, in each step
+
+
+def start_balance(d, time):
+    """Begin the first window at ``time`` [s]."""
+    model, balance = d.model, d.balance
+    total, reach, square = 0.0, model.size, 0.0
+    for i in range(d.links):
+        total += model.mass[i]
+        reach += model.length[i]
+        # ½ m (s + Σ L)² + ½ I, twice, of the stretched chain
+        square += model.mass[i] * reach * reach + model.inertia[i]
+    gravity = math.hypot(model.gravity[0], model.gravity[1])
+    balance.unit_motion = math.sqrt(square)
+    balance.unit_scale = total * gravity * reach + model.energy
+    balance.start = time
+    forget_drift(d)
+
+
+def forget_drift(d):
+    """Begin a window without drift."""
+    balance = d.balance
+    balance.drift = 0.0
+    # what is allowed whatever the state
+    balance.least = OF_A_STEP * d.solver.tolerance * (balance.unit_motion**2 + balance.unit_scale)
+    balance.allowed = balance.least
+
+
+def take_stock(d):
+    """Note the ledger at the start of a step, where something else than a step may have changed it."""
+    locate_points(d, d.step.state_end)
+    d.balance.ledger = ledger(d, d.step.state_end)
+
+
+def keeps_balance(d, theta):
+    """Whether the last step keeps the ledger, up to the event at its fraction θ or, for −1, to its end."""
+    balance, y = d.balance, d.step.state_end
+    if theta >= 0.0:
+        y = d.work.y
+        interpolate(d.step, theta, y)
+        locate_points(d, y)
+    else:
+        see_rate(d)
+        see_points(d)
+    present = ledger(d, y)
+    change = present - balance.ledger
+    # not >, in which a NaN would be lost
+    if not abs(change) <= balance.least:
+        allowed = allowance(d, y)
+        if not abs(change) <= allowed:
+            return False
+        balance.allowed = max(balance.allowed, allowed)
+    if is_long(d) and not interpolates(d):
+        return False
+    balance.ledger = present
+    balance.drift += change
+    return True
+
+
+def is_long(d):
+    """Whether the last step is so long that it may be right at its end by chance, and be wrong in between.
+
+    That is a step in which a link has turned far, if there is a dense output to look at, or an explicit one
+    over which damped motions fade more than it is stable for.
+    """
+    if d.step.dense_for == SOLVER and largest_turn(d) > LONG_TURN:
+        return True
+    fades = d.model.damped and d.step.made_by == EXPLICIT
+    return fades and damping_over(d, d.step.end - d.step.start) > STABLE
+
+
+def interpolates(d):
+    """Whether the dense output keeps the ledger in the middle of the last step."""
+    y = d.work.y
+    complete(d, SOLVER)
+    interpolate(d.step, 0.5, y)
+    locate_points(d, y)
+    change = abs(ledger(d, y) - d.balance.ledger)
+    return change <= INTERPOLATED * d.balance.least or change <= INTERPOLATED * allowance(d, y)
+
+
+def allowance(d, y):
+    """What a step that ends in state y may change in the ledger [J], for the located points."""
+    kinetic, potential = mechanical_energy(d, y)
+    known = kinetic + abs(potential) + abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
+    speed = math.sqrt(2.0 * kinetic) + d.balance.unit_motion
+    scale = speed * speed + d.balance.unit_scale + impact_energy(d)
+    scale += abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
+    if not d.contact.impulsive:
+        for k in range(d.touch.active_count):
+            c = d.touch.active_index[k]
+            gap, _ = clearance(d, c)
+            force, point = elastic_force(d.contact, max(0.0, -gap)), d.candidate.point[c]
+            scale += force * penetration_scale(d, c)
+            known += force * (abs(d.work.position.x[point]) + abs(d.work.position.y[point]))
+    return OF_A_STEP * d.solver.tolerance * scale + ROUND_OFF * known
+
+
+def check_balance(d):
+    """ENERGY_NOT_KEPT when the steps of a window have changed the ledger by far too much, or OK."""
+    balance = d.balance
+    if d.step.end >= balance.start + WINDOW:
+        balance.start = d.step.end
+        forget_drift(d)
+    share = OF_A_WINDOW / OF_A_STEP
+    if abs(balance.drift) > share * balance.allowed:
+        locate_points(d, d.step.state_end)
+        balance.allowed = max(balance.allowed, allowance(d, d.step.state_end))
+    return OK if abs(balance.drift) <= share * balance.allowed else ENERGY_NOT_KEPT

@@ -1,0 +1,40 @@
+"""The energy of the chain and of its contacts, and the ledger that the exact motion keeps."""
+
+from chain_impact.kernel.chain.state import dissipated_at, omega_at, supplied_at
+from chain_impact.kernel.model.contact_force import elastic_energy
+from chain_impact.kernel.model.geometry import clearance
+
+
+def ledger(d, y):
+    """What no motion changes [J], for the located points: the energy there is, lost and not supplied.
+
+    Kinetic, potential and elastic energy, plus the dissipated one, less that supplied by the inputs.
+    """
+    kinetic, potential = mechanical_energy(d, y)
+    return kinetic + potential + stored_energy(d) + y[dissipated_at(d.links)] - y[supplied_at(d.links)]
+
+
+def stored_energy(d):
+    """Elastic energy [J] of the active contacts, for the located points."""
+    energy = 0.0
+    for k in range(d.touch.active_count):
+        gap, _ = clearance(d, d.touch.active_index[k])
+        if gap < 0.0 and not d.contact.impulsive:
+            energy += elastic_energy(d.contact, -gap)
+    return energy
+
+
+def mechanical_energy(d, y):
+    """Kinetic and potential energy [J] of the chain, for the located points."""
+    n = d.links
+    kinetic, potential = 0.0, 0.0
+    for i in range(n):
+        m, ratio, omega = d.model.mass[i], d.model.center_of_mass_ratio[i], y[omega_at(n) + i]
+        # centre of mass: p_C = p_i + c, v_C = v_i + ω c⊥
+        vx = d.work.velocity.x[i] - omega * ratio * d.work.link.y[i]
+        vy = d.work.velocity.y[i] + omega * ratio * d.work.link.x[i]
+        kinetic += 0.5 * m * (vx * vx + vy * vy) + 0.5 * d.model.inertia[i] * omega * omega
+        x = d.work.position.x[i] + ratio * d.work.link.x[i]
+        y_ = d.work.position.y[i] + ratio * d.work.link.y[i]
+        potential -= m * (d.model.gravity[0] * x + d.model.gravity[1] * y_)
+    return kinetic, potential
