@@ -202,6 +202,18 @@ def generalized_force(
     return total
 
 
+def random_impedances(rng: np.random.Generator, count: int, largest: float) -> np.ndarray:
+    """Impedances of points [kg], symmetric and positive, half of them zero, shape (count, 2, 2)."""
+    parts = rng.uniform(-1.0, 1.0, (count, 2, 2)) * (rng.random((count, 1, 1)) < 0.5)
+    return largest * parts @ parts.transpose(0, 2, 1)
+
+
+def set_impedances(record: Any, impedances: np.ndarray) -> None:
+    """Put impedances, shape (N+1, 2, 2), into a record with ``xx, xy, yy``."""
+    record["xx"][:], record["yy"][:] = impedances[:, 0, 0], impedances[:, 1, 1]
+    record["xy"][:] = impedances[:, 0, 1]
+
+
 def clearance_gradient(scene: Scene, angles: Sequence[float], point: int, wall: str) -> np.ndarray:
     """∇g of a point's clearance to a wall, shape (N+2,)."""
     axis, side = divmod(WALLS.index(wall), 2)

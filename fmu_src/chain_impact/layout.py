@@ -157,6 +157,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("other_work", INTEGER),  # besides evaluations: looks at points, responses to impulses
     )
     vectors = _record(("x", REAL, (points,)), ("y", REAL, (points,)))
+    impedance = _record(*((name, REAL, (points,)) for name in ("xx", "xy", "yy")))
     elimination = _record(*((name, REAL, (links,)) for name in ("gain_x", "gain_y", "bias")))
     factors = _record(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse")),
@@ -182,6 +183,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("link", vectors),  # m, L_i; entry N is not used
         ("load", vectors),  # N or N·s on each point
         ("moment", REAL, (links,)),  # N·m on each link, from its joints
+        ("impedance", impedance),  # kg, D of each point
         ("elimination", elimination),  # h/H and h₀/H of each link
         ("factors", factors),  # of an implicit step, kept over its stages, or of an effective mass
         ("position", vectors),  # m, of the points
@@ -216,7 +218,17 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
     )
     candidate = _record(
         ("point", INTEGER, (candidates,)),  # 0…N
-        ("wall", INTEGER, (candidates,)),  # index into WALLS
+        ("wall", INTEGER, (candidates,)),  # index into WALLS, or 4 and the index into `walls`
+        # derived at initialization
+        ("normal_x", REAL, (candidates,)),  # n of the wall …
+        ("normal_y", REAL, (candidates,)),
+        ("offset", REAL, (candidates,)),  # m, … and n·p of the points on it
+    )
+    # the walls at any angle: there are never more than candidates
+    walls = _record(
+        ("x", REAL, (candidates,)),  # m, a point on each …
+        ("y", REAL, (candidates,)),
+        ("angle", REAL, (candidates,)),  # rad, … and its direction from +x: the free side is to its left
     )
     # for events, at the ends of the interval that is searched
     search = _record(
@@ -281,6 +293,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("work", work),
         ("touch", touch),
         ("candidate", candidate),
+        ("walls", walls),
         ("search", search),
         ("implicit", implicit),
         ("rigid", rigid),

@@ -22,7 +22,7 @@ from chain_impact.kernel.laws.contact_laws import (
 from chain_impact.kernel.model.contact import clear_loads, drop_events
 from chain_impact.kernel.model.contact_force import USER_LAW, latch_damping
 from chain_impact.kernel.model.equations import state_rate
-from chain_impact.kernel.model.geometry import clearance
+from chain_impact.kernel.model.geometry import clearance, place_walls
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
     NOT_FINITE,
@@ -48,6 +48,7 @@ def initialize(d, time):
         d.statistics.status = derive_law(d)
     if d.statistics.status != OK:
         return d.statistics.status
+    place_walls(d)
     n = d.links
     y = d.work.y
     for j in range(2):
@@ -156,6 +157,9 @@ def check_parameters(d):
         d.contact.exponent,
     ):
         if not (value > 0.0 and math.isfinite(value)):
+            return PARAMETER_OUT_OF_RANGE
+    for w in range(d.candidates):
+        if not math.isfinite(d.walls.x[w] + d.walls.y[w] + d.walls.angle[w]):
             return PARAMETER_OUT_OF_RANGE
     if not 1 <= d.solver.method <= METHODS:
         return UNKNOWN_METHOD

@@ -26,7 +26,7 @@ def sound(d):
         fits = (
             fits
             and within(d.candidate.point[c], 0, d.links)
-            and within(d.candidate.wall[c], 0, len(WALLS) - 1)
+            and within(d.candidate.wall[c], 0, len(WALLS) + d.candidates - 1)
         )
         fits = fits and within(d.touch.active_index[c], 0, d.candidates - 1)
         fits = fits and within(d.touch.active[c], 0, 1) and within(d.touch.event[c], 0, NEIGHBOUR)

@@ -10,7 +10,7 @@ from chain_impact.kernel.chain.recursion import factorize, solve
 from chain_impact.kernel.initialize import derive_chain
 from chain_impact.scene import scene_from_dict, with_values
 from tests.plain import Plain
-from tests.reference import mass_matrix, point_jacobian
+from tests.reference import mass_matrix, point_jacobian, random_impedances, set_impedances
 
 
 def random_chain(rng, count, base, largest):
@@ -47,8 +47,8 @@ def answer(d, impedance, shift, impulses, aim):
     """What the recursion finds, shape (N+2,)."""
     work, count = d.work, len(aim)
     found = np.full(count + 2, np.nan)
-    work.load.x[:], work.load.y[:] = impedance.T
-    factorize_damped(d, work.link, work.load, shift, work.damped)
+    set_impedances(work.impedance, impedance)
+    factorize_damped(d, work.link, work.impedance, shift, work.damped)
     work.load.x[:], work.load.y[:] = impulses.T
     solve_damped(d, work.link, work.damped, work.load, aim, found[:2], found[2:])
     return found
@@ -68,14 +68,14 @@ def test_it_solves_the_assembled_equations(count, base, largest):
         scene, shift = random_chain(rng, count, base, largest), rng.uniform(0.1, 2.0)
         angles, aim = rng.uniform(-np.pi, np.pi, count), rng.uniform(-3.0, 3.0, count)
         impulses = rng.uniform(-2.0, 2.0, (count + 1, 2))
-        impedance = rng.uniform(0.0, 20.0, (count + 1, 2)) * (rng.random((count + 1, 2)) < 0.5)
+        impedance = random_impedances(rng, count + 1, 20.0)
         damper = shift * np.array([link.joint_damping for link in scene.chain.links])
         held, free = damper > 0.0, slice(2, None) if base == "pinned" else slice(None)
 
         matrix, right = mass_matrix(scene, angles), np.zeros(count + 2)
         for k in range(count + 1):
             jacobian = point_jacobian(scene, angles, k)
-            matrix += jacobian.T @ np.diag(impedance[k]) @ jacobian
+            matrix += jacobian.T @ impedance[k] @ jacobian
             right += jacobian.T @ impulses[k]
         across = relative_motion(count)[held][:, free]
         whole = np.block([[matrix[free, free], -across.T], [across, np.diag(1.0 / damper[held])]])
@@ -91,10 +91,10 @@ def test_without_damping_it_is_the_recursion_without(base):
     rng = np.random.default_rng(3)
     scene = random_chain(rng, 6, base, 0.0)
     d = prepared(scene, rng.uniform(-np.pi, np.pi, 6))
-    impedance, impulses = rng.uniform(0.0, 2.0, (7, 2)), rng.uniform(-2.0, 2.0, (7, 2))
+    impedance, impulses = random_impedances(rng, 7, 2.0), rng.uniform(-2.0, 2.0, (7, 2))
     found, expected = answer(d, impedance, 0.7, impulses, np.ones(6)), np.full(8, np.nan)
-    d.work.load.x[:], d.work.load.y[:] = impedance.T
-    factorize(d, d.work.link, d.work.load, d.work.factors)
+    set_impedances(d.work.impedance, impedance)
+    factorize(d, d.work.link, d.work.impedance, d.work.factors)
     d.work.load.x[:], d.work.load.y[:] = impulses.T
     solve(d, d.work.link, d.work.factors, d.work.load, expected[:2], expected[2:])
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
@@ -105,7 +105,8 @@ def test_infinitely_stiff_dampers_make_the_chain_one_body():
     scene = random_chain(rng, 5, "free", 0.0)
     stiff = {("chain", "links", i, "joint_damping"): 1e200 for i in range(1, 5)}
     angles, impulses = rng.uniform(-np.pi, np.pi, 5), rng.uniform(-2.0, 2.0, (6, 2))
-    found = answer(prepared(with_values(scene, stiff), angles), np.zeros((6, 2)), 1.0, impulses, np.zeros(5))
+    d = prepared(with_values(scene, stiff), angles)
+    found = answer(d, np.zeros((6, 2, 2)), 1.0, impulses, np.zeros(5))
     np.testing.assert_allclose(found[2:], found[2], rtol=1e-13)
     # the coordinates of one body: the base and a common angle
     together = np.zeros((7, 3))
@@ -121,5 +122,5 @@ def test_a_free_base_has_no_damper():
     scene = random_chain(rng, 3, "free", 10.0)
     damped = with_values(scene, {("chain", "links", 0, "joint_damping"): 1e3})
     angles, impulses, aim = rng.uniform(-1.0, 1.0, 3), rng.uniform(-1.0, 1.0, (4, 2)), np.ones(3)
-    answers = [answer(prepared(s, angles), np.zeros((4, 2)), 1.0, impulses, aim) for s in (scene, damped)]
+    answers = [answer(prepared(s, angles), np.zeros((4, 2, 2)), 1.0, impulses, aim) for s in (scene, damped)]
     np.testing.assert_array_equal(*answers)

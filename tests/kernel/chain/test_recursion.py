@@ -16,9 +16,17 @@ from chain_impact.kernel.chain.recursion import accelerations, factorize, solve
 from chain_impact.kernel.initialize import derive_chain, derive_law
 from chain_impact.kernel.model.contact_force import latch_damping
 from chain_impact.kernel.model.equations import mechanical_energy, state_rate
+from chain_impact.kernel.model.geometry import place_walls
 from chain_impact.scene import WALLS, scene_from_dict
 from tests.plain import Plain
-from tests.reference import exact_damping_factor, generalized_force, mass_matrix, point_jacobian
+from tests.reference import (
+    exact_damping_factor,
+    generalized_force,
+    mass_matrix,
+    point_jacobian,
+    random_impedances,
+    set_impedances,
+)
 
 RESTITUTION, STIFFNESS, DEPTH = 0.5, 2e4, 1e-3
 IMPACT_SPEED = 60.0  # m/s, so high that the wall pushes at any speed of the point
@@ -182,6 +190,7 @@ def check_against_lagrange(rng, scene, point, wall, has):
         d["model"]["wall"][WALLS.index(wall)] = place + inward * DEPTH
         d["touch"]["active"][0] = d["touch"]["active_count"] = 1
         d["touch"]["impact_speed"][0] = IMPACT_SPEED
+        place_walls(d)
         latch_damping(d, 0)
         speed = -inward * (point_jacobian(scene, angles, point) @ velocities)[axis]
         elastic = STIFFNESS * DEPTH**1.5
@@ -288,24 +297,23 @@ def test_acceleration_is_linear_in_the_load_and_reciprocal():
 @pytest.mark.parametrize("stiff", [0.0, 1.0, 1e8])
 @pytest.mark.parametrize("count", [1, 5, 50])
 def test_impulses_move_the_chain_and_its_impedances_as_assembled(count, stiff, base):
-    """(M + Jᵀ D J) q̇ = Jᵀ p for impulses p at the points, which carry the added inertias D along the axes."""
+    """(M + Jᵀ D J) q̇ = Jᵀ p for impulses p at the points, which carry the impedances D."""
     scene, angles, _, impulses, _ = long_chain(count, base)
     d = instance(scene)
     work, free = d["work"], slice(2, None) if base == "pinned" else slice(None)
-    added = stiff * np.random.default_rng(8).uniform(0.0, 1.0, (count + 1, 2))
-    added[::2] = 0.0
+    added = random_impedances(np.random.default_rng(8), count + 1, stiff)
     matrix, right = mass_matrix(scene, angles), np.zeros(count + 2)
     for k in range(count + 1):
         jacobian = point_jacobian(scene, angles, k)
-        matrix += jacobian.T @ np.diag(added[k]) @ jacobian
+        matrix += jacobian.T @ added[k] @ jacobian
         right += jacobian.T @ impulses[k]
     expected = np.zeros(count + 2)
     expected[free] = np.linalg.solve(matrix[free, free], right[free])
 
     link_vectors(d, np.array([0.0, 0.0, *angles]))
     found = np.full(count + 2, np.nan)
-    work["load"]["x"], work["load"]["y"] = added.T
-    factorize(d, work["link"], work["load"], work["factors"])
+    set_impedances(work["impedance"], added)
+    factorize(d, work["link"], work["impedance"], work["factors"])
     work["load"]["x"], work["load"]["y"] = impulses.T
     solve(d, work["link"], work["factors"], work["load"], found[:2], found[2:])
     # what an impedance holds fast moves by differences of what does not

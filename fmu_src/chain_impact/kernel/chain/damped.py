@@ -29,20 +29,21 @@ from chain_impact.kernel.chain.recursion import arm
 
 
 def factorize_damped(d, links, impedance, shift, factors):
-    """Eliminate M + Jᵀ D J + K, with D a diagonal impedance at the points and κ_i = ``shift`` times c_i.
+    """Eliminate M + Jᵀ D J + K, with D a symmetric 2×2 impedance at each point and κ_i = ``shift`` times c_i.
 
     Args:
         d: the instance.
         links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
-        impedance: record with ``x, y``, shape (N+1,): added inertia of each point along the axes [kg].
+        impedance: record with ``xx, xy, yy``, shape (N+1,): added inertia of each point [kg].
         shift: [s].
         factors: record for the result, used by ``solve_damped``.
     """
     axx, axy, ayy, ex, ey, p = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(d.links):
         i = d.links - 1 - k
-        axx += impedance.x[i + 1]
-        ayy += impedance.y[i + 1]
+        axx += impedance.xx[i + 1]
+        axy += impedance.xy[i + 1]
+        ayy += impedance.yy[i + 1]
         lx, ly, sx, sy, inertia = arm(d, links, i, True)
         # h = m c⊥ + A' L⊥ + e'
         ux, uy = axy * lx - axx * ly + ex, ayy * lx - axy * ly + ey
@@ -58,8 +59,9 @@ def factorize_damped(d, links, impedance, shift, factors):
         # A = A' + m 1 − h hᵀ/(H + κ),  e = σ h,  p = σ H
         axx, axy, ayy = axx + m - hx * hx * inverse, axy - hx * hy * inverse, ayy + m - hy * hy * inverse
         ex, ey, p = share * hx, share * hy, share * own
-    axx += impedance.x[0]
-    ayy += impedance.y[0]
+    axx += impedance.xx[0]
+    axy += impedance.xy[0]
+    ayy += impedance.yy[0]
     # A⁻¹ of the base, 0 when that is pinned
     scale = 0.0 if d.model.pinned else 1.0 / (axx * ayy - axy * axy)
     factors.base[0], factors.base[1], factors.base[2] = ayy * scale, -axy * scale, axx * scale

@@ -16,8 +16,8 @@ As M is at least the I_i alone, no eigenvalue exceeds those of diag(I)⁻¹ C, a
 """
 
 from chain_impact.kernel.chain.damped import damping_of
-from chain_impact.kernel.chain.kinematics import link_vectors, zero
-from chain_impact.kernel.chain.recursion import factorize_link
+from chain_impact.kernel.chain.kinematics import link_vectors
+from chain_impact.kernel.chain.recursion import factorize_link, no_impedance
 
 HELD = 1e6  # of the mass of the first link: the inertia that stands for a pin
 
@@ -35,17 +35,18 @@ def damping_rate(d, y):
     """The largest ρ_i [1/s] in the state y, whose link vectors are left in ``work.link``."""
     link_vectors(d, y)
     link, factors, inner = d.work.link, d.work.factors, d.work.inner
-    zero(d.work.motion)  # no impedance at any point
+    impedance = d.work.impedance
+    no_impedance(impedance)
     pin = HELD * d.model.mass[0] if d.model.pinned else 0.0
     axx, axy, ayy = pin, 0.0, pin
     for i in range(d.links):
-        axx, axy, ayy = factorize_link(d, link, d.work.motion, inner, i, False, axx, axy, ayy)
+        axx, axy, ayy = factorize_link(d, link, impedance, inner, i, False, axx, axy, ayy)
         inner.xx[i], inner.xy[i], inner.yy[i] = axx, axy, ayy
     fastest = 0.0
     axx, axy, ayy = 0.0, 0.0, 0.0
     for k in range(d.links):
         i = d.links - 1 - k
-        axx, axy, ayy = factorize_link(d, link, d.work.motion, factors, i, True, axx, axy, ayy)
+        axx, axy, ayy = factorize_link(d, link, impedance, factors, i, True, axx, axy, ayy)
         fastest = max(fastest, damping_of(d, i) * mobility(d, i, axx, axy, ayy))
     return fastest
 

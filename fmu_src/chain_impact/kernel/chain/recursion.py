@@ -146,13 +146,19 @@ def arms(d, y, rate, middle):
     rate[n + 3] = cy
 
 
+def no_impedance(impedance):
+    """Set the impedances at all points to zero."""
+    for k in range(len(impedance.xx)):
+        impedance.xx[k], impedance.xy[k], impedance.yy[k] = 0.0, 0.0, 0.0
+
+
 def factorize(d, links, impedance, factors):
-    """Eliminate M + Jᵀ D J, with D a diagonal impedance at the points, by the same recursion.
+    """Eliminate M + Jᵀ D J, with D a symmetric 2×2 impedance at each point, by the same recursion.
 
     Args:
         d: the instance.
         links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
-        impedance: record with ``x, y``, shape (N+1,): added inertia of each point along the axes [kg].
+        impedance: record with ``xx, xy, yy``, shape (N+1,): added inertia of each point [kg].
         factors: record for the result, used by ``solve``.
     """
     n, middle = d.links, d.model.middle
@@ -163,7 +169,9 @@ def factorize(d, links, impedance, factors):
         axx, axy, ayy = factorize_link(d, links, impedance, factors, i, True, axx, axy, ayy)
         if k < middle:
             cxx, cxy, cyy = factorize_link(d, links, impedance, factors, k, False, cxx, cxy, cyy)
-    axx, axy, ayy = axx + cxx + impedance.x[middle], axy + cxy, ayy + cyy + impedance.y[middle]
+    axx = axx + cxx + impedance.xx[middle]
+    axy = axy + cxy + impedance.xy[middle]
+    ayy = ayy + cyy + impedance.yy[middle]
     # A⁻¹ of the middle joint, 0 when that is a pinned base
     scale = 0.0 if d.model.pinned else 1.0 / (axx * ayy - axy * axy)
     factors.middle[0], factors.middle[1], factors.middle[2] = ayy * scale, -axy * scale, axx * scale
@@ -172,8 +180,9 @@ def factorize(d, links, impedance, factors):
 def factorize_link(d, links, impedance, factors, i, outward, axx, axy, ayy):
     """As ``eliminate``, for A alone."""
     joint = i + 1 if outward else i
-    axx += impedance.x[joint]
-    ayy += impedance.y[joint]
+    axx += impedance.xx[joint]
+    axy += impedance.xy[joint]
+    ayy += impedance.yy[joint]
     lx, ly, sx, sy, inertia = arm(d, links, i, outward)
     hx, hy, inverse = hinge(lx, ly, sx, sy, inertia, axx, axy, ayy)
     factors.gain_x[i], factors.gain_y[i], factors.inverse[i] = hx * inverse, hy * inverse, inverse

@@ -30,14 +30,14 @@ output in between. How far they had left them counts as an error.
 
 from chain_impact.kernel.chain.damped import factorize_damped, solve_damped
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, move_points, zero
-from chain_impact.kernel.chain.recursion import factorize, solve
+from chain_impact.kernel.chain.recursion import factorize, no_impedance, solve
 from chain_impact.kernel.integration import ros34pw2
 from chain_impact.kernel.integration.combination import combination
 from chain_impact.kernel.integration.dense import extend, interpolate, root_at, time_at
 from chain_impact.kernel.integration.errors import scaled_error
 from chain_impact.kernel.model.contact import apply_contact, clear_loads, contact_slopes
 from chain_impact.kernel.model.equations import loaded_rate
-from chain_impact.kernel.model.geometry import add_across_wall, add_along_normal, along_normal, clearance
+from chain_impact.kernel.model.geometry import add_along_normal, add_impedance, along_normal, clearance
 
 GAMMA = ros34pw2.GAMMA_DIAGONAL
 # rows of implicit.stage, in which 1 to 4 are the stages k_i
@@ -152,16 +152,16 @@ def extended_rate(d, z, rate):
 
 def factorize_stiff(d, shift):
     """Eliminate M + Jᵀ D J + hγ C for hγ = ``shift`` [s]."""
-    own = d.implicit
-    zero(d.work.load)
+    own, impedance = d.implicit, d.work.impedance
+    no_impedance(impedance)
     for k in range(d.touch.active_count):
         # D = hγ c + (hγ)² k
         own.impedance[k] = shift * (own.damping[k] + shift * own.stiffness[k])
-        add_across_wall(d, d.touch.active_index[k], d.work.load, own.impedance[k])
+        add_impedance(d, d.touch.active_index[k], impedance, own.impedance[k])
     if d.model.damped:
-        factorize_damped(d, own.link, d.work.load, shift, d.work.damped)
+        factorize_damped(d, own.link, impedance, shift, d.work.damped)
     else:
-        factorize(d, own.link, d.work.load, d.work.factors)
+        factorize(d, own.link, impedance, d.work.factors)
 
 
 def respond(d, base, angular):

@@ -18,8 +18,8 @@ lets it, and it needs no independent constraints. D is a million times a link's 
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points, move_points, zero
-from chain_impact.kernel.chain.recursion import factorize, solve
-from chain_impact.kernel.model.geometry import add_across_wall, add_along_normal, along_normal, clearance
+from chain_impact.kernel.chain.recursion import factorize, no_impedance, solve
+from chain_impact.kernel.model.geometry import add_along_normal, add_impedance, along_normal, clearance
 from chain_impact.kernel.work_limit import overdrawn
 
 STIFF = 1e6  # D over the mean mass of a link
@@ -44,11 +44,11 @@ def respond_to_impulses(d, factors, impulse):
 
 def eliminate_impedance(d, impedance, factors):
     """Eliminate M + Jᵀ D J for the located points, with an impedance D [kg] at those that are pressed."""
-    zero(d.work.load)
+    no_impedance(d.work.impedance)
     for k in range(d.touch.active_count):
         if d.rigid.pressed[k]:
-            add_across_wall(d, d.touch.active_index[k], d.work.load, impedance)
-    factorize(d, d.work.link, d.work.load, factors)
+            add_impedance(d, d.touch.active_index[k], d.work.impedance, impedance)
+    factorize(d, d.work.link, d.work.impedance, factors)
 
 
 def press(d, scale):

@@ -5,7 +5,7 @@ penetration is δ = −g and its rate δ̇ > 0 while compressing.
 """
 
 from chain_impact.kernel.chain.kinematics import move_points, zero
-from chain_impact.kernel.chain.recursion import factorize, solve
+from chain_impact.kernel.chain.recursion import factorize, no_impedance, solve
 from chain_impact.kernel.model.contact_force import (
     elastic_depth,
     elastic_energy,
@@ -113,8 +113,9 @@ def effective_mass(d, c):
     """
     work = d.work
     n = d.links
+    no_impedance(work.impedance)
+    factorize(d, work.link, work.impedance, work.factors)
     zero(work.load)
-    factorize(d, work.link, work.load, work.factors)
     add_along_normal(d, c, work.load, 1.0)
     solve(d, work.link, work.factors, work.load, work.y[0:2], work.y[2 : n + 2])
     move_points(work.link, work.y[0:2], work.y[2 : n + 2], work.motion)

@@ -1,57 +1,85 @@
-"""Geometry of contact: the clearances of points to walls. Nothing else knows what a wall is.
+"""Geometry of contact: the one module that knows what a wall is.
 
-A candidate is a pair of a point and a wall. Its clearance g is positive when apart.
+A candidate is a pair of a point and a wall. Every wall is a half-plane, with an inward normal n of length 1
+and n·p = offset for the points p on it. The clearance of a point is positive when apart:
+
+    g = n·p − offset − radius,   ġ = n·ṗ,   g̈ = n·p̈.
+
+The normals are found once, at initialization, so that what runs often has no branch on the kind of the wall.
 """
+
+from chain_impact.kernel.chain.sincos import polar
 
 HARMLESS = 1e-12  # of a link length, how deep a point touches a wall without a force that counts
 
 WALLS = ("x_min", "x_max", "y_min", "y_max")
-"""The walls in the order of their numbers, from 0."""
+"""The walls of the box in the order of their numbers, from 0. After them come those at any angle."""
+
+
+def place_walls(d):
+    """Find the normal and the offset [m] of each candidate's wall from the parameters."""
+    for c in range(d.candidates):
+        wall = d.candidate.wall[c]
+        if wall < len(WALLS):
+            place_side(d, c, wall)
+        else:
+            place_slope(d, c, wall - len(WALLS))
+
+
+def place_side(d, c, side):
+    """Set the normal and the offset of candidate c at a side of the box."""
+    own = d.candidate
+    # +1 for x_min and y_min, −1 for the others
+    inward = 1.0 - 2.0 * (side % 2)
+    own.normal_x[c] = inward if side < 2 else 0.0
+    own.normal_y[c] = 0.0 if side < 2 else inward
+    own.offset[c] = inward * d.model.wall[side]
+
+
+def place_slope(d, c, w):
+    """Set the normal and the offset of candidate c at the w-th of the walls at any angle."""
+    own, walls = d.candidate, d.walls
+    own.offset[c] = 1.0
+    polar(own.offset[c : c + 1], walls.angle, w, own.normal_y[c : c + 1], own.normal_x[c : c + 1])
+    # n = (−sin φ, cos φ) is to the left of the wall's direction (cos φ, sin φ)
+    own.normal_x[c] = -own.normal_x[c]
+    own.offset[c] = own.normal_x[c] * walls.x[w] + own.normal_y[c] * walls.y[w]
 
 
 def clearance(d, c):
     """Clearance g [m] and its rate ġ [m/s] of candidate c, from the located points."""
-    wall = d.candidate.wall[c]
-    position = across_wall(d, c, d.work.position)
-    gap = inward(wall) * (position - d.model.wall[wall]) - d.contact.radius
+    gap = along_normal(d, c, d.work.position) - d.candidate.offset[c] - d.contact.radius
     return gap, along_normal(d, c, d.work.velocity)
 
 
-def inward(wall):
-    """Sign of the inward normal of a wall along its axis: +1 for x_min and y_min, −1 for the others."""
-    return 1.0 - 2.0 * (wall % 2)
-
-
-def across_wall(d, c, vectors):
-    """Of the vectors of all points, the component for candidate c along the axis that its wall stands on."""
+def along_normal(d, c, vectors):
+    """n·v of candidate c for the vectors v of all points."""
     point = d.candidate.point[c]
-    return vectors.x[point] if d.candidate.wall[c] < 2 else vectors.y[point]
-
-
-def add_across_wall(d, c, vectors, amount):
-    """Add to that component."""
-    point = d.candidate.point[c]
-    if d.candidate.wall[c] < 2:
-        vectors.x[point] += amount
-    else:
-        vectors.y[point] += amount
+    return d.candidate.normal_x[c] * vectors.x[point] + d.candidate.normal_y[c] * vectors.y[point]
 
 
 def add_along_normal(d, c, vectors, amount):
-    """Add to that component an amount along the inward normal."""
-    add_across_wall(d, c, vectors, inward(d.candidate.wall[c]) * amount)
+    """Add to the vector of the point of candidate c an amount along n."""
+    point = d.candidate.point[c]
+    vectors.x[point] += d.candidate.normal_x[c] * amount
+    vectors.y[point] += d.candidate.normal_y[c] * amount
 
 
-def along_normal(d, c, vectors):
-    """The component along the inward normal of candidate c of the vectors of all points."""
-    return inward(d.candidate.wall[c]) * across_wall(d, c, vectors)
+def add_impedance(d, c, impedance, amount):
+    """Add to the impedance at the point of candidate c an amount [kg] along n, times n nᵀ."""
+    point, nx, ny = d.candidate.point[c], d.candidate.normal_x[c], d.candidate.normal_y[c]
+    impedance.xx[point] += nx * nx * amount
+    impedance.xy[point] += nx * ny * amount
+    impedance.yy[point] += ny * ny * amount
+
+
+def bound_along_normal(d, c, bounds):
+    """A bound on |n·v| of candidate c, from bounds on both components of the vectors v of all points."""
+    point = d.candidate.point[c]
+    nx, ny = abs(d.candidate.normal_x[c]), abs(d.candidate.normal_y[c])
+    return nx * bounds.x[point] + ny * bounds.y[point]
 
 
 def harmless_depth(d):
     """How deep [m] a point that is apart may be in a wall; 0 in a rigid one."""
     return 0.0 if d.contact.impulsive else HARMLESS * d.model.size
-
-
-def bound_along_normal(d, c, bounds):
-    """A bound on the component along the normal, from bounds on both components of all vectors."""
-    return across_wall(d, c, bounds)
