@@ -27,6 +27,7 @@ TESTED_ELSEWHERE = {
     "export/fmu.py": "fmu/test_build.py",
     "limits.py": "test_scene.py",
     "progress.py": "test_cli.py",
+    "reading.py": "test_scene.py",
     "kernel/advance.py": "test_simulate.py",  # what only whole simulations can show
     "kernel/integration/combination.py": "kernel/integration/test_explicit.py",
     "kernel/integration/complete.py": "kernel/integration/test_explicit.py",
@@ -49,7 +50,6 @@ TESTED_ELSEWHERE = {
     "kernel/laws/user_law.py": "test_law_file.py",
     "kernel/work_limit.py": "test_rest.py",
     "kernel/chain/kinematics.py": "kernel/chain/test_recursion.py",
-    "kernel/model/geometry.py": "kernel/events/test_search.py",
 }
 
 
