@@ -381,7 +381,7 @@ def mirrored(scene: Scene) -> Scene:
 
 
 def turned(scene: Scene, angle: float) -> Scene:
-    """The scene turned as a whole about the origin by an angle [rad], its box replaced by four walls."""
+    """The scene turned as a whole about the origin by an angle [rad], its box replaced by walls."""
     c, s = math.cos(angle), math.sin(angle)
 
     def turn(x: float, y: float) -> list[float]:
@@ -401,6 +401,10 @@ def turned(scene: Scene, angle: float) -> Scene:
             {"name": name, "point": turn(*point), "angle": along + angle}
             for name, (there, point, along) in sides.items()
             if there is not None
+        ]
+        + [
+            {"name": wall.name, "point": turn(*wall.point), "angle": (wall.angle or 0.0) + angle}
+            for wall in scene.walls
         ],
         ("initial", "position"): turn(*initial.position),
         ("initial", "velocity"): turn(*initial.velocity),
