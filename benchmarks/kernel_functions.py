@@ -21,7 +21,8 @@ from chain_impact.compilation.functions import compiled
 from chain_impact.compilation.record_type import INSTANCE
 from chain_impact.kernel.advance import apply_events
 from chain_impact.kernel.events.search import RELATCH, TOUCH
-from chain_impact.kernel.initialize import initialize, still
+from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.integration.last_step import stand
 from chain_impact.kernel.model.equations import state_rate
 
 HERE = Path(__file__).parent
@@ -74,7 +75,7 @@ def start_and_stop(prefix: str, left_out: int) -> Entries:
         size = len(d.step.state) - left_out
         for j in range(len(d.step.state)):
             d.work.y[j] = y[j] if j < size else 0.0
-        still(d, time, d.work.y)
+        stand(d, time, d.work.y)
         return 0
 
     return {

@@ -30,7 +30,6 @@ TESTED_ELSEWHERE = {
     "reading.py": "test_scene.py",
     "kernel/advance.py": "test_simulate.py",  # what only whole simulations can show
     "kernel/integration/combination.py": "kernel/integration/test_explicit.py",
-    "kernel/integration/complete.py": "kernel/integration/test_explicit.py",
     "kernel/model/contact.py": "kernel/laws/test_contact_laws.py",
     "kernel/integration/dense.py": "kernel/integration/test_explicit.py",
     "kernel/integration/dop853.py": "kernel/integration/test_explicit.py",
@@ -41,6 +40,10 @@ TESTED_ELSEWHERE = {
     "kernel/events/contact_log.py": "test_impacts.py",
     "kernel/events/impulses.py": "test_newton_impact.py",
     "kernel/initialize.py": "test_simulate.py",
+    "kernel/dispatch.py": "kernel/laws/test_contact_laws.py",
+    "kernel/integration/last_step.py": "kernel/integration/test_explicit.py",
+    "kernel/integration/method.py": "kernel/integration/test_switching.py",
+    "kernel/integration/methods.py": "kernel/integration/test_switching.py",
     "kernel/inlining.py": "kernel/chain/test_recursion.py",
     "kernel/laws/registry.py": "kernel/laws/test_contact_laws.py",
     "kernel/observe.py": "test_simulate.py",
@@ -49,6 +52,7 @@ TESTED_ELSEWHERE = {
     "kernel/status.py": "test_variables.py",
     "kernel/laws/user_law.py": "test_law_file.py",
     "kernel/work_limit.py": "test_rest.py",
+    "kernel/chain/state.py": "kernel/chain/test_recursion.py",
     "kernel/chain/kinematics.py": "kernel/chain/test_recursion.py",
 }
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.contact_force import USER_LAW
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.layout import instance_dtype
-from chain_impact.scene import SOLVER_METHODS, Scene
+from chain_impact.scene import Scene
 
 
 def candidates(scene: Scene) -> list[tuple[int, int]]:

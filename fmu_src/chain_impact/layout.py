@@ -5,8 +5,8 @@ record without pointers, so the state of an FMU is a copy of its bytes. Every sc
 double or an integer), so each has an index counted in doubles from the start of the record: the slave
 needs no other knowledge of the layout.
 
-N links, points 0…N (0 the base, N the tip), C candidates (pairs of a point and a wall), state vector
-y = (x₀, θ, ẋ₀, ω, dissipated energy, energy supplied, u, t) of n = 2(N+2)+4 numbers.
+N links, points 0…N (0 the base, N the tip), C candidates (pairs of a point and a wall), state vector y
+(kernel/chain/state.py).
 
 Every size and offset is a + bN + cC. The compiled kernel relies on it (compilation/record_type.py). What has
 to do with candidates comes last, so that the places of all else do not depend on their number.
@@ -18,6 +18,7 @@ from functools import cache
 
 import numpy as np
 
+from chain_impact.kernel.chain.state import coordinate_count, state_size
 from chain_impact.kernel.integration.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.integration.explicit import STAGES
 from chain_impact.kernel.integration.implicit import ROWS
@@ -58,7 +59,7 @@ def output_dtype(links: int, candidates: int) -> np.dtype:
 def instance_dtype(links: int, candidates: int) -> np.dtype:
     """The record of an instance with N = ``links`` links and C = ``candidates`` candidates."""
     points = links + 1
-    state = 2 * (links + 2) + 4
+    state = state_size(links)
     log = LOG_SIZE + candidates
     model = _record(
         ("gravity", REAL, (2,)),  # m/s²
@@ -102,7 +103,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("angular_velocity", REAL, (links,)),  # rad/s
     )
     solver = _record(
-        ("method", INTEGER),  # index into SOLVER_METHODS, counted from 1
+        ("method", INTEGER),  # index into SOLVER_METHODS of kernel/integration/methods.py, from 1
         ("tolerance", REAL),
         ("work_limit", REAL),  # 1/s, evaluations for a second of simulated time
     )
@@ -123,14 +124,11 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("state_end", REAL, (state,)),  # y at `end`
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),  # interpolant over `size`
         ("rate_known", INTEGER),  # 1: `work.rate_end` is ẏ at `end`
-        ("dense_for", INTEGER),  # who has had the dense output so far, see kernel/integration/dense.py
-        ("made_implicit", INTEGER),  # 1: the last step was an implicit one
-        ("cleared", INTEGER),  # what is known of the clearances at `end`, see kernel/events/exclusion.py
-        ("safe_distance", REAL),  # m, at least, from there to a touch, where nobody looked again …
-        ("speed", REAL),  # m/s, of the fastest point there …
-        ("acceleration", REAL),  # m/s², … and its largest
+        ("dense_for", INTEGER),  # who has had the dense output so far, see kernel/integration/last_step.py
+        ("made_by", INTEGER),  # the method of the last step, see kernel/integration/method.py
+        ("breaks", INTEGER),  # how often the next step did not go on where the last one ended
         ("regularized", INTEGER),  # the candidate in whose fictitious time the step runs, −1: in time
-        ("implicit", INTEGER),  # 1: the implicit method is at work
+        ("method", INTEGER),  # the method at work, see kernel/integration/method.py
         ("doubts", INTEGER),  # steps in a row for which the other method would do better …
         ("patience", INTEGER),  # … and how many make the solver change
     )
@@ -232,6 +230,11 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
     )
     # for events, at the ends of the interval that is searched
     search = _record(
+        ("known", INTEGER),  # what is known at the end of a step, see kernel/events/exclusion.py, …
+        ("known_for", INTEGER),  # … for so many breaks
+        ("safe_distance", REAL),  # m, at least, from there to a touch, where nobody looked again …
+        ("speed", REAL),  # m/s, of the fastest point there …
+        ("acceleration", REAL),  # m/s², … and its largest
         ("curvature", REAL, (candidates,)),  # m/s², bound on |g̈| of each candidate over the step
         ("clear_start", REAL, (candidates,)),  # m, clearance of each candidate …
         ("clear_end", REAL, (candidates,)),
@@ -255,7 +258,11 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
     # the touching candidates of a rigid wall, packed, see kernel/model/constraints.py
     rigid = _record(
         ("factors", factors),  # with an impedance at the pressed points
-        ("change", REAL, (links + 2,)),  # m, m/s or m/s², rad …, of the coordinates, by the impulses
+        (
+            "change",
+            REAL,
+            (coordinate_count(links),),
+        ),  # m, m/s or m/s², rad …, of the coordinates, by the impulses
         ("pressed", INTEGER, (candidates,)),  # 1: has an impulse
         ("wrong", INTEGER, (candidates,)),  # 1: of the wrong sign
         ("start", REAL, (candidates,)),  # normal motion without impulses, m, m/s or m/s², …

@@ -15,6 +15,7 @@ from dataclasses import Field, asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.law_file import LawError, read_law
@@ -23,7 +24,6 @@ from chain_impact.reading import Reader, SceneError, keys_of, shown
 from chain_impact.walls import HalfPlane, direction, half_planes
 
 SCENE_FILE = "scene.toml"
-SOLVER_METHODS = ("auto", "explicit", "implicit")
 MAX_LINKS = 1000
 START_TOLERANCE = 1e-12  # m, penetration at the start that counts as round-off
 

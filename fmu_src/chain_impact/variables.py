@@ -16,12 +16,13 @@ from typing import Any
 import numpy as np
 
 from chain_impact.instance import candidates
+from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.law_file import read_law
 from chain_impact.limits import allowed
-from chain_impact.scene import SOLVER_METHODS, Box, Contact, Initial, Link, Scene, Solver, Wall
+from chain_impact.scene import Box, Contact, Initial, Link, Scene, Solver, Wall
 
 Place = tuple[str | int, ...]
 WORD = 8  # bytes of every scalar in the record

@@ -8,21 +8,33 @@ the communication point has passed it.
 
 import math
 
-from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events.contact_log import finish, follow_contacts
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.impulses import collide, end_contacts, judge
 from chain_impact.kernel.events.search import REFUSED, RELATCH, TOUCH, find_event
-from chain_impact.kernel.initialize import derive_law, first_size, still
-from chain_impact.kernel.integration import explicit, implicit, step_size
-from chain_impact.kernel.integration.complete import complete
-from chain_impact.kernel.integration.dense import OUTPUTS, fraction, interpolate, time_at
-from chain_impact.kernel.integration.sundman import NO_CONTACT, choose_regularized, regularize, time_rate_now
+from chain_impact.kernel.initialize import derive_law, first_size
+from chain_impact.kernel.integration import step_size
+from chain_impact.kernel.integration.dense import fraction, interpolate
+from chain_impact.kernel.integration.last_step import (
+    OUTPUTS,
+    accept,
+    choose_variable,
+    complete,
+    cut,
+    see_points,
+    see_rate,
+    stand,
+    take_back,
+)
+from chain_impact.kernel.integration.method import IMPLICIT
+from chain_impact.kernel.integration.methods import attempt, prepare
+from chain_impact.kernel.integration.sundman import NO_CONTACT, regularize, time_rate_now
 from chain_impact.kernel.integration.switching import (
+    begin_explicit,
     begin_flight,
     begin_impact,
     choose_method,
-    explicit_again,
 )
 from chain_impact.kernel.model.contact import clear_loads, drop_events, latch, list_touching
 from chain_impact.kernel.model.contact_force import latch_damping, may_jump
@@ -63,7 +75,7 @@ def advance(d, time, room, work):
             return PAUSED
         d.statistics.status = take_step(d)
         if d.statistics.status != OK:
-            still(d, d.step.end, d.step.state_end)
+            stand(d, d.step.end, d.step.state_end)
             return d.statistics.status
     d.step.time = time
     complete(d, OUTPUTS)
@@ -73,9 +85,9 @@ def advance(d, time, room, work):
 def restart(d):
     """Drop what lies beyond the communication point, as an input or parameter changed; returns a status."""
     d.inputs.changed = 0
-    interpolate(d.step, fraction(d.step, d.step.time), d.work.y)
+    interpolate(d.step, fraction(d, d.step.time), d.work.y)
     d.step.next_size *= time_rate_now(d, d.work.y)  # in seconds
-    still(d, d.step.time, d.work.y)
+    stand(d, d.step.time, d.work.y)
     drop_events(d)
     status = change_law(d)
     clear_loads(d)
@@ -101,7 +113,7 @@ def change_law(d):
             judge(d)
         else:
             end_contacts(d)
-        still(d, d.step.time, d.step.state_end)
+        stand(d, d.step.time, d.step.state_end)
     return status
 
 
@@ -112,66 +124,43 @@ def take_step(d):
     status = check_events(d, begin(d))
     if status != OK:
         return status
-    h = min(d.step.next_size, LONGEST_STEP)
-    if d.step.implicit:
-        implicit.linearize(d)
-    else:
-        h = step_size.toward_end(d, h)
-    grow = step_size.GROW
-    error = 0.0
+    status, theta = find_step(d)
+    if status != OK:
+        return status
+    d.statistics.steps += 1
+    d.statistics.implicit_steps += d.step.made_by == IMPLICIT
+    if theta > 0.0 and ends_contact(d):
+        land(d, theta * d.step.size)
+    elif theta >= 0.0:
+        cut(d, theta)
+    return check_work(d)
+
+
+def find_step(d):
+    """Try steps of ever smaller size until one is accepted.
+
+    Returns:
+        A status, and the fraction θ of the step at which the first event in it happens, or −1.
+    """
+    step, grow, error = d.step, step_size.GROW, 0.0
+    h = prepare(d, min(step.next_size, LONGEST_STEP))
     while True:
-        if h < SHORTEST_STEP or d.step.end + h == d.step.end:
-            return STEP_TOO_SMALL if math.isfinite(error) else NOT_FINITE
+        if h < SHORTEST_STEP or step.end + h == step.end:
+            return (STEP_TOO_SMALL if math.isfinite(error) else NOT_FINITE), -1.0
         error = attempt(d, h)
         if error <= 1.0:
             accept(d, h)
             theta = find_event(d)
             if theta != REFUSED:
-                break
+                step.next_size = h * min(grow, step_size.factor(d, max(error, 1e-16)))
+                return OK, theta
             take_back(d)
             error = COARSE
         d.statistics.rejected_steps += 1
         h *= step_size.factor(d, error) if math.isfinite(error) else 0.1
         grow = 1.0
         if overdrawn(d):
-            return TOO_MUCH_WORK
-    d.statistics.steps += 1
-    d.statistics.implicit_steps += d.step.implicit
-    d.step.next_size = h * min(grow, step_size.factor(d, max(error, 1e-16)))
-    if theta > 0.0 and ends_contact(d):
-        land(d, theta * h)
-    elif theta >= 0.0:
-        cut(d, theta)
-    return check_work(d)
-
-
-def attempt(d, h):
-    """Try a step of size h by the method at work; returns its error relative to the tolerance."""
-    if d.step.implicit:
-        return implicit.attempt(d, h)
-    return explicit.attempt(d, h)
-
-
-def accept(d, h):
-    """Make the step that was tried the last accepted one."""
-    if d.step.implicit:
-        implicit.accept(d, h)
-    else:
-        explicit.accept(d, h)
-
-
-def cut(d, theta):
-    """End the last step at its fraction θ, at which an event was found."""
-    interpolate(d.step, theta, d.step.state_end)
-    d.step.end = d.step.start + d.step.state_end[time_at(d.step)]
-    d.step.rate_known = 0
-
-
-def take_back(d):
-    """Stand at the start of the last step again."""
-    d.step.end = d.step.start
-    for j in range(len(d.step.state)):
-        d.step.state_end[j] = d.step.state[j]
+            return TOO_MUCH_WORK, -1.0
 
 
 def land(d, h):
@@ -200,27 +189,21 @@ def begin(d):
     for c in range(d.candidates):
         events += d.touch.event[c] != 0
 
-    last, rate = d.work.rate_end, d.work.rate_start
-    placed = d.step.rate_known and d.work.at_end
-    if not d.step.rate_known:
-        state_rate(d, d.step.state_end, last)
-        d.statistics.rhs_evaluations += 1
-    elif d.touch.active_count > 0 and not placed:
-        locate_points(d, d.step.state_end)
+    see_rate(d)
     if d.touch.active_count > 0:
-        if not placed:
-            accelerate_points(d, d.step.state_end, last)
+        see_points(d)
         follow_contacts(d)
 
+    rate = d.work.rate_start
     for j in range(len(d.work.y)):
-        rate[j] = last[j]
+        rate[j] = d.work.rate_end[j]
     if events > 0 and apply_events(d):
         state_rate(d, d.step.state_end, rate)
         d.statistics.rhs_evaluations += 1
     if events > 0 and d.contact.impulsive:
         d.step.next_size = min(d.step.next_size, step_size.in_flight(d, d.step.state_end, rate))
     choose_method(d)
-    choose_regularized(d, events > 0)
+    choose_variable(d, events > 0)
     regularize(d, d.step.state_end, rate, d.work.stage[0])
     return events
 
@@ -233,7 +216,7 @@ def apply_events(d):
     """
     if d.contact.impulsive:
         collide(d)
-        explicit_again(d.step)  # blows move what damping slows down
+        begin_explicit(d.step)  # blows move what damping slows down
         return True
     jumped, latched_anew = False, False
     touch = d.touch
@@ -266,7 +249,7 @@ def apply_events(d):
             d.step.flight_size, step_size.in_flight(d, d.step.state_end, d.work.rate_start)
         )
         begin_flight(d)
-    elif onset >= 0 or not (d.step.implicit or latched_anew):
+    elif onset >= 0 or not (d.step.method == IMPLICIT or latched_anew):
         d.step.next_size = step_size.at_onset(d, onset if onset >= 0 else touch.active_index[0])
     if onset >= 0:
         begin_impact(d)

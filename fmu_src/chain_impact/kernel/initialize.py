@@ -5,10 +5,17 @@ import math
 from chain_impact.kernel.chain.damped import damping_of
 from chain_impact.kernel.chain.damping_rate import damping_bound
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.integration.dense import NOTHING, SOLVER, root_at, time_at
+from chain_impact.kernel.chain.state import (
+    ANGLES,
+    dissipated_at,
+    omega_at,
+    supplied_at,
+    velocity_at,
+)
+from chain_impact.kernel.integration.last_step import stand
+from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.integration.step_size import in_flight
-from chain_impact.kernel.integration.sundman import NO_CONTACT
-from chain_impact.kernel.integration.switching import explicit_again
+from chain_impact.kernel.integration.switching import begin_explicit
 from chain_impact.kernel.laws import user_law
 from chain_impact.kernel.laws.contact_laws import (
     ANY,
@@ -34,7 +41,6 @@ from chain_impact.kernel.status import (
     UNKNOWN_METHOD,
 )
 
-METHODS = 3  # auto, explicit, implicit
 OVERLAP = 1e-12  # m, of a start that counts as touching
 
 
@@ -53,13 +59,13 @@ def initialize(d, time):
     y = d.work.y
     for j in range(2):
         y[j] = d.initial.position[j]
-        y[n + 2 + j] = d.initial.velocity[j]
+        y[velocity_at(n) + j] = d.initial.velocity[j]
     for i in range(n):
-        y[2 + i] = d.initial.angle[i]
-        y[n + 4 + i] = d.initial.angular_velocity[i]
-    y[2 * n + 4] = 0.0
-    y[2 * n + 5] = 0.0
-    still(d, time, y)
+        y[ANGLES + i] = d.initial.angle[i]
+        y[omega_at(n) + i] = d.initial.angular_velocity[i]
+    y[dissipated_at(n)] = 0.0
+    y[supplied_at(n)] = 0.0
+    stand(d, time, y)
     clear_loads(d)
     d.step.next_size = first_size(d)
     d.step.flight_size = d.step.next_size
@@ -67,7 +73,7 @@ def initialize(d, time):
     d.limits.event_start = time
     d.limits.work_start = time
     d.inputs.changed = 0
-    explicit_again(d.step)
+    begin_explicit(d.step)
     d.statistics.status = check_start(d)
     return d.statistics.status
 
@@ -81,6 +87,7 @@ def forget_run(d):
     impact, statistics, limits = d.impact, d.statistics, d.limits
     impact.count, impact.last_point, impact.last_wall, impact.last_speed = 0, -1, 0, 0.0
     d.finished.count = 0
+    d.step.breaks, d.search.known_for = 0, 0
     statistics.steps, statistics.rejected_steps = 0, 0
     statistics.rhs_evaluations, statistics.implicit_steps = 0, 0
     limits.event_count, limits.work_count, limits.other_work = 0, 0, 0
@@ -161,28 +168,9 @@ def check_parameters(d):
     for w in range(d.candidates):
         if not math.isfinite(d.walls.x[w] + d.walls.y[w] + d.walls.angle[w]):
             return PARAMETER_OUT_OF_RANGE
-    if not 1 <= d.solver.method <= METHODS:
+    if not 1 <= d.solver.method <= len(SOLVER_METHODS):
         return UNKNOWN_METHOD
     return OK
-
-
-def still(d, time, y):
-    """Stand at ``time`` in state y, with a last step of no length."""
-    for j in range(len(d.step.state)):
-        d.step.state[j] = y[j]
-        for m in range(len(d.step.dense)):
-            d.step.dense[m, j] = 0.0
-    d.step.state[root_at(d.step)], d.step.state[time_at(d.step)] = 1.0, 0.0
-    for j in range(len(d.step.state)):
-        d.step.state_end[j] = d.step.state[j]
-    d.step.time = time
-    d.step.start = time
-    d.step.end = time
-    d.step.size = 1.0
-    d.step.regularized = NO_CONTACT
-    d.step.rate_known = 0
-    d.step.dense_for = SOLVER
-    d.step.cleared = NOTHING
 
 
 def first_size(d):

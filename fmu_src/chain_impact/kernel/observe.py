@@ -1,6 +1,7 @@
 """What an observer sees at the communication point."""
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.model.contact import contact_force, stored_energy
 from chain_impact.kernel.model.equations import located_rate, mechanical_energy
@@ -15,7 +16,7 @@ def observe(d):
     """
     n, out = d.links, d.output
     y, rate = d.work.y, d.work.error[0]
-    interpolate(d.step, fraction(d.step, d.step.time), y)
+    interpolate(d.step, fraction(d, d.step.time), y)
     locate_points(d, y)
     located_rate(d, y, rate)
     accelerate_points(d, y, rate)
@@ -28,9 +29,9 @@ def observe(d):
             work.acceleration.y[k],
         )
     for i in range(n):
-        out.angle[i] = y[2 + i]
-        out.angular_velocity[i] = y[n + 4 + i]
-        out.angular_acceleration[i] = rate[n + 4 + i]
+        out.angle[i] = y[ANGLES + i]
+        out.angular_velocity[i] = y[omega_at(n) + i]
+        out.angular_acceleration[i] = rate[omega_at(n) + i]
     for c in range(d.candidates):
         out.force[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0
     for k in range(d.touch.active_count):
@@ -43,6 +44,6 @@ def observe(d):
             out.penetration[c], out.penetration_rate[c] = -gap, -gap_rate
     out.kinetic, out.potential = mechanical_energy(d, y)
     out.elastic = stored_energy(d)
-    out.dissipated = y[2 * n + 4]
-    out.supplied = y[2 * n + 5]
+    out.dissipated = y[dissipated_at(n)]
+    out.supplied = y[supplied_at(n)]
     out.total = out.kinetic + out.potential + out.elastic

@@ -4,9 +4,10 @@ What is checked is what the kernel uses as an index or as the number of rounds o
 absurd: it leads to a status, not out of the record.
 """
 
+from chain_impact.kernel.events.exclusion import FAR
 from chain_impact.kernel.events.impulses import NEIGHBOUR
-from chain_impact.kernel.initialize import METHODS
-from chain_impact.kernel.integration.dense import FAR, SOLVER
+from chain_impact.kernel.integration.last_step import SOLVER
+from chain_impact.kernel.integration.methods import METHOD_COUNT, SOLVER_METHODS
 from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.laws.contact_laws import LAW_COUNT
 from chain_impact.kernel.laws.user_law import present
@@ -19,8 +20,10 @@ def sound(d):
     fits = within(d.model.middle, 0, d.links)
     fits = fits and within(d.step.regularized, NO_CONTACT, max(0, d.candidates - 1))
     fits = fits and within(d.contact.law, 1, laws) and within(d.contact.derived_law, 0, laws)
-    fits = fits and within(d.solver.method, 1, METHODS) and d.finished.count >= 0
-    fits = fits and within(d.step.cleared, 0, FAR) and within(d.step.dense_for, 0, SOLVER)
+    fits = fits and within(d.solver.method, 1, len(SOLVER_METHODS)) and d.finished.count >= 0
+    fits = fits and within(d.step.method, 0, METHOD_COUNT - 1)
+    fits = fits and within(d.step.made_by, 0, METHOD_COUNT - 1)
+    fits = fits and within(d.search.known, 0, FAR) and within(d.step.dense_for, 0, SOLVER)
     fits = fits and within(d.touch.active_count, 0, d.candidates)
     for c in range(d.candidates):
         fits = (

@@ -50,7 +50,7 @@ def answer(d, impedance, shift, impulses, aim):
     set_impedances(work.impedance, impedance)
     factorize_damped(d, work.link, work.impedance, shift, work.damped)
     work.load.x[:], work.load.y[:] = impulses.T
-    solve_damped(d, work.link, work.damped, work.load, aim, found[:2], found[2:])
+    solve_damped(d, work.link, work.damped, work.load, aim, found)
     return found
 
 
@@ -96,7 +96,7 @@ def test_without_damping_it_is_the_recursion_without(base):
     set_impedances(d.work.impedance, impedance)
     factorize(d, d.work.link, d.work.impedance, d.work.factors)
     d.work.load.x[:], d.work.load.y[:] = impulses.T
-    solve(d, d.work.link, d.work.factors, d.work.load, expected[:2], expected[2:])
+    solve(d, d.work.link, d.work.factors, d.work.load, expected)
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
 

@@ -12,7 +12,8 @@ from chain_impact.instance import new_instance
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration import dop853
 from chain_impact.kernel.integration.dense import interpolate, rate_bounds
-from chain_impact.kernel.integration.explicit import accept, attempt, dense_output
+from chain_impact.kernel.integration.explicit import attempt
+from chain_impact.kernel.integration.last_step import OUTPUTS, accept, complete
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.simulate import Instance
 from tests.plain import Plain
@@ -136,7 +137,7 @@ def step(d, h):
     state_rate(d, d["step"]["state_end"], d["work"]["stage"][0])
     error = attempt(d, h)
     accept(d, h)
-    dense_output(d)
+    complete(d, OUTPUTS)
     return error
 
 

@@ -10,7 +10,8 @@ from chain_impact.kernel.advance import begin
 from chain_impact.kernel.events.search import TOUCH
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration.dense import fraction, interpolate
-from chain_impact.kernel.integration.explicit import accept, attempt, dense_output
+from chain_impact.kernel.integration.explicit import attempt
+from chain_impact.kernel.integration.last_step import OUTPUTS, accept, complete
 from chain_impact.simulate import Instance
 from tests.plain import Plain
 from tests.problems import ball
@@ -56,12 +57,12 @@ def test_time_is_found_in_a_step_that_runs_in_another_variable():
     h = 0.8 * time_scale(d)
     attempt(d, h)
     accept(d, h)
-    dense_output(d)
+    complete(d, OUTPUTS)
     step = d["step"]
     lasts = step["end"] - step["start"]
     assert lasts < 0.3 * h  # u rises from 0 to 0.7, and p = u/(1 + u²)
     for part in (0.0, 1e-9, 1e-3, 0.1, 0.5, 0.9, 1.0):
-        theta = fraction(step, step["start"] + part * lasts)
+        theta = fraction(d, step["start"] + part * lasts)
         assert 0.0 <= theta <= 1.0
         interpolate(step, theta, y)
         assert y[TIME] == pytest.approx(part * lasts, abs=1e-14 * lasts)

@@ -26,6 +26,7 @@ in which nothing cancels, however large κ is. The elimination goes from the tip
 """
 
 from chain_impact.kernel.chain.recursion import arm
+from chain_impact.kernel.chain.state import ANGLES
 
 
 def factorize_damped(d, links, impedance, shift, factors):
@@ -72,8 +73,8 @@ def damping_of(d, i):
     return d.model.joint_damping[i] if i > 0 or d.model.pinned else 0.0
 
 
-def solve_damped(d, links, factors, load, aim, base, angular):
-    """Solve (M + Jᵀ D J + K) (base, angular) = Jᵀ load + Σ κ_i τ_i g_i.
+def solve_damped(d, links, factors, load, aim, change):
+    """Solve (M + Jᵀ D J + K) Δ = Jᵀ load + Σ κ_i τ_i g_i.
 
     Args:
         d: the instance.
@@ -81,8 +82,8 @@ def solve_damped(d, links, factors, load, aim, base, angular):
         factors: its result.
         load: record with ``x, y``, shape (N+1,): impulse on each point [N·s].
         aim: τ_i, shape (N,) [rad/s].
-        base: result, change of the base's velocity, shape (2,) [m/s].
-        angular: result, change of the angular velocities, shape (N,) [rad/s].
+        change: result Δ, shape (N+2,): the change of the base's velocity [m/s] and of the angular velocities
+            [rad/s].
     """
     n = d.links
     bx, by, t = 0.0, 0.0, 0.0
@@ -94,7 +95,7 @@ def solve_damped(d, links, factors, load, aim, base, angular):
         # s = L⊥·b' + t'
         s = links.x[i] * by - links.y[i] * bx + t
         moment = s + damper * aim[i]
-        angular[i] = moment * inverse
+        change[ANGLES + i] = moment * inverse
         # b = b' − h (s + κ τ)/(H + κ),  t = σ (s − H τ)
         bx -= factors.gain_x[i] * moment
         by -= factors.gain_y[i] * moment
@@ -103,13 +104,13 @@ def solve_damped(d, links, factors, load, aim, base, angular):
     by += load.y[0]
     x = factors.base[0] * bx + factors.base[1] * by
     y = factors.base[1] * bx + factors.base[2] * by
-    base[0], base[1] = x, y
+    change[0], change[1] = x, y
     before = 0.0
     for i in range(n):
         # α = (s + κ τ − h·a + κ β)/(H + κ)
         share = factors.damper[i] * factors.inverse[i]
-        a = angular[i] - factors.gain_x[i] * x - factors.gain_y[i] * y + share * before
-        angular[i] = a
+        a = change[ANGLES + i] - factors.gain_x[i] * x - factors.gain_y[i] * y + share * before
+        change[ANGLES + i] = a
         x -= a * links.y[i]
         y += a * links.x[i]
         before = a

@@ -4,6 +4,7 @@ Vectors of all points are records with ``x, y``, shape (N+1,).
 """
 
 from chain_impact.kernel.chain.sincos import polar
+from chain_impact.kernel.chain.state import ANGLES, omega_at, velocity_at
 
 
 def locate_points(d, y):
@@ -16,10 +17,11 @@ def place_points(d, y):
     """As ``locate_points``, for the link vectors as they are."""
     n, link, position, velocity = d.links, d.work.link, d.work.position, d.work.velocity
     d.work.at_end = 0
-    x, y_, vx, vy = y[0], y[1], y[n + 2], y[n + 3]
+    x, y_ = y[0], y[1]
+    vx, vy = y[velocity_at(n)], y[velocity_at(n) + 1]
     for i in range(n):
         position.x[i], position.y[i], velocity.x[i], velocity.y[i] = x, y_, vx, vy
-        omega = y[n + 4 + i]
+        omega = y[omega_at(n) + i]
         # p_{i+1} = p_i + L_i,  v_{i+1} = v_i + ω L⊥
         x += link.x[i]
         y_ += link.y[i]
@@ -31,10 +33,11 @@ def place_points(d, y):
 def accelerate_points(d, y, rate):
     """Accelerations [m/s²] of the located points 0…N, for the state y and its rate."""
     n, link, acceleration = d.links, d.work.link, d.work.acceleration
-    ax, ay = rate[n + 2], rate[n + 3]
+    ax, ay = rate[velocity_at(n)], rate[velocity_at(n) + 1]
     for i in range(n):
         acceleration.x[i], acceleration.y[i] = ax, ay
-        alpha, w2 = rate[n + 4 + i], y[n + 4 + i] * y[n + 4 + i]
+        omega, alpha = y[omega_at(n) + i], rate[omega_at(n) + i]
+        w2 = omega * omega
         # a_{i+1} = a_i + α L⊥ − ω² L
         ax -= alpha * link.y[i] + w2 * link.x[i]
         ay += alpha * link.x[i] - w2 * link.y[i]
@@ -49,17 +52,18 @@ def zero(vectors):
 
 def link_vectors(d, y):
     """Set L_i [m], the vector from the proximal to the distal joint of each link, for the state y."""
-    polar(d.model.length, y, 2, d.work.link.x, d.work.link.y)
+    polar(d.model.length, y, ANGLES, d.work.link.x, d.work.link.y)
 
 
-def move_points(links, base, angular, motion):
-    """Motion of the points that a motion (base, angular) of the coordinates makes: p_{i+1} = p_i + a L⊥."""
-    x, y = base[0], base[1]
-    for i in range(len(angular)):
+def move_points(links, change, motion):
+    """Motion of the points that a change of the coordinates makes: p_{i+1} = p_i + Δθ_i L⊥."""
+    n = len(motion.x) - 1
+    x, y = change[0], change[1]
+    for i in range(n):
         motion.x[i], motion.y[i] = x, y
-        x -= angular[i] * links.y[i]
-        y += angular[i] * links.x[i]
-    motion.x[len(angular)], motion.y[len(angular)] = x, y
+        x -= change[ANGLES + i] * links.y[i]
+        y += change[ANGLES + i] * links.x[i]
+    motion.x[n], motion.y[n] = x, y
 
 
 def largest(vectors):

@@ -18,6 +18,7 @@ frictionless impact-contacts in open-loop robotic mechanisms*, Mechanism and Mac
 elimination in this form is derived in docs/computation.md.
 """
 
+from chain_impact.kernel.chain.state import ANGLES, omega_at, velocity_at
 from chain_impact.kernel.inlining import inlined
 
 
@@ -45,7 +46,7 @@ def hinge(lx, ly, sx, sy, inertia, axx, axy, ayy):
 
 def eliminate(d, y, i, outward, axx, axy, ayy, bx, by):
     """Eliminate α_i: return A and b for A' and b'."""
-    joint, omega = i + 1 if outward else i, y[d.links + 4 + i]
+    joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
     link = lx, ly, sx, sy, inertia = arm(d, d.work.link, i, outward)
     w2 = omega * omega
     # d = b' − f − ω² A' L : what the outer joint asks for α = 0 and a = 0
@@ -57,7 +58,7 @@ def eliminate(d, y, i, outward, axx, axy, ayy, bx, by):
 
 def eliminate_end(d, y, i, outward):
     """As ``eliminate``, for the link at a free end: A' = 0 and b' = 0, and no quotient to wait for."""
-    joint, omega = i + 1 if outward else i, y[d.links + 4 + i]
+    joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
     link = _, _, sx, sy, inertia = arm(d, d.work.link, i, outward)
     dx, dy = -d.work.load.x[joint], -d.work.load.y[joint]
     w2 = omega * omega
@@ -85,7 +86,7 @@ def take_out(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
 
 def accelerate(d, y, i, outward, ax, ay, rate):
     """Set α_i for the acceleration of its inner joint; return that of the outer one."""
-    kept, own = d.work.elimination, d.links + 4 + i
+    kept, own = d.work.elimination, omega_at(d.links) + i
     # α = −(h·a + h₀)/H
     a = -(kept.gain_x[i] * ax + kept.gain_y[i] * ay + kept.bias[i])
     rate[own] = a
@@ -142,8 +143,8 @@ def arms(d, y, rate, middle):
         ax, ay = accelerate(d, y, middle + k, True, ax, ay, rate)
         if k < middle:
             cx, cy = accelerate(d, y, middle - 1 - k, False, cx, cy, rate)
-    rate[n + 2] = cx
-    rate[n + 3] = cy
+    rate[velocity_at(n)] = cx
+    rate[velocity_at(n) + 1] = cy
 
 
 def no_impedance(impedance):
@@ -190,48 +191,48 @@ def factorize_link(d, links, impedance, factors, i, outward, axx, axy, ayy):
     return axx + m - hx * hx * inverse, axy - hx * hy * inverse, ayy + m - hy * hy * inverse
 
 
-def solve(d, links, factors, load, base, angular):
-    """Solve (M + Jᵀ D J) (base, angular) = Jᵀ load: the response to impulses on the points.
+def solve(d, links, factors, load, change):
+    """Solve (M + Jᵀ D J) Δ = Jᵀ load: the response to impulses on the points.
 
     Args:
         d: the instance.
         links: as for ``factorize``.
         factors: its result.
         load: record with ``x, y``, shape (N+1,): impulse on each point [N·s] (or force [N]).
-        base: result, change of the base's velocity, shape (2,) [m/s] (or acceleration).
-        angular: result, change of the angular velocities, shape (N,) [rad/s].
+        change: result Δ, shape (N+2,): the change of the base's velocity [m/s] (or acceleration) and of the
+            angular velocities [rad/s]; more behind it is left alone.
     """
-    n, middle = len(angular), d.model.middle
+    n, middle = d.links, d.model.middle
     bx, by, cx, cy = 0.0, 0.0, 0.0, 0.0
     for k in range(n - middle):
         i = n - 1 - k
-        bx, by = gather(links, factors, load, i, True, bx, by, angular)
+        bx, by = gather(links, factors, load, i, True, bx, by, change)
         if k < middle:
-            cx, cy = gather(links, factors, load, k, False, cx, cy, angular)
+            cx, cy = gather(links, factors, load, k, False, cx, cy, change)
     bx, by = bx + cx + load.x[middle], by + cy + load.y[middle]
     x = factors.middle[0] * bx + factors.middle[1] * by
     y = factors.middle[1] * bx + factors.middle[2] * by
     cx, cy = x, y
     for k in range(n - middle):
-        x, y = spread(links, factors, middle + k, True, x, y, angular)
+        x, y = spread(links, factors, middle + k, True, x, y, change)
         if k < middle:
-            cx, cy = spread(links, factors, middle - 1 - k, False, cx, cy, angular)
-    base[0], base[1] = cx, cy
+            cx, cy = spread(links, factors, middle - 1 - k, False, cx, cy, change)
+    change[0], change[1] = cx, cy
 
 
-def gather(links, factors, load, i, outward, bx, by, angular):
+def gather(links, factors, load, i, outward, bx, by, change):
     """Set the change of ω_i for an inner joint at rest; return the impulse that arrives there."""
     joint, sign = (i + 1, 1.0) if outward else (i, -1.0)
     bx += load.x[joint]
     by += load.y[joint]
     moment = sign * (links.x[i] * by - links.y[i] * bx)
-    angular[i] = moment * factors.inverse[i]
+    change[ANGLES + i] = moment * factors.inverse[i]
     return bx - factors.gain_x[i] * moment, by - factors.gain_y[i] * moment
 
 
-def spread(links, factors, i, outward, x, y, angular):
+def spread(links, factors, i, outward, x, y, change):
     """Correct the change of ω_i for that of its inner joint's velocity; return that of the outer one."""
     sign = 1.0 if outward else -1.0
-    a = angular[i] - factors.gain_x[i] * x - factors.gain_y[i] * y
-    angular[i] = a
+    a = change[ANGLES + i] - factors.gain_x[i] * x - factors.gain_y[i] * y
+    change[ANGLES + i] = a
     return x - sign * a * links.y[i], y + sign * a * links.x[i]

@@ -1,8 +1,8 @@
 """What is known of each impact: its peak values, followed during contact, and the log of finished ones."""
 
-from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.integration.complete import complete
-from chain_impact.kernel.integration.dense import NOTHING, SOLVER, fraction, interpolate
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.integration.dense import fraction, interpolate
+from chain_impact.kernel.integration.last_step import SOLVER, complete, cut_now, see_points, see_rate
 from chain_impact.kernel.model.contact import contact_force, contact_slopes, drop_events
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import along_normal, clearance
@@ -44,7 +44,7 @@ def follow_contacts(d):
 def follow_held(d):
     """Follow the forces of rigid walls over the last step: their peaks, by parabolas through samples."""
     step, samples = d.step, d.rigid.sample
-    end = fraction(step, step.end)
+    end = fraction(d, step.end)
     for j in range(HELD_SAMPLES):
         interpolate(step, end * j / (HELD_SAMPLES - 1), d.work.y)
         state_rate(d, d.work.y, d.work.error[0])
@@ -62,15 +62,11 @@ def follow_held(d):
 
 def follow_to_now(d):
     """Follow the active contacts up to the communication point, where the last step ends from now on."""
-    step, rate, evaluations = d.step, d.work.rate_end, d.statistics.rhs_evaluations
-    complete(d, SOLVER)
-    interpolate(step, fraction(step, step.time), step.state_end)
-    step.end = step.time
-    step.rate_known = 0
-    step.cleared = NOTHING
+    evaluations = d.statistics.rhs_evaluations
+    cut_now(d)
     drop_events(d)  # they are beyond, and will be found again
-    state_rate(d, step.state_end, rate)
-    accelerate_points(d, step.state_end, rate)
+    see_rate(d)
+    see_points(d)
     follow_contacts(d)
     d.statistics.rhs_evaluations = evaluations  # a look, not the solver's work
 
@@ -89,7 +85,7 @@ def maximum(d, c, quantity):
     Parabolas through three points, ever closer to the top of the last one; the top of the last of all.
     """
     complete(d, SOLVER)
-    end = fraction(d.step, d.step.end)
+    end = fraction(d, d.step.end)
     middle, reach, best, summit = 0.5 * end, 0.5 * end, 0.0, 0.0
     for _ in range(3):
         left = sample(d, c, quantity, middle - reach)

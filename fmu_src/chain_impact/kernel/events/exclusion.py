@@ -7,7 +7,7 @@ regularized one, all as functions of the variable that the step runs in. What to
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.integration.dense import FAR, WITH_CURVES, root_at
+from chain_impact.kernel.chain.state import omega_at, root_at
 from chain_impact.kernel.integration.sundman import (
     NO_CONTACT,
     root_curve,
@@ -22,6 +22,21 @@ RELATCH_RATIO = 2.0  # δ̇/v₀ at which v₀ is latched anew; what gravity add
 NEARLY = 0.75  # of that speed, at an end of the step
 
 
+# what is known of the clearances at the end of the last step: nothing, φ and φ′, also φ″, or that they are at
+# least `search.safe_distance` where there is no contact
+NOTHING, VALUES, WITH_CURVES, FAR = 0, 1, 2, 3
+
+
+def known(d):
+    """What is known of the clearances at the end of the step before the one that is looked at."""
+    return d.search.known if d.search.known_for == d.step.breaks else NOTHING
+
+
+def learn(d, what):
+    """Note what is known of them at the end of the last step, as long as the steps do not break."""
+    d.search.known, d.search.known_for = what, d.step.breaks
+
+
 def excludes_events(d):
     """Whether the ends of the last, explicit step tell that there is no event in it.
 
@@ -31,7 +46,7 @@ def excludes_events(d):
     turn, reach = largest_turn(d)
     if turn < SMALL_TURN and remains_far(d):
         return True
-    if d.step.cleared != WITH_CURVES:
+    if known(d) != WITH_CURVES:
         locate_points(d, d.step.state)
         accelerate_points(d, d.step.state, d.work.rate_start)
         measure_all(d, d.step.state)
@@ -41,7 +56,7 @@ def excludes_events(d):
     for c in range(d.candidates):
         d.search.clear_start_curve[c] = d.search.clear_end_curve[c]
     measure_all(d, d.step.state_end)
-    d.step.cleared = WITH_CURVES
+    learn(d, WITH_CURVES)
     # the remainder is h⁶ φ⁽⁶⁾/46080; ten times that of the tip of a stretched chain that turns evenly, and
     # that of a motion which fades with the rate ρ: φ⁽⁶⁾ = ρ⁴ φ̈
     fade = fading(d)
@@ -61,11 +76,11 @@ def fading(d):
 
 def largest_turn(d):
     """How far a link can have turned in the last step [rad], and the length of the stretched chain [m]."""
-    n, lasted, work = d.links, d.step.end - d.step.start, d.work
+    first, lasted, work = omega_at(d.links), d.step.end - d.step.start, d.work
     turn, reach = 0.0, 0.0
-    for i in range(n):
-        omega = max(abs(d.step.state[n + 4 + i]), abs(d.step.state_end[n + 4 + i]))
-        alpha = max(abs(work.rate_start[n + 4 + i]), abs(work.rate_end[n + 4 + i]))
+    for i in range(d.links):
+        omega = max(abs(d.step.state[first + i]), abs(d.step.state_end[first + i]))
+        alpha = max(abs(work.rate_start[first + i]), abs(work.rate_end[first + i]))
         turn = max(turn, lasted * (omega + 0.5 * lasted * alpha))
         reach += d.model.length[i]
     return turn, reach
@@ -73,20 +88,20 @@ def largest_turn(d):
 
 def remains_far(d):
     """Whether all are far from touching, as before, but for the regularized contact, which has not ended."""
-    step, known, lasted = d.step, d.step.cleared >= WITH_CURVES, d.step.end - d.step.start
-    speed, acceleration = step.speed, step.acceleration
-    step.speed, step.acceleration = fastest(d.work.velocity), fastest(d.work.acceleration)
+    step, search, lasted = d.step, d.search, d.step.end - d.step.start
+    speed, acceleration = search.speed, search.acceleration
+    search.speed, search.acceleration = fastest(d.work.velocity), fastest(d.work.acceleration)
     # no point goes further than that, with twice what its acceleration makes of it
-    way = lasted * (max(speed, step.speed) + lasted * max(acceleration, step.acceleration))
-    step.safe_distance -= way
-    if not (known and step.safe_distance > 0.0):
+    way = lasted * (max(speed, search.speed) + lasted * max(acceleration, search.acceleration))
+    search.safe_distance -= way
+    if not (known(d) >= WITH_CURVES and search.safe_distance > 0.0):
         return False
     if step.regularized == NO_CONTACT:
         far = d.touch.active_count == 0
     else:
-        far = step.state_end[root_at(step)] > 0.0 and not nearly_fast(d, step.regularized)
+        far = step.state_end[root_at(d.links)] > 0.0 and not nearly_fast(d, step.regularized)
     if far:
-        step.cleared = FAR
+        learn(d, FAR)
     return far
 
 
@@ -126,9 +141,9 @@ def stays_positive(d, c, error):
 def measure_all(d, y):
     """Set φ, φ′ and φ″ of every candidate for a state and its located and accelerated points."""
     slope = set_clearances(d, y)
-    u = y[root_at(d.step)]
+    u = y[root_at(d.links)]
     p, change = time_rate_of(d, u), time_rate_change(u, slope)
-    d.step.safe_distance = math.inf
+    d.search.safe_distance = math.inf
     for c in range(d.candidates):
         if c == d.step.regularized:
             d.search.clear_end_curve[c] = root_curve(d, d.search.clear_end[c], d.search.clear_end_rate[c])
@@ -139,7 +154,7 @@ def measure_all(d, y):
         curve = p * p * along_normal(d, c, d.work.acceleration) + change * velocity
         d.search.clear_end_curve[c] = sign * curve
         if not d.touch.active[c]:
-            d.step.safe_distance = min(d.step.safe_distance, d.search.clear_end[c])
+            d.search.safe_distance = min(d.search.safe_distance, d.search.clear_end[c])
 
 
 def set_clearances(d, y):
@@ -154,7 +169,7 @@ def root_now(d, y):
     """The regularized contact's u and u′ for the state y and its located points; 1 and 0 without one."""
     if d.step.regularized == NO_CONTACT:
         return 1.0, 0.0
-    u = y[root_at(d.step)]
+    u = y[root_at(d.links)]
     return u, root_rate(d, u)
 
 

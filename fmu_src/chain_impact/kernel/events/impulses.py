@@ -19,6 +19,7 @@ A contact that leaves with a speed is over. The others, at rest, are held by for
 import math
 
 from chain_impact.kernel.chain.kinematics import largest, locate_points
+from chain_impact.kernel.chain.state import coordinate_count, dissipated_at, velocity_at
 from chain_impact.kernel.events.contact_log import finish
 from chain_impact.kernel.events.release import RELEASE
 from chain_impact.kernel.events.search import TOUCH
@@ -82,9 +83,9 @@ def strike(d):
             latch(d, c)
             d.touch.onset_speed[c] = max(0.0, d.touch.onset_speed[c])
             d.impact.last_speed = d.touch.onset_speed[c]
-    for j in range(n + 2):
-        state[n + 2 + j] += own.change[j]
-    state[2 * n + 4] += max(0.0, lost)
+    for j in range(coordinate_count(n)):
+        state[velocity_at(n) + j] += own.change[j]
+    state[dissipated_at(n)] += max(0.0, lost)
     locate_points(d, state)
 
 
@@ -166,5 +167,5 @@ def part(d):
             parting = True
     if parting:
         press(d, d.model.size)
-        for j in range(n + 2):
+        for j in range(coordinate_count(n)):
             state[j] += own.change[j]

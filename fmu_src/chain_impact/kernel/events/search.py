@@ -14,27 +14,26 @@ force, grow without bound; v₀ is latched anew.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.state import omega_at, root_at, velocity_at
 from chain_impact.kernel.events.exclusion import (
+    FAR,
+    NOTHING,
     RELATCH_RATIO,
+    VALUES,
     excludes_events,
     keep_start,
+    known,
+    learn,
     nearly_fast,
     root_now,
     set_clearance,
     set_clearances,
 )
 from chain_impact.kernel.events.release import find_release
-from chain_impact.kernel.integration.complete import complete
-from chain_impact.kernel.integration.dense import (
-    FAR,
-    NOTHING,
-    SOLVER,
-    VALUES,
-    interpolate,
-    rate_bounds,
-    root_at,
-)
+from chain_impact.kernel.integration.dense import interpolate, rate_bounds
 from chain_impact.kernel.integration.implicit import clearance_curvature
+from chain_impact.kernel.integration.last_step import SOLVER, complete
+from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.model.constraints import holding
 from chain_impact.kernel.model.contact import drop_events
@@ -60,13 +59,13 @@ def find_event(d):
     """
     if d.candidates == 0:
         return -1.0
-    if d.step.made_implicit or holding(d):
-        if d.step.cleared in (NOTHING, FAR):
+    if d.step.made_by == IMPLICIT or holding(d):
+        if known(d) in (NOTHING, FAR):
             measure(d, 0.0)
         keep_start(d)
     elif excludes_events(d):
         return -1.0
-    if not d.step.made_implicit:
+    if d.step.made_by == EXPLICIT:
         complete(d, SOLVER)
     bound_curvature(d)
     theta = find_touch(d)
@@ -74,14 +73,13 @@ def find_event(d):
     if theta > 0.0 and not credible(d):
         if d.step.end - d.step.start > SIMULTANEOUS:
             drop_events(d)
-            d.step.cleared = NOTHING
             return REFUSED
         theta = drop_leaving(d, theta)
     if holding(d):
         theta = find_release(d, theta)
     elif d.touch.active_count > 0:
         theta = find_relatch(d, theta)
-    d.step.cleared = VALUES if theta < 0.0 else NOTHING
+    learn(d, VALUES)
     return theta
 
 
@@ -189,19 +187,19 @@ def bound_curvature(d):
     # d²g/ds² = p d(ġ)/ds + p′ ġ, with p ≤ u and |p′| ≤ |u′|
     p, change = 1.0, 0.0
     if d.step.regularized != NO_CONTACT:
-        p, change = rate_bounds(d.step, root_at(d.step))
-    vx, ax = rate_bounds(d.step, n + 2)
-    vy, ay = rate_bounds(d.step, n + 3)
+        p, change = rate_bounds(d.step, root_at(n))
+    vx, ax = rate_bounds(d.step, velocity_at(n))
+    vy, ay = rate_bounds(d.step, velocity_at(n) + 1)
     bounds = d.work.motion
     bounds.x[0], bounds.y[0] = p * ax + change * vx, p * ay + change * vy
     for i in range(n):
-        omega, alpha = rate_bounds(d.step, n + 4 + i)
+        omega, alpha = rate_bounds(d.step, omega_at(n) + i)
         # what link i adds, in any direction
         more = d.model.length[i] * (p * (alpha + p * omega * omega) + change * omega)
         bounds.x[i + 1], bounds.y[i + 1] = bounds.x[i] + more, bounds.y[i] + more
     for c in range(d.candidates):
         d.search.curvature[c] = bound_along_normal(d, c, bounds)
-    if d.step.made_implicit:
+    if d.step.made_by == IMPLICIT:
         for k in range(d.touch.active_count):
             d.search.curvature[d.touch.active_index[k]] = clearance_curvature(d, k)
 

@@ -2,40 +2,15 @@
 
 import numpy as np
 
+from chain_impact.kernel.chain.state import root_at, time_at
+
 DENSE_COEFFICIENTS = 7
 RESOLUTION = 1e-15  # of a step, in which a time is found
-NOBODY, OUTPUTS, SOLVER = 0, 1, 2  # who has had the dense output of the last step
-# of `step.cleared`: what is known of the clearances at the end of the step, see events/exclusion.py; FAR
-# means that they are at least `step.safe_distance` where there is no contact
-NOTHING, VALUES, WITH_CURVES, FAR = 0, 1, 2, 3
-
-
-def root_at(step):
-    """Where u stands in y."""
-    return len(step.state) - 2
-
-
-def time_at(step):
-    """Where the time since the start of the step stands in y."""
-    return len(step.state) - 1
 
 
 def time_rate(u):
     """The rate p = dt/ds of time in a regularized step (sundman.py)."""
     return u / (1.0 + u * u)
-
-
-def extend(step, h, y, implicit):
-    """Append a step of size h [s] that ends in state y; its interpolant and final rate are yet to be set."""
-    for j in range(len(step.state)):
-        step.state[j] = step.state_end[j]
-        step.state_end[j] = y[j]
-    step.start = step.end
-    step.size = h
-    step.end = step.start + y[time_at(step)]
-    step.rate_known = 0
-    step.dense_for = NOBODY
-    step.made_implicit = implicit
 
 
 def interpolate(step, theta, y):
@@ -52,21 +27,22 @@ def interpolate_component(step, theta, j):
     return step.state[j] + theta * (step.dense[0, j] + rest * (step.dense[1, j] + theta * low))
 
 
-def fraction(step, time):
+def fraction(d, time):
     """The fraction θ of the last step at which it is that time [s]."""
+    step, root, clock = d.step, root_at(d.links), time_at(d.links)
     elapsed = time - step.start
     if step.regularized < 0:
         return elapsed / step.size
-    at_end = step.state[root_at(step)] + step.dense[0, root_at(step)]
-    if elapsed >= step.dense[0, time_at(step)] and at_end >= 0.0:
+    at_end = step.state[root] + step.dense[0, root]
+    if elapsed >= step.dense[0, clock] and at_end >= 0.0:
         return 1.0
     # t increases with θ as long as u ≥ 0, and dt/dθ = h p: Newton's method inside a bracket
     low, high, theta = 0.0, 1.0, 0.5
     for _ in range(60):
-        error = interpolate_component(step, theta, time_at(step)) - elapsed
+        error = interpolate_component(step, theta, clock) - elapsed
         if error == 0.0:
             break
-        u = interpolate_component(step, theta, root_at(step))
+        u = interpolate_component(step, theta, root)
         if error > 0.0 or u < 0.0:
             high = theta
         else:

@@ -3,6 +3,7 @@
 import math
 
 from chain_impact.kernel.chain.kinematics import move_points
+from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, velocity_at
 from chain_impact.kernel.model.geometry import along_normal, clearance
 
 LARGEST_ERROR = 0.01  # of a penetration, relative
@@ -25,17 +26,17 @@ def scaled_error(d, row):
     n = d.links
     error, y, size = d.work.error[row], d.work.y, d.model.size
     worst = 0.0
-    for j in range(2 * n + 5):
+    for j in range(dissipated_at(n) + 1):
         # a NaN is lost in max()
         if not math.isfinite(error[j] + y[j]):
             return math.inf
-        if j < 2:
+        if j < ANGLES:
             scale = size
-        elif j < n + 2:
+        elif j < velocity_at(n):
             scale = 1.0
-        elif j < n + 4:
+        elif j < omega_at(n):
             scale = size + abs(y[j])
-        elif j < 2 * n + 4:
+        elif j < dissipated_at(n):
             scale = 1.0 + abs(y[j])
         else:
             scale = d.model.energy + abs(y[j]) + impact_energy(d)
@@ -58,8 +59,7 @@ def impact_energy(d):
 def set_gap_errors(d, row):
     """Set the errors in the clearances of the active contacts that go with an error estimate."""
     if d.touch.active_count > 0:
-        n, error = d.links, d.work.error[row]
-        move_points(d.work.link, error[0:2], error[2 : n + 2], d.work.motion)
+        move_points(d.work.link, d.work.error[row], d.work.motion)
     for k in range(d.touch.active_count):
         d.touch.gap_error[k] = along_normal(d, d.touch.active_index[k], d.work.motion)
 

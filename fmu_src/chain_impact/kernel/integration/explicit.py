@@ -2,22 +2,26 @@
 
 import math
 
-from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, place_points
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.chain.state import root_at
 from chain_impact.kernel.integration import dop853
 from chain_impact.kernel.integration.combination import combination, combinations
-from chain_impact.kernel.integration.dense import extend
 from chain_impact.kernel.integration.errors import scaled_error, set_gap_errors
-from chain_impact.kernel.integration.sundman import NO_CONTACT, regularize, regularized_rate, runs_back
-from chain_impact.kernel.model.constraints import holding, meet_walls
-from chain_impact.kernel.model.equations import located_rate, state_rate
+from chain_impact.kernel.integration.method import Method
+from chain_impact.kernel.integration.sundman import (
+    NO_CONTACT,
+    regularize,
+    regularized_rate,
+    root_curve,
+    runs_back,
+)
 
 STAGES = len(dop853.A)
 LAST = dop853.STEP_STAGES  # the stage at the end of the step
-EXPONENT, SAFETY = -1.0 / dop853.ORDER, 0.8
+BEYOND, STRETCH = 1.04, 1.2  # of the way to the end of a contact; of a step, to get there
 HALVE = 50.0  # an error that halves the step
 HUGE = 1e100  # an error whose square could overflow
-STEP_EVALUATIONS = LAST - 1  # new right-hand sides of a step that is then rejected …
-DENSE_EVALUATIONS = STAGES - LAST  # … of its dense output, besides the one at its end
+STEP_EVALUATIONS = LAST - 1  # new right-hand sides of a step, but for the one at its end
 
 
 def _stage(i, accepted):
@@ -54,6 +58,23 @@ _errors = combinations(dop853.E5, dop853.E3)
 _high_01, _high_23 = combinations(*dop853.D[:2]), combinations(*dop853.D[2:])
 
 
+def toward_end(d, h):
+    """The size of the step that begins, over an end that is near, if the error control allows a size h."""
+    if d.step.regularized == NO_CONTACT:
+        return h
+    root = root_at(d.links)
+    u, slope = d.step.state_end[root], d.work.stage[0, root]
+    if u + 2.0 * slope * h >= 0.0:
+        return h
+    accelerate_points(d, d.step.state_end, d.work.rate_start)
+    # u + u′ s + ½ u″ s² = 0
+    square = slope * slope - 2.0 * u * root_curve(d, u, slope)
+    left = 2.0 * u / (math.sqrt(max(0.0, square)) - slope)
+    if BEYOND * left < STRETCH * h:
+        return BEYOND * left
+    return min(h, 0.5 * left)
+
+
 def attempt(d, h):
     """Try a step of size h from ``step.state_end``; the result stands in ``work.y``.
 
@@ -82,29 +103,9 @@ def attempt(d, h):
     return error_5 * ratio * (1.0 if d.step.regularized == NO_CONTACT else math.sqrt(ratio))
 
 
-def accept(d, h):
-    """Make the step that was tried the last accepted one, with the rate and, for candidates, points there."""
-    if holding(d):
-        meet_walls(d, d.work.y)
-    extend(d.step, h, d.work.y, 0)
-    y, rate = d.step.state_end, d.work.rate_end
-    touching = d.touch.active_count > 0
-    if touching:
-        located_rate(d, y, rate)
-    else:
-        state_rate(d, y, rate)
-    if d.candidates > 0:
-        if not touching:
-            place_points(d, y)
-        accelerate_points(d, y, rate)
-        d.work.at_end = 1
-    d.statistics.rhs_evaluations += 1
-    d.step.rate_known = 1
-
-
-def dense_output(d):
-    """Set the dense output of the last step."""
-    step, h = d.step, d.step.size
+def dense_output(d, h):
+    """Set the dense output of the last step, of size h."""
+    step = d.step
     locate_points(d, step.state_end)
     regularize(d, step.state_end, d.work.rate_end, d.work.stage[LAST])
     _dense_stages(d, h)
@@ -116,3 +117,20 @@ def dense_output(d):
         step.dense[2, j] = 2.0 * change - h * (d.work.stage[LAST, j] + d.work.stage[0, j])
     _high_01(d.work.stage, h, step.dense[3], step.dense[4])
     _high_23(d.work.stage, h, step.dense[5], step.dense[6])
+
+
+def nothing(_d, _h):
+    """All that the method keeps of a step is its stages."""
+
+
+METHOD = Method(
+    name="explicit",
+    order=dop853.ORDER,
+    safety=0.8,
+    rate_at_end=True,
+    dense_evaluations=STAGES - LAST,
+    prepare=toward_end,
+    attempt=attempt,
+    finish=nothing,
+    dense_output=dense_output,
+)

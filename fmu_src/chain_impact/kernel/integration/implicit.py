@@ -31,10 +31,19 @@ output in between. How far they had left them counts as an error.
 from chain_impact.kernel.chain.damped import factorize_damped, solve_damped
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, move_points, zero
 from chain_impact.kernel.chain.recursion import factorize, no_impedance, solve
+from chain_impact.kernel.chain.state import (
+    coordinate_count,
+    dissipated_at,
+    omega_at,
+    root_at,
+    time_at,
+    velocity_at,
+)
 from chain_impact.kernel.integration import ros34pw2
 from chain_impact.kernel.integration.combination import combination
-from chain_impact.kernel.integration.dense import extend, interpolate, root_at, time_at
+from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.errors import scaled_error
+from chain_impact.kernel.integration.method import Method
 from chain_impact.kernel.model.contact import apply_contact, clear_loads, contact_slopes
 from chain_impact.kernel.model.equations import loaded_rate
 from chain_impact.kernel.model.geometry import add_along_normal, add_impedance, along_normal, clearance
@@ -44,7 +53,6 @@ GAMMA = ros34pw2.GAMMA_DIAGONAL
 START_RATE, RATE, CORRECTION, RIGHT, ZEROS, ERROR = 0, 5, 6, 7, 8, 9
 ROWS = 10
 STEP_EVALUATIONS = len(ros34pw2.B) - 1  # the first stage has f at the start of the step
-EXPONENT, SAFETY = -1.0 / ros34pw2.ORDER, 0.9
 APART = 0.03  # of a penetration, by which the coordinates may leave the clearance over a step
 
 
@@ -100,13 +108,13 @@ def linearize(d):
 
     Active contacts need the points located there, and the first stage evaluated.
     """
-    work, n, size = d.work, d.links, own_size(d)
+    work, n = d.work, d.links
     z, rate = d.implicit.start, d.implicit.stage[START_RATE]
     accelerate_points(d, d.step.state_end, work.rate_start)
     for i in range(n):
         d.implicit.link.x[i] = work.link.x[i]
         d.implicit.link.y[i] = work.link.y[i]
-    for j in range(size):
+    for j in range(root_at(n)):
         z[j] = d.step.state_end[j]
         rate[j] = work.rate_start[j]
     for k in range(d.touch.active_count):
@@ -116,19 +124,14 @@ def linearize(d):
     clearance_rates(d, z, rate)
 
 
-def own_size(d):
-    """How much of y is in z: all but u, which is 1, and the time."""
-    return len(d.work.y) - 2
-
-
 def gap_at(d, k):
-    """Where the clearance of the k-th active contact stands in z."""
-    return own_size(d) + k
+    """Where the clearance of the k-th active contact stands in z: from the place of u on, which is 1."""
+    return root_at(d.links) + k
 
 
 def rate_at(d, k):
     """Where the rate of that clearance stands in z."""
-    return own_size(d) + d.touch.active_count + k
+    return gap_at(d, d.touch.active_count + k)
 
 
 def clearance_rates(d, z, rate):
@@ -164,8 +167,8 @@ def factorize_stiff(d, shift):
         factorize(d, own.link, impedance, d.work.factors)
 
 
-def respond(d, base, angular):
-    """Solve (M + Jᵀ D J + hγ C) Δ = Jᵀ p + hγ C r for Δ = (base, angular) and J Δ.
+def respond(d, change):
+    """Solve (M + Jᵀ D J + hγ C) Δ = Jᵀ p + hγ C r for Δ = ``change`` and J Δ.
 
     p stands in ``normal``, and then J Δ; the relative angular velocities of r in ``work.damped.aim``.
     """
@@ -174,31 +177,32 @@ def respond(d, base, angular):
     for k in range(d.touch.active_count):
         add_along_normal(d, d.touch.active_index[k], work.load, own.normal[k])
     if d.model.damped:
-        solve_damped(d, own.link, work.damped, work.load, work.damped.aim, base, angular)
+        solve_damped(d, own.link, work.damped, work.load, work.damped.aim, change)
     else:
-        solve(d, own.link, work.factors, work.load, base, angular)
-    move_points(own.link, base, angular, work.motion)
+        solve(d, own.link, work.factors, work.load, change)
+    move_points(own.link, change, work.motion)
     for k in range(d.touch.active_count):
         own.normal[k] = along_normal(d, d.touch.active_index[k], work.motion)
 
 
 def solve_stiff(d, shift, r, x):
     """Solve (1 − hγA) x = r for hγ = ``shift`` [s]."""
-    n, own = d.links, d.implicit
+    n, own, velocities = d.links, d.implicit, velocity_at(d.links)
     for k in range(d.touch.active_count):
         # D r_ġ + hγ k r_g
         own.normal[k] = own.impedance[k] * r[rate_at(d, k)] + shift * own.stiffness[k] * r[gap_at(d, k)]
     if d.model.damped:
+        first = omega_at(n)
         for i in range(n):
-            d.work.damped.aim[i] = r[n + 4 + i] - (r[n + 3 + i] if i > 0 else 0.0)
-    respond(d, x[n + 2 : n + 4], x[n + 4 : 2 * n + 4])
-    for j in range(n + 2):
-        x[n + 2 + j] = r[n + 2 + j] - x[n + 2 + j]
-        x[j] = r[j] + shift * x[n + 2 + j]
+            d.work.damped.aim[i] = r[first + i] - (r[first + i - 1] if i > 0 else 0.0)
+    respond(d, x[velocities : dissipated_at(n)])
+    for j in range(coordinate_count(n)):
+        x[velocities + j] = r[velocities + j] - x[velocities + j]
+        x[j] = r[j] + shift * x[velocities + j]
     for k in range(d.touch.active_count):
         x[rate_at(d, k)] = r[rate_at(d, k)] - own.normal[k]
         x[gap_at(d, k)] = r[gap_at(d, k)] + shift * x[rate_at(d, k)]
-    for j in range(2 * n + 4, own_size(d)):
+    for j in range(dissipated_at(n), root_at(n)):
         x[j] = r[j]
 
 
@@ -212,19 +216,19 @@ def attempt(d, h):
         The error relative to the tolerance: at most 1 for a step to accept; not finite when f was not.
     """
     work, active = d.work, d.touch.active_count
-    length = own_size(d) + 2 * active
+    length = gap_at(d, 2 * active)
     factorize_stiff(d, h * GAMMA)
     _step(d, d.implicit.start[:length], d.implicit.z[:length], h)
     # the columns of the Jacobian count as evaluations
     d.statistics.rhs_evaluations += STEP_EVALUATIONS + active
-    for j in range(own_size(d)):
+    for j in range(root_at(d.links)):
         work.y[j] = d.implicit.z[j]
         work.error[0, j] = abs(d.implicit.stage[ERROR, j])
-    work.y[root_at(d.step)], work.y[time_at(d.step)] = 1.0, h
+    work.y[root_at(d.links)], work.y[time_at(d.links)] = 1.0, h
     for k in range(active):
         d.touch.gap_error[k] = d.implicit.stage[ERROR, gap_at(d, k)]
     locate_points(d, work.y)
-    apart, change = largest_mismatch(d), d.implicit.stage[RIGHT, : d.links + 2]
+    apart, change = largest_mismatch(d), d.implicit.stage[RIGHT, : coordinate_count(d.links)]
     for derivative in range(2):
         for k in range(active):
             at = rate_at(d, k) if derivative else gap_at(d, k)
@@ -262,19 +266,18 @@ def meet(d, derivative, change):
         own.normal[k] = own.impedance[k] * (own.normal[k] - (gap_rate if derivative else gap))
     for i in range(n):
         d.work.damped.aim[i] = 0.0
-    respond(d, change[0:2], change[2 : n + 2])
-    return derivative * (n + 2)
+    respond(d, change)
+    return derivative * velocity_at(n)
 
 
-def accept(d, h):
-    """Make the step that was tried the last accepted one, with a dense output for the state alone."""
-    extend(d.step, h, d.work.y, 1)
+def finish(d, h):
+    """Keep a dense output of the step that was tried, for the state alone."""
     dense, stages = d.step.dense, d.implicit.stage
     for j in range(len(d.work.y)):
         for m in range(len(dense)):
             dense[m, j] = 0.0
     for i, (_, square, cube) in _DENSE:
-        for j in range(own_size(d)):
+        for j in range(root_at(d.links)):
             # c₁θ + c₂θ² + c₃θ³ = θ(F₀ + (1−θ)(F₁ + θF₂)) with F₂ = −c₃, F₁ = −c₂−c₃, F₀ = c₁+c₂+c₃
             dense[1, j] -= h * (square + cube) * stages[i, j]
             dense[2, j] -= h * cube * stages[i, j]
@@ -282,12 +285,12 @@ def accept(d, h):
         dense[0, j] = d.step.state_end[j] - d.step.state[j]
 
 
-def dense_output(d):
+def dense_output(d, _h):
     """Make the dense output keep the clearances in between, too, at thirds of the last step.
 
     F₃ and F₄ of dense.py, with θ²(1−θ)² and θ³(1−θ)², leave its ends as they are.
     """
-    dense, change = d.step.dense, d.implicit.stage[RIGHT, : d.links + 2]
+    dense, change = d.step.dense, d.implicit.stage[RIGHT, : coordinate_count(d.links)]
     if d.touch.active_count == 0:
         return
     for third in range(1, 3):
@@ -300,7 +303,7 @@ def dense_output(d):
             first = meet(d, derivative, change)
             for j in range(len(change)):
                 d.work.error[third - 1, first + j] = change[j]
-    for j in range(2 * d.links + 4):
+    for j in range(dissipated_at(d.links)):
         one, two = d.work.error[0, j], d.work.error[1, j]
         # 4/81 F₃ + 4/243 F₄ and 4/81 F₃ + 8/243 F₄ are to be the changes
         dense[4, j] = 243.0 / 4.0 * (two - one)
@@ -327,3 +330,22 @@ def clearance_curvature(d, k):
 
 
 _DENSE = tuple(ros34pw2.DENSE.items())
+
+
+def prepare(d, h):
+    """Linearize for a step, and leave its size as it is."""
+    linearize(d)
+    return h
+
+
+METHOD = Method(
+    name="implicit",
+    order=ros34pw2.ORDER,
+    safety=0.9,
+    rate_at_end=False,
+    dense_evaluations=0,
+    prepare=prepare,
+    attempt=attempt,
+    finish=finish,
+    dense_output=dense_output,
+)

@@ -17,7 +17,9 @@ distance of two bodies stands in for p.
 
 import math
 
-from chain_impact.kernel.integration.dense import NOTHING, root_at, time_at, time_rate
+from chain_impact.kernel.chain.state import root_at, time_at
+from chain_impact.kernel.integration.dense import time_rate
+from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import along_normal, clearance
 
@@ -43,11 +45,11 @@ def regularize(d, y, time_rate, rate):
 
 def to_fictitious_time(d, y, rate):
     """Turn a rate in time into one in s, for the located points."""
-    u = y[root_at(d.step)]
+    u = y[root_at(d.links)]
     p = time_rate(u)
     for j in range(len(rate)):
         rate[j] *= p
-    rate[root_at(d.step)] = root_rate(d, u)
+    rate[root_at(d.links)] = root_rate(d, u)
 
 
 def root_rate(d, u):
@@ -78,31 +80,12 @@ def time_rate_of(d, u):
 
 def time_rate_now(d, y):
     """dt/ds in state y; not less than SLOW, as it serves to turn the size of a step into seconds."""
-    return max(SLOW, time_rate_of(d, y[root_at(d.step)]))
-
-
-def choose_regularized(d, anew):
-    """Choose the variable of the step to come, for the points located at its start.
-
-    Args:
-        d: the instance.
-        anew: whether the size of the step has been chosen for it, as contacts began or ended.
-    """
-    step = d.step
-    before, (contact, u) = time_rate_now(d, step.state_end), lone_contact(d)
-    changed = contact != step.regularized
-    step.regularized = contact
-    step.state_end[root_at(step)] = u
-    step.state_end[time_at(step)] = 0.0
-    if changed:
-        step.cleared = NOTHING
-        if not anew:
-            step.next_size *= before / time_rate_now(d, step.state_end)
+    return max(SLOW, time_rate_of(d, y[root_at(d.links)]))
 
 
 def runs_back(d, y):
     """Whether a step to state y goes far beyond the end of the contact: where u < 0, time runs backwards."""
-    return d.step.regularized != NO_CONTACT and (y[root_at(d.step)] < BACK or y[time_at(d.step)] <= 0.0)
+    return d.step.regularized != NO_CONTACT and (y[root_at(d.links)] < BACK or y[time_at(d.links)] <= 0.0)
 
 
 def lone_contact(d):
@@ -110,7 +93,7 @@ def lone_contact(d):
 
     Others would have their ends at other moments, and the fictitious time of one suits none of the rest.
     """
-    if d.step.implicit or d.contact.impulsive or d.touch.active_count != 1:
+    if d.step.method != EXPLICIT or d.contact.impulsive or d.touch.active_count != 1:
         return NO_CONTACT, 1.0
     c = d.touch.active_index[0]
     gap, gap_rate = clearance(d, c)

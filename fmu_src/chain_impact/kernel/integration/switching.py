@@ -14,9 +14,10 @@ hold are a matter of the explicit method alone.
 import math
 
 from chain_impact.kernel.chain.damping_rate import damping_rate
+from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
+from chain_impact.kernel.integration.methods import AUTO, chosen
 from chain_impact.kernel.model.contact import contact_slopes
 
-AUTO, EXPLICIT, IMPLICIT = 1, 2, 3  # solver.method
 STIFF = 2.5  # hρ of explicit steps that implicit ones could replace
 NOT_STIFF = 2.0  # hρ of implicit steps that explicit ones could replace
 STABLE = 4.0  # hρ of an explicit step to begin a flight with
@@ -29,21 +30,23 @@ def choose_method(d):
     step = d.step
     touching = d.touch.active_count > 0
     if d.contact.impulsive and (touching or not d.model.damped):
-        explicit_again(step)
+        begin_explicit(step)
     elif d.solver.method != AUTO:
-        step.implicit = d.solver.method == IMPLICIT
+        step.method = chosen(d.solver.method)
     elif not (touching or d.model.damped):
-        explicit_again(step)  # nothing is stiff
+        begin_explicit(step)  # nothing is stiff
     elif step.end > step.start:  # not just restarted
         z = stiffness_of(d, step.end - step.start)
-        doubtful = z < NOT_STIFF if step.implicit else z > STIFF
+        doubtful = z < NOT_STIFF if step.method == IMPLICIT else z > STIFF
         step.doubts = step.doubts + 1 if doubtful else 0
         if step.doubts >= step.patience:
             step.doubts = 0
-            if step.implicit:
+            if step.method == IMPLICIT:
                 # came in vain: wait longer before the next try
                 step.patience *= 2
-            step.implicit = 1 - step.implicit
+                step.method = EXPLICIT
+            else:
+                step.method = IMPLICIT
 
 
 def begin_impact(d):
@@ -51,22 +54,24 @@ def begin_impact(d):
 
     But not if steps were implicit, and damping will make those of the impact so.
     """
-    d.step.implicit = d.step.implicit and damping_over(d, IMPACT * d.step.next_size) > STIFF
+    if damping_over(d, IMPACT * d.step.next_size) <= STIFF:
+        d.step.method = EXPLICIT
     forget_doubts(d.step)
 
 
 def begin_flight(d):
     """Begin a new phase after the last contact, likewise."""
     z = damping_over(d, d.step.next_size)
-    d.step.implicit = d.step.implicit and z > STIFF
-    if z > STABLE and not d.step.implicit:
+    if z <= STIFF:
+        d.step.method = EXPLICIT
+    if z > STABLE and d.step.method == EXPLICIT:
         d.step.next_size *= STABLE / z
     forget_doubts(d.step)
 
 
-def explicit_again(step):
+def begin_explicit(step):
     """Begin a new phase, in which the explicit method has the first word."""
-    step.implicit = 0
+    step.method = EXPLICIT
     forget_doubts(step)
 
 

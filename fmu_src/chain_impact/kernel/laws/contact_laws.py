@@ -18,6 +18,7 @@ laws go to the end.
 
 import math
 
+from chain_impact.kernel.dispatch import dispatch
 from chain_impact.kernel.laws.registry import CONTACT_LAWS, contact_law
 
 # ---- the Hunt–Crossley family ---------------------------------------------------------------------------
@@ -328,24 +329,20 @@ def newton_impact(e):
     return 0.0 * e
 
 
-def _dispatch(functions):
-    """One compiled function of (number, e) over all laws: the registry is the only list of them."""
-    first, rest = functions[0], functions[1:]
-    if not rest:
-        return lambda _number, e: first(e)
-    others = _dispatch(rest)
-    return lambda number, e: first(e) if number == 1 else others(number - 1, e)
-
-
 __all__ = ["CONTACT_LAWS", "LAW_COUNT", "NEWTON_IMPACT", "contact_law", "damping_factor"]
 
 _LAWS = tuple(CONTACT_LAWS.values())
 LAW_COUNT = len(_LAWS)
 NEWTON_IMPACT = CONTACT_LAWS["newton_impact"].number
-damping_factor = _dispatch(tuple(law.damping_factor for law in _LAWS))
+_factor = dispatch([law.damping_factor for law in _LAWS])
 # for the kernel, where ANY stands for "any exponent" and "as the exponent"
 ANY = -1.0
 EXPONENTS = tuple(ANY if law.exponent is None else law.exponent for law in _LAWS)
 RATE_EXPONENTS = tuple(ANY if law.rate_exponent is None else law.rate_exponent for law in _LAWS)
 MASS_POWERS = tuple(law.mass_power for law in _LAWS)
 APPROACH_ONLY = tuple(int(law.approach_only) for law in _LAWS)
+
+
+def damping_factor(law, restitution):
+    """f(e) of the law of a number, counted from 1."""
+    return _factor(law - 1, restitution)

@@ -19,6 +19,7 @@ import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points, move_points, zero
 from chain_impact.kernel.chain.recursion import factorize, no_impedance, solve
+from chain_impact.kernel.chain.state import coordinate_count, velocity_at
 from chain_impact.kernel.model.geometry import add_along_normal, add_impedance, along_normal, clearance
 from chain_impact.kernel.work_limit import overdrawn
 
@@ -32,14 +33,14 @@ ROUNDS = 30  # of flips, and 4 for each candidate: far more than ever needed
 
 def respond_to_impulses(d, factors, impulse):
     """Set ``change`` of the coordinates and ``motion`` of the points that impulses [N·s] bring about."""
-    work, n = d.work, d.links
+    work = d.work
     d.limits.other_work += 1
     change = d.rigid.change
     zero(work.load)
     for k in range(d.touch.active_count):
         add_along_normal(d, d.touch.active_index[k], work.load, impulse[k])
-    solve(d, work.link, factors, work.load, change[0:2], change[2 : n + 2])
-    move_points(work.link, change[0:2], change[2 : n + 2], work.motion)
+    solve(d, work.link, factors, work.load, change)
+    move_points(work.link, change, work.motion)
 
 
 def eliminate_impedance(d, impedance, factors):
@@ -159,8 +160,8 @@ def hold(d, y, rate):
     scale = start_from_accelerations(d, y, rate)
     press_all(d)
     press(d, scale)
-    for j in range(n + 2):
-        rate[n + 2 + j] += own.change[j]
+    for j in range(coordinate_count(n)):
+        rate[velocity_at(n) + j] += own.change[j]
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         own.least[c] = min(own.least[c], own.impulse[k])
@@ -175,6 +176,6 @@ def meet_walls(d, y):
             gap, gap_rate = clearance(d, d.touch.active_index[k])
             own.start[k] = gap_rate if derivative else gap
         press(d, largest(d.work.velocity) if derivative else d.model.size)
-        for j in range(n + 2):
-            y[derivative * (n + 2) + j] += own.change[j]
+        for j in range(coordinate_count(n)):
+            y[derivative * velocity_at(n) + j] += own.change[j]
         locate_points(d, y)

@@ -112,11 +112,10 @@ def effective_mass(d, c):
     Leaves the response M⁻¹ Jᵀ to a unit impulse in ``work.y``.
     """
     work = d.work
-    n = d.links
     no_impedance(work.impedance)
     factorize(d, work.link, work.impedance, work.factors)
     zero(work.load)
     add_along_normal(d, c, work.load, 1.0)
-    solve(d, work.link, work.factors, work.load, work.y[0:2], work.y[2 : n + 2])
-    move_points(work.link, work.y[0:2], work.y[2 : n + 2], work.motion)
+    solve(d, work.link, work.factors, work.load, work.y)
+    move_points(work.link, work.y, work.motion)
     return 1.0 / along_normal(d, c, work.motion)

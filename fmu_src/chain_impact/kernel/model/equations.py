@@ -1,11 +1,16 @@
-"""The equations of motion ẏ = f(y): the table of contents of the model.
-
-y = (x₀, θ, ẋ₀, ω, dissipated energy, energy supplied by the inputs, u, t): sundman.py says what u is for, and
-t is the time since the start of a step.
-"""
+"""The equations of motion ẏ = f(y): the table of contents of the model. chain/state.py says what is in y."""
 
 from chain_impact.kernel.chain.kinematics import link_vectors, locate_points
 from chain_impact.kernel.chain.recursion import accelerations
+from chain_impact.kernel.chain.state import (
+    coordinate_count,
+    dissipated_at,
+    omega_at,
+    root_at,
+    supplied_at,
+    time_at,
+    velocity_at,
+)
 from chain_impact.kernel.model.constraints import hold
 from chain_impact.kernel.model.contact import apply_contacts, clear_loads
 
@@ -42,21 +47,19 @@ def loaded_rate(d, y, dissipated, rate):
     n = d.links
     supplied = 0.0
     if d.model.damped or d.model.driven:
-        damped, supplied = joint_moments(d, y[n + 4 : 2 * n + 4])
+        damped, supplied = joint_moments(d, y)
         dissipated += damped
 
-    rate[0] = y[n + 2]
-    rate[1] = y[n + 3]
-    for i in range(n):
-        rate[2 + i] = y[n + 4 + i]
+    for j in range(coordinate_count(n)):
+        rate[j] = y[velocity_at(n) + j]
     accelerations(d, y, rate)
-    rate[2 * n + 4] = dissipated
-    rate[2 * n + 5] = supplied
-    rate[2 * n + 6] = 0.0
-    rate[2 * n + 7] = 1.0
+    rate[dissipated_at(n)] = dissipated
+    rate[supplied_at(n)] = supplied
+    rate[root_at(n)] = 0.0
+    rate[time_at(n)] = 1.0
 
 
-def joint_moments(d, omega):
+def joint_moments(d, y):
     """Set the net joint moment on each link; return the power [W] dissipated and supplied.
 
     The proximal joint of link i carries τ_i = u_i − c_i (ω_i − ω_{i−1}): +τ_i on link i, −τ_i on link
@@ -68,9 +71,9 @@ def joint_moments(d, omega):
     supplied = d.inputs.tip_force[0] * d.work.velocity.x[tip] + d.inputs.tip_force[1] * d.work.velocity.y[tip]
     before = 0.0
     for i in range(d.links):
-        torque = 0.0
+        torque, omega = 0.0, y[omega_at(d.links) + i]
         if i > 0 or d.model.pinned:
-            relative = omega[i] - before
+            relative = omega - before
             damping = d.model.joint_damping[i] * relative
             torque = d.inputs.joint_torque[i] - damping
             dissipated += damping * relative
@@ -78,7 +81,7 @@ def joint_moments(d, omega):
         d.work.moment[i] = torque
         if i > 0:
             d.work.moment[i - 1] -= torque
-        before = omega[i]
+        before = omega
     return dissipated, supplied
 
 
@@ -87,7 +90,7 @@ def mechanical_energy(d, y):
     n = d.links
     kinetic, potential = 0.0, 0.0
     for i in range(n):
-        m, ratio, omega = d.model.mass[i], d.model.center_of_mass_ratio[i], y[n + 4 + i]
+        m, ratio, omega = d.model.mass[i], d.model.center_of_mass_ratio[i], y[omega_at(n) + i]
         # centre of mass: p_C = p_i + c, v_C = v_i + ω c⊥
         vx = d.work.velocity.x[i] - omega * ratio * d.work.link.y[i]
         vy = d.work.velocity.y[i] + omega * ratio * d.work.link.x[i]

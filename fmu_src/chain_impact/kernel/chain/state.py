@@ -1,0 +1,51 @@
+"""The state vector, and where everything stands in it. Nobody else counts its entries.
+
+    y = (x₀, θ₁ … θ_N, ẋ₀, ω₁ … ω_N, dissipated energy, energy supplied by the inputs, u, t)
+
+The N + 2 coordinates, the position of the base [m] and the absolute link angles [rad], come first, and then
+their rates [m/s, rad/s]. The energies [J] count from the start of the run. The last two belong to the
+variable that a step runs in: u is the root of the regularized contact (integration/sundman.py), and t is the
+time since the start of the step [s].
+"""
+
+ANGLES = 2  # the first angle, also in a change of all coordinates: those of the base come first
+
+
+def coordinate_count(n):
+    """How many coordinates a chain of n links has."""
+    return n + 2
+
+
+def velocity_at(n):
+    """The base's velocity, with which the rates of all coordinates begin."""
+    return n + 2
+
+
+def omega_at(n):
+    """The first angular velocity."""
+    return n + 4
+
+
+def dissipated_at(n):
+    """The dissipated energy, behind all coordinates and their rates."""
+    return 2 * n + 4
+
+
+def supplied_at(n):
+    """The energy supplied by the inputs."""
+    return 2 * n + 5
+
+
+def root_at(n):
+    """The root u, behind all that belongs to the chain."""
+    return 2 * n + 6
+
+
+def time_at(n):
+    """The time since the start of the step."""
+    return 2 * n + 7
+
+
+def state_size(n):
+    """The length of y."""
+    return 2 * n + 8

@@ -1,0 +1,155 @@
+"""The last accepted step, and all that is known of it. This module alone changes what it says.
+
+The state at both ends, the dense output in between, the rate at the end, and the points there. What is worked
+out of a step elsewhere, such as clearances, holds until the steps break: where the next one does not start
+from the end of this one, in the same variable. `step.breaks` counts that.
+"""
+
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, place_points
+from chain_impact.kernel.chain.state import root_at, time_at
+from chain_impact.kernel.integration.dense import fraction, interpolate
+from chain_impact.kernel.integration.methods import DENSE_EVALUATIONS, RATE_AT_END, dense_output, finish
+from chain_impact.kernel.integration.sundman import NO_CONTACT, lone_contact, time_rate_now
+from chain_impact.kernel.model.constraints import holding, meet_walls
+from chain_impact.kernel.model.equations import located_rate, state_rate
+
+NOBODY, OUTPUTS, SOLVER = 0, 1, 2  # step.dense_for: who has had the dense output
+
+
+def stand(d, time, y):
+    """Stand at ``time`` [s] in state y, with a last step of no length."""
+    step = d.step
+    for j in range(len(step.state)):
+        step.state[j] = y[j]
+        for m in range(len(step.dense)):
+            step.dense[m, j] = 0.0
+    step.state[root_at(d.links)], step.state[time_at(d.links)] = 1.0, 0.0
+    for j in range(len(step.state)):
+        step.state_end[j] = step.state[j]
+    step.time, step.start, step.end = time, time, time
+    step.size = 1.0
+    step.regularized = NO_CONTACT
+    step.dense_for = SOLVER
+    break_off(d)
+
+
+def accept(d, h):
+    """Append the step of size h that was tried, with the state in ``work.y``, to the last one."""
+    if holding(d):
+        meet_walls(d, d.work.y)
+    step, y = d.step, d.work.y
+    for j in range(len(step.state)):
+        step.state[j] = step.state_end[j]
+        step.state_end[j] = y[j]
+    step.start = step.end
+    step.size = h
+    step.end = step.start + y[time_at(d.links)]
+    step.made_by = step.method
+    step.dense_for = NOBODY
+    step.rate_known = 0
+    finish(d)
+    if RATE_AT_END[step.made_by]:
+        # its error control has located the points of active contacts
+        find_rate(d, d.touch.active_count > 0)
+
+
+def take_back(d):
+    """Stand at the start of the last step again."""
+    step = d.step
+    step.end = step.start
+    for j in range(len(step.state)):
+        step.state_end[j] = step.state[j]
+    break_off(d)
+
+
+def cut(d, theta):
+    """End the last step at its fraction θ."""
+    step = d.step
+    complete(d, SOLVER)
+    interpolate(step, theta, step.state_end)
+    step.end = step.start + step.state_end[time_at(d.links)]
+    break_off(d)
+
+
+def cut_now(d):
+    """End the last step at the communication point."""
+    step = d.step
+    complete(d, SOLVER)
+    interpolate(step, fraction(d, step.time), step.state_end)
+    step.end = step.time
+    break_off(d)
+
+
+def break_off(d):
+    """Forget what was known of the end of the last step."""
+    d.step.rate_known, d.work.at_end = 0, 0
+    d.step.breaks += 1
+
+
+def choose_variable(d, anew):
+    """Choose the variable of the step to come, for the points located at its start.
+
+    Args:
+        d: the instance.
+        anew: whether the size of the step has been chosen for it, as contacts began or ended.
+    """
+    step, root = d.step, root_at(d.links)
+    before, (contact, u) = time_rate_now(d, step.state_end), lone_contact(d)
+    changed = contact != step.regularized
+    step.regularized = contact
+    step.state_end[root] = u
+    step.state_end[time_at(d.links)] = 0.0
+    if changed:
+        step.breaks += 1
+        if not anew:
+            step.next_size *= before / time_rate_now(d, step.state_end)
+
+
+def see_rate(d):
+    """See that ``work.rate_end`` is ẏ at the end of the last step."""
+    if not d.step.rate_known:
+        find_rate(d, False)
+
+
+def find_rate(d, located):
+    """Evaluate it, and place the points for candidates; they may be ``located`` there."""
+    y, rate = d.step.state_end, d.work.rate_end
+    touching = d.touch.active_count > 0
+    if touching:
+        if not located:
+            locate_points(d, y)
+        located_rate(d, y, rate)
+    else:
+        state_rate(d, y, rate)
+    if d.candidates > 0:
+        if not touching:
+            place_points(d, y)
+        accelerate_points(d, y, rate)
+        d.work.at_end = 1
+    d.statistics.rhs_evaluations += 1
+    d.step.rate_known = 1
+
+
+def see_points(d):
+    """See that the points are those at the end of the last step, where the rate is known."""
+    if not d.work.at_end:
+        locate_points(d, d.step.state_end)
+        accelerate_points(d, d.step.state_end, d.work.rate_end)
+        d.work.at_end = 1
+
+
+def complete(d, reader):
+    """See that the last step has its dense output, before anything changes that it depends on.
+
+    What only outputs need does not count as evaluations by the solver: the count does not depend on them.
+
+    Args:
+        d: the instance.
+        reader: who needs it, OUTPUTS or the SOLVER.
+    """
+    step = d.step
+    known, step.dense_for = step.dense_for, max(step.dense_for, reader)
+    if known == NOBODY:
+        dense_output(d)
+    if known < SOLVER <= reader:
+        d.statistics.rhs_evaluations += DENSE_EVALUATIONS[step.made_by]

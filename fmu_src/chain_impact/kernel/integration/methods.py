@@ -1,0 +1,47 @@
+"""The list of the methods, and what the kernel asks of the one at work."""
+
+from chain_impact.kernel.dispatch import dispatch
+from chain_impact.kernel.integration import explicit, implicit
+from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
+
+_NUMBERED = {EXPLICIT: explicit.METHOD, IMPLICIT: implicit.METHOD}
+_METHODS = tuple(_NUMBERED[number] for number in range(len(_NUMBERED)))
+METHOD_COUNT = len(_METHODS)
+
+SOLVER_METHODS = ("auto", *(method.name for method in _METHODS))
+"""The choices of `solver.method`, counted from 1: the first leaves it to the solver."""
+AUTO = 1
+
+SAFETY = tuple(method.safety for method in _METHODS)
+EXPONENT = tuple(-1.0 / method.order for method in _METHODS)
+RATE_AT_END = tuple(int(method.rate_at_end) for method in _METHODS)
+DENSE_EVALUATIONS = tuple(method.dense_evaluations for method in _METHODS)
+_prepare = dispatch([method.prepare for method in _METHODS])
+_attempt = dispatch([method.attempt for method in _METHODS])
+_finish = dispatch([method.finish for method in _METHODS])
+_dense_output = dispatch([method.dense_output for method in _METHODS])
+
+
+def prepare(d, h):
+    """Make the method at work ready for a step; returns the h to begin with, at most the given one."""
+    return _prepare(d.step.method, d, h)
+
+
+def attempt(d, h):
+    """Try a step of size h; returns its error relative to the tolerance, at most 1 for one to accept."""
+    return _attempt(d.step.method, d, h)
+
+
+def finish(d):
+    """Set what its method keeps of the last step, which has been tried just now."""
+    _finish(d.step.made_by, d, d.step.size)
+
+
+def dense_output(d):
+    """Make the dense output of the last step."""
+    _dense_output(d.step.made_by, d, d.step.size)
+
+
+def chosen(choice):
+    """The number of the method that `solver.method` demands, or −1 for `auto`."""
+    return choice - AUTO - 1
