@@ -125,6 +125,20 @@ def test_a_rod_dropped_flat_on_a_ramp_bounces_with_both_ends_and_glides_evenly(a
     np.testing.assert_allclose(result.outputs["force"][-1].sum(), onto, rtol=1e-9)
 
 
+@pytest.mark.parametrize("angle", ANGLES)
+@pytest.mark.parametrize("model", ["zhang_sharf", "newton_impact"])
+def test_a_ball_that_falls_along_a_wall_arrives_at_the_next_one(model, angle):
+    """It touches the wall all the way, to round-off, and must not be lost in looking after that."""
+    scene = ball(0.5, 0.0, gravity=GRAVITY, model=model, radius=0.1)
+    scene = with_values(scene, {("box", "x_min"): -0.1, ("initial", "position", 1): 0.6})
+    for tolerance in (1e-4, 1e-10):
+        result = simulate(turned(scene, angle), stop_time=0.4, tolerance=tolerance)
+        found = result.impacts[result.impacts["wall"] == 5]  # the wall in place of y_min
+        assert found["onset"][0] == pytest.approx(math.sqrt(1.0 / GRAVITY), abs=1e-11)
+        assert found["impact_speed"][0] == pytest.approx(math.sqrt(GRAVITY), rel=1e-9)
+        assert result.statistics["rhs_evaluations"] < 3000
+
+
 @pytest.mark.parametrize("method", ["auto", "explicit", "implicit"])
 @pytest.mark.parametrize("model", ["zhang_sharf", "newton_impact"])
 def test_a_ball_rests_on_two_walls_that_form_a_v(model, method):

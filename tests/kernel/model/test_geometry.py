@@ -14,8 +14,8 @@ from chain_impact.kernel.model.geometry import (
     add_along_normal,
     add_impedance,
     along_normal,
-    bound_along_normal,
     clearance,
+    normal,
     place_walls,
 )
 from chain_impact.kernel.status import OK, PARAMETER_OUT_OF_RANGE
@@ -54,10 +54,6 @@ def vectors(d, seed):
     return d.work.motion, values
 
 
-def normal(d, c):
-    return np.array([d.candidate.normal_x[c], d.candidate.normal_y[c]])
-
-
 def test_each_candidate_has_the_normal_and_the_offset_of_its_wall(placed):
     scene, d = placed
     planes = list(scene.half_planes.values())
@@ -74,7 +70,7 @@ def test_the_normals_of_the_box_are_exact():
     assert len(sides) == 4 * 5
     for c in sides:
         wall = d.candidate.wall[c]
-        assert tuple(normal(d, c)) == NORMALS[wall]
+        assert normal(d, c) == NORMALS[wall]
         assert abs(d.candidate.offset[c]) == abs(d.model.wall[wall])
 
 
@@ -97,12 +93,8 @@ def test_what_is_added_along_a_normal_is_found_along_it(placed):
     _, d = placed
     for c in range(d.candidates):
         motion, values = vectors(d, c)
-        point, n = d.candidate.point[c], normal(d, c)
+        point, n = d.candidate.point[c], np.array(normal(d, c))
         assert along_normal(d, c, motion) == pytest.approx(values[point] @ n, abs=1e-15)
-        bounds = d.work.acceleration
-        bounds.x[:], bounds.y[:] = np.abs(values).T
-        assert bound_along_normal(d, c, bounds) >= abs(along_normal(d, c, motion))
-        assert bound_along_normal(d, c, bounds) == pytest.approx(np.abs(values[point]) @ np.abs(n), abs=1e-15)
         add_along_normal(d, c, motion, 2.5)
         found = np.transpose([motion.x, motion.y])
         values[point] += 2.5 * n

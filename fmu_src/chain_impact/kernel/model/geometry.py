@@ -55,6 +55,11 @@ def clearance(d, c):
     return gap, along_normal(d, c, d.work.velocity)
 
 
+def normal(d, c):
+    """The components of n of candidate c."""
+    return d.candidate.normal_x[c], d.candidate.normal_y[c]
+
+
 def along_normal(d, c, vectors):
     """n·v of candidate c for the vectors v of all points."""
     point = d.candidate.point[c]
@@ -74,13 +79,6 @@ def add_impedance(d, c, impedance, amount):
     impedance.xx[point] += nx * nx * amount
     impedance.xy[point] += nx * ny * amount
     impedance.yy[point] += ny * ny * amount
-
-
-def bound_along_normal(d, c, bounds):
-    """A bound on |n·v| of candidate c, from bounds on both components of the vectors v of all points."""
-    point = d.candidate.point[c]
-    nx, ny = abs(d.candidate.normal_x[c]), abs(d.candidate.normal_y[c])
-    return nx * bounds.x[point] + ny * bounds.y[point]
 
 
 def harmless_depth(d):
