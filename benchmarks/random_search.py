@@ -1,9 +1,9 @@
 """The random search of tests/random_scenes.py, longer: ``python benchmarks/random_search.py --count 20000``.
 
-Every scene runs in a process apart, is ended after ``--cpu`` seconds of CPU time and judged by
-tests/oracle.py. What is found is listed by kind, law and method, with the seeds, in
-benchmarks/results/random_search.json. ``--shrink SEED`` makes the scene of a seed as small and plain as its
-finding allows, and prints it.
+From the seed 1000000 on (``--first``) scenes have walls at any angle. Every scene runs in a process apart,
+is ended after ``--cpu`` seconds of CPU time and judged by tests/oracle.py. What is found is listed by kind,
+law and method, with the seeds, in benchmarks/results/random_search.json. ``--shrink SEED`` makes the scene of
+a seed as small and plain as its finding allows, and prints it.
 """
 
 from __future__ import annotations
@@ -186,6 +186,8 @@ def _fewer(table: dict[str, Any]) -> Iterator[dict[str, Any]]:
         yield _with_links(table, range(1, count))
     for wall in table["box"] if len(table["box"]) > 1 else ():
         yield {**table, "box": {name: at for name, at in table["box"].items() if name != wall}}
+    for i in range(len(table["walls"])):
+        yield {**table, "walls": [wall for k, wall in enumerate(table["walls"]) if k != i]}
     for point in points if len(points) > 1 else ():
         yield _changed(table, "contact", points=[one for one in points if one != point])
 

@@ -15,7 +15,7 @@ from chain_impact import cli, sphere_plane_stiffness
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.laws.registry import ContactLaw
 from chain_impact.kernel.status import STATUS_TEXT
-from chain_impact.limits import Derived, allowed
+from chain_impact.limits import Derived, allowed, without_none
 from chain_impact.scene import (
     WALLS,
     Scene,
@@ -113,6 +113,7 @@ def _default(default: Any) -> str:
 
 
 def _allowed(kind: Any, rule: Any) -> str:
+    kind = without_none(kind)
     item, *rest = get_args(kind) or (kind,)
     text = _readable(allowed(item, rule))
     if get_origin(kind) is not tuple:
@@ -162,14 +163,14 @@ def variable_patterns() -> str:
 
 def _where(pattern: str, found: dict[str, set[str]]) -> str:
     names = [name for name, patterns in found.items() if pattern in patterns]
-    return "all" if len(names) == len(found) else ", ".join(names) or "none of the three"
+    return "all" if len(names) == len(found) else ", ".join(names) or "none of them"
 
 
 def _pattern(name: str) -> str:
     """`link[2].length` → `link[i].length`; the point of a contact and of an output is k."""
     name = re.sub(r"(point|contact)\[\d+\]", r"\1[k]", name)
     name = re.sub(r"\[\d+\]", "[i]", name)
-    return re.sub(r"(contact\[k\])\.\w_m\w\w\.", r"\1.<wall>.", name)
+    return re.sub(r"^(contact\[k\]|wall)\.\w+\.", r"\1.<wall>.", name)
 
 
 def _generic(description: str) -> str:
@@ -177,6 +178,8 @@ def _generic(description: str) -> str:
     text = re.sub(r"\blink \d+ from (link \d+|the base)", "link i from link i − 1, or the base", text)
     text = re.sub(r"\blink \d+", "link i", text)
     text = re.sub(r"\bpoint \d+ at \w+", "point k at a wall", text)
+    text = re.sub(r"^wall \w+: ", "wall at any angle: ", text)
+    text = re.sub(r"(wall of the last impact: .*y_max).*", r"\1, 5 and on: those of the scene", text)
     return re.sub(r"\bpoint \d+:", "point k:", text)
 
 
@@ -206,9 +209,9 @@ def units() -> str:
 
 def walls() -> str:
     """The numbers of the walls in `impact.last_wall`."""
-    return table(
-        ("number", "wall"), (("0", "none yet"), *((str(n), code(w)) for n, w in enumerate(WALLS, 1)))
-    )
+    box = ((str(n), code(w)) for n, w in enumerate(WALLS, 1))
+    others = (f"{len(WALLS) + 1} and on", "`[[walls]]` of the scene, in their order")
+    return table(("number", "wall"), (("0", "none yet"), *box, others))
 
 
 def statuses() -> str:

@@ -271,13 +271,12 @@ def containment(run: Account) -> Iterator[tuple[str, float, float, str]]:
 
 def clearances(run: Account) -> np.ndarray:
     """Clearance of each candidate in each row [m]."""
-    box, radius = run.scene.box, run.scene.contact.radius
-    columns = []
-    for point, wall in candidates(run.scene):
-        at = run.outputs["point_position"][:, point, wall // 2]
-        place = (box.x_min, box.x_max, box.y_min, box.y_max)[wall]
-        columns.append((at - place) * (1.0 - 2.0 * (wall % 2)) - radius)
-    return np.transpose(columns)
+    scene, places = run.scene, run.outputs["point_position"]
+    walls = [scene.half_planes.get(name) for name in scene.wall_names]
+    columns = [
+        places[:, point] @ walls[number].normal - walls[number].offset for point, number in candidates(scene)
+    ]
+    return np.transpose(columns) - scene.contact.radius
 
 
 def depth_bound(run: Account) -> float:

@@ -378,3 +378,36 @@ def mirrored(scene: Scene) -> Scene:
     if box.x_min is not None and box.x_max is not None:
         changes |= {("box", "x_min"): -box.x_max, ("box", "x_max"): -box.x_min}
     return with_values(scene, changes)
+
+
+def turned(scene: Scene, angle: float) -> Scene:
+    """The scene turned as a whole about the origin by an angle [rad], its box replaced by walls."""
+    c, s = math.cos(angle), math.sin(angle)
+
+    def turn(x: float, y: float) -> list[float]:
+        return [c * x - s * y, s * x + c * y]
+
+    box, initial = scene.box, scene.initial
+    sides = {
+        "left": (box.x_min, (box.x_min, 0.0), -math.pi / 2),
+        "right": (box.x_max, (box.x_max, 0.0), math.pi / 2),
+        "floor": (box.y_min, (0.0, box.y_min), 0.0),
+        "ceiling": (box.y_max, (0.0, box.y_max), math.pi),
+    }
+    changes: dict[tuple[str | int, ...], Any] = {
+        ("gravity",): turn(*scene.gravity),
+        ("box",): {},
+        ("walls",): [
+            {"name": name, "point": turn(*point), "angle": along + angle}
+            for name, (there, point, along) in sides.items()
+            if there is not None
+        ]
+        + [
+            {"name": wall.name, "point": turn(*wall.point), "angle": (wall.angle or 0.0) + angle}
+            for wall in scene.walls
+        ],
+        ("initial", "position"): turn(*initial.position),
+        ("initial", "velocity"): turn(*initial.velocity),
+        ("initial", "angles"): [theta + angle for theta in initial.angles],
+    }
+    return with_values(scene, changes)

@@ -1,9 +1,10 @@
 """Random scenes for the search for faults: anything that a user may ask for, made from one integer.
 
-``scene(seed)`` is the same for ever, as long as nobody changes the order of the draws below. A scene is meant
-to cost milliseconds, whatever it is made of: the stop time is cut to what the links' turning, the tolerance
-and the method call for. Where a scene asks for much work, and nobody could spare the solver that,
-``solver.work_limit`` ends it early (``hard``); everywhere else it keeps its default, so that slowness shows.
+``scene(seed)`` is the same for ever, as long as nobody changes the order of the draws below. Scenes with
+walls at any angle have seeds and draws of their own. A scene is meant to cost milliseconds, whatever it is
+made of: the stop time is cut to what the links' turning, the tolerance and the method call for. Where a scene
+asks for much work, and nobody could spare the solver that, ``solver.work_limit`` ends it early (``hard``);
+everywhere else it keeps its default, so that slowness shows.
 """
 
 from __future__ import annotations
@@ -15,8 +16,10 @@ import numpy as np
 
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.scene import SOLVER_METHODS, Scene, scene_from_dict
+from chain_impact.scene import SOLVER_METHODS, Scene, scene_from_dict, with_values
+from tests.problems import turned
 
+SLANTED = 10**6  # the first seed of scenes with walls at any angle
 MOST_LINKS = 10
 HARD_WORK = 5e4  # evaluations, for a scene that asks for much
 TURNS = 300.0  # rad, at most, that a link turns by, as it starts
@@ -56,7 +59,39 @@ class Draw:
 
 
 def scene(seed: int) -> Scene:
-    """The scene of a seed."""
+    """The scene of a seed; from the seed SLANTED on it has walls at any angle."""
+    made = upright(seed)
+    return made if seed < SLANTED else slanted(made, Draw(seed, 2))
+
+
+def slanted(scene: Scene, draw: Draw) -> Scene:
+    """The scene with some walls at any angle around its points, turned as a whole, or both."""
+    turns, cuts = draw.one(((True, False), (False, True), (True, True)))
+    angle = draw.real(-math.pi, math.pi)
+    walls = [_slope(draw, scene, w) for w in range(draw.whole(1, 3))] if cuts else []
+    scene = with_values(scene, {("walls",): walls})
+    return turned(scene, angle) if turns else scene
+
+
+def _slope(draw: Draw, scene: Scene, number: int) -> dict[str, Any]:
+    """A wall beside the points that may touch it, as far off as those of ``_box``."""
+    angle, size = draw.real(-math.pi, math.pi), max(link.length for link in scene.chain.links)
+    margin = draw.one((size * draw.real(0.05, 2.0), draw.power(1e-13, 1e-3), 0.0), (0.85, 0.1, 0.05))
+    along, normal = (
+        np.array([math.cos(angle), math.sin(angle)]),
+        np.array([-math.sin(angle), math.cos(angle)]),
+    )
+    lengths = np.array([link.length for link in scene.chain.links])[:, None]
+    angles = np.array(scene.initial.angles)
+    steps = lengths * np.transpose([np.cos(angles), np.sin(angles)])
+    points = np.array(scene.initial.position) + np.vstack([np.zeros(2), np.cumsum(steps, axis=0)])
+    nearest = (points[list(scene.contact.points)] @ normal).min()
+    place = (nearest - scene.contact.radius - margin) * normal + draw.real(-5.0, 5.0) * along
+    return {"name": f"slope_{number}", "point": place.tolist(), "angle": angle}
+
+
+def upright(seed: int) -> Scene:
+    """The scene of a seed with a box alone."""
     draw = Draw(seed, 0)
     start = draw.one(STARTS, SHARES)
     base = draw.one(("free", "pinned"), (0.7, 0.3))

@@ -15,7 +15,7 @@ import mpmath
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from chain_impact.scene import WALLS, Scene
+from chain_impact.scene import Scene
 
 # --- the exact impact of a point mass -----------------------------------------------------------------
 
@@ -216,8 +216,7 @@ def set_impedances(record: Any, impedances: np.ndarray) -> None:
 
 def clearance_gradient(scene: Scene, angles: Sequence[float], point: int, wall: str) -> np.ndarray:
     """∇g of a point's clearance to a wall, shape (N+2,)."""
-    axis, side = divmod(WALLS.index(wall), 2)
-    return (1 - 2 * side) * point_jacobian(scene, angles, point)[axis]
+    return np.array(scene.half_planes[wall].normal) @ point_jacobian(scene, angles, point)
 
 
 def newton_impact(

@@ -27,6 +27,7 @@ TESTED_ELSEWHERE = {
     "export/fmu.py": "fmu/test_build.py",
     "limits.py": "test_scene.py",
     "progress.py": "test_cli.py",
+    "reading.py": "test_scene.py",
     "kernel/advance.py": "test_simulate.py",  # what only whole simulations can show
     "kernel/integration/combination.py": "kernel/integration/test_explicit.py",
     "kernel/model/contact.py": "kernel/laws/test_contact_laws.py",
@@ -54,7 +55,6 @@ TESTED_ELSEWHERE = {
     "kernel/work_limit.py": "test_rest.py",
     "kernel/chain/state.py": "kernel/chain/test_recursion.py",
     "kernel/chain/kinematics.py": "kernel/chain/test_recursion.py",
-    "kernel/model/geometry.py": "kernel/events/test_search.py",
 }
 
 

@@ -9,6 +9,7 @@ from chain_impact import simulate
 from chain_impact.kernel.status import OK, TOO_MUCH_WORK
 from chain_impact.scene import scene_from_dict, with_values
 from chain_impact.simulate import Instance, SimulationError
+from tests.problems import turned
 from tests.reference import balance
 
 
@@ -49,6 +50,18 @@ def test_a_chain_flush_with_a_wall_falls_along_it_as_one_millimetre_away(law, gr
         assert instance.record["impact"]["count"] == 0
         costs.append(work(instance))
     assert costs[0] <= 3 * costs[1]
+
+
+@pytest.mark.parametrize("turn", [0.7, 1.3, -2.0])
+@pytest.mark.parametrize("gravity", [(0.0, -9.81), (0.0, -1000.0), (0.0, 0.0)])
+@pytest.mark.parametrize("law", ["zhang_sharf", "newton_impact"])
+def test_a_chain_flush_with_a_wall_at_a_slant_falls_along_it_at_little_cost(law, gravity, turn):
+    """Round-off makes its points touch the wall and leave it, some times."""
+    start = {"position": [0.0, 2.4], "angles": HANGING, "velocity": [0.0, -1.0]}
+    scene = chain(4, start, box=WALL, gravity=gravity, contact={"model": law})
+    instance = Instance(turned(scene, turn))
+    assert instance.advance(1.0) == OK
+    assert work(instance) < 1000
 
 
 @pytest.mark.parametrize("law", ["zhang_sharf", "newton_impact"])
@@ -134,6 +147,14 @@ def test_the_search_for_events_counts_as_work():
     assert work(instance) > evaluations + 50
     with pytest.raises(SimulationError) as caught:
         simulate(with_values(scene, {("solver", "work_limit"): float(evaluations)}), stop_time=1.0)
+    assert caught.value.status == TOO_MUCH_WORK
+
+
+def test_a_search_that_is_given_up_ends_the_run():
+    """Also in a step that is as long as the window of the limit; else the floor would be missed."""
+    scene = chain(1, {"position": [0.0, 4.0], "angles": [0.0]}, solver={"work_limit": 14.0})
+    with pytest.raises(SimulationError) as caught:
+        simulate(scene, stop_time=1.0)
     assert caught.value.status == TOO_MUCH_WORK
 
 

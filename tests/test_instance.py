@@ -31,6 +31,11 @@ def test_candidates_are_the_listed_points_at_the_walls_that_are_there():
     some = with_values(box, {("contact", "points"): [4, 1], ("box", "x_min"): None, ("box", "y_max"): None})
     x_max, y_min = WALLS.index("x_max"), WALLS.index("y_min")
     assert candidates(some) == [(1, x_max), (1, y_min), (4, x_max), (4, y_min)]
+    walls = [{"name": name, "point": [0.0, 0.0], "angle": angle} for name, angle in (("a", 0.0), ("b", -1.0))]
+    slanted = with_values(some, {("walls",): walls})
+    assert candidates(slanted)[:4] == [(1, x_max), (1, y_min), (1, 4), (1, 5)]
+    held = new_instance(slanted)[0]["walls"]
+    assert held["angle"].tolist() == [0.0, -1.0] + [0.0] * 6
     assert candidates(with_values(box, {("contact", "points"): []})) == []
     assert candidates(with_values(box, {("box", wall): None for wall in WALLS})) == []
 

@@ -15,6 +15,7 @@ from chain_impact.plots import SIZE, fill, plot
 from chain_impact.recording import Impact, Recording
 from chain_impact.runs import record_scene
 from chain_impact.scene import model_names
+from chain_impact.walls import half_planes
 
 BEGINNINGS = {".png": b"\x89PNG\r\n\x1a\n", ".svg": b"<?xml", ".pdf": b"%PDF"}
 
@@ -25,14 +26,17 @@ def recordings():
     return {name: record_scene(load_scene(name), {}) for name in model_names()}
 
 
-def swing(impacts=(), walls=None, rows=50):
-    """A rod of 1 m that turns about the origin by half a turn, from the right to the left through y > 0."""
+def swing(impacts=(), walls=None, rows=50, slopes=None):
+    """A rod of 1 m that turns about the origin by half a turn, from the right to the left through y > 0.
+
+    The walls of the box and those at any angle as ``half_planes`` takes them.
+    """
     time = np.linspace(0.0, 2.0, rows)
     angle = np.pi / 2 * time
     columns = {"point[0].x": 0 * time, "point[0].y": 0 * time}
     columns |= {"point[1].x": np.cos(angle), "point[1].y": np.sin(angle)}
     columns |= {f"energy.{name}": time for name in ("kinetic", "potential", "total", "dissipated")}
-    return Recording("Swing", time, columns, list(impacts), walls or {})
+    return Recording("Swing", time, columns, list(impacts), half_planes(walls or {}, slopes or {}))
 
 
 def drawn(recording):
@@ -101,15 +105,42 @@ def test_every_wall_is_a_line_at_its_place(recordings, model):
     _, motion, *_ = drawn(recording)
     ends = wall_lines(motion)
     assert len(ends) == len(recording.walls)
-    for wall, position in recording.walls.items():
-        axis = int(wall.startswith("y"))
-        assert any(np.all(line[:, axis] == position) for line in ends), wall
+    for name, wall in recording.walls.items():
+        gaps = [max(abs(wall.clearance(*end)) for end in line) for line in ends]
+        assert min(gaps) < 1e-12, name
 
 
 def test_walls_end_where_they_meet(recordings):
     _, motion, *_ = drawn(recordings["four_link_box"])
     corners = {tuple(end) for line in wall_lines(motion) for end in line}
     assert corners == {(0.0, 0.0), (3.0, 0.0), (0.0, 2.5), (3.0, 2.5)}
+    # those of the ramp meet at the origin, and its top and its stop end where the picture does
+    _, motion, *_ = drawn(recordings["ramp"])
+    view = [
+        (value, axis) for axis, ends in enumerate((motion.get_xlim(), motion.get_ylim())) for value in ends
+    ]
+    ends = np.concatenate(wall_lines(motion))
+    met = np.abs(ends).max(axis=1) < 1e-12
+    assert met.sum() == 2
+    assert all(min(abs(end[axis] - value) for value, axis in view) < 1e-12 for end in ends[~met])
+
+
+def test_the_room_is_white_and_all_beyond_it_grey():
+    """Three walls, one of them at a slant, and a fourth that is hidden behind the others."""
+    walls = {"y_min": -0.2, "x_max": 1.1}
+    slopes = {"slope": (-0.9, 0.0, -1.0), "hidden": (-2.4, 0.0, -1.0)}
+    recording = swing(walls=walls, slopes=slopes)
+    _, motion, *_ = drawn(recording)
+    assert len(wall_lines(motion)) == 3
+    (room,) = motion.patches
+    assert mpl.colors.to_hex(room.get_facecolor()) == "#ffffff"
+    assert mpl.colors.to_hex(motion.get_facecolor()) != "#ffffff"
+    outline, random = room.get_path(), np.random.default_rng(1)
+    for place in random.uniform(
+        (motion.get_xlim()[0], motion.get_ylim()[0]), (motion.get_xlim()[1], motion.get_ylim()[1]), (200, 2)
+    ):
+        inside = min(wall.clearance(*place) for wall in recording.walls.values()) > 0.0
+        assert outline.contains_point(place) == inside
 
 
 def test_a_wall_far_away_does_not_shrink_the_motion():
@@ -123,7 +154,20 @@ def test_what_moves_beyond_a_wall_is_in_view():
     """Points that are not candidates pass through walls."""
     _, motion, *_ = drawn(swing(walls={"y_max": 0.4}))
     assert motion.get_ylim()[1] > 1.0
-    assert np.all(wall_lines(motion)[0][:, 1] == 0.4)
+    np.testing.assert_allclose(wall_lines(motion)[0][:, 1], 0.4, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("angle", np.linspace(-3.0, 3.0, 7))
+def test_a_wall_at_any_angle_is_seen_from_both_sides(angle):
+    """A band beyond it is in view."""
+    foot = np.array([0.0, 0.5]) + 1.2 * np.array([np.sin(angle), -np.cos(angle)])
+    recording = swing(slopes={"slope": (*foot, angle)})
+    _, motion, *_ = drawn(recording)
+    (line,) = wall_lines(motion)
+    view = [(x, y) for x in motion.get_xlim() for y in motion.get_ylim()]
+    gaps = [recording.walls["slope"].clearance(*corner) for corner in view]
+    assert np.ptp(line, axis=0).max() > 0.5
+    assert min(gaps) < -0.1 < 0.1 < max(gaps)
 
 
 def test_without_walls_nothing_is_grey():
@@ -134,20 +178,22 @@ def test_without_walls_nothing_is_grey():
 
 def test_impacts_are_ringed_where_the_point_was_and_numbered():
     impacts = [Impact(0.5, 1, "x_max", 1.0), Impact(1.0, 1, "y_max", 2.0), Impact(1.5, 0, "y_min", 3.0)]
-    _, motion, _, _, speeds = drawn(swing(impacts, rows=2001))
-    rings = [line.get_xydata()[0] for line in motion.lines if line.get_markerfacecolor() == "none"]
     s = np.sqrt(0.5)
-    np.testing.assert_allclose(rings, [[s, s], [0.0, 1.0], [0.0, 0.0]], atol=1e-6)
+    walls = {"x_max": s, "y_max": 1.1, "y_min": 0.0}  # of the second, a point with a radius of 0.1 m
+    _, motion, _, _, speeds = drawn(swing(impacts, walls, rows=2001))
+    rings = [line.get_xydata()[0] for line in motion.lines if line.get_markerfacecolor() == "none"]
+    np.testing.assert_allclose(rings, [[s, s], [0.0, 1.1], [0.0, 0.0]], atol=1e-6)
     assert labels(motion) == ["1", "2", "3"]
     assert labels(speeds) == ["1", "2", "3"]
 
 
 def test_impacts_at_one_place_share_a_ring_and_at_one_time_a_label():
     impacts = [Impact(time, 0, "y_min", 1.0) for time in (0.5, 0.51, 1.0, 1.5)]
-    _, motion, _, _, speeds = drawn(swing([*impacts[:2], Impact(0.9, 1, "y_max", 1.0)]))
+    walls = {"y_min": 0.0, "y_max": 1.0}
+    _, motion, _, _, speeds = drawn(swing([*impacts[:2], Impact(0.9, 1, "y_max", 1.0)], walls))
     assert labels(motion) == ["1, 2", "3"]
     assert labels(speeds) == ["1–2", "3"]
-    _, motion, _, _, speeds = drawn(swing(impacts))
+    _, motion, _, _, speeds = drawn(swing(impacts, walls))
     assert labels(motion) == ["1 … 4"]
     assert labels(speeds) == ["1–2", "3", "4"]
 
@@ -184,15 +230,15 @@ def test_numbers_and_names_do_not_overlap(recordings, model):
         assert page.bbox.y0 <= box.y0 <= box.y1 <= page.bbox.y1
 
 
-@pytest.mark.parametrize("model", ["four_link_box", "pinned_arm"])
+@pytest.mark.parametrize("model", ["four_link_box", "pinned_arm", "ramp"])
 def test_numbers_stand_outside_of_the_room(recordings, model):
     _, motion, *_ = drawn(recordings[model])
     to_data = motion.transData.inverted()
     walls = recordings[model].walls
     for text in motion.texts:
         (x0, y0), (x1, y1) = to_data.transform(text.get_window_extent().get_points())
-        beyond = {"x_min": x1, "y_min": y1, "x_max": -x0, "y_max": -y0}
-        assert any(beyond[wall] < (-at if wall.endswith("max") else at) for wall, at in walls.items())
+        corners = [(x, y) for x in (x0, x1) for y in (y0, y1)]
+        assert any(all(wall.clearance(*corner) < 0.0 for corner in corners) for wall in walls.values())
         rings = [line for line in motion.lines if line.get_markerfacecolor() == "none"]
         assert not any(ring.get_window_extent().overlaps(text.get_window_extent()) for ring in rings)
 
@@ -232,5 +278,5 @@ def test_a_simulation_that_stopped_at_once_has_a_picture(tmp_path, rows):
 
 def test_the_title_counts_impacts():
     for count, words in ((0, "0 impacts"), (1, "1 impact in"), (2, "2 impacts")):
-        page, *_ = drawn(swing([Impact(1.0, 1, "y_max", 1.0)] * count))
+        page, *_ = drawn(swing([Impact(1.0, 1, "y_max", 1.0)] * count, {"y_max": 1.0}))
         assert words in page.get_suptitle()

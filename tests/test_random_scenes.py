@@ -15,10 +15,10 @@ from chain_impact.kernel.status import EVENT_STORM, TOO_MUCH_WORK
 from chain_impact.scene import Scene, with_values
 from tests.oracle import account, judge
 from tests.problems import default_scene, dropped_ball
-from tests.random_scenes import STARTS, drive, scene
+from tests.random_scenes import SLANTED, STARTS, drive, scene
 from tests.search import verdict, verdicts
 
-BLOCKS, BLOCK = 6, 500  # seeds
+BLOCKS, SLANTED_BLOCKS, BLOCK = 6, 2, 500  # seeds
 
 
 def broken(one):
@@ -26,18 +26,23 @@ def broken(one):
 
     These do not hold for every scene: that no run is stopped early or takes more than 2 s; that no point
     that leaves a rigid wall is logged, and the ledger in its toggle positions; the ledger at tolerances above
-    1e-3.
+    1e-3; at these, that no point is outside a wall at a slant by more than 1e-9 m: two of the first thousand
+    scenes are, the worse by 8e-8 m.
     """
     rigid, loose = one.law == "newton_impact", scene(one.seed).solver.tolerance > 1e-3
+    slanted = one.seed >= SLANTED
     open_ = {"stopped", "slow"}
     open_ |= {"negative impact_speed", "negative separation_speed", "energy"} if rigid else set()
     open_ |= {"energy", "undissipated"} if loose else set()
+    open_ |= {"outside"} if loose and slanted else set()
     return [finding for finding in one.findings if finding.kind not in open_]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "first", range(0, BLOCKS * BLOCK, BLOCK), ids=lambda first: f"{first}-{first + BLOCK - 1}"
+    "first",
+    [*range(0, BLOCKS * BLOCK, BLOCK), *range(SLANTED, SLANTED + SLANTED_BLOCKS * BLOCK, BLOCK)],
+    ids=lambda first: f"{first}-{first + BLOCK - 1}",
 )
 def test_random_scenes_keep_the_laws_of_physics(first):
     found = [one for one in verdicts(range(first, first + BLOCK)) if broken(one)]
@@ -69,6 +74,21 @@ def test_scenes_are_of_all_kinds():
     assert len(STARTS) == 6
 
 
+def test_scenes_with_walls_at_any_angle_have_seeds_of_their_own():
+    seeds = range(SLANTED, SLANTED + 200)
+    scenes = [scene(seed) for seed in seeds]
+    assert not any(scene(seed).walls for seed in range(200))
+    assert all(one.walls for one in scenes)
+    # turned as a whole, with more walls beside the box, and both
+    boxed = {
+        (one.half_planes.keys() == {wall.name for wall in one.walls}, one.walls[-1].name) for one in scenes
+    }
+    assert {(True, "floor"), (False, "slope_0"), (True, "slope_2")} <= boxed
+    touching = [one for one in scenes if gap(one) == pytest.approx(0.0, abs=1e-14)]
+    assert len(touching) > 50
+    assert min(map(gap, scenes)) > -1e-12
+
+
 def gap(scene):
     """The least clearance at the start [m]."""
     x, y = scene.initial.position
@@ -76,14 +96,9 @@ def gap(scene):
     for link, angle in zip(scene.chain.links, scene.initial.angles, strict=True):
         x, y = x + link.length * math.cos(angle), y + link.length * math.sin(angle)
         places.append((x, y))
-    box, radius = scene.box, scene.contact.radius
-    sides = ((0, box.x_min, 1), (0, box.x_max, -1), (1, box.y_min, 1), (1, box.y_max, -1))
-    return min(
-        sign * (places[point][axis] - place) - radius
-        for point in scene.contact.points
-        for axis, place, sign in sides
-        if place is not None
-    )
+    walls = scene.half_planes.values()
+    gaps = [wall.clearance(*places[point]) for point in scene.contact.points for wall in walls]
+    return min(gaps) - scene.contact.radius
 
 
 # --- the oracle must be able to find something -----------------------------------------------------------

@@ -6,6 +6,7 @@ import os
 import numpy as np
 import pytest
 
+from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.recording import Impact, Recording, impacts_from_outputs, written_whole
 
 # each digit, the ends of the range, a negative zero and what is no number at all
@@ -127,18 +128,18 @@ def outputs(rows):
 
 def test_impacts_are_where_the_count_goes_up():
     none, first, second = (0, 0.0, -1, 0, 0.0), (1, 0.15, 4, 3, 2.5), (2, 0.35, 0, 1, 0.5)
-    found = impacts_from_outputs(outputs([none, none, first, first, second, second]))
+    found = impacts_from_outputs(outputs([none, none, first, first, second, second]), WALLS)
     assert found == [Impact(0.15, 4, "y_min", 2.5), Impact(0.35, 0, "x_min", 0.5)]
 
 
 def test_of_several_impacts_between_two_rows_the_last_is_known():
-    found = impacts_from_outputs(outputs([(0, 0.0, -1, 0, 0.0), (3, 0.19, 2, 4, 1.0)]))
+    found = impacts_from_outputs(outputs([(0, 0.0, -1, 0, 0.0), (3, 0.19, 2, 4, 1.0)]), WALLS)
     assert found == [Impact(0.19, 2, "y_max", 1.0)]
 
 
 def test_an_impact_at_the_start_counts():
-    assert impacts_from_outputs(outputs([(1, 0.0, 0, 2, 1.0)])) == [Impact(0.0, 0, "x_max", 1.0)]
+    assert impacts_from_outputs(outputs([(1, 0.0, 0, 2, 1.0)]), WALLS) == [Impact(0.0, 0, "x_max", 1.0)]
 
 
 def test_no_impacts():
-    assert impacts_from_outputs(outputs([(0, 0.0, -1, 0, 0.0)] * 3)) == []
+    assert impacts_from_outputs(outputs([(0, 0.0, -1, 0, 0.0)] * 3), WALLS) == []

@@ -1,5 +1,6 @@
 """Runs: a scene and its FMU by the same names, to the same numbers, with the same faults."""
 
+import math
 import sys
 import tempfile
 import zipfile
@@ -14,6 +15,7 @@ from chain_impact.export.fmu import build_fmu
 from chain_impact.runs import RunError, read_fmu, record_fmu, record_scene
 from chain_impact.scene import model_names
 from chain_impact.variables import fmu_variables
+from chain_impact.walls import HalfPlane, half_planes
 
 LITTLE_WORK = {"solver.work_limit": "1500"}  # too little for the impacts, enough for the flight before
 
@@ -62,9 +64,20 @@ def test_the_columns_of_a_scene_are_the_outputs_that_change_all_the_time():
 
 def test_walls_and_start_are_those_that_were_set(record):
     recording = record({"box.x_max": "2.8", "initial.x": "0.4"})
-    assert recording.walls == {"x_min": 0.0, "x_max": 2.8, "y_min": 0.0, "y_max": 2.5}
+    assert recording.walls == half_planes({"x_min": 0.0, "x_max": 2.8, "y_min": 0.0, "y_max": 2.5}, {})
     assert recording.columns["point[0].x"][0] == 0.4
     assert recording.points[..., 0].max() < 2.801
+
+
+def test_walls_at_any_angle_are_those_that_were_set(fmus):
+    settings = {"wall.ramp.angle": "-0.5", "wall.stop.x": "0.25", "simulation.stop_time": "1.0"}
+    scene, fmu = record_scene(load_scene("ramp"), settings), record_fmu(fmus["ramp"], settings)
+    assert scene.walls == fmu.walls
+    assert list(fmu.walls) == ["ramp", "stop"]
+    assert fmu.walls["ramp"] == HalfPlane((math.sin(0.5), math.cos(0.5)), 0.0)
+    names = [[impact.wall for impact in run.impacts] for run in (scene, fmu)]
+    assert names[0] == names[1]
+    assert set(names[1]) == {"ramp", "stop"}
 
 
 def test_a_choice_can_be_given_by_name_or_number(record):

@@ -85,11 +85,16 @@ def test_points_are_sorted_so_that_equal_scenes_are_equal():
 
 def test_models_are_found_by_name_folder_and_file(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert model_names() == ["four_link_box", "pinned_arm", "rod_drop"]
+    assert model_names() == ["four_link_box", "pinned_arm", "ramp", "rod_drop"]
     for name in model_names():
         folder = models_folder() / name
         assert load_scene(name) == load_scene(folder) == load_scene(folder / "scene.toml")
-    assert [load_scene(name).name for name in model_names()] == ["FourLinkBox", "PinnedArm", "RodDrop"]
+    assert [load_scene(name).name for name in model_names()] == [
+        "FourLinkBox",
+        "PinnedArm",
+        "Ramp",
+        "RodDrop",
+    ]
 
 
 def test_an_output_folder_of_the_same_name_does_not_hide_a_model(tmp_path, monkeypatch):
@@ -200,13 +205,17 @@ def test_a_pinned_base_cannot_have_a_velocity():
 
 
 @pytest.mark.parametrize(
-    ("wall", "at", "point"),
-    [("x_min", 0.7, 0), ("y_min", 1.45, 0), ("x_max", 2.3, 4), ("y_max", 1.6, 3)],
+    ("wall", "at", "where"),
+    [
+        ("x_min", 0.7, "point 0 at (0.6, 1.4) m is 0.1 m"),
+        ("y_min", 1.45, "point 0 at (0.6, 1.4) m is 0.05 m"),
+        ("x_max", 2.3, "point 4 at (2.34686, 1.59108) m is 0.0468643 m"),
+        ("y_max", 1.6, "point 3 at (1.85683, 1.69041) m is 0.0904142 m"),
+    ],
 )
-def test_a_start_inside_a_wall_is_refused(wall, at, point):
+def test_a_start_inside_a_wall_is_refused(wall, at, where):
     message = refused((("box", wall), at))
-    assert message.startswith(f"initial: point {point} at {wall[0]} = ")
-    assert message.endswith(f" m deep in the wall {wall} = {at}; must be outside")
+    assert message == f"initial: {where} deep in the wall {wall}; must be outside"
 
 
 def test_the_start_may_touch_a_wall_but_not_by_more_than_round_off():
@@ -214,9 +223,66 @@ def test_the_start_may_touch_a_wall_but_not_by_more_than_round_off():
     rod = with_values(load_scene("rod_drop"), touching)
     with_values(rod, {("initial", "position", 1): 0.25 - 1e-13})
     message = refusal(with_values, rod, {("initial", "position", 1): 0.125})
-    assert "point 0 at y = 0.125 m is 0.125 m deep in the wall y_min = 0.0" in message
+    assert "point 0 at (0, 0.125) m is 0.125 m deep in the wall y_min; must be outside" in message
     # a point that is no candidate passes through walls, so it may be anywhere
     with_values(rod, {("initial", "position", 1): 0.125, ("contact", "points"): [1]})
+
+
+# --- walls at any angle ----------------------------------------------------------------------------------
+
+RAMP = {"name": "ramp", "point": [0.0, -2.0]}
+
+
+def test_a_wall_has_an_angle_or_a_normal_and_keeps_the_angle():
+    walls = [RAMP | {"normal": [3.0, 4.0]}, RAMP | {"name": "floor", "angle": 0.25}]
+    scene = with_values(load_scene("four_link_box"), {("walls",): walls})
+    assert [wall.angle for wall in scene.walls] == [-math.atan2(3.0, 4.0), 0.25]
+    assert [wall.normal for wall in scene.walls] == [None, None]
+    assert scene.wall_names == ("x_min", "x_max", "y_min", "y_max", "ramp", "floor")
+    assert scene_to_dict(scene)["walls"][1] == {"name": "floor", "point": [0.0, -2.0], "angle": 0.25}
+    turned = with_values(scene, {("walls", 0, "angle"): -0.5, ("walls", 1, "point", 0): 3})
+    assert (turned.walls[0].angle, turned.walls[1].point) == (-0.5, (3.0, -2.0))
+    again = {("walls", 0, "angle"): None, ("walls", 0, "normal"): [0, 2]}
+    assert with_values(scene, again).walls[0].angle == 0.0
+
+
+@pytest.mark.parametrize(
+    ("walls", "message"),
+    [
+        ([RAMP], "walls[0] (ramp) has neither angle nor normal; must have one of them"),
+        (
+            [RAMP | {"angle": 0.0, "normal": [0.0, 1.0]}],
+            "walls[0] (ramp) has both angle and normal; must have",
+        ),
+        ([RAMP | {"normal": [0.0, 0.0]}], "walls[0].normal = [0.0, 0.0] must not be zero"),
+        ([RAMP | {"normal": [1.0]}], "walls[0].normal = [1.0] must be a list, expected length 2"),
+        ([RAMP | {"angle": "up"}], "walls[0].angle = 'up' must be a finite number [rad]"),
+        (
+            [RAMP | {"angle": 0.0}] * 2,
+            "walls[1].name = 'ramp' must be none of x_min, x_max, y_min, y_max, ramp",
+        ),
+        (
+            [RAMP | {"angle": 0.0, "name": "y_min"}],
+            "walls[0].name = 'y_min' must be none of x_min, x_max, y_",
+        ),
+        ([RAMP | {"angle": 0.0, "name": "my wall"}], "walls[0].name = 'my wall' must be a C identifier"),
+        ([{"point": [0.0, 0.0], "angle": 0.0}], "walls[0].name is missing"),
+        ([{"name": "ramp", "angle": 0.0}], "walls[0].point is missing (a point on the wall)"),
+        ({}, "walls = {} must be a list"),
+        ([RAMP | {"angel": 0.0}], "walls[0].angel is unknown; the nearest key is"),
+    ],
+)
+def test_a_bad_wall_is_refused(walls, message):
+    assert refused((("walls",), walls)).startswith(message)
+
+
+def test_a_start_inside_a_wall_at_a_slant_is_refused():
+    walls = [RAMP | {"normal": [1.0, 1.0], "point": [2.0, 0.25]}]
+    message = refused((("walls",), walls))
+    assert message == (
+        "initial: point 0 at (0.6, 1.4) m is 0.176777 m deep in the wall ramp; must be outside"
+    )
+    with_values(load_scene("four_link_box"), {("walls",): walls, ("contact", "points"): [2, 3, 4]})
 
 
 def test_a_chain_has_at_most_a_thousand_links():
@@ -271,7 +337,7 @@ def test_a_message_is_one_line_even_for_a_file_name_of_two():
 def test_what_is_no_scene_file_is_refused_with_the_models(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "empty").mkdir()
-    with pytest.raises(SceneError, match="a model: four_link_box, pinned_arm, rod_drop") as caught:
+    with pytest.raises(SceneError, match="a model: four_link_box, pinned_arm, ramp, rod_drop") as caught:
         load_scene(name)
     assert str(caught.value).startswith(f"{name}: cannot be read (")
 
@@ -297,6 +363,12 @@ def scene_dicts(draw):
         return {"length": draw(st.floats(1e-3, 10)), "mass": draw(positive)} | optional
 
     far = st.floats(1e3, 1e6)  # out of reach of the chain
+
+    def wall(name):
+        x, y = draw(st.sampled_from([(1e3, 0.0), (0.0, 1e4), (-1e4, 1e3), (-1e3, -1e5)]))
+        toward = {"normal": [-x, -y]} if draw(st.booleans()) else {"angle": math.atan2(x, -y)}
+        return {"name": name, "point": [x, y], **toward}
+
     start = st.lists(st.floats(-100, 100), min_size=2, max_size=2)
     return {
         "name": draw(st.from_regex(r"[A-Za-z_]\w*", fullmatch=True, alphabet=st.characters(codec="ascii"))),
@@ -304,6 +376,7 @@ def scene_dicts(draw):
         **table(gravity=st.lists(finite, min_size=2, max_size=2)),
         "chain": {"base": "pinned" if pinned else "free", "links": [link() for _ in range(count)]},
         "box": table(x_min=far.map(lambda x: -x), x_max=far, y_min=far.map(lambda x: -x), y_max=far),
+        "walls": [wall(name) for name in draw(st.lists(st.sampled_from(["a", "b_", "C1"]), unique=True))],
         "contact": table(
             model=st.sampled_from([law.id for law in CONTACT_LAWS.values() if law.exponent is None]),
             stiffness=positive,

@@ -24,6 +24,8 @@ def scenes() -> dict[str, Scene]:
         "driven": with_values(box, DRIVEN),
         "without walls": with_values(box, {("box", wall): None for wall in WALLS}),
         "two points": with_values(box, {("contact", "points"): [0, 3]}),
+        "walls without points": with_values(models["ramp"], {("contact", "points"): []}),
+        "slanted": with_values(box, {("walls",): [{"name": "slope", "point": [0.0, 0.0], "angle": -0.75}]}),
     }
 
 
@@ -147,6 +149,25 @@ def test_only_the_walls_and_points_of_the_scene():
     assert "initial.vx" not in arm
     found = names(SCENES["two points"], "output")
     assert {name.partition(".")[0] for name in found if "contact" in name} == {"contact[0]", "contact[3]"}
+
+
+def test_walls_at_any_angle_have_their_own_variables():
+    ramp = names(SCENES["ramp"], "parameter")
+    walls = [f"wall.{wall}.{key}" for wall in ("ramp", "stop") for key in ("x", "y", "angle")]
+    assert ramp[7:13] == walls
+    assert not [name for name in ramp if name.startswith("box")]
+    slanted = {variable.name: variable for variable in fmu_variables(SCENES["slanted"])}
+    assert slanted["wall.slope.x"].place == ("walls", "x", 0)
+    assert slanted["contact[4].slope.force"].place == ("output", "force", 24)
+    assert (
+        slanted["contact[4].slope.force"].description
+        == "point 4 at slope: force of the wall, along its normal"
+    )
+    assert slanted["impact.last_wall"].description.endswith("3 y_min, 4 y_max, 5 slope")
+    # a wall that nothing can touch
+    assert not [
+        v for v in fmu_variables(SCENES["walls without points"]) if v.name.startswith(("wall", "contact"))
+    ]
 
 
 def test_a_scene_without_walls_has_no_contact_variables():

@@ -16,9 +16,10 @@ from chain_impact.compilation import cache, ready
 from chain_impact.compilation.compilers import HOST, ZIG_TARGETS
 from chain_impact.compilation.errors import BuildError
 from chain_impact.progress import err, out, progress
+from chain_impact.reading import SceneError
 from chain_impact.recording import Recording
 from chain_impact.runs import RunError, read_fmu, record_fmu, record_scene, with_settings
-from chain_impact.scene import SceneError, load_scene, scene_to_dict
+from chain_impact.scene import load_scene, scene_to_dict
 from chain_impact.screen import cache_report, law_table, summary
 
 if TYPE_CHECKING:

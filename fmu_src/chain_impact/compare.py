@@ -13,8 +13,9 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.reading import SceneError
 from chain_impact.recording import written_whole
-from chain_impact.scene import Contact, Scene, SceneError, scene_from_dict, with_values
+from chain_impact.scene import Contact, Scene, scene_from_dict, with_values
 from chain_impact.simulate import Instance, Result, SimulationError, simulate
 
 EXACT = "zhang_sharf"

@@ -13,8 +13,9 @@ from chain_impact.scene import Scene
 
 
 def candidates(scene: Scene) -> list[tuple[int, int]]:
-    """The pairs (point, index into WALLS) that can touch: listed points and existing walls only."""
-    walls = [w for w, name in enumerate(WALLS) if getattr(scene.box, name) is not None]
+    """The pairs (point, index into ``scene.wall_names``) that can touch: listed points, existing walls."""
+    there = scene.half_planes
+    walls = [w for w, name in enumerate(scene.wall_names) if name in there]
     return [(point, wall) for point in scene.contact.points for wall in walls]
 
 
@@ -34,6 +35,9 @@ def new_instance(scene: Scene) -> np.ndarray:
     model["wall"] = [getattr(scene.box, name) or 0.0 for name in WALLS]
     if pairs:
         d["candidate"]["point"], d["candidate"]["wall"] = np.transpose(pairs)
+        for w, wall in enumerate(scene.walls):
+            for name, value in (("x", wall.point[0]), ("y", wall.point[1]), ("angle", wall.angle)):
+                d["walls"][name][w] = value
     model["pinned"] = scene.chain.base == "pinned"
     model["driven"] = scene.inputs.joint_torques or scene.inputs.tip_force
 

@@ -137,7 +137,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("count", INTEGER),  # onsets since the start
         ("last_time", REAL),  # s
         ("last_point", INTEGER),  # 0…N, −1 before the first impact
-        ("last_wall", INTEGER),  # 1…4 in the order of WALLS, 0 before the first impact
+        ("last_wall", INTEGER),  # 1 + index into the scene's wall_names, 0 before the first impact
         ("last_speed", REAL),  # m/s
     )
     statistics = _record(

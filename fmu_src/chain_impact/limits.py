@@ -7,7 +7,8 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field
 from pathlib import Path
-from typing import Any, TypedDict, Unpack
+from types import NoneType
+from typing import Any, TypedDict, Unpack, get_args
 
 _KEEPS: dict[str, Callable[[Any, Any], Any]] = {  # whether a value keeps each limit
     "minimum": operator.ge,
@@ -27,6 +28,7 @@ class Limits(TypedDict, total=False):
     choices: tuple[str, ...]
     matching: tuple[str, str]  # regular expression for the whole text, and its meaning in words
     per_link: bool  # a list with one value for each link
+    entries: tuple[int, int]  # of a list, how many at least and at most
     extended_by: str  # key of the same table, a file whose name is one more choice
 
 
@@ -47,6 +49,11 @@ def quantity(unit: str, description: str, default: Any = MISSING, **limits: Unpa
     metadata = {"unit": unit, "description": description, "default": default}
     metadata |= dict.fromkeys(Limits.__annotations__) | limits
     return field(default=MISSING if isinstance(default, Derived) else default, metadata=metadata)
+
+
+def without_none(kind: Any) -> Any:
+    """The type ``kind``, or the first of a union with None."""
+    return get_args(kind)[0] if NoneType in get_args(kind) else kind
 
 
 def keeps(value: Any, rule: Mapping[str, Any]) -> bool:

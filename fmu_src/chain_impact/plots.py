@@ -11,9 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
-from matplotlib.patches import Rectangle
+from matplotlib.patches import Polygon
 
 from chain_impact.recording import Recording, written_whole
+from chain_impact.walls import HalfPlane, half_planes
 
 SIZE = (10.0, 5.4)  # inches
 FRAMES = 160  # positions of the chain in the picture of the motion
@@ -23,8 +24,8 @@ ENERGY_COLOURS = {"kinetic": "#1b9e77", "potential": "#e6a100", "total": "0.2", 
 ENERGY_COLOURS |= {"supplied": "#7570b3"}
 POINT_COLOURS = mpl.colormaps["tab10"].colors  # type: ignore[attr-defined]
 WALL_COLOUR, OUTSIDE_COLOUR, IMPACT_COLOUR = "0.25", "0.93", "0.15"
-SIDES = {"x_min": (0, 0), "x_max": (1, 0), "y_min": (0, 1), "y_max": (1, 1)}  # lower or upper, x or y
 MARGIN, BAND = 0.04, 0.14  # of the picture's width, at its edges and outside of walls
+PARALLEL = 1e-9  # of a length of 1 and of m, what round-off may be
 NEAR_PLACE, NEAR_TIME = 0.025, 0.05  # of the width and of the time, within which impacts share a label
 STYLE: dict[Any, Any] = {
     "font.size": 9,
@@ -87,48 +88,71 @@ def draw_walls(axes: Axes, recording: Recording) -> None:
     A wall farther from the motion than the motion is wide is left out.
     """
     reach = np.array([edge(recording.points, axis=(0, 1)) for edge in (np.min, np.max)])
-    room, width = reach.copy(), np.ptp(reach, axis=0).max()
-    near = [wall for wall, at in recording.walls.items() if abs(at - reach[SIDES[wall]]) <= width]
+    width = np.ptp(reach, axis=0).max()
+    near = [wall for wall in recording.walls.values() if abs(_gap(wall, reach)[1]) <= width]
+    view, margin = reach.copy(), np.full((2, 2), MARGIN)
     for wall in near:
-        room[SIDES[wall]] = recording.walls[wall]
-    view = np.array([np.minimum(reach[0], room[0]), np.maximum(reach[1], room[1])])
-    width = np.ptp(view, axis=0).max()
-    for wall, side in SIDES.items():
-        margin = width * (BAND if wall in near else MARGIN)
-        view[side] += margin if side[0] else -margin
-        if wall not in near:
-            room[side] = view[side]
+        corner, gap = _gap(wall, reach)
+        met = corner - max(0.0, gap) * np.array(wall.normal)
+        view = np.array([np.minimum(view[0], met), np.maximum(view[1], met)])
+        margin = np.maximum(margin, BAND * np.array([wall.normal, np.negative(wall.normal)]))
+    view += np.ptp(view, axis=0).max() * margin * [[-1.0], [1.0]]
+    frame = half_planes(dict(zip(("x_min", "y_min", "x_max", "y_max"), view.ravel(), strict=True)), {})
+    bounds = [*near, *frame.values()]
+    edges = [_edge(wall, bounds) for wall in bounds]
+    # the free side is to the left of each edge, so their directions turn as one goes round the room
+    turning = sorted((np.arctan2(*(b - a)[::-1]), *a) for a, b in filter(len, edges))
     axes.set_facecolor(OUTSIDE_COLOUR if near else "white")
-    axes.add_patch(Rectangle(room[0], *(room[1] - room[0]), facecolor="white", zorder=0.5))
-    for wall in near:
-        ends, (_, axis) = room.copy(), SIDES[wall]
-        ends[:, axis] = recording.walls[wall]
+    axes.add_patch(Polygon([start for _, *start in turning], facecolor="white", zorder=0.5))
+    for ends in filter(len, edges[: len(near)]):
         axes.plot(*ends.T, color=WALL_COLOUR, linewidth=2.0, zorder=2)
     axes.set(xlim=view[:, 0], ylim=view[:, 1])
 
 
+def _gap(wall: HalfPlane, reach: np.ndarray) -> tuple[np.ndarray, float]:
+    """The corner of a rectangle (lower, upper ends of x and y) that is nearest to a wall, and how near."""
+    corner = np.where(np.array(wall.normal) > 0.0, *reach)
+    return corner, wall.clearance(*corner)
+
+
+def _edge(wall: HalfPlane, bounds: list[HalfPlane]) -> np.ndarray:
+    """The ends of the part of a wall's line that the others leave free, shape (2, 2), or (0, 2) for none."""
+    (nx, ny), start = wall.normal, wall.offset * np.array(wall.normal)
+    along = np.array([ny, -nx])
+    low, high = -np.inf, np.inf
+    for other in bounds:
+        gap, slope = other.clearance(*start), np.dot(other.normal, along)
+        if abs(slope) < PARALLEL:
+            high = high if gap > -PARALLEL else -np.inf
+        elif slope > 0.0:
+            low = max(low, -gap / slope)
+        else:
+            high = min(high, -gap / slope)
+    return np.array([start + low * along, start + high * along]) if low < high else np.zeros((0, 2))
+
+
 def draw_impacts(axes: Axes, recording: Recording) -> None:
-    """A ring where points hit a wall, and outside of it the numbers of the impacts there, or first … last."""
+    """A ring where a wall was hit, and outside of it the numbers of the impacts there, or first … last."""
     spacing = NEAR_PLACE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
     places: dict[tuple[float, float, str], list[int]] = {}
     for number, impact in enumerate(recording.impacts, start=1):
-        x, y = recording.point_at(impact.point, impact.time)
+        x, y = recording.spot(impact)
         near = (key for key in places if key[2] == impact.wall and np.hypot(key[0] - x, key[1] - y) < spacing)
         places.setdefault(next(near, (x, y, impact.wall)), []).append(number)
     ring: dict[str, Any] = {"color": IMPACT_COLOUR, "markerfacecolor": "none", "linestyle": "", "zorder": 4}
     for (x, y, wall), numbers in places.items():
         label = "impacts, numbered" if numbers[0] == 1 else None
         axes.plot(x, y, "o", markersize=6, label=label, **ring)
-        upper, axis = SIDES[wall]
-        outward = (2 * upper - 1) * np.eye(2)[axis]
+        nx, ny = recording.walls[wall].normal
+        beside = abs(nx) >= abs(ny)  # the wall is upright rather than flat
         axes.annotate(
             ", ".join(map(str, numbers)) if not numbers[2:] else f"{numbers[0]} … {numbers[-1]}",
             (x, y),
-            xytext=tuple(6 * outward),
+            xytext=(-6 * nx, -6 * ny),
             textcoords="offset points",
-            rotation=90 if axis else 0,
-            ha="center" if axis else ("right", "left")[upper],
-            va=("top", "bottom")[upper] if axis else "center",
+            rotation=0 if beside else 90,
+            ha=("right" if nx > 0 else "left") if beside else "center",
+            va="center" if beside else "top" if ny > 0 else "bottom",
             color=IMPACT_COLOUR,
             fontsize=7,
         )

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import csv
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.walls import HalfPlane
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,14 +41,14 @@ class Recording:
         columns: FMU variable name → values, shape (T,).
         impacts: in order of time; those that an FMU had between two communication points, but for the last
             of them, are missing.
-        walls: name → position [m] of the walls that are there.
+        walls: name → free side of the walls that are there.
     """
 
     name: str
     time: np.ndarray
     columns: dict[str, np.ndarray]
     impacts: list[Impact]
-    walls: dict[str, float]
+    walls: dict[str, HalfPlane]
 
     @property
     def impact_count(self) -> int:
@@ -69,6 +69,13 @@ class Recording:
         """Position [m] of a point at a time [s], interpolated between communication points."""
         x, y = (np.interp(time, self.time, self.columns[f"point[{point}].{axis}"]) for axis in "xy")
         return float(x), float(y)
+
+    def spot(self, impact: Impact) -> tuple[float, float]:
+        """Where [m] an impact hit its wall: as far from there as its radius is the point."""
+        x, y = self.point_at(impact.point, impact.time)
+        wall = self.walls[impact.wall]
+        gap, (nx, ny) = wall.clearance(x, y), wall.normal
+        return x - gap * nx, y - gap * ny
 
     def save_csv(self, path: Path) -> None:
         """Write time and columns as CSV, numbers in full precision."""
@@ -94,15 +101,15 @@ def written_whole(path: Path) -> Iterator[Path]:
         raise type(error)(error.errno, error.strerror, str(path)) from None
 
 
-def impacts_from_outputs(columns: dict[str, np.ndarray]) -> list[Impact]:
-    """The impacts that the outputs `impact.*` of an FMU show."""
+def impacts_from_outputs(columns: dict[str, np.ndarray], walls: Sequence[str]) -> list[Impact]:
+    """The impacts that the outputs `impact.*` of an FMU show, with its walls' names by their numbers."""
     count = columns["impact.count"]
     rows = np.flatnonzero(np.diff(count, prepend=0))
     return [
         Impact(
             time=float(columns["impact.last_time"][row]),
             point=int(columns["impact.last_point"][row]),
-            wall=WALLS[int(columns["impact.last_wall"][row]) - 1],
+            wall=walls[int(columns["impact.last_wall"][row]) - 1],
             speed=float(columns["impact.last_speed"][row]),
         )
         for row in rows

@@ -14,10 +14,12 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.reading import SceneError
 from chain_impact.recording import Impact, Recording, impacts_from_outputs
-from chain_impact.scene import Scene, SceneError, with_values
+from chain_impact.scene import Scene, with_values
 from chain_impact.simulate import Result, SimulationError, simulate
 from chain_impact.variables import fmu_variables, output_columns, parameter_paths
+from chain_impact.walls import HalfPlane, half_planes
 
 EXPERIMENT = {f"simulation.{key}": ("simulation", key) for key in ("stop_time", "step_size")}
 """What can be set besides the parameters, for this run only."""
@@ -72,16 +74,16 @@ def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
 
 def recording_of(result: Result) -> Recording:
     """The recording of a simulated scene."""
-    walls = {wall: getattr(result.scene.box, wall) for wall in WALLS}
+    names = result.scene.wall_names
     return Recording(
         name=result.scene.name,
         time=result.time,
         columns=output_columns(result.scene, result.outputs),
         impacts=[
-            Impact(float(row["onset"]), int(row["point"]), WALLS[row["wall"]], float(row["impact_speed"]))
+            Impact(float(row["onset"]), int(row["point"]), names[row["wall"]], float(row["impact_speed"]))
             for row in result.impacts
         ],
-        walls={wall: position for wall, position in walls.items() if position is not None},
+        walls=result.scene.half_planes,
     )
 
 
@@ -135,7 +137,8 @@ def record_fmu(
         if name not in EXPERIMENT
     }
     outputs = [name for name, variable in variables.items() if variable.causality == "output"]
-    walls = {wall: start_values.get(f"box.{wall}", _start(variables, f"box.{wall}")) for wall in WALLS}
+    values = {name: float(start_values.get(name, variable.start)) for name, variable in parameters.items()}
+    walls = _walls(values)
 
     def recording(rows: np.ndarray) -> Recording:
         columns = {name: rows[name] for name in outputs}
@@ -143,8 +146,8 @@ def record_fmu(
             name=description.modelName,
             time=np.asarray(rows["time"]),
             columns=columns,
-            impacts=impacts_from_outputs(columns),
-            walls={wall: position for wall, position in walls.items() if position is not None},
+            impacts=impacts_from_outputs(columns, list(dict.fromkeys((*WALLS, *walls)))),
+            walls=walls,
         )
 
     recorders: list[Any] = []  # fmpy's, after the first step
@@ -177,6 +180,14 @@ def record_fmu(
         partial = recording(recorders[0].result()) if recorders else None
         raise RunError(f"{path}: {reason}", partial) from None
     return recording(rows)
+
+
+def _walls(values: Mapping[str, float]) -> dict[str, HalfPlane]:
+    """The walls of an FMU, by the values of its parameters."""
+    box = {wall: values[f"box.{wall}"] for wall in WALLS if f"box.{wall}" in values}
+    slopes = [name.split(".")[1] for name in values if name.startswith("wall.") and name.endswith(".angle")]
+    lines = ([values[f"wall.{wall}.{key}"] for key in ("x", "y", "angle")] for wall in slopes)
+    return half_planes(box, {wall: (x, y, angle) for wall, (x, y, angle) in zip(slopes, lines, strict=True)})
 
 
 def _known(name: str, names: Mapping[str, Any], source: str) -> str:
@@ -222,7 +233,3 @@ def _start_value(variable: Any, text: str, source: str) -> float | int:
     if isinstance(number, str):
         raise SceneError(f"{source}: {variable.name} = {text} must be a number")
     return number
-
-
-def _start(variables: Mapping[str, Any], name: str) -> float | None:
-    return float(variables[name].start) if name in variables else None

@@ -11,17 +11,17 @@ import operator
 import os
 import tomllib
 from collections.abc import Iterator, Mapping
-from dataclasses import MISSING, Field, asdict, dataclass, fields, is_dataclass, replace
-from difflib import SequenceMatcher
-from numbers import Integral, Real
+from dataclasses import Field, asdict, dataclass, replace
 from pathlib import Path
-from typing import Any, get_args, get_origin
+from typing import Any
 
 from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.law_file import LawError, read_law
-from chain_impact.limits import Derived, allowed, extended, keeps, quantity
+from chain_impact.limits import Derived, quantity
+from chain_impact.reading import Reader, SceneError, keys_of, shown
+from chain_impact.walls import HalfPlane, direction, half_planes
 
 SCENE_FILE = "scene.toml"
 MAX_LINKS = 1000
@@ -30,16 +30,6 @@ START_TOLERANCE = 1e-12  # m, penetration at the start that counts as round-off
 _IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "a C identifier")
 _XML_TEXT = (r"[\t\n\r\x20-\uD7FF\uE000-\uFFFD\U00010000-\U0010FFFF]*", "text without control characters")
 _PYTHON_FILE = (r"|[^\0]*\.py", "the path of a Python file, from the folder of the scene")
-_SHOWN = 60  # characters of a value that a message shows
-
-
-class SceneError(ValueError):
-    """A scene that cannot be used: one line naming the file, the key, the value and what is allowed."""
-
-    def __init__(self, message: str) -> None:
-        """Keep the message to one line, whatever names and values it quotes."""
-        super().__init__(" ".join(message.splitlines()))
-
 
 _MIDDLE = Derived("length / 2", lambda link: link["length"] / 2)
 _ROD = Derived("mass * length^2 / 12", lambda link: link["mass"] * link["length"] * link["length"] / 12)
@@ -63,7 +53,7 @@ class Chain:
     """The links from base to tip, and whether the base moves."""
 
     base: str = quantity("", "base point: free to move, or pinned", "free", choices=("free", "pinned"))
-    links: tuple[Link, ...] = quantity("", f"links from base to tip, 1 to {MAX_LINKS}")
+    links: tuple[Link, ...] = quantity("", "links from base to tip", entries=(1, MAX_LINKS))
 
 
 def _movable_points(chain: Chain) -> range:
@@ -72,12 +62,22 @@ def _movable_points(chain: Chain) -> range:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Box:
-    """The walls; a missing key (None) is a missing wall."""
+    """The walls along the axes; a missing key (None) is a missing wall."""
 
     x_min: float | None = quantity("m", "left wall", None)
     x_max: float | None = quantity("m", "right wall", None)
     y_min: float | None = quantity("m", "floor", None)
     y_max: float | None = quantity("m", "ceiling", None)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wall:
+    """A straight wall at any angle, without ends; in place of the angle a file may give a normal."""
+
+    name: str = quantity("", "name, other than that of any other wall", matching=_IDENTIFIER)
+    point: tuple[float, float] = quantity("m", "a point on the wall")
+    angle: float | None = quantity("rad", "direction of the wall, from +x; its left is free", None)
+    normal: tuple[float, float] | None = quantity("1", "in place of angle: a vector to the free side", None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -144,21 +144,28 @@ class Scene:
     gravity: tuple[float, float] = quantity("m/s2", "acceleration of gravity", (0.0, -9.81))
     chain: Chain
     box: Box
+    walls: tuple[Wall, ...] = quantity("", "walls at any angle, beside the box or in place of it", ())
     contact: Contact
     inputs: Inputs
     initial: Initial
     solver: Solver
     simulation: Simulation
 
+    @property
+    def wall_names(self) -> tuple[str, ...]:
+        """The names of the walls, in the order of their numbers: those of the box, then ``walls``."""
+        return *WALLS, *(wall.name for wall in self.walls)
 
-def scene_keys(table: Any = Scene, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
+    @property
+    def half_planes(self) -> dict[str, HalfPlane]:
+        """The free sides of the walls that are there, by name."""
+        box = {name: at for name in WALLS if (at := getattr(self.box, name)) is not None}
+        return half_planes(box, {wall.name: (*wall.point, wall.angle or 0.0) for wall in self.walls})
+
+
+def scene_keys() -> Iterator[tuple[str, Field[Any]]]:
     """Yield every table and key of the scene file, `chain.links[].mass` for one, with its dataclass field."""
-    for entry in fields(table):
-        key = prefix + entry.name
-        yield key, entry
-        kind, *_ = get_args(entry.type) or (entry.type,)
-        if is_dataclass(kind):
-            yield from scene_keys(kind, f"{key}." if kind is entry.type else f"{key}[].")
+    return keys_of(Scene)
 
 
 def models_folder() -> Path:
@@ -203,8 +210,8 @@ def parse_scene(text: str, source: str) -> Scene:
 def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
     """Return the validated scene of a parsed scene file; errors (SceneError) name it `source`."""
     try:
-        scene: Scene = _read_table(Scene, data, "", {})
-        scene = _with_law(scene, Path(source).parent)
+        scene: Scene = Reader(Scene).read(data)
+        scene = _with_angles(_with_law(scene, Path(source).parent))
         _check_together(scene)
         _check_start(scene)
     except SceneError as error:
@@ -235,67 +242,8 @@ def with_values(scene: Scene, changes: Mapping[tuple[str | int, ...], Any]) -> S
             *parents, last = path
             functools.reduce(operator.getitem, parents, data)[last] = value
         except (LookupError, TypeError, ValueError):
-            raise SceneError(f"{scene.name}: {_shown(path)} is no path to a value of the scene") from None
+            raise SceneError(f"{scene.name}: {shown(path)} is no path to a value of the scene") from None
     return scene_from_dict(data, scene.name)
-
-
-def _read(kind: Any, rule: Mapping[str, Any], value: Any, key: str, known: Mapping[str, Any]) -> Any:
-    """Return `value` as a `kind` that keeps the `rule`; `key` is dotted, `known` is what was read before."""
-    if is_dataclass(kind):
-        return _read_table(kind, value, key, known)
-    if get_origin(kind) is tuple:
-        return _read_list(kind, rule, value, key, known)
-    result = _convert(kind, value)
-    if result is None or not keeps(result, rule):
-        raise SceneError(f"{key} = {_shown(value)} must be {allowed(kind, rule)}")
-    return result
-
-
-def _read_table(table: Any, data: Any, key: str, known: Mapping[str, Any]) -> Any:
-    if not isinstance(data, Mapping):
-        raise SceneError(f"{key or 'scene'} = {_shown(data)} must be a table")
-    prefix = f"{key}." if key else ""
-    for name in data:
-        if name not in table.__dataclass_fields__:
-            raise SceneError(_unknown(prefix, name))
-    values: dict[str, Any] = {}
-    for entry in fields(table):
-        where, scope = prefix + entry.name, {**known, **values}
-        rule = extended(entry.metadata, values)
-        value = data.get(entry.name)
-        if value is None:
-            value = rule.get("default", {})  # a table has no default but those of its keys
-        if value is MISSING:
-            raise SceneError(f"{where} is missing ({rule['description']})")
-        if isinstance(value, Derived):
-            value = value.value(scope)
-        # what is None still is a missing wall
-        values[entry.name] = None if value is None else _read(entry.type, rule, value, where, scope)
-    return table(**values)
-
-
-def _read_list(kind: Any, rule: Mapping[str, Any], value: Any, key: str, known: Mapping[str, Any]) -> Any:
-    item, *rest = get_args(kind)
-    length = len(known["chain"].links) if rule["per_link"] else None if ... in rest else 1 + len(rest)
-    if not isinstance(value, list | tuple) or length not in (None, len(value)):
-        expected = "" if length is None else f", expected length {length} ({rule['description']})"
-        raise SceneError(f"{key} = {_shown(value)} must be a list{expected}")
-    if item is Link and not 1 <= len(value) <= MAX_LINKS:
-        raise SceneError(f"{key} has {len(value)} entries, must have 1 to {MAX_LINKS}")
-    return tuple(_read(item, rule, one, f"{key}[{i}]", known) for i, one in enumerate(value))
-
-
-def _convert(kind: Any, value: Any) -> Any:
-    """Return `value` as a bool, str, int or finite float; None when it is no such thing."""
-    if kind in (bool, str):
-        return value if isinstance(value, kind) else None
-    if isinstance(value, bool) or not isinstance(value, Integral if kind is int else Real):
-        return None
-    try:
-        number = int(value) if kind is int else float(value)  # type: ignore[call-overload]
-    except OverflowError:  # an integer beyond the largest float
-        return None
-    return number if kind is int or math.isfinite(number) else None
 
 
 def _with_law(scene: Scene, folder: Path) -> Scene:
@@ -311,13 +259,26 @@ def _with_law(scene: Scene, folder: Path) -> Scene:
     return replace(scene, contact=replace(scene.contact, law_file=str(path)))
 
 
+def _with_angles(scene: Scene) -> Scene:
+    """Return the scene with the angles of the walls that were given by a normal, which have none then."""
+    walls = []
+    for i, wall in enumerate(scene.walls):
+        if (wall.angle is None) == (wall.normal is None):
+            has = "neither angle nor" if wall.angle is None else "both angle and"
+            raise SceneError(f"walls[{i}] ({wall.name}) has {has} normal; must have one of them")
+        if wall.normal and not any(wall.normal):
+            raise SceneError(f"walls[{i}].normal = {list(wall.normal)} must not be zero")
+        walls.append(replace(wall, angle=direction(wall.normal), normal=None) if wall.normal else wall)
+    return replace(scene, walls=tuple(walls))
+
+
 def _check_together(scene: Scene) -> None:
     """Refuse what no key can tell alone."""
     contact, box, movable = scene.contact, scene.box, _movable_points(scene.chain)
     for point in contact.points:
         if point not in movable or contact.points.count(point) > 1:
             span = f"{movable[0]} to {movable[-1]} with a {scene.chain.base} base, each once"
-            raise SceneError(f"contact.points holds {_shown(point)}, must hold {span}")
+            raise SceneError(f"contact.points holds {shown(point)}, must hold {span}")
     law = CONTACT_LAWS.get(contact.model)
     if law and contact.restitution == 0.0 and not law.allows_zero:
         raise SceneError(f"contact.restitution = 0.0 must be > 0 for the contact model {law.id}")
@@ -326,6 +287,10 @@ def _check_together(scene: Scene) -> None:
         raise SceneError(f"contact.exponent = {contact.exponent} must be {needed}")
     if scene.chain.base == "pinned" and any(scene.initial.velocity):
         raise SceneError(f"initial.velocity = {list(scene.initial.velocity)} must be zero for a pinned base")
+    for i, wall in enumerate(scene.walls):
+        others = scene.wall_names[: len(WALLS) + i]
+        if wall.name in others:
+            raise SceneError(f"walls[{i}].name = {wall.name!r} must be none of {', '.join(others)}")
     for axis, low, high in (("x", box.x_min, box.x_max), ("y", box.y_min, box.y_max)):
         if low is not None and high is not None and not high - low > 2 * contact.radius:
             least = f"{low + 2 * contact.radius} [m], which is {axis}_min + 2 contact.radius"
@@ -339,27 +304,11 @@ def _check_start(scene: Scene) -> None:
     for link, angle in zip(scene.chain.links, scene.initial.angles, strict=True):
         x, y = x + link.length * math.cos(angle), y + link.length * math.sin(angle)
         positions.append((x, y))
+    walls = scene.half_planes
     for point in scene.contact.points:
-        for number, wall in enumerate(WALLS):
-            at, limit = positions[point][number // 2], getattr(scene.box, wall)
-            gap = math.inf if limit is None else (limit - at if number % 2 else at - limit)
-            depth = scene.contact.radius - gap
+        x, y = positions[point]
+        for name, wall in walls.items():
+            depth = scene.contact.radius - wall.clearance(x, y)
             if depth > START_TOLERANCE:
-                place = f"point {point} at {wall[0]} = {at:.6g} m is {depth:.6g} m deep in"
-                raise SceneError(f"initial: {place} the wall {wall} = {limit}; must be outside")
-
-
-def _shown(value: Any) -> str:
-    try:
-        text = " ".join(repr(value).split())
-    except (ValueError, RecursionError):  # an integer of too many digits, or too deep a list
-        text = f"<{type(value).__name__}>"
-    return text if len(text) <= _SHOWN else text[:_SHOWN] + "..."
-
-
-def _unknown(prefix: str, name: Any) -> str:
-    """Name the known key most like `name`, in whatever table: TOML makes it easy to be in the wrong one."""
-    name = _shown(name).strip("'")
-    keys = [key for key, _ in scene_keys()]
-    nearest = max(keys, key=lambda key: SequenceMatcher(None, name, key.rpartition(".")[2]).ratio())
-    return f"{prefix}{name} is unknown; the nearest key is {nearest}"
+                place = f"point {point} at ({x:.6g}, {y:.6g}) m is {depth:.6g} m deep in"
+                raise SceneError(f"initial: {place} the wall {name}; must be outside")

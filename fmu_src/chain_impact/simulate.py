@@ -17,7 +17,8 @@ from chain_impact.compilation.work import Notify, announce
 from chain_impact.instance import new_instance
 from chain_impact.kernel.status import OK, PAUSED, STATUS_TEXT
 from chain_impact.law_file import LawError, source_of
-from chain_impact.scene import Scene, SceneError, with_values
+from chain_impact.reading import SceneError
+from chain_impact.scene import Scene, with_values
 
 IMPACT_DTYPE = np.dtype(
     [
@@ -32,10 +33,10 @@ IMPACT_DTYPE = np.dtype(
         ("effective_mass", np.float64),
     ]
 )
-"""One contact: point 0…N; wall as index into WALLS; onset and end [s]; impact and separation speed [m/s];
-peak force [N]; largest penetration [m]; effective mass at onset [kg]. The end and the separation speed of
-a contact that lasts to the end of the simulation are NaN. Under the law ``newton_impact`` a bounce has no
-duration and an infinite peak force; that of a contact that lasts is the largest force that held it."""
+"""One contact: point 0…N; wall as index into ``scene.wall_names``; onset and end [s]; impact and separation
+speed [m/s]; peak force [N]; largest penetration [m]; effective mass at onset [kg]. The end and the separation
+speed of a contact that lasts to the end of the simulation are NaN. Under the law ``newton_impact`` a bounce
+has no duration and an infinite peak force; that of a contact that lasts is the largest force that held it."""
 
 
 class SimulationError(RuntimeError):

@@ -22,7 +22,7 @@ from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.law_file import read_law
 from chain_impact.limits import allowed
-from chain_impact.scene import Box, Contact, Initial, Link, Scene, Solver
+from chain_impact.scene import Box, Contact, Initial, Link, Scene, Solver, Wall
 
 Place = tuple[str | int, ...]
 WORD = 8  # bytes of every scalar in the record
@@ -201,12 +201,27 @@ def _parameters(scene: Scene) -> Iterator[Variable]:
             path = ("box", wall)
             yield _parameter(rules[wall], f"box.{wall}", ("model", "wall", w), path, "position of the {}")
     if candidates(scene):
+        yield from _wall_parameters(scene)
         yield from _contact_parameters(scene)
     yield from _initial_values(scene)
     for key, rule in _rules(Solver).items():
         path = ("solver", key)
         choice: dict[str, Any] = {"type": "enumeration", "items": _METHODS} if key == "method" else {}
         yield _parameter(rule, f"solver.{key}", path, path, **choice)
+
+
+def _wall_parameters(scene: Scene) -> Iterator[Variable]:
+    rules = _rules(Wall)
+    for w, wall in enumerate(scene.walls):
+        name, text = f"wall.{wall.name}", f"wall {wall.name}: "
+        for j, axis in enumerate(AXES):
+            path: Place = ("walls", w, "point", j)
+            yield _parameter(
+                rules["point"], f"{name}.{axis}", ("walls", axis, w), path, f"{text}{axis} of {{}}"
+            )
+        yield _parameter(
+            rules["angle"], f"{name}.angle", ("walls", "angle", w), ("walls", w, "angle"), f"{text}{{}}"
+        )
 
 
 def _laws(scene: Scene) -> tuple[Item, ...]:
@@ -299,12 +314,13 @@ def _outputs(scene: Scene) -> Iterator[Variable]:
         ("penetration", "m", "penetration, 0 when apart"),
         ("penetration_rate", "m/s", "rate of penetration, positive when closing, 0 when apart"),
     )
-    for c, (point, wall) in enumerate(candidates(scene)):
+    for c, (point, number) in enumerate(candidates(scene)):
+        wall = scene.wall_names[number]
         for quantity, unit, text in touches:
-            name, where = f"contact[{point}].{WALLS[wall]}.{quantity}", f"point {point} at {WALLS[wall]}"
+            name, where = f"contact[{point}].{wall}.{quantity}", f"point {point} at {wall}"
             yield _output(name, unit, f"{where}: {text}", "output", quantity, c)
     yield from _energies(scene)
-    yield from _impacts()
+    yield from _impacts(scene)
     yield from _statistics()
 
 
@@ -323,9 +339,9 @@ def _energies(scene: Scene) -> Iterator[Variable]:
         yield _output(f"energy.{key}", "J", text, "output", key)
 
 
-def _impacts() -> Iterator[Variable]:
+def _impacts(scene: Scene) -> Iterator[Variable]:
     # the wall is an integer and no enumeration: importers count those from 1, with no room for "none"
-    walls = ", ".join(f"{w} {wall}" for w, wall in enumerate(WALLS, 1))
+    walls = ", ".join(f"{w} {wall}" for w, wall in enumerate(scene.wall_names, 1))
     texts = {
         "count": ("", "impacts since the start"),
         "last_time": ("s", "time of the last impact, of the start before the first"),

@@ -122,8 +122,9 @@ def absurd(fmu):
     return [refusals, instance.get(instance.outputs) == before]
 
 
-def test_absurd_states_with_a_valid_checksum_do_no_harm(fmus, clean):
-    refusals, unharmed = clean(absurd, fmus["rod_drop"])
+@pytest.mark.parametrize("model", ["rod_drop", "ramp"])
+def test_absurd_states_with_a_valid_checksum_do_no_harm(fmus, clean, model):
+    refusals, unharmed = clean(absurd, fmus[model])
     assert refusals > 10
     assert unharmed
 

@@ -30,10 +30,12 @@ def work_of_a_call(d):
 def check_work(d):
     """TOO_MUCH_WORK when the work in a second of simulated time exceeds the limit, or OK."""
     limits = d.limits
+    if overdrawn(d):
+        return TOO_MUCH_WORK
     if d.step.end >= limits.work_start + WORK_WINDOW:
         limits.work_start = d.step.end
         limits.work_count = work_done(d)
-    return TOO_MUCH_WORK if overdrawn(d) else OK
+    return OK
 
 
 def check_events(d, events):

@@ -52,11 +52,15 @@ def random_scene(rng, count, *, base="free", wall=None, point=1, with_gravity=Tr
     if not with_damping:
         links = [link | {"joint_damping": 0.0} for link in links]
     far = 1e6 if wall is None or wall.endswith("max") else -1e6
+    if wall == "slope":
+        walls = {"walls": [{"name": wall, "point": [0.0, -1e6], "angle": 0.6}]}
+    else:
+        walls = {"box": {wall or "y_max": far}}
     table = {
         "name": "Random",
         "gravity": [2.3, -9.81] if with_gravity else [0.0, 0.0],
         "chain": {"base": base, "links": links},
-        "box": {wall or "y_max": far},
+        **walls,
         "contact": {"points": [point], "restitution": RESTITUTION, "stiffness": STIFFNESS},
         "inputs": {"joint_torques": True, "tip_force": True},
         "initial": {"angles": [0.0] * count},
@@ -148,7 +152,7 @@ def test_accelerations_are_lagranges(count, base, effect):
     check_against_lagrange(rng, scene, point, wall, has)
 
 
-@pytest.mark.parametrize("wall", WALLS)
+@pytest.mark.parametrize("wall", [*WALLS, "slope"])
 def test_every_wall_pushes_inwards(wall):
     rng = np.random.default_rng(5)
     scene = random_scene(rng, 2, wall=wall, point=1)
@@ -182,21 +186,22 @@ def check_against_lagrange(rng, scene, point, wall, has):
 
     if has["contact"]:
         # put the wall where the point is 1 mm deep
-        axis, side = divmod(WALLS.index(wall), 2)
-        inward = 1 - 2 * side
-        place = y[axis] + sum(
-            link.length * (np.cos, np.sin)[axis](angle)
-            for link, angle in zip(scene.chain.links[:point], angles[:point], strict=True)
-        )
-        d["model"]["wall"][WALLS.index(wall)] = place + inward * DEPTH
+        reached = zip(scene.chain.links[:point], angles[:point], strict=True)
+        place = y[:2] + sum(link.length * np.array([np.cos(a), np.sin(a)]) for link, a in reached)
+        inward = np.array(scene.half_planes[wall].normal)
+        on_wall = place + DEPTH * inward
+        if wall in WALLS:
+            d["model"]["wall"][WALLS.index(wall)] = on_wall[WALLS.index(wall) // 2]
+        else:
+            d["walls"]["x"][0], d["walls"]["y"][0] = on_wall
         d["touch"]["active"][0] = d["touch"]["active_count"] = 1
         d["touch"]["impact_speed"][0] = IMPACT_SPEED
         place_walls(d)
         latch_damping(d, 0)
-        speed = -inward * (point_jacobian(scene, angles, point) @ velocities)[axis]
+        speed = -inward @ point_jacobian(scene, angles, point) @ velocities
         elastic = STIFFNESS * DEPTH**1.5
         ratio = max(0.0, 1 + exact_damping_factor(RESTITUTION) * speed / max(IMPACT_SPEED, speed))
-        loads[point, axis] += inward * elastic * ratio
+        loads[point] += inward * elastic * ratio
         dissipated += elastic * (ratio - 1) * speed
 
     state_rate(d, y, rate)

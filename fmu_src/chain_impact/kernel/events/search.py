@@ -30,14 +30,14 @@ from chain_impact.kernel.events.exclusion import (
     set_clearances,
 )
 from chain_impact.kernel.events.release import find_release
-from chain_impact.kernel.integration.dense import interpolate, rate_bounds
+from chain_impact.kernel.integration.dense import interpolate, rate_bounds, rate_bounds_along
 from chain_impact.kernel.integration.implicit import clearance_curvature
 from chain_impact.kernel.integration.last_step import SOLVER, complete
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.model.constraints import holding
 from chain_impact.kernel.model.contact import drop_events
-from chain_impact.kernel.model.geometry import bound_along_normal, clearance, harmless_depth
+from chain_impact.kernel.model.geometry import clearance, harmless_depth, normal
 from chain_impact.kernel.work_limit import overdrawn
 
 SIMULTANEOUS = 1e-12  # s, events closer than this are one event
@@ -179,8 +179,8 @@ def faster(d, c, fast, theta):
 def bound_curvature(d):
     """Bound |g̈| of every candidate over the last step.
 
-    |a_k| ≤ |a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²) holds for both components of any point k. It is far from sharp
-    for a point that a stiff wall holds; but there the implicit step integrates the clearance itself.
+    |n·a_k| ≤ |n·a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²) holds for any point k. It is far from sharp for a point
+    that a stiff wall holds; but there the implicit step integrates the clearance itself.
     """
     n = d.links
     # d²g/ds² = p d(ġ)/ds + p′ ġ, with p ≤ u and |p′| ≤ |u′|
@@ -189,15 +189,20 @@ def bound_curvature(d):
         p, change = rate_bounds(d.step, root_at(n))
     vx, ax = rate_bounds(d.step, velocity_at(n))
     vy, ay = rate_bounds(d.step, velocity_at(n) + 1)
-    bounds = d.work.motion
-    bounds.x[0], bounds.y[0] = p * ax + change * vx, p * ay + change * vy
+    links = d.work.motion.x
+    links[0] = 0.0
     for i in range(n):
         omega, alpha = rate_bounds(d.step, omega_at(n) + i)
         # what link i adds, in any direction
-        more = d.model.length[i] * (p * (alpha + p * omega * omega) + change * omega)
-        bounds.x[i + 1], bounds.y[i + 1] = bounds.x[i] + more, bounds.y[i] + more
+        links[i + 1] = links[i] + d.model.length[i] * (p * (alpha + p * omega * omega) + change * omega)
     for c in range(d.candidates):
-        d.search.curvature[c] = bound_along_normal(d, c, bounds)
+        nx, ny = normal(d, c)
+        if nx * ny == 0.0:
+            # along an axis the same bounds serve all points and walls
+            v, a = abs(nx) * vx + abs(ny) * vy, abs(nx) * ax + abs(ny) * ay
+        else:
+            v, a = rate_bounds_along(d.step, velocity_at(n), nx, ny)
+        d.search.curvature[c] = p * a + change * v + links[d.candidate.point[c]]
     if d.step.made_by == IMPLICIT:
         for k in range(d.touch.active_count):
             d.search.curvature[d.touch.active_index[k]] = clearance_curvature(d, k)

@@ -81,3 +81,13 @@ def rate_bounds(step, j):
         value += BASIS_BOUND[m] * f
         slope += SLOPE_BOUND[m] * f
     return value, slope / step.size
+
+
+def rate_bounds_along(step, j, nx, ny):
+    """As ``rate_bounds``, for the component along (nx, ny) of the vector that begins at y_j."""
+    value, slope = abs(nx * step.state[j] + ny * step.state[j + 1]), 0.0
+    for m in range(DENSE_COEFFICIENTS):
+        f = abs(nx * step.dense[m, j] + ny * step.dense[m, j + 1])
+        value += BASIS_BOUND[m] * f
+        slope += SLOPE_BOUND[m] * f
+    return value, slope / step.size

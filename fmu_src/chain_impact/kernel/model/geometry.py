@@ -16,6 +16,10 @@ WALLS = ("x_min", "x_max", "y_min", "y_max")
 """The walls of the box in the order of their numbers, from 0. After them come those at any angle."""
 
 
+NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
+"""Their inward normals."""
+
+
 def place_walls(d):
     """Find the normal and the offset [m] of each candidate's wall from the parameters."""
     for c in range(d.candidates):
@@ -29,11 +33,10 @@ def place_walls(d):
 def place_side(d, c, side):
     """Set the normal and the offset of candidate c at a side of the box."""
     own = d.candidate
-    # +1 for x_min and y_min, −1 for the others
-    inward = 1.0 - 2.0 * (side % 2)
-    own.normal_x[c] = inward if side < 2 else 0.0
-    own.normal_y[c] = 0.0 if side < 2 else inward
-    own.offset[c] = inward * d.model.wall[side]
+    nx, ny = NORMALS[side]
+    own.normal_x[c], own.normal_y[c] = nx, ny
+    # one of them is 0
+    own.offset[c] = (nx + ny) * d.model.wall[side]
 
 
 def place_slope(d, c, w):
@@ -50,6 +53,11 @@ def clearance(d, c):
     """Clearance g [m] and its rate ġ [m/s] of candidate c, from the located points."""
     gap = along_normal(d, c, d.work.position) - d.candidate.offset[c] - d.contact.radius
     return gap, along_normal(d, c, d.work.velocity)
+
+
+def normal(d, c):
+    """The components of n of candidate c."""
+    return d.candidate.normal_x[c], d.candidate.normal_y[c]
 
 
 def along_normal(d, c, vectors):
@@ -71,13 +79,6 @@ def add_impedance(d, c, impedance, amount):
     impedance.xx[point] += nx * nx * amount
     impedance.xy[point] += nx * ny * amount
     impedance.yy[point] += ny * ny * amount
-
-
-def bound_along_normal(d, c, bounds):
-    """A bound on |n·v| of candidate c, from bounds on both components of the vectors v of all points."""
-    point = d.candidate.point[c]
-    nx, ny = abs(d.candidate.normal_x[c]), abs(d.candidate.normal_y[c])
-    return nx * bounds.x[point] + ny * bounds.y[point]
 
 
 def harmless_depth(d):

@@ -1,0 +1,122 @@
+"""From plain data, as TOML holds it, to a dataclass, by the rules in the metadata of its fields."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import MISSING, Field, fields, is_dataclass
+from difflib import SequenceMatcher
+from numbers import Integral, Real
+from typing import Any, get_args, get_origin
+
+from chain_impact.limits import Derived, allowed, extended, keeps, without_none
+
+_SHOWN = 60  # characters of a value that a message shows
+
+
+class SceneError(ValueError):
+    """A scene that cannot be used: one line naming the file, the key, the value and what is allowed."""
+
+    def __init__(self, message: str) -> None:
+        """Keep the message to one line, whatever names and values it quotes."""
+        super().__init__(" ".join(message.splitlines()))
+
+
+def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
+    """Yield every table and key of a dataclass, `chain.links[].mass` for one, with its field."""
+    for entry in fields(table):
+        key = prefix + entry.name
+        yield key, entry
+        kind, *_ = get_args(entry.type) or (entry.type,)
+        if is_dataclass(kind):
+            yield from keys_of(kind, f"{key}." if kind is entry.type else f"{key}[].")
+
+
+class Reader:
+    """Reads data into the dataclass ``root`` and those that it is made of."""
+
+    def __init__(self, root: Any) -> None:
+        self.root = root
+
+    def read(self, data: Any) -> Any:
+        """Return the dataclass, or raise a SceneError."""
+        return self._table(self.root, data, "", {})
+
+    def _table(self, table: Any, data: Any, key: str, known: Mapping[str, Any]) -> Any:
+        """Return `data` as a `table`; `key` is dotted, `known` is what was read before."""
+        if not isinstance(data, Mapping):
+            raise SceneError(f"{key or 'scene'} = {shown(data)} must be a table")
+        prefix = f"{key}." if key else ""
+        for name in data:
+            if name not in table.__dataclass_fields__:
+                raise SceneError(self._unknown(prefix, name))
+        values: dict[str, Any] = {}
+        for entry in fields(table):
+            where, scope = prefix + entry.name, {**known, **values}
+            rule = extended(entry.metadata, values)
+            value = data.get(entry.name)
+            if value is None:
+                value = rule.get("default", {})  # a table has no default but those of its keys
+            if value is MISSING:
+                raise SceneError(f"{where} is missing ({rule['description']})")
+            if isinstance(value, Derived):
+                value = value.value(scope)
+            # what is None still is not there, such as a wall
+            values[entry.name] = None if value is None else self._value(entry.type, rule, value, where, scope)
+        return table(**values)
+
+    def _value(
+        self, kind: Any, rule: Mapping[str, Any], value: Any, key: str, known: Mapping[str, Any]
+    ) -> Any:
+        """Return `value` as a `kind` that keeps the `rule`."""
+        kind = without_none(kind)
+        if is_dataclass(kind):
+            return self._table(kind, value, key, known)
+        if get_origin(kind) is tuple:
+            return self._list(kind, rule, value, key, known)
+        result = _convert(kind, value)
+        if result is None or not keeps(result, rule):
+            raise SceneError(f"{key} = {shown(value)} must be {allowed(kind, rule)}")
+        return result
+
+    def _list(
+        self, kind: Any, rule: Mapping[str, Any], value: Any, key: str, known: Mapping[str, Any]
+    ) -> Any:
+        item, *rest = get_args(kind)
+        length = len(known["chain"].links) if rule["per_link"] else None if ... in rest else 1 + len(rest)
+        if not isinstance(value, list | tuple) or length not in (None, len(value)):
+            expected = "" if length is None else f", expected length {length} ({rule['description']})"
+            raise SceneError(f"{key} = {shown(value)} must be a list{expected}")
+        least, most = rule["entries"] or (0, math.inf)
+        if not least <= len(value) <= most:
+            raise SceneError(f"{key} has {len(value)} entries, must have {least} to {most}")
+        return tuple(self._value(item, rule, one, f"{key}[{i}]", known) for i, one in enumerate(value))
+
+    def _unknown(self, prefix: str, name: Any) -> str:
+        """Name the known key most like `name`, in whatever table: it is easy to be in the wrong one."""
+        name = shown(name).strip("'")
+        keys = [key for key, _ in keys_of(self.root)]
+        nearest = max(keys, key=lambda key: SequenceMatcher(None, name, key.rpartition(".")[2]).ratio())
+        return f"{prefix}{name} is unknown; the nearest key is {nearest}"
+
+
+def _convert(kind: Any, value: Any) -> Any:
+    """Return `value` as a bool, str, int or finite float; None when it is no such thing."""
+    if kind in (bool, str):
+        return value if isinstance(value, kind) else None
+    if isinstance(value, bool) or not isinstance(value, Integral if kind is int else Real):
+        return None
+    try:
+        number = int(value) if kind is int else float(value)  # type: ignore[call-overload]
+    except OverflowError:  # an integer beyond the largest float
+        return None
+    return number if kind is int or math.isfinite(number) else None
+
+
+def shown(value: Any) -> str:
+    """Return a value as a message shows it: one line, not too long."""
+    try:
+        text = " ".join(repr(value).split())
+    except (ValueError, RecursionError):  # an integer of too many digits, or too deep a list
+        text = f"<{type(value).__name__}>"
+    return text if len(text) <= _SHOWN else text[:_SHOWN] + "..."

@@ -1,0 +1,50 @@
+"""Walls as half-planes, for checks and pictures. The kernel finds its own from the record, in geometry.py."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from chain_impact.kernel.model.geometry import NORMALS, WALLS
+
+
+@dataclass(frozen=True, slots=True)
+class HalfPlane:
+    """The free side of a wall: the points p with n·p ≥ offset.
+
+    Attributes:
+        normal: n, of length 1.
+        offset: [m].
+    """
+
+    normal: tuple[float, float]
+    offset: float
+
+    def clearance(self, x: float, y: float) -> float:
+        """Distance [m] of a point from the wall, negative beyond it."""
+        return self.normal[0] * x + self.normal[1] * y - self.offset
+
+
+def half_planes(
+    box: Mapping[str, float], slopes: Mapping[str, tuple[float, float, float]]
+) -> dict[str, HalfPlane]:
+    """The free sides of all walls, by name and in the order of their numbers.
+
+    Args:
+        box: name → position [m] of the walls of the box that are there.
+        slopes: name → x [m], y [m] and angle [rad] of the walls at any angle.
+    """
+    planes = {}
+    for name, (nx, ny) in zip(WALLS, NORMALS, strict=True):
+        if name in box:
+            planes[name] = HalfPlane((nx, ny), (nx + ny) * box[name])
+    for name, (x, y, angle) in slopes.items():
+        nx, ny = -math.sin(angle), math.cos(angle)
+        planes[name] = HalfPlane((nx, ny), nx * x + ny * y)
+    return planes
+
+
+def direction(normal: tuple[float, float]) -> float:
+    """Angle [rad] of the wall with this normal, of any length: the normal points to its left."""
+    return math.atan2(-normal[0], normal[1]) + 0.0  # not −0
