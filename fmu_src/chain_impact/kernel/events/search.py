@@ -250,8 +250,9 @@ def inspect_candidate(d, c, width):
     settled = rate_start * rate_end > 0.0 and abs(rate_start) + abs(rate_end) > curvature * width
     # not >=, which keeps on halving for a curvature that is not finite
     if settled or not sag >= RESOLUTION * d.model.size:
-        # at a loose tolerance a point can get deep without having moved there, as far as its speed tells
-        return EVENT if falls or end < -harmless <= start else QUIET
+        # at a loose tolerance a point can get deep without having moved there, as far as its speed tells;
+        # one in contact that moves inward has not left, wherever the interpolant of a stiff step puts it
+        return EVENT if falls or (end < -harmless <= start and not d.touch.active[c]) else QUIET
     return SPLIT
 
 
