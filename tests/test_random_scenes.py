@@ -182,3 +182,8 @@ def found(seed):
 @pytest.mark.parametrize("seed", (77, 190, 394, 630, 9115))
 def test_a_contact_of_implicit_steps_that_has_just_begun_is_not_ended(seed):
     assert found(seed) == []
+
+
+@pytest.mark.parametrize("seed", (3137, 12517, 15578, 15729, 17279))
+def test_a_touch_at_the_start_of_a_step_agrees_with_the_acceleration_there(seed):
+    assert found(seed) == []

@@ -13,7 +13,7 @@ touch-down so slow that gravity soon outruns it. The v₀ latched at onset would
 force, grow without bound; v₀ is latched anew.
 """
 
-from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.events.exclusion import (
     RELATCH_RATIO,
     excludes_events,
@@ -38,7 +38,7 @@ from chain_impact.kernel.integration.implicit import clearance_curvature
 from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.model.constraints import holding
 from chain_impact.kernel.model.contact import drop_events
-from chain_impact.kernel.model.geometry import bound_along_normal, clearance, harmless_depth
+from chain_impact.kernel.model.geometry import along_normal, bound_along_normal, clearance, harmless_depth
 from chain_impact.kernel.work_limit import overdrawn
 
 SIMULTANEOUS = 1e-12  # s, events closer than this are one event
@@ -70,8 +70,7 @@ def find_event(d):
         complete(d, SOLVER)
     bound_curvature(d)
     theta = find_touch(d)
-    # a point that is inside at the start will be so in a shorter step, too
-    if theta > 0.0 and not credible(d):
+    if theta >= 0.0 and not credible(d, theta):
         if d.step.end - d.step.start > SIMULTANEOUS:
             drop_events(d)
             d.step.cleared = NOTHING
@@ -110,18 +109,38 @@ def find_touch(d):
     return -1.0  # the run ends: who called looks at the work
 
 
-def credible(d):
-    """Whether the onsets found, where they are measured, are of points that arrive at a wall.
+def credible(d, theta):
+    """Whether the touches found at θ, where they are measured, are of points that arrive at a wall or leave.
 
     The positions of a step and its speeds contradict each other by what the tolerance allows. An onset deep
-    inside, or of a point that moves away, is the fault of a step that is too long.
+    inside, or of a point that moves away, is the fault of a step that is too long; so is a touch at its very
+    start, from where the point moves the other way.
     """
+    if theta * d.step.size <= SIMULTANEOUS and starts_clear(d):
+        return False
+    if theta == 0.0:
+        return True  # a point that is inside at the start will be so in a shorter step, too
     for c in range(d.candidates):
         if d.touch.event[c] == TOUCH and not d.touch.active[c]:
             deep = d.search.clear_end[c] < -DEEP * d.model.size
             if deep or d.search.clear_end_rate[c] > 0.0:
                 return False
     return True
+
+
+def starts_clear(d):
+    """Whether a candidate that touches is, at the start of the step, on the side it comes from, and stays."""
+    locate_points(d, d.step.state)
+    accelerate_points(d, d.step.state, d.work.rate_start)
+    clear = False
+    for c in range(d.candidates):
+        if d.touch.event[c] == TOUCH and c != d.step.regularized:
+            sign = -1.0 if d.touch.active[c] else 1.0
+            gap, gap_rate = clearance(d, c)
+            curve = sign * along_normal(d, c, d.work.acceleration)
+            clear = clear or (sign * gap >= 0.0 and sign * gap_rate >= 0.0 and curve > 0.0)
+    locate_points(d, d.work.y)
+    return clear
 
 
 def drop_leaving(d, theta):
@@ -244,7 +263,7 @@ def inspect_candidate(d, c, width):
     rate_start, rate_end = d.search.clear_start_rate[c], d.search.clear_end_rate[c]
     curvature = d.search.curvature[c]
     sag, harmless = curvature * width * width / 8.0, harmless_depth(d)
-    falls = end < 0.0 and rate_end < 0.0
+    falls = end < -harmless and rate_end < 0.0
     if start > sag - harmless and end > sag - harmless and not falls:
         return QUIET
     settled = rate_start * rate_end > 0.0 and abs(rate_start) + abs(rate_end) > curvature * width
