@@ -187,3 +187,8 @@ def test_a_contact_of_implicit_steps_that_has_just_begun_is_not_ended(seed):
 @pytest.mark.parametrize("seed", (3137, 12517, 15578, 15729, 17279))
 def test_a_touch_at_the_start_of_a_step_agrees_with_the_acceleration_there(seed):
     assert found(seed) == []
+
+
+@pytest.mark.parametrize("seed", (7258, 9955, 10089, 11059, 14480, 19186))
+def test_the_effective_mass_of_a_point_in_a_toggle_position_is_finite(seed):
+    assert found(seed) == []
