@@ -192,3 +192,8 @@ def test_a_touch_at_the_start_of_a_step_agrees_with_the_acceleration_there(seed)
 @pytest.mark.parametrize("seed", (7258, 9955, 10089, 11059, 14480, 19186))
 def test_the_effective_mass_of_a_point_in_a_toggle_position_is_finite(seed):
     assert found(seed) == []
+
+
+@pytest.mark.parametrize("seed", (3791, 6508, 9864))
+def test_a_contact_that_has_not_left_where_the_interpolant_puts_it_ends_where_it_turns(seed):
+    assert found(seed) == []

@@ -275,6 +275,12 @@ def inspect_candidate(d, c, width):
     return SPLIT
 
 
+def barely(d, c, part):
+    """Whether φ of candidate c bends by no more than round-off over a part of the step."""
+    width = part * d.step.size
+    return not d.search.curvature[c] * width * width / 8.0 >= RESOLUTION * d.model.size
+
+
 def locate(d, a, b):
     """Find the earliest event in (a, b], in which every candidate is settled, and mark whose it is."""
     width = (b - a) * d.step.size
@@ -297,12 +303,13 @@ def locate(d, a, b):
 def root(d, c, a, b):
     """θ in [a, b] at which φ of candidate c, negative at b, falls through zero; measured there.
 
-    Newton's method kept inside a shrinking bracket. The start of the bracket when φ is not positive there:
-    the event is overdue.
+    Newton's method kept inside a shrinking bracket. When φ is not positive at the start of it, either, the
+    event is overdue: it is where φ falls.
     """
-    if d.search.clear_start[c] <= 0.0 and d.search.clear_start_rate[c] <= 0.0:
-        measure(d, a)
-        return a
+    if d.search.clear_start[c] <= 0.0 and (d.search.clear_start_rate[c] <= 0.0 or barely(d, c, b - a)):
+        theta = a if d.search.clear_start_rate[c] <= 0.0 else b
+        measure(d, theta)
+        return theta
     resolution = max(4e-16 * abs(d.step.end), 1e-16) / d.step.size
     low, high, theta = a, b, b
     for _ in range(100):
