@@ -197,3 +197,8 @@ def test_the_effective_mass_of_a_point_in_a_toggle_position_is_finite(seed):
 @pytest.mark.parametrize("seed", (3791, 6508, 9864))
 def test_a_contact_that_has_not_left_where_the_interpolant_puts_it_ends_where_it_turns(seed):
     assert found(seed) == []
+
+
+@pytest.mark.parametrize("seed", (11731, 16529))
+def test_a_touch_early_in_a_step_agrees_with_the_motion_at_its_start(seed):
+    assert found(seed) == []

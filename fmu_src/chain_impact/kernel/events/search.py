@@ -44,6 +44,7 @@ from chain_impact.kernel.work_limit import overdrawn
 SIMULTANEOUS = 1e-12  # s, events closer than this are one event
 RESOLUTION = 1e-15  # of a link length: curvature below it is round-off
 DEEP = 1e-9  # of a link length, how deep in a wall no onset is located
+EARLY = 1e-3  # of a step, in which a touch has to agree with the motion at its start
 REFUSED = -2.0  # in place of θ
 QUIET, SPLIT, EVENT = 0, 1, 2
 # kinds of event: contact begins or ends, v₀ is latched anew
@@ -92,7 +93,7 @@ def find_touch(d):
     a, b = 0.0, 1.0
     while not overdrawn(d):
         measure(d, b)
-        verdict = inspect(d, (b - a) * d.step.size)
+        verdict = inspect(d, a, b)
         if verdict == SPLIT:
             b = 0.5 * (a + b)
         elif verdict == EVENT:
@@ -114,9 +115,9 @@ def credible(d, theta):
 
     The positions of a step and its speeds contradict each other by what the tolerance allows. An onset deep
     inside, or of a point that moves away, is the fault of a step that is too long; so is a touch at its very
-    start, from where the point moves the other way.
+    start, by a point that cannot be there yet.
     """
-    if theta * d.step.size <= SIMULTANEOUS and starts_clear(d):
+    if theta <= EARLY and starts_clear(d, theta * d.step.size):
         return False
     if theta == 0.0:
         return True  # a point that is inside at the start will be so in a shorter step, too
@@ -128,8 +129,11 @@ def credible(d, theta):
     return True
 
 
-def starts_clear(d):
-    """Whether a candidate that touches is, at the start of the step, on the side it comes from, and stays."""
+def starts_clear(d, lasted):
+    """Whether a candidate that touches within so short a time [s] is clear by its motion at the start.
+
+    The interpolant of a step that passes over what is stiff is off its start by what the tolerance allows.
+    """
     locate_points(d, d.step.state)
     accelerate_points(d, d.step.state, d.work.rate_start)
     clear = False
@@ -137,8 +141,9 @@ def starts_clear(d):
         if d.touch.event[c] == TOUCH and c != d.step.regularized:
             sign = -1.0 if d.touch.active[c] else 1.0
             gap, gap_rate = clearance(d, c)
-            curve = sign * along_normal(d, c, d.work.acceleration)
-            clear = clear or (sign * gap >= 0.0 and sign * gap_rate >= 0.0 and curve > 0.0)
+            # φ + φ̇ t + ½ φ̈ t²
+            move = lasted * (gap_rate + 0.5 * lasted * along_normal(d, c, d.work.acceleration))
+            clear = clear or (sign * gap >= 0.0 and sign * (0.5 * gap + move) > 0.0)
     locate_points(d, d.work.y)
     return clear
 
@@ -243,19 +248,20 @@ def locate_at(d, theta):
     locate_points(d, d.work.y)
 
 
-def inspect(d, width):
-    """QUIET if no candidate can have an event in the interval, EVENT if one has, SPLIT if unsettled."""
+def inspect(d, a, b):
+    """QUIET if no candidate can have an event in (a, b], EVENT if one has, SPLIT if unsettled."""
     verdict = QUIET
     for c in range(d.candidates):
-        judged = inspect_candidate(d, c, width)
+        judged = inspect_candidate(d, c, a, b)
         if judged == SPLIT:
             return SPLIT
         verdict = max(verdict, judged)
     return verdict
 
 
-def inspect_candidate(d, c, width):
-    """The verdict on one candidate over an interval of a width in the variable of the step."""
+def inspect_candidate(d, c, a, b):
+    """The verdict on one candidate over an interval of the step."""
+    width = (b - a) * d.step.size
     start, end = d.search.clear_start[c], d.search.clear_end[c]
     if c == d.step.regularized:
         # δ̇ would have to change its sign twice for u to fall to zero and rise again
@@ -263,7 +269,9 @@ def inspect_candidate(d, c, width):
     rate_start, rate_end = d.search.clear_start_rate[c], d.search.clear_end_rate[c]
     curvature = d.search.curvature[c]
     sag, harmless = curvature * width * width / 8.0, harmless_depth(d)
-    falls = end < -harmless and rate_end < 0.0
+    # who has come that little way by the end of the step, or leaves, may never get further
+    near = b == 1.0 or d.touch.active[c]
+    falls = end < (-harmless if near else 0.0) and rate_end < 0.0
     if start > sag - harmless and end > sag - harmless and not falls:
         return QUIET
     settled = rate_start * rate_end > 0.0 and abs(rate_start) + abs(rate_end) > curvature * width
@@ -283,10 +291,9 @@ def barely(d, c, part):
 
 def locate(d, a, b):
     """Find the earliest event in (a, b], in which every candidate is settled, and mark whose it is."""
-    width = (b - a) * d.step.size
     first, found = b, -1
     for c in range(d.candidates):
-        d.touch.event[c] = TOUCH if inspect_candidate(d, c, width) == EVENT else 0
+        d.touch.event[c] = TOUCH if inspect_candidate(d, c, a, b) == EVENT else 0
     for c in range(d.candidates):
         # `first` is measured: whoever is still clear there comes later
         if d.touch.event[c] and d.search.clear_end[c] < 0.0:
