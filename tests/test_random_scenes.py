@@ -202,3 +202,8 @@ def test_a_contact_that_has_not_left_where_the_interpolant_puts_it_ends_where_it
 @pytest.mark.parametrize("seed", (11731, 16529))
 def test_a_touch_early_in_a_step_agrees_with_the_motion_at_its_start(seed):
     assert found(seed) == []
+
+
+@pytest.mark.parametrize("seed", (3822, 3873, 3972, 18112))
+def test_no_contact_ends_before_it_begins(seed):
+    assert found(seed) == []

@@ -31,8 +31,10 @@ from chain_impact.kernel.integration.dense import (
     SOLVER,
     VALUES,
     interpolate,
+    interpolate_component,
     rate_bounds,
     root_at,
+    time_at,
 )
 from chain_impact.kernel.integration.implicit import clearance_curvature
 from chain_impact.kernel.integration.sundman import NO_CONTACT
@@ -82,6 +84,10 @@ def find_event(d):
     elif d.touch.active_count > 0:
         theta = find_relatch(d, theta)
     d.step.cleared = VALUES if theta < 0.0 else NOTHING
+    # the time in a regularized step is not under error control
+    if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.step)) < 0.0:
+        drop_events(d)
+        return REFUSED
     return theta
 
 
