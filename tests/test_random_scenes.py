@@ -207,3 +207,8 @@ def test_a_touch_early_in_a_step_agrees_with_the_motion_at_its_start(seed):
 @pytest.mark.parametrize("seed", (3822, 3873, 3972, 18112))
 def test_no_contact_ends_before_it_begins(seed):
     assert found(seed) == []
+
+
+@pytest.mark.parametrize("seed", (179,))
+def test_a_wedged_point_stops_though_its_impulses_are_slow_to_find(seed):
+    assert found(seed) == []

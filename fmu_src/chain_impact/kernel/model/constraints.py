@@ -67,7 +67,7 @@ def press(d, scale):
     for k in range(count):
         own.impulse[k] = 0.0
     before = math.inf
-    for _ in range(MOST_SWEEPS):
+    for sweep in range(MOST_SWEEPS):
         respond_to_impulses(d, d.work.factors, own.impulse)
         worst = 0.0
         for k in range(count):
@@ -75,8 +75,8 @@ def press(d, scale):
             # m = aim − u
             own.missing[k] = own.aim[k] - own.reached[k] if own.pressed[k] else 0.0
             worst = max(worst, abs(own.missing[k]))
-        if worst <= ROUND_OFF * scale or not worst < 0.5 * before:
-            return
+        if worst <= ROUND_OFF * scale or not worst < 0.5 * before or sweep == MOST_SWEEPS - 1:
+            return  # `change` goes with the impulses
         before = worst
         # (M + Jᵀ D J) z = Jᵀ D m,  p ← p + D (m − J z)
         for k in range(count):
