@@ -212,3 +212,8 @@ def test_no_contact_ends_before_it_begins(seed):
 @pytest.mark.parametrize("seed", (179,))
 def test_a_wedged_point_stops_though_its_impulses_are_slow_to_find(seed):
     assert found(seed) == []
+
+
+@pytest.mark.parametrize("seed", (279, 826, 5044, 10688))
+def test_a_point_near_a_toggle_position_is_stopped(seed):
+    assert found(seed) == []

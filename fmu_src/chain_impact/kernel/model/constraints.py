@@ -22,7 +22,8 @@ from chain_impact.kernel.chain.recursion import factorize, solve
 from chain_impact.kernel.model.geometry import add_across_wall, add_along_normal, along_normal, clearance
 from chain_impact.kernel.work_limit import overdrawn
 
-STIFF = 1e6  # D over the mean mass of a link
+STIFF, STIFFEST = 1e6, 1e15  # D over the mean mass of a link, at first and where that is not enough
+STIFFER = 1e3
 MOST_SWEEPS = 30
 ROUND_OFF = 1e-15  # of the largest motion, what may be missing at the end
 DOUBT = 1e-12  # of the largest, a sign within it means nothing
@@ -75,8 +76,14 @@ def press(d, scale):
             # m = aim − u
             own.missing[k] = own.aim[k] - own.reached[k] if own.pressed[k] else 0.0
             worst = max(worst, abs(own.missing[k]))
-        if worst <= ROUND_OFF * scale or not worst < 0.5 * before or sweep == MOST_SWEEPS - 1:
+        if worst <= ROUND_OFF * scale or sweep == MOST_SWEEPS - 1:
             return  # `change` goes with the impulses
+        if not worst < 0.5 * before:
+            if worst <= DOUBT * scale or impedance >= STIFFEST * mean:
+                return
+            # near a toggle position a point has far more inertia than a link
+            impedance *= STIFFER
+            eliminate_impedance(d, impedance, own.factors)
         before = worst
         # (M + Jᵀ D J) z = Jᵀ D m,  p ← p + D (m − J z)
         for k in range(count):
