@@ -217,3 +217,8 @@ def test_a_wedged_point_stops_though_its_impulses_are_slow_to_find(seed):
 @pytest.mark.parametrize("seed", (279, 826, 5044, 10688))
 def test_a_point_near_a_toggle_position_is_stopped(seed):
     assert found(seed) == []
+
+
+@pytest.mark.parametrize("seed", (3165, 15412, 15872, 18276))
+def test_the_ledger_closes_near_a_toggle_position(seed):
+    assert found(seed) == []

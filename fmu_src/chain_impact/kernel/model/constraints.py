@@ -174,7 +174,10 @@ def hold(d, y, rate):
 
 
 def meet_walls(d, y):
-    """Move the located state y to g = 0 and ġ = 0 of the held contacts, so that errors do not add up."""
+    """Move the located state y to g = 0 and ġ = 0 of the held contacts, so that errors do not add up.
+
+    What that takes of the kinetic energy counts as dissipated: near a toggle position it may be all.
+    """
     own, n = d.rigid, d.links
     for derivative in range(2):
         press_all(d)
@@ -185,3 +188,6 @@ def meet_walls(d, y):
         for j in range(n + 2):
             y[derivative * (n + 2) + j] += own.change[j]
         locate_points(d, y)
+    for k in range(d.touch.active_count):
+        # −½ p (u⁻ + u⁺)
+        y[2 * n + 4] -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
