@@ -222,3 +222,8 @@ def test_a_point_near_a_toggle_position_is_stopped(seed):
 @pytest.mark.parametrize("seed", (3165, 15412, 15872, 18276))
 def test_the_ledger_closes_near_a_toggle_position(seed):
     assert found(seed) == []
+
+
+@pytest.mark.parametrize("seed", (1509,))
+def test_an_impact_is_worked_out_though_the_work_is_overdrawn(seed):
+    assert found(seed) == []

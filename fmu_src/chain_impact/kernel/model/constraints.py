@@ -105,11 +105,9 @@ def complement(d, scale):
     own, count = d.rigid, d.touch.active_count
     fewest, patience = count + 1, PATIENCE
     for _ in range(ROUNDS + 4 * count):
-        if overdrawn(d):
-            return
         press(d, scale)
         wrong = count_wrong(d, scale)
-        if wrong == 0:
+        if wrong == 0 or overdrawn(d):
             return
         if wrong < fewest:
             fewest, patience = wrong, PATIENCE
