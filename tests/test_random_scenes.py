@@ -232,3 +232,8 @@ def test_an_impact_is_worked_out_though_the_work_is_overdrawn(seed):
 @pytest.mark.parametrize("seed", (475, 1791, 3900, 13018, 18576, 19615))
 def test_bounces_too_low_to_be_told_from_rest_end(seed):
     assert found(seed) == []
+
+
+@pytest.mark.parametrize("seed", (11589,))
+def test_a_point_wedged_in_a_corner_stops(seed):
+    assert found(seed) == []

@@ -74,8 +74,8 @@ def strike(d):
     """Give the impulses of an impact to the velocities, and what they take to the dissipated energy."""
     own, n, state = d.rigid, d.links, d.step.state_end
     lost, moved = find_impulses(d, d.contact.restitution)
-    if lost < -GAIN * moved:
-        # only a neighbour on its way from the wall can have brought that about
+    if lost < -GAIN * moved or falls_short(d):
+        # only a neighbour on its way from the wall can have brought that about, or a wedged point
         lost, _ = find_impulses(d, 0.0)
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
@@ -106,6 +106,14 @@ def find_impulses(d, restitution):
         lost -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
         moved += own.impulse[k] * (abs(own.start[k]) + abs(own.reached[k]))
     return lost, moved
+
+
+def falls_short(d):
+    """Whether impulses cannot give all points the speeds that the restitution asks for."""
+    short, scale = False, largest(d.work.velocity)
+    for k in range(d.touch.active_count):
+        short = short or d.rigid.reached[k] < d.rigid.aim[k] - GAIN * scale
+    return short
 
 
 def bounce(d):
