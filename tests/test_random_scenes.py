@@ -237,3 +237,8 @@ def test_bounces_too_low_to_be_told_from_rest_end(seed):
 @pytest.mark.parametrize("seed", (11589,))
 def test_a_point_wedged_in_a_corner_stops(seed):
     assert found(seed) == []
+
+
+@pytest.mark.parametrize("seed", (10860,))
+def test_a_release_is_judged_where_the_points_are_on_their_walls(seed):
+    assert found(seed) == []
