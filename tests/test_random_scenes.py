@@ -242,3 +242,8 @@ def test_a_point_wedged_in_a_corner_stops(seed):
 @pytest.mark.parametrize("seed", (10860,))
 def test_a_release_is_judged_where_the_points_are_on_their_walls(seed):
     assert found(seed) == []
+
+
+@pytest.mark.parametrize("seed", (2655, 4633, 4647))
+def test_the_step_after_the_end_of_another_contact_is_not_too_small(seed):
+    assert found(seed) == []
