@@ -247,3 +247,8 @@ def test_a_release_is_judged_where_the_points_are_on_their_walls(seed):
 @pytest.mark.parametrize("seed", (2655, 4633, 4647))
 def test_the_step_after_the_end_of_another_contact_is_not_too_small(seed):
     assert found(seed) == []
+
+
+@pytest.mark.parametrize("seed", (3861, 8026))
+def test_forces_of_rigid_walls_are_not_noise_where_joints_are_stiff(seed):
+    assert found(seed) == []
