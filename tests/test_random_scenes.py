@@ -252,3 +252,8 @@ def test_the_step_after_the_end_of_another_contact_is_not_too_small(seed):
 @pytest.mark.parametrize("seed", (3861, 8026))
 def test_forces_of_rigid_walls_are_not_noise_where_joints_are_stiff(seed):
     assert found(seed) == []
+
+
+@pytest.mark.parametrize("seed", (2716, 5015, 5646, 6909, 10329, 13804))
+def test_the_first_step_is_one_that_damped_joints_allow(seed):
+    assert found(seed) == []

@@ -8,7 +8,7 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.integration.dense import NOTHING, SOLVER, root_at, time_at
 from chain_impact.kernel.integration.step_size import in_flight
 from chain_impact.kernel.integration.sundman import NO_CONTACT
-from chain_impact.kernel.integration.switching import explicit_again
+from chain_impact.kernel.integration.switching import IMPLICIT, explicit_again, stable
 from chain_impact.kernel.laws import user_law
 from chain_impact.kernel.laws.contact_laws import (
     ANY,
@@ -61,6 +61,8 @@ def initialize(d, time):
     still(d, time, y)
     clear_loads(d)
     d.step.next_size = first_size(d)
+    if d.solver.method != IMPLICIT:
+        d.step.next_size = stable(d, d.step.next_size)
     d.step.flight_size = d.step.next_size
     d.impact.last_time = time
     d.limits.event_start = time
