@@ -12,7 +12,6 @@ from chain_impact.kernel.integration import explicit, implicit
 from chain_impact.kernel.integration.dense import root_at
 from chain_impact.kernel.integration.sundman import NO_CONTACT, root_curve
 from chain_impact.kernel.model.contact_force import damping_share
-from chain_impact.kernel.model.geometry import clearance
 
 SHRINK, GROW = 0.1, 6.0  # of the size of a step, at most
 TURN = 2.8  # rad, of the links in a step in flight for a tolerance of 1
@@ -37,12 +36,10 @@ def in_flight(d, y, rate):
 
 
 def at_onset(d, c):
-    """A size for the first step of the contact of candidate c, latched just now or left over by others."""
-    gap, _ = clearance(d, c)
+    """A size for the first step of the contact of candidate c, which has just been latched."""
     share, power = damping_share(d, c), 1.0 / (d.contact.rate_exponent + 1.0)
     # δ*/v₀, or less where damping stops the point
-    depth = max(d.touch.depth_scale[c], -gap)  # after a v₀ latched anew it may be far from foreseen
-    scale = depth / d.touch.impact_speed[c] * (1.0 + share) ** -power
+    scale = d.touch.depth_scale[c] / d.touch.impact_speed[c] * (1.0 + share) ** -power
     return FIRST * scale * d.solver.tolerance**-explicit.EXPONENT
 
 
