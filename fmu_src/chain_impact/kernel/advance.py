@@ -38,7 +38,7 @@ from chain_impact.kernel.integration.switching import (
     choose_method,
 )
 from chain_impact.kernel.model.contact import clear_loads, drop_events, latch, list_touching
-from chain_impact.kernel.model.contact_force import latch_damping, may_jump
+from chain_impact.kernel.model.contact_force import elastic_depth, latch_damping, may_jump
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import clearance
 from chain_impact.kernel.status import (
@@ -234,6 +234,7 @@ def apply_events(d):
     for c in range(d.candidates):
         if touch.event[c] == RELATCH:
             touch.impact_speed[c] *= RELATCH_RATIO
+            touch.depth_scale[c] = elastic_depth(d.contact, touch.effective_mass[c], touch.impact_speed[c])
             latch_damping(d, c)
             jumped, latched_anew = True, True
         elif touch.event[c] == TOUCH and touch.active[c]:

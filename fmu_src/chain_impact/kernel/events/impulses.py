@@ -28,6 +28,7 @@ from chain_impact.kernel.model.contact import clear_loads, drop_events, latch, l
 from chain_impact.kernel.model.equations import free_rate
 from chain_impact.kernel.model.geometry import clearance
 
+RISE = 1e-14  # of a link length: a point that rises less before it falls again has not left
 STICK = 1e-3  # of the smallest speed that bounces: slower points do not leave, or they would for ever
 NEAR = 1e-12  # of a link length: no distance, within an impact
 NEIGHBOUR = 4  # in `touch.event`, no event: what is that near, while an impact is worked out
@@ -74,8 +75,8 @@ def strike(d):
     """Give the impulses of an impact to the velocities, and what they take to the dissipated energy."""
     own, n, state = d.rigid, d.links, d.step.state_end
     lost, moved = find_impulses(d, d.contact.restitution)
-    if lost < -GAIN * moved:
-        # only a neighbour on its way from the wall can have brought that about
+    if lost < -GAIN * moved or falls_short(d):
+        # only a neighbour on its way from the wall can have brought that about, or a wedged point
         lost, _ = find_impulses(d, 0.0)
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
@@ -108,13 +109,25 @@ def find_impulses(d, restitution):
     return lost, moved
 
 
+def falls_short(d):
+    """Whether impulses cannot give all points the speeds that the restitution asks for."""
+    short, scale = False, largest(d.work.velocity)
+    for k in range(d.touch.active_count):
+        short = short or d.rigid.reached[k] < d.rigid.aim[k] - GAIN * scale
+    return short
+
+
 def bounce(d):
-    """End the contacts that leave with a speed."""
+    """End the contacts that leave with a speed, by more than can be told from rest."""
+    free_rate(d, d.step.state_end, d.work.stage[0])
+    fall = start_from_accelerations(d, d.step.state_end, d.work.stage[0])
+    # u²/(2 a), the height of a throw
+    slow = max(math.sqrt(2.0 * fall * RISE * d.model.size), STICK * d.contact.minimum_impact_speed)
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         if d.touch.event[c] == NEIGHBOUR and d.rigid.impulse[k] <= 0.0:
             d.touch.active[c] = 0  # not met
-        elif d.rigid.reached[k] > STICK * d.contact.minimum_impact_speed:
+        elif d.rigid.reached[k] > slow:
             leave(d, c)
     list_touching(d)
 

@@ -2,7 +2,9 @@
 
 import math
 
+from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.integration.dense import interpolate
+from chain_impact.kernel.model.constraints import meet_walls
 from chain_impact.kernel.model.contact import drop_events
 from chain_impact.kernel.model.equations import state_rate
 
@@ -47,6 +49,9 @@ def pull_limit(d):
 def pulls(d, theta):
     """Whether a held contact pulls at the fraction θ of the last step."""
     interpolate(d.step, theta, d.work.y)
+    # what the interpolant is off the walls, stiff joints turn into a force
+    locate_points(d, d.work.y)
+    meet_walls(d, d.work.y)
     state_rate(d, d.work.y, d.work.error[0])
     d.statistics.rhs_evaluations += 1
     least = 0.0

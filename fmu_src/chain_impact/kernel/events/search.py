@@ -13,8 +13,8 @@ touch-down so slow that gravity soon outruns it. The v₀ latched at onset would
 force, grow without bound; v₀ is latched anew.
 """
 
-from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import omega_at, root_at, velocity_at
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.chain.state import omega_at, root_at, time_at, velocity_at
 from chain_impact.kernel.events.exclusion import (
     FAR,
     NOTHING,
@@ -30,19 +30,25 @@ from chain_impact.kernel.events.exclusion import (
     set_clearances,
 )
 from chain_impact.kernel.events.release import find_release
-from chain_impact.kernel.integration.dense import interpolate, rate_bounds, rate_bounds_along
+from chain_impact.kernel.integration.dense import (
+    interpolate,
+    interpolate_component,
+    rate_bounds,
+    rate_bounds_along,
+)
 from chain_impact.kernel.integration.implicit import clearance_curvature
 from chain_impact.kernel.integration.last_step import SOLVER, complete
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.model.constraints import holding
 from chain_impact.kernel.model.contact import drop_events
-from chain_impact.kernel.model.geometry import clearance, harmless_depth, normal
+from chain_impact.kernel.model.geometry import along_normal, clearance, harmless_depth, normal
 from chain_impact.kernel.work_limit import overdrawn
 
 SIMULTANEOUS = 1e-12  # s, events closer than this are one event
 RESOLUTION = 1e-15  # of a link length: curvature below it is round-off
 DEEP = 1e-9  # of a link length, how deep in a wall no onset is located
+EARLY = 1e-3  # of a step, in which a touch has to agree with the motion at its start
 REFUSED = -2.0  # in place of θ
 QUIET, SPLIT, EVENT = 0, 1, 2
 # kinds of event: contact begins or ends, v₀ is latched anew
@@ -69,8 +75,7 @@ def find_event(d):
         complete(d, SOLVER)
     bound_curvature(d)
     theta = find_touch(d)
-    # a point that is inside at the start will be so in a shorter step, too
-    if theta > 0.0 and not credible(d):
+    if theta >= 0.0 and not credible(d, theta):
         if d.step.end - d.step.start > SIMULTANEOUS:
             return REFUSED
         theta = drop_leaving(d, theta)
@@ -79,6 +84,9 @@ def find_event(d):
     elif d.touch.active_count > 0:
         theta = find_relatch(d, theta)
     learn(d, VALUES)
+    # the time in a regularized step is not under error control
+    if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
+        return REFUSED
     return theta
 
 
@@ -90,7 +98,7 @@ def find_touch(d):
     a, b = 0.0, 1.0
     while not overdrawn(d):
         measure(d, b)
-        verdict = inspect(d, (b - a) * d.step.size)
+        verdict = inspect(d, a, b)
         if verdict == SPLIT:
             b = 0.5 * (a + b)
         elif verdict == EVENT:
@@ -107,18 +115,42 @@ def find_touch(d):
     return -1.0  # the run ends: who called looks at the work
 
 
-def credible(d):
-    """Whether the onsets found, where they are measured, are of points that arrive at a wall.
+def credible(d, theta):
+    """Whether the touches found at θ, where they are measured, are of points that arrive at a wall or leave.
 
     The positions of a step and its speeds contradict each other by what the tolerance allows. An onset deep
-    inside, or of a point that moves away, is the fault of a step that is too long.
+    inside, or of a point that moves away, is the fault of a step that is too long; so is a touch at its very
+    start, by a point that cannot be there yet.
     """
+    if theta <= EARLY and starts_clear(d, theta * d.step.size):
+        return False
+    if theta == 0.0:
+        return True  # a point that is inside at the start will be so in a shorter step, too
     for c in range(d.candidates):
         if d.touch.event[c] == TOUCH and not d.touch.active[c]:
             deep = d.search.clear_end[c] < -DEEP * d.model.size
             if deep or d.search.clear_end_rate[c] > 0.0:
                 return False
     return True
+
+
+def starts_clear(d, lasted):
+    """Whether a candidate that touches within so short a time [s] is clear by its motion at the start.
+
+    The interpolant of a step that passes over what is stiff is off its start by what the tolerance allows.
+    """
+    locate_points(d, d.step.state)
+    accelerate_points(d, d.step.state, d.work.rate_start)
+    clear = False
+    for c in range(d.candidates):
+        if d.touch.event[c] == TOUCH and c != d.step.regularized:
+            sign = -1.0 if d.touch.active[c] else 1.0
+            gap, gap_rate = clearance(d, c)
+            # φ + φ̇ t + ½ φ̈ t²
+            move = lasted * (gap_rate + 0.5 * lasted * along_normal(d, c, d.work.acceleration))
+            clear = clear or (sign * gap >= 0.0 and sign * (0.5 * gap + move) > 0.0)
+    locate_points(d, d.work.y)
+    return clear
 
 
 def drop_leaving(d, theta):
@@ -226,19 +258,20 @@ def locate_at(d, theta):
     locate_points(d, d.work.y)
 
 
-def inspect(d, width):
-    """QUIET if no candidate can have an event in the interval, EVENT if one has, SPLIT if unsettled."""
+def inspect(d, a, b):
+    """QUIET if no candidate can have an event in (a, b], EVENT if one has, SPLIT if unsettled."""
     verdict = QUIET
     for c in range(d.candidates):
-        judged = inspect_candidate(d, c, width)
+        judged = inspect_candidate(d, c, a, b)
         if judged == SPLIT:
             return SPLIT
         verdict = max(verdict, judged)
     return verdict
 
 
-def inspect_candidate(d, c, width):
-    """The verdict on one candidate over an interval of a width in the variable of the step."""
+def inspect_candidate(d, c, a, b):
+    """The verdict on one candidate over an interval of the step."""
+    width = (b - a) * d.step.size
     start, end = d.search.clear_start[c], d.search.clear_end[c]
     if c == d.step.regularized:
         # δ̇ would have to change its sign twice for u to fall to zero and rise again
@@ -246,23 +279,31 @@ def inspect_candidate(d, c, width):
     rate_start, rate_end = d.search.clear_start_rate[c], d.search.clear_end_rate[c]
     curvature = d.search.curvature[c]
     sag, harmless = curvature * width * width / 8.0, harmless_depth(d)
-    falls = end < 0.0 and rate_end < 0.0
+    # who has come that little way by the end of the step, or leaves, may never get further
+    near = b == 1.0 or d.touch.active[c]
+    falls = end < (-harmless if near else 0.0) and rate_end < 0.0
     if start > sag - harmless and end > sag - harmless and not falls:
         return QUIET
     settled = rate_start * rate_end > 0.0 and abs(rate_start) + abs(rate_end) > curvature * width
     # not >=, which keeps on halving for a curvature that is not finite
     if settled or not sag >= RESOLUTION * d.model.size:
-        # at a loose tolerance a point can get deep without having moved there, as far as its speed tells
-        return EVENT if falls or end < -harmless <= start else QUIET
+        # at a loose tolerance a point can get deep without having moved there, as far as its speed tells;
+        # one in contact that moves inward has not left, wherever the interpolant of a stiff step puts it
+        return EVENT if falls or (end < -harmless <= start and not d.touch.active[c]) else QUIET
     return SPLIT
+
+
+def barely(d, c, part):
+    """Whether φ of candidate c bends by no more than round-off over a part of the step."""
+    width = part * d.step.size
+    return not d.search.curvature[c] * width * width / 8.0 >= RESOLUTION * d.model.size
 
 
 def locate(d, a, b):
     """Find the earliest event in (a, b], in which every candidate is settled, and mark whose it is."""
-    width = (b - a) * d.step.size
     first, found = b, -1
     for c in range(d.candidates):
-        d.touch.event[c] = TOUCH if inspect_candidate(d, c, width) == EVENT else 0
+        d.touch.event[c] = TOUCH if inspect_candidate(d, c, a, b) == EVENT else 0
     for c in range(d.candidates):
         # `first` is measured: whoever is still clear there comes later
         if d.touch.event[c] and d.search.clear_end[c] < 0.0:
@@ -279,12 +320,13 @@ def locate(d, a, b):
 def root(d, c, a, b):
     """θ in [a, b] at which φ of candidate c, negative at b, falls through zero; measured there.
 
-    Newton's method kept inside a shrinking bracket. The start of the bracket when φ is not positive there:
-    the event is overdue.
+    Newton's method kept inside a shrinking bracket. When φ is not positive at the start of it, either, the
+    event is overdue: it is where φ falls.
     """
-    if d.search.clear_start[c] <= 0.0 and d.search.clear_start_rate[c] <= 0.0:
-        measure(d, a)
-        return a
+    if d.search.clear_start[c] <= 0.0 and (d.search.clear_start_rate[c] <= 0.0 or barely(d, c, b - a)):
+        theta = a if d.search.clear_start_rate[c] <= 0.0 else b
+        measure(d, theta)
+        return theta
     resolution = max(4e-16 * abs(d.step.end), 1e-16) / d.step.size
     low, high, theta = a, b, b
     for _ in range(100):

@@ -2,6 +2,7 @@
 
 import math
 
+from chain_impact.kernel.chain.damped import damping_of
 from chain_impact.kernel.chain.kinematics import move_points
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, velocity_at
 from chain_impact.kernel.model.geometry import along_normal, clearance
@@ -44,7 +45,22 @@ def scaled_error(d, row):
     for k in range(d.touch.active_count):
         scale = penetration_scale(d, d.touch.active_index[k])
         worst = max(worst, abs(d.touch.gap_error[k]) / scale)
+    if d.contact.impulsive and d.touch.active_count > 0 and d.model.damped:
+        worst = max(worst, moment_error(d, row))
     return worst / d.solver.tolerance
+
+
+def moment_error(d, row):
+    """The largest error of a joint's damping moment, in parts of what turns the chain.
+
+    What a rigid wall holds with is found from the moments, and its sign tells who is released.
+    """
+    error, first, before, worst = d.work.error[row], omega_at(d.links), 0.0, 0.0
+    for i in range(d.links):
+        worst = max(worst, damping_of(d, i) * abs(error[first + i] - before))
+        before = error[first + i]
+    gravity = math.hypot(d.model.gravity[0], d.model.gravity[1])
+    return worst / (d.model.energy * (1.0 + gravity / d.model.size))
 
 
 def impact_energy(d):

@@ -64,9 +64,17 @@ def begin_flight(d):
     z = damping_over(d, d.step.next_size)
     if z <= STIFF:
         d.step.method = EXPLICIT
-    if z > STABLE and d.step.method == EXPLICIT:
-        d.step.next_size *= STABLE / z
+    if d.step.method == EXPLICIT:
+        d.step.next_size = stable(d, d.step.next_size)
     forget_doubts(d.step)
+
+
+def stable(d, h):
+    """A size [s] for an explicit step to begin with, h or what the joints' damping allows.
+
+    At rest errors do not tell: a step far too long leaves the chain where it is, but not its dense output.
+    """
+    return h * min(1.0, STABLE / max(STABLE, damping_over(d, h)))
 
 
 def begin_explicit(step):

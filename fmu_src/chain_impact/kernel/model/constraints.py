@@ -19,11 +19,12 @@ import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points, move_points, zero
 from chain_impact.kernel.chain.recursion import factorize, no_impedance, solve
-from chain_impact.kernel.chain.state import coordinate_count, velocity_at
+from chain_impact.kernel.chain.state import coordinate_count, dissipated_at, velocity_at
 from chain_impact.kernel.model.geometry import add_along_normal, add_impedance, along_normal, clearance
 from chain_impact.kernel.work_limit import overdrawn
 
-STIFF = 1e6  # D over the mean mass of a link
+STIFF, STIFFEST = 1e6, 1e12  # D over the mean mass of a link, at first and where that is not enough, …
+STIFFER = 1e3  # … in factors of this
 MOST_SWEEPS = 30
 ROUND_OFF = 1e-15  # of the largest motion, what may be missing at the end
 DOUBT = 1e-12  # of the largest, a sign within it means nothing
@@ -68,7 +69,7 @@ def press(d, scale):
     for k in range(count):
         own.impulse[k] = 0.0
     before = math.inf
-    for _ in range(MOST_SWEEPS):
+    for sweep in range(MOST_SWEEPS):
         respond_to_impulses(d, d.work.factors, own.impulse)
         worst = 0.0
         for k in range(count):
@@ -76,8 +77,14 @@ def press(d, scale):
             # m = aim − u
             own.missing[k] = own.aim[k] - own.reached[k] if own.pressed[k] else 0.0
             worst = max(worst, abs(own.missing[k]))
-        if worst <= ROUND_OFF * scale or not worst < 0.5 * before:
-            return
+        if worst <= ROUND_OFF * scale or sweep == MOST_SWEEPS - 1:
+            return  # `change` goes with the impulses
+        if not worst < 0.5 * before:
+            if worst <= DOUBT * scale or impedance >= STIFFEST * mean:
+                return
+            # near a toggle position a point has far more inertia than a link
+            impedance *= STIFFER
+            eliminate_impedance(d, impedance, own.factors)
         before = worst
         # (M + Jᵀ D J) z = Jᵀ D m,  p ← p + D (m − J z)
         for k in range(count):
@@ -99,11 +106,9 @@ def complement(d, scale):
     own, count = d.rigid, d.touch.active_count
     fewest, patience = count + 1, PATIENCE
     for _ in range(ROUNDS + 4 * count):
-        if overdrawn(d):
-            return
         press(d, scale)
         wrong = count_wrong(d, scale)
-        if wrong == 0:
+        if wrong == 0 or overdrawn(d):
             return
         if wrong < fewest:
             fewest, patience = wrong, PATIENCE
@@ -168,7 +173,10 @@ def hold(d, y, rate):
 
 
 def meet_walls(d, y):
-    """Move the located state y to g = 0 and ġ = 0 of the held contacts, so that errors do not add up."""
+    """Move the located state y to g = 0 and ġ = 0 of the held contacts, so that errors do not add up.
+
+    What that takes of the kinetic energy counts as dissipated: near a toggle position it may be all.
+    """
     own, n = d.rigid, d.links
     for derivative in range(2):
         press_all(d)
@@ -179,3 +187,6 @@ def meet_walls(d, y):
         for j in range(coordinate_count(n)):
             y[derivative * velocity_at(n) + j] += own.change[j]
         locate_points(d, y)
+    for k in range(d.touch.active_count):
+        # −½ p (u⁻ + u⁺)
+        y[dissipated_at(n)] -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])

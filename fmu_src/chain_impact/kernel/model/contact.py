@@ -14,6 +14,8 @@ from chain_impact.kernel.model.contact_force import (
 )
 from chain_impact.kernel.model.geometry import add_along_normal, along_normal, clearance
 
+LEAST_MOBILITY = 1e-6  # over that of all links as one mass, which a pinned chain's point can have
+
 
 def contact_force(d, c, gap, gap_rate):
     """Force [N] of an active candidate at a clearance [m] and its rate [m/s], and dissipated power [W]."""
@@ -107,4 +109,6 @@ def effective_mass(d, c):
     add_along_normal(d, c, work.load, 1.0)
     solve(d, work.link, work.factors, work.load, work.y)
     move_points(work.link, work.y, work.motion)
-    return 1.0 / along_normal(d, c, work.motion)
+    # in a toggle position nothing moves the point: 0 of a mass that is infinite
+    mobility = LEAST_MOBILITY * d.model.size * d.model.size / d.model.energy
+    return 1.0 / max(mobility, along_normal(d, c, work.motion))
