@@ -124,7 +124,7 @@ class Solver:
 
     method: str = quantity("", "integration method", "auto", choices=SOLVER_METHODS)
     tolerance: float = quantity("1", "relative error tolerance", 1e-8, minimum=1e-13, maximum=1e-2)
-    work_limit: float = quantity("1/s", "most evaluations of f for a second simulated", 1e7, above=0.0)
+    work_limit: float = quantity("1/s", "most evaluations of f for a second simulated", 5e6, above=0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

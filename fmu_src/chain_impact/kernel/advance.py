@@ -8,11 +8,10 @@ the communication point has passed it.
 
 import math
 
-from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.events.contact_log import finish, follow_contacts
-from chain_impact.kernel.events.exclusion import RELATCH_RATIO
-from chain_impact.kernel.events.impulses import collide, end_contacts, judge
-from chain_impact.kernel.events.search import REFUSED, RELATCH, TOUCH, find_event
+from chain_impact.kernel.events.contact_log import follow_contacts
+from chain_impact.kernel.events.impulses import end_contacts, judge
+from chain_impact.kernel.events.search import REFUSED, find_event
+from chain_impact.kernel.events.table import apply_events, ends_contact
 from chain_impact.kernel.initialize import derive_law, first_size
 from chain_impact.kernel.integration import step_size
 from chain_impact.kernel.integration.balance import check_balance, keeps_balance, take_stock
@@ -30,17 +29,12 @@ from chain_impact.kernel.integration.last_step import (
 )
 from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.integration.methods import attempt, prepare
-from chain_impact.kernel.integration.sundman import NO_CONTACT, regularize, time_rate_now
+from chain_impact.kernel.integration.sundman import regularize, time_rate_now
 from chain_impact.kernel.integration.switching import (
-    begin_explicit,
-    begin_flight,
-    begin_impact,
     choose_method,
 )
-from chain_impact.kernel.model.contact import clear_loads, drop_events, latch, list_touching
-from chain_impact.kernel.model.contact_force import elastic_depth, latch_damping, may_jump
+from chain_impact.kernel.model.contact import clear_loads, drop_events
 from chain_impact.kernel.model.equations import state_rate
-from chain_impact.kernel.model.geometry import clearance
 from chain_impact.kernel.status import (
     LOG_FULL,
     NOT_FINITE,
@@ -177,16 +171,6 @@ def ends_well(d, theta):
     return True
 
 
-def ends_contact(d):
-    """Whether a contact ends in the event that was found, where the step is not smooth for it."""
-    if d.step.regularized != NO_CONTACT and d.touch.event[d.step.regularized] == TOUCH:
-        return False
-    for c in range(d.candidates):
-        if d.touch.event[c] == TOUCH and d.touch.active[c]:
-            return True
-    return False
-
-
 def begin(d):
     """Let what happened at the end of the last step take effect; returns the number of events."""
     events = 0
@@ -213,52 +197,3 @@ def begin(d):
     choose_variable(d, events > 0)
     regularize(d, d.step.state_end, rate, d.work.stage[0])
     return events
-
-
-def apply_events(d):
-    """End and begin the contacts that the last step found, and choose the step that follows.
-
-    Returns:
-        Whether a force has jumped, where a contact begins or ends or as a v₀ was latched anew.
-    """
-    if d.contact.impulsive:
-        collide(d)
-        begin_explicit(d.step)  # blows move what damping slows down
-        return True
-    jumped, latched_anew = False, False
-    touch = d.touch
-    locate_points(d, d.step.state_end)
-    if touch.active_count == 0:
-        d.step.flight_size = d.step.next_size
-    onset = -1
-    for c in range(d.candidates):
-        if touch.event[c] == RELATCH:
-            touch.impact_speed[c] *= RELATCH_RATIO
-            touch.depth_scale[c] = elastic_depth(d.contact, touch.effective_mass[c], touch.impact_speed[c])
-            latch_damping(d, c)
-            jumped, latched_anew = True, True
-        elif touch.event[c] == TOUCH and touch.active[c]:
-            _, gap_rate = clearance(d, c)
-            if gap_rate >= 0.0:  # else it has not left: the tolerance allows its position to be that wrong
-                finish(d, c)
-                touch.active[c] = 0
-            jumped = jumped or may_jump(d.contact)
-        elif touch.event[c] == TOUCH:
-            latch(d, c)
-            touch.active[c] = 1
-            onset = c
-            jumped = jumped or may_jump(d.contact)
-        touch.event[c] = 0
-
-    list_touching(d)
-    if touch.active_count == 0:
-        clear_loads(d)
-        d.step.next_size = min(
-            d.step.flight_size, step_size.in_flight(d, d.step.state_end, d.work.rate_start)
-        )
-        begin_flight(d)
-    elif onset >= 0 or not (d.step.method == IMPLICIT or latched_anew):
-        d.step.next_size = step_size.at_onset(d, onset if onset >= 0 else touch.active_index[0])
-    if onset >= 0:
-        begin_impact(d)
-    return jumped

@@ -5,7 +5,7 @@ absurd: it leads to a status, not out of the record.
 """
 
 from chain_impact.kernel.events.exclusion import FAR
-from chain_impact.kernel.events.impulses import NEIGHBOUR
+from chain_impact.kernel.events.kinds import NEIGHBOUR
 from chain_impact.kernel.integration.last_step import SOLVER
 from chain_impact.kernel.integration.methods import METHOD_COUNT, SOLVER_METHODS
 from chain_impact.kernel.integration.sundman import NO_CONTACT

@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact.instance import new_instance
 from chain_impact.kernel.advance import begin
-from chain_impact.kernel.events.search import TOUCH
+from chain_impact.kernel.events.kinds import ONSET
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.explicit import attempt
@@ -25,7 +25,7 @@ def at_onset():
     block = new_instance(ball(0.0, SPEED, stiffness=STIFFNESS, restitution=1.0))
     d = Plain(block[0])
     assert initialize(d, 0.0) == 0
-    d["touch"]["event"][0] = TOUCH
+    d["touch"]["event"][0] = ONSET
     assert begin(d) == 1
     assert d["step"]["regularized"] == 0
     return block

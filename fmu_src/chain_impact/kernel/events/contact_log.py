@@ -122,7 +122,8 @@ def finish(d, c):
     log.onset[row] = touch.onset[c]
     log.end[row] = d.step.end
     log.impact_speed[row] = touch.onset_speed[c]
-    log.separation_speed[row] = gap_rate
+    # a point that a rigid wall has held is at rest: what is left of its rate is round-off
+    log.separation_speed[row] = max(0.0, gap_rate) if d.contact.impulsive else gap_rate
     log.peak_force[row] = touch.peak_force[c]
     log.max_penetration[row] = touch.max_penetration[c]
     log.effective_mass[row] = touch.effective_mass[c]

@@ -21,8 +21,7 @@ import math
 from chain_impact.kernel.chain.kinematics import largest, locate_points
 from chain_impact.kernel.chain.state import coordinate_count, dissipated_at, velocity_at
 from chain_impact.kernel.events.contact_log import finish
-from chain_impact.kernel.events.release import RELEASE
-from chain_impact.kernel.events.search import TOUCH
+from chain_impact.kernel.events.kinds import NEIGHBOUR, ONSET, RELEASE
 from chain_impact.kernel.model.constraints import complement, meet_walls, press, start_from_accelerations
 from chain_impact.kernel.model.contact import clear_loads, drop_events, latch, list_touching
 from chain_impact.kernel.model.equations import free_rate
@@ -31,7 +30,6 @@ from chain_impact.kernel.model.geometry import clearance
 RISE = 1e-14  # of a link length: a point that rises less before it falls again has not left
 STICK = 1e-3  # of the smallest speed that bounces: slower points do not leave, or they would for ever
 NEAR = 1e-12  # of a link length: no distance, within an impact
-NEIGHBOUR = 4  # in `touch.event`, no event: what is that near, while an impact is worked out
 GAIN = 1e-9  # of the energies moved in an impact, more than round-off
 APART = 1e-13  # of a link length: where a point without a force is put, lest round-off make it touch
 
@@ -44,7 +42,7 @@ def collide(d):
     meet_walls(d, d.step.state_end)
     struck = False
     for c in range(d.candidates):
-        if touch.event[c] == TOUCH:
+        if touch.event[c] == ONSET:
             latch(d, c)
             touch.active[c] = 1
             struck = True
@@ -97,7 +95,7 @@ def find_impulses(d, restitution):
         c = d.touch.active_index[k]
         _, own.start[k] = clearance(d, c)
         fast = -own.start[k] >= d.contact.minimum_impact_speed
-        arrives = fast and d.touch.event[c] in (TOUCH, NEIGHBOUR)
+        arrives = fast and d.touch.event[c] in (ONSET, NEIGHBOUR)
         # u⁺ ≥ −e u⁻
         own.aim[k] = -restitution * own.start[k] if arrives else 0.0
         own.pressed[k] = 1

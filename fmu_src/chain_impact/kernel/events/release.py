@@ -3,12 +3,13 @@
 import math
 
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.events.kinds import RELEASE
+from chain_impact.kernel.events.sampling import first_passage
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.model.constraints import meet_walls
 from chain_impact.kernel.model.contact import drop_events
 from chain_impact.kernel.model.equations import state_rate
 
-RELEASE = 3  # in `touch.event`
 RESOLUTION = 1e-12  # s
 PULL, SAMPLES = 1e-11, 8  # of the chain's weight, a force that counts; places in a step to look at
 
@@ -23,21 +24,11 @@ def find_release(d, touch):
         pulling |= d.rigid.least[d.touch.active_index[k]] < -pull_limit(d)
     if not pulling:
         return touch
-    end = touch if touch >= 0.0 else 1.0
-    low = 0.0
-    for sample in range(1, SAMPLES + 1):
-        high = end * sample / SAMPLES
-        if pulls(d, high):
-            while (high - low) * d.step.size > RESOLUTION:
-                middle = 0.5 * (low + high)
-                if pulls(d, middle):
-                    high = middle
-                else:
-                    low = middle
-            mark_pulling(d, high)
-            return high
-        low = high
-    return touch
+    theta = _when_pulled(d, -1, touch if touch >= 0.0 else 1.0)
+    if theta < 0.0:
+        return touch
+    mark_pulling(d, theta)
+    return theta
 
 
 def pull_limit(d):
@@ -46,8 +37,8 @@ def pull_limit(d):
     return PULL * d.model.energy / (d.model.size * d.model.size) * (gravity + d.model.size)
 
 
-def pulls(d, theta):
-    """Whether a held contact pulls at the fraction θ of the last step."""
+def pulls(d, _c, theta):
+    """Whether any held contact pulls at the fraction θ of the last step."""
     interpolate(d.step, theta, d.work.y)
     # what the interpolant is off the walls, stiff joints turn into a force
     locate_points(d, d.work.y)
@@ -62,8 +53,11 @@ def pulls(d, theta):
 
 def mark_pulling(d, theta):
     """Mark the held contacts that pull at θ for release, and no other event."""
-    pulls(d, theta)
+    pulls(d, -1, theta)
     drop_events(d)
     for k in range(d.touch.active_count):
         if d.rigid.impulse[k] < -pull_limit(d):
             d.touch.event[d.touch.active_index[k]] = RELEASE
+
+
+_when_pulled = first_passage(pulls, SAMPLES, RESOLUTION)

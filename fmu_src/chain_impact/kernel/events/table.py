@@ -1,0 +1,135 @@
+"""The table of events: what can happen to a contact within a step, and what then is done.
+
+An event is the change of sign of a function of the motion, in one direction. Crossings of clearances are
+found between bounds (crossing.py), so that none is missed; the others at samples of a step (sampling.py), as
+missing one for a while does no harm.
+"""
+
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.dispatch import dispatch
+from chain_impact.kernel.events.contact_log import finish
+from chain_impact.kernel.events.exclusion import RELATCH_RATIO
+from chain_impact.kernel.events.impulses import collide
+from chain_impact.kernel.events.kinds import END, NONE, ONSET, RELATCH, RELEASE
+from chain_impact.kernel.integration import step_size
+from chain_impact.kernel.integration.method import IMPLICIT
+from chain_impact.kernel.integration.switching import begin_explicit, begin_flight, begin_impact
+from chain_impact.kernel.model.contact import clear_loads, latch, list_touching
+from chain_impact.kernel.model.contact_force import elastic_depth, latch_damping, may_jump
+from chain_impact.kernel.model.geometry import clearance
+
+LEFT = 0.01  # of the time scale of a contact, in which a point that has left is out of the wall
+
+
+class Event:
+    """A line of the table.
+
+    Attributes:
+        kind: its number in ``touch.event``.
+        function: what changes its sign.
+        falls: whether it does so from plus to minus.
+        handler: function (d, c) that lets it take effect on candidate c under a force law, at the located
+            points; returns whether a force has jumped. Rigid walls settle all events of a moment at once.
+    """
+
+    kind: int
+    function: str
+    falls: bool
+    handler: object
+
+    def __init__(self, kind, function, falls, handler):
+        self.kind, self.function, self.falls, self.handler = kind, function, falls, handler
+
+
+def begin_contact(d, c):
+    """Begin the contact of a point that has arrived at a wall."""
+    latch(d, c)
+    d.touch.active[c] = 1
+    return may_jump(d.contact)
+
+
+def end_contact(d, c):
+    """End the contact of a point that has left its wall.
+
+    One that still moves inward, or takes long to get out, has not: the tolerance allows the place of an end
+    to be that wrong.
+    """
+    touch = d.touch
+    gap, gap_rate = clearance(d, c)
+    # −g/ġ ≤ LEFT δ*/v₀
+    if gap_rate >= 0.0 and -gap * touch.impact_speed[c] <= LEFT * touch.depth_scale[c] * gap_rate:
+        finish(d, c)
+        touch.active[c] = 0
+    return may_jump(d.contact)
+
+
+def latch_anew(d, c):
+    """Take twice the v₀ for a point that is pushed in much faster than it arrived."""
+    touch = d.touch
+    touch.impact_speed[c] *= RELATCH_RATIO
+    touch.depth_scale[c] = elastic_depth(d.contact, touch.effective_mass[c], touch.impact_speed[c])
+    latch_damping(d, c)
+    return True
+
+
+def nothing(_d, _c):
+    """Leave the contact as it is."""
+    return False
+
+
+EVENTS = (
+    Event(NONE, "", True, nothing),
+    Event(ONSET, "the clearance of a point that is apart", True, begin_contact),
+    Event(END, "the penetration of a point in contact, or u of the regularized contact", True, end_contact),
+    Event(RELATCH, "δ̇ − 2 v₀ of a point in contact", False, latch_anew),
+    Event(RELEASE, "the force with which a rigid wall holds a point", True, nothing),
+)
+_handle = dispatch([event.handler for event in EVENTS])
+
+
+def apply_events(d):
+    """Let the events at the end of the last step take effect, and choose the step that follows.
+
+    Returns:
+        Whether a force has jumped, where a contact begins or ends or as a v₀ was latched anew.
+    """
+    if d.contact.impulsive:
+        collide(d)
+        begin_explicit(d.step)  # blows move what damping slows down
+        return True
+    touch, onset, jumped, latched_anew = d.touch, -1, False, False
+    locate_points(d, d.step.state_end)
+    if touch.active_count == 0:
+        d.step.flight_size = d.step.next_size
+    for c in range(d.candidates):
+        kind = touch.event[c]
+        jumped = _handle(kind, d, c) or jumped
+        latched_anew = latched_anew or kind == RELATCH
+        onset = c if kind == ONSET else onset
+        touch.event[c] = NONE
+    list_touching(d)
+    choose_size(d, onset, latched_anew)
+    return jumped
+
+
+def choose_size(d, onset, latched_anew):
+    """Choose the size and the method of the step after events, of which the last onset is given, or −1."""
+    if d.touch.active_count == 0:
+        clear_loads(d)
+        free = step_size.in_flight(d, d.step.state_end, d.work.rate_start)
+        d.step.next_size = min(d.step.flight_size, free)
+        begin_flight(d)
+    elif onset >= 0 or not (d.step.method == IMPLICIT or latched_anew):
+        d.step.next_size = step_size.at_onset(d, onset if onset >= 0 else d.touch.active_index[0])
+    if onset >= 0:
+        begin_impact(d)
+
+
+def ends_contact(d):
+    """Whether a contact ends in the events that were found, where the step is not smooth for it."""
+    if d.step.regularized >= 0 and d.touch.event[d.step.regularized] == END:
+        return False
+    for c in range(d.candidates):
+        if d.touch.event[c] == END:
+            return True
+    return False
