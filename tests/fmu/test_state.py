@@ -125,7 +125,7 @@ def absurd(fmu):
 @pytest.mark.parametrize("model", ["rod_drop", "ramp"])
 def test_absurd_states_with_a_valid_checksum_do_no_harm(fmus, clean, model):
     refusals, unharmed = clean(absurd, fmus[model])
-    assert refusals > 10
+    assert refusals > 5  # one word in three is looked at, and few of them are indices
     assert unharmed
 
 
