@@ -30,6 +30,7 @@ TESTED_ELSEWHERE = {
     "reading.py": "test_scene.py",
     "kernel/advance.py": "test_simulate.py",  # what only whole simulations can show
     "kernel/integration/combination.py": "kernel/integration/test_explicit.py",
+    "kernel/model/compliance.py": "kernel/model/test_constraints.py",
     "kernel/model/contact.py": "kernel/laws/test_contact_laws.py",
     "kernel/integration/dense.py": "kernel/integration/test_explicit.py",
     "kernel/integration/dop853.py": "kernel/integration/test_explicit.py",

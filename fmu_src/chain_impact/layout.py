@@ -282,6 +282,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("aim", REAL, (candidates,)),  # … as it shall be, at the least, …
         ("missing", REAL, (candidates,)),  # … what is missing, then that times the impedance
         ("impulse", REAL, (candidates,)),  # N·s, or N
+        ("impedance", REAL, (candidates,)),  # kg, D
         ("sample", REAL, (2, candidates)),  # N, the last two forces looked at
         ("least", REAL, (candidates,)),  # N, smallest holding force in the stages of the step; not packed
     )

@@ -28,9 +28,7 @@ The coordinates of a result are moved to the g and ġ that came with it in the s
 output in between. How far they had left them counts as an error.
 """
 
-from chain_impact.kernel.chain.damped import factorize_damped, solve_damped
-from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, move_points, zero
-from chain_impact.kernel.chain.recursion import factorize, no_impedance, solve
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import (
     coordinate_count,
     dissipated_at,
@@ -44,9 +42,10 @@ from chain_impact.kernel.integration.combination import combination
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.errors import scaled_error
 from chain_impact.kernel.integration.method import Method
+from chain_impact.kernel.model.compliance import give_way, give_way_damped, stiffen, stiffen_damped
 from chain_impact.kernel.model.contact import apply_contact, clear_loads, contact_slopes
 from chain_impact.kernel.model.equations import loaded_rate
-from chain_impact.kernel.model.geometry import add_along_normal, add_impedance, along_normal, clearance
+from chain_impact.kernel.model.geometry import along_normal, clearance
 
 GAMMA = ros34pw2.GAMMA_DIAGONAL
 # rows of implicit.stage, in which 1 to 4 are the stages k_i
@@ -155,16 +154,14 @@ def extended_rate(d, z, rate):
 
 def factorize_stiff(d, shift):
     """Eliminate M + Jᵀ D J + hγ C for hγ = ``shift`` [s]."""
-    own, impedance = d.implicit, d.work.impedance
-    no_impedance(impedance)
+    own = d.implicit
     for k in range(d.touch.active_count):
         # D = hγ c + (hγ)² k
         own.impedance[k] = shift * (own.damping[k] + shift * own.stiffness[k])
-        add_impedance(d, d.touch.active_index[k], impedance, own.impedance[k])
     if d.model.damped:
-        factorize_damped(d, own.link, impedance, shift, d.work.damped)
+        stiffen_damped(d, own.link, own.impedance, shift)
     else:
-        factorize(d, own.link, impedance, d.work.factors)
+        stiffen(d, own.link, own.impedance, d.work.factors)
 
 
 def respond(d, change):
@@ -172,17 +169,13 @@ def respond(d, change):
 
     p stands in ``normal``, and then J Δ; the relative angular velocities of r in ``work.damped.aim``.
     """
-    work, own = d.work, d.implicit
-    zero(work.load)
-    for k in range(d.touch.active_count):
-        add_along_normal(d, d.touch.active_index[k], work.load, own.normal[k])
+    own = d.implicit
     if d.model.damped:
-        solve_damped(d, own.link, work.damped, work.load, work.damped.aim, change)
+        give_way_damped(d, own.link, own.normal, change)
     else:
-        solve(d, own.link, work.factors, work.load, change)
-    move_points(own.link, change, work.motion)
+        give_way(d, own.link, d.work.factors, own.normal, change)
     for k in range(d.touch.active_count):
-        own.normal[k] = along_normal(d, d.touch.active_index[k], work.motion)
+        own.normal[k] = along_normal(d, d.touch.active_index[k], d.work.motion)
 
 
 def solve_stiff(d, shift, r, x):

@@ -17,10 +17,10 @@ lets it, and it needs no independent constraints. D is a million times a link's 
 
 import math
 
-from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points, move_points, zero
-from chain_impact.kernel.chain.recursion import factorize, no_impedance, solve
+from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
 from chain_impact.kernel.chain.state import coordinate_count, dissipated_at, velocity_at
-from chain_impact.kernel.model.geometry import add_along_normal, add_impedance, along_normal, clearance
+from chain_impact.kernel.model.compliance import give_way, stiffen
+from chain_impact.kernel.model.geometry import along_normal, clearance
 from chain_impact.kernel.work_limit import overdrawn
 
 STIFF, STIFFEST = 1e6, 1e12  # D over the mean mass of a link, at first and where that is not enough, …
@@ -32,25 +32,11 @@ PATIENCE = 3  # rounds in which flipping all may bring no gain
 ROUNDS = 30  # of flips, and 4 for each candidate: far more than ever needed
 
 
-def respond_to_impulses(d, factors, impulse):
-    """Set ``change`` of the coordinates and ``motion`` of the points that impulses [N·s] bring about."""
-    work = d.work
-    d.limits.other_work += 1
-    change = d.rigid.change
-    zero(work.load)
+def set_impedance(d, amount):
+    """Set the impedance at the pressed points to an amount [kg], and that at the others to zero."""
+    own = d.rigid
     for k in range(d.touch.active_count):
-        add_along_normal(d, d.touch.active_index[k], work.load, impulse[k])
-    solve(d, work.link, factors, work.load, change)
-    move_points(work.link, change, work.motion)
-
-
-def eliminate_impedance(d, impedance, factors):
-    """Eliminate M + Jᵀ D J for the located points, with an impedance D [kg] at those that are pressed."""
-    no_impedance(d.work.impedance)
-    for k in range(d.touch.active_count):
-        if d.rigid.pressed[k]:
-            add_impedance(d, d.touch.active_index[k], d.work.impedance, impedance)
-    factorize(d, d.work.link, d.work.impedance, factors)
+        own.impedance[k] = amount if own.pressed[k] else 0.0
 
 
 def press(d, scale):
@@ -64,13 +50,17 @@ def press(d, scale):
     own, count = d.rigid, d.touch.active_count
     mean = d.model.energy / (d.model.size * d.model.size * d.links)
     impedance = STIFF * mean
-    eliminate_impedance(d, 0.0, d.work.factors)
-    eliminate_impedance(d, impedance, own.factors)
+    link, plain = d.work.link, d.work.factors
+    set_impedance(d, 0.0)
+    stiffen(d, link, own.impedance, plain)
+    set_impedance(d, impedance)
+    stiffen(d, link, own.impedance, own.factors)
     for k in range(count):
         own.impulse[k] = 0.0
     before = math.inf
     for sweep in range(MOST_SWEEPS):
-        respond_to_impulses(d, d.work.factors, own.impulse)
+        d.limits.other_work += 2
+        give_way(d, link, plain, own.impulse, own.change)
         worst = 0.0
         for k in range(count):
             own.reached[k] = own.start[k] + along_normal(d, d.touch.active_index[k], d.work.motion)
@@ -84,12 +74,13 @@ def press(d, scale):
                 return
             # near a toggle position a point has far more inertia than a link
             impedance *= STIFFER
-            eliminate_impedance(d, impedance, own.factors)
+            set_impedance(d, impedance)
+            stiffen(d, link, own.impedance, own.factors)
         before = worst
         # (M + Jᵀ D J) z = Jᵀ D m,  p ← p + D (m − J z)
         for k in range(count):
             own.missing[k] *= impedance
-        respond_to_impulses(d, own.factors, own.missing)
+        give_way(d, link, own.factors, own.missing, own.change)
         for k in range(count):
             if own.pressed[k]:
                 back = impedance * along_normal(d, d.touch.active_index[k], d.work.motion)

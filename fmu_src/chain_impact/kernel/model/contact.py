@@ -4,17 +4,15 @@ A candidate is a pair of a point and a wall. The clearance g of a candidate is p
 penetration is δ = −g and its rate δ̇ > 0 while compressing.
 """
 
-from chain_impact.kernel.chain.kinematics import move_points, zero
-from chain_impact.kernel.chain.recursion import factorize, no_impedance, solve
+from chain_impact.kernel.chain.kinematics import zero
+from chain_impact.kernel.model.compliance import effective_mass
 from chain_impact.kernel.model.contact_force import (
     elastic_depth,
     latch_damping,
     law_force,
     law_slopes,
 )
-from chain_impact.kernel.model.geometry import add_along_normal, along_normal, clearance
-
-LEAST_MOBILITY = 1e-6  # over that of all links as one mass, which a pinned chain's point can have
+from chain_impact.kernel.model.geometry import add_along_normal, clearance
 
 
 def contact_force(d, c, gap, gap_rate):
@@ -95,20 +93,3 @@ def drop_events(d):
     """Forget the events found in the last step."""
     for c in range(d.candidates):
         d.touch.event[c] = 0
-
-
-def effective_mass(d, c):
-    """1/(J M⁻¹ Jᵀ) [kg] of candidate c at the located points: what a blow along its normal has to move.
-
-    Leaves the response M⁻¹ Jᵀ to a unit impulse in ``work.y``.
-    """
-    work = d.work
-    no_impedance(work.impedance)
-    factorize(d, work.link, work.impedance, work.factors)
-    zero(work.load)
-    add_along_normal(d, c, work.load, 1.0)
-    solve(d, work.link, work.factors, work.load, work.y)
-    move_points(work.link, work.y, work.motion)
-    # in a toggle position nothing moves the point: 0 of a mass that is infinite
-    mobility = LEAST_MOBILITY * d.model.size * d.model.size / d.model.energy
-    return 1.0 / max(mobility, along_normal(d, c, work.motion))

@@ -1,0 +1,84 @@
+"""How the chain gives way to impulses at its contacts: the solver of implicit steps and of rigid walls.
+
+With J the gradients of the clearances of the active contacts, an impedance D = diag(D_k) at their points, and
+the joints' damping C for a time s, it solves in O(N)
+
+    (M + Jᵀ D J + s C) Δ = Jᵀ p + s C r,
+
+where p are impulses along the normals and r a motion that the dampers let pass. The impedances add to the
+articulated inertia at their points, and a damper that resists with s c_i is one more term of the elimination
+(chain/damped.py). No matrix is formed.
+"""
+
+from chain_impact.kernel.chain.damped import factorize_damped, solve_damped
+from chain_impact.kernel.chain.kinematics import move_points, zero
+from chain_impact.kernel.chain.recursion import factorize, no_impedance, solve
+from chain_impact.kernel.model.geometry import add_along_normal, add_impedance, along_normal
+
+LEAST_MOBILITY = 1e-6  # over that of all links as one mass, which a pinned chain's point can have
+
+
+def stiffen(d, links, impedance, factors):
+    """Eliminate M + Jᵀ D J, for ``impedance`` D_k [kg] of the active contacts, packed; see ``give_way``."""
+    add_impedances(d, impedance)
+    factorize(d, links, d.work.impedance, factors)
+
+
+def stiffen_damped(d, links, impedance, time):
+    """As ``stiffen``, with the joints' damping for a ``time`` s [s]; its factors are in ``work.damped``."""
+    add_impedances(d, impedance)
+    factorize_damped(d, links, d.work.impedance, time, d.work.damped)
+
+
+def add_impedances(d, impedance):
+    """Set the impedances of all points to those of the active contacts."""
+    no_impedance(d.work.impedance)
+    for k in range(d.touch.active_count):
+        add_impedance(d, d.touch.active_index[k], d.work.impedance, impedance[k])
+
+
+def give_way(d, links, factors, impulse, change):
+    """Find Δ for ``impulse`` p_k [N·s] of the active contacts, packed.
+
+    Args:
+        d: the instance.
+        links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
+        factors: those of ``stiffen``.
+        impulse: shape (C,), of which the first ones count.
+        change: result Δ of the coordinates' rates, shape (N+2,) [m/s, rad/s]. The motion that it makes of
+            the points is in ``work.motion``.
+    """
+    load_contacts(d, impulse)
+    solve(d, links, factors, d.work.load, change)
+    move_points(links, change, d.work.motion)
+
+
+def give_way_damped(d, links, impulse, change):
+    """As ``give_way``, after ``stiffen_damped``; the relative rates of r are in ``work.damped.aim``."""
+    load_contacts(d, impulse)
+    solve_damped(d, links, d.work.damped, d.work.load, d.work.damped.aim, change)
+    move_points(links, change, d.work.motion)
+
+
+def load_contacts(d, impulse):
+    """Set the loads on the points to the impulses of the active contacts along their normals."""
+    zero(d.work.load)
+    for k in range(d.touch.active_count):
+        add_along_normal(d, d.touch.active_index[k], d.work.load, impulse[k])
+
+
+def effective_mass(d, c):
+    """1/(J M⁻¹ Jᵀ) [kg] of candidate c at the located points: what a blow along its normal has to move.
+
+    Leaves the response M⁻¹ Jᵀ to a unit impulse in ``work.y``.
+    """
+    work = d.work
+    no_impedance(work.impedance)
+    factorize(d, work.link, work.impedance, work.factors)
+    zero(work.load)
+    add_along_normal(d, c, work.load, 1.0)
+    solve(d, work.link, work.factors, work.load, work.y)
+    move_points(work.link, work.y, work.motion)
+    # in a toggle position nothing moves the point: 0 of a mass that is infinite
+    mobility = LEAST_MOBILITY * d.model.size * d.model.size / d.model.energy
+    return 1.0 / max(mobility, along_normal(d, c, work.motion))
