@@ -47,28 +47,19 @@ def press(d, scale):
             ``impulse``, u in ``reached`` and Δ in ``change``.
         scale: the largest motion of a point, which round-off is relative to.
     """
-    own, count = d.rigid, d.touch.active_count
+    own, link = d.rigid, d.work.link
     mean = d.model.energy / (d.model.size * d.model.size * d.links)
     impedance = STIFF * mean
-    link, plain = d.work.link, d.work.factors
     set_impedance(d, 0.0)
-    stiffen(d, link, own.impedance, plain)
+    stiffen(d, link, own.impedance, d.work.factors)
     set_impedance(d, impedance)
     stiffen(d, link, own.impedance, own.factors)
-    for k in range(count):
-        own.impulse[k] = 0.0
+    start_free(d)
     before = math.inf
-    for sweep in range(MOST_SWEEPS):
-        d.limits.other_work += 2
-        give_way(d, link, plain, own.impulse, own.change)
-        worst = 0.0
-        for k in range(count):
-            own.reached[k] = own.start[k] + along_normal(d, d.touch.active_index[k], d.work.motion)
-            # m = aim − u
-            own.missing[k] = own.aim[k] - own.reached[k] if own.pressed[k] else 0.0
-            worst = max(worst, abs(own.missing[k]))
-        if worst <= ROUND_OFF * scale or sweep == MOST_SWEEPS - 1:
-            return  # `change` goes with the impulses
+    for _ in range(MOST_SWEEPS):
+        worst = find_missing(d)
+        if worst <= ROUND_OFF * scale:
+            return
         if not worst < 0.5 * before:
             if worst <= DOUBT * scale or impedance >= STIFFEST * mean:
                 return
@@ -77,14 +68,42 @@ def press(d, scale):
             set_impedance(d, impedance)
             stiffen(d, link, own.impedance, own.factors)
         before = worst
-        # (M + Jᵀ D J) z = Jᵀ D m,  p ← p + D (m − J z)
-        for k in range(count):
-            own.missing[k] *= impedance
-        give_way(d, link, own.factors, own.missing, own.change)
-        for k in range(count):
-            if own.pressed[k]:
-                back = impedance * along_normal(d, d.touch.active_index[k], d.work.motion)
-                own.impulse[k] += own.missing[k] - back
+        correct(d, impedance)
+
+
+def start_free(d):
+    """Begin with no impulse, and the motion that is without one."""
+    own = d.rigid
+    for j in range(len(own.change)):
+        own.change[j] = 0.0
+    for k in range(d.touch.active_count):
+        own.impulse[k], own.reached[k] = 0.0, own.start[k]
+
+
+def find_missing(d):
+    """Set m = aim − u of the pressed candidates; return the largest of them."""
+    own, worst = d.rigid, 0.0
+    for k in range(d.touch.active_count):
+        own.missing[k] = own.aim[k] - own.reached[k] if own.pressed[k] else 0.0
+        worst = max(worst, abs(own.missing[k]))
+    return worst
+
+
+def correct(d, impedance):
+    """Correct the impulses by what is missing, and find the motion with them."""
+    own, link, motion = d.rigid, d.work.link, d.work.motion
+    # (M + Jᵀ D J) z = Jᵀ D m,  p ← p + D (m − J z)
+    for k in range(d.touch.active_count):
+        own.missing[k] *= impedance
+    give_way(d, link, own.factors, own.missing, own.change)
+    for k in range(d.touch.active_count):
+        if own.pressed[k]:
+            back = impedance * along_normal(d, d.touch.active_index[k], motion)
+            own.impulse[k] += own.missing[k] - back
+    give_way(d, link, d.work.factors, own.impulse, own.change)
+    for k in range(d.touch.active_count):
+        own.reached[k] = own.start[k] + along_normal(d, d.touch.active_index[k], motion)
+    d.limits.other_work += 2
 
 
 def complement(d, scale):
