@@ -28,7 +28,6 @@ TESTED_ELSEWHERE = {
     "limits.py": "test_scene.py",
     "progress.py": "test_cli.py",
     "reading.py": "test_scene.py",
-    "kernel/advance.py": "test_simulate.py",  # what only whole simulations can show
     "kernel/integration/combination.py": "kernel/integration/test_explicit.py",
     "kernel/model/compliance.py": "kernel/model/test_constraints.py",
     "kernel/model/contact.py": "kernel/laws/test_contact_laws.py",
@@ -48,7 +47,6 @@ TESTED_ELSEWHERE = {
     "kernel/events/impulses.py": "test_newton_impact.py",
     "kernel/initialize.py": "test_simulate.py",
     "kernel/dispatch.py": "kernel/laws/test_contact_laws.py",
-    "kernel/integration/last_step.py": "kernel/integration/test_explicit.py",
     "kernel/integration/method.py": "kernel/integration/test_switching.py",
     "kernel/integration/methods.py": "kernel/integration/test_switching.py",
     "kernel/inlining.py": "kernel/chain/test_recursion.py",

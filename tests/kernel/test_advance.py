@@ -1,0 +1,114 @@
+"""The loop of steps: what makes it try again, and what ends it."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.instance import new_instance
+from chain_impact.kernel import advance as loop
+from chain_impact.kernel.entry import UNLIMITED
+from chain_impact.kernel.events.kinds import ONSET
+from chain_impact.kernel.events.search import REFUSED
+from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.status import ENERGY_NOT_KEPT, NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL, TOO_MUCH_WORK
+from chain_impact.scene import load_scene, with_values
+from tests.plain import Plain
+
+
+def started(**solver):
+    changes = {("solver", key): value for key, value in solver.items()}
+    d = Plain(new_instance(with_values(load_scene("four_link_box"), changes))[0])
+    assert initialize(d, 0.0) == OK
+    return d
+
+
+def advance(d, time, work=UNLIMITED):
+    return loop.advance(d, time, UNLIMITED, work)
+
+
+def times(answers, otherwise):
+    """A function that gives the answers in turn, and then what another one does."""
+    left = list(answers)
+    return lambda *args: left.pop(0) if left else otherwise(*args)
+
+
+@pytest.mark.parametrize(
+    ("name", "answers"), [("find_event", [REFUSED, REFUSED]), ("keeps_balance", [False, False])]
+)
+def test_a_step_that_is_refused_is_tried_anew_with_a_smaller_size(monkeypatch, name, answers):
+    free, refused = started(), started()
+    assert advance(free, 1e-9) == OK
+    monkeypatch.setattr(loop, name, times(answers, getattr(loop, name)))
+    assert advance(refused, 1e-9) == OK
+    assert refused["statistics"]["rejected_steps"] == free["statistics"]["rejected_steps"] + 2
+    assert refused["step"]["end"] < 0.1 * free["step"]["end"]
+    # and the motion is the same
+    for d in (free, refused):
+        assert advance(d, 0.1) == OK
+        d["step"]["time"] = 0.1
+    y = np.zeros((2, len(free["work"]["y"])))
+    for row, d in zip(y, (free, refused), strict=True):
+        loop.interpolate(d["step"], loop.fraction(d, 0.1), row)
+    np.testing.assert_allclose(y[0, :-1], y[1, :-1], atol=1e-7)
+
+
+def test_an_event_of_a_refused_step_does_not_take_effect(monkeypatch):
+    d, find, marked = started(), loop.find_event, []
+
+    def mark_first(d):
+        if marked:
+            return find(d)
+        marked.append(True)
+        d["touch"]["event"][3] = ONSET
+        return REFUSED
+
+    monkeypatch.setattr(loop, "find_event", mark_first)
+    assert advance(d, 1e-9) == OK
+    assert not d["touch"]["event"].any()
+    assert d["impact"]["count"] == 0
+
+
+@pytest.mark.parametrize(("error", "status"), [(2.0, STEP_TOO_SMALL), (math.nan, NOT_FINITE)])
+def test_a_run_ends_where_no_size_of_a_step_will_do(monkeypatch, error, status):
+    d = started()
+    assert advance(d, 0.1) == OK
+    reached, state = float(d["step"]["end"]), d["step"]["state_end"].copy()
+    monkeypatch.setattr(loop, "attempt", lambda _d, _h: error)
+    assert advance(d, 0.2) == status
+    assert advance(d, 0.3) == status
+    # it stands at the last time that it has reached
+    assert [float(d["step"][name]) for name in ("time", "end")] == [reached, reached]
+    np.testing.assert_array_equal(d["step"]["state_end"][:-1], state[:-1])
+
+
+def test_a_run_ends_when_its_energy_drifts(monkeypatch):
+    d = started()
+    monkeypatch.setattr(loop, "check_balance", lambda _d: ENERGY_NOT_KEPT)
+    assert advance(d, 0.5) == ENERGY_NOT_KEPT
+    assert d["statistics"]["steps"] == 1
+
+
+def test_a_search_without_end_is_work(monkeypatch):
+    d = started(work_limit=500.0)
+
+    searches = []
+
+    def long_search(d):
+        searches.append(True)
+        d["limits"]["other_work"] += 1000
+        return REFUSED
+
+    monkeypatch.setattr(loop, "find_event", long_search)
+    assert advance(d, 0.5) == TOO_MUCH_WORK
+    assert len(searches) == 1
+
+
+def test_a_call_pauses_after_its_work_and_goes_on():
+    whole, parts, calls = started(), started(), 0
+    assert advance(whole, 0.6) == OK
+    while (status := advance(parts, 0.6, work=loop.work_done(parts) + 100)) == PAUSED:
+        calls += 1
+    assert status == OK
+    assert calls > 3
+    np.testing.assert_array_equal(parts["step"]["state_end"], whole["step"]["state_end"])
