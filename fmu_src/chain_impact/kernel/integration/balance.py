@@ -30,6 +30,7 @@ from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 OF_A_STEP = 3.0  # times tolerance and S; in more than 99 % of random scenes no step changes as much
 OF_A_WINDOW = 100.0  # likewise, for all steps in a window
 WINDOW = 1.0  # s
+LOOSE = 1e-4  # a tolerance at which a step can be half a turn
 LONG_TURN = 1.0  # rad of a link in a step: most steps turn by less, at any tolerance
 INTERPOLATED = 10.0  # times what a step may change: the dense output has a lower order
 ROUND_OFF = 1e-15  # of the energies, and of a force times the place of its point, in each step
@@ -94,9 +95,12 @@ def keeps_balance(d, theta):
 def is_long(d):
     """Whether the last step is so long that it may be right at its end by chance, and be wrong in between.
 
-    That is a step in which a link has turned far, if there is a dense output to look at, or an explicit one
-    over which damped motions fade more than it is stable for.
+    That is a step in which a link has turned far, if there is a dense output to look at; an explicit one over
+    which damped motions fade more than it is stable for; and, at a loose tolerance, the first one of a run,
+    whose size is a guess.
     """
+    if d.statistics.steps == 0 and d.solver.tolerance > LOOSE:
+        return True
     if d.step.dense_for == SOLVER and largest_turn(d) > LONG_TURN:
         return True
     fades = d.model.damped and d.step.made_by == EXPLICIT
