@@ -46,9 +46,13 @@ from chain_impact.kernel.status import (
 )
 from chain_impact.kernel.work_limit import check_events, check_work, overdrawn, work_done
 
-LONGEST_STEP = 1.0  # s; a chain in flight without spin has no other limit
-SHORTEST_STEP = 1e-18  # s
-COARSE = 1e6  # the error of a step that is too coarse to locate an event in it: a fifth is tried next
+# s. A chain in flight without spin has no other limit, as its error estimate is round-off.
+LONGEST_STEP = 1.0
+# s. Far below the resolution of time but at its very start, where that has none. A run that needs less ends.
+SHORTEST_STEP = 1e-18
+# The error that stands for a step in which an event cannot be located, or that does not keep the ledger. It
+# makes the next try a seventh as long, or a tenth if it is implicit.
+COARSE = 1e6
 
 
 def advance(d, time, room, work):

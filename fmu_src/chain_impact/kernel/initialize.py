@@ -43,7 +43,7 @@ from chain_impact.kernel.status import (
     UNKNOWN_METHOD,
 )
 
-OVERLAP = 1e-12  # m, of a start that counts as touching
+OVERLAP = 1e-12  # m, of a start that counts as touching: round-off of positions in metres, and of their sines
 
 
 def initialize(d, time):

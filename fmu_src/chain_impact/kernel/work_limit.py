@@ -6,10 +6,13 @@ for events costs about as much, and so does a response of the chain to impulses.
 
 from chain_impact.kernel.status import EVENT_STORM, OK, TOO_MUCH_WORK
 
-WORK_WINDOW = 1.0  # s
-CALL_WORK = 20_000_000  # evaluations times links
-EVENT_WINDOW = 1e-3  # s, in which a candidate can have …
-MOST_EVENTS = 1000  # … this many onsets and ends before it is called a storm
+WORK_WINDOW = 1.0  # s of simulated time, which `solver.work_limit` speaks of
+# Evaluations times links, after which a long call returns to ask whether to go on: 20 to 30 ns each, so that
+# Ctrl-C is obeyed within a second.
+CALL_WORK = 20_000_000
+# A candidate that begins and ends a contact MOST_EVENTS times in EVENT_WINDOW [s] does so for ever: a bounce
+# of a microsecond rises by 1e-12 m.
+EVENT_WINDOW, MOST_EVENTS = 1e-3, 1000
 
 
 def work_done(d):

@@ -19,7 +19,7 @@ from chain_impact.kernel.chain.damped import damping_of
 from chain_impact.kernel.chain.kinematics import link_vectors
 from chain_impact.kernel.chain.recursion import factorize_link, no_impedance
 
-HELD = 1e6  # of the mass of the first link: the inertia that stands for a pin
+HELD = 1e6  # of the mass of the first link: the inertia that stands for a pin, whose rates it changes by 1e-6
 
 
 def damping_bound(d):

@@ -18,9 +18,14 @@ from chain_impact.kernel.integration.sundman import (
 )
 from chain_impact.kernel.model.geometry import along_normal, clearance, harmless_depth
 
-SMALL_TURN, MARGIN = 1.0, 0.05  # rad of a link, part of the range of values: where ends of a step can tell
-RELATCH_RATIO = 2.0  # δ̇/v₀ at which v₀ is latched anew; what gravity adds after an onset stays far below
-NEARLY = 0.75  # of that speed, at an end of the step
+# rad of a link in a step, beyond which the remainder of the interpolant is no bound any more.
+SMALL_TURN = 1.0
+# Of the range of the Bernstein coefficients: what is left for round-off and for the remainder's own estimate.
+MARGIN = 0.05
+# δ̇/v₀ at which v₀ is latched anew. What gravity adds after the onset of an impact is a thousandth; at 2 the
+# force of the usual laws is within a factor 1 + 2λ of its elastic part.
+RELATCH_RATIO = 2.0
+NEARLY = 0.75  # of that speed at an end of a step, from which on it is looked at in between
 
 
 # what is known of the clearances at the end of the last step: nothing, φ and φ′, also φ″, or that they are at

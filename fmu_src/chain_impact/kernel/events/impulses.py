@@ -27,11 +27,17 @@ from chain_impact.kernel.model.contact import clear_loads, drop_events, latch, l
 from chain_impact.kernel.model.equations import free_rate
 from chain_impact.kernel.model.geometry import clearance
 
-RISE = 1e-14  # of a link length: a point that rises less before it falls again has not left
-STICK = 1e-3  # of the smallest speed that bounces: slower points do not leave, or they would for ever
+# Of a link length: a point that rises less before it falls again has not left. Its clearance could not be
+# told from round-off, and the fall would be located anywhere.
+RISE = 1e-14
+# Of the smallest speed that bounces: slower points do not leave, as bounces that are each a part of the last
+# would never end.
+STICK = 1e-3
 NEAR = 1e-12  # of a link length: no distance, within an impact
-GAIN = 1e-9  # of the energies moved in an impact, more than round-off
-APART = 1e-13  # of a link length: where a point without a force is put, lest round-off make it touch
+GAIN = 1e-9  # of what is moved in an impact: an energy or a speed beyond it is more than round-off
+# Of a link length: where a point without a force is put, lest round-off make it touch. A hundred times
+# round-off.
+APART = 1e-13
 
 
 def collide(d):
@@ -165,7 +171,7 @@ def judge(d):
 
 
 def part(d):
-    """End the contacts that no force holds, and put their points a hair's breadth off the wall."""
+    """End the contacts that no force holds, and put their points APART off the wall."""
     own, n, state = d.rigid, d.links, d.step.state_end
     parting = False
     for k in range(d.touch.active_count):

@@ -10,8 +10,8 @@ from chain_impact.kernel.events.sampling import first_passage, locate_at
 from chain_impact.kernel.model.contact import drop_events
 from chain_impact.kernel.model.geometry import clearance
 
-RESOLUTION = 1e-12  # s
-SAMPLES = 4
+RESOLUTION = 1e-12  # s, as that of an onset
+SAMPLES = 4  # places in a step to look at, besides its ends: missing a short excess leaves the v₀ as it was
 
 
 def find_relatch(d, touch):

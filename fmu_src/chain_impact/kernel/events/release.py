@@ -10,8 +10,12 @@ from chain_impact.kernel.model.constraints import meet_walls
 from chain_impact.kernel.model.contact import drop_events
 from chain_impact.kernel.model.equations import state_rate
 
-RESOLUTION = 1e-12  # s
-PULL, SAMPLES = 1e-11, 8  # of the chain's weight, a force that counts; places in a step to look at
+RESOLUTION = 1e-12  # s, as that of an onset
+# Of the chain's weight, or of its mass at one link length a second squared: a pull below it is round-off.
+PULL = 1e-11
+# Places in a step to look at, once a stage has shown a pull: a force that is negative for less than an eighth
+# of a step can be missed, and the point is held for that long.
+SAMPLES = 8
 
 
 def find_release(d, touch):

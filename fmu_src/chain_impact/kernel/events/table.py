@@ -18,7 +18,9 @@ from chain_impact.kernel.model.contact import clear_loads, latch, list_touching
 from chain_impact.kernel.model.contact_force import elastic_depth, latch_damping, may_jump
 from chain_impact.kernel.model.geometry import clearance
 
-LEFT = 0.01  # of the time scale of a contact, in which a point that has left is out of the wall
+# Of the time scale of a contact, in which a point that has left is out of the wall. To end none before it is
+# out would cost a tenth of an impact at a tolerance of 1e-4, for one more step.
+LEFT = 0.01
 
 
 class Event:

@@ -27,13 +27,20 @@ from chain_impact.kernel.model.energy import ledger, mechanical_energy
 from chain_impact.kernel.model.geometry import clearance
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 
-OF_A_STEP = 3.0  # times tolerance and S; in more than 99 % of random scenes no step changes as much
-OF_A_WINDOW = 100.0  # likewise, for all steps in a window
-WINDOW = 1.0  # s
-LOOSE = 1e-4  # a tolerance at which a step can be half a turn
-LONG_TURN = 1.0  # rad of a link in a step: most steps turn by less, at any tolerance
-INTERPOLATED = 10.0  # times what a step may change: the dense output has a lower order
-ROUND_OFF = 1e-15  # of the energies, and of a force times the place of its point, in each step
+# What a step may change in the ledger, over tolerance and S. In 1500 random scenes the largest change of a
+# step was .0015 in the median, and more than 1 in 1 % of them.
+OF_A_STEP = 3.0
+# The same for all steps in a window. Errors of steps have no sign in common but where a point rests: then
+# they add up to 230 in 100,000 steps. A run that goes beyond ends with a status.
+OF_A_WINDOW = 100.0
+WINDOW = 1.0  # s, as that of the work limit
+# A tolerance above which the first step of a run, whose size is a guess, can be half a turn and right by
+# chance.
+LOOSE = 1e-4
+# rad that a link turns in a step, beyond which its dense output is looked at where there is one.
+LONG_TURN = 1.0
+INTERPOLATED = 10.0  # times what a step may change, as the dense output has a lower order
+ROUND_OFF = 1e-15  # of the energies, and of each force times the coordinates of its point, in a step
 
 
 def start_balance(d, time):

@@ -18,8 +18,11 @@ from chain_impact.kernel.integration.sundman import (
 
 STAGES = len(dop853.A)
 LAST = dop853.STEP_STAGES  # the stage at the end of the step
-BEYOND, STRETCH = 1.04, 1.2  # of the way to the end of a contact; of a step, to get there
-HALVE = 50.0  # an error that halves the step
+# A step is stretched by up to STRETCH if that takes it over the end of a contact, to BEYOND times the way
+# there: the end foretold is right to some hundredths. Else the step goes half way, so that no tiny one is
+# left.
+BEYOND, STRETCH = 1.04, 1.2
+HALVE = 50.0  # an error of order 8 that makes the next try half as long
 HUGE = 1e100  # an error whose square could overflow
 STEP_EVALUATIONS = LAST - 1  # new right-hand sides of a step, but for the one at its end
 

@@ -52,7 +52,10 @@ GAMMA = ros34pw2.GAMMA_DIAGONAL
 START_RATE, RATE, CORRECTION, RIGHT, ZEROS, ERROR = 0, 5, 6, 7, 8, 9
 ROWS = 10
 STEP_EVALUATIONS = len(ros34pw2.B) - 1  # the first stage has f at the start of the step
-APART = 0.03  # of a penetration, by which the coordinates may leave the clearance over a step
+# Of a penetration: by how much the coordinates may leave the clearance that is integrated beside them over a
+# step. More makes the interpolant of the state wrong by as much; less bounds the step where links turn on a
+# stiff wall.
+APART = 0.03
 
 
 def _stage(i, rate, solve_shifted):

@@ -11,9 +11,12 @@ from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.integration.methods import EXPONENT, SAFETY
 from chain_impact.kernel.model.contact_force import damping_share
 
-SHRINK, GROW = 0.1, 6.0  # of the size of a step, at most
-TURN = 2.8  # rad, of the links in a step in flight for a tolerance of 1
-FIRST = 4.5  # of the time scale of a contact, likewise
+# The factors by which the size of a step changes, at most. DOP853's authors have 1/3 and 6.
+SHRINK, GROW = 0.1, 6.0
+# rad that links turn in the first step of a flight at a tolerance of 1, and the first step of a contact over
+# its time scale: the largest for which few first steps are rejected
+# (tests/kernel/integration/test_step_size.py).
+TURN, FIRST = 2.8, 4.5
 
 
 def factor(d, error):

@@ -24,8 +24,10 @@ from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import along_normal, clearance
 
 NO_CONTACT = -1  # in step.regularized: the step runs in time
-BACK = -0.5  # u, further than which no step goes
-SLOW = 0.1  # u and δ̇/v₀ below which a contact is a point that lies on a wall, and time does
+# u, beyond which no step goes. Where u < 0 time runs backwards, and the end of the contact has been passed.
+BACK = -0.5
+# u and δ̇/v₀ below which a point lies on a wall rather than hits it: s would then stand still, as p → 0.
+SLOW = 0.1
 
 
 def regularized_rate(d, y, rate):

@@ -15,7 +15,9 @@ from chain_impact.kernel.chain.kinematics import move_points, zero
 from chain_impact.kernel.chain.recursion import factorize, no_impedance, solve
 from chain_impact.kernel.model.geometry import add_along_normal, add_impedance, along_normal
 
-LEAST_MOBILITY = 1e-6  # over that of all links as one mass, which a pinned chain's point can have
+# Over that of all links as one mass. In a toggle position of a pinned chain the mobility of a point is 0, and
+# the mass infinite; a contact with a million times the chain's mass behaves like one.
+LEAST_MOBILITY = 1e-6
 
 
 def stiffen(d, links, impedance, factors):

@@ -4,7 +4,7 @@ A rigid wall has no force law. The touching candidates k have normal motions u_k
 impulses p_k change them by the recursion's response: M Δ = Jᵀ p, u = u⁻ + J Δ = u⁻ + W p, W = J M⁻¹ Jᵀ. Two
 problems come up:
 
-    equality          u_k = aim_k for the pressed candidates, p_k = 0 for the others       (``press``)
+    equality          u_k = aim_k for the active set, the *pressed* ones, else p_k = 0      (``press``)
     complementarity   p ≥ 0,  u ≥ aim,  p·(u − aim) = 0                                    (``complement``)
 
 W is never formed. With an impedance D at the pressed points the recursion solves, in O(N),
@@ -23,13 +23,19 @@ from chain_impact.kernel.model.compliance import give_way, stiffen
 from chain_impact.kernel.model.geometry import along_normal, clearance
 from chain_impact.kernel.work_limit import overdrawn
 
-STIFF, STIFFEST = 1e6, 1e12  # D over the mean mass of a link, at first and where that is not enough, …
-STIFFER = 1e3  # … in factors of this
-MOST_SWEEPS = 30
-ROUND_OFF = 1e-15  # of the largest motion, what may be missing at the end
-DOUBT = 1e-12  # of the largest, a sign within it means nothing
-PATIENCE = 3  # rounds in which flipping all may bring no gain
-ROUNDS = 30  # of flips, and 4 for each candidate: far more than ever needed
+# D over the mean mass of a link. A sweep leaves 1/(D W) of what is missing: two or three do. A larger D would
+# lose digits of the chain's own inertia, a smaller one takes more sweeps.
+STIFF = 1e6
+# Near a toggle position 1/W is far more than the mass of a link, and D grows by the factor STIFFER up to
+# STIFFEST of that mass when a sweep does not halve what is missing. Beyond it, round-off is all there is.
+STIFFEST, STIFFER = 1e12, 1e3
+MOST_SWEEPS = 30  # never reached but in toggle positions, where the last ones bring nothing
+ROUND_OFF = 1e-15  # of the largest motion: what may be missing at the end
+DOUBT = 1e-12  # of the largest: a sign within it is round-off's, and does not change the active set
+# Rounds in which changing all that are wrong may leave as many wrong, before one at a time is changed, which
+# is bound to end but takes more rounds.
+PATIENCE = 3
+ROUNDS = 30  # and 4 for each candidate, far more than was ever seen: the bound of a loop
 
 
 def set_impedance(d, amount):
