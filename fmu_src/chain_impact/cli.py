@@ -79,7 +79,12 @@ def parser() -> argparse.ArgumentParser:
         metavar="LIST",
         help=f"comma-separated, of: {', '.join(ZIG_TARGETS)}; default: {HOST}",
     )
-    build.add_argument("--target", choices=["pythonfmu"], default="pythonfmu", help="kind of FMU")
+    build.add_argument(
+        "--target",
+        choices=["pythonfmu", "native"],
+        default="pythonfmu",
+        help="native: an FMU that needs no Python; default: pythonfmu",
+    )
     build.add_argument("--simulate", action="store_true", help="simulate it with fmpy, and draw")
     build.set_defaults(run=run_build)
 
@@ -159,7 +164,9 @@ def run_build(options: argparse.Namespace) -> int:
 
     scene = load_scene(options.source)
     with progress() as (notify, _):
-        fmu = build_fmu(scene, options.output, platforms=options.platform, notify=notify)
+        fmu = build_fmu(
+            scene, options.output, target=options.target, platforms=options.platform, notify=notify
+        )
     out.print(f"FMU      {fmu}", markup=False, soft_wrap=True)
     if options.simulate:
         report(str(fmu), [], fmu.with_suffix(".csv"), fmu.with_suffix(".png"))

@@ -1,7 +1,8 @@
-"""FMUs, and a clean process to import them in.
+"""FMUs of both targets, and a clean process to import them in.
 
-In this process the FMU could pick up the package, numba, or modules that a test has loaded. So what concerns
-its use runs in an environment of its own that holds an importer and pythonfmu, and not this package.
+Every test here runs on both kinds of FMU, unless it is about one of them. In this process the FMU could pick
+up the package, numba, or modules that a test has loaded. So what concerns its use runs in an environment of
+its own that holds an importer and pythonfmu, and not this package.
 """
 
 import inspect
@@ -16,18 +17,33 @@ from typing import Any
 
 import pytest
 
-from chain_impact.export.fmu import build_fmu
+from chain_impact.export.fmu import TARGETS, build_fmu
 from chain_impact.scene import model_names
 
 HERE = Path(__file__).parent
 Clean = Callable[..., Any]
 
 
+@pytest.fixture(scope="session", params=TARGETS)
+def target(request) -> str:
+    """The kind of FMU."""
+    return request.param
+
+
 @pytest.fixture(scope="session")
-def fmus(tmp_path_factory) -> dict[str, str]:
-    """The FMU of each model: name of the model → path."""
+def all_fmus(tmp_path_factory) -> dict[str, dict[str, str]]:
+    """The FMUs of each model: target → name of the model → path."""
     folder = tmp_path_factory.mktemp("fmus")
-    return {name: str(build_fmu(name, folder)) for name in model_names()}
+    return {
+        target: {name: str(build_fmu(name, folder / target, target=target)) for name in model_names()}
+        for target in TARGETS
+    }
+
+
+@pytest.fixture(scope="session")
+def fmus(all_fmus, target) -> dict[str, str]:
+    """The FMU of each model: name of the model → path."""
+    return all_fmus[target]
 
 
 @pytest.fixture(scope="session")

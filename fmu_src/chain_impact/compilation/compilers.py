@@ -1,7 +1,7 @@
 """The two programs that make a library: numba's front end, run once, and zig's C compiler, run for each.
 
 lower.py writes the kernel in LLVM's language, without sizes. The prelude has the sizes; with it the kernel is
-compiled and linked.
+compiled and linked, together with the C interface of native FMUs (fmi2/), which is the same for every scene.
 """
 
 from __future__ import annotations
@@ -41,6 +41,7 @@ PYTHON_SYMBOLS = (
     *("PyExc_SystemError", "PyUnicode_FromString", "Py_DecRef", "numba_do_raise", "numba_gil_ensure"),
     *("numba_gil_release", "numba_runtime_build_excinfo_struct", "numba_unpickle"),
 )
+INTERFACE = PACKAGE / "compilation" / "fmi2"
 STUB = '__attribute__((visibility("hidden"))) void {}(void) {{}}\n'
 
 # A number that the instance holds does not change while the kernel works on it, and is of a sensible size.
@@ -122,7 +123,7 @@ def link(module: str, library: Path, platform: str, links: int | None, law: Path
     kernel = library.with_name("kernel.ll")
     kernel.write_text(_DECLARED_ABOVE.sub("", module) + prelude(links, law is not None))
     prepare_zig(platform)
-    _zig(platform, library, kernel, *([law] if law else []))
+    _zig(platform, library, kernel, *([law] if law else []), *interface_sources())
 
 
 def zig_is_prepared(platform: str) -> bool:
@@ -145,14 +146,20 @@ def prepare_zig(platform: str) -> None:
             (folder / f"prepared-{platform}").touch()
 
 
+def interface_sources() -> list[Path]:
+    """The files of the C interface."""
+    return sorted(INTERFACE.glob("*.c"))
+
+
 def _zig(platform: str, library: Path, *inputs: Path) -> None:
     """Make a library with zig's C compiler, in a cache that no other program uses."""
     stubs = library.with_name("stubs.c")
     stubs.write_text("".join(map(STUB.format, PYTHON_SYMBOLS)))
     target, _ = ZIG_TARGETS[platform]
-    options = ["cc", "-target", target, *FLAGS, "-shared", "-s"]
+    # what one library calls must not be found in another one that the same process has loaded
+    options = ["cc", "-target", target, *FLAGS, "-fvisibility=hidden", "-shared", "-s", "-Wl,-Bsymbolic"]
     folders = {"ZIG_GLOBAL_CACHE_DIR": linker_folder(), "ZIG_LOCAL_CACHE_DIR": library.with_name("zig")}
-    files = map(str, ("-o", library, *inputs, stubs))
+    files = map(str, ("-I", INTERFACE, "-o", library, *inputs, stubs))
     _check(_run("ziglang", *options, *files, "-lm", **{name: str(path) for name, path in folders.items()}))
 
 

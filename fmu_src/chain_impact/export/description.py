@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from importlib.metadata import version
 from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
@@ -20,36 +19,35 @@ LOG_CATEGORIES = {
     "logStatusFatal": "Errors after which the instance cannot go on",
     "logAll": "All messages",
 }
+CAPABILITIES = {
+    "needsExecutionTool": "false",
+    "canHandleVariableCommunicationStepSize": "true",
+    "canInterpolateInputs": "false",
+    "canBeInstantiatedOnlyOncePerProcess": "false",
+    "canNotUseMemoryManagementFunctions": "true",
+    "canGetAndSetFMUstate": "true",
+    "canSerializeFMUstate": "true",
+}
 
 
-def model_description(scene: Scene, guid: str) -> Element:
-    """The model description, with the start values of the scene's instance.
+def model_description(scene: Scene, tool: str, **capabilities: str) -> Element:
+    """The model description, with the start values of the scene's instance and without a guid.
 
-    Value references are positions in ``fmu_variables(scene)``.
+    Value references are positions in ``fmu_variables(scene)``. ``tool`` is what has made the FMU;
+    ``capabilities`` are attributes of CoSimulation in place of the usual ones.
     """
     variables = fmu_variables(scene)
     root = Element(
         "fmiModelDescription",
         fmiVersion="2.0",
         modelName=scene.name,
-        guid=guid,
+        guid="",
         description=scene.description,
-        generationTool=f"chain-impact with PythonFMU {version('pythonfmu')}",
+        generationTool=tool,
         generationDateAndTime=DATE,
         variableNamingConvention="structured",
     )
-    SubElement(
-        root,
-        "CoSimulation",
-        modelIdentifier=scene.name,
-        needsExecutionTool="false",
-        canHandleVariableCommunicationStepSize="true",
-        canInterpolateInputs="false",
-        canBeInstantiatedOnlyOncePerProcess="false",
-        canNotUseMemoryManagementFunctions="true",
-        canGetAndSetFMUstate="true",
-        canSerializeFMUstate="true",
-    )
+    SubElement(root, "CoSimulation", {"modelIdentifier": scene.name, **CAPABILITIES, **capabilities})
     _add_units_and_types(root, variables)
     categories = SubElement(root, "LogCategories")
     for name, text in LOG_CATEGORIES.items():
