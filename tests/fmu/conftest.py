@@ -47,6 +47,12 @@ def fmus(all_fmus, target) -> dict[str, str]:
 
 
 @pytest.fixture(scope="session")
+def native(all_fmus) -> dict[str, str]:
+    """The native FMU of each model."""
+    return all_fmus["native"]
+
+
+@pytest.fixture(scope="session")
 def clean_python(tmp_path_factory) -> Path:
     """A Python that knows fmpy and pythonfmu, and neither this package nor numba."""
     folder = tmp_path_factory.mktemp("clean")
@@ -62,15 +68,16 @@ def clean_python(tmp_path_factory) -> Path:
 def clean(clean_python) -> Clean:
     """Run ``function(*arguments)`` in the clean Python; all that it uses is what it imports and importer.py.
 
-    Arguments and result pass as JSON, which keeps doubles to the last bit.
+    Or, in place of that, the ``module`` interface.py. Arguments and result pass as JSON, which keeps doubles
+    to the last bit.
     """
 
-    def run(function: Callable[..., Any], *arguments: Any) -> Any:
+    def run(function: Callable[..., Any], *arguments: Any, module: str = "importer") -> Any:
         program = "\n".join(
             (
                 "import json, sys",
                 f"sys.path.insert(0, {str(HERE)!r})",
-                "from importer import Instance, MESSAGES, refused",
+                f"from {module} import *",
                 textwrap.dedent(inspect.getsource(function)),
                 f"result = {function.__name__}(*json.loads(sys.stdin.read()))",
                 # after whatever importer and FMU have printed
@@ -88,3 +95,9 @@ def clean(clean_python) -> Clean:
         return json.loads(done.stdout.splitlines()[-1])
 
     return run
+
+
+@pytest.fixture(scope="session")
+def run(clean) -> Clean:
+    """Run a function in a clean process that has interface.py."""
+    return lambda function, *arguments: clean(function, *arguments, module="interface")

@@ -13,27 +13,21 @@ from tests.fmu.importer import Instance
 from tests.fmu.test_inputs import PERIOD, TORQUES, driven
 
 
-@pytest.fixture(scope="session")
-def fmus(all_fmus):
-    """The native ones."""
-    return all_fmus["native"]
-
-
-def test_only_the_files_that_are_needed(fmus):
-    names = zipfile.ZipFile(fmus["rod_drop"]).namelist()
+def test_only_the_files_that_are_needed(native):
+    names = zipfile.ZipFile(native["rod_drop"]).namelist()
     assert names == ["binaries/linux64/RodDrop.so", "modelDescription.xml", "resources/model.bin"]
 
 
 @pytest.mark.parametrize("model", model_names())
-def test_its_binary_asks_for_libraries_of_the_system_only(fmus, model):
-    with zipfile.ZipFile(fmus[model]) as fmu:
+def test_its_binary_asks_for_libraries_of_the_system_only(native, model):
+    with zipfile.ZipFile(native[model]) as fmu:
         found = binary(fmu.read(f"binaries/linux64/{load_scene(model).name}.so"))
     assert found.libraries == {"libc.so.6", "libm.so.6"}
     assert "fmi2DoStep" in found.offered
 
 
-def test_it_is_small(fmus):
-    with zipfile.ZipFile(fmus["four_link_box"]) as fmu:
+def test_it_is_small(native):
+    with zipfile.ZipFile(native["four_link_box"]) as fmu:
         assert fmu.getinfo("binaries/linux64/FourLinkBox.so").file_size < 300e3
 
 
@@ -78,10 +72,10 @@ def state_of(fmu, data=None):
     return instance.run([0.01 * (i + 1) for i in range(60, 120)])
 
 
-def test_a_state_goes_on_in_another_process(fmus, clean):
-    data = clean(state_of, fmus["four_link_box"])
-    restored = clean(state_of, fmus["four_link_box"], data)
-    rows, _ = clean(whole_scene, fmus["four_link_box"], 1.2, 0.01)
+def test_a_state_goes_on_in_another_process(native, clean):
+    data = clean(state_of, native["four_link_box"])
+    restored = clean(state_of, native["four_link_box"], data)
+    rows, _ = clean(whole_scene, native["four_link_box"], 1.2, 0.01)
     assert restored == rows[61:]
 
 
@@ -98,14 +92,14 @@ def test_a_long_chain(tmp_path, clean):
     assert rows[0] != rows[-1]
 
 
-def test_why_it_cannot_start_is_seen_on_the_command_line(fmus, capsys):
-    assert cli.main(["simulate", fmus["rod_drop"], "--set", "initial.y=-1"]) == 3
+def test_why_it_cannot_start_is_seen_on_the_command_line(native, capsys):
+    assert cli.main(["simulate", native["rod_drop"], "--set", "initial.y=-1"]) == 3
     assert "the simulation cannot start: a contact point starts beyond a wall" in capsys.readouterr().err
 
 
-def test_why_it_cannot_go_on_is_seen_on_the_command_line(fmus, capsys):
+def test_why_it_cannot_go_on_is_seen_on_the_command_line(native, capsys):
     """With what it gave until then."""
-    assert cli.main(["simulate", fmus["four_link_box"], "--set", "solver.work_limit=2000"]) == 3
+    assert cli.main(["simulate", native["four_link_box"], "--set", "solver.work_limit=2000"]) == 3
     said = capsys.readouterr()
     assert "a second of simulated time takes more evaluations than solver.work_limit allows" in said.err
     assert "FourLinkBox" in said.out

@@ -15,12 +15,12 @@ typedef struct {
 
 enum { INITIALIZED = 1, SET_UP = 2 }; /* flags */
 enum { BEGIN = offsetof(State, guid) };
-static const char MAGIC[8] = "chainimp";
+static const char MAGIC[] = "chainimp";
 
 /* The state that an argument is; NULL if a call cannot be answered with it. */
 static State *state_in(const Instance *one, const char *call, fmi2FMUstate state) {
     if (!allowed(one, call, ANY_PHASE) || !given(one, call, "FMUstate", state)) return NULL;
-    if (memcmp(((State *)state)->magic, MAGIC, sizeof MAGIC) == 0) return state;
+    if (memcmp(((State *)state)->magic, MAGIC, sizeof ((State *)state)->magic) == 0) return state;
     return say(one, fmi2Error, "%s: FMUstate is no state", call), NULL;
 }
 
@@ -54,7 +54,7 @@ FMI2_Export fmi2Status fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *place) {
     int flags = (one->initialized ? INITIALIZED : 0) | (one->set_up ? SET_UP : 0);
     *state = (State){.size = sizeof *state + record - BEGIN, .phase = one->phase, .flags = flags, .time = one->time,
                      .stop_time = one->stop_time};
-    memcpy(state->magic, MAGIC, sizeof MAGIC);
+    memcpy(state->magic, MAGIC, sizeof state->magic);
     memcpy(state->guid, one->table->guid, sizeof state->guid);
     memcpy(state + 1, one->record, record);
     *place = state;
@@ -82,7 +82,7 @@ FMI2_Export fmi2Status fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *place) {
     if (!place || !*place) return fmi2OK;
     State *state = state_in(c, "fmi2FreeFMUstate", *place);
     if (!state) return fmi2Error;
-    memset(state->magic, 0, sizeof MAGIC);
+    memset(state->magic, 0, sizeof state->magic);
     ((Instance *)c)->functions.freeMemory(state);
     *place = NULL;
     return fmi2OK;
@@ -114,7 +114,7 @@ FMI2_Export fmi2Status fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte b
     if (!given(one, CALL, "serializedState", bytes)) return fmi2Error;
     State head = {.size = 0};
     if (size >= sizeof head) memcpy(&head, bytes, sizeof head);
-    if (memcmp(head.magic, MAGIC, sizeof MAGIC) != 0 || size_of(&head) != size ||
+    if (memcmp(head.magic, MAGIC, sizeof head.magic) != 0 || size_of(&head) != size ||
         head.checksum != checksum(bytes + BEGIN, head.size))
         return say(one, fmi2Error, "%s: the bytes are no state, or damaged", CALL);
     State *state = one->functions.allocateMemory(1, size);
