@@ -77,7 +77,7 @@ def parser() -> argparse.ArgumentParser:
         type=_platforms,
         default=(HOST,),
         metavar="LIST",
-        help=f"comma-separated, of: {', '.join(ZIG_TARGETS)}; default: {HOST}",
+        help=f"comma-separated, of: {', '.join(ZIG_TARGETS)}; or all; default: {HOST}",
     )
     build.add_argument(
         "--target",
@@ -143,8 +143,9 @@ def _add_set(command: argparse.ArgumentParser) -> None:
 def _platforms(text: str) -> tuple[str, ...]:
     names = tuple(text.split(","))
     for name in names:
-        if name not in ZIG_TARGETS:
-            raise argparse.ArgumentTypeError(f"{name!r} is no platform; must be of {', '.join(ZIG_TARGETS)}")
+        if name not in ZIG_TARGETS and text != "all":
+            known = ", ".join(ZIG_TARGETS)
+            raise argparse.ArgumentTypeError(f"{name!r} is no platform; must be of {known}, or all")
     return names
 
 

@@ -48,7 +48,8 @@ def build_fmu(
         directory: where to put the FMU; it is created if need be.
         target: ``pythonfmu``, which runs in the Python of the importer, or ``native``, which needs none. Both
             have the same variables and give the same results.
-        platforms: those that the FMU shall run on: ``linux64``, ``win64``.
+        platforms: those that the FMU shall run on, ``linux64`` and ``win64``, and of native FMUs ``darwin64``,
+            ``aarch64-linux`` and ``aarch64-darwin``; or just ``all``.
         notify: called with a sentence before work that takes seconds.
 
     Returns:
@@ -62,6 +63,7 @@ def build_fmu(
     if target not in TARGETS:
         raise BuildError(f"target = {target!r} must be one of {', '.join(TARGETS)}")
     known = TARGETS[target].platforms
+    platforms = known if list(platforms) == ["all"] else platforms
     if not platforms or set(platforms) - set(known):
         raise BuildError(f"platforms = {list(platforms)} must be some of {', '.join(known)}")
     directory = Path(directory)
