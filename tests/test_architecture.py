@@ -25,6 +25,7 @@ TESTED_ELSEWHERE = {
     "compilation/work.py": "test_cli.py",
     "export/description.py": "fmu/test_build.py",
     "export/fmu.py": "fmu/test_build.py",
+    "export/documents.py": "fmu/test_build.py",
     "export/native_target.py": "fmu/test_native.py",
     "export/pythonfmu_target.py": "fmu/test_slave.py",
     "export/table.py": "fmu/test_native.py",

@@ -1,18 +1,25 @@
 """What is in an FMU: valid, complete, reproducible, small, and nothing that an importer has to install."""
 
+import io
 import zipfile
+from html import escape
 from pathlib import Path
 
+import numpy as np
 import pytest
+from matplotlib import pyplot
 
 from chain_impact import load_scene
 from chain_impact.compilation.errors import BuildError
 from chain_impact.export import fmu as export
 from chain_impact.export.fmu import TARGETS, build_fmu, validate_fmu
 from chain_impact.instance import new_instance
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene import model_names, with_values
 from chain_impact.variables import fmu_variables, word_index
 from tests.fmu.contents import description
+from tests.fmu.importer import Instance
 
 every_model = pytest.mark.parametrize("model", model_names())
 
@@ -108,6 +115,108 @@ def test_capabilities(fmus, target):
         "canGetAndSetFMUstate": "true",
         "canSerializeFMUstate": "true",
     }
+
+
+@every_model
+def test_derivatives_nominal_values_and_ranges(fmus, model):
+    """Of outputs: rates name what they are the rate of; what cannot be negative says so."""
+    nodes = list(description(fmus[model]).iter("ScalarVariable"))
+    rates = {
+        node.get("name"): nodes[int(node[0].get("derivative")) - 1].get("name")
+        for node in nodes
+        if node[0].get("derivative")
+    }
+    assert rates["point[1].ay"] == "point[1].vy"
+    assert rates["point[0].vx"] == "point[0].x"
+    assert rates["link[1].angular_acceleration"] == "link[1].angular_velocity"
+    assert rates["link[1].angular_velocity"] == "link[1].angle"
+    ends = (".vx", ".vy", ".ax", ".ay", ".angular_velocity", ".angular_acceleration")
+    outputs = [node.get("name") for node in nodes if node.get("causality") == "output"]
+    assert list(rates) == [name for name in outputs if name.endswith(ends)]
+    values = {node.get("name"): node[0].attrib for node in nodes}
+    assert all(float(value.get("nominal", 1)) > 0 for value in values.values())
+    assert values["energy.kinetic"]["min"] == "0.0"
+    assert values["impact.last_point"]["min"] == "-1"
+    assert values["solver.status"]["max"] == str(max(STATUS_TEXT))
+    texts = {node.get("name"): node.get("description") for node in nodes}
+    assert texts["link[1].mass"].endswith("; must be > 0")
+
+
+def ranges(fmu):
+    """The smallest and the largest value of each output in a run, and the limits that it has."""
+    instance = Instance(fmu).start()
+    rows = instance.run([0.002 * (i + 1) for i in range(1000)])
+    limits = {name: instance.variables[name] for name in instance.outputs}
+    return [
+        [name, min(column), max(column), limits[name].min, limits[name].max]
+        for name, column in zip(instance.outputs, zip(*rows, strict=True), strict=True)
+    ]
+
+
+def test_outputs_keep_their_ranges(fmus, clean):
+    found = clean(ranges, fmus["four_link_box"])
+    for name, low, high, least, most in found:
+        assert least is None or low >= float(least), name
+        assert most is None or high <= float(most), name
+    assert len([least for *_, least, _ in found if least is not None]) > 5
+
+
+def responses(fmu, laws):
+    """Under each law, which outputs an input changes at once: in flight, in contact, at rest at a wall.
+
+    By more than the solver's tolerance: points at rest are put back onto a rigid wall when it starts anew.
+    """
+    changed, settings = {}, {"gravity.x": 9.81, "gravity.y": 0.0}
+    settings |= {"link[1].joint_damping": 2.0, "link[2].joint_damping": 2.0}
+    for law in range(1, laws + 1):
+        instance = Instance(fmu)
+        try:
+            instance.start(**settings, **{"contact.model": law})
+        except Exception:  # a law for another exponent
+            continue
+        found, names = set(), instance.outputs
+        for k in range(750):
+            instance.step((k + 1) / 256)
+            before, state = instance.get(names), instance.fmu.getFMUstate()
+            for name in ("joint[1].torque", "joint[2].torque"):
+                instance.set({name: -5.0})
+                pairs = zip(names, before, instance.get(names), strict=True)
+                found |= {n for n, a, b in pairs if abs(b - a) > 1e-8 * max(1.0, abs(a))}
+                instance.fmu.setFMUstate(state)
+            instance.fmu.freeFMUstate(state)
+        changed[law] = sorted(found)
+        instance.close()
+    return changed
+
+
+def test_dependencies_are_true_under_every_law(native, clean):
+    root = description(native["pinned_arm"])
+    names = [node.get("name") for node in root.iter("ScalarVariable")]
+    declared = {
+        names[int(unknown.get("index")) - 1]
+        for unknown in root.find("ModelStructure/Outputs")
+        if unknown.get("dependencies")
+    }
+    changed = clean(responses, native["pinned_arm"], len(CONTACT_LAWS))
+    assert len(changed) >= len(CONTACT_LAWS) - 1
+    for law, found in changed.items():
+        assert set(found) <= declared, law
+        assert "link[2].angular_acceleration" in found
+    rigid = changed[str(CONTACT_LAWS["newton_impact"].number)]
+    assert "contact[2].x_max.force" in rigid
+
+
+@every_model
+def test_documents(fmus, model):
+    """A page with every variable, the license, and a picture."""
+    with zipfile.ZipFile(fmus[model]) as fmu:
+        page = fmu.read("documentation/index.html").decode()
+        assert fmu.read("documentation/licenses/license.txt").startswith(b"MIT License")
+        picture = pyplot.imread(io.BytesIO(fmu.read("model.png")), "png")
+    assert all(f"<td>{variable.name}</td>" in page for variable in fmu_variables(load_scene(model)))
+    assert all(text in page for text in map(escape, STATUS_TEXT.values()))
+    assert picture.shape == (128, 128, 3)
+    assert 0.01 < np.mean(picture.min(axis=2) < 0.9) < 0.3
 
 
 @every_model

@@ -34,6 +34,7 @@ def test_only_the_files_that_are_needed(fmus):
     (script,) = [name for name in rest if name.endswith(".py")]
     resources = ("instance.bin", "kernel-linux64.so", "model.json", "slavemodule.txt")
     expected = {f"resources/{name}" for name in resources}
+    expected |= {"documentation/index.html", "documentation/licenses/license.txt", "model.png"}
     assert set(rest) == expected | {"modelDescription.xml", "binaries/linux64/RodDrop.so", script}
 
 

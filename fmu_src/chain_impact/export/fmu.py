@@ -13,6 +13,7 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.library import kernel_library
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.export import native_target, pythonfmu_target
+from chain_impact.export.documents import documents
 from chain_impact.scene import Scene, load_scene
 
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)
@@ -48,8 +49,8 @@ def build_fmu(
         directory: where to put the FMU; it is created if need be.
         target: ``pythonfmu``, which runs in the Python of the importer, or ``native``, which needs none. Both
             have the same variables and give the same results.
-        platforms: those that the FMU shall run on, ``linux64`` and ``win64``, and of native FMUs ``darwin64``,
-            ``aarch64-linux`` and ``aarch64-darwin``; or just ``all``.
+        platforms: those that the FMU shall run on: ``linux64``, ``win64``, and of native FMUs
+            ``darwin64``, ``aarch64-linux`` and ``aarch64-darwin``; or just ``all``.
         notify: called with a sentence before work that takes seconds.
 
     Returns:
@@ -74,7 +75,7 @@ def build_fmu(
     with tempfile.TemporaryDirectory(prefix=f".{scene.name}-", dir=directory) as scratch:
         notify("packaging the FMU")
         fmu = Path(scratch, f"{scene.name}.fmu")
-        _pack(TARGETS[target].files(scene, kernels, Path(scratch)), fmu)
+        _pack(TARGETS[target].files(scene, kernels, Path(scratch)) | documents(scene), fmu)
         notify("validating the FMU")
         problems = validate_fmu(fmu)
         if problems:
