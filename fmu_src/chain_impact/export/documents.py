@@ -17,7 +17,7 @@ from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene import Scene
 from chain_impact.variables import Variable, fmu_variables, word_index
 
-SIZE, MARGIN = 128, 0.12  # pixels of the picture; its margin as a part of it
+SIZE, MARGIN, EDGE = 128, 0.12, 1.5  # of the picture: pixels, a part of it, half a wall in pixels
 WALL, LINK, JOINT, PAPER = (150, 150, 150), (31, 119, 180), (214, 39, 40), (255, 255, 255)
 STYLE = (
     "body{font-family:sans-serif;max-width:70em;margin:2em auto;padding:0 1em}"
@@ -125,7 +125,7 @@ def picture(scene: Scene) -> bytes:
         clearance = np.min(
             [plane.normal[0] * x + plane.normal[1] * y - plane.offset for plane in planes], axis=0
         )
-        image[np.abs(clearance) * scale <= 1.5] = WALL
+        image[np.abs(clearance) * scale <= EDGE] = WALL
     pixels = (corner + scale * (joints - low)) * (1, -1) + (0, SIZE)
     for start, end in pairwise(pixels):
         _draw(image, start, end, 2.5, LINK)
