@@ -177,10 +177,12 @@ def _parameter(
     """The parameter that sets the value at ``path``, by the ``rule`` of its key; {} is its description."""
     limits = {limit: rule[limit] for limit in ("minimum", "above", "maximum")}
     entries = {"type": "real", "variability": "fixed", "unit": rule["unit"], **limits, **changes}
+    # the attributes of FMI have closed limits only
+    open_limit = "" if rule["above"] is None else f"; must be > {rule['above']:g}"
     return Variable(
         name=name,
         causality="parameter",
-        description=description.format(rule["description"]),
+        description=description.format(rule["description"]) + open_limit,
         place=place,
         scene_path=path,
         **entries,

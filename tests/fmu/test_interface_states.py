@@ -154,6 +154,33 @@ def test_steps_can_be_taken_back(native, run):
     assert blocks == 5  # a table and an instance for each, and one state
 
 
+def every_word(fmu):
+    """States with a right checksum in which one word of the record is huge, negative or small; then a step."""
+    import struct
+    import zlib
+
+    one = Component(Library(fmu)).start()
+    one.step(0.0, 0.5)
+    data, before, refused = one.serialized(), one.outputs(), 0
+    for place in range(96, len(data), 8):
+        for number in (2**62, -5, 1000):
+            content = data[24:place] + struct.pack("<q", number) + data[place + 8 :]
+            status = one.restore(data[:16] + struct.pack("<Q", zlib.crc32(content)) + content)
+            refused += status == ERROR
+            if status == OK:
+                one.step(0.5, 1e-4)
+                energy = c_uint(one.library.references["energy.total"])
+                one.call("fmi2GetReal", byref(energy), c_size_t(1), byref(c_double()))
+    assert one.restore(data) == OK
+    return [refused, one.outputs() == before]
+
+
+def test_no_state_leads_out_of_the_record(native, run):
+    refused, unharmed = run(every_word, native["rod_drop"])
+    assert refused > 50
+    assert unharmed
+
+
 def odd_states(fmu):
     """States whose head is not right, with a right checksum."""
     import struct

@@ -108,7 +108,7 @@ def absurd(fmu):
         finally:
             instance.fmu.freeFMUstate(state)
 
-    for place in range(header, length - 7, 8 * 2):
+    for place in range(header, length - 7, 8 * 3):
         for number in (2**62, -5):
             content = bytearray(data[envelope.size :])
             struct.pack_into("<q", content, place, number)

@@ -110,7 +110,7 @@ def _add_variables(root: Element, variables: Sequence[Variable], scene: Scene) -
     nodes = SubElement(root, "ModelVariables")
     for reference, variable in enumerate(variables):
         attributes = {"name": variable.name, "valueReference": str(reference)}
-        attributes |= {"description": _description(variable), "causality": variable.causality}
+        attributes |= {"description": variable.description, "causality": variable.causality}
         attributes["variability"] = variable.variability
         if variable.initial is not None:
             attributes["initial"] = variable.initial
@@ -136,13 +136,6 @@ def _add_variables(root: Element, variables: Sequence[Variable], scene: Scene) -
             words = reals if variable.type == "real" else integers
             # repr of a float is the shortest text that reads back as the same number
             value.set("start", repr(words[word_index(instance.dtype, variable.place)].item()))
-
-
-def _description(variable: Variable) -> str:
-    """That of the variable, with the limits that the attributes cannot tell."""
-    if variable.above is None:
-        return variable.description
-    return f"{variable.description}; must be > {variable.above:g}"
 
 
 def nominal_values(scene: Scene) -> dict[str, float]:
