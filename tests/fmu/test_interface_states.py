@@ -155,7 +155,7 @@ def test_steps_can_be_taken_back(native, run):
 
 
 def every_word(fmu):
-    """States with a right checksum in which one word of the record is huge, negative or small; then a step."""
+    """States with a right checksum, one word of whose record is huge, negative or small; then a step."""
     import struct
     import zlib
 
