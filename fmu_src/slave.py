@@ -269,4 +269,4 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
             self.initialized, self.observed = True, False
 
     def _text(self, status: int) -> str:
-        return str(self.model["statuses"][str(status)])
+        return str(self.model["statuses"].get(str(status), "unknown status"))  # of a damaged state
