@@ -2,14 +2,14 @@
 
 ``CHAIN_IMPACT_CACHE`` has to name a folder that is not there.
 
-No compiler, kernels for every chain, the right tag, and not too much.
+No compiler, kernels for every chain and every kind of FMU, the right tag, and not too much.
 """
 
 from importlib.metadata import distribution
 from importlib.util import find_spec
 from pathlib import Path
 
-from chain_impact import BuildError, load_scene, simulate
+from chain_impact import BuildError, build_fmu, load_scene, simulate
 from chain_impact.compilation import cache, ready
 from chain_impact.scene import scene_from_dict, with_values
 
@@ -36,6 +36,7 @@ assert TAG in wheel, wheel
 assert len(ready.libraries()) == len(ready.SIZES)
 for links in (1, ready.LARGEST_EXACT, ready.LARGEST_EXACT + 1, 64):
     assert len(simulate(scene_from_dict(chain(links), "chain"), stop_time=0.35).impacts) > 0
+assert build_fmu("rod_drop", "native", target="native").is_file()
 assert not cache.base_folder().exists(), "a kernel was looked for in the cache, though all should be ready"
 
 law = Path("mine.py")

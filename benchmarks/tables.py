@@ -102,6 +102,20 @@ def fmu_cost() -> str:
     return run("fmu_cost") + "\n\n" + table(head, rows)
 
 
+def fmu_native() -> str:
+    """Costs of the native FMU in C, and against that of pythonfmu in fmpy."""
+    found = common.load("fmu_native")["results"]
+    in_c, in_fmpy = found["C"], found["fmpy"]
+    rows = [(f"in C: {name}", f"{value:.4g}", "", "") for name, value in in_c.items()]
+    for name, values in in_fmpy.items():
+        texts = (f"{values[who]:.3g}" for who in ("native", "pythonfmu"))
+        rows.append((f"in fmpy: {name}", *texts, span(values["pythonfmu / native"])))
+    size = found["bytes"]
+    sizes = (f"{size[name] / 1e3:.0f}" for name in ("native FMU", "pythonfmu FMU"))
+    rows.append(("FMU [kB]", *sizes, ""))
+    return run("fmu_native") + "\n\n" + table(("", "native", "pythonfmu", "pythonfmu / native"), rows)
+
+
 def stability() -> str:
     """How many cells of each outcome."""
     record = common.load("stability")
@@ -165,7 +179,7 @@ def fidelity() -> str:
 
 def main() -> None:
     """Fill both pages."""
-    functions = rhs, rhs_share, reference, fidelity, fmu_cost, stability, steps, *TABLES
+    functions = rhs, rhs_share, reference, fidelity, fmu_cost, fmu_native, stability, steps, *TABLES
     tables = {function.__name__: function for function in functions}
     for name in PAGES:
         page = common.ROOT / "docs" / name

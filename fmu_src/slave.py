@@ -33,7 +33,7 @@ PHASES = ("before initialization", "in initialization mode", "after initializati
 SETTABLE_UNTIL = {"fixed": INITIALIZING, "tunable": STEPPING, "input": STEPPING, "output": -1}
 # by how much the importer's clock may differ: a part of the step, and the round-off of adding steps up
 TIME_TOLERANCE, ROUND_OFF = 1e-9, 1e-12
-STATE = struct.Struct("<36sqqdd")  # guid, phase, initialized, time [s], stop time [s]; then the block
+STATE = struct.Struct("<40sqqdd")  # guid, phase, initialized, time [s], stop time [s]; then the block
 ENVELOPE = struct.Struct("<8sQQ")  # magic, length and CRC of a state; then the state
 MAGIC = b"chainimp"
 
@@ -214,12 +214,14 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
     # --- FMU state: the whole block and the slave's own few numbers ---
 
     def _get_fmu_state(self) -> bytes:
-        guid = self.guid.encode()
-        return STATE.pack(guid, self.phase, self.initialized, self.time, self.stop_time) + self.block
+        return (
+            STATE.pack(self.guid.encode(), self.phase, self.initialized, self.time, self.stop_time)
+            + self.block
+        )
 
     def _set_fmu_state(self, state: bytes) -> None:
         guid, phase, initialized, time, stop_time = STATE.unpack_from(state)
-        if guid != self.guid.encode() or len(state) != STATE.size + len(self.block):
+        if guid.rstrip(b"\0") != self.guid.encode() or len(state) != STATE.size + len(self.block):
             raise SlaveError("fmi2SetFMUstate: the state is that of another FMU", self)
         block = bytearray(state[STATE.size :])
         address = ctypes.addressof(ctypes.c_char.from_buffer(block))
@@ -267,4 +269,4 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
             self.initialized, self.observed = True, False
 
     def _text(self, status: int) -> str:
-        return str(self.model["statuses"][str(status)])
+        return str(self.model["statuses"].get(str(status), "unknown status"))  # of a damaged state

@@ -27,7 +27,7 @@ def refused(run, here):
 
 @pytest.mark.parametrize(
     "arguments",
-    [[], ["fly"], ["build", "a", "b"], ["simulate", "--csv"], ["validate"], ["build", "--target", "native"]],
+    [[], ["fly"], ["build", "a", "b"], ["simulate", "--csv"], ["validate"], ["build", "--target", "fortran"]],
 )
 def test_wrong_arguments_are_said_in_one_line(refused, arguments):
     refused(2, r"; see chain-impact( \w+)? --help$", *arguments)

@@ -77,9 +77,14 @@ def parser() -> argparse.ArgumentParser:
         type=_platforms,
         default=(HOST,),
         metavar="LIST",
-        help=f"comma-separated, of: {', '.join(ZIG_TARGETS)}; default: {HOST}",
+        help=f"comma-separated, of: {', '.join(ZIG_TARGETS)}; or all; default: {HOST}",
     )
-    build.add_argument("--target", choices=["pythonfmu"], default="pythonfmu", help="kind of FMU")
+    build.add_argument(
+        "--target",
+        choices=["pythonfmu", "native"],
+        default="pythonfmu",
+        help="native: an FMU that needs no Python; default: pythonfmu",
+    )
     build.add_argument("--simulate", action="store_true", help="simulate it with fmpy, and draw")
     build.set_defaults(run=run_build)
 
@@ -138,8 +143,9 @@ def _add_set(command: argparse.ArgumentParser) -> None:
 def _platforms(text: str) -> tuple[str, ...]:
     names = tuple(text.split(","))
     for name in names:
-        if name not in ZIG_TARGETS:
-            raise argparse.ArgumentTypeError(f"{name!r} is no platform; must be of {', '.join(ZIG_TARGETS)}")
+        if name not in ZIG_TARGETS and text != "all":
+            known = ", ".join(ZIG_TARGETS)
+            raise argparse.ArgumentTypeError(f"{name!r} is no platform; must be of {known}, or all")
     return names
 
 
@@ -159,7 +165,9 @@ def run_build(options: argparse.Namespace) -> int:
 
     scene = load_scene(options.source)
     with progress() as (notify, _):
-        fmu = build_fmu(scene, options.output, platforms=options.platform, notify=notify)
+        fmu = build_fmu(
+            scene, options.output, target=options.target, platforms=options.platform, notify=notify
+        )
     out.print(f"FMU      {fmu}", markup=False, soft_wrap=True)
     if options.simulate:
         report(str(fmu), [], fmu.with_suffix(".csv"), fmu.with_suffix(".png"))

@@ -23,6 +23,7 @@ from chain_impact.walls import HalfPlane, half_planes
 
 EXPERIMENT = {f"simulation.{key}": ("simulation", key) for key in ("stop_time", "step_size")}
 """What can be set besides the parameters, for this run only."""
+WARNING = 1  # fmi2Warning; what is worse comes after it
 
 
 class RunError(RuntimeError):
@@ -157,7 +158,13 @@ def record_fmu(
         progress(time / stop_time)
         return True
 
-    said = io.StringIO()  # what the FMU prints: it runs in this Python
+    said = io.StringIO()  # what a slave in Python prints: it runs in this process
+    logged: list[str] = []  # what a native FMU says to the importer
+
+    def log(_environment: Any, _name: bytes, status: int, _category: bytes | None, message: bytes) -> None:
+        if status > WARNING:
+            logged.append(message.decode(errors="replace"))
+
     try:
         # fmpy leaves the working directory changed when it cannot load the FMU's library
         with (
@@ -174,9 +181,12 @@ def record_fmu(
                 output_interval=step_size,
                 step_finished=step_finished,
                 model_description=description,
+                logger=log,
+                debug_logging=True,
             )
     except Exception as error:  # fmpy's exceptions have no common class
-        reason = (said.getvalue().splitlines() or [str(error)])[-1]
+        # the first that is logged: after it, an importer may go on to the next refusal
+        reason = (said.getvalue().splitlines()[-1:] or logged or [str(error)])[0]
         partial = recording(recorders[0].result()) if recorders else None
         raise RunError(f"{path}: {reason}", partial) from None
     return recording(rows)

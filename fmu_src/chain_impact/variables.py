@@ -177,10 +177,12 @@ def _parameter(
     """The parameter that sets the value at ``path``, by the ``rule`` of its key; {} is its description."""
     limits = {limit: rule[limit] for limit in ("minimum", "above", "maximum")}
     entries = {"type": "real", "variability": "fixed", "unit": rule["unit"], **limits, **changes}
+    # the attributes of FMI have closed limits only
+    open_limit = "" if rule["above"] is None else f"; must be > {rule['above']:g}"
     return Variable(
         name=name,
         causality="parameter",
-        description=description.format(rule["description"]),
+        description=description.format(rule["description"]) + open_limit,
         place=place,
         scene_path=path,
         **entries,
@@ -283,7 +285,14 @@ def _inputs(scene: Scene) -> Iterator[Variable]:
             yield entry(f"tip.force.{axis}", "N", f"{axis} of the force on the tip", "tip_force", j)
 
 
-def _output(name: str, unit: str, description: str, *place: str | int) -> Variable:
+def _output(
+    name: str,
+    unit: str,
+    description: str,
+    *place: str | int,
+    minimum: float | None = None,
+    maximum: float | None = None,
+) -> Variable:
     """An output; the kernel's "output" record changes continuously, all else only at events and steps."""
     return Variable(
         name=name,
@@ -293,6 +302,8 @@ def _output(name: str, unit: str, description: str, *place: str | int) -> Variab
         unit=unit,
         description=description,
         place=place,
+        minimum=minimum,
+        maximum=maximum,
     )
 
 
@@ -318,7 +329,8 @@ def _outputs(scene: Scene) -> Iterator[Variable]:
         wall = scene.wall_names[number]
         for quantity, unit, text in touches:
             name, where = f"contact[{point}].{wall}.{quantity}", f"point {point} at {wall}"
-            yield _output(name, unit, f"{where}: {text}", "output", quantity, c)
+            least = 0.0 if quantity == "penetration" else None
+            yield _output(name, unit, f"{where}: {text}", "output", quantity, c, minimum=least)
     yield from _energies(scene)
     yield from _impacts(scene)
     yield from _statistics()
@@ -336,7 +348,7 @@ def _energies(scene: Scene) -> Iterator[Variable]:
     if not (scene.inputs.joint_torques or scene.inputs.tip_force):
         del texts["supplied"]
     for key, text in texts.items():
-        yield _output(f"energy.{key}", "J", text, "output", key)
+        yield _output(f"energy.{key}", "J", text, "output", key, minimum=0.0 if key == "kinetic" else None)
 
 
 def _impacts(scene: Scene) -> Iterator[Variable]:
@@ -349,8 +361,15 @@ def _impacts(scene: Scene) -> Iterator[Variable]:
         "last_wall": ("", f"wall of the last impact: 0 none, {walls}"),
         "last_speed": ("m/s", "approach speed at the last impact, 0 before the first"),
     }
+    limits = {
+        "count": (0, None),
+        "last_point": (-1, len(scene.chain.links)),
+        "last_wall": (0, len(scene.wall_names)),
+        "last_speed": (0.0, None),
+    }
     for key, (unit, text) in texts.items():
-        yield _output(f"impact.{key}", unit, text, "impact", key)
+        least, most = limits.get(key, (None, None))
+        yield _output(f"impact.{key}", unit, text, "impact", key, minimum=least, maximum=most)
 
 
 def _statistics() -> Iterator[Variable]:
@@ -362,4 +381,5 @@ def _statistics() -> Iterator[Variable]:
         "status": f"status of the solver: {_STATUSES}",
     }
     for key, text in texts.items():
-        yield _output(f"solver.{key}", "", text, "statistics", key)
+        most = max(STATUS_TEXT) if key == "status" else None
+        yield _output(f"solver.{key}", "", text, "statistics", key, minimum=0, maximum=most)

@@ -1,7 +1,6 @@
 """The kernel as a shared library: what it asks of a system, and where it comes from."""
 
 import re
-import struct
 import sys
 from pathlib import Path
 
@@ -15,6 +14,8 @@ from chain_impact.compilation.library import kernel_library
 from chain_impact.instance import new_instance
 from chain_impact.scene import with_values
 from chain_impact.simulate import load_kernel
+from tests.binaries import read_binary
+from tests.fmu.standard import co_simulation_functions
 
 ENTRY_POINTS = {"initialize", "advance", "advance_awhile", "observe", "sound", "follow", "trajectory"}
 OLDEST_GLIBC = (2, 17)  # CentOS 7, of 2014
@@ -26,35 +27,23 @@ def one_link():
     return kernel_library(1)
 
 
-def dynamic_symbols(path):
-    """The names of a 64-bit ELF library that others see: those it needs and those it offers."""
-    data = path.read_bytes()
-    assert data[:6] == b"\x7fELF\x02\x01"
-    start, size, count = struct.unpack_from("<Q", data, 40) + struct.unpack_from("<HH", data, 58)
-    # name, type, flags, address, offset, size, link, info, alignment, size of an entry
-    sections = [struct.unpack_from("<IIQQQQIIQQ", data, start + size * i) for i in range(count)]
-    needed, offered = set(), set()
-    for _, kind, _, _, offset, length, link, _, _, entry in sections:
-        if kind == 11:  # SHT_DYNSYM
-            names = sections[link][4]
-            for place in range(offset + entry, offset + length, entry):
-                name, _, _, section = struct.unpack_from("<IBBH", data, place)
-                text = data[names + name : data.index(b"\0", names + name)].decode()
-                (offered if section else needed).add(text)
-    return needed, offered
-
-
 @HOST_ONLY
 def test_the_library_needs_neither_python_nor_numba(one_link):
-    needed, _ = dynamic_symbols(one_link)
+    needed = read_binary(one_link).needed
     assert [name for name in needed if re.match(r"_?Py|NRT_|numba|_ZN|chain_|user_law", name)] == []
     assert "sin" in needed or "sincos" in needed  # so the table was read: it has the kernel's own needs
 
 
 @HOST_ONLY
-def test_the_library_offers_its_entry_points(one_link):
-    _, offered = dynamic_symbols(one_link)
-    assert {name for name in offered if not name.startswith("_")} == ENTRY_POINTS
+def test_the_library_offers_its_entry_points_and_those_of_fmi(one_link):
+    offered = {name for name in read_binary(one_link).offered if not name.startswith("_")}
+    assert {name for name in offered if not name.startswith("fmi2")} == ENTRY_POINTS
+    assert offered - ENTRY_POINTS == set(co_simulation_functions())
+
+
+@HOST_ONLY
+def test_the_library_asks_for_libraries_of_the_system_only(one_link):
+    assert read_binary(one_link).libraries == {"libc.so.6", "libm.so.6"}
 
 
 @HOST_ONLY

@@ -1,7 +1,8 @@
-"""FMUs, and a clean process to import them in.
+"""FMUs of both targets, and a clean process to import them in.
 
-In this process the FMU could pick up the package, numba, or modules that a test has loaded. So what concerns
-its use runs in an environment of its own that holds an importer and pythonfmu, and not this package.
+Every test here runs on both kinds of FMU, unless it is about one of them. In this process the FMU could pick
+up the package, numba, or modules that a test has loaded. So what concerns its use runs in an environment of
+its own that holds an importer and pythonfmu, and not this package.
 """
 
 import inspect
@@ -16,18 +17,39 @@ from typing import Any
 
 import pytest
 
-from chain_impact.export.fmu import build_fmu
+from chain_impact.export.fmu import TARGETS, build_fmu
 from chain_impact.scene import model_names
 
 HERE = Path(__file__).parent
 Clean = Callable[..., Any]
 
 
+@pytest.fixture(scope="session", params=TARGETS)
+def target(request) -> str:
+    """The kind of FMU."""
+    return request.param
+
+
 @pytest.fixture(scope="session")
-def fmus(tmp_path_factory) -> dict[str, str]:
-    """The FMU of each model: name of the model → path."""
+def all_fmus(tmp_path_factory) -> dict[str, dict[str, str]]:
+    """The FMUs of each model: target → name of the model → path."""
     folder = tmp_path_factory.mktemp("fmus")
-    return {name: str(build_fmu(name, folder)) for name in model_names()}
+    return {
+        target: {name: str(build_fmu(name, folder / target, target=target)) for name in model_names()}
+        for target in TARGETS
+    }
+
+
+@pytest.fixture(scope="session")
+def fmus(all_fmus, target) -> dict[str, str]:
+    """The FMU of each model: name of the model → path."""
+    return all_fmus[target]
+
+
+@pytest.fixture(scope="session")
+def native(all_fmus) -> dict[str, str]:
+    """The native FMU of each model."""
+    return all_fmus["native"]
 
 
 @pytest.fixture(scope="session")
@@ -46,15 +68,16 @@ def clean_python(tmp_path_factory) -> Path:
 def clean(clean_python) -> Clean:
     """Run ``function(*arguments)`` in the clean Python; all that it uses is what it imports and importer.py.
 
-    Arguments and result pass as JSON, which keeps doubles to the last bit.
+    Or, in place of that, the ``module`` interface.py. Arguments and result pass as JSON, which keeps doubles
+    to the last bit.
     """
 
-    def run(function: Callable[..., Any], *arguments: Any) -> Any:
+    def run(function: Callable[..., Any], *arguments: Any, module: str = "importer") -> Any:
         program = "\n".join(
             (
                 "import json, sys",
                 f"sys.path.insert(0, {str(HERE)!r})",
-                "from importer import Instance, MESSAGES, refused",
+                f"from {module} import *",
                 textwrap.dedent(inspect.getsource(function)),
                 f"result = {function.__name__}(*json.loads(sys.stdin.read()))",
                 # after whatever importer and FMU have printed
@@ -72,3 +95,9 @@ def clean(clean_python) -> Clean:
         return json.loads(done.stdout.splitlines()[-1])
 
     return run
+
+
+@pytest.fixture(scope="session")
+def run(clean) -> Clean:
+    """Run a function in a clean process that has interface.py."""
+    return lambda function, *arguments: clean(function, *arguments, module="interface")

@@ -95,7 +95,7 @@ def absurd(fmu):
     instance.step(0.5)
     data = instance.fmu.serializeFMUstate(instance.fmu.getFMUstate())
     before, refusals = instance.get(instance.outputs), 0
-    envelope, header = struct.Struct("<8sQQ"), 36 + 4 * 8
+    envelope, header = struct.Struct("<8sQQ"), 40 + 4 * 8
     magic, length, _ = envelope.unpack_from(data)
 
     def restore(content):

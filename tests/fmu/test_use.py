@@ -1,7 +1,5 @@
 """The FMU at work, in a process that knows an importer and not this package."""
 
-import sys
-
 import numpy as np
 import pytest
 
@@ -14,28 +12,6 @@ STOP, STEP = 1.0, 2.0**-8  # s; sums of such a step are exact, so that all clock
 
 
 # The functions before each test run in the clean process: they hold all that they use.
-
-
-def process(fmu):
-    import sys
-
-    import fmpy
-
-    fmpy.read_model_description(fmu)  # what fmpy itself imports late
-    before = set(sys.modules)
-    instance = Instance(fmu).start()
-    instance.step(0.25)
-    instance.get(instance.outputs)
-    return [sorted(set(sys.modules) - before), instance["solver.steps"]]
-
-
-def test_it_needs_the_standard_library_only(fmus, clean):
-    modules, steps = clean(process, fmus["four_link_box"])
-    assert steps > 0
-    own = {name for name in modules if name.startswith("chain_impact")}
-    assert len(own) == 1
-    rest = {name.partition(".")[0] for name in modules} - own
-    assert rest <= sys.stdlib_module_names | {"pythonfmu"}
 
 
 def defaults(fmu):

@@ -1,7 +1,7 @@
 """The two programs that make a library: numba's front end, run once, and zig's C compiler, run for each.
 
 lower.py writes the kernel in LLVM's language, without sizes. The prelude has the sizes; with it the kernel is
-compiled and linked.
+compiled and linked, together with the C interface of native FMUs (fmi2/), which is the same for every scene.
 """
 
 from __future__ import annotations
@@ -24,15 +24,20 @@ from chain_impact.law_file import LawError
 ZIG_TARGETS = {
     "linux64": ("x86_64-linux-gnu.2.17", ".so"),
     "win64": ("x86_64-windows-gnu", ".dll"),
+    "darwin64": ("x86_64-macos", ".dylib"),
+    "aarch64-linux": ("aarch64-linux-gnu.2.17", ".so"),
+    "aarch64-darwin": ("aarch64-macos", ".dylib"),
 }
-"""FMI platform → zig target and file suffix; the platforms for which pythonfmu has a wrapper."""
+"""Platform → zig target and file suffix. FMI 2.0 names the first three, FMI 3.0 (2.5.1.4.1) the others."""
 HOST = "linux64"
 EXTRA = "chain-impact[compiler]"
 PORTABLE_CPU = "x86-64-v2"
 BAD_LAW = 3  # exit code of lower.py; what is wrong stands on standard error
-# For every x86 processor since 2009, so that results are bit-equal on all of them. Twice as much as usual is
-# inlined, which makes steps of four links up to 4 % faster.
-FLAGS = ("-mcpu=x86_64_v2", "-O2", "-mllvm", "-inline-threshold=500", "-Wno-everything")
+# For every x86 processor since 2009 and every 64-bit ARM, so that results are bit-equal on all of a kind.
+CPUS = {"x86_64": "x86_64_v2", "aarch64": "generic"}
+# Twice as much as usual is inlined, which makes steps of four links up to 4 % faster. ARM's instruction that
+# multiplies and adds is not used: it rounds once where the two of x86 round twice.
+FLAGS = ("-O2", "-mllvm", "-inline-threshold=500", "-ffp-contract=off", "-Wno-everything")
 # numba's code refers to these on its error paths only, which the kernel never takes: it does not allocate
 # and its error model is NumPy's
 PYTHON_SYMBOLS = (
@@ -41,6 +46,7 @@ PYTHON_SYMBOLS = (
     *("PyExc_SystemError", "PyUnicode_FromString", "Py_DecRef", "numba_do_raise", "numba_gil_ensure"),
     *("numba_gil_release", "numba_runtime_build_excinfo_struct", "numba_unpickle"),
 )
+INTERFACE = PACKAGE / "compilation" / "fmi2"
 STUB = '__attribute__((visibility("hidden"))) void {}(void) {{}}\n'
 
 # A number that the instance holds does not change while the kernel works on it, and is of a sensible size.
@@ -122,7 +128,7 @@ def link(module: str, library: Path, platform: str, links: int | None, law: Path
     kernel = library.with_name("kernel.ll")
     kernel.write_text(_DECLARED_ABOVE.sub("", module) + prelude(links, law is not None))
     prepare_zig(platform)
-    _zig(platform, library, kernel, *([law] if law else []))
+    _zig(platform, library, kernel, *([law] if law else []), *interface_sources())
 
 
 def zig_is_prepared(platform: str) -> bool:
@@ -141,8 +147,15 @@ def prepare_zig(platform: str) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     with FileLock(folder / f"{platform}.lock"), TemporaryDirectory() as scratch:
         if not zig_is_prepared(platform):
-            _zig(platform, Path(scratch, "nothing"))
+            something = Path(scratch, "something.c")  # zig crashes at an empty library for macOS
+            something.write_text(STUB.replace("hidden", "default").format("something"))
+            _zig(platform, Path(scratch, "library"), something)
             (folder / f"prepared-{platform}").touch()
+
+
+def interface_sources() -> list[Path]:
+    """The files of the C interface."""
+    return sorted(INTERFACE.glob("*.c"))
 
 
 def _zig(platform: str, library: Path, *inputs: Path) -> None:
@@ -150,9 +163,15 @@ def _zig(platform: str, library: Path, *inputs: Path) -> None:
     stubs = library.with_name("stubs.c")
     stubs.write_text("".join(map(STUB.format, PYTHON_SYMBOLS)))
     target, _ = ZIG_TARGETS[platform]
-    options = ["cc", "-target", target, *FLAGS, "-shared", "-s"]
+    options = ["cc", "-target", target, f"-mcpu={CPUS[target.partition('-')[0]]}", *FLAGS]
+    options += ["-fvisibility=hidden", "-shared", "-s"]
+    if "linux" in target:
+        # what it calls must not be found in another library that the same process has loaded
+        options.append("-Wl,-Bsymbolic")
+    if "macos" in target:  # else the folder in which it was made
+        options.append("-Wl,-install_name,@rpath/kernel.dylib")
     folders = {"ZIG_GLOBAL_CACHE_DIR": linker_folder(), "ZIG_LOCAL_CACHE_DIR": library.with_name("zig")}
-    files = map(str, ("-o", library, *inputs, stubs))
+    files = map(str, ("-I", INTERFACE, "-o", library, *inputs, stubs))
     _check(_run("ziglang", *options, *files, "-lm", **{name: str(path) for name, path in folders.items()}))
 
 

@@ -12,7 +12,8 @@ from chain_impact.compilation.work import Notify, Work, announce
 from chain_impact.law_file import LawError, UserLaw, read_law
 
 LOWERING, LINKING = 12.0, 3.0  # s
-FIRST_LINKING = {"linux64": 5.0, "win64": 60.0}  # s, in which zig makes its own libraries
+# s, in which zig makes its own libraries
+FIRST_LINKING = {"linux64": 5.0, "win64": 60.0, "darwin64": 5.0, "aarch64-linux": 15.0, "aarch64-darwin": 5.0}
 
 
 def kernel_library(links: int, platform: str = HOST, notify: Notify = announce, law_file: str = "") -> Path:
@@ -20,7 +21,7 @@ def kernel_library(links: int, platform: str = HOST, notify: Notify = announce, 
 
     Args:
         links: number of links N.
-        platform: ``linux64`` or ``win64``.
+        platform: of ``compilers.ZIG_TARGETS``.
         notify: called with a sentence, a ``Work``, before work that takes seconds.
         law_file: the file of a user's law that the kernel shall have, if any.
 

@@ -10,6 +10,7 @@ from pathlib import Path
 PACKAGE = Path(__file__).parents[1]
 COMPILED = ("kernel", "compilation", "layout.py", "law_file.py")
 """Folders and files of the package: kernels follow from nothing else in it."""
+LANGUAGES = (".py", ".c", ".h")
 
 
 @cache
@@ -25,4 +26,4 @@ def fingerprint() -> str:
 def _sources() -> Iterator[Path]:
     for name in COMPILED:
         path = PACKAGE / name
-        yield from path.rglob("*.py") if path.is_dir() else [path]
+        yield from (file for file in path.rglob("*") if file.suffix in LANGUAGES) if path.is_dir() else [path]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from importlib.metadata import version
 from xml.etree.ElementTree import Element, SubElement
@@ -12,6 +13,16 @@ from chain_impact.instance import new_instance
 from chain_impact.scene import Scene
 from chain_impact.variables import UNITS, Variable, fmu_variables, word_index
 
+DEGREES = {"rad": "deg", "rad/s": "deg/s", "rad/s2": "deg/s2"}
+"""Units, and those in which a tool may show them."""
+RATES = {
+    "point_velocity": "point_position",
+    "point_acceleration": "point_velocity",
+    "angular_velocity": "angle",
+    "angular_acceleration": "angular_velocity",
+}
+"""Fields of the output record, and those that they are the derivatives of."""
+
 DATE = "1980-01-01T00:00:00Z"  # the earliest that a zip can hold: equal scenes make equal FMUs
 LOG_CATEGORIES = {
     "logStatusWarning": "Warnings",
@@ -20,36 +31,39 @@ LOG_CATEGORIES = {
     "logStatusFatal": "Errors after which the instance cannot go on",
     "logAll": "All messages",
 }
+CAPABILITIES = {
+    "needsExecutionTool": "false",
+    "canHandleVariableCommunicationStepSize": "true",
+    "canInterpolateInputs": "false",
+    "canBeInstantiatedOnlyOncePerProcess": "false",
+    "canNotUseMemoryManagementFunctions": "true",
+    "canGetAndSetFMUstate": "true",
+    "canSerializeFMUstate": "true",
+}
 
 
-def model_description(scene: Scene, guid: str) -> Element:
-    """The model description, with the start values of the scene's instance.
+def model_description(scene: Scene, tool: str, **capabilities: str) -> Element:
+    """The model description, with the start values of the scene's instance and without a guid.
 
-    Value references are positions in ``fmu_variables(scene)``.
+    Value references are positions in ``fmu_variables(scene)``. ``tool`` is what has made the FMU;
+    ``capabilities`` are attributes of CoSimulation in place of the usual ones.
     """
     variables = fmu_variables(scene)
     root = Element(
         "fmiModelDescription",
         fmiVersion="2.0",
         modelName=scene.name,
-        guid=guid,
+        guid="",
         description=scene.description,
-        generationTool=f"chain-impact with PythonFMU {version('pythonfmu')}",
+        author="The chain-impact developers",
+        version=version("chain-impact"),
+        copyright="Copyright 2026 The chain-impact developers",
+        license="MIT, see documentation/licenses",
+        generationTool=tool,
         generationDateAndTime=DATE,
         variableNamingConvention="structured",
     )
-    SubElement(
-        root,
-        "CoSimulation",
-        modelIdentifier=scene.name,
-        needsExecutionTool="false",
-        canHandleVariableCommunicationStepSize="true",
-        canInterpolateInputs="false",
-        canBeInstantiatedOnlyOncePerProcess="false",
-        canNotUseMemoryManagementFunctions="true",
-        canGetAndSetFMUstate="true",
-        canSerializeFMUstate="true",
-    )
+    SubElement(root, "CoSimulation", {"modelIdentifier": scene.name, **CAPABILITIES, **capabilities})
     _add_units_and_types(root, variables)
     categories = SubElement(root, "LogCategories")
     for name, text in LOG_CATEGORIES.items():
@@ -62,7 +76,7 @@ def model_description(scene: Scene, guid: str) -> Element:
         tolerance=repr(scene.solver.tolerance),
         stepSize=repr(scene.simulation.step_size),
     )
-    _add_variables(root, variables, new_instance(scene))
+    _add_variables(root, variables, scene)
     _add_structure(root, variables)
     return root
 
@@ -75,8 +89,11 @@ def _add_units_and_types(root: Element, variables: Sequence[Variable]) -> None:
             definition = SubElement(units, "Unit", name=name)
             if unit.powers is not None:
                 SubElement(definition, "BaseUnit", {base: str(power) for base, power in unit.powers.items()})
-            real = SubElement(types, "SimpleType", name=unit.quantity)
-            SubElement(real, "Real", quantity=unit.quantity, unit=name)
+            simple = SubElement(types, "SimpleType", name=unit.quantity)
+            real = SubElement(simple, "Real", quantity=unit.quantity, unit=name)
+            if name in DEGREES:
+                SubElement(definition, "DisplayUnit", name=DEGREES[name], factor=repr(180.0 / math.pi))
+                real.set("displayUnit", DEGREES[name])
     for variable in variables:
         if variable.items:
             text = variable.description
@@ -86,8 +103,10 @@ def _add_units_and_types(root: Element, variables: Sequence[Variable]) -> None:
                 SubElement(items, "Item", name=item.name, value=str(number), description=item.description)
 
 
-def _add_variables(root: Element, variables: Sequence[Variable], instance: np.ndarray) -> None:
+def _add_variables(root: Element, variables: Sequence[Variable], scene: Scene) -> None:
+    instance, nominal = new_instance(scene), nominal_values(scene)
     reals, integers = instance.view(np.float64), instance.view(np.int64)
+    indices = {variable.place: str(index) for index, variable in enumerate(variables, 1)}
     nodes = SubElement(root, "ModelVariables")
     for reference, variable in enumerate(variables):
         attributes = {"name": variable.name, "valueReference": str(reference)}
@@ -101,17 +120,42 @@ def _add_variables(root: Element, variables: Sequence[Variable], instance: np.nd
         if variable.type == "real":
             value.set("declaredType", UNITS[variable.unit].quantity)
             value.set("unit", variable.unit)
-            # an open limit is written as a closed one, which is all that FMI knows; the slave keeps it open
-            low = variable.above if variable.minimum is None else variable.minimum
-            for name, limit in (("min", low), ("max", variable.maximum)):
-                if limit is not None:
-                    value.set(name, repr(limit))
+            record, field, *index = variable.place
+            if record == "output" and field in nominal:
+                value.set("nominal", repr(nominal[str(field)]))
+            if record == "output" and field in RATES:
+                value.set("derivative", indices[(record, RATES[str(field)], *index)])
         elif variable.items:
             value.set("declaredType", _type_name(variable))
+        # an open limit is written as a closed one, which is all that FMI knows; the FMU keeps it open
+        low = variable.above if variable.minimum is None else variable.minimum
+        for name, limit in (("min", low), ("max", variable.maximum)):
+            if limit is not None:
+                value.set(name, repr(limit))
         if variable.causality != "output":
             words = reals if variable.type == "real" else integers
             # repr of a float is the shortest text that reads back as the same number
             value.set("start", repr(words[word_index(instance.dtype, variable.place)].item()))
+
+
+def nominal_values(scene: Scene) -> dict[str, float]:
+    """Magnitudes of the outputs: field of the output record → value, in the unit of the field.
+
+    Those of the motion are the absolute scales of the solver (``model.size``, ``model.energy``): the longest
+    link L, L in a second, and M L²/s² for the whole mass M. Those of contacts are what a collision of all the
+    mass at v = L/s compresses the wall to, without damping: K δⁿ⁺¹/(n+1) = M v²/2.
+    """
+    links, contact = scene.chain.links, scene.contact
+    size, mass = max(link.length for link in links), sum(link.mass for link in links)
+    energy = mass * size * size
+    depth = ((contact.exponent + 1.0) * energy / (2.0 * contact.stiffness)) ** (
+        1.0 / (contact.exponent + 1.0)
+    )
+    motion = dict.fromkeys(
+        ("point_position", "point_velocity", "point_acceleration", "penetration_rate"), size
+    )
+    energies = dict.fromkeys(("kinetic", "potential", "elastic", "dissipated", "supplied", "total"), energy)
+    return motion | energies | {"penetration": depth, "force": contact.stiffness * depth**contact.exponent}
 
 
 def _add_structure(root: Element, variables: Sequence[Variable]) -> None:

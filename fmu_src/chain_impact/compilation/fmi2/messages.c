@@ -1,0 +1,70 @@
+/* What is said to the importer, and what every call checks first. */
+#include "instance.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LONGEST = 2000 }; /* bytes of a message */
+
+/* The category of a status is the entry of its number: LogCategories of the model description. */
+static const char *const CATEGORIES[] = {"logAll", "logStatusWarning", "logStatusDiscard", "logStatusError",
+                                         "logStatusFatal"};
+
+unsigned category_bit(const char *name) {
+    for (unsigned i = 0; i < sizeof CATEGORIES / sizeof *CATEGORIES; i++)
+        if (name && strcmp(name, CATEGORIES[i]) == 0) return i == 0 ? ALL_CATEGORIES : 1u << i;
+    return 0;
+}
+
+fmi2Status say(const Instance *one, fmi2Status status, const char *format, ...) {
+    if (!(one->categories & 1u << status)) return status;
+    char text[LONGEST], message[2 * LONGEST], *end = message;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    /* the importer takes a message as a format of printf, in which # begins the name of a variable (2.1.5) */
+    for (const char *at = text; *at; at++) {
+        if (*at == '%' || *at == '#') *end++ = *at;
+        *end++ = *at;
+    }
+    *end = '\0';
+    one->functions.logger(one->functions.componentEnvironment, one->name, status, CATEGORIES[status], message);
+    return status;
+}
+
+const char *when(Phase phase) {
+    static const char *const WHEN[] = {"before initialization", "in initialization mode", "after initialization",
+                                       "after terminate", "after a step that failed"};
+    return WHEN[phase];
+}
+
+int allowed(const Instance *one, const char *call, unsigned phases) {
+    if (!one) return 0;
+    if (!(phases & IN(one->phase))) say(one, fmi2Error, "%s cannot be called %s", call, when(one->phase));
+    return (phases & IN(one->phase)) != 0;
+}
+
+int given(const Instance *one, const char *call, const char *name, const void *argument) {
+    if (!argument) say(one, fmi2Error, "%s: the argument %s is a null pointer", call, name);
+    return argument != NULL;
+}
+
+Number number(double value) {
+    Number found = {"nan"};
+    for (int digits = 15; digits <= 17 && value == value; digits++) {
+        snprintf(found.text, sizeof found.text, "%.*g", digits, value);
+        if (strtod(found.text, NULL) == value) break;
+    }
+    char *comma = strchr(found.text, ','); /* of the importer's locale */
+    if (comma) *comma = '.';
+    if (found.text[strspn(found.text, "-0123456789")] == '\0') strcat(found.text, ".0");
+    return found;
+}
+
+const char *status_text(const Table *table, int status) {
+    const int64_t *places = in_table(table, table->statuses_at);
+    return status >= 0 && status < table->status_count ? text_of(table, places[status]) : "unknown status";
+}

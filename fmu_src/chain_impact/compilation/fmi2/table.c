@@ -1,0 +1,110 @@
+/* resources/model.bin: where it is, and whether it is whole. */
+#include "instance.h"
+
+#include <fcntl.h>
+#include <string.h>
+#ifdef _WIN32
+#define WIN32_LEAN_AND_MEAN
+#define NOGDI
+#define NOUSER
+#include <io.h>
+#include <windows.h>
+#else
+#include <unistd.h>
+#endif
+
+enum { LONGEST = 4096 }; /* bytes of a path */
+
+/* Open a file by its path in UTF-8; -1 if it cannot be read. Not with stdio, which takes memory of its own. */
+static int open_file(const char *path) {
+#ifdef _WIN32
+    wchar_t wide[LONGEST];
+    if (!MultiByteToWideChar(CP_UTF8, MB_ERR_INVALID_CHARS, path, -1, wide, LONGEST)) return -1;
+    return _wopen(wide, _O_RDONLY | _O_BINARY);
+#else
+    return open(path, O_RDONLY | O_CLOEXEC);
+#endif
+}
+
+static int read_all(int file, void *place, uint64_t size) {
+    for (char *at = place; size > 0;) {
+        long got = (long)read(file, at, size < 1 << 20 ? (unsigned)size : 1 << 20);
+        if (got <= 0) return 0;
+        at += got;
+        size -= (uint64_t)got;
+    }
+    return 1;
+}
+
+static int hexadecimal(char digit) {
+    static const char DIGITS[] = "0123456789abcdef0123456789ABCDEF";
+    const char *found = digit ? strchr(DIGITS, digit) : NULL;
+    return found ? (int)(found - DIGITS) % 16 : -1;
+}
+
+/* The path of the table by the URI of its folder, file:///folder, file:/folder or file://localhost/folder, or, beyond
+   the standard, by the folder's path; 0 if there is none. */
+static int table_path(const char *uri, char path[LONGEST]) {
+    static const char NAME[] = "/model.bin";
+    if (strncmp(uri, "file:", 5) == 0) uri += 5;
+    if (strncmp(uri, "//", 2) == 0) uri += strncmp(uri, "//localhost/", 12) == 0 ? 11 : 2;
+#ifdef _WIN32
+    if (uri[0] == '/' && uri[1] && uri[2] == ':') uri++; /* /C:/folder */
+#endif
+    size_t size = 0;
+    while (*uri && size + sizeof NAME < LONGEST) {
+        char letter = *uri++;
+        if (letter == '%') {
+            int high = hexadecimal(uri[0]), low = high < 0 ? -1 : hexadecimal(uri[1]);
+            if (low < 0 || high + low == 0) return 0;
+            letter = (char)(16 * high + low);
+            uri += 2;
+        }
+        path[size++] = letter;
+    }
+    if (*uri || size == 0) return 0;
+    memcpy(path + size - (path[size - 1] == '/'), NAME, sizeof NAME);
+    return 1;
+}
+
+const Table *read_table(const fmi2CallbackFunctions *functions, const char *location, const char **reason) {
+    char path[LONGEST];
+    *reason = "is no URI of a folder, such as file:///folder/resources";
+    if (!table_path(location, path)) return NULL;
+    *reason = "has no file model.bin that can be read";
+    int file = open_file(path);
+    if (file < 0) return NULL;
+    *reason = "has a file model.bin that is damaged";
+    Table head, *table = NULL;
+    const size_t begin = offsetof(Table, guid); /* of what is checked */
+    if (read_all(file, &head, sizeof head) && memcmp(head.magic, "chaintab", 8) == 0 && head.size > sizeof head &&
+        !(table = functions->allocateMemory(1, head.size)))
+        *reason = "has more in it than there is memory for";
+    if (table) {
+        *table = head;
+        if (!read_all(file, table + 1, head.size - sizeof head) ||
+            head.checksum != checksum((char *)table + begin, head.size - begin)) {
+            functions->freeMemory(table);
+            table = NULL;
+        }
+    }
+    close(file);
+    return table;
+}
+
+/* Four bits at a time: the table of 16 stays in a line of the processor's cache. */
+uint32_t checksum(const void *bytes, size_t size) {
+    static const uint32_t TABLE[16] = {
+        0x00000000, 0x1db71064, 0x3b6e20c8, 0x26d930ac, 0x76dc4190, 0x6b6b51f4, 0x4db26158, 0x5005713c,
+        0xedb88320, 0xf00f9344, 0xd6d6a3e8, 0xcb61b38c, 0x9b64c2b0, 0x86d3d2d4, 0xa00ae278, 0xbdbdf21c};
+    uint32_t crc = ~0u;
+    for (const unsigned char *at = bytes; size > 0; at++, size--) {
+        crc ^= *at;
+        crc = crc >> 4 ^ TABLE[crc & 15];
+        crc = crc >> 4 ^ TABLE[crc & 15];
+    }
+    return ~crc;
+}
+
+const void *in_table(const Table *table, int64_t place) { return (const char *)table + place; }
+const char *text_of(const Table *table, int64_t place) { return in_table(table, table->texts_at + place); }

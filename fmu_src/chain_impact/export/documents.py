@@ -1,0 +1,159 @@
+"""What an FMU tells people: documentation/index.html, the licenses, and model.png (FMI 2.0, section 2.3)."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Iterable, Sequence
+from html import escape
+from importlib.metadata import distribution
+from itertools import pairwise
+
+import numpy as np
+
+from chain_impact.compilation.errors import BuildError
+from chain_impact.instance import new_instance
+from chain_impact.kernel.status import STATUS_TEXT
+from chain_impact.scene import Scene
+from chain_impact.variables import Variable, fmu_variables, word_index
+
+SIZE, MARGIN, EDGE = 128, 0.12, 1.5  # of the picture: pixels, a part of it, half a wall in pixels
+WALL, LINK, JOINT, PAPER = (150, 150, 150), (31, 119, 180), (214, 39, 40), (255, 255, 255)
+STYLE = (
+    "body{font-family:sans-serif;max-width:70em;margin:2em auto;padding:0 1em}"
+    "table{border-collapse:collapse}td,th{border:1px solid #ccc;padding:.2em .6em;text-align:left}"
+)
+
+INTRODUCTION = (
+    "<p>A planar chain of rigid links that hits frictionless walls. FMI 2.0, co-simulation. Quantities are "
+    "in SI units. The solver locates every impact: the results do not depend on the communication step.</p>",
+    "<p>Inputs are held constant over a communication step. Fixed parameters can be set until the end of "
+    "initialization, tunable ones and inputs at any time. The state can be saved, restored and serialized. "
+    "The tolerance that counts is the parameter solver.tolerance.</p>",
+)
+
+
+def documents(scene: Scene) -> dict[str, bytes]:
+    """The files, by their names in the FMU."""
+    license_text = distribution("chain-impact").read_text("licenses/LICENSE")
+    if license_text is None:
+        raise BuildError("the license of chain-impact is not installed with it: install the package anew")
+    return {
+        "documentation/index.html": page(scene).encode(),
+        "documentation/licenses/license.txt": license_text.encode(),
+        "model.png": picture(scene),
+    }
+
+
+# --- the page --------------------------------------------------------------------------------------------
+
+
+def page(scene: Scene) -> str:
+    """The documentation, as HTML."""
+    instance, variables = new_instance(scene), fmu_variables(scene)
+
+    def start(variable: Variable) -> str:
+        words = instance.view(np.float64 if variable.type == "real" else np.int64)
+        return repr(words[word_index(instance.dtype, variable.place)].item())
+
+    def of(causality: str) -> list[Variable]:
+        return [variable for variable in variables if variable.causality == causality]
+
+    settable = [(v.name, start(v), v.unit, v.variability, v.allowed, v.description) for v in of("parameter")]
+    inputs = [(v.name, v.unit, v.description) for v in of("input")]
+    outputs = [(v.name, v.unit, v.variability, v.description) for v in of("output")]
+    choices = [
+        (v.name, str(number), item.name, item.description)
+        for v in variables
+        for number, item in enumerate(v.items, 1)
+    ]
+    parts = [
+        f"<h1>{escape(scene.name)}</h1><p>{escape(scene.description)}</p>",
+        *INTRODUCTION,
+        table("Parameters", ("name", "start", "unit", "variability", "allowed", "meaning"), settable),
+        table("Inputs", ("name", "unit", "meaning"), inputs),
+        table("Outputs", ("name", "unit", "variability", "meaning"), outputs),
+        table("Choices", ("parameter", "number", "name", "meaning"), choices),
+        table(
+            "Status of the solver", ("code", "meaning"), [(str(n), text) for n, text in STATUS_TEXT.items()]
+        ),
+        '<p><a href="licenses/license.txt">License</a></p>',
+    ]
+    head = f"<meta charset='utf-8'><title>{escape(scene.name)}</title><style>{STYLE}</style>"
+    return (
+        f"<!DOCTYPE html>\n<html lang='en'><head>{head}</head><body>\n"
+        + "\n".join(parts)
+        + "\n</body></html>\n"
+    )
+
+
+def table(title: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table with a title; nothing if it has no rows."""
+    lines = ["".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows]
+    if not lines:
+        return ""
+    names = "".join(f"<th>{name}</th>" for name in head)
+    return (
+        f"<h2>{title}</h2><table><tr>{names}</tr>\n"
+        + "\n".join(f"<tr>{line}</tr>" for line in lines)
+        + "</table>"
+    )
+
+
+# --- the picture -----------------------------------------------------------------------------------------
+
+
+def picture(scene: Scene) -> bytes:
+    """The chain at its start and the walls, as PNG."""
+    directions = np.array([(np.cos(a), np.sin(a)) for a in scene.initial.angles])
+    lengths = np.array([link.length for link in scene.chain.links])
+    base, planes = np.array(scene.initial.position), scene.half_planes.values()
+    joints = np.vstack([base, base + np.cumsum(directions * lengths[:, None], 0)])
+    # the point of each wall that is nearest to the middle of the chain is in the picture
+    middle = joints.mean(0)
+    feet = [middle - plane.clearance(*middle) * np.array(plane.normal) for plane in planes]
+    seen = np.vstack([joints - 0.1 * lengths.max(), joints + 0.1 * lengths.max(), *feet])
+    low, high = seen.min(0), seen.max(0)
+    scale = (1.0 - 2.0 * MARGIN) * SIZE / max(high - low)
+    corner = 0.5 * (SIZE - scale * (high - low))
+
+    image = np.full((SIZE, SIZE, 3), PAPER, np.uint8)
+    y, x = np.mgrid[SIZE:0:-1, 0:SIZE] + np.array([-0.5, 0.5])[:, None, None]
+    x, y = low[0] + (x - corner[0]) / scale, low[1] + (y - corner[1]) / scale
+    if planes:
+        # the edge of the room that is free of all walls
+        clearance = np.min(
+            [plane.normal[0] * x + plane.normal[1] * y - plane.offset for plane in planes], axis=0
+        )
+        image[np.abs(clearance) * scale <= EDGE] = WALL
+    pixels = (corner + scale * (joints - low)) * (1, -1) + (0, SIZE)
+    for start, end in pairwise(pixels):
+        _draw(image, start, end, 2.5, LINK)
+    for joint in pixels:
+        _draw(image, joint, joint, 3.0, JOINT)
+    return _png(image)
+
+
+def _draw(
+    image: np.ndarray, start: np.ndarray, end: np.ndarray, radius: float, colour: Sequence[int]
+) -> None:
+    """Colour the pixels within a radius of a line."""
+    y, x = np.mgrid[0:SIZE, 0:SIZE] + 0.5
+    along = end - start
+    part = ((x - start[0]) * along[0] + (y - start[1]) * along[1]) / max(float(along @ along), 1e-12)
+    part = np.clip(part, 0.0, 1.0)
+    near = np.hypot(x - start[0] - part * along[0], y - start[1] - part * along[1]) <= radius
+    image[near] = colour
+
+
+def _png(image: np.ndarray) -> bytes:
+    """An image of 8-bit colours, shape (height, width, 3), as PNG (ISO/IEC 15948)."""
+    height, width, _ = image.shape
+    rows = b"".join(b"\0" + row.tobytes() for row in image)  # no filter
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+    body = chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b"")
+    return b"\x89PNG\r\n\x1a\n" + body

@@ -1,0 +1,97 @@
+"""What an FMU knows of its model: one table, as JSON for pythonfmu's slave, as bytes for the C interface."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import struct
+import sys
+import uuid
+import zlib
+from collections.abc import Iterable
+from typing import Any
+
+from chain_impact.instance import new_instance
+from chain_impact.kernel.status import STATUS_TEXT
+from chain_impact.scene import Scene
+from chain_impact.variables import Variable, fmu_variables, word_index
+
+LARGEST = sys.float_info.max
+# as in compilation/fmi2/instance.h
+HEAD, CHECKED_FROM = struct.Struct("<8sQQ40s11q"), 24
+ROW, PLACE = struct.Struct("<ddqiiii"), struct.Struct("<q")
+MAGIC = b"chaintab"
+TYPES, KINDS = ("real", "integer"), ("fixed", "tunable", "input", "output")
+
+
+def model_table(scene: Scene) -> dict[str, Any]:
+    """What an FMU has to know of its model, but for the start values and the GUID."""
+    variables, layout = fmu_variables(scene), new_instance(scene).dtype
+    places = {
+        "time": ("step", "time"),
+        "changed": ("inputs", "changed"),
+        "tolerance": ("solver", "tolerance"),
+    }
+    return {
+        "name": scene.name,
+        "variables": [_variable_row(variable, word_index(layout, variable.place)) for variable in variables],
+        "first_output": sum(variable.causality != "output" for variable in variables),
+        "words": {name: word_index(layout, place) for name, place in places.items()},
+        "statuses": {str(status): text for status, text in STATUS_TEXT.items()},
+    }
+
+
+def _variable_row(variable: Variable, word: int) -> list[Any]:
+    """Name, type, word, kind, lowest and highest value that can be set, and these in words."""
+    kind = variable.variability if variable.causality == "parameter" else variable.causality
+    low, high = -LARGEST, LARGEST
+    if variable.items:
+        low, high = 1, len(variable.items)
+    elif variable.above is not None:
+        low = math.nextafter(variable.above, math.inf)
+    elif variable.minimum is not None:
+        low = variable.minimum
+    if variable.maximum is not None:
+        high = variable.maximum
+    type_ = "real" if variable.type == "real" else "integer"
+    return [variable.name, type_, word, kind, low, high, variable.allowed]
+
+
+def guid_of(contents: Iterable[bytes]) -> str:
+    """A GUID that follows from all that makes an FMU."""
+    digest = hashlib.sha256()
+    for content in contents:
+        digest.update(len(content).to_bytes(8, "big") + content)
+    return str(uuid.UUID(bytes=digest.digest()[:16]))
+
+
+def packed(model: dict[str, Any], record: bytes) -> bytes:
+    """The table with its GUID, and the record with the start values, as the C interface reads them.
+
+    The layout is that of the structures in compilation/fmi2/instance.h.
+    """
+    texts = bytearray()
+
+    def text(content: str) -> int:
+        texts.extend(content.encode() + b"\0")
+        return len(texts) - len(content.encode()) - 1
+
+    rows = b"".join(
+        ROW.pack(low, high, word, TYPES.index(type_), KINDS.index(kind), text(name), text(allowed))
+        for name, type_, word, kind, low, high, allowed in model["variables"]
+    )
+    codes = range(max(map(int, model["statuses"])) + 1)
+    statuses = b"".join(
+        PLACE.pack(text(model["statuses"].get(str(code), "unknown status"))) for code in codes
+    )
+    variables_at = HEAD.size
+    statuses_at = variables_at + len(rows)
+    record_at = statuses_at + len(statuses)
+    texts_at = record_at + len(record)
+    numbers = [len(model["variables"]), model["first_output"], len(codes)]
+    numbers += [model["words"][name] for name in ("time", "changed", "tolerance")]
+    numbers += [variables_at, statuses_at, texts_at, record_at, len(record)]
+    parts = rows + statuses + record + bytes(texts)
+    head = HEAD.pack(MAGIC, HEAD.size + len(parts), 0, model["guid"].encode(), *numbers)
+    checked = head[CHECKED_FROM:] + parts
+    return head[: CHECKED_FROM - 8] + zlib.crc32(checked).to_bytes(8, "little") + checked

@@ -1,0 +1,104 @@
+"""What a shared library asks of a system and offers to it, read from the file: ELF, PE, Mach-O of 64 bits."""
+
+import struct
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Binary:
+    """A shared library: ``machine`` is its format's number of the processor.
+
+    ``libraries`` are those it loads, ``needed`` the names that it takes from them, ``offered`` its own.
+    """
+
+    machine: int
+    libraries: set[str]
+    needed: set[str]
+    offered: set[str]
+
+
+def binary(data: bytes) -> Binary:
+    """Read a library by its first bytes."""
+    for magic, read in ((b"\x7fELF\x02\x01", _elf), (b"MZ", _pe), (b"\xcf\xfa\xed\xfe", _macho)):
+        if data.startswith(magic):
+            return read(data)
+    raise ValueError(f"a library that begins with {data[:8]!r}")
+
+
+def read_binary(path: Path) -> Binary:
+    """Read a library's file."""
+    return binary(path.read_bytes())
+
+
+def _text(data: bytes, place: int) -> str:
+    return data[place : data.index(b"\0", place)].decode()
+
+
+def _elf(data: bytes) -> Binary:
+    (machine,) = struct.unpack_from("<H", data, 18)
+    start, size, count = struct.unpack_from("<Q", data, 40) + struct.unpack_from("<HH", data, 58)
+    # name, type, flags, address, offset, size, link, info, alignment, size of an entry
+    sections = [struct.unpack_from("<IIQQQQIIQQ", data, start + size * i) for i in range(count)]
+    found = Binary(machine, set(), set(), set())
+    for _, kind, _, _, offset, length, link, _, _, entry in sections:
+        names = sections[link][4] if link < count else 0
+        if kind == 11:  # SHT_DYNSYM
+            for place in range(offset + entry, offset + length, entry):
+                name, _, _, section = struct.unpack_from("<IBBH", data, place)
+                (found.offered if section else found.needed).add(_text(data, names + name))
+        if kind == 6:  # SHT_DYNAMIC
+            for place in range(offset, offset + length, 16):
+                tag, value = struct.unpack_from("<QQ", data, place)
+                if tag == 1:  # DT_NEEDED
+                    found.libraries.add(_text(data, names + value))
+    return found
+
+
+def _pe(data: bytes) -> Binary:
+    (head,) = struct.unpack_from("<I", data, 0x3C)
+    machine, count, optional = *struct.unpack_from("<HH", data, head + 4), head + 24
+    (optional_size,) = struct.unpack_from("<H", data, head + 20)
+    # virtual size, address, size in the file, place in the file
+    sections = [
+        struct.unpack_from("<IIII", data, optional + optional_size + 40 * i + 8) for i in range(count)
+    ]
+
+    def place(address: int) -> int:
+        return next(start + address - at for size, at, _, start in sections if at <= address < at + size)
+
+    (exports, _), (imports, _) = (struct.unpack_from("<II", data, optional + 112 + 8 * i) for i in range(2))
+    found = Binary(machine, set(), set(), set())
+    entry = place(imports)
+    while (row := struct.unpack_from("<IIIII", data, entry))[3]:
+        found.libraries.add(_text(data, place(row[3])).lower())
+        names = place(row[0] or row[4])
+        while name := struct.unpack_from("<Q", data, names)[0]:
+            if not name >> 63:  # else a number in place of a name
+                found.needed.add(_text(data, place(name) + 2))
+            names += 8
+        entry += 20
+    (names_count, _, names_at) = struct.unpack_from("<III", data, place(exports) + 24)
+    for i in range(names_count):
+        (name,) = struct.unpack_from("<I", data, place(names_at) + 4 * i)
+        found.offered.add(_text(data, place(name)))
+    return found
+
+
+def _macho(data: bytes) -> Binary:
+    (machine,), (commands,) = struct.unpack_from("<I", data, 4), struct.unpack_from("<I", data, 16)
+    found, at = Binary(machine, set(), set(), set()), 32
+    for _ in range(commands):
+        command, size = struct.unpack_from("<II", data, at)
+        if command & 0x7FFFFFFF in (0xC, 0x18, 0x1F):  # LC_LOAD_DYLIB, weak, re-exported
+            found.libraries.add(_text(data, at + struct.unpack_from("<I", data, at + 8)[0]))
+        if command == 2:  # LC_SYMTAB
+            symbols, count, texts, _ = struct.unpack_from("<IIII", data, at + 8)
+            for i in range(count):
+                name, kind, section, _, _ = struct.unpack_from("<IBBHQ", data, symbols + 16 * i)
+                if kind & 1 and not kind & 0xE0:  # external, and not for debuggers
+                    (found.offered if section else found.needed).add(
+                        _text(data, texts + name).removeprefix("_")
+                    )
+        at += size
+    return found

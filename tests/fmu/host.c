@@ -1,0 +1,74 @@
+/* An importer in C: host LIBRARY GUID RESOURCES STEP STEPS REFERENCE... prints these Reals at each step, with all bits.
+
+   It loads the binary of an FMU, as tools without Python do; for Linux and Windows. */
+#include <fmi2Functions.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#ifdef _WIN32
+#include <windows.h>
+static void *loaded(const char *path) { return (void *)LoadLibraryA(path); }
+static void *found(void *library, const char *name) { return (void *)GetProcAddress((HMODULE)library, name); }
+#else
+#include <dlfcn.h>
+static void *loaded(const char *path) { return dlopen(path, RTLD_NOW | RTLD_LOCAL); }
+static void *found(void *library, const char *name) { return dlsym(library, name); }
+#endif
+
+static void log_message(void *environment, fmi2String name, fmi2Status status, fmi2String category, fmi2String text, ...) {
+    va_list none;
+    (void)environment;
+    fprintf(stderr, "%s: %d, %s: ", name, status, category);
+    va_start(none, text);
+    vfprintf(stderr, text, none);
+    va_end(none);
+    fputc('\n', stderr);
+}
+
+static void need(int right, const char *what) {
+    if (right) return;
+    fprintf(stderr, "failed: %s\n", what);
+    exit(1);
+}
+
+#define FUNCTION(name, type, ...)                                \
+    type (*name)(__VA_ARGS__);                                   \
+    *(void **)&name = found(library, #name);                     \
+    need(name != NULL, #name)
+#define CALL(what) need((what) == fmi2OK, #what)
+
+int main(int count, char **arguments) {
+    enum { FIRST = 6, MOST = 100 };
+    need(count > FIRST && count < FIRST + MOST, "arguments");
+    void *library = loaded(arguments[1]);
+    need(library != NULL, "load the library");
+    FUNCTION(fmi2Instantiate, fmi2Component, fmi2String, fmi2Type, fmi2String, fmi2String, const fmi2CallbackFunctions *,
+             fmi2Boolean, fmi2Boolean);
+    FUNCTION(fmi2SetupExperiment, fmi2Status, fmi2Component, fmi2Boolean, fmi2Real, fmi2Real, fmi2Boolean, fmi2Real);
+    FUNCTION(fmi2EnterInitializationMode, fmi2Status, fmi2Component);
+    FUNCTION(fmi2ExitInitializationMode, fmi2Status, fmi2Component);
+    FUNCTION(fmi2DoStep, fmi2Status, fmi2Component, fmi2Real, fmi2Real, fmi2Boolean);
+    FUNCTION(fmi2GetReal, fmi2Status, fmi2Component, const fmi2ValueReference[], size_t, fmi2Real[]);
+    FUNCTION(fmi2Terminate, fmi2Status, fmi2Component);
+    FUNCTION(fmi2FreeInstance, void, fmi2Component);
+
+    fmi2CallbackFunctions callbacks = {log_message, calloc, free, NULL, NULL};
+    fmi2Component one = fmi2Instantiate("host", fmi2CoSimulation, arguments[2], arguments[3], &callbacks, 0, 1);
+    need(one != NULL, "instantiate");
+    double size = atof(arguments[4]), values[MOST];
+    int steps = atoi(arguments[5]);
+    fmi2ValueReference references[MOST];
+    size_t wanted = (size_t)(count - FIRST);
+    for (size_t i = 0; i < wanted; i++) references[i] = (fmi2ValueReference)atoi(arguments[FIRST + i]);
+    CALL(fmi2SetupExperiment(one, 0, 0.0, 0.0, 1, size * steps));
+    CALL(fmi2EnterInitializationMode(one));
+    CALL(fmi2ExitInitializationMode(one));
+    for (int k = 0; k < steps; k++) {
+        CALL(fmi2DoStep(one, k * size, size, 1));
+        CALL(fmi2GetReal(one, references, wanted, values));
+        for (size_t i = 0; i < wanted; i++) printf("%.17g%c", values[i], i + 1 < wanted ? ' ' : '\n');
+    }
+    CALL(fmi2Terminate(one));
+    fmi2FreeInstance(one);
+    return 0;
+}

@@ -1,0 +1,280 @@
+"""The C functions of a native FMU, called as a tool in C calls them: by ctypes, without fmpy."""
+
+from __future__ import annotations
+
+import ctypes
+import tempfile
+import zipfile
+from collections.abc import Callable
+from ctypes import CFUNCTYPE, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+OK, WARNING, DISCARD, ERROR, FATAL = range(5)
+MODEL_EXCHANGE, CO_SIMULATION = range(2)
+DO_STEP_STATUS, PENDING_STATUS, LAST_SUCCESSFUL_TIME, TERMINATED_STATUS = range(4)
+MOST_MEMORY = 1 << 32  # bytes in a block
+PHASES = ("instantiated", "initialization mode", "step complete", "step failed", "terminated")
+
+Logger = CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_char_p, c_char_p)
+Allocate = CFUNCTYPE(c_void_p, c_size_t, c_size_t)
+Free = CFUNCTYPE(None, c_void_p)
+Finished = CFUNCTYPE(None, c_void_p, c_int)
+
+
+class Callbacks(ctypes.Structure):
+    """fmi2CallbackFunctions."""
+
+    _fields_ = (
+        ("logger", Logger),
+        ("allocate", Allocate),
+        ("free", Free),
+        ("finished", Finished),
+        ("environment", c_void_p),
+    )
+
+
+def unpacked(fmu: str, folder: str | None = None) -> Path:
+    """The folder of an unzipped FMU."""
+    place = Path(folder or tempfile.mkdtemp())
+    with zipfile.ZipFile(fmu) as archive:
+        archive.extractall(place)
+    return place
+
+
+class Library:
+    """The binary of an FMU, what its model description says, and callbacks that count."""
+
+    def __init__(self, fmu: str, folder: str | None = None, mode: int = ctypes.RTLD_LOCAL) -> None:
+        """Unzip and load it."""
+        self.folder = unpacked(fmu, folder)
+        root = ElementTree.parse(self.folder / "modelDescription.xml").getroot()
+        self.guid = root.get("guid").encode()
+        self.categories = [category.get("name") for category in root.iter("Category")]
+        nodes = list(root.iter("ScalarVariable"))
+        self.references = {node.get("name"): int(node.get("valueReference")) for node in nodes}
+        self.reals = [n.get("name") for n in nodes if n[0].tag == "Real" and n.get("causality") == "output"]
+        binary = self.folder / "binaries" / "linux64" / f"{root.get('modelName')}.so"
+        self.c = ctypes.CDLL(str(binary), mode)
+        self.c.fmi2Instantiate.restype = c_void_p
+        self.c.fmi2GetVersion.restype = self.c.fmi2GetTypesPlatform.restype = c_char_p
+        self.messages: list[tuple[str, int, str, str]] = []  # instance, status, category, text
+        self.blocks: dict[int, Any] = {}
+        self.left = -1  # so many more blocks of memory can be had; any number if negative
+        self.callbacks = Callbacks(Logger(self._log), Allocate(self._allocate), Free(self._free))
+
+    @property
+    def location(self) -> bytes:
+        """The URI of the resources."""
+        return (self.folder / "resources").as_uri().encode()
+
+    def _log(self, _environment: Any, name: bytes, status: int, category: bytes, text: bytes) -> None:
+        self.messages.append((name.decode(), status, category.decode(), text.decode()))
+
+    def _allocate(self, count: int, size: int) -> int | None:
+        if self.left == 0 or count * size > MOST_MEMORY:
+            return None
+        self.left -= 1
+        block = ctypes.create_string_buffer(count * size)
+        self.blocks[ctypes.addressof(block)] = block
+        return ctypes.addressof(block)
+
+    def _free(self, address: int | None) -> None:
+        if address is not None:
+            del self.blocks[address]  # an error, if it was not had from here
+
+    def said(self) -> list[str]:
+        """The texts since the last look."""
+        texts = [text for *_, text in self.messages]
+        self.messages.clear()
+        return texts
+
+    def instantiate(self, **changes: Any) -> int | None:
+        """Call fmi2Instantiate, with some other arguments than the usual ones."""
+        usual = {
+            "name": b"one",
+            "type": CO_SIMULATION,
+            "guid": self.guid,
+            "location": self.location,
+            "callbacks": byref(self.callbacks),
+            "visible": 0,
+            "logging": 1,
+        }
+        values = list({**usual, **changes}.values())
+        return self.c.fmi2Instantiate(*values)
+
+
+class Component:
+    """An instance; each function returns the status."""
+
+    def __init__(self, library: Library, **changes: Any) -> None:
+        """Instantiate."""
+        self.library = library
+        self.address = c_void_p(library.instantiate(**changes))
+        assert self.address.value, library.said()
+
+    def call(self, name: str, *arguments: Any) -> int:
+        """Call a function of the standard."""
+        return getattr(self.library.c, name)(self.address, *arguments)
+
+    def setup(self, start: float = 0.0, stop: float | None = None) -> int:
+        """Call fmi2SetupExperiment."""
+        rest = (c_double(start), int(stop is not None), c_double(stop or 0.0))
+        return self.call("fmi2SetupExperiment", 0, c_double(0.0), *rest)
+
+    def start(self, start: float = 0.0, stop: float | None = None, **values: float) -> Component:
+        """Go on to the first step."""
+        assert self.setup(start, stop) == OK
+        for name, value in values.items():
+            assert self.set_real(name, value) == OK
+        assert self.call("fmi2EnterInitializationMode") == OK
+        assert self.call("fmi2ExitInitializationMode") == OK
+        return self
+
+    def bring_to(self, phase: str) -> Component:
+        """Bring a new instance to a phase of its life."""
+        assert self.setup() == OK
+        if phase == "step failed":
+            assert self.set_real("solver.work_limit", 20.0) == OK
+        if phase != "instantiated":
+            assert self.call("fmi2EnterInitializationMode") == OK
+        if phase not in ("instantiated", "initialization mode"):
+            assert self.call("fmi2ExitInitializationMode") == OK
+            assert self.step(0.0, 1.0) == (DISCARD if phase == "step failed" else OK)
+        if phase == "terminated":
+            assert self.call("fmi2Terminate") == OK
+        self.library.said()
+        return self
+
+    def step(self, time: float, size: float) -> int:
+        """Call fmi2DoStep."""
+        return self.call("fmi2DoStep", c_double(time), c_double(size), 1)
+
+    def set_real(self, name: str, value: float) -> int:
+        """Call fmi2SetReal for one variable."""
+        reference, cell = c_uint(self.library.references[name]), c_double(value)
+        return self.call("fmi2SetReal", byref(reference), c_size_t(1), byref(cell))
+
+    def set_integer(self, name: str, value: int) -> int:
+        """Call fmi2SetInteger for one variable."""
+        reference, cell = c_uint(self.library.references[name]), c_int(value)
+        return self.call("fmi2SetInteger", byref(reference), c_size_t(1), byref(cell))
+
+    def real(self, name: str) -> float:
+        """The value of a Real."""
+        reference, cell = c_uint(self.library.references[name]), c_double(-99.0)
+        assert self.call("fmi2GetReal", byref(reference), c_size_t(1), byref(cell)) == OK, self.library.said()
+        return cell.value
+
+    def integer(self, name: str) -> int:
+        """The value of an Integer."""
+        reference, cell = c_uint(self.library.references[name]), c_int(-99)
+        assert self.call("fmi2GetInteger", byref(reference), c_size_t(1), byref(cell)) == OK
+        return cell.value
+
+    def outputs(self) -> list[float]:
+        """All Real outputs, in one call."""
+        names = self.library.reals
+        references = (c_uint * len(names))(*(self.library.references[name] for name in names))
+        values = (c_double * len(names))()
+        assert self.call("fmi2GetReal", references, c_size_t(len(names)), values) == OK
+        return list(values)
+
+    def state(self) -> c_void_p:
+        """Call fmi2GetFMUstate."""
+        state = c_void_p()
+        assert self.call("fmi2GetFMUstate", byref(state)) == OK
+        return state
+
+    def serialized(self) -> bytes:
+        """The present state as bytes."""
+        state, size = self.state(), c_size_t()
+        assert self.call("fmi2SerializedFMUstateSize", state, byref(size)) == OK
+        data = ctypes.create_string_buffer(size.value)
+        assert self.call("fmi2SerializeFMUstate", state, data, size) == OK
+        assert self.call("fmi2FreeFMUstate", byref(state)) == OK
+        return data.raw
+
+    def restore(self, data: bytes) -> int:
+        """Go back to a state in bytes."""
+        state = c_void_p()
+        status = self.call("fmi2DeSerializeFMUstate", data, c_size_t(len(data)), byref(state))
+        if status == OK:
+            status = self.call("fmi2SetFMUstate", state)
+            assert self.call("fmi2FreeFMUstate", byref(state)) == OK
+        return status
+
+    def free(self) -> None:
+        """Call fmi2FreeInstance."""
+        self.library.c.fmi2FreeInstance(self.address)
+
+
+def calls() -> dict[str, Callable[[Component], int]]:
+    """Each function that an instance has, with arguments that are right where it can be called."""
+    cell, whole, text, size = c_double(), c_int(), c_char_p(), c_size_t()
+    reference = c_uint()
+
+    def variable(function: str, name: str, value: Any) -> Callable[[Component], int]:
+        def call(one: Component) -> int:
+            reference.value = one.library.references[name]
+            return one.call(function, byref(reference), c_size_t(1), byref(value))
+
+        return call
+
+    def with_state(function: Callable[[Component, c_void_p], int]) -> Callable[[Component], int]:
+        def call(one: Component) -> int:
+            state = one.state()
+            try:
+                return function(one, state)
+            finally:
+                one.call("fmi2FreeFMUstate", byref(state))
+
+        return call
+
+    def serialize(one: Component, state: c_void_p) -> int:
+        one.call("fmi2SerializedFMUstateSize", state, byref(size))
+        return one.call("fmi2SerializeFMUstate", state, ctypes.create_string_buffer(size.value), size)
+
+    def nothing(function: str, *rest: Any) -> Callable[[Component], int]:
+        return lambda one: one.call(function, None, c_size_t(0), *rest)
+
+    def status(function: str, kind: int, place: Any) -> Callable[[Component], int]:
+        return lambda one: one.call(function, kind, byref(place))
+
+    return {
+        "fmi2SetDebugLogging": lambda one: one.call("fmi2SetDebugLogging", 1, c_size_t(0), None),
+        "fmi2SetupExperiment": lambda one: one.setup(),
+        "fmi2EnterInitializationMode": lambda one: one.call("fmi2EnterInitializationMode"),
+        "fmi2ExitInitializationMode": lambda one: one.call("fmi2ExitInitializationMode"),
+        "fmi2Terminate": lambda one: one.call("fmi2Terminate"),
+        "fmi2Reset": lambda one: one.call("fmi2Reset"),
+        "fmi2GetReal": variable("fmi2GetReal", "point[0].y", cell),
+        "fmi2GetInteger": variable("fmi2GetInteger", "impact.count", whole),
+        "fmi2GetBoolean": nothing("fmi2GetBoolean", None),
+        "fmi2GetString": nothing("fmi2GetString", None),
+        "fmi2SetReal": variable("fmi2SetReal", "contact.stiffness", c_double(1e7)),
+        "fmi2SetInteger": variable("fmi2SetInteger", "contact.model", c_int(1)),
+        "fmi2SetBoolean": nothing("fmi2SetBoolean", None),
+        "fmi2SetString": nothing("fmi2SetString", None),
+        "fmi2GetFMUstate": with_state(lambda *_: OK),
+        "fmi2SetFMUstate": with_state(lambda one, state: one.call("fmi2SetFMUstate", state)),
+        "fmi2FreeFMUstate": lambda one: one.call("fmi2FreeFMUstate", byref(c_void_p())),
+        "fmi2SerializedFMUstateSize": with_state(
+            lambda one, state: one.call("fmi2SerializedFMUstateSize", state, byref(size))
+        ),
+        "fmi2SerializeFMUstate": with_state(serialize),
+        "fmi2DeSerializeFMUstate": lambda one: one.restore(one.serialized()),
+        "fmi2GetDirectionalDerivative": nothing(
+            "fmi2GetDirectionalDerivative", None, c_size_t(0), None, None
+        ),
+        "fmi2SetRealInputDerivatives": nothing("fmi2SetRealInputDerivatives", None, None),
+        "fmi2GetRealOutputDerivatives": nothing("fmi2GetRealOutputDerivatives", None, None),
+        "fmi2DoStep": lambda one: one.step(1.0, 0.1),
+        "fmi2CancelStep": lambda one: one.call("fmi2CancelStep"),
+        "fmi2GetStatus": status("fmi2GetStatus", DO_STEP_STATUS, whole),
+        "fmi2GetRealStatus": status("fmi2GetRealStatus", LAST_SUCCESSFUL_TIME, cell),
+        "fmi2GetIntegerStatus": status("fmi2GetIntegerStatus", DO_STEP_STATUS, whole),
+        "fmi2GetBooleanStatus": status("fmi2GetBooleanStatus", TERMINATED_STATUS, whole),
+        "fmi2GetStringStatus": status("fmi2GetStringStatus", PENDING_STATUS, text),
+    }

@@ -1,0 +1,19 @@
+"""The header files of the FMI standard, which fmpy brings along."""
+
+import re
+from pathlib import Path
+
+import fmpy
+
+HEADERS = Path(fmpy.__file__).with_name("c-code")
+
+
+def co_simulation_functions() -> list[str]:
+    """The names of all functions that an FMU for co-simulation has to have (FMI 2.0.5, section 2.3)."""
+    text = (HEADERS / "fmi2FunctionTypes.h").read_text(encoding="utf-8")
+    before, after = (
+        "Types for Functions for FMI2 for Model Exchange",
+        "Types for Functions for FMI2 for Co-Simulation",
+    )
+    text = text[: text.index(before)] + text[text.index(after) :]
+    return re.findall(r"\b(fmi2\w+)TYPE\b", text[text.index("Types for Common Functions") :])

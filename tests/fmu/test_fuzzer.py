@@ -1,0 +1,62 @@
+"""Random sequences of calls to the C interface, with sanitizers: fuzzer.c, seeded and bounded."""
+
+import re
+import shutil
+import subprocess
+
+import pytest
+
+from chain_impact import load_scene
+from chain_impact.compilation.compilers import INTERFACE, interface_sources
+from chain_impact.compilation.library import kernel_library
+from chain_impact.variables import fmu_variables
+from tests.fmu.contents import description
+from tests.fmu.interface import unpacked
+from tests.fmu.zig import zig
+
+SEEDS = range(4)
+SEQUENCES, CALLS = 300, 500
+MODEL = "pinned_arm"  # it has inputs
+NO_COMPILER = pytest.mark.skipif(
+    shutil.which("cc") is None, reason="an address sanitizer does not come with zig"
+)
+
+
+@pytest.fixture(scope="module", params=["zig", pytest.param("cc", marks=NO_COMPILER)])
+def fuzzer(request, tmp_path_factory):
+    """The program: the interface compiled with sanitizers, and the kernel's library as it is."""
+    folder = tmp_path_factory.mktemp("fuzzer")
+    kernel = kernel_library(len(load_scene(MODEL).chain.links))
+    source, program = INTERFACE.parents[3] / "tests" / "fmu" / "fuzzer.c", folder / "fuzzer"
+    options = [
+        "-g",
+        "-O1",
+        "-fno-omit-frame-pointer",
+        "-fsanitize=undefined",
+        "-fno-sanitize-recover=undefined",
+    ]
+    inputs = ["-I", INTERFACE, source, *interface_sources(), kernel, f"-Wl,-rpath,{kernel.parent}", "-lm"]
+    if request.param == "zig":
+        zig(folder, *options, *inputs, "-o", program)
+    else:
+        command = ["cc", "-std=c11", "-D_POSIX_C_SOURCE=200809L", "-fsanitize=address", *options, *inputs]
+        subprocess.run([*map(str, command), "-o", str(program)], check=True)
+    return program
+
+
+@pytest.fixture(scope="module")
+def fmu(native):
+    """GUID, resources and number of variables of a native FMU."""
+    path = native[MODEL]
+    location = (unpacked(path) / "resources").as_uri()
+    return [description(path).get("guid"), location, str(len(fmu_variables(load_scene(MODEL))))]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_no_sequence_of_calls_does_harm(fuzzer, fmu, seed):
+    command = [str(fuzzer), str(seed), str(SEQUENCES), str(CALLS), *fmu]
+    runs = [subprocess.run(command, capture_output=True, text=True, check=False) for _ in range(2)]
+    for run in runs:
+        assert run.returncode == 0, run.stdout + run.stderr[-3000:]
+    assert runs[0].stdout == runs[1].stdout
+    assert int(re.match(r"(\d+) messages", runs[0].stdout)[1]) > SEQUENCES
