@@ -195,8 +195,7 @@ def begin(d):
     if events > 0 and d.contact.impulsive:
         d.step.next_size = min(d.step.next_size, step_size.in_flight(d, d.step.state_end, rate))
     if events > 0 or d.balance.breaks != d.step.breaks:
-        take_stock(d)
-        d.balance.breaks = d.step.breaks
+        take_stock(d, events)
     choose_method(d)
     choose_variable(d, events > 0)
     regularize(d, d.step.state_end, rate, d.work.stage[0])

@@ -68,10 +68,19 @@ def forget_drift(d):
     balance.allowed = balance.least
 
 
-def take_stock(d):
-    """Note the ledger at the start of a step, where something else than a step may have changed it."""
+def take_stock(d, events):
+    """Note the ledger at the start of a step that does not go on where the last one ended.
+
+    What ``events``, their number, have changed in it counts as an error. After a restart, which leaves none, it
+    begins anew: a parameter that is changed may change the energy.
+    """
+    balance = d.balance
     locate_points(d, d.step.state_end)
-    d.balance.ledger = ledger(d, d.step.state_end)
+    present = ledger(d, d.step.state_end)
+    if events > 0:
+        balance.drift += present - balance.ledger
+    balance.ledger = present
+    balance.breaks = d.step.breaks
 
 
 def keeps_balance(d, theta):
