@@ -71,8 +71,8 @@ def forget_drift(d):
 def take_stock(d, events):
     """Note the ledger at the start of a step that does not go on where the last one ended.
 
-    What ``events``, their number, have changed in it counts as an error. After a restart, which leaves none, it
-    begins anew: a parameter that is changed may change the energy.
+    What ``events``, their number, have changed in it counts as an error. After a restart, which leaves none,
+    it begins anew: a parameter that is changed may change the energy.
     """
     balance = d.balance
     locate_points(d, d.step.state_end)
