@@ -38,7 +38,6 @@ TESTED_ELSEWHERE = {
     "kernel/integration/dense.py": "kernel/integration/test_explicit.py",
     "kernel/integration/dop853.py": "kernel/integration/test_explicit.py",
     "kernel/entry.py": "test_simulate.py",  # each call goes through it
-    "kernel/soundness.py": "fmu/test_state.py",
     "kernel/model/equations.py": "kernel/chain/test_recursion.py",
     "kernel/model/energy.py": "kernel/integration/test_balance.py",
     "kernel/integration/errors.py": "kernel/integration/test_explicit.py",

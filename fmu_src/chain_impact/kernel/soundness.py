@@ -12,6 +12,7 @@ from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.laws.contact_laws import LAW_COUNT
 from chain_impact.kernel.laws.user_law import present
 from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.kernel.status import LAST_STATUS, OK
 
 
 def sound(d):
@@ -24,6 +25,7 @@ def sound(d):
     fits = fits and within(d.step.method, 0, METHOD_COUNT - 1)
     fits = fits and within(d.step.made_by, 0, METHOD_COUNT - 1)
     fits = fits and within(d.search.known, 0, FAR) and within(d.step.dense_for, 0, SOLVER)
+    fits = fits and within(d.statistics.status, OK, LAST_STATUS)
     fits = fits and within(d.touch.active_count, 0, d.candidates)
     for c in range(d.candidates):
         fits = (

@@ -13,6 +13,7 @@ TOO_MUCH_WORK = 9
 EXPONENT_NOT_ALLOWED = 10
 RIGID_WHILE_TOUCHING = 11
 ENERGY_NOT_KEPT = 12
+LAST_STATUS = ENERGY_NOT_KEPT
 LOG_FULL = -1  # not a fault: collect the finished contacts and go on
 PAUSED = -2  # not a fault: go on, if that is wanted
 
