@@ -188,8 +188,9 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("stage", REAL, (STAGES, state)),  # dy/ds at the stages
         ("rate_start", REAL, (state,)),  # ẏ at the start …
         ("rate_end", REAL, (state,)),  # … and the end of the step
-        ("y", REAL, (state,)),
-        ("error", REAL, (2, state)),  # the embedded error estimates; spare for observers
+        ("y", REAL, (state,)),  # a state that is tried or looked at …
+        ("rate", REAL, (state,)),  # … and its ẏ, outside of a step
+        ("error", REAL, (2, state)),  # the embedded error estimates
         ("link", vectors),  # m, L_i; entry N is not used
         ("load", vectors),  # N or N·s on each point
         ("moment", REAL, (links,)),  # N·m on each link, from its joints
@@ -200,7 +201,9 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("velocity", vectors),  # m/s
         ("acceleration", vectors),  # m/s²
         ("at_end", INTEGER),  # 1: these are the points at the end of the step
+        ("change", REAL, (coordinate_count(links),)),  # 1/kg, of the coordinates' rates, by a unit impulse
         ("motion", vectors),  # of the points, for a given motion of the coordinates
+        ("reach", REAL, (points,)),  # m/s², bound on what the links add to the acceleration of each point
         ("damped", damped),  # factors of an implicit step when joints are damped, see kernel/chain/damped.py
         ("inner", inner),  # arms from each joint inward, see kernel/chain/damping_rate.py
     )
@@ -260,6 +263,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
     implicit = _record(
         ("start", REAL, (extended,)),  # z at the start of a step
         ("z", REAL, (extended,)),
+        ("thirds", REAL, (2, state)),  # what the dense output is off the clearances, at thirds of the step
         ("stage", REAL, (ROWS, extended)),
         ("link", vectors),  # m, L_i at the start of a step
         ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts, packed, …

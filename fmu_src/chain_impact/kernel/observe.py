@@ -16,7 +16,7 @@ def observe(d):
     already found later on does not show yet.
     """
     n, out = d.links, d.output
-    y, rate = d.work.y, d.work.error[0]
+    y, rate = d.work.y, d.work.rate
     interpolate(d.step, fraction(d, d.step.time), y)
     locate_points(d, y)
     located_rate(d, y, rate)

@@ -47,7 +47,7 @@ def follow_held(d):
     end = fraction(d, step.end)
     for j in range(HELD_SAMPLES):
         interpolate(step, end * j / (HELD_SAMPLES - 1), d.work.y)
-        state_rate(d, d.work.y, d.work.error[0])
+        state_rate(d, d.work.y, d.work.rate)
         for k in range(d.touch.active_count):
             c = d.touch.active_index[k]
             left, top, right = samples[0, k], samples[1, k], d.rigid.impulse[k]

@@ -156,7 +156,7 @@ def bound_curvature(d):
         p, change = rate_bounds(d.step, root_at(n))
     vx, ax = rate_bounds(d.step, velocity_at(n))
     vy, ay = rate_bounds(d.step, velocity_at(n) + 1)
-    links = d.work.motion.x
+    links = d.work.reach
     links[0] = 0.0
     for i in range(n):
         omega, alpha = rate_bounds(d.step, omega_at(n) + i)

@@ -123,8 +123,8 @@ def falls_short(d):
 
 def bounce(d):
     """End the contacts that leave with a speed, by more than can be told from rest."""
-    free_rate(d, d.step.state_end, d.work.stage[0])
-    fall = start_from_accelerations(d, d.step.state_end, d.work.stage[0])
+    free_rate(d, d.step.state_end, d.work.rate)
+    fall = start_from_accelerations(d, d.step.state_end, d.work.rate)
     # u²/(2 a), the height of a throw
     slow = max(math.sqrt(2.0 * fall * RISE * d.model.size), STICK * d.contact.minimum_impact_speed)
     for k in range(d.touch.active_count):
@@ -158,7 +158,7 @@ def judge(d):
     if touch.active_count > 0:
         locate_points(d, state)
         meet_walls(d, state)
-        rate = d.work.stage[0]
+        rate = d.work.rate
         free_rate(d, state, rate)
         scale = start_from_accelerations(d, state, rate)
         for k in range(touch.active_count):

@@ -47,7 +47,7 @@ def pulls(d, _c, theta):
     # what the interpolant is off the walls, stiff joints turn into a force
     locate_points(d, d.work.y)
     meet_walls(d, d.work.y)
-    state_rate(d, d.work.y, d.work.error[0])
+    state_rate(d, d.work.y, d.work.rate)
     d.statistics.rhs_evaluations += 1
     least = 0.0
     for k in range(d.touch.active_count):

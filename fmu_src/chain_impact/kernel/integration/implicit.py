@@ -298,9 +298,9 @@ def dense_output(d, _h):
                 d.implicit.normal[k] = interpolated(d, at, third / 3.0)
             first = meet(d, derivative, change)
             for j in range(len(change)):
-                d.work.error[third - 1, first + j] = change[j]
+                d.implicit.thirds[third - 1, first + j] = change[j]
     for j in range(dissipated_at(d.links)):
-        one, two = d.work.error[0, j], d.work.error[1, j]
+        one, two = d.implicit.thirds[0, j], d.implicit.thirds[1, j]
         # 4/81 F₃ + 4/243 F₄ and 4/81 F₃ + 8/243 F₄ are to be the changes
         dense[4, j] = 243.0 / 4.0 * (two - one)
         dense[3, j] = 81.0 / 4.0 * one - dense[4, j] / 3.0

@@ -70,17 +70,14 @@ def load_contacts(d, impulse):
 
 
 def effective_mass(d, c):
-    """1/(J M⁻¹ Jᵀ) [kg] of candidate c at the located points: what a blow along its normal has to move.
-
-    Leaves the response M⁻¹ Jᵀ to a unit impulse in ``work.y``.
-    """
+    """1/(J M⁻¹ Jᵀ) [kg] of candidate c at the located points: what an impulse along its normal has to move."""
     work = d.work
     no_impedance(work.impedance)
     factorize(d, work.link, work.impedance, work.factors)
     zero(work.load)
     add_along_normal(d, c, work.load, 1.0)
-    solve(d, work.link, work.factors, work.load, work.y)
-    move_points(work.link, work.y, work.motion)
+    solve(d, work.link, work.factors, work.load, work.change)
+    move_points(work.link, work.change, work.motion)
     # in a toggle position nothing moves the point: 0 of a mass that is infinite
     mobility = LEAST_MOBILITY * d.model.size * d.model.size / d.model.energy
     return 1.0 / max(mobility, along_normal(d, c, work.motion))
