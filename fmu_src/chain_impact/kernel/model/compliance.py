@@ -70,7 +70,7 @@ def load_contacts(d, impulse):
 
 
 def effective_mass(d, c):
-    """1/(J M⁻¹ Jᵀ) [kg] of candidate c at the located points: what an impulse along its normal has to move."""
+    """1/(J M⁻¹ Jᵀ) [kg] of candidate c at the located points: what an impulse on it has to move."""
     work = d.work
     no_impedance(work.impedance)
     factorize(d, work.link, work.impedance, work.factors)
