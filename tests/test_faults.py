@@ -10,6 +10,8 @@ from chain_impact.kernel.status import OK, TOO_MUCH_WORK
 from chain_impact.scene import scene_from_dict, with_values
 from chain_impact.simulate import Instance, SimulationError
 from tests.problems import turned
+from tests.random_scenes import drive
+from tests.random_scenes import scene as random_scene
 from tests.reference import balance
 
 
@@ -208,3 +210,90 @@ def test_the_first_stage_after_an_onset_has_the_force_that_jumps_there(method):
     output = record["output"]
     expected = [*output["point_acceleration"][0], *output["angular_acceleration"]]
     np.testing.assert_allclose(used[3:6], expected, rtol=1e-9, atol=1e-9)
+
+
+# --- looks, restarts and late starts -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", [15, 111, 213, 235])
+def test_outputs_do_not_depend_on_how_often_they_are_looked_at(seed):
+    """Implicit steps of random scenes with damped joints, some with an input that is set at the start."""
+    one, ends = random_scene(seed), []
+    for looks in (1, 400):
+        instance = Instance(one)
+        torque, force = drive(one, seed)
+        if one.inputs.joint_torques or one.inputs.tip_force:
+            inputs = instance.record["inputs"]
+            inputs["joint_torque"], inputs["tip_force"], inputs["changed"] = torque, force, 1
+        for k in range(1, looks + 1):
+            assert instance.advance(one.simulation.stop_time * k / looks) == OK
+            instance._kernel.observe(instance._address)
+        ends.append((instance.record["output"].tobytes(), work(instance)))
+    assert ends[0] == ends[1]
+
+
+def test_a_look_at_rigid_walls_is_not_the_work_of_the_solver():
+    scene = chain(
+        4, {"position": [0.0, 0.3], "angles": [0.1, 0.2, -0.1, 0.0]}, contact={"model": "newton_impact"}
+    )
+    counts = []
+    for looks in (1, 300):
+        instance = Instance(with_values(scene, {("contact", "restitution"): 0.0}))
+        for k in range(1, looks + 1):
+            assert instance.advance(k / looks) == OK
+            instance._kernel.observe(instance._address)
+        assert instance.record["touch"]["active_count"] > 0
+        counts.append(work(instance))
+    assert counts[0] == counts[1]
+
+
+@pytest.mark.parametrize("seed", [54, 106, 1000026, 1000162])
+def test_a_simulation_may_start_late(seed):
+    """Where a step of a picosecond cannot be told from none."""
+    instance, stop = Instance(random_scene(seed)), random_scene(seed).simulation.stop_time
+    assert instance._kernel.initialize(instance._address, 1e4) == OK
+    assert instance.advance(1e4 + stop) == OK
+
+
+def test_restarts_do_not_add_up_to_a_drift_of_the_energy():
+    """What an input that is set drops of the last step changes nothing."""
+    scene = chain(
+        4,
+        {
+            "position": [0.0, 3.0],
+            "angles": [0.35, -0.5, 0.8, -0.2],
+            "angular_velocities": [1.0, -2.0, 1.5, -1.0],
+        },
+        inputs={"joint_torques": True},
+        contact={"points": []},
+        solver={"tolerance": 1e-4, "method": "implicit"},
+    )
+    instance = Instance(scene)
+    inputs = instance.record["inputs"]
+    for k in range(20000):
+        inputs["joint_torque"][3], inputs["changed"] = 1e-3 * math.sin(5e-5 * k), 1
+        assert instance.advance(1e-5 * (k + 1)) == OK
+    record = instance.record["balance"]
+    assert abs(record["ledger"] - record["reference"]) < 5.0 * record["least"]
+
+
+@pytest.mark.parametrize("stiffness", [1e4, 1e6, 1e10])
+def test_a_new_stiffness_in_an_impact_is_a_change_of_energy_and_no_error(stiffness):
+    instance = Instance(chain(1, {"position": [0.0, 0.2], "angles": [0.5]}))
+    while instance.record["touch"]["active_count"] == 0:
+        assert instance.advance(instance.time + 1e-4) == OK
+    instance.record["contact"]["stiffness"], instance.record["inputs"]["changed"] = stiffness, 1
+    assert instance.advance(instance.time + 0.3) == OK
+
+
+def test_far_from_the_origin_round_off_is_no_drift():
+    """The potential energy is a difference of large numbers there."""
+    scene = chain(
+        3,
+        {"position": [1e6, 1e6 + 1.0], "angles": [0.3, -0.5, 0.7], "angular_velocities": [1.0, -2.0, 1.0]},
+        gravity=(6.9, -6.9),
+        box={"y_min": 1e6 - 10.0},
+        solver={"tolerance": 1e-10},
+    )
+    result = simulate(scene, stop_time=0.4)
+    assert result.statistics["steps"] + result.statistics["rejected_steps"] < 200

@@ -176,87 +176,18 @@ def test_a_run_that_takes_too_long_is_ended_and_found():
 
 # --- scenes that had findings ------------------------------------------------------------------------------
 
-
-def found(seed):
-    """The findings in the scene of a seed."""
-    return list(map(str, verdict(scene(seed), seed).findings))
-
-
-@pytest.mark.parametrize("seed", [77, 190, 394, 630, 9115])
-def test_a_contact_of_implicit_steps_that_has_just_begun_is_not_ended(seed):
-    assert found(seed) == []
-
-
-@pytest.mark.parametrize("seed", [3137, 12517, 15578, 15729, 17279])
-def test_a_touch_at_the_start_of_a_step_agrees_with_the_acceleration_there(seed):
-    assert found(seed) == []
+# Ends of contacts where the interpolant of a stiff step is at fault, points in toggle positions and wedged ones
+# under rigid walls, bounces too low to be told from rest, first steps over stiff joints, ends at loose tolerances.
+# fmt: off
+MENDED = [
+    77, 179, 190, 279, 394, 475, 630, 826, 1509, 1791, 2455, 2655, 2716, 3137, 3165, 3791, 3822, 3861,
+    3873, 3900, 3972, 4633, 4647, 4724, 5015, 5044, 5646, 6014, 6508, 6909, 7258, 8026, 9115, 9864,
+    9955, 10089, 10329, 10688, 10860, 11059, 11589, 11731, 12517, 13018, 13804, 14480, 15412, 15578,
+    15729, 15872, 16529, 17279, 18112, 18276, 18576, 19186, 19544, 19615,
+]
+# fmt: on
 
 
-@pytest.mark.parametrize("seed", [7258, 9955, 10089, 11059, 14480, 19186])
-def test_the_effective_mass_of_a_point_in_a_toggle_position_is_finite(seed):
-    assert found(seed) == []
-
-
-@pytest.mark.parametrize("seed", [3791, 6508, 9864])
-def test_a_contact_that_has_not_left_where_the_interpolant_puts_it_ends_where_it_turns(seed):
-    assert found(seed) == []
-
-
-@pytest.mark.parametrize("seed", [11731, 16529])
-def test_a_touch_early_in_a_step_agrees_with_the_motion_at_its_start(seed):
-    assert found(seed) == []
-
-
-@pytest.mark.parametrize("seed", [3822, 3873, 3972, 18112])
-def test_no_contact_ends_before_it_begins(seed):
-    assert found(seed) == []
-
-
-@pytest.mark.parametrize("seed", [179])
-def test_a_wedged_point_stops_though_its_impulses_are_slow_to_find(seed):
-    assert found(seed) == []
-
-
-@pytest.mark.parametrize("seed", [279, 826, 5044, 10688])
-def test_a_point_near_a_toggle_position_is_stopped(seed):
-    assert found(seed) == []
-
-
-@pytest.mark.parametrize("seed", [3165, 15412, 15872, 18276])
-def test_the_ledger_closes_near_a_toggle_position(seed):
-    assert found(seed) == []
-
-
-@pytest.mark.parametrize("seed", [1509])
-def test_an_impact_is_worked_out_though_the_work_is_overdrawn(seed):
-    assert found(seed) == []
-
-
-@pytest.mark.parametrize("seed", [475, 1791, 3900, 13018, 18576, 19615])
-def test_bounces_too_low_to_be_told_from_rest_end(seed):
-    assert found(seed) == []
-
-
-@pytest.mark.parametrize("seed", [11589])
-def test_a_point_wedged_in_a_corner_stops(seed):
-    assert found(seed) == []
-
-
-@pytest.mark.parametrize("seed", [10860])
-def test_a_release_is_judged_where_the_points_are_on_their_walls(seed):
-    assert found(seed) == []
-
-
-@pytest.mark.parametrize("seed", [2655, 4633, 4647, 19544])
-def test_the_depth_foreseen_goes_with_a_v0_latched_anew(seed):
-    assert found(seed) == []
-
-
-@pytest.mark.parametrize("seed", [3861, 8026])
-def test_forces_of_rigid_walls_are_not_noise_where_joints_are_stiff(seed):
-    assert found(seed) == []
-
-
-@pytest.mark.parametrize("seed", [2716, 5015, 5646, 6909, 10329, 13804])
-def test_the_first_step_is_one_that_damped_joints_allow(seed):
-    assert found(seed) == []
+@pytest.mark.parametrize("seed", MENDED)
+def test_a_scene_that_had_findings_has_none(seed):
+    assert not verdict(scene(seed), seed, cpu=20.0).findings

@@ -157,14 +157,16 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
     )
     # the ledger of energies, see kernel/integration/balance.py
     balance = _record(
-        ("ledger", REAL),  # J, at the start of the step
+        ("ledger", REAL),  # J, at the end of the last step …
+        ("before", REAL),  # … and at its start
         ("breaks", INTEGER),  # of the steps, when it was taken anew
         ("start", REAL),  # s, of the present window
-        ("drift", REAL),  # J, what all steps in it have changed
+        ("reference", REAL),  # J, the ledger at its start, less what a parameter has changed since
         ("allowed", REAL),  # J, the most that a step in it was allowed to, …
         ("least", REAL),  # … and that any is
         ("unit_motion", REAL),  # √J, √E₁
         ("unit_scale", REAL),  # J, the parts of S that do not change
+        ("weight", REAL),  # N
     )
     vectors = _record(("x", REAL, (points,)), ("y", REAL, (points,)))
     impedance = _record(*((name, REAL, (points,)) for name in ("xx", "xy", "yy")))
@@ -212,7 +214,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("active_count", INTEGER),
         ("active_index", INTEGER, (candidates,)),  # the candidates in contact, packed
         ("active", INTEGER, (candidates,)),  # 1: in contact
-        ("event", INTEGER, (candidates,)),  # at `step.end` and not yet applied, see kernel/events/search.py
+        ("event", INTEGER, (candidates,)),  # at `step.end` and not yet applied, see kernel/events/kinds.py
         ("onset", REAL, (candidates,)),  # s
         ("onset_speed", REAL, (candidates,)),  # m/s, normal approach speed at onset
         ("impact_speed", REAL, (candidates,)),  # m/s, v0 of the force law

@@ -14,7 +14,7 @@ from chain_impact.kernel.events.search import REFUSED, find_event
 from chain_impact.kernel.events.table import apply_events, ends_contact
 from chain_impact.kernel.initialize import derive_law, first_size
 from chain_impact.kernel.integration import step_size
-from chain_impact.kernel.integration.balance import check_balance, keeps_balance, take_stock
+from chain_impact.kernel.integration.balance import check_balance, keeps_balance, restart_balance, take_stock
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.last_step import (
     OUTPUTS,
@@ -90,6 +90,7 @@ def restart(d):
     drop_events(d)
     status = change_law(d)
     clear_loads(d)
+    restart_balance(d)
     # a chain at rest takes steps far too long for what an input may do to it
     d.step.next_size = min(d.step.next_size, first_size(d))
     return status
@@ -195,7 +196,7 @@ def begin(d):
     if events > 0 and d.contact.impulsive:
         d.step.next_size = min(d.step.next_size, step_size.in_flight(d, d.step.state_end, rate))
     if events > 0 or d.balance.breaks != d.step.breaks:
-        take_stock(d, events)
+        take_stock(d)
     choose_method(d)
     choose_variable(d, events > 0)
     regularize(d, d.step.state_end, rate, d.work.stage[0])

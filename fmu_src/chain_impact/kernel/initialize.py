@@ -29,7 +29,7 @@ from chain_impact.kernel.laws.contact_laws import (
     damping_factor,
 )
 from chain_impact.kernel.model.contact import clear_loads, drop_events
-from chain_impact.kernel.model.contact_force import USER_LAW, latch_damping
+from chain_impact.kernel.model.contact_force import USER_LAW, foresee_depth, latch_damping
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import clearance, place_walls
 from chain_impact.kernel.status import (
@@ -137,6 +137,8 @@ def derive_law(d):
             return status
         contact.derived_law, contact.derived_restitution = contact.law, contact.restitution
     for k in range(d.touch.active_count):
+        if not contact.impulsive:
+            foresee_depth(d, d.touch.active_index[k])
         latch_damping(d, d.touch.active_index[k])
     return OK
 

@@ -15,7 +15,7 @@ def observe(d):
     Contacts count as the solver held them during the step that contains that time: an impact that it has
     already found later on does not show yet.
     """
-    n, out = d.links, d.output
+    n, out, work_done = d.links, d.output, d.limits.other_work
     y, rate = d.work.y, d.work.rate
     interpolate(d.step, fraction(d, d.step.time), y)
     locate_points(d, y)
@@ -48,3 +48,4 @@ def observe(d):
     out.dissipated = y[dissipated_at(n)]
     out.supplied = y[supplied_at(n)]
     out.total = out.kinetic + out.potential + out.elastic
+    d.limits.other_work = work_done  # a look is not the solver's work

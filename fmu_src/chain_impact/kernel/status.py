@@ -34,5 +34,5 @@ STATUS_TEXT = {
     EXPONENT_NOT_ALLOWED: "the contact law is defined for another contact.exponent",
     RIGID_WHILE_TOUCHING: "contact.model can change to newton_impact only while no point touches a wall",
     ENERGY_NOT_KEPT: "the energy drifts in a second of simulated time by more than 100 times what "
-    "solver.tolerance allows for a step: tighten it or lower contact.stiffness",
+    "solver.tolerance allows for a step: tighten it if it is above 1e-8, or else loosen it",
 }

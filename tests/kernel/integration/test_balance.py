@@ -39,8 +39,9 @@ def test_the_ledger_is_that_of_the_outputs():
 
 def test_a_step_of_the_solver_keeps_the_ledger():
     d = after_a_step()
+    before = float(d["balance"]["ledger"])
     assert keeps_balance(d, -1.0)
-    assert abs(d["balance"]["drift"]) < 1e-6
+    assert float(d["balance"]["ledger"]) == pytest.approx(before, abs=1e-6)
 
 
 @pytest.mark.parametrize("theta", [-1.0, 0.7])
@@ -49,9 +50,9 @@ def test_a_step_that_changes_the_ledger_is_refused(entry, theta):
     d = after_a_step()
     d["step"]["state_end"][entry] += 1e-5
     d["step"]["dense"][0, entry] += 1e-5
-    before = float(d["balance"]["ledger"]), float(d["balance"]["drift"])
+    before = float(d["balance"]["ledger"])
     assert not keeps_balance(d, theta)
-    assert before == (d["balance"]["ledger"], d["balance"]["drift"])
+    assert before == d["balance"]["ledger"]
 
 
 def test_a_step_that_is_not_finite_is_refused():
@@ -63,18 +64,18 @@ def test_a_step_that_is_not_finite_is_refused():
 def test_a_run_ends_when_the_steps_of_a_second_have_changed_the_ledger_by_far_too_much():
     d = after_a_step()
     start_balance(d, 0.0)
-    d["balance"]["drift"] = 200.0 * d["balance"]["least"]
+    balance, ledger_now = d["balance"], float(d["balance"]["ledger"])
+    balance["reference"] = ledger_now - 200.0 * balance["least"]
     assert check_balance(d) == ENERGY_NOT_KEPT
     # a larger energy allows for larger errors
     d["step"]["state_end"][6:12] *= 10.0
     assert check_balance(d) == OK
     # and what was long ago is forgotten
-    d["balance"]["drift"], d["step"]["end"] = 1e9, 1.5
+    balance["reference"], d["step"]["end"] = 1e9, 1.5
     assert check_balance(d) == OK
-    assert d["balance"]["drift"] == 0.0
+    assert balance["reference"] == ledger_now
 
 
-@pytest.mark.parametrize("seed", [4724, 5015, 10329])
-def test_no_energy_is_made_at_loose_tolerances_or_by_stiff_joints(seed):
-    """One landed on the end of a contact far off; two passed over damped motions with explicit steps."""
-    assert not verdict(scene(seed), seed).findings
+def test_a_first_step_that_is_right_at_its_end_by_chance_is_refused():
+    """A chain with masses of 10 g between some of 100 kg, upright at rest; in between the step had 5 MJ."""
+    assert not verdict(scene(2455), 2455).findings

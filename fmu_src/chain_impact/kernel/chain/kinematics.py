@@ -16,7 +16,6 @@ def locate_points(d, y):
 def place_points(d, y):
     """As ``locate_points``, for the link vectors as they are."""
     n, link, position, velocity = d.links, d.work.link, d.work.position, d.work.velocity
-    d.work.at_end = 0
     x, y_ = y[0], y[1]
     vx, vy = y[velocity_at(n)], y[velocity_at(n) + 1]
     for i in range(n):
@@ -52,6 +51,7 @@ def zero(vectors):
 
 def link_vectors(d, y):
     """Set L_i [m], the vector from the proximal to the distal joint of each link, for the state y."""
+    d.work.at_end = 0
     polar(d.model.length, y, ANGLES, d.work.link.x, d.work.link.y)
 
 

@@ -62,13 +62,14 @@ def follow_held(d):
 
 def follow_to_now(d):
     """Follow the active contacts up to the communication point, where the last step ends from now on."""
-    evaluations = d.statistics.rhs_evaluations
+    evaluations, work = d.statistics.rhs_evaluations, d.limits.other_work
     cut_now(d)
     drop_events(d)  # they are beyond, and will be found again
     see_rate(d)
     see_points(d)
     follow_contacts(d)
-    d.statistics.rhs_evaluations = evaluations  # a look, not the solver's work
+    # a look is not the solver's work
+    d.statistics.rhs_evaluations, d.limits.other_work = evaluations, work
 
 
 def rate_of_force(d, c):

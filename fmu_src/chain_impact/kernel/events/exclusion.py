@@ -1,7 +1,7 @@
 """Clearances over a step, and whether they show without a search that nothing can have happened in it.
 
 φ is the clearance of a candidate that is apart and the penetration of one in contact, or u for the
-regularized one, all as functions of the variable that the step runs in. What touches or ends search.py tells.
+regularized one, all as functions of the variable that the step runs in.
 """
 
 import math

@@ -29,6 +29,9 @@ from chain_impact.kernel.model.geometry import along_normal, clearance
 # Of a step: a touch so early has to agree with the Taylor polynomial at its start, whose third-order
 # remainder is a part of 1e-9 there. The interpolant of a stiff step can be off by more.
 EARLY = 1e-3
+RESOLVED = (
+    4e-15  # of the time: ten times what a step can be told from none by, as a try may be a tenth of the last
+)
 REFUSED = -2.0  # in place of θ
 
 
@@ -52,9 +55,11 @@ def find_event(d):
     bound_curvature(d)
     theta = find_crossing(d)
     if theta >= 0.0 and not credible(d, theta):
-        if d.step.end - d.step.start > SIMULTANEOUS:
+        if d.step.end - d.step.start > SIMULTANEOUS + RESOLVED * abs(d.step.end):
             return REFUSED
         theta = drop_leaving(d, theta)
+        if theta < 0.0:
+            measure(d, 1.0)
     if holding(d):
         theta = find_release(d, theta)
     elif d.touch.active_count > 0:

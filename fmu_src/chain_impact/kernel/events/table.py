@@ -15,7 +15,7 @@ from chain_impact.kernel.integration import step_size
 from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.integration.switching import begin_explicit, begin_flight, begin_impact
 from chain_impact.kernel.model.contact import clear_loads, latch, list_touching
-from chain_impact.kernel.model.contact_force import elastic_depth, latch_damping, may_jump
+from chain_impact.kernel.model.contact_force import foresee_depth, latch_damping, may_jump
 from chain_impact.kernel.model.geometry import clearance
 
 # Of the time scale of a contact, in which a point that has left is out of the wall. To end none before it is
@@ -69,7 +69,7 @@ def latch_anew(d, c):
     """Take twice the v₀ for a point that is pushed in much faster than it arrived."""
     touch = d.touch
     touch.impact_speed[c] *= RELATCH_RATIO
-    touch.depth_scale[c] = elastic_depth(d.contact, touch.effective_mass[c], touch.impact_speed[c])
+    foresee_depth(d, c)
     latch_damping(d, c)
     return True
 

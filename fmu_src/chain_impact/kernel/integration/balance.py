@@ -54,33 +54,37 @@ def start_balance(d, time):
         square += model.mass[i] * reach * reach + model.inertia[i]
     gravity = math.hypot(model.gravity[0], model.gravity[1])
     balance.unit_motion = math.sqrt(square)
-    balance.unit_scale = total * gravity * reach + model.energy
+    balance.weight = total * gravity
+    balance.unit_scale = balance.weight * reach + model.energy
     balance.start = time
-    forget_drift(d)
+    locate_points(d, d.step.state_end)
+    balance.ledger = ledger(d, d.step.state_end)
+    balance.before = balance.ledger
+    begin_window(d)
 
 
-def forget_drift(d):
-    """Begin a window without drift."""
+def begin_window(d):
+    """Begin a window: the ledger is compared with what it is now."""
     balance = d.balance
-    balance.drift = 0.0
+    balance.reference = balance.ledger
     # what is allowed whatever the state
     balance.least = OF_A_STEP * d.solver.tolerance * (balance.unit_motion**2 + balance.unit_scale)
     balance.allowed = balance.least
 
 
-def take_stock(d, events):
-    """Note the ledger at the start of a step that does not go on where the last one ended.
-
-    What ``events``, their number, have changed in it counts as an error. After a restart, which leaves none,
-    it begins anew: a parameter that is changed may change the energy.
-    """
-    balance = d.balance
+def take_stock(d):
+    """Note the ledger at the start of a step that does not go on where the last one ended."""
     locate_points(d, d.step.state_end)
-    present = ledger(d, d.step.state_end)
-    if events > 0:
-        balance.drift += present - balance.ledger
-    balance.ledger = present
-    balance.breaks = d.step.breaks
+    d.balance.ledger = ledger(d, d.step.state_end)
+    d.balance.breaks = d.step.breaks
+
+
+def restart_balance(d):
+    """Go on from the communication point, where a parameter may have changed the energy of the contacts."""
+    if d.touch.active_count > 0:
+        balance, before = d.balance, d.balance.before
+        take_stock(d)
+        balance.reference += balance.ledger - before
 
 
 def keeps_balance(d, theta):
@@ -101,10 +105,9 @@ def keeps_balance(d, theta):
         if not abs(change) <= allowed:
             return False
         balance.allowed = max(balance.allowed, allowed)
-    if is_long(d) and not interpolates(d):
+    if d.step.rate_known and is_long(d) and not interpolates(d):
         return False
-    balance.ledger = present
-    balance.drift += change
+    balance.before, balance.ledger = balance.ledger, present
     return True
 
 
@@ -136,7 +139,9 @@ def interpolates(d):
 def allowance(d, y):
     """What a step that ends in state y may change in the ledger [J], for the located points."""
     kinetic, potential = mechanical_energy(d, y)
-    known = kinetic + abs(potential) + abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
+    # the potential energy is a difference of these
+    known = d.balance.weight * (abs(y[0]) + abs(y[1])) + abs(potential)
+    known += kinetic + abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
     speed = math.sqrt(2.0 * kinetic) + d.balance.unit_motion
     scale = speed * speed + d.balance.unit_scale + impact_energy(d)
     scale += abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
@@ -155,9 +160,9 @@ def check_balance(d):
     balance = d.balance
     if d.step.end >= balance.start + WINDOW:
         balance.start = d.step.end
-        forget_drift(d)
-    share = OF_A_WINDOW / OF_A_STEP
-    if abs(balance.drift) > share * balance.allowed:
+        begin_window(d)
+    share, drift = OF_A_WINDOW / OF_A_STEP, abs(balance.ledger - balance.reference)
+    if drift > share * balance.allowed:
         locate_points(d, d.step.state_end)
         balance.allowed = max(balance.allowed, allowance(d, d.step.state_end))
-    return OK if abs(balance.drift) <= share * balance.allowed else ENERGY_NOT_KEPT
+    return OK if drift <= share * balance.allowed else ENERGY_NOT_KEPT

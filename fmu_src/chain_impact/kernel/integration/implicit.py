@@ -108,10 +108,12 @@ def linearly_implicit(rate, solve_shifted):
 def linearize(d):
     """Set z and its rate at the start of the step, where the slopes of the contact forces and J hold.
 
-    Active contacts need the points located there, and the first stage evaluated.
+    Active contacts need the first stage evaluated.
     """
     work, n = d.work, d.links
     z, rate = d.implicit.start, d.implicit.stage[START_RATE]
+    if not work.at_end:
+        locate_points(d, d.step.state_end)
     accelerate_points(d, d.step.state_end, work.rate_start)
     for i in range(n):
         d.implicit.link.x[i] = work.link.x[i]

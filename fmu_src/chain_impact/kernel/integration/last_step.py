@@ -161,6 +161,8 @@ def complete(d, reader):
     step = d.step
     known, step.dense_for = step.dense_for, max(step.dense_for, reader)
     if known == NOBODY:
+        work = d.limits.other_work
         dense_output(d)
+        d.limits.other_work = work
     if known < SOLVER <= reader:
         d.statistics.rhs_evaluations += DENSE_EVALUATIONS[step.made_by]

@@ -7,7 +7,7 @@ penetration is δ = −g and its rate δ̇ > 0 while compressing.
 from chain_impact.kernel.chain.kinematics import zero
 from chain_impact.kernel.model.compliance import effective_mass
 from chain_impact.kernel.model.contact_force import (
-    elastic_depth,
+    foresee_depth,
     latch_damping,
     law_force,
     law_slopes,
@@ -70,7 +70,7 @@ def latch(d, c):
     if d.contact.impulsive:
         touch.depth_scale[c] = d.model.size  # no depth to be exact about
     else:
-        touch.depth_scale[c] = elastic_depth(d.contact, touch.effective_mass[c], touch.impact_speed[c])
+        foresee_depth(d, c)
         latch_damping(d, c)
     d.impact.count += 1
     d.impact.last_time = d.step.end

@@ -47,6 +47,12 @@ def elastic_depth(contact, mass, speed):
     return (energy * (contact.exponent + 1.0) / contact.stiffness) ** (1.0 / (contact.exponent + 1.0))
 
 
+def foresee_depth(d, c):
+    """Set the penetration [m] to expect of candidate c, for the v₀ and effective mass of its contact."""
+    touch = d.touch
+    touch.depth_scale[c] = elastic_depth(d.contact, touch.effective_mass[c], touch.impact_speed[c])
+
+
 def latch_damping(d, c):
     """Set the damping d [N·s/m^(p+1)] of candidate c, for the v₀ and effective mass of its contact."""
     contact, touch = d.contact, d.touch
