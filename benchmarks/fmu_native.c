@@ -1,10 +1,12 @@
-/* What a native FMU costs a tool in C: fmu_native BINARY GUID RESOURCES STEP STEPS ROUNDS REFERENCE...
+/* What a native FMU costs a tool in C: fmu_native BINARY GUID RESOURCES STEP STEPS ROUNDS INPUT REFERENCE...
 
    Times, in turn, the scenario through FMI with some Reals read after each step, the same with the kernel's own functions,
-   and the making of an instance. Prints nanoseconds of CPU: a step, a step, an instance; one line a round. */
+   and the making of an instance. INPUT is a Real that is changed before each step, by as much as a controller may; -1 if
+   there is none, and the kernel alone is not driven. Prints nanoseconds of CPU: a step, a step, an instance; a line a round. */
 #define _POSIX_C_SOURCE 200809L
 #include <dlfcn.h>
 #include <fmi2Functions.h>
+#include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,10 +27,10 @@ static double now(void) {
 /* The record of the first instance is caught on its way back from fmi2SerializeFMUstate: 96 bytes of head before it. */
 enum { HEAD = 96 };
 #define GET(name, type, ...) type (*name)(__VA_ARGS__) = NULL; *(void **)&name = dlsym(library, #name); if (!name) return 2
-#define NEED(call) if ((call) != 0) return 3
+#define NEED(call) do if ((call) != 0) return 3; while (0)
 
 int main(int count, char **arguments) {
-    enum { FIRST = 7, MOST = 100 };
+    enum { FIRST = 8, MOST = 100 };
     void *library = dlopen(arguments[1], RTLD_NOW);
     if (!library || count <= FIRST || count > FIRST + MOST) return 1;
     GET(fmi2Instantiate, void *, const char *, int, const char *, const char *, const fmi2CallbackFunctions *, int, int);
@@ -36,6 +38,7 @@ int main(int count, char **arguments) {
     GET(fmi2EnterInitializationMode, int, void *);
     GET(fmi2ExitInitializationMode, int, void *);
     GET(fmi2DoStep, int, void *, double, double, int);
+    GET(fmi2SetReal, int, void *, const unsigned *, size_t, const double *);
     GET(fmi2GetReal, int, void *, const unsigned *, size_t, double *);
     GET(fmi2GetFMUstate, int, void *, void **);
     GET(fmi2FreeFMUstate, int, void *, void **);
@@ -47,7 +50,8 @@ int main(int count, char **arguments) {
     GET(observe, int32_t, void *);
     const fmi2CallbackFunctions callbacks = {log_message, calloc, free, NULL, NULL};
     const double size = atof(arguments[4]);
-    const int steps = atoi(arguments[5]), rounds = atoi(arguments[6]);
+    const int steps = atoi(arguments[5]), rounds = atoi(arguments[6]), driven = atoi(arguments[7]) >= 0;
+    const unsigned input = driven ? (unsigned)atoi(arguments[7]) : 0;
     unsigned references[MOST];
     double values[MOST], sum = 0.0;
     const size_t wanted = (size_t)(count - FIRST);
@@ -69,6 +73,8 @@ int main(int count, char **arguments) {
 
         begin = now();
         for (int k = 0; k < steps; k++) {
+            const double torque = driven ? sin(20.0 * k * size) : 0.0; /* N.m */
+            if (driven) NEED(fmi2SetReal(one, &input, 1, &torque));
             NEED(fmi2DoStep(one, k * size, size, 1));
             NEED(fmi2GetReal(one, references, wanted, values));
         }

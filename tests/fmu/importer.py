@@ -36,12 +36,12 @@ addLoggerProxy(byref(CALLBACKS))
 class Instance:
     """One instance of an FMU; ``fmu`` is fmpy's own object, ``time`` the communication point [s]."""
 
-    def __init__(self, path: str, name: str = "instance") -> None:
-        """Unzip and instantiate, with logging on."""
+    def __init__(self, path: str, name: str = "instance", folder: str | None = None) -> None:
+        """Unzip, unless there is the folder of another instance, and instantiate, with logging on."""
         description = fmpy.read_model_description(path)
         self.variables = {variable.name: variable for variable in description.modelVariables}
         self.outputs = [name for name, v in self.variables.items() if v.causality == "output"]
-        self.folder = fmpy.extract(path)
+        self.folder = folder or fmpy.extract(path)
         self.fmu = FMU2Slave(
             guid=description.guid,
             unzipDirectory=self.folder,

@@ -201,21 +201,3 @@ def reset(fmu):
 
 def test_reset_restores_every_default(fmus, clean):
     assert clean(reset, fmus["rod_drop"]) == [True, True]
-
-
-def many(fmu):
-    """Create, run and free instances; the growth of the process in MB between the 20th and the 120th."""
-    import resource
-
-    sizes = []
-    for _ in range(120):
-        instance = Instance(fmu).start()
-        instance.step(0.1)
-        instance.fmu.terminate()
-        instance.close()
-        sizes.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
-    return sizes[-1] - sizes[19]
-
-
-def test_instances_leave_little_behind(fmus, clean):
-    assert clean(many, fmus["rod_drop"]) < 40  # the wrapper itself leaks, some 0.02 MB each

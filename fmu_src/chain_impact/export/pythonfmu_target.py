@@ -19,6 +19,18 @@ from chain_impact.scene import Scene
 
 PLATFORMS = ("linux64", "win64")
 """Those for which pythonfmu has a wrapper."""
+SCRIPT = """\
+import ctypes
+
+from {slave} import ChainImpact
+
+# pythonfmu 0.7.0 gives these names back once for every instance without having taken them
+ctypes.pythonapi.Py_IncRef(ctypes.py_object(globals()))
+"""
+"""The script that pythonfmu's wrapper executes anew for every instance; it then keeps its code and its names.
+
+So it does no more than import the slave, which Python does once in a process.
+"""
 DESCRIPTION = "description.xml"  # what the slave's to_xml() gives the builder; not part of the FMU
 
 
@@ -58,12 +70,14 @@ def _staged(scene: Scene, kernels: Mapping[str, Path]) -> dict[str, bytes]:
     slave, model = slave_source(), model_table(scene)
     description = model_description(scene, f"chain-impact with PythonFMU {version('pythonfmu')}")
 
-    # the guid also names the script. One process can hold several FMUs, and Python knows a module by its name
     guid = guid_of((slave, json.dumps(model).encode(), ElementTree.tostring(description), *files.values()))
     description.set("guid", guid)
     files["model.json"] = json.dumps({**model, "guid": guid}).encode()
     files[DESCRIPTION] = ElementTree.tostring(description)
-    return {f"chain_impact_{guid.replace('-', '')[:16]}.py": slave, **files}
+    # the guid also names both modules: one process can hold several FMUs, and Python knows modules by name
+    script = f"chain_impact_{guid.replace('-', '')[:16]}"
+    files[f"{script}_slave.py"] = slave
+    return {f"{script}.py": SCRIPT.format(slave=f"{script}_slave").encode(), **files}
 
 
 def _run_builder(files: dict[str, bytes], name: str, scratch: Path) -> Path:
