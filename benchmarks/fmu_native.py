@@ -72,7 +72,8 @@ def rounds_in_c(fmu: Path, folder: Path, driven: str) -> list[tuple[float, ...]]
     references = [node.get("valueReference") for node in reals[:OUTPUTS]]
     command = [program, unpacked / "binaries" / "linux64" / f"{root.get('modelName')}.so", root.get("guid")]
     every = {n.get("name"): n.get("valueReference") for n in root.iter("ScalarVariable")}
-    command += [(unpacked / "resources").as_uri(), STEP, STEPS, ROUNDS, every[driven] if driven else -1, *references]
+    command += [(unpacked / "resources").as_uri(), STEP, STEPS, ROUNDS]
+    command += [every[driven] if driven else -1, *references]
     lines = subprocess.run(list(map(str, command)), check=True, capture_output=True, text=True).stdout
     return [tuple(map(float, line.split())) for line in lines.splitlines()][1:]  # the first warms up
 
