@@ -19,8 +19,8 @@ from chain_impact.compilation.cache import made
 from chain_impact.compilation.entry_points import Entries
 from chain_impact.compilation.functions import compiled
 from chain_impact.compilation.record_type import INSTANCE
-from chain_impact.kernel.advance import apply_events
-from chain_impact.kernel.events.search import RELATCH, TOUCH
+from chain_impact.kernel.events.kinds import END, NONE, ONSET, RELATCH
+from chain_impact.kernel.events.table import apply_events
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration.last_step import stand
 from chain_impact.kernel.model.equations import state_rate
@@ -52,8 +52,12 @@ def happen(d, time, y, found):
     for j in range(len(y)):
         d.step.state_end[j] = y[j]
     for c in range(d.candidates):
-        touched = found[c] > 0 if d.touch.active[c] else found[c] < 0
-        d.touch.event[c] = TOUCH if touched else RELATCH if found[d.candidates + c] < 0 else 0
+        kind = RELATCH if found[d.candidates + c] < 0 else NONE
+        if d.touch.active[c] and found[c] > 0:
+            kind = END
+        elif not d.touch.active[c] and found[c] < 0:
+            kind = ONSET
+        d.touch.event[c] = kind
     apply_events(d)
 
 
