@@ -133,7 +133,7 @@ def test_it_holds_where_the_moments_balance(run):
 
 
 def test_force_times_lever_is_the_torque(run):
-    """About each joint: u = F h + the moment of the weights beyond it, h = the joint's height above the tip."""
+    """About each joint: u = F h + the moment of the weights beyond it, with h the height above the tip."""
     _, columns = run
     last = {name: values[-1] for name, values in columns.items()}
     x, y = ([last[f"point[{k}].{axis}"] for k in range(3)] for axis in "xy")

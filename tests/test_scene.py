@@ -90,6 +90,7 @@ def test_models_are_found_by_name_folder_and_file(tmp_path, monkeypatch):
         folder = models_folder() / name
         assert load_scene(name) == load_scene(folder) == load_scene(folder / "scene.toml")
     assert [load_scene(name).name for name in model_names()] == [
+        "ControlledArm",
         "FourLinkBox",
         "PinnedArm",
         "Ramp",

@@ -74,8 +74,8 @@ class Slave:
 def co_simulate(fmus, stop_time=STOP_TIME, step=STEP):
     """Co-simulate FMUs that are connected where an output and an input have one name.
 
-    At each communication point all outputs are read, then all inputs are set, and all FMUs step on from there:
-    the order of the FMUs does not matter (Jacobi's scheme).
+    At each communication point all outputs are read, then all inputs are set, and all FMUs take the
+    next step: the order of the FMUs does not matter (Jacobi's scheme).
 
     Returns:
         Time and all real outputs at the communication points: name → array of shape (T,).
