@@ -104,7 +104,7 @@ def test_an_unknown_kind_of_picture_is_refused_before_anything_runs(refused, mon
 
 @pytest.mark.parametrize("verb", ["build", "simulate", "info"])
 def test_an_unknown_scene(refused, verb):
-    models = "four_link_box, pinned_arm, ramp, rod_drop"
+    models = "controlled_arm, four_link_box, pinned_arm, ramp, rod_drop"
     pattern = f"no_scene: cannot be read .*; must be a scene file, .* model: {models}"
     refused(2, pattern, verb, "no_scene")
 

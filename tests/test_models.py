@@ -1,11 +1,16 @@
 """The models: their reference results, checked by an integration that shares nothing with the kernel.
 
 ``python tests/test_models.py`` writes the reference results anew: every output of a model at a
-tolerance of 1e-12, each 0.02 s, in models/<model>/reference.csv.
+tolerance of 1e-12, each 0.02 s, in models/<model>/reference.csv. Where a controller drives a model,
+the inputs that it has set in a co-simulation are written before, to models/<model>/inputs.csv.
 """
 
 import csv
 import functools
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,11 +20,13 @@ from scipy.optimize import brentq
 from chain_impact import load_scene, simulate
 from chain_impact.runs import recording_of
 from chain_impact.scene import SCENE_FILE, WALLS, model_names, models_folder
+from chain_impact.variables import input_places
 
 STEP = 0.02  # s, between two rows of a reference
 # until when [s] the two integrations are compared, and within what [m, rad, s]: the four-link chain
 # amplifies an error of its start 2e4 times until 2 s; the rod comes to rest by ever more impacts
 INDEPENDENT = {
+    "controlled_arm": (0.34, 1e-9),
     "four_link_box": (2.0, 1e-6),
     "pinned_arm": (2.0, 1e-9),
     "ramp": (1.5, 1e-9),
@@ -27,6 +34,7 @@ INDEPENDENT = {
 }
 # until the end, of positions [m] and angles [rad], and of their rates: during contact 1e-8 s are 1e-4 m/s
 REGRESSION_ERROR = {
+    "controlled_arm": (1e-7, 1e-6),
     "four_link_box": (1e-3, 1e-2),
     "pinned_arm": (1e-7, 1e-6),
     "ramp": (1e-6, 1e-5),
@@ -34,18 +42,34 @@ REGRESSION_ERROR = {
 }
 
 
+CO_SIMULATED = {"controlled_arm": {"inputs.csv", "controller.py", "co_simulation.py"}}
+
+
 def compute_reference(model):
-    scene = load_scene(model)
-    return recording_of(simulate(scene, output_step=STEP, tolerance=1e-12, method="explicit"))
+    scene, inputs = load_scene(model), inputs_of(model)
+    return recording_of(simulate(scene, output_step=STEP, tolerance=1e-12, method="explicit", inputs=inputs))
 
 
 @functools.cache
-def reference(model):
-    """The columns of the stored reference, and its time."""
-    with (models_folder() / model / "reference.csv").open(newline="") as file:
-        names, *rows = csv.reader(file)
+def table(model, file):
+    """The columns of one of the files of a model, and its time."""
+    with (models_folder() / model / file).open(newline="") as lines:
+        names, *rows = csv.reader(lines)
     columns = dict(zip(names, np.array(rows, dtype=float).T, strict=True))
     return columns.pop("time"), columns
+
+
+def reference(model):
+    """The columns of the stored reference, and its time."""
+    return table(model, "reference.csv")
+
+
+def inputs_of(model):
+    """What drives a model, as ``simulate`` takes it."""
+    if model not in CO_SIMULATED:
+        return {}
+    time, columns = table(model, "inputs.csv")
+    return {name: (time, values) for name, values in columns.items()}
 
 
 def coordinates(columns, links):
@@ -63,8 +87,12 @@ def coordinates(columns, links):
 class Chain:
     """The chain in the coordinates q = (x₀, y₀, θ), its contacts in a set of (point, wall)."""
 
-    def __init__(self, scene):
+    def __init__(self, scene, inputs):
         self.scene, self.links = scene, scene.chain.links
+        # samples of the torques of all joints, which hold until the next
+        torques = [inputs.get(f"joint[{i}].torque") for i in range(1, len(self.links) + 1)]
+        self.samples = torques[-1][0] if inputs else np.zeros(1)
+        self.torques = np.transpose([[0.0] if torque is None else torque[1] for torque in torques])
         self.count = len(self.links)
         self.free = slice(2 if scene.chain.base == "pinned" else 0, None)
         e = scene.contact.restitution
@@ -115,6 +143,7 @@ class Chain:
             force += link.mass * jacobian.T @ (np.array(self.scene.gravity) - bias)
             if i > 0 or self.free.start:
                 torque = link.joint_damping * (y[n + 4 + i] - (y[n + 3 + i] if i else 0.0))
+                torque -= self.torques[self.sample, i]
                 force[2 + i] -= torque
                 force[1 + i] += torque if i else 0.0
         for candidate, speed in self.active.items():
@@ -134,9 +163,11 @@ class Chain:
         while now < times[-1]:
             events = [self.event(candidate) for candidate in self.candidates]
             longest = 5e-5 if self.active else 5e-3
+            self.sample = np.searchsorted(self.samples, now, side="right") - 1
+            changes = self.samples[self.sample + 1 :]
             done = solve_ivp(
                 self.rate,
-                (now, times[-1]),
+                (now, min([times[-1], *changes[:1]])),
                 y,
                 method="DOP853",
                 rtol=1e-12,
@@ -170,7 +201,7 @@ class Chain:
 def test_the_reference_agrees_with_an_independent_integration(model):
     scene, (until, error) = load_scene(model), INDEPENDENT[model]
     time, columns = reference(model)
-    chain, rows = Chain(scene), time <= until + 1e-9
+    chain, rows = Chain(scene, inputs_of(model)), time <= until + 1e-9
     states, onsets = chain.run(time[rows])
 
     n = chain.count
@@ -182,7 +213,8 @@ def test_the_reference_agrees_with_an_independent_integration(model):
     assert states[:, n + 2 : n + 4] == pytest.approx(rates[rows, :2], abs=100 * error)
     assert states[:, n + 4 :] == pytest.approx(rates[rows, 2 * n + 2 :], abs=100 * error)
 
-    found = simulate(scene, stop_time=until, tolerance=1e-12, method="explicit").impacts
+    inputs = inputs_of(model)
+    found = simulate(scene, stop_time=until, tolerance=1e-12, method="explicit", inputs=inputs).impacts
     assert [(row["point"], row["wall"]) for row in found] == [(point, wall) for _, point, wall, _ in onsets]
     assert found["onset"] == pytest.approx([onset[0] for onset in onsets], abs=error)
     assert found["impact_speed"] == pytest.approx([onset[3] for onset in onsets], abs=100 * error)
@@ -192,7 +224,7 @@ def test_the_reference_agrees_with_an_independent_integration(model):
 def test_a_simulation_with_the_default_tolerance_agrees_with_the_reference(model):
     scene = load_scene(model)
     time, columns = reference(model)
-    fresh = recording_of(simulate(scene, output_step=STEP))
+    fresh = recording_of(simulate(scene, output_step=STEP, inputs=inputs_of(model)))
     assert list(fresh.columns) == list(columns)
     assert fresh.time == pytest.approx(time, abs=1e-12)
     links = len(scene.chain.links)
@@ -210,10 +242,24 @@ def test_energy_is_conserved_in_the_reference(model):
 
 def test_every_model_has_its_files():
     for model in model_names():
-        files = {file.name for file in (models_folder() / model).iterdir()}
-        assert files == {SCENE_FILE, "README.md", "reference.csv"}
+        files = {file.name for file in (models_folder() / model).iterdir() if file.is_file()}
+        assert files == {SCENE_FILE, "README.md", "reference.csv"} | CO_SIMULATED.get(model, set())
+
+
+def write_inputs(model):
+    """Co-simulate a model, and keep the inputs that its controller has set."""
+    folder = models_folder() / model
+    with tempfile.TemporaryDirectory() as scratch:
+        subprocess.run([sys.executable, folder / "co_simulation.py", "-o", scratch], check=True)
+        with Path(scratch, "ControlledArm.csv").open(newline="") as file:
+            rows = list(csv.reader(file))
+    chosen = [rows[0].index(name) for name in ("time", *input_places(load_scene(model)))]
+    with (folder / "inputs.csv").open("w", newline="") as file:
+        csv.writer(file).writerows([row[column] for column in chosen] for row in rows)
 
 
 if __name__ == "__main__":
+    for name in CO_SIMULATED:
+        write_inputs(name)
     for name in model_names():
         compute_reference(name).save_csv(models_folder() / name / "reference.csv")

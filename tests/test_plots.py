@@ -10,20 +10,21 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 
-from chain_impact import load_scene
+from chain_impact import load_scene, simulate
 from chain_impact.plots import SIZE, fill, plot
 from chain_impact.recording import Impact, Recording
-from chain_impact.runs import record_scene
+from chain_impact.runs import recording_of
 from chain_impact.scene import model_names
 from chain_impact.walls import half_planes
+from tests.test_models import inputs_of
 
 BEGINNINGS = {".png": b"\x89PNG\r\n\x1a\n", ".svg": b"<?xml", ".pdf": b"%PDF"}
 
 
 @pytest.fixture(scope="module")
 def recordings():
-    """The recording of each model: name → recording."""
-    return {name: record_scene(load_scene(name), {}) for name in model_names()}
+    """The recording of each model, driven as it is meant to be: name → recording."""
+    return {name: recording_of(simulate(load_scene(name), inputs=inputs_of(name))) for name in model_names()}
 
 
 def swing(impacts=(), walls=None, rows=50, slopes=None):

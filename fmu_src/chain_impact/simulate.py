@@ -5,9 +5,10 @@ from __future__ import annotations
 import ctypes
 import functools
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from chain_impact.kernel.status import OK, PAUSED, STATUS_TEXT
 from chain_impact.law_file import LawError, source_of
 from chain_impact.reading import SceneError
 from chain_impact.scene import Scene, with_values
+from chain_impact.signals import Drive, Signal, drive
 
 IMPACT_DTYPE = np.dtype(
     [
@@ -109,18 +111,38 @@ def simulate(
     method: str | None = None,
     tolerance: float | None = None,
     *,
+    inputs: Mapping[str, Signal] | None = None,
+    interpolation: Literal["hold", "linear"] = "hold",
     notify: Notify = announce,
     progress: Callable[[float], None] = lambda _: None,
 ) -> Result:
     """Simulate a scene from t = 0.
 
+    Inputs are constant between two communication points, as those of the FMU are. Communication points are
+    the rows of the result and, between them, the times of samples.
+
+    - ``hold``: a function is called at each communication point, and its value acts until the next. A sample
+      acts from its time on, so that a signal of steps is followed exactly, whatever the output step.
+    - ``linear``: between samples, and between a function's values at communication points, the signal is a
+      line, of which its mean acts from each communication point to the next. The impulse is exact; the
+      motion has an error that falls with the square of the distance of communication points.
+
+    The first sample acts before its time, too, and the last one until the end. A row of the result has the
+    accelerations and forces that the inputs until then cause, as an importer sees them that reads the FMU
+    after each step. Functions are called before the simulation begins, in order of time: they cannot depend
+    on its state. For a controller, connect one to the FMU.
+
     Args:
-        scene: what to simulate; inputs, if it has any, are zero.
+        scene: what to simulate.
         stop_time: end [s]; the scene's by default.
         output_step: distance of the rows of the result [s]; the scene's communication step by default. It
-            changes neither the solution nor its cost.
+            changes neither the solution nor its cost, but for inputs that are functions or lines.
         method: solver method instead of the scene's.
         tolerance: relative tolerance instead of the scene's.
+        inputs: name of an input of the scene's FMU, as ``joint[2].torque`` [N·m] or ``tip.force.x`` [N] →
+            a number, a function of the time [s], or a pair (times [s], values), each of shape (T,), times
+            increasing. An input that is not named is zero.
+        interpolation: of inputs between samples and communication points.
         notify: called with a sentence before a kernel is compiled; by default that is said on standard error.
         progress: called with the fraction done.
 
@@ -137,22 +159,26 @@ def simulate(
     }
     changes = {path: value for path, value in settings.items() if value is not None}
     scene = with_values(scene, changes) if changes else scene
-    instance = Instance(scene, notify)
     # n steps and, if the stop time is no multiple of the step, a shorter one
     step, stop = scene.simulation.step_size, scene.simulation.stop_time
     times = np.append(np.arange(np.ceil(stop / step * (1 - 1e-12))) * step, stop)
-    outputs = np.zeros(len(times), instance.record.dtype["output"])
-    done, impacts = 0, []
-    while done < len(times) and instance.status == OK:
-        # in chunks, for the progress bar's sake
-        done += instance.trajectory(times[done : done + 5000], outputs[done : done + 5000])
+    driven = drive(scene, inputs or {}, interpolation, times)
+    instance = Instance(scene, notify, driven)
+    outputs = np.zeros(len(driven.times), instance.record.dtype["output"])
+    done, impacts, ends = 0, [], driven.changes
+    while done < len(outputs) and instance.status == OK:
+        # in chunks, for the progress bar's sake, in which the inputs are constant
+        end = min(done + 5000, ends[np.searchsorted(ends, done, side="right")])
+        driven.set(instance.record["inputs"], done)
+        done += instance.trajectory(driven.times[done:end], outputs[done:end])
         impacts.append(instance.collect())
-        progress(done / len(times))
+        progress(done / len(outputs))
     impacts.append(instance.open_contacts())
+    asked = driven.asked[:done]
     result = Result(
         scene=scene,
-        time=times[:done],
-        outputs=outputs[:done],
+        time=driven.times[:done][asked],
+        outputs=outputs[:done][asked],
         impacts=np.sort(np.concatenate(impacts), order=["onset", "point", "wall"]),
         statistics=instance.statistics,
     )
@@ -190,14 +216,16 @@ def with_law(scene: Scene, law: Callable[..., float]) -> Scene:
 class Instance:
     """An initialized instance and the kernel that works on it."""
 
-    def __init__(self, scene: Scene, notify: Notify = announce) -> None:
-        """Load or compile the kernel and set the instance to its start.
+    def __init__(self, scene: Scene, notify: Notify = announce, driven: Drive | None = None) -> None:
+        """Load or compile the kernel and set the instance to its start, with the first of the inputs, if any.
 
         Raises:
             SimulationError: when the scene cannot start.
         """
         self._block = new_instance(scene)
         self.record = self._block[0]
+        if driven:
+            driven.set(self.record["inputs"], 0)
         links, law_file = len(scene.chain.links), scene.contact.law_file
         library = kernel_library(links, notify=notify, law_file=law_file)
         self._kernel = load_kernel(library)

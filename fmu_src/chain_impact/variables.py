@@ -138,6 +138,11 @@ def parameter_paths(scene: Scene) -> dict[str, Place]:
     return {v.name: v.scene_path for v in _parameters(scene) if v.scene_path is not None}
 
 
+def input_places(scene: Scene) -> dict[str, Place]:
+    """The names of the FMU's inputs, and the place of each in the instance record."""
+    return {variable.name: variable.place for variable in _inputs(scene)}
+
+
 def output_columns(scene: Scene, outputs: np.ndarray) -> dict[str, np.ndarray]:
     """The time series in ``Result.outputs`` under the names of the FMU's outputs: name → shape (T,)."""
     columns = {}

@@ -6,7 +6,8 @@ import math
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from chain_impact import load_scene
+from chain_impact import load_scene, simulate
+from chain_impact.variables import output_columns
 from tests.fmu.importer import Instance
 
 # The functions before each test run in the clean process: they hold all that they use.
@@ -110,3 +111,29 @@ def test_an_input_acts_at_once_on_accelerations(fmus, clean):
     (angle, acceleration), (angle_after, acceleration_after) = clean(at_once, fmus["pinned_arm"])
     assert angle == angle_after
     assert acceleration_after > acceleration + 1.0
+
+
+def followed(fmu, columns, stop_time, step, names):
+    """What fmpy's own loop gives, with a table of inputs: name → values at communication points."""
+    import fmpy
+    import numpy as np
+
+    signals = np.array(list(zip(*columns.values(), strict=True)), dtype=[(name, float) for name in columns])
+    rows = fmpy.simulate_fmu(fmu, stop_time=stop_time, output_interval=step, input=signals, output=names)
+    return [rows[name].tolist() for name in ("time", *names)]
+
+
+def test_simulate_follows_inputs_as_the_fmu_does(fmus, clean):
+    """Through impacts, too: fmpy's loop sets the inputs at each communication point."""
+    scene = load_scene("pinned_arm")
+    times = np.arange(801) * 1e-3
+    signals = {"joint[1].torque": 3.0 * np.sin(9.0 * times), "joint[2].torque": np.cos(7.0 * times)}
+    result = simulate(scene, stop_time=0.8, inputs={name: (times, u) for name, u in signals.items()})
+    assert len(result.impacts) > 0
+    expected = output_columns(scene, result.outputs)
+    table = {"time": times.tolist()} | {name: values.tolist() for name, values in signals.items()}
+    time, *columns = clean(followed, fmus["pinned_arm"], table, 0.8, 1e-3, list(expected))
+    np.testing.assert_allclose(time, result.time, rtol=0, atol=1e-12)
+    for name, column in zip(expected, columns, strict=True):
+        scale = max(1.0, np.abs(expected[name]).max())
+        np.testing.assert_allclose(column, expected[name], rtol=0, atol=1e-9 * scale, err_msg=name)

@@ -1,0 +1,165 @@
+"""Inputs over time: what drives a simulation, as numbers, functions or samples."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from chain_impact.reading import SceneError
+from chain_impact.scene import Scene
+from chain_impact.variables import Place, input_places
+
+Signal = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
+"""One input over time: a number, a function of the time [s], or a pair (times [s], values) of shape (T,)."""
+INTERPOLATIONS = ("hold", "linear")
+SAME_TIME = 1e-12  # of the stop time: samples and communication points no further apart are one
+LISTED = 8  # names in an error's sentence
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Inputs that are constant between communication points.
+
+    Attributes:
+        times: communication points, those asked for and those of the samples, shape (G,) [s].
+        asked: which of them were asked for, shape (G,).
+        places: path of each of the M inputs into the instance record.
+        values: shape (G, M) [N·m or N]; row k acts from ``times[k - 1]`` to ``times[k]``, row 0 at the start.
+    """
+
+    times: np.ndarray
+    asked: np.ndarray
+    places: tuple[Place, ...]
+    values: np.ndarray
+
+    def set(self, inputs: Any, row: int) -> None:
+        """Set the inputs of an instance to a row of values; the solver starts anew if one changes."""
+        for (_, name, index), value in zip(self.places, self.values[row], strict=True):
+            if inputs[name][index] != value:
+                inputs[name][index] = value
+                inputs["changed"] = 1
+
+    @property
+    def changes(self) -> np.ndarray:
+        """The rows that differ from the row before, and the number of rows."""
+        return np.append(
+            1 + np.flatnonzero((self.values[1:] != self.values[:-1]).any(axis=1)), len(self.times)
+        )
+
+
+def drive(scene: Scene, inputs: Mapping[str, Signal], interpolation: str, times: np.ndarray) -> Drive:
+    """The inputs for a simulation with some communication points.
+
+    Args:
+        scene: what is driven.
+        inputs: name of an input of the FMU → its signal.
+        interpolation: ``hold`` or ``linear``, see ``simulate``.
+        times: communication points, increasing, shape (T,) [s].
+
+    Raises:
+        SceneError: when a name is no input of the scene, or a signal cannot be one.
+    """
+    if interpolation not in INTERPOLATIONS:
+        raise SceneError(f"{scene.name}: interpolation = {interpolation!r} must be hold or linear")
+    places = input_places(scene)
+    for name in inputs:
+        if name not in places:
+            raise SceneError(
+                f"{scene.name}: {name!r} is no input of this scene; {_inputs_text(list(places))}"
+            )
+    signals = {name: _checked(f"{scene.name}: {name}", signal) for name, signal in inputs.items()}
+
+    same = SAME_TIME * times[-1]
+    samples = np.unique(np.concatenate([s[0] for s in signals.values() if isinstance(s, tuple)] or [[]]))
+    samples = samples[(samples > 0.0) & (samples < times[-1])]
+    after = np.searchsorted(times, samples)  # times[after − 1] < sample ≤ times[after]
+    samples = samples[np.minimum(times[after] - samples, samples - times[after - 1]) > same]
+    samples = samples[np.diff(samples, prepend=0.0) > same]
+    grid = np.union1d(times, samples)
+
+    points = [
+        _at_points(f"{scene.name}: {name}", signal, interpolation, grid, same)
+        for name, signal in signals.items()
+    ]
+    values = np.stack(points, axis=1) if points else np.zeros((len(grid), 0))
+    held = values[:-1] if interpolation == "hold" else (values[:-1] + values[1:]) / 2
+    return Drive(
+        times=grid,
+        asked=np.isin(grid, times),
+        places=tuple(places[name] for name in signals),
+        values=np.concatenate([values[:1], held]),
+    )
+
+
+def _inputs_text(names: list[str]) -> str:
+    """What inputs there are, or how there would be some."""
+    how = "[inputs] joint_torques = true and tip_force = true in the scene"
+    if not names:
+        return f"it has none, {how} make them"
+    shown = names if len(names) <= LISTED else [*names[: LISTED - 2], "…", names[-1]]
+    return f"it has {', '.join(shown)}, and {how} make all that there can be"
+
+
+def _checked(what: str, signal: Any) -> Any:
+    """The signal as a finite number, a function, or a pair of arrays of shape (T,), T > 0."""
+    if callable(signal):
+        return signal
+    if isinstance(signal, (tuple, list)) and len(signal) == 2:  # noqa: PLR2004
+        return _samples(what, *(_numbers(part) for part in signal))
+    number = _numbers(signal)
+    if number is None or number.shape or not np.isfinite(number):
+        raise SceneError(
+            f"{what} = {signal!r} must be a finite number, a function of the time, or a pair (times, values)"
+        )
+    return float(number)
+
+
+def _samples(what: str, times: np.ndarray | None, values: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+    if times is None or values is None or times.ndim != 1 or times.shape != values.shape or not times.size:
+        shapes = " and ".join("no numbers" if part is None else str(part.shape) for part in (times, values))
+        raise SceneError(f"{what}: times and values must be numbers of one shape (T,), T > 0, not {shapes}")
+    for name, part in (("times", times), ("values", values)):
+        for k in np.flatnonzero(~np.isfinite(part)):
+            raise SceneError(f"{what}: {name}[{k}] = {part[k]} must be a finite number")
+    for k in np.flatnonzero(np.diff(times) <= 0.0):
+        raise SceneError(f"{what}: times[{k + 1}] = {times[k + 1]} must be > times[{k}] = {times[k]} [s]")
+    return times, values
+
+
+def _numbers(value: Any) -> np.ndarray | None:
+    """The value as an array of reals; None if it is something else."""
+    try:
+        array = np.asarray(value)
+    except ValueError:  # rows of different lengths
+        return None
+    return array.astype(float) if array.dtype.kind in "iuf" else None
+
+
+def _at_points(what: str, signal: Any, interpolation: str, times: np.ndarray, same: float) -> np.ndarray:
+    """The signal at each of the times, shape (T,)."""
+    if callable(signal):
+        return np.array([_called(what, signal, time) for time in times.tolist()])
+    if isinstance(signal, float):
+        return np.full(len(times), signal)
+    at, values = signal
+    if interpolation == "linear":
+        return np.asarray(np.interp(times, at, values))
+    latest = np.searchsorted(at, times + same, side="right") - 1
+    return np.asarray(values[np.maximum(latest, 0)])
+
+
+def _called(what: str, function: Callable[[float], Any], time: float) -> float:
+    try:
+        value = function(time)
+    except Exception as error:
+        raise SceneError(
+            f"{what}: the function raised {type(error).__name__} at t = {time:.9g} s: {error}"
+        ) from error
+    number = _numbers(value)
+    if number is None or number.shape or not np.isfinite(number):
+        raise SceneError(f"{what}: the function returned {value!r} at t = {time:.9g} s, not a finite number")
+    return float(number)

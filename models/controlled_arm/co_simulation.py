@@ -1,0 +1,170 @@
+"""Co-simulate the arm and its controller, two FMUs, by a master of fixed steps made of fmpy.
+
+``python models/controlled_arm/co_simulation.py`` builds both FMUs and writes a table and a picture.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import fmpy
+import numpy as np
+from fmpy.fmi2 import FMU2Slave
+
+HERE = Path(__file__).parent
+STOP_TIME, STEP = 2.0, 1e-3  # s
+
+
+def build(folder, target="native"):
+    """Build both FMUs in a folder; return the paths of the arm and of the controller."""
+    from chain_impact import build_fmu
+
+    folder = Path(folder).resolve()
+    arm = build_fmu(HERE, folder, target=target)
+    # in a process of its own, as pythonfmu imports the script and keeps it
+    command = [sys.executable, "-m", "pythonfmu", "build", "-f", HERE / "controller.py", "-d", folder]
+    subprocess.run([*command, "--no-external-tool"], check=True, stdout=subprocess.DEVNULL)
+    return arm, folder / "JointController.fmu"
+
+
+class Slave:
+    """One FMU that is ready to step."""
+
+    def __init__(self, path, stop_time):
+        """Unzip, instantiate and initialize."""
+        description = fmpy.read_model_description(str(path))
+        self.folder = fmpy.extract(str(path))
+        variables = description.modelVariables
+        self.inputs = {v.name: v.valueReference for v in variables if v.causality == "input"}
+        self.outputs = {
+            v.name: v.valueReference for v in variables if v.causality == "output" and v.type == "Real"
+        }
+        self.fmu = FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=self.folder,
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            instanceName=description.modelName,
+        )
+        self.fmu.instantiate()
+        self.fmu.setupExperiment(startTime=0.0, stopTime=stop_time)
+        self.fmu.enterInitializationMode()
+        self.fmu.exitInitializationMode()
+
+    def read(self):
+        """The outputs: name → value."""
+        return dict(zip(self.outputs, self.fmu.getReal(list(self.outputs.values())), strict=True))
+
+    def write(self, signals):
+        """Set those inputs that the signals, name → value, have."""
+        names = [name for name in self.inputs if name in signals]
+        self.fmu.setReal([self.inputs[name] for name in names], [signals[name] for name in names])
+
+    def close(self):
+        """Free the FMU and its folder."""
+        self.fmu.terminate()
+        self.fmu.freeInstance()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def co_simulate(fmus, stop_time=STOP_TIME, step=STEP):
+    """Co-simulate FMUs that are connected where an output and an input have one name.
+
+    At each communication point all outputs are read, then all inputs are set, and all FMUs take the
+    next step: the order of the FMUs does not matter (Jacobi's scheme).
+
+    Returns:
+        Time and all real outputs at the communication points: name → array of shape (T,).
+    """
+    slaves = [Slave(path, stop_time) for path in fmus]
+    rows = []
+    for k in range(round(stop_time / step) + 1):
+        for slave in slaves if k > 0 else ():
+            slave.fmu.doStep(currentCommunicationPoint=(k - 1) * step, communicationStepSize=step)
+        signals = {name: value for slave in slaves for name, value in slave.read().items()}
+        rows.append([k * step, *signals.values()])
+        for slave in slaves:
+            slave.write(signals)
+    for slave in slaves:
+        slave.close()
+    return dict(zip(["time", *signals], np.transpose(rows), strict=True))
+
+
+def save_csv(path, columns):
+    """Write a table, numbers in full precision."""
+    with Path(path).open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(columns)
+        writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
+
+
+def start_values(fmus):
+    """The parameters of FMUs: name → value."""
+    variables = [v for path in fmus for v in fmpy.read_model_description(str(path)).modelVariables]
+    return {v.name: float(v.start) for v in variables if v.causality == "parameter"}
+
+
+def draw(path, columns, parameters):
+    """Draw the motion, the joints' angles and torques, and the force of the wall."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(10, 7), layout="constrained")
+    grid = figure.add_gridspec(3, 2, width_ratios=(1, 1.1))
+    motion = figure.add_subplot(grid[:, 0])
+    angles, torques, force = (figure.add_subplot(grid[row, 1]) for row in range(3))
+    time = columns["time"]
+
+    x, y = (np.stack([columns[f"point[{k}].{axis}"] for k in range(3)]) for axis in "xy")
+    motion.plot(x[2], y[2], color="tab:orange", linewidth=1, label="path of the tip")
+    for at in (0.0, 0.1, 0.17, 0.22, time[-1]):
+        k = int(np.searchsorted(time, at - 1e-9))
+        final = k == len(time) - 1
+        shade = "black" if final else str(0.8 - at)
+        motion.plot(x[:, k], y[:, k], "o-", color=shade, linewidth=3 if final else 1.5, markersize=4)
+    motion.axvline(parameters["box.x_max"], color="tab:gray", linewidth=3)
+    motion.set(xlabel="x [m]", ylabel="y [m]", aspect="equal", title="From rest to the wall")
+    motion.legend(loc="upper left")
+
+    shoulder = columns["link[1].angle"]
+    joints = (("shoulder", shoulder), ("elbow", columns["link[2].angle"] - shoulder))
+    for i, (name, angle) in enumerate(joints, 1):
+        color = f"C{i - 1}"
+        angles.plot(time, angle, color=color, label=name)
+        angles.axhline(parameters[f"joint[{i}].target"], color=color, linestyle=":", linewidth=1)
+        torques.step(time, columns[f"joint[{i}].torque"], color=color, where="post", label=name)
+    angles.set(ylabel="joint angle [rad]", title="dotted: targets, which lie behind the wall")
+    torques.set(ylabel="torque [N·m]")
+    force.plot(time, columns["contact[2].x_max.force"], color="C3", linewidth=1)
+    force.set(xlabel="time [s]", ylabel="force of the wall [N]", yscale="symlog", ylim=(0, None))
+    for axes in (angles, torques):
+        axes.legend(loc="lower right")
+        axes.tick_params(labelbottom=False)
+    figure.savefig(path, dpi=110)
+
+
+def main():
+    """Build, co-simulate, write the table and the picture."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument(
+        "-o", "--output", default="build", help="folder for what is written; build by default"
+    )
+    parser.add_argument("--target", default="native", choices=("native", "pythonfmu"), help="kind of the arm")
+    parser.add_argument("--step", type=float, default=STEP, help="communication step [s]; 1e-3 by default")
+    parser.add_argument("--plot", help="the picture; ControlledArm.png in the folder by default")
+    arguments = parser.parse_args()
+    folder = Path(arguments.output)
+    folder.mkdir(parents=True, exist_ok=True)
+    fmus = build(folder, arguments.target)
+    columns = co_simulate(fmus, step=arguments.step)
+    save_csv(folder / "ControlledArm.csv", columns)
+    draw(arguments.plot or folder / "ControlledArm.png", columns, start_values(fmus))
+    for name in ("joint[1].torque", "joint[2].torque", "contact[2].x_max.force", "point[2].y"):
+        print(f"{name:<24}{columns[name][-1]:.6f}")
+
+
+if __name__ == "__main__":
+    main()

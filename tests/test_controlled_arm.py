@@ -1,0 +1,144 @@
+"""The co-simulation of the arm and its controller, two FMUs with a master of fixed steps."""
+
+import csv
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from scipy.optimize import fsolve
+
+from chain_impact import load_scene, simulate
+from chain_impact.scene import models_folder
+from chain_impact.variables import fmu_variables, input_places, output_columns
+from tests.test_models import table
+
+MODEL = "controlled_arm"
+SCENE = load_scene(MODEL)
+TORQUES = list(input_places(SCENE))
+# as README.md has them
+TARGET, PROPORTIONAL, DERIVATIVE = np.array([-1.0, 0.6]), np.array([100.0, 40.0]), np.array([10.0, 3.0])
+LIMIT = np.array([30.0, 12.0])  # N·m
+
+
+def co_simulated(folder, *arguments):
+    """The columns that the model's script gives, in a process of its own, and its time."""
+    script = models_folder() / MODEL / "co_simulation.py"
+    subprocess.run([sys.executable, script, "-o", folder, *arguments], check=True, capture_output=True)
+    assert (folder / "ControlledArm.png").stat().st_size > 10_000
+    with (folder / "ControlledArm.csv").open(newline="") as file:
+        names, *rows = csv.reader(file)
+    columns = dict(zip(names, np.array(rows, dtype=float).T, strict=True))
+    return columns.pop("time"), columns
+
+
+@pytest.fixture(scope="module", params=["native", "pythonfmu"])
+def run(request, tmp_path_factory):
+    """A co-simulation with either kind of FMU."""
+    return co_simulated(tmp_path_factory.mktemp("co_simulation"), "--target", request.param)
+
+
+def replayed(time, columns, step):
+    """The outputs of ``simulate`` under the torques of a co-simulation."""
+    result = simulate(SCENE, output_step=step, inputs={name: (time, columns[name]) for name in TORQUES})
+    np.testing.assert_allclose(result.time, time, rtol=0, atol=1e-12)
+    return output_columns(SCENE, result.outputs)
+
+
+def test_simulate_replays_the_co_simulation(run):
+    """Round-off of the times may make the solver take other steps while the arm is held."""
+    time, columns = run
+    replay = replayed(time, columns, 1e-3)
+    for name in replay:
+        if name.endswith(("angle", "].x", "].y", "energy.kinetic", "energy.potential")):
+            np.testing.assert_allclose(columns[name], replay[name], rtol=0, atol=1e-9, err_msg=name)
+        elif name.endswith(("angular_velocity", "].vx", "].vy")):
+            np.testing.assert_allclose(columns[name], replay[name], rtol=0, atol=1e-7, err_msg=name)
+
+
+def test_simulate_replays_every_output_where_times_have_no_round_off(tmp_path):
+    """With steps of 2⁻¹⁰ s: forces and accelerations, too."""
+    time, columns = co_simulated(tmp_path, "--step", str(2.0**-10))
+    replay = replayed(time, columns, 2.0**-10)
+    reals = {
+        v.name for v in fmu_variables(SCENE) if v.causality == "output" and v.variability == "continuous"
+    }
+    assert set(replay) == reals
+    for name, values in replay.items():
+        scale = max(1.0, np.abs(values).max())
+        np.testing.assert_allclose(columns[name], values, rtol=0, atol=1e-9 * scale, err_msg=name)
+
+
+def test_the_stored_inputs_are_those_of_the_co_simulation(run):
+    time, columns = run
+    stored_time, stored = table(MODEL, "inputs.csv")
+    np.testing.assert_allclose(time, stored_time, rtol=0, atol=1e-12)
+    assert list(stored) == TORQUES
+    for name in TORQUES:
+        np.testing.assert_allclose(columns[name], stored[name], rtol=0, atol=1e-6)
+
+
+def test_torques_follow_from_what_was_sampled_a_step_before(run):
+    _, columns = run
+    angle, rate = (
+        np.stack([columns[f"link[{i}].{name}"] for i in (1, 2)]) for name in ("angle", "angular_velocity")
+    )
+    angle[1] -= angle[0]
+    rate[1] -= rate[0]
+    wanted = PROPORTIONAL[:, None] * (TARGET[:, None] - angle) - DERIVATIVE[:, None] * rate
+    expected = np.clip(wanted, -LIMIT[:, None], LIMIT[:, None])
+    torques = np.stack([columns[name] for name in TORQUES])
+    np.testing.assert_allclose(torques[:, 1:], expected[:, :-1], rtol=0, atol=1e-12)
+    assert (torques[:, 0] == 0.0).all()
+    assert (torques.max(axis=1) == LIMIT).all(), "both controllers reach their limits"
+
+
+def test_the_arm_hits_the_wall_twice_and_then_holds(run):
+    time, columns = run
+    force = columns["contact[2].x_max.force"]
+    assert np.count_nonzero((force[1:] > 0.0) & (force[:-1] == 0.0)) == 3
+    assert (force[time > 0.5] > 0.0).all()
+    for name in ("link[1].angular_velocity", "link[2].angular_velocity"):
+        assert np.abs(columns[name][time > 1.9]).max() < 1e-7
+
+
+def balance(unknowns):
+    """What is left over, at rest, of the moments on both links [N·m] and of the wall's force [N].
+
+    u_1 − u_2 − (m_1 c_1 + m_2 l_1) g cos θ_1 + F l_1 sin θ_1 = 0,
+    u_2 − m_2 c_2 g cos θ_2 + F l_2 sin θ_2 = 0,
+    u_i = kp_i (q*_i − q_i),  F = K δ^(3/2),  δ = l_1 cos θ_1 + l_2 cos θ_2 − x_max.
+    """
+    theta, force = unknowns[:2], unknowns[2]
+    a, b = SCENE.chain.links
+    g = -SCENE.gravity[1]
+    u = PROPORTIONAL * (TARGET - np.diff(theta, prepend=0.0))
+    c, s = np.cos(theta), np.sin(theta)
+    depth = a.length * c[0] + b.length * c[1] - SCENE.box.x_max
+    weight = a.mass * a.center_of_mass + b.mass * a.length
+    return [
+        u[0] - u[1] - weight * g * c[0] + force * a.length * s[0],
+        u[1] - b.mass * b.center_of_mass * g * c[1] + force * b.length * s[1],
+        force - SCENE.contact.stiffness * max(depth, 0.0) ** SCENE.contact.exponent,
+    ]
+
+
+def test_it_holds_where_the_moments_balance(run):
+    """Solved for both angles and the force, without a simulation."""
+    _, columns = run
+    *angles, force = fsolve(balance, [-1.2, -0.8, 20.0], xtol=1e-13)
+    assert np.abs(balance(np.array([*angles, force]))).max() < 1e-9
+    assert [columns[f"link[{i}].angle"][-1] for i in (1, 2)] == pytest.approx(angles, abs=1e-9)
+    assert columns["contact[2].x_max.force"][-1] == pytest.approx(force, rel=1e-7)
+
+
+def test_force_times_lever_is_the_torque(run):
+    """About each joint: u = F h + the moment of the weights beyond it, with h the height above the tip."""
+    _, columns = run
+    last = {name: values[-1] for name, values in columns.items()}
+    x, y = ([last[f"point[{k}].{axis}"] for k in range(3)] for axis in "xy")
+    a, b = (link.mass * -SCENE.gravity[1] for link in SCENE.chain.links)
+    force = last["contact[2].x_max.force"]
+    shoulder = force * (y[0] - y[2]) + a * (x[1] - x[0]) / 2 + b * ((x[1] + x[2]) / 2 - x[0])
+    elbow = force * (y[1] - y[2]) + b * (x[2] - x[1]) / 2
+    assert [last[name] for name in TORQUES] == pytest.approx([shoulder, elbow], abs=1e-6)

@@ -1,0 +1,274 @@
+"""Inputs of ``simulate`` over time: against the equations of motion, against each other, and refused."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from chain_impact import load_scene, simulate
+from chain_impact.scene import SceneError, scene_from_dict, scene_to_dict, with_values
+from tests.reference import generalized_force, mass_matrix
+
+STOP = 0.4  # s, before the first impact
+SHOULDER, ELBOW = "joint[1].torque", "joint[2].torque"
+
+
+def wave(time):
+    """A torque [N·m] that is smooth in time [s]."""
+    return 3.0 * math.sin(9.0 * time) + 1.0
+
+
+def push(time):
+    return 2.0 * math.cos(5.0 * time)
+
+
+def arm(**inputs):
+    """The pinned arm, its wall out of reach."""
+    changes = {("box", "x_max"): 10.0, ("simulation", "stop_time"): STOP, ("solver", "tolerance"): 1e-11}
+    scene = with_values(load_scene("pinned_arm"), changes)
+    return with_values(scene, {("inputs", name): value for name, value in inputs.items()})
+
+
+def exact(scene, torques, tip_force, times, breaks=()):
+    """Angles and their rates, shape (T, 4), by the assembled equations of motion and scipy at 1e-12.
+
+    Args:
+        torques: function of t → torque of joints 1 and 2 [N·m].
+        tip_force: function of t → force on the tip, shape (2,) [N].
+        times: shape (T,) [s].
+        breaks: times [s] at which an input is not smooth.
+    """
+    damping = np.array([link.joint_damping for link in scene.chain.links])
+
+    def rate(time, y):
+        angles, omega = y[:2], y[2:]
+        joint = np.asarray(torques(time)) - damping * np.diff(omega, prepend=0.0)
+        loads = np.zeros((3, 2))
+        loads[2] = tip_force(time)
+        force = generalized_force(scene, angles, omega, loads, joint - np.append(joint[1:], 0.0))
+        return np.concatenate([omega, np.linalg.solve(mass_matrix(scene, angles)[2:, 2:], force[2:])])
+
+    y = np.array([*scene.initial.angles, *scene.initial.angular_velocities])
+    rows, edges = [y], [times[0], *breaks, times[-1]]
+    for start, end in itertools.pairwise(edges):
+        inside = times[(times > start) & (times <= end)]
+        # a signal of steps is taken inside of its piece, not at its ends
+        first, last = start + 1e-12 * (end - start), end - 1e-12 * (end - start)
+        done = solve_ivp(
+            lambda t, y, first=first, last=last: rate(min(max(t, first), last), y),
+            (start, end),
+            y,
+            method="DOP853",
+            rtol=1e-12,
+            atol=1e-13,
+            dense_output=True,
+        )
+        rows.extend(done.sol(inside).T)
+        y = done.y[:, -1]
+    return np.array(rows)
+
+
+def motion(result):
+    return np.hstack([result.angles, result.angular_velocities])
+
+
+def nothing(_time):
+    return (0.0, 0.0)
+
+
+# --- against the equations of motion -----------------------------------------------------------------------
+
+
+def test_samples_that_are_held_act_as_steps_of_torque():
+    """Samples between the rows of the result, and a number: exact, whatever the output step."""
+    times, values = np.array([0.0, 0.0371, 0.2, 0.3333]), np.array([1.0, -2.0, 4.0, 0.5])
+    signals = {SHOULDER: (times, values), ELBOW: 0.7}
+    scene = arm()
+    coarse, fine = (simulate(scene, output_step=step, inputs=signals) for step in (0.1, 0.01))
+
+    def torques(time):
+        return values[np.searchsorted(times, time, side="right") - 1], 0.7
+
+    expected = exact(scene, torques, nothing, fine.time, breaks=times[1:])
+    np.testing.assert_allclose(motion(fine), expected, rtol=0, atol=1e-9)
+    assert coarse.time.tolist() == [0.0, 0.1, 0.2, 0.1 * 3, 0.4]
+    np.testing.assert_allclose(motion(coarse), motion(fine)[::10], rtol=0, atol=1e-12)
+
+
+def test_a_function_is_held_between_communication_points():
+    scene = arm(tip_force=True)
+    result = simulate(scene, output_step=0.02, inputs={ELBOW: wave, "tip.force.x": push})
+
+    def last(time):
+        return math.floor(time / 0.02) * 0.02
+
+    expected = exact(
+        scene,
+        lambda time: (0.0, wave(last(time))),
+        lambda time: (push(last(time)), 0.0),
+        result.time,
+        breaks=result.time[1:-1],
+    )
+    np.testing.assert_allclose(motion(result), expected, rtol=0, atol=1e-9)
+
+
+def test_lines_are_followed_to_second_order_and_steps_to_first():
+    scene = arm(tip_force=True)
+    signals = {SHOULDER: wave, "tip.force.y": push}
+    expected = exact(
+        scene, lambda time: (wave(time), 0.0), lambda time: (0.0, push(time)), np.array([0.0, STOP])
+    )[-1]
+
+    def error(step, interpolation):
+        result = simulate(scene, output_step=step, inputs=signals, interpolation=interpolation)
+        return np.abs(motion(result)[-1] - expected).max()
+
+    for interpolation, order in (("hold", 1), ("linear", 2)):
+        fine, coarse = error(0.005, interpolation), error(0.01, interpolation)
+        assert coarse / fine == pytest.approx(2.0**order, rel=0.05)
+    assert error(1e-4, "linear") < 1e-6
+    assert error(1e-4, "hold") > 1e-4
+
+
+def test_samples_of_a_line_are_those_of_a_function():
+    scene = arm()
+    times = np.arange(41) * 0.01
+    samples = (times, [wave(time) for time in times])
+    by_samples = simulate(scene, output_step=0.01, inputs={SHOULDER: samples}, interpolation="linear")
+    by_function = simulate(scene, output_step=0.01, inputs={SHOULDER: wave}, interpolation="linear")
+    np.testing.assert_allclose(motion(by_samples), motion(by_function), rtol=0, atol=1e-13)
+
+
+def test_energy_supplied_is_the_work_of_the_torques():
+    """dW/dt = Σ u_i (ω_i − ω_{i−1}), summed here over rows between which the torque is constant."""
+    result = simulate(arm(), output_step=1e-3, inputs={SHOULDER: wave})
+    angle = result.angles[:, 0]
+    work = sum(wave(t) * turn for t, turn in zip(result.time, np.diff(angle), strict=False))
+    assert result.energy["supplied"][-1] == pytest.approx(work, abs=1e-12)
+    ledger = result.energy["total"] + result.energy["dissipated"] - result.energy["supplied"]
+    np.testing.assert_allclose(ledger, ledger[0], rtol=0, atol=1e-9)
+
+
+# --- against each other ------------------------------------------------------------------------------------
+
+
+def test_inputs_of_zero_change_nothing():
+    scene = load_scene("pinned_arm")
+    plain, zero = simulate(scene), simulate(scene, inputs={SHOULDER: 0.0, ELBOW: lambda _: 0})
+    assert plain.outputs.tobytes() == zero.outputs.tobytes()
+    assert plain.impacts.tobytes() == zero.impacts.tobytes()
+    assert plain.statistics == zero.statistics
+
+
+def test_a_constant_costs_no_restarts():
+    """However it is given, and whatever the output step; the first sample also acts before its time."""
+    scene = load_scene("pinned_arm")
+    once = simulate(scene, inputs={SHOULDER: 1.5})
+    assert once.statistics["steps"] < 200
+    for signal in (
+        lambda _: 1.5,
+        ([0.5, 0.7], [1.5, 1.5]),
+        (np.array([1]), np.array([1.5])),
+        np.float32(1.5),
+    ):
+        again = simulate(scene, inputs={SHOULDER: signal})
+        assert again.outputs.tobytes() == once.outputs.tobytes()
+        assert again.statistics == once.statistics
+
+
+def test_samples_at_communication_points_but_for_round_off_add_none():
+    """0.1 · 3 is not 0.3 in floating point: they count as one time."""
+    calls = []
+    times = np.arange(401) / 1000
+    assert (times != np.arange(401) * 1e-3).any()
+    inputs = {SHOULDER: (times, times), ELBOW: lambda time: calls.append(time) or 0.0}
+    result = simulate(arm(), output_step=1e-3, inputs=inputs)
+    assert calls == result.time.tolist()
+    assert len(calls) == 401
+
+
+def test_a_rows_forces_are_those_before_an_input_changes():
+    torque = ([0.0, 0.2], [0.0, 50.0])
+    result, free = (simulate(arm(), 0.3, 0.1, inputs=inputs) for inputs in ({SHOULDER: torque}, {}))
+    acceleration = result.outputs["angular_acceleration"][:, 0]
+    expected = free.outputs["angular_acceleration"][:, 0]
+    np.testing.assert_allclose(acceleration[:3], expected[:3], rtol=0, atol=1e-7)
+    assert abs(acceleration[3] - expected[3]) > 10.0
+
+
+# --- refused -----------------------------------------------------------------------------------------------
+
+
+def scolding(_time):
+    raise RuntimeError("no torque today")
+
+
+@pytest.mark.parametrize(
+    ("inputs", "message"),
+    [
+        (
+            {"joint[3].torque": 1.0},
+            r"^PinnedArm: 'joint\[3\].torque' is no input of this scene; it has joint\[1\].torque, "
+            r"joint\[2\].torque, and \[inputs\] joint_torques = true and tip_force = true in the scene make",
+        ),
+        ({"tip.force.x": 1.0}, "'tip.force.x' is no input of this scene"),
+        ({7: 1.0}, "7 is no input of this scene"),
+        (
+            {ELBOW: ([0.0, 0.1], [1.0])},
+            r"^PinnedArm: joint\[2\].torque: times and values .* not \(2,\) and \(1,\)",
+        ),
+        ({ELBOW: ([], [])}, r"T > 0, not \(0,\) and \(0,\)$"),
+        ({ELBOW: (0.0, 1.0)}, r"T > 0, not \(\) and \(\)$"),
+        ({ELBOW: ([0.0, 0.1], [1.0, "2"])}, r"not \(2,\) and no numbers$"),
+        ({ELBOW: ([[0.0], [0.1, 0.2]], [1.0, 2.0])}, r"not no numbers and \(2,\)$"),
+        ({ELBOW: ([0.0, 0.2, 0.2], [1.0, 2.0, 3.0])}, r"times\[2\] = 0.2 must be > times\[1\] = 0.2 \[s\]$"),
+        ({ELBOW: ([0.0, np.nan], [1.0, 2.0])}, r"times\[1\] = nan must be a finite number$"),
+        ({ELBOW: ([0.0, 0.1], [1.0, np.inf])}, r"values\[1\] = inf must be a finite number$"),
+        (
+            {ELBOW: math.nan},
+            r"^PinnedArm: joint\[2\].torque = nan must be a finite number, a function of the",
+        ),
+        ({ELBOW: "1.0"}, "= '1.0' must be a finite number"),
+        ({ELBOW: [1.0, 2.0, 3.0]}, r"= \[1.0, 2.0, 3.0\] must be"),
+        ({ELBOW: None}, "= None must be"),
+        ({ELBOW: 1j}, "= 1j must be"),
+        ({ELBOW: scolding}, r"function raised RuntimeError at t = 0 s: no torque today$"),
+        (
+            {ELBOW: lambda time: None if time > 0.1 else 0.0},
+            "function returned None at t = 0.101 s, not a finite",
+        ),
+        ({ELBOW: lambda time: "1"}, "returned '1' at t = 0 s"),
+        ({ELBOW: lambda time: math.nan}, "returned nan at t = 0 s"),
+        ({ELBOW: lambda time: [1.0]}, r"returned \[1.0\] at t = 0 s"),
+        ({ELBOW: lambda: 1.0}, "function raised TypeError at t = 0 s"),
+    ],
+)
+def test_what_is_no_input_is_refused_in_one_sentence(inputs, message):
+    with pytest.raises(SceneError, match=message) as caught:
+        simulate(load_scene("pinned_arm"), inputs=inputs)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_scene_without_inputs_says_how_to_have_some():
+    message = (
+        r"^FourLinkBox: 'joint\[2\].torque' is no input of this scene; it has none, \[inputs\] joint_torques"
+    )
+    with pytest.raises(SceneError, match=message):
+        simulate(load_scene("four_link_box"), inputs={ELBOW: 1.0})
+
+
+def test_an_interpolation_is_one_of_two():
+    with pytest.raises(SceneError, match="interpolation = 'cubic' must be hold or linear"):
+        simulate(load_scene("pinned_arm"), inputs={ELBOW: 1.0}, interpolation="cubic")
+
+
+def test_of_many_inputs_some_are_named():
+    scene = with_values(load_scene("pinned_arm"), {("inputs", "tip_force"): True})
+    links = [{"length": 0.1, "mass": 0.1}] * 30
+    table = scene_to_dict(scene) | {"chain": {"base": "pinned", "links": links}}
+    table["initial"] = {"angles": [0.0] * 30}
+    message = r"it has joint\[1\].torque, (.*, ){5}…, tip.force.y, and"
+    with pytest.raises(SceneError, match=message):
+        simulate(scene_from_dict(table, "test"), inputs={"joint[31].torque": 1.0})
