@@ -20,9 +20,6 @@ from chain_impact.kernel.work_limit import overdrawn
 RESOLUTION = 1e-15  # of a link length: a bend of a clearance below it is round-off, and no interval is halved
 # s. Events closer than this are one event: symmetric chains touch at several points at once, to round-off.
 SIMULTANEOUS = 1e-12
-# Of a link length: an onset is located to round-off, some 1e-15. One found deeper than this is the fault of
-# the step; at K = 1e12 N/m^1.5 it would bring 1e-11 J.
-DEEP = 1e-9
 QUIET, SPLIT, CROSSES = 0, 1, 2
 
 

@@ -1,8 +1,15 @@
 """The table of events: what can happen to a contact within a step, and what then is done.
 
-An event is the change of sign of a function of the motion, in one direction. Crossings of clearances are
-found between bounds (crossing.py), so that none is missed; the others at samples of a step (sampling.py), as
-missing one for a while does no harm.
+    kind      function of the motion                              changes sign   found by      handler
+    ONSET     clearance of a point that is apart                  falling        crossing.py   begin_contact
+    END       penetration of one in contact, or u of the
+              regularized contact                                 falling        crossing.py   end_contact
+    RELATCH   δ̇ − 2 v₀ of a point in contact                      rising         relatch.py    latch_anew
+    RELEASE   force with which a rigid wall holds a point         falling        release.py    collide
+
+Crossings of clearances are found between bounds, so that none is missed; the others at samples of a step
+(sampling.py), as missing one for a while does no harm. A handler takes (d, c), with the points located, and
+returns whether a force has jumped. Rigid walls settle all events of a moment at once (impulses.py).
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -21,26 +28,6 @@ from chain_impact.kernel.model.geometry import clearance
 # Of the time scale of a contact, in which a point that has left is out of the wall. To end none before it is
 # out would cost a tenth of an impact at a tolerance of 1e-4, for one more step.
 LEFT = 0.01
-
-
-class Event:
-    """A line of the table.
-
-    Attributes:
-        kind: its number in ``touch.event``.
-        function: what changes its sign.
-        falls: whether it does so from plus to minus.
-        handler: function (d, c) that lets it take effect on candidate c under a force law, at the located
-            points; returns whether a force has jumped. Rigid walls settle all events of a moment at once.
-    """
-
-    kind: int
-    function: str
-    falls: bool
-    handler: object
-
-    def __init__(self, kind, function, falls, handler):
-        self.kind, self.function, self.falls, self.handler = kind, function, falls, handler
 
 
 def begin_contact(d, c):
@@ -79,14 +66,8 @@ def nothing(_d, _c):
     return False
 
 
-EVENTS = (
-    Event(NONE, "", True, nothing),
-    Event(ONSET, "the clearance of a point that is apart", True, begin_contact),
-    Event(END, "the penetration of a point in contact, or u of the regularized contact", True, end_contact),
-    Event(RELATCH, "δ̇ − 2 v₀ of a point in contact", False, latch_anew),
-    Event(RELEASE, "the force with which a rigid wall holds a point", True, nothing),
-)
-_handle = dispatch([event.handler for event in EVENTS])
+_HANDLERS = {NONE: nothing, ONSET: begin_contact, END: end_contact, RELATCH: latch_anew, RELEASE: nothing}
+_handle = dispatch([_HANDLERS[kind] for kind in range(len(_HANDLERS))])
 
 
 def apply_events(d):

@@ -1,8 +1,9 @@
-"""The last accepted step, and all that is known of it. This module alone changes what it says.
+"""The last accepted step, and all that is known of it. This module alone says what is known.
 
 The state at both ends, the dense output in between, the rate at the end, and the points there. What is worked
 out of a step elsewhere, such as clearances, holds until the steps break: where the next one does not start
-from the end of this one, in the same variable. `step.breaks` counts that.
+from the end of this one, in the same variable. `step.breaks` counts that. What an impact changes of the state
+at its end belongs to the step that follows (advance.py).
 """
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, place_points
