@@ -31,7 +31,6 @@ TESTED_ELSEWHERE = {
     "export/table.py": "fmu/test_native.py",
     "limits.py": "test_scene.py",
     "progress.py": "test_cli.py",
-    "reading.py": "test_scene.py",
     "kernel/integration/combination.py": "kernel/integration/test_explicit.py",
     "kernel/model/compliance.py": "kernel/model/test_constraints.py",
     "kernel/model/contact.py": "kernel/laws/test_contact_laws.py",

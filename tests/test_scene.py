@@ -1,47 +1,32 @@
 """Scene files: what they mean, what is refused and how, and that nothing else ever happens."""
 
 import copy
-import functools
-import json
 import math
-import operator
-from dataclasses import fields, is_dataclass
+from dataclasses import is_dataclass
 from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.scene import (
     MAX_LINKS,
     SOLVER_METHODS,
     Link,
-    Scene,
     SceneError,
     load_scene,
     model_names,
     models_folder,
     parse_scene,
-    scene_from_dict,
     scene_keys,
     scene_to_dict,
     with_values,
 )
 from tests.problems import of_law
+from tests.refusal import refusal
 
 SOURCE = "somewhere/scene.toml"
 MINIMAL = "name = 'Rod'\nchain.links = [{length = 2.0, mass = 3.0}]\ninitial.angles = [0.5]"
-
-
-def refusal(make, *arguments) -> str:
-    """Return the message with which `make(*arguments)` refuses, after checking its form."""
-    with pytest.raises(SceneError) as caught:
-        make(*arguments)
-    message = str(caught.value)
-    assert message.isprintable(), "one line"
-    return message
 
 
 def refused(*changes) -> str:
@@ -343,133 +328,3 @@ def test_what_is_no_scene_file_is_refused_with_the_models(tmp_path, monkeypatch,
     ) as caught:
         load_scene(name)
     assert str(caught.value).startswith(f"{name}: cannot be read (")
-
-
-finite = st.floats(-1e6, 1e6)
-positive = st.floats(1e-6, 1e6)
-
-
-@st.composite
-def scene_dicts(draw):
-    """Draw a valid scene file, without some of the keys that may be missing."""
-    count = draw(st.integers(1, 6))
-    pinned = draw(st.booleans())
-
-    def table(**keys):
-        return draw(st.fixed_dictionaries({}, optional=keys))
-
-    def per_link(values):
-        return st.lists(values, min_size=count, max_size=count)
-
-    def link():
-        optional = table(center_of_mass=st.floats(0, 10), inertia=positive, joint_damping=st.floats(0, 10))
-        return {"length": draw(st.floats(1e-3, 10)), "mass": draw(positive)} | optional
-
-    far = st.floats(1e3, 1e6)  # out of reach of the chain
-
-    def wall(name):
-        x, y = draw(st.sampled_from([(1e3, 0.0), (0.0, 1e4), (-1e4, 1e3), (-1e3, -1e5)]))
-        toward = {"normal": [-x, -y]} if draw(st.booleans()) else {"angle": math.atan2(x, -y)}
-        return {"name": name, "point": [x, y], **toward}
-
-    start = st.lists(st.floats(-100, 100), min_size=2, max_size=2)
-    return {
-        "name": draw(st.from_regex(r"[A-Za-z_]\w*", fullmatch=True, alphabet=st.characters(codec="ascii"))),
-        **table(description=st.text(st.characters(codec="utf-8", exclude_categories=["C"]))),
-        **table(gravity=st.lists(finite, min_size=2, max_size=2)),
-        "chain": {"base": "pinned" if pinned else "free", "links": [link() for _ in range(count)]},
-        "box": table(x_min=far.map(lambda x: -x), x_max=far, y_min=far.map(lambda x: -x), y_max=far),
-        "walls": [wall(name) for name in draw(st.lists(st.sampled_from(["a", "b_", "C1"]), unique=True))],
-        "contact": table(
-            model=st.sampled_from([law.id for law in CONTACT_LAWS.values() if law.exponent is None]),
-            stiffness=positive,
-            exponent=st.floats(1, 3),
-            restitution=st.floats(1e-3, 1),
-            radius=st.floats(0, 100),
-            points=st.lists(st.integers(int(pinned), count), unique=True),
-            minimum_impact_speed=positive,
-        ),
-        "inputs": table(joint_torques=st.booleans(), tip_force=st.booleans()),
-        "initial": {"angles": draw(per_link(finite))}
-        | table(position=start, angular_velocities=per_link(finite))
-        | ({} if pinned else table(velocity=st.lists(finite, min_size=2, max_size=2))),
-        "solver": table(method=st.sampled_from(SOLVER_METHODS), tolerance=st.floats(1e-13, 1e-2)),
-        "simulation": table(stop_time=positive, step_size=positive),
-    }
-
-
-def toml(value) -> str:
-    """Write one TOML value."""
-    if isinstance(value, list):
-        return f"[{', '.join(map(toml, value))}]"
-    if isinstance(value, dict):
-        return f"{{{', '.join(f'{key} = {toml(one)}' for key, one in value.items())}}}"
-    return json.dumps(value, ensure_ascii=False)
-
-
-@given(scene_dicts())
-def test_every_valid_scene_survives_the_round_trip(data):
-    scene = scene_from_dict(data, SOURCE)
-    plain = scene_to_dict(scene)
-    assert scene_from_dict(plain, SOURCE) == scene
-    assert parse_scene("\n".join(f"{key} = {toml(plain[key])}" for key in plain), SOURCE) == scene
-    assert data["box"] == plain["box"]
-    assert data["initial"].items() <= plain["initial"].items()
-
-
-junk = st.recursive(
-    st.none()
-    | st.booleans()
-    | st.integers()
-    | st.builds(pow, st.just(10), st.just(5000))  # too long to print
-    | st.sampled_from([10**400, math.nan, math.inf, -math.inf, 5e-324, 1e308, -0.0])
-    | st.floats()
-    | st.text()
-    | st.binary()
-    | st.dates(),
-    lambda inner: st.lists(inner, max_size=5) | st.dictionaries(st.text() | st.integers(), inner, max_size=3),
-    max_leaves=8,
-)
-
-
-def spots(data, path=()):
-    """Yield the path to every place in nested dicts and lists."""
-    for key, value in data.items() if isinstance(data, dict) else enumerate(data):
-        yield (*path, key)
-        if isinstance(value, dict | list):
-            yield from spots(value, (*path, key))
-
-
-FULL = [scene_to_dict(load_scene(name)) for name in model_names()]
-
-
-@settings(max_examples=1000)
-@given(st.data())
-def test_a_broken_scene_gives_a_scene_or_one_clear_line(draws):
-    data = copy.deepcopy(draws.draw(st.sampled_from(FULL)))
-    for _ in range(draws.draw(st.integers(1, 3))):
-        *parents, last = draws.draw(st.sampled_from(list(spots(data))))
-        place = functools.reduce(operator.getitem, parents, data)
-        action = draws.draw(st.sampled_from(["replace", "delete", "add"]))
-        if action == "delete":
-            del place[last]
-        elif action == "add" and isinstance(place, dict):
-            place[draws.draw(st.text() | st.sampled_from([entry.name for entry in fields(Scene)]))] = 1
-        else:
-            place[last] = draws.draw(junk)
-    try:
-        scene, message = scene_from_dict(data, SOURCE), ""
-    except SceneError as error:
-        scene, message = None, str(error)
-    if scene:
-        assert scene_from_dict(scene_to_dict(scene), SOURCE) == scene
-    else:
-        assert message.startswith(f"{SOURCE}: ")
-        assert len(message.splitlines()) == 1
-
-
-@given(st.binary() | (st.text() | st.text(alphabet="[]{}=.\"'#\n ab1-:\\")).map(str.encode))
-def test_any_other_file_is_refused(tmp_path_factory, content):
-    file = tmp_path_factory.getbasetemp() / "any.toml"
-    file.write_bytes(content)
-    assert refusal(load_scene, str(file)).startswith(f"{file}: ")

@@ -78,6 +78,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("proximal_inertia", REAL, (links,)),  # kg·m² about the proximal …
         ("distal_inertia", REAL, (links,)),  # kg·m² … and about the distal joint
         ("middle", INTEGER),  # joint at which the two arms of the elimination meet: the base if it is pinned
+        ("gravity_size", REAL),  # m/s²
         ("reach", REAL),  # m, length of the stretched chain
         ("size", REAL),  # m, longest link: the absolute scale of positions
         ("energy", REAL),  # J, of the whole mass at one `size` a second: the absolute scale of energies

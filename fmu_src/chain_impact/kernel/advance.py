@@ -30,9 +30,7 @@ from chain_impact.kernel.integration.last_step import (
 from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.integration.methods import attempt, prepare
 from chain_impact.kernel.integration.sundman import regularize, time_rate_now
-from chain_impact.kernel.integration.switching import (
-    choose_method,
-)
+from chain_impact.kernel.integration.switching import choose_method
 from chain_impact.kernel.model.contact import clear_loads, drop_events
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.status import (

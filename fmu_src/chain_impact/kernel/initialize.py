@@ -92,7 +92,7 @@ def forget_run(d):
     impact, statistics, limits = d.impact, d.statistics, d.limits
     impact.count, impact.last_point, impact.last_wall, impact.last_speed = 0, -1, 0, 0.0
     d.finished.count = 0
-    d.step.breaks, d.search.known_for, d.balance.breaks = 0, 0, 0
+    d.step.breaks, d.search.known_for = 0, 0
     statistics.steps, statistics.rejected_steps = 0, 0
     statistics.rhs_evaluations, statistics.implicit_steps = 0, 0
     limits.event_count, limits.work_count, limits.other_work = 0, 0, 0
@@ -119,6 +119,7 @@ def derive_chain(d):
     for i in range(len(model.length)):
         total += model.mass[i]
     model.energy = total * model.size * model.size
+    model.gravity_size = math.hypot(model.gravity[0], model.gravity[1])
     model.damping_bound = damping_bound(d)
 
 

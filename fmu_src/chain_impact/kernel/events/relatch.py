@@ -10,7 +10,6 @@ from chain_impact.kernel.events.sampling import first_passage, locate_at
 from chain_impact.kernel.model.contact import drop_events
 from chain_impact.kernel.model.geometry import clearance
 
-RESOLUTION = 1e-12  # s, as that of an onset
 SAMPLES = 4  # places in a step to look at, besides its ends: missing a short excess leaves the v₀ as it was
 
 
@@ -42,4 +41,4 @@ def is_fast(d, c, theta):
     return -gap_rate > RELATCH_RATIO * d.touch.impact_speed[c]
 
 
-_when_fast = first_passage(is_fast, SAMPLES, RESOLUTION)
+_when_fast = first_passage(is_fast, SAMPLES)

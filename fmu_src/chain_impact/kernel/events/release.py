@@ -1,7 +1,5 @@
 """The moment at which a rigid wall need not hold a contact any more: its force would have to pull."""
 
-import math
-
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events.kinds import RELEASE
 from chain_impact.kernel.events.sampling import first_passage
@@ -10,7 +8,6 @@ from chain_impact.kernel.model.constraints import meet_walls
 from chain_impact.kernel.model.contact import drop_events
 from chain_impact.kernel.model.equations import state_rate
 
-RESOLUTION = 1e-12  # s, as that of an onset
 # Of the chain's weight, or of its mass at one link length a second squared: a pull below it is round-off.
 PULL = 1e-11
 # Places in a step to look at, once a stage has shown a pull: a force that is negative for less than an eighth
@@ -37,8 +34,7 @@ def find_release(d, touch):
 
 def pull_limit(d):
     """The force [N] that a held contact may pull with, for round-off's sake."""
-    gravity = math.hypot(d.model.gravity[0], d.model.gravity[1])
-    return PULL * d.model.energy / (d.model.size * d.model.size) * (gravity + d.model.size)
+    return PULL * d.model.energy / (d.model.size * d.model.size) * (d.model.gravity_size + d.model.size)
 
 
 def pulls(d, _c, theta):
@@ -64,4 +60,4 @@ def mark_pulling(d, theta):
             d.touch.event[d.touch.active_index[k]] = RELEASE
 
 
-_when_pulled = first_passage(pulls, SAMPLES, RESOLUTION)
+_when_pulled = first_passage(pulls, SAMPLES)

@@ -4,14 +4,15 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.last_step import SOLVER, complete
 
+RESOLUTION = 1e-12  # s of the variable of the step, as that of onsets that are one event
 
-def first_passage(comes_true, samples, resolution):
+
+def first_passage(comes_true, samples):
     """Make the search for the first place in a step at which a function of (d, c, θ) comes true.
 
     Args:
         comes_true: the function, for candidate c at the fraction θ of the last step.
         samples: places in the step to look at.
-        resolution: how well the place is found, in the variable of the step [s].
 
     Returns:
         A function of (d, c, end) that returns the θ ≤ ``end``, or −1 when it is true at no sample.
@@ -22,7 +23,7 @@ def first_passage(comes_true, samples, resolution):
         for sample in range(1, samples + 1):
             high = end * sample / samples
             if comes_true(d, c, high):
-                while (high - low) * d.step.size > resolution:
+                while (high - low) * d.step.size > RESOLUTION:
                     middle = 0.5 * (low + high)
                     if comes_true(d, c, middle):
                         high = middle

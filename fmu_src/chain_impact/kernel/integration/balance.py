@@ -52,13 +52,11 @@ def start_balance(d, time):
         reach += model.length[i]
         # ½ m (s + Σ L)² + ½ I, twice, of the stretched chain
         square += model.mass[i] * reach * reach + model.inertia[i]
-    gravity = math.hypot(model.gravity[0], model.gravity[1])
     balance.unit_motion = math.sqrt(square)
-    balance.weight = total * gravity
+    balance.weight = total * model.gravity_size
     balance.unit_scale = balance.weight * reach + model.energy
     balance.start = time
-    locate_points(d, d.step.state_end)
-    balance.ledger = ledger(d, d.step.state_end)
+    take_stock(d)
     balance.before = balance.ledger
     begin_window(d)
 

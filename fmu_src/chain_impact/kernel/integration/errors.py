@@ -61,8 +61,7 @@ def moment_error(d, row):
     for i in range(d.links):
         worst = max(worst, damping_of(d, i) * abs(error[first + i] - before))
         before = error[first + i]
-    gravity = math.hypot(d.model.gravity[0], d.model.gravity[1])
-    return worst / (d.model.energy * (1.0 + gravity / d.model.size))
+    return worst / (d.model.energy * (1.0 + d.model.gravity_size / d.model.size))
 
 
 def impact_energy(d):

@@ -25,9 +25,8 @@ STIFF = 2.5
 # work.
 NOT_STIFF = 2.0
 STABLE = 4.0  # hρ of the explicit step to begin a flight with: two thirds of what is stable
-IMPACT = (
-    0.05  # the size of an implicit step in an impact over that of an explicit one, at tolerances about 1e-8
-)
+# The size of an implicit step in an impact over that of an explicit one, at tolerances about 1e-8.
+IMPACT = 0.05
 # Steps in a row that have to call for the other method: fewer would change it in the compression of an
 # impact.
 PATIENCE = 4

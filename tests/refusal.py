@@ -1,0 +1,14 @@
+"""The message with which something is refused."""
+
+import pytest
+
+from chain_impact.reading import SceneError
+
+
+def refusal(make, *arguments) -> str:
+    """Return the message with which `make(*arguments)` refuses, after checking its form."""
+    with pytest.raises(SceneError) as caught:
+        make(*arguments)
+    message = str(caught.value)
+    assert message.isprintable(), "one line"
+    return message
