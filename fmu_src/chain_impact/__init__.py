@@ -10,6 +10,8 @@ from chain_impact.scene import Scene, load_scene
 from chain_impact.simulate import simulate, with_law
 from chain_impact.stiffness import sphere_plane_stiffness
 from chain_impact.studies.compare import Comparison, compare
+from chain_impact.studies.sweep.sweep import sweep
+from chain_impact.studies.sweep.table import Sweep
 
 __all__ = [
     "CONTACT_LAWS",
@@ -19,10 +21,12 @@ __all__ = [
     "Scene",
     "SceneError",
     "SimulationError",
+    "Sweep",
     "build_fmu",
     "compare",
     "load_scene",
     "simulate",
     "sphere_plane_stiffness",
+    "sweep",
     "with_law",
 ]

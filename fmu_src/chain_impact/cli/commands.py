@@ -6,14 +6,14 @@ import argparse
 from collections.abc import Sequence
 from typing import NoReturn
 
-from chain_impact.cli import build, cache, compare, info, simulate, validate
+from chain_impact.cli import build, cache, compare, info, simulate, sweep, validate
 from chain_impact.cli.options import UsageError
 from chain_impact.cli.progress import err
 from chain_impact.compilation.errors import BuildError
 from chain_impact.reading import SceneError
 from chain_impact.runs import RunError
 
-VERBS = (build, simulate, compare, info, validate, cache)
+VERBS = (build, simulate, compare, sweep, info, validate, cache)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -7,8 +7,9 @@
     int32 sound(instance*)
     int32 follow(instance*)
     int64 trajectory(instance*, const double* times, int64 rows, output* out)
-    int64 run_each(instance*, const instance* start, const int64* places, int64 parameters, const double* values,
-                   const double* stops, int64 runs, const int64* looks, int64 columns, double* rows, int32 going_on)
+    int64 run_each(instance*, const instance* start, const int64* places, int64 parameters,
+                   const double* values, const double* stops, int64 runs, const int64* looks, int64 columns,
+                   double* rows, int32 going_on)
 
 What they do, kernel/entry.py tells.
 """
@@ -43,7 +44,9 @@ def trajectory(d, times, count, out):
     return entry.trajectory(d, vector(times, count), output, matrix(out, count, len(output)))
 
 
-def run_each(d, start, places, parameters, values, stops, runs, looks, columns, rows, going_on):
+def run_each(  # noqa: PLR0917 - in C, arguments have no names
+    d, start, places, parameters, values, stops, runs, looks, columns, rows, going_on
+):
     """Run again and again with other parameters; return how many runs are done."""
     instance = words(d)
     return entry.run_each(
