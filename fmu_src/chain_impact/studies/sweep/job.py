@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 
 import numpy as np
 
@@ -16,11 +15,12 @@ from chain_impact.compilation.library import kernel_library
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.instance import new_instance
 from chain_impact.kernel.status import OK
+from chain_impact.names import Place, nearest
 from chain_impact.reading import SceneError
 from chain_impact.running import load_kernel
 from chain_impact.scene import Scene
 from chain_impact.studies.sweep.variation import Variation
-from chain_impact.variables import Place, Variable, fmu_variables, word_index
+from chain_impact.variables import Variable, fmu_variables, word_index
 
 PEAKS = {"peak_force": "N", "max_penetration": "m"}
 """The largest of all contacts of a run: the first columns that the kernel fills."""
@@ -70,8 +70,8 @@ def job_of(scene: Scene, variations: Sequence[Variation], outputs: Sequence[str]
     known = [v.name for v in fmu_variables(scene) if v.causality == "output"]
     for name in outputs:
         if name not in known:
-            near = get_close_matches(name, known, n=1)
-            hint = f"the nearest is {near[0]}" if near else "`chain-impact info` lists them"
+            near = nearest(name, known)
+            hint = f"the nearest is {near}" if near else "`chain-impact info` lists them"
             raise SceneError(f"{scene.name}: {name} is no output; {hint}")
     variables = [variation.variable for variation in variations]
     return Job(

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 
 import numpy as np
 
+from chain_impact.names import nearest
 from chain_impact.reading import SceneError
 from chain_impact.scene import Scene
 from chain_impact.variables import Variable, fmu_variables
@@ -88,8 +88,8 @@ def variations_of(scene: Scene, vary: Mapping[str, Values]) -> tuple[Variation, 
     found = []
     for name, values in vary.items():
         if name not in known:
-            near = get_close_matches(name, known, n=1)
-            hint = f"the nearest is {near[0]}" if near else "`chain-impact info` lists them"
+            near = nearest(name, known)
+            hint = f"the nearest is {near}" if near else "`chain-impact info` lists them"
             raise SceneError(f"{scene.name}: {name} is no parameter that can be varied; {hint}")
         variation = _read(known[name], values, scene.name)
         _check(variation, scene.name)
