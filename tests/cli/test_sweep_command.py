@@ -27,6 +27,27 @@ def test_a_grid(run, here):
     assert float(found[1]["point[4].x"]) > 0.0
 
 
+def test_a_picture_and_parquet(run, here):
+    pytest.importorskip("pyarrow")
+    arguments = ("--vary", "contact.restitution=0.2:0.8:3", "-o", "out.parquet", "--plot", "out.svg")
+    code, said, _ = run("sweep", *SHORT, *arguments)
+    assert code == 0
+    assert said.splitlines()[:2] == ["table    out.parquet", "picture  out.svg"]
+    assert (here / "out.svg").read_text().rstrip().endswith("</svg>")
+    assert (here / "out.parquet").read_bytes()[:4] == b"PAR1"
+
+
+def test_a_picture_of_too_many_parameters_is_refused_before_any_run(run, here):
+    names = ("x", "y", "vx", "vy", "angle[1]", "angle[2]", "angle[3]")
+    vary = [part for name in names for part in ("--vary", f"initial.{name}=1")]
+    code, _, error = run("sweep", *SHORT, *vary, "-o", "out.csv", "--plot", "out.png")
+    assert (code, error) == (
+        2,
+        "chain-impact: FourLinkBox: 7 parameters vary, must be <= 6 for a picture\n",
+    )
+    assert list(here.iterdir()) == []
+
+
 def test_samples(run, here):
     arguments = ("sweep", *SHORT, "--vary", "contact.stiffness=1e6:1e9:log", "--samples", "8")
     for name, more in (

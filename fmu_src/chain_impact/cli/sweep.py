@@ -14,6 +14,7 @@ from chain_impact.cli.options import (
     add_scene,
     add_set,
     check_folders,
+    picture,
     settings_of,
 )
 from chain_impact.cli.progress import err, out, progress
@@ -52,6 +53,11 @@ def add(verbs: Verbs) -> None:
         metavar="NAME",
         help="add an output to the table, as it is at the end of a run; can be repeated",
     )
+    sweep.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="run on the workers of a dask.distributed cluster, for example tcp://127.0.0.1:8786",
+    )
     sweep.add_argument("--threads", type=int, metavar="N", help="default: the number of cores")
     sweep.add_argument(
         "-o",
@@ -61,6 +67,9 @@ def add(verbs: Verbs) -> None:
         required=True,
         help="write the table (csv, parquet); the same command goes on after an interruption",
     )
+    sweep.add_argument(
+        "--plot", metavar="FILE", type=picture, help="draw the main results over what varies (png, svg, pdf)"
+    )
     sweep.set_defaults(run=run)
 
 
@@ -69,9 +78,13 @@ def run(options: argparse.Namespace) -> int:
     from chain_impact.studies.sweep.resume import partial_path
     from chain_impact.studies.sweep.sweep import sweep
 
-    check_folders(options.table)
+    check_folders(options.table, options.plot)
     scene = with_settings(load_scene(options.source), settings_of(options.set))
     vary = variations(options.vary, settings_of(options.set))
+    if options.plot:
+        from chain_impact.studies.sweep.plot import check_picture
+
+        check_picture(len(vary), scene.name)
     try:
         with progress("sweeping") as (notify, advance):
             found = sweep(
@@ -83,6 +96,7 @@ def run(options: argparse.Namespace) -> int:
                 outputs=options.output,
                 path=options.table,
                 threads=options.threads,
+                scheduler=options.scheduler,
                 notify=notify,
                 progress=advance,
             )
@@ -92,6 +106,9 @@ def run(options: argparse.Namespace) -> int:
             err.print(kept + "the same command goes on", markup=False, soft_wrap=True)
         raise
     out.print(f"table    {options.table}", markup=False, soft_wrap=True)
+    if options.plot:
+        found.plot(options.plot)
+        out.print(f"picture  {options.plot}", markup=False, soft_wrap=True)
     out.print(summary(found), markup=False, soft_wrap=True)
     return 0
 

@@ -10,6 +10,7 @@ import numpy as np
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.reading import SceneError
 from chain_impact.scene import Scene
+from chain_impact.studies.sweep.cluster import run_on_cluster
 from chain_impact.studies.sweep.design import Sampling, grid, sampled
 from chain_impact.studies.sweep.job import job_of
 from chain_impact.studies.sweep.pieces import missing
@@ -29,6 +30,7 @@ def sweep(
     outputs: Sequence[str] = (),
     path: str | Path | None = None,
     threads: int | None = None,
+    scheduler: str | None = None,
     notify: Notify = announce,
     progress: Callable[[float], None] = lambda _: None,
 ) -> Sweep:
@@ -52,12 +54,15 @@ def sweep(
         path: file for the table, CSV or Parquet. Until it is whole, what is done is kept beside it, in a
             file with ``.partial`` after its name: after an interruption, the same call goes on from there.
         threads: how many runs are made at the same time; as many as there are cores by default.
+        scheduler: address of a dask.distributed scheduler, ``tcp://host:port``, whose workers do the runs in
+            place of this machine. They need the same version of this package.
         notify: called with a sentence before a kernel is compiled.
         progress: called with the fraction done.
 
     Raises:
         SceneError: when an argument is not allowed, which is said before any run; when a library is missing
             that it needs; or when another sweep has left a partial table at the path.
+        RunError: when the cluster cannot finish the sweep.
         OSError: when a file cannot be read or written.
         BuildError: when the kernel cannot be compiled.
     """
@@ -75,12 +80,17 @@ def sweep(
     target = table_path(path) if path else None
     with kept(target, job, design, rows) as book:
         done = sum(end - first for first, end in book.done)
-        for first, block in run_in_threads(job, design, missing(book.done, len(rows)), threads, notify):
+        spans = missing(book.done, len(rows))
+        for first, block in (
+            run_on_cluster(job, design, spans, scheduler)
+            if scheduler is not None
+            else run_in_threads(job, design, spans, threads, notify)
+        ):
             rows[first : first + len(block)] = block
             book.keep(first, block)
             done += len(block)
             progress(done / len(rows))
-        found = Sweep(scene, design, rows)
+        found = Sweep(scene, design, rows, job.outputs)
         if target:
             found.save(target)
         book.remove()

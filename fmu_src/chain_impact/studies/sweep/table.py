@@ -45,11 +45,13 @@ class Sweep:
         scene: the scene that was varied.
         design: which values each run has.
         rows: what came of it, shape (R,), without the values and the word for the status.
+        outputs: the outputs that were asked for.
     """
 
     scene: Scene
     design: Design
     rows: np.ndarray
+    outputs: tuple[str, ...] = ()
 
     @property
     def varied(self) -> tuple[str, ...]:
@@ -108,6 +110,17 @@ class Sweep:
                 self._save_csv(fresh)
             else:
                 self._save_parquet(fresh)
+
+    def plot(self, path: str | Path) -> None:
+        """Draw the main results over what was varied; the suffix says which kind (png, svg, pdf).
+
+        Raises:
+            SceneError: when too many parameters vary for a picture.
+            OSError: when the file cannot be written.
+        """
+        from chain_impact.studies.sweep.plot import plot_sweep
+
+        plot_sweep(self, path)
 
     def _columns(self, first: int, end: int) -> dict[str, np.ndarray]:
         values, rows = self.design.values(first, end).T, self.rows[first:end]

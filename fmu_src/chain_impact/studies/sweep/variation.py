@@ -39,7 +39,7 @@ class Variation:
         variable: the parameter.
         values: the values, numbers of choices for an enumeration; for an interval its two ends.
         interval: whether ``values`` are the ends of an interval.
-        logarithmic: whether the interval is sampled evenly in the logarithm.
+        logarithmic: whether the values or samples are even in the logarithm.
     """
 
     variable: Variable
@@ -131,7 +131,7 @@ def _range(variable: Variable, text: str, source: str) -> Variation:
     if not numbers:
         return Variation(variable, ends, interval=True, logarithmic=logarithmic)
     space = np.geomspace if logarithmic else np.linspace
-    return Variation(variable, space(*ends, *numbers))
+    return Variation(variable, space(*ends, *numbers), logarithmic=logarithmic)
 
 
 def _number(variable: Variable, value: object, source: str) -> float:
