@@ -121,9 +121,7 @@ def sweep() -> str:
     found = common.load("sweep")["results"]
     each, used = found["microseconds a run"], found["CPU microseconds a run"]
     base = used["sweep, 1 thread"]["median"]
-    rows = [
-        (name, span(used[name]), f"{used[name]['median'] / base:.3g}", span(each[name])) for name in each
-    ]
+    rows = [(name, span(used[name]), f"{used[name]['median'] / base:.3g}", span(each[name])) for name in each]
     load = common.load("sweep")["machine"]["load_at_start"][0]
     head = ("", "CPU time of a run [µs]", "over a sweep's", f"by the clock [µs], at a load of {load:.1f}")
     return run("sweep") + "\n\n" + table(head, rows)

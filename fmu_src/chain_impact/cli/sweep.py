@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import argparse
-from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from chain_impact.cli.options import (
     UsageError,
@@ -20,9 +18,6 @@ from chain_impact.cli.options import (
 from chain_impact.cli.progress import err, out, progress
 from chain_impact.runs import with_settings
 from chain_impact.scene import load_scene
-
-if TYPE_CHECKING:
-    from chain_impact.studies.sweep.table import Sweep
 
 
 def add(verbs: Verbs) -> None:
@@ -58,7 +53,9 @@ def add(verbs: Verbs) -> None:
         metavar="ADDRESS",
         help="run on the workers of a dask.distributed cluster, for example tcp://127.0.0.1:8786",
     )
-    sweep.add_argument("--threads", type=int, metavar="N", help="default: the number of cores")
+    sweep.add_argument(
+        "--threads", type=int, metavar="N", help="of this machine; default: the number of its cores"
+    )
     sweep.add_argument(
         "-o",
         dest="table",
@@ -109,7 +106,7 @@ def run(options: argparse.Namespace) -> int:
     if options.plot:
         found.plot(options.plot)
         out.print(f"picture  {options.plot}", markup=False, soft_wrap=True)
-    out.print(summary(found), markup=False, soft_wrap=True)
+    out.print(repr(found), markup=False, soft_wrap=True)
     return 0
 
 
@@ -126,10 +123,3 @@ def variations(texts: Sequence[str], settings: dict[str, str]) -> dict[str, str]
     if not vary:
         raise UsageError("--vary is missing: for example --vary contact.restitution=0.1:0.9:9")
     return vary
-
-
-def summary(found: Sweep) -> str:
-    """How many runs there were, and how they ended."""
-    counts = Counter(found["status"].tolist())
-    parts = ", ".join(f"{count} {status}" for status, count in counts.most_common())
-    return f"{found.scene.name}  {len(found)} run{'s' if len(found) != 1 else ''}: {parts}"

@@ -164,6 +164,14 @@ def test_without_distributed_the_extra_is_named(monkeypatch):
         sweep(SCENE, VARY, scheduler="tcp://127.0.0.1:9")
 
 
+def test_a_piece_that_a_worker_cannot_do(scheduler):
+    scheduler.worker(CHAIN_IMPACT_CACHE="/dev/null/kernels")
+    with pytest.raises(
+        RunError, match=r"FourLinkBox: the cluster could not do the runs .*: NotADirectoryError"
+    ):
+        sweep(SCENE, VARY, scheduler=scheduler.address)
+
+
 def test_the_scheduler_dies(scheduler):
     scheduler.worker()
 

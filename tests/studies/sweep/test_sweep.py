@@ -10,7 +10,7 @@ from chain_impact.results.recording import recording_of
 from chain_impact.running import SimulationError
 from chain_impact.runs import with_settings
 from chain_impact.scene import load_scene, with_values
-from chain_impact.simulate import simulate
+from chain_impact.simulate import simulate, with_law
 from chain_impact.studies.sweep.sweep import sweep
 from tests import random_scenes
 
@@ -124,3 +124,33 @@ def test_random_scenes(seed):
     mass = scene.chain.links[0].mass
     for row in sweep(scene, {"link[1].mass": [mass, 1.1 * mass]}).table:
         check(scene, row, ["link[1].mass"])
+
+
+def test_the_stop_time_alone():
+    found = sweep(short(), {"simulation.stop_time": [0.1, 0.5]})
+    for row in found.table:
+        assert check(short(), row, found.varied) == "ok"
+    assert found["time"].tolist() == [0.1, 0.5]
+
+
+def test_a_chain_that_can_touch_nothing():
+    scene = without_walls()
+    found = sweep(scene, {"gravity.y": [-9.81, 0.0]})
+    for row in found.table:
+        assert check(scene, row, found.varied) == "ok"
+    assert found["peak_force"].tolist() == [0.0, 0.0]
+
+
+def without_walls():
+    return with_values(short(), {("box", wall): None for wall in ("x_min", "x_max", "y_min", "y_max")})
+
+
+def test_a_law_of_ones_own():
+    def spring(penetration: float, stiffness: float) -> float:
+        return stiffness * penetration
+
+    scene = with_law(short(), spring)
+    found = sweep(scene, {"contact.model": ["hertz", "spring", "newton_impact"]})
+    for row in found.table:
+        assert check(scene, row, found.varied) == "ok"
+    assert len(set(found["peak_force"])) == 3

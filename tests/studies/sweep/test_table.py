@@ -23,6 +23,7 @@ def found():
 
 
 def test_columns(found):
+    assert repr(found) == "FourLinkBox  4 runs: 3 ok, 1 restitution_not_allowed"
     assert found.varied == ("contact.restitution", "contact.model")
     assert len(found) == 4
     assert found["contact.model"].tolist() == ["flores", "newton_impact"] * 2

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from concurrent.futures import CancelledError
 from importlib.metadata import version
 from time import perf_counter
@@ -26,7 +26,7 @@ CONNECT, PATIENCE = 10.0, 30.0  # s, for the scheduler to answer, and without an
 
 def run_on_cluster(
     job: Job, design: Design, spans: Sequence[Span], address: str
-) -> Iterator[tuple[int, np.ndarray]]:
+) -> Generator[tuple[int, np.ndarray]]:
     """Yield the rows of the runs in some spans, piece by piece as they are done: (first, rows).
 
     When a worker is lost the others take over its pieces.

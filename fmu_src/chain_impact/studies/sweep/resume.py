@@ -51,6 +51,7 @@ class Book:
     def remove(self) -> None:
         """Remove the file: the table is written."""
         if self._file:
+            self._file.close()
             Path(self._file.name).unlink(missing_ok=True)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -79,17 +80,18 @@ def sweep(
     rows = np.zeros(len(design), job.dtype)
     target = table_path(path) if path else None
     with kept(target, job, design, rows) as book:
-        done = sum(end - first for first, end in book.done)
         spans = missing(book.done, len(rows))
-        for first, block in (
-            run_on_cluster(job, design, spans, scheduler)
-            if scheduler is not None
-            else run_in_threads(job, design, spans, threads, notify)
-        ):
-            rows[first : first + len(block)] = block
-            book.keep(first, block)
-            done += len(block)
-            progress(done / len(rows))
+        left = sum(end - first for first, end in spans)
+        if scheduler is None:
+            pieces = run_in_threads(job, design, spans, threads, notify)
+        else:
+            pieces = run_on_cluster(job, design, spans, scheduler)
+        with closing(pieces):
+            for first, block in pieces:
+                rows[first : first + len(block)] = block
+                book.keep(first, block)
+                left -= len(block)
+                progress(1.0 - left / len(rows))
         found = Sweep(scene, design, rows, job.outputs)
         if target:
             found.save(target)

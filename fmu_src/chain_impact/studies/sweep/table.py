@@ -26,7 +26,7 @@ CHUNK = 10_000  # rows of a CSV file that are made at once
 _STATUS_WORDS = np.array([STATUS_NAME[code] for code in sorted(STATUS_NAME)])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Sweep:
     """The runs of a sweep, one row each.
 
@@ -67,11 +67,18 @@ class Sweep:
         """How many runs."""
         return len(self.rows)
 
+    def __repr__(self) -> str:
+        """How many runs there were, and how they ended: "FourLinkBox  9 runs: 8 ok, 1 too_much_work"."""
+        codes, counts = np.unique(self.rows[STATUS], return_counts=True)
+        most_first = np.argsort(-counts, kind="stable")
+        ends = ", ".join(f"{counts[k]} {STATUS_NAME[int(codes[k])]}" for k in most_first)
+        return f"{self.scene.name}  {len(self)} run{'s' if len(self) != 1 else ''}: {ends}"
+
     def __getitem__(self, name: str) -> np.ndarray:
         """A column, shape (R,); choices, as a contact law, by their names."""
         if name not in self.names:
             raise KeyError(f"{name} is no column of the sweep; there are {', '.join(self.names)}")
-        return self._columns(0, len(self))[name]
+        return self._column(name, 0, len(self))
 
     @property
     def failed(self) -> np.ndarray:
@@ -123,10 +130,16 @@ class Sweep:
         plot_sweep(self, path)
 
     def _columns(self, first: int, end: int) -> dict[str, np.ndarray]:
-        values, rows = self.design.values(first, end).T, self.rows[first:end]
-        columns = {v.name: v.shown(column) for v, column in zip(self.design.variations, values, strict=True)}
-        columns |= {name: rows[name] for name in rows.dtype.names or ()}
-        return columns | {STATUS_WORD: _STATUS_WORDS[rows[STATUS]]}
+        return {name: self._column(name, first, end) for name in self.names}
+
+    def _column(self, name: str, first: int, end: int) -> np.ndarray:
+        """A part of a column."""
+        if name in self.varied:
+            k = self.varied.index(name)
+            return self.design.variations[k].shown(self.design.values(first, end)[:, k])
+        if name == STATUS_WORD:
+            return np.asarray(_STATUS_WORDS[self.rows[STATUS][first:end]])
+        return np.asarray(self.rows[name][first:end])
 
     def _chunks(self) -> Iterator[dict[str, np.ndarray]]:
         for first in range(0, len(self), CHUNK):

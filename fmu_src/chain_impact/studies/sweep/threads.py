@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from queue import SimpleQueue
 from threading import Event, Thread
 from time import perf_counter
@@ -26,7 +26,7 @@ def cores() -> int:
 
 def run_in_threads(
     job: Job, design: Design, spans: Sequence[Span], threads: int, notify: Notify
-) -> Iterator[tuple[int, np.ndarray]]:
+) -> Generator[tuple[int, np.ndarray]]:
     """Yield the rows of the runs in some spans, piece by piece as they are done: (first, rows).
 
     Whoever stops listening, by Ctrl-C for one, waits for less than a second until all threads have ended.
