@@ -1,10 +1,55 @@
-"""A value that the FMU refuses, in libcosim: a master in C++ that calls FMUs from threads of its own."""
+"""One FMU in each of the masters of controlled_arm; and a value that it refuses, in libcosim.
 
+libcosim is a master in C++ that calls FMUs from threads of its own.
+"""
+
+import json
 import subprocess
 import sys
 
 import fmpy
+import numpy as np
 import pytest
+
+from chain_impact import load_scene, simulate
+from chain_impact.scene import models_folder
+from chain_impact.variables import output_columns
+
+RUN = """
+import json, sys
+import numpy as np
+
+folder, fmu, master, count, step = sys.argv[1:]
+sys.path.insert(0, folder)
+from masters import MASTERS
+
+outputs = MASTERS[master]([fmu], np.arange(int(count) + 1) * float(step))
+print(json.dumps({name: values.tolist() for name, values in outputs.items()}))
+"""
+
+
+@pytest.mark.parametrize("master", ["fmpy", "libcosim", "ecos"])
+def test_every_master_runs_one_fmu_to_what_simulate_gives(native, master):
+    """Their communication points differ by round-off, which the chain's impacts amplify 2e4 times."""
+    scene = load_scene("four_link_box")
+    result = simulate(scene)
+    step = scene.simulation.step_size
+    done = subprocess.run(
+        [
+            *(sys.executable, "-c", RUN, models_folder() / "controlled_arm", native["four_link_box"], master),
+            *map(str, (len(result.time) - 1, step)),
+        ],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    found = json.loads(done.stdout.splitlines()[-1])
+    for name, expected in output_columns(scene, result.outputs).items():
+        scale = np.abs(expected).max() + 1.0
+        np.testing.assert_allclose(found[name], expected, rtol=0, atol=1e-8 * scale, err_msg=name)
+
+
+# --- a value that is refused -----------------------------------------------------------------------------
 
 PROGRAM = """
 import sys
