@@ -22,10 +22,10 @@ from peers.ours import Kernel
 from problems import PROBLEMS, STEEL
 from work_precision import judge
 
-from chain_impact.compare import law_values
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.scene import Scene, SceneError, load_scene, with_values
 from chain_impact.simulate import simulate
+from chain_impact.studies.compare import law_values
 
 PROBLEM = PROBLEMS["steel"]
 STIFFNESSES = (1e5, 1e6, 1e7, 1e8, 1e9, 1e10, STEEL, 1e12)

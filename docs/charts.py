@@ -15,10 +15,10 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.figure import Figure
 
-from chain_impact.compare import free_impact
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.laws.registry import ContactLaw
 from chain_impact.scene import load_scene
+from chain_impact.studies.compare import free_impact
 
 PICTURE = Path(__file__).parent / "images" / "restitution.png"
 SAMPLES = np.linspace(0.005, 1.0, 200)

@@ -18,8 +18,8 @@ import numpy as np
 
 from chain_impact.instance import candidates
 from chain_impact.kernel.status import OK, STATUS_TEXT, TOO_MUCH_WORK
+from chain_impact.running import Instance, SimulationError
 from chain_impact.scene import Scene
-from chain_impact.simulate import Instance, SimulationError
 from tests.random_scenes import drive
 
 CPU = 2.0  # s, that a run may take

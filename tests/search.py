@@ -23,8 +23,8 @@ from chain_impact.compilation.library import kernel_library
 from chain_impact.instance import candidates
 from chain_impact.kernel.status import OK
 from chain_impact.layout import instance_dtype
+from chain_impact.running import load_kernel
 from chain_impact.scene import Scene
-from chain_impact.simulate import load_kernel
 from tests import oracle
 from tests.oracle import CPU, Finding
 from tests.random_scenes import scene as scene_of

@@ -18,7 +18,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from chain_impact import load_scene, simulate
-from chain_impact.runs import recording_of
+from chain_impact.results.recording import recording_of
 from chain_impact.scene import SCENE_FILE, WALLS, model_names, models_folder
 from chain_impact.variables import input_places
 

@@ -10,8 +10,8 @@ import pytest
 
 from chain_impact import simulate
 from chain_impact.kernel import status
+from chain_impact.running import SimulationError
 from chain_impact.scene import SOLVER_METHODS, SceneError
-from chain_impact.simulate import SimulationError
 from tests.problems import ball, default_scene, dropped_ball, rod, tumbling_chain
 
 # --- output ------------------------------------------------------------------------------------------------

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 from problems import Problem
 
+from chain_impact.running import Instance
 from chain_impact.scene import Scene
-from chain_impact.simulate import Instance, simulate
+from chain_impact.simulate import simulate
 from peers import Contender, Outcome
 
 

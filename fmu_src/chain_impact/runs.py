@@ -15,10 +15,11 @@ import numpy as np
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.reading import SceneError
-from chain_impact.recording import Impact, Recording, impacts_from_outputs
+from chain_impact.results.recording import Recording, impacts_from_outputs, recording_of
+from chain_impact.running import SimulationError
 from chain_impact.scene import Scene, with_values
-from chain_impact.simulate import Result, SimulationError, simulate
-from chain_impact.variables import fmu_variables, output_columns, parameter_paths
+from chain_impact.simulate import simulate
+from chain_impact.variables import fmu_variables, parameter_paths
 from chain_impact.walls import HalfPlane, half_planes
 
 EXPERIMENT = {f"simulation.{key}": ("simulation", key) for key in ("stop_time", "step_size")}
@@ -71,21 +72,6 @@ def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
         for name, text in settings.items()
     }
     return with_values(scene, changes)
-
-
-def recording_of(result: Result) -> Recording:
-    """The recording of a simulated scene."""
-    names = result.scene.wall_names
-    return Recording(
-        name=result.scene.name,
-        time=result.time,
-        columns=output_columns(result.scene, result.outputs),
-        impacts=[
-            Impact(float(row["onset"]), int(row["point"]), names[row["wall"]], float(row["impact_speed"]))
-            for row in result.impacts
-        ],
-        walls=result.scene.half_planes,
-    )
 
 
 def read_fmu(path: Path) -> Any:

@@ -2,106 +2,22 @@
 
 from __future__ import annotations
 
-import ctypes
-import functools
 import hashlib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
 
 from chain_impact.compilation import cache
-from chain_impact.compilation.library import kernel_library
 from chain_impact.compilation.work import Notify, announce
-from chain_impact.instance import new_instance
-from chain_impact.kernel.status import OK, PAUSED, STATUS_TEXT
+from chain_impact.kernel.status import OK
 from chain_impact.law_file import LawError, source_of
 from chain_impact.reading import SceneError
+from chain_impact.results.result import Result
+from chain_impact.running import Instance, SimulationError
 from chain_impact.scene import Scene, with_values
-from chain_impact.signals import Drive, Signal, drive
-
-IMPACT_DTYPE = np.dtype(
-    [
-        ("point", np.int64),
-        ("wall", np.int64),
-        ("onset", np.float64),
-        ("end", np.float64),
-        ("impact_speed", np.float64),
-        ("separation_speed", np.float64),
-        ("peak_force", np.float64),
-        ("max_penetration", np.float64),
-        ("effective_mass", np.float64),
-    ]
-)
-"""One contact: point 0…N; wall as index into ``scene.wall_names``; onset and end [s]; impact and separation
-speed [m/s]; peak force [N]; largest penetration [m]; effective mass at onset [kg]. The end and the separation
-speed of a contact that lasts to the end of the simulation are NaN. Under the law ``newton_impact`` a bounce
-has no duration and an infinite peak force; that of a contact that lasts is the largest force that held it."""
-
-
-class SimulationError(RuntimeError):
-    """The solver could not go on.
-
-    Attributes:
-        status: the code, see ``chain_impact.kernel.status``.
-        time: where it stopped [s].
-        result: the ``Result`` up to there.
-    """
-
-    def __init__(self, status: int, time: float, result: Result | None) -> None:
-        """Say what happened and when."""
-        super().__init__(f"the simulation stopped at t = {time:.9g} s: {STATUS_TEXT[status]}")
-        self.status, self.time, self.result = status, time, result
-
-    def __reduce__(self) -> tuple[type[SimulationError], tuple[int, float, Result | None]]:
-        """So that it can come back from another process."""
-        return type(self), (self.status, self.time, self.result)
-
-
-@dataclass(frozen=True)
-class Result:
-    """What happened in a simulation.
-
-    Attributes:
-        scene: the scene as it was simulated.
-        time: communication points, shape (T,) [s].
-        outputs: all outputs at these times, a structured array of shape (T,), see
-            ``instance.output_dtype``.
-        impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``.
-        statistics: steps, rejected_steps, rhs_evaluations, implicit_steps, status.
-    """
-
-    scene: Scene
-    time: np.ndarray
-    outputs: np.ndarray
-    impacts: np.ndarray
-    statistics: dict[str, int]
-
-    @property
-    def points(self) -> np.ndarray:
-        """Positions of the points 0…N, shape (T, N+1, 2) [m]."""
-        return self.outputs["point_position"]
-
-    @property
-    def angles(self) -> np.ndarray:
-        """Absolute angles of the links, shape (T, N) [rad]."""
-        return self.outputs["angle"]
-
-    @property
-    def angular_velocities(self) -> np.ndarray:
-        """Angular velocities of the links, shape (T, N) [rad/s]."""
-        return self.outputs["angular_velocity"]
-
-    @property
-    def energy(self) -> np.ndarray:
-        """The ledger [J], a structured array of shape (T,).
-
-        Fields kinetic, potential, elastic, dissipated, supplied and total = kinetic + potential + elastic;
-        total + dissipated − supplied is constant.
-        """
-        return self.outputs[["kinetic", "potential", "elastic", "dissipated", "supplied", "total"]]
+from chain_impact.signals import Signal, drive
 
 
 def simulate(
@@ -211,90 +127,3 @@ def with_law(scene: Scene, law: Callable[..., float]) -> Scene:
     digest = hashlib.sha256(source.encode()).hexdigest()[:16]
     file = cache.made(f"law-{digest}", write) / f"{law.__name__}.py"
     return with_values(scene, {("contact", "law_file"): str(file), ("contact", "model"): law.__name__})
-
-
-class Instance:
-    """An initialized instance and the kernel that works on it."""
-
-    def __init__(self, scene: Scene, notify: Notify = announce, driven: Drive | None = None) -> None:
-        """Load or compile the kernel and set the instance to its start, with the first of the inputs, if any.
-
-        Raises:
-            SimulationError: when the scene cannot start.
-        """
-        self._block = new_instance(scene)
-        self.record = self._block[0]
-        if driven:
-            driven.set(self.record["inputs"], 0)
-        links, law_file = len(scene.chain.links), scene.contact.law_file
-        library = kernel_library(links, notify=notify, law_file=law_file)
-        self._kernel = load_kernel(library)
-        self._address = self._block.ctypes.data
-        if self._kernel.initialize(self._address, 0.0) != OK:
-            raise SimulationError(self.status, 0.0, None)
-
-    def advance(self, time: float) -> int:
-        """Advance to a time [s], not before the present one; return the status."""
-        status: int = PAUSED
-        while status == PAUSED:  # in between, Python looks after Ctrl-C
-            status = self._kernel.advance_awhile(self._address, time)
-        return status
-
-    def trajectory(self, times: np.ndarray, outputs: np.ndarray) -> int:
-        """Advance to each of the times [s], filling a row of outputs for each; return how many are filled."""
-        rows: int = self._kernel.trajectory(self._address, times.ctypes.data, len(times), outputs.ctypes.data)
-        return rows
-
-    def collect(self) -> np.ndarray:
-        """Take the finished contacts out of the log."""
-        log = self.record["finished"]
-        rows = _impact_rows(int(log["count"]), {name: log[name] for name in IMPACT_DTYPE.names or ()})
-        log["count"] = 0
-        return rows
-
-    def open_contacts(self) -> np.ndarray:
-        """The contacts that have not ended yet, with their peaks so far; drops what was solved ahead."""
-        self._kernel.follow(self._address)
-        touch, candidate = self.record["touch"], self.record["candidate"]
-        active = touch["active"] == 1
-        columns = {name: touch[name] for name in ("onset", "peak_force", "max_penetration", "effective_mass")}
-        columns |= {"point": candidate["point"], "wall": candidate["wall"]}
-        columns["impact_speed"] = touch["onset_speed"]
-        columns |= {name: np.full(len(active), np.nan) for name in ("end", "separation_speed")}
-        return _impact_rows(int(active.sum()), {name: column[active] for name, column in columns.items()})
-
-    @property
-    def status(self) -> int:
-        """The status code, 0 when all is well."""
-        return int(self.record["statistics"]["status"])
-
-    @property
-    def time(self) -> float:
-        """The time reached [s]."""
-        return float(self.record["step"]["time"])
-
-    @property
-    def statistics(self) -> dict[str, int]:
-        """The solver's counts."""
-        counts = self.record["statistics"]
-        return {name: int(counts[name]) for name in counts.dtype.names or ()}
-
-
-def _impact_rows(count: int, columns: dict[str, np.ndarray]) -> np.ndarray:
-    rows = np.zeros(count, IMPACT_DTYPE)
-    for name in IMPACT_DTYPE.names or ():
-        rows[name] = columns[name][:count]
-    return rows
-
-
-@functools.cache
-def load_kernel(library: Path) -> ctypes.CDLL:
-    """Load a compiled kernel and declare its entry points (see kernel/entry.py)."""
-    kernel = ctypes.CDLL(str(library))
-    pointer, real = ctypes.c_void_p, ctypes.c_double
-    kernel.initialize.argtypes = kernel.advance.argtypes = [pointer, real]
-    kernel.advance_awhile.argtypes = [pointer, real]
-    kernel.observe.argtypes = kernel.follow.argtypes = [pointer]
-    kernel.trajectory.argtypes = [pointer, pointer, ctypes.c_int64, pointer]
-    kernel.trajectory.restype = ctypes.c_int64
-    return kernel

@@ -9,10 +9,10 @@ import time
 
 import pytest
 
+from chain_impact.cli.screen import cache_report
 from chain_impact.compilation import cache
 from chain_impact.compilation.cache import base_folder, cache_folder, clear, entries, made
 from chain_impact.compilation.errors import BuildError
-from chain_impact.screen import cache_report
 
 
 @pytest.fixture(autouse=True)

@@ -12,8 +12,8 @@ from chain_impact import BuildError, load_scene, simulate
 from chain_impact.compilation import compilers, library, ready
 from chain_impact.compilation.library import kernel_library
 from chain_impact.instance import new_instance
+from chain_impact.running import load_kernel
 from chain_impact.scene import with_values
-from chain_impact.simulate import load_kernel
 from tests.binaries import read_binary
 from tests.fmu.standard import co_simulation_functions
 

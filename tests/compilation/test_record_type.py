@@ -8,8 +8,8 @@ from chain_impact.instance import new_instance
 from chain_impact.kernel.entry import observe_now, trajectory
 from chain_impact.kernel.initialize import initialize
 from chain_impact.layout import instance_dtype
+from chain_impact.running import Instance
 from chain_impact.scene import scene_from_dict, with_values
-from chain_impact.simulate import Instance
 from tests.plain import Plain
 
 

@@ -11,9 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 
 from chain_impact import load_scene, simulate
-from chain_impact.plots import SIZE, fill, plot
-from chain_impact.recording import Impact, Recording
-from chain_impact.runs import recording_of
+from chain_impact.results.plots import SIZE, fill, plot
+from chain_impact.results.recording import Impact, Recording, recording_of
 from chain_impact.scene import model_names
 from chain_impact.walls import half_planes
 from tests.test_models import inputs_of

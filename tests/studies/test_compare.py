@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, SceneError, compare, simulate, with_law
-from chain_impact.compare import advice, free_impact, realised_restitution
 from chain_impact.scene import with_values
+from chain_impact.studies.compare import advice, free_impact, realised_restitution
 from tests.problems import ball, default_scene, flat_rod, of_law, own_law, struck_ball
 from tests.reference import exact_damping_factor, point_impact
 from tests.reference import realised_restitution as exact_restitution

@@ -11,9 +11,9 @@ from rich.console import RenderableType
 from rich.markup import escape
 from rich.table import Table
 
-from chain_impact.compare import Comparison, LawRun, advice
 from chain_impact.compilation.cache import LINKER, Entry
-from chain_impact.recording import Recording
+from chain_impact.results.recording import Recording
+from chain_impact.studies.compare import Comparison, LawRun, advice
 
 NOTHING = "–"
 

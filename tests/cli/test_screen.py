@@ -1,10 +1,10 @@
-"""What the command line prints of a comparison; of simulations, test_cli.py."""
+"""What the command line prints of a comparison; of simulations, test_commands.py."""
 
 import math
 from dataclasses import replace
 
 from chain_impact import CONTACT_LAWS, compare
-from chain_impact.screen import law_table
+from chain_impact.cli.screen import law_table
 from tests.problems import default_scene
 
 

@@ -14,9 +14,11 @@ import numpy as np
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.reading import SceneError
-from chain_impact.recording import written_whole
+from chain_impact.results.recording import written_whole
+from chain_impact.results.result import Result
+from chain_impact.running import Instance, SimulationError
 from chain_impact.scene import Contact, Scene, scene_from_dict, with_values
-from chain_impact.simulate import Instance, Result, SimulationError, simulate
+from chain_impact.simulate import simulate
 
 EXACT = "zhang_sharf"
 """The law that the others are measured by, where the scene's restitution allows it."""

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.recording import Impact, Recording, impacts_from_outputs, written_whole
+from chain_impact.results.recording import Impact, Recording, impacts_from_outputs, written_whole
 
 # each digit, the ends of the range, a negative zero and what is no number at all
 AWKWARD = [0.1 + 0.2, 1 / 3, 5e-324, 1.7976931348623157e308, -0.0, np.nan, np.inf, -1e-300]

@@ -11,6 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
+from chain_impact.results.result import Result
+from chain_impact.variables import output_columns
 from chain_impact.walls import HalfPlane
 
 
@@ -84,6 +86,21 @@ class Recording:
             writer.writerow(["time", *self.columns])
             values = (column.tolist() for column in self.columns.values())
             writer.writerows(zip(self.time.tolist(), *values, strict=True))
+
+
+def recording_of(result: Result) -> Recording:
+    """The recording of a simulated scene."""
+    names = result.scene.wall_names
+    return Recording(
+        name=result.scene.name,
+        time=result.time,
+        columns=output_columns(result.scene, result.outputs),
+        impacts=[
+            Impact(float(row["onset"]), int(row["point"]), names[row["wall"]], float(row["impact_speed"]))
+            for row in result.impacts
+        ],
+        walls=result.scene.half_planes,
+    )
 
 
 @contextmanager

@@ -7,7 +7,7 @@ import matplotlib as mpl
 import pytest
 from matplotlib import pyplot
 
-from chain_impact import cli
+from chain_impact.cli import report
 
 
 @pytest.fixture
@@ -98,7 +98,7 @@ def test_a_place_that_cannot_be_written(refused, here, option, place):
 
 @pytest.mark.parametrize("name", ["out.bmpx", "out", "png"])
 def test_an_unknown_kind_of_picture_is_refused_before_anything_runs(refused, monkeypatch, name):
-    monkeypatch.setattr(cli, "record", None)
+    monkeypatch.setattr(report, "record", None)
     refused(2, rf"{name} must end in \.png, \.svg, \.pdf", "simulate", "--plot", name)
 
 
@@ -120,7 +120,7 @@ def test_a_scene_that_is_none(refused, here, verb, text):
 
 
 def test_show_without_a_display_says_so_before_anything_runs(refused, monkeypatch):
-    monkeypatch.setattr(cli, "record", None)
+    monkeypatch.setattr(report, "record", None)
     with mpl.rc_context({"backend": "agg"}):
         refused(3, "--show: there is no display.* use --plot FILE", "simulate", "--show")
         pyplot.close("all")

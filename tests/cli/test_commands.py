@@ -14,7 +14,8 @@ import pytest
 from matplotlib import pyplot
 from rich.console import Console
 
-from chain_impact import CONTACT_LAWS, cli, load_scene, progress
+from chain_impact import CONTACT_LAWS, load_scene, running
+from chain_impact.cli import commands, progress, report
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.work import Work
 from chain_impact.runs import record_fmu
@@ -23,7 +24,6 @@ from chain_impact.variables import fmu_variables
 
 LITTLE_WORK = "solver.work_limit=1500"  # too little for the impacts, enough for the flight before
 PNG = b"\x89PNG\r\n\x1a\n"
-SIMULATE_MODULE = sys.modules["chain_impact.simulate"]  # the package has a function of this name
 
 
 def impact_lines(text):
@@ -108,7 +108,7 @@ def test_a_kernel_that_does_not_compile(run, here, monkeypatch):
     def kernel_library(*_, **__):
         raise BuildError("could not compile the kernel: zig cc said:\nld: out of memory")
 
-    monkeypatch.setattr(SIMULATE_MODULE, "kernel_library", kernel_library)
+    monkeypatch.setattr(running, "kernel_library", kernel_library)
     monkeypatch.setattr("chain_impact.export.fmu.kernel_library", kernel_library)
     for verb in ("build", "simulate"):
         code, _, said = run(verb)
@@ -303,7 +303,7 @@ def test_an_interrupt_is_no_traceback(run, monkeypatch):
     def record(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli, "record", record)
+    monkeypatch.setattr(report, "record", record)
     assert run("simulate") == (130, "", "chain-impact: interrupted\n")
 
 
@@ -324,7 +324,7 @@ def terminal(monkeypatch):
     def terminal(is_one):
         text = io.StringIO()
         console = Console(file=text, force_terminal=is_one, width=100)
-        for module in (cli, progress):
+        for module in (commands, progress):
             monkeypatch.setattr(module, "err", console)
         return text
 
@@ -333,13 +333,13 @@ def terminal(monkeypatch):
 
 def compiling(monkeypatch):
     """Let the cached kernel look as if it had to be compiled."""
-    cached = SIMULATE_MODULE.kernel_library
+    cached = running.kernel_library
 
     def kernel_library(*arguments, notify, **_):
         notify(Work("compiling the kernel", 12.0))
         return cached(*arguments)
 
-    monkeypatch.setattr(SIMULATE_MODULE, "kernel_library", kernel_library)
+    monkeypatch.setattr(running, "kernel_library", kernel_library)
 
 
 def test_a_bar_shows_on_a_terminal_while_something_compiles(run, monkeypatch, terminal):

@@ -13,10 +13,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from chain_impact.compare import Comparison, LawRun, realised_restitution
 from chain_impact.compilation.work import Notify, announce
-from chain_impact.plots import STYLE
-from chain_impact.recording import written_whole
+from chain_impact.results.plots import STYLE
+from chain_impact.results.recording import written_whole
+from chain_impact.studies.compare import Comparison, LawRun, realised_restitution
 
 SIZE = (15.0, 5.6)  # inches
 PRESCRIBED = np.linspace(0.02, 1.0, 50)  # restitutions

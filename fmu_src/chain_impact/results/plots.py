@@ -13,7 +13,7 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from chain_impact.recording import Recording, written_whole
+from chain_impact.results.recording import Recording, written_whole
 from chain_impact.walls import HalfPlane, half_planes
 
 SIZE = (10.0, 5.4)  # inches

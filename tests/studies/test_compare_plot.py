@@ -5,9 +5,9 @@ import pytest
 from matplotlib.figure import Figure
 
 from chain_impact import CONTACT_LAWS, compare
-from chain_impact.compare import realised_restitution
-from chain_impact.compare_plot import PRESCRIBED, fill, looks_of, plot_comparison
 from chain_impact.scene import with_values
+from chain_impact.studies.compare import realised_restitution
+from chain_impact.studies.compare_plot import PRESCRIBED, fill, looks_of, plot_comparison
 from tests.problems import default_scene
 
 

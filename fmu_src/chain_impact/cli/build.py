@@ -1,0 +1,60 @@
+"""`chain-impact build`: the FMU of a scene."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from chain_impact.cli.options import Verbs, add_scene
+from chain_impact.cli.progress import out, progress
+from chain_impact.cli.report import report
+from chain_impact.compilation.compilers import HOST, ZIG_TARGETS
+from chain_impact.scene import load_scene
+
+
+def add(verbs: Verbs) -> None:
+    """Add the verb to the grammar."""
+    build = verbs.add_parser("build", help="make the FMU of a scene")
+    add_scene(build, "scene")
+    build.add_argument(
+        "-o", "--output", metavar="DIR", type=Path, default=Path("build"), help="default: build"
+    )
+    build.add_argument(
+        "--platform",
+        type=_platforms,
+        default=(HOST,),
+        metavar="LIST",
+        help=f"comma-separated, of: {', '.join(ZIG_TARGETS)}; or all; default: {HOST}",
+    )
+    build.add_argument(
+        "--target",
+        choices=["pythonfmu", "native"],
+        default="pythonfmu",
+        help="native: an FMU that needs no Python; default: pythonfmu",
+    )
+    build.add_argument("--simulate", action="store_true", help="simulate it with fmpy, and draw")
+    build.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Build the FMU of a scene; if asked, simulate and draw it."""
+    from chain_impact.export.fmu import build_fmu
+
+    scene = load_scene(options.source)
+    with progress() as (notify, _):
+        fmu = build_fmu(
+            scene, options.output, target=options.target, platforms=options.platform, notify=notify
+        )
+    out.print(f"FMU      {fmu}", markup=False, soft_wrap=True)
+    if options.simulate:
+        report(str(fmu), [], fmu.with_suffix(".csv"), fmu.with_suffix(".png"))
+    return 0
+
+
+def _platforms(text: str) -> tuple[str, ...]:
+    names = tuple(text.split(","))
+    for name in names:
+        if name not in ZIG_TARGETS and text != "all":
+            known = ", ".join(ZIG_TARGETS)
+            raise argparse.ArgumentTypeError(f"{name!r} is no platform; must be of {known}, or all")
+    return names

@@ -1,0 +1,28 @@
+"""`chain-impact cache`: which compiled kernels there are."""
+
+from __future__ import annotations
+
+import argparse
+
+from chain_impact.cli.options import Verbs
+from chain_impact.cli.progress import out
+from chain_impact.cli.screen import cache_report
+from chain_impact.compilation import cache, ready
+
+
+def add(verbs: Verbs) -> None:
+    """Add the verb to the grammar."""
+    kept = verbs.add_parser("cache", help="say which compiled kernels there are, and where; or remove them")
+    kept.add_argument("--clear", action="store_true", help="remove all that is in the cache")
+    kept.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Say what is in the cache of compiled kernels, or remove it."""
+    if options.clear:
+        size = cache.clear()
+        out.print(f"removed {size / 1e6:.1f} MB from {cache.base_folder()}", markup=False, soft_wrap=True)
+        return 0
+    for line in cache_report(ready.libraries(), cache.entries(), cache.cache_folder()):
+        out.print(line, markup=False, soft_wrap=True)
+    return 0

@@ -1,0 +1,54 @@
+"""The command line's grammar, and its exit codes. Each verb is a module with ``add`` and ``run``."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from typing import NoReturn
+
+from chain_impact.cli import build, cache, compare, info, simulate, validate
+from chain_impact.cli.options import UsageError
+from chain_impact.cli.progress import err
+from chain_impact.compilation.errors import BuildError
+from chain_impact.reading import SceneError
+from chain_impact.runs import RunError
+
+VERBS = (build, simulate, compare, info, validate, cache)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; return the exit code."""
+    options = parser().parse_args(arguments)
+    try:
+        code: int = options.run(options)
+    except (SceneError, UsageError) as error:
+        err.print(f"chain-impact: {error}", markup=False, soft_wrap=True)
+        return 2
+    except (BuildError, RunError) as error:
+        err.print(f"chain-impact: {error}", markup=False, soft_wrap=True)
+        return 3
+    except OSError as error:
+        what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
+        err.print(f"chain-impact: {what}", markup=False, soft_wrap=True)
+        return 2
+    except KeyboardInterrupt:
+        err.print("chain-impact: interrupted")
+        return 130
+    return code
+
+
+class Parser(argparse.ArgumentParser):
+    """Says in one line what is wrong."""
+
+    def error(self, message: str) -> NoReturn:
+        """Leave out the usage."""
+        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
+
+
+def parser() -> argparse.ArgumentParser:
+    """The grammar of the command line."""
+    whole = Parser(prog="chain-impact", description="Impact dynamics of planar robotic chains, as an FMU.")
+    verbs = whole.add_subparsers(required=True, metavar="COMMAND")
+    for verb in VERBS:
+        verb.add(verbs)
+    return whole

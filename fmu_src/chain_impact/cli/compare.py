@@ -1,0 +1,49 @@
+"""`chain-impact compare`: every contact law on one scene."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from chain_impact.cli.options import Verbs, add_scene, add_set, check_folders, picture, settings_of
+from chain_impact.cli.progress import out, progress
+from chain_impact.cli.report import show
+from chain_impact.cli.screen import law_table
+from chain_impact.runs import with_settings
+from chain_impact.scene import load_scene
+
+
+def add(verbs: Verbs) -> None:
+    """Add the verb to the grammar."""
+    compare = verbs.add_parser("compare", help="simulate a scene with every contact law, side by side")
+    add_scene(compare, "scene")
+    add_set(compare)
+    compare.add_argument(
+        "--plot",
+        metavar="FILE",
+        type=picture,
+        help="draw restitution, first impact and energy (png, svg, pdf)",
+    )
+    compare.add_argument("--csv", metavar="FILE", type=Path, help="write the table")
+    compare.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Simulate a scene with every law; print the table and the advice, and write what was asked for."""
+    from chain_impact.studies.compare import compare
+
+    check_folders(options.csv, options.plot)
+    scene = with_settings(load_scene(options.source), settings_of(options.set))
+    with progress("comparing") as (notify, advance):
+        comparison = compare(scene, notify, advance)
+    if options.csv:
+        comparison.save_csv(options.csv)
+        out.print(f"table    {options.csv}", markup=False, soft_wrap=True)
+    if options.plot:
+        from chain_impact.studies.compare_plot import plot_comparison
+
+        with progress("drawing") as (notify, advance):
+            plot_comparison(comparison, options.plot, notify, advance)
+        out.print(f"picture  {options.plot}", markup=False, soft_wrap=True)
+    show(law_table(comparison))
+    return 0

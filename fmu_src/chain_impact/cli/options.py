@@ -1,0 +1,70 @@
+"""Arguments that several verbs share."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from errno import ENOENT
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    Verbs = argparse._SubParsersAction[argparse.ArgumentParser]
+else:
+    Verbs = object  # the class is generic for type checkers only
+
+DEFAULT_SCENE = "four_link_box"
+PICTURES = (".png", ".svg", ".pdf")
+
+
+class UsageError(ValueError):
+    """An argument that cannot be used; the message is one line."""
+
+
+def add_scene(command: argparse.ArgumentParser, what: str) -> None:
+    """Add the scene, or what else can be given in its place."""
+    command.add_argument(
+        "source",
+        nargs="?",
+        default=DEFAULT_SCENE,
+        metavar=what.upper().replace(" OR ", "|"),
+        help=f"{what}: a file, a folder with scene.toml, or a model's name; default: {DEFAULT_SCENE}",
+    )
+
+
+def add_set(command: argparse.ArgumentParser) -> None:
+    """Add ``--set``."""
+    command.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE", help="set a parameter; can be repeated"
+    )
+
+
+def picture(text: str) -> Path:
+    """The type of an argument: a file that matplotlib can draw into."""
+    path = Path(text)
+    if path.suffix.lower() not in PICTURES:
+        raise argparse.ArgumentTypeError(f"{text} must end in {', '.join(PICTURES)}")
+    return path
+
+
+def is_fmu(source: str) -> bool:
+    """Whether the source is meant to be an FMU."""
+    return source.lower().endswith(".fmu")
+
+
+def settings_of(texts: Sequence[str]) -> dict[str, str]:
+    """Name → value of every ``--set NAME=VALUE``."""
+    settings = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not (name and equals and value):
+            raise UsageError(f"--set {text}: must be NAME=VALUE, for example contact.stiffness=1e9")
+        settings[name.strip()] = value.strip()
+    return settings
+
+
+def check_folders(*paths: Path | None) -> None:
+    """Refuse files in folders that are not there, before any work is done."""
+    for path in paths:
+        if path and not path.parent.is_dir():
+            raise FileNotFoundError(ENOENT, "No such folder", str(path))

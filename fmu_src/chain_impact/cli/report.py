@@ -1,0 +1,54 @@
+"""Simulate a scene or an FMU, write the files asked for, and print a summary."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from rich.console import RenderableType
+
+from chain_impact.cli.options import check_folders, is_fmu, settings_of
+from chain_impact.cli.progress import out, progress
+from chain_impact.cli.screen import summary
+from chain_impact.results.recording import Recording
+from chain_impact.runs import RunError, record_fmu, record_scene
+from chain_impact.scene import load_scene
+
+
+def report(source: str, settings: Sequence[str], csv: Path | None, picture: Path | None) -> Recording:
+    """Simulate, write the files asked for and print a summary; also of what came before a fault."""
+    check_folders(csv, picture)
+    fault = None
+    try:
+        recording = record(source, settings)
+    except RunError as error:
+        if error.recording is None:
+            raise
+        recording, fault = error.recording, error
+    if csv:
+        recording.save_csv(csv)
+        out.print(f"results  {csv}", markup=False, soft_wrap=True)
+    if picture:
+        from chain_impact.results.plots import plot
+
+        plot(recording, picture)
+        out.print(f"picture  {picture}", markup=False, soft_wrap=True)
+    show(summary(recording))
+    if fault:
+        raise fault
+    return recording
+
+
+def record(source: str, settings: Sequence[str]) -> Recording:
+    """Simulate a scene or an FMU with parameters set by ``NAME=VALUE``."""
+    values = settings_of(settings)
+    with progress() as (notify, advance):
+        if is_fmu(source):
+            return record_fmu(Path(source), values, advance)
+        return record_scene(load_scene(source), values, notify, advance)
+
+
+def show(parts: Iterable[RenderableType]) -> None:
+    """Print one after the other, whole lines however narrow the terminal."""
+    for part in parts:
+        out.print(part, soft_wrap=True)

@@ -1,0 +1,54 @@
+"""`chain-impact simulate`: a scene or an FMU, with a summary, a picture and a table."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from chain_impact.cli.options import Verbs, add_scene, add_set, picture
+from chain_impact.cli.report import report
+from chain_impact.runs import RunError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def add(verbs: Verbs) -> None:
+    """Add the verb to the grammar."""
+    simulate = verbs.add_parser("simulate", help="simulate a scene, or an FMU with fmpy")
+    add_scene(simulate, "scene or FMU")
+    add_set(simulate)
+    simulate.add_argument("--show", action="store_true", help="open a window with the picture")
+    simulate.add_argument(
+        "--plot", metavar="FILE", type=picture, help="draw motion, energy and impacts (png, svg, pdf)"
+    )
+    simulate.add_argument("--csv", metavar="FILE", type=Path, help="write the outputs over time")
+    simulate.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Simulate a scene or an FMU; print a summary, and write what was asked for."""
+    window = open_window() if options.show else None
+    recording = report(options.source, options.set, options.csv, options.plot)
+    if window:
+        from matplotlib import pyplot
+
+        from chain_impact.results.plots import fill
+
+        fill(window, recording)
+        pyplot.show()
+    return 0
+
+
+def open_window() -> Figure:
+    """An empty page in a window."""
+    from matplotlib import pyplot
+
+    try:
+        page = pyplot.figure(figsize=(12, 6.5), layout="constrained")
+    except ImportError as error:  # a backend asked for by MPLBACKEND
+        raise RunError(f"--show: {error}") from None
+    if page.canvas.required_interactive_framework is None:
+        raise RunError("--show: there is no display, or no window toolkit for matplotlib; use --plot FILE")
+    return page

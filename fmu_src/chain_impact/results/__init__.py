@@ -1,0 +1,1 @@
+"""What a simulation gave: results, recordings, pictures."""

@@ -1,0 +1,123 @@
+"""An instance with the kernel that works on it, in this process."""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+from pathlib import Path
+
+import numpy as np
+
+from chain_impact.compilation.library import kernel_library
+from chain_impact.compilation.work import Notify, announce
+from chain_impact.instance import new_instance
+from chain_impact.kernel.status import OK, PAUSED, STATUS_TEXT
+from chain_impact.results.result import IMPACT_DTYPE, Result
+from chain_impact.scene import Scene
+from chain_impact.signals import Drive
+
+
+class SimulationError(RuntimeError):
+    """The solver could not go on.
+
+    Attributes:
+        status: the code, see ``chain_impact.kernel.status``.
+        time: where it stopped [s].
+        result: the ``Result`` up to there.
+    """
+
+    def __init__(self, status: int, time: float, result: Result | None) -> None:
+        """Say what happened and when."""
+        super().__init__(f"the simulation stopped at t = {time:.9g} s: {STATUS_TEXT[status]}")
+        self.status, self.time, self.result = status, time, result
+
+    def __reduce__(self) -> tuple[type[SimulationError], tuple[int, float, Result | None]]:
+        """So that it can come back from another process."""
+        return type(self), (self.status, self.time, self.result)
+
+
+class Instance:
+    """An initialized instance and the kernel that works on it."""
+
+    def __init__(self, scene: Scene, notify: Notify = announce, driven: Drive | None = None) -> None:
+        """Load or compile the kernel and set the instance to its start, with the first of the inputs, if any.
+
+        Raises:
+            SimulationError: when the scene cannot start.
+        """
+        self._block = new_instance(scene)
+        self.record = self._block[0]
+        if driven:
+            driven.set(self.record["inputs"], 0)
+        links, law_file = len(scene.chain.links), scene.contact.law_file
+        library = kernel_library(links, notify=notify, law_file=law_file)
+        self._kernel = load_kernel(library)
+        self._address = self._block.ctypes.data
+        if self._kernel.initialize(self._address, 0.0) != OK:
+            raise SimulationError(self.status, 0.0, None)
+
+    def advance(self, time: float) -> int:
+        """Advance to a time [s], not before the present one; return the status."""
+        status: int = PAUSED
+        while status == PAUSED:  # in between, Python looks after Ctrl-C
+            status = self._kernel.advance_awhile(self._address, time)
+        return status
+
+    def trajectory(self, times: np.ndarray, outputs: np.ndarray) -> int:
+        """Advance to each of the times [s], filling a row of outputs for each; return how many are filled."""
+        rows: int = self._kernel.trajectory(self._address, times.ctypes.data, len(times), outputs.ctypes.data)
+        return rows
+
+    def collect(self) -> np.ndarray:
+        """Take the finished contacts out of the log."""
+        log = self.record["finished"]
+        rows = _impact_rows(int(log["count"]), {name: log[name] for name in IMPACT_DTYPE.names or ()})
+        log["count"] = 0
+        return rows
+
+    def open_contacts(self) -> np.ndarray:
+        """The contacts that have not ended yet, with their peaks so far; drops what was solved ahead."""
+        self._kernel.follow(self._address)
+        touch, candidate = self.record["touch"], self.record["candidate"]
+        active = touch["active"] == 1
+        columns = {name: touch[name] for name in ("onset", "peak_force", "max_penetration", "effective_mass")}
+        columns |= {"point": candidate["point"], "wall": candidate["wall"]}
+        columns["impact_speed"] = touch["onset_speed"]
+        columns |= {name: np.full(len(active), np.nan) for name in ("end", "separation_speed")}
+        return _impact_rows(int(active.sum()), {name: column[active] for name, column in columns.items()})
+
+    @property
+    def status(self) -> int:
+        """The status code, 0 when all is well."""
+        return int(self.record["statistics"]["status"])
+
+    @property
+    def time(self) -> float:
+        """The time reached [s]."""
+        return float(self.record["step"]["time"])
+
+    @property
+    def statistics(self) -> dict[str, int]:
+        """The solver's counts."""
+        counts = self.record["statistics"]
+        return {name: int(counts[name]) for name in counts.dtype.names or ()}
+
+
+def _impact_rows(count: int, columns: dict[str, np.ndarray]) -> np.ndarray:
+    rows = np.zeros(count, IMPACT_DTYPE)
+    for name in IMPACT_DTYPE.names or ():
+        rows[name] = columns[name][:count]
+    return rows
+
+
+@functools.cache
+def load_kernel(library: Path) -> ctypes.CDLL:
+    """Load a compiled kernel and declare its entry points (see kernel/entry.py)."""
+    kernel = ctypes.CDLL(str(library))
+    pointer, real = ctypes.c_void_p, ctypes.c_double
+    kernel.initialize.argtypes = kernel.advance.argtypes = [pointer, real]
+    kernel.advance_awhile.argtypes = [pointer, real]
+    kernel.observe.argtypes = kernel.follow.argtypes = [pointer]
+    kernel.trajectory.argtypes = [pointer, pointer, ctypes.c_int64, pointer]
+    kernel.trajectory.restype = ctypes.c_int64
+    return kernel

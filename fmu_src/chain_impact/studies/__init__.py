@@ -1,0 +1,1 @@
+"""Many runs of a scene: every contact law side by side."""
