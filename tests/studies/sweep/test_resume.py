@@ -123,6 +123,17 @@ def test_a_file_that_is_none_of_a_sweep_is_refused(tmp_path):
     assert (tmp_path / "out.csv.partial").read_bytes() == b"\xffmine\n"
 
 
+def test_nothing_is_left_where_no_run_was_done(tmp_path, monkeypatch):
+    def broken(*_):
+        raise OSError("no kernel")
+        yield
+
+    monkeypatch.setattr(module, "run_in_threads", broken)
+    with pytest.raises(OSError, match="no kernel"):
+        sweep(SCENE, VARY, path=tmp_path / "out.csv")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_ctrl_c_on_the_command_line(tmp_path):
     command = [sys.executable, "-m", "chain_impact.cli", "sweep", "--set", "solver.tolerance=1e-6"]
     command += ["--vary", "contact.restitution=0.3:0.7:30000", "--set", "simulation.stop_time=0.6"]

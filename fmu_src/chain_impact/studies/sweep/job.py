@@ -22,8 +22,8 @@ from chain_impact.scene import Scene
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.variables import Variable, fmu_variables, word_index
 
-PEAKS = {"peak_force": "N", "max_penetration": "m"}
-"""The largest of all contacts of a run: the first columns that the kernel fills."""
+PEAKS = ("peak_force", "max_penetration")
+"""The largest of all contacts of a run [N], [m]: the first columns that the kernel fills."""
 ENDED = "time"  # s, where a run ended
 STATUS = "solver.status"
 
@@ -65,7 +65,7 @@ def job_of(scene: Scene, variations: Sequence[Variation], outputs: Sequence[str]
     """What the runs of a sweep share.
 
     Raises:
-        SceneError: when there is no such output, or it is asked for twice.
+        SceneError: when there is no such output.
     """
     known = [v.name for v in fmu_variables(scene) if v.causality == "output"]
     for name in outputs:

@@ -41,16 +41,18 @@ class Book:
 
     done: list[Span] = field(default_factory=list)
     _file: IO[bytes] | None = None
+    _empty: bool = True
 
     def keep(self, first: int, rows: np.ndarray) -> None:
         """Keep the rows of the runs from ``first`` on."""
         if self._file:
             content = rows.tobytes()
             self._file.write(BLOCK.pack(first, len(rows), zlib.crc32(content)) + content)
+            self._empty = False
 
-    def remove(self) -> None:
-        """Remove the file: the table is written."""
-        if self._file:
+    def remove(self, *, if_empty: bool = False) -> None:
+        """Remove the file: the table is written, or there is nothing in it."""
+        if self._file and (self._empty or not if_empty):
             self._file.close()
             Path(self._file.name).unlink(missing_ok=True)
 
@@ -84,7 +86,11 @@ def kept(table: Path | None, job: Job, design: Design, rows: np.ndarray) -> Iter
     with path.open("ab", buffering=0) as file:
         if not path.stat().st_size:
             file.write(json.dumps(head).encode() + b"\n")
-        yield Book(done, file)
+        book = Book(done, file, not done)
+        try:
+            yield book
+        finally:
+            book.remove(if_empty=True)
 
 
 def _read(file: IO[bytes], rows: np.ndarray) -> list[Span]:
