@@ -18,13 +18,7 @@ pytest.importorskip("distributed")
 
 SCENE = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "solver.tolerance": 1e-6})
 VARY = {"contact.restitution": "0.3:0.7:500", "contact.model": "flores,newton_impact"}
-pytestmark = [
-    pytest.mark.slow,
-    # left by distributed's own event loop when a client closes
-    pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning"),
-    pytest.mark.filterwarnings("ignore::ResourceWarning"),
-    pytest.mark.filterwarnings("ignore::DeprecationWarning"),
-]
+pytestmark = pytest.mark.slow
 
 
 class Cluster:
@@ -115,6 +109,21 @@ def test_no_workers_left(scheduler, monkeypatch):
             scheduler=scheduler.address,
             progress=lambda _: worker.kill(),
         )
+
+
+def test_rows_that_are_lost_with_the_last_worker(scheduler, monkeypatch):
+    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    worker, real = scheduler.worker(), cluster._result
+
+    def late(*arguments):
+        worker.kill()  # when the first piece is done, and before its rows are here
+        worker.wait()
+        time.sleep(0.5)
+        return real(*arguments)
+
+    monkeypatch.setattr(cluster, "_result", late)
+    with pytest.raises(RunError, match="it has no workers left"):
+        sweep(SCENE, {"contact.restitution": "0.3:0.7:300"}, scheduler=scheduler.address)
 
 
 def test_a_worker_without_the_package(scheduler, tmp_path):

@@ -21,6 +21,7 @@ from chain_impact.studies.sweep.pieces import Pieces, Span
 
 PIECE = 1.0  # s
 AHEAD = 2  # pieces for each thread of a worker, so that none waits for the network
+LOST = "the connection was lost"
 CONNECT, PATIENCE = 10.0, 30.0  # s, for the scheduler to answer, and without any worker
 
 
@@ -64,7 +65,7 @@ def run_on_cluster(
             while at_work:
                 for future in _finished(distributed, client, list(at_work), address):
                     piece = at_work.pop(future)
-                    rows, seconds = _result(future, piece, job)
+                    rows, seconds = _result(client, future, piece, job, address)
                     pieces.took(piece, seconds)
                     submit()
                     yield piece[0], rows
@@ -110,20 +111,35 @@ def _finished(distributed: Any, client: Any, futures: list[Any], address: str) -
             with client.as_current():
                 return list(distributed.wait(futures, timeout=PATIENCE, return_when="FIRST_COMPLETED").done)
         except TimeoutError:
-            if not client.nthreads():
-                raise RunError(f"scheduler {address}: it has no workers left") from None
+            _check_alive(client, address)
         except CancelledError:
-            raise RunError(f"scheduler {address}: the connection was lost") from None
+            raise RunError(f"scheduler {address}: {LOST}") from None
 
 
-def _result(future: Any, piece: Span, job: Job) -> tuple[np.ndarray, float]:
-    if future.status != "error":
-        rows, seconds = future.result()
-        return rows, seconds
-    error = future.exception()
-    if isinstance(error, BuildError):
-        raise error
-    reason = f"{type(error).__name__}: {error}"
-    raise RunError(
-        f"{job.scene.name}: the cluster could not do the runs {piece[0]} to {piece[1] - 1}: {reason}"
-    ) from None
+def _result(client: Any, future: Any, piece: Span, job: Job, address: str) -> tuple[np.ndarray, float]:
+    """The rows of a piece, and how long it took [s]; if a worker is lost with them, they are made again."""
+    while True:
+        try:
+            rows, seconds = future.result(timeout=PATIENCE)
+        except Exception as error:
+            if isinstance(error, BuildError):
+                raise
+            if future.status == "error":
+                name, reason = job.scene.name, f"{type(error).__name__}: {error}"
+                runs = f"the runs {piece[0]} to {piece[1] - 1}"
+                raise RunError(f"{name}: the cluster could not do {runs}: {reason}") from None
+            if not isinstance(error, TimeoutError):
+                raise RunError(f"scheduler {address}: {LOST}") from None
+            _check_alive(client, address)
+        else:
+            return rows, seconds
+
+
+def _check_alive(client: Any, address: str) -> None:
+    """Go on waiting only while there are workers."""
+    try:
+        threads = client.nthreads()
+    except OSError:
+        raise RunError(f"scheduler {address}: {LOST}") from None
+    if not threads:
+        raise RunError(f"scheduler {address}: it has no workers left")
