@@ -6,13 +6,17 @@ import csv
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import reduce
+from operator import getitem
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from chain_impact.results.result import Result
-from chain_impact.variables import output_columns
+from chain_impact.scene import scene_to_dict
+from chain_impact.variables import output_columns, parameter_paths
 from chain_impact.walls import HalfPlane
 
 
@@ -44,6 +48,7 @@ class Recording:
         impacts: in order of time; those that an FMU had between two communication points, but for the last
             of them, are missing.
         walls: name → free side of the walls that are there.
+        parameters: FMU variable name → value at the start, of a choice its name; none where they are unknown.
     """
 
     name: str
@@ -51,6 +56,7 @@ class Recording:
     columns: dict[str, np.ndarray]
     impacts: list[Impact]
     walls: dict[str, HalfPlane]
+    parameters: dict[str, Any] = field(default_factory=dict)
 
     @property
     def impact_count(self) -> int:
@@ -90,7 +96,7 @@ class Recording:
 
 def recording_of(result: Result) -> Recording:
     """The recording of a simulated scene."""
-    names = result.scene.wall_names
+    names, values = result.scene.wall_names, scene_to_dict(result.scene)
     return Recording(
         name=result.scene.name,
         time=result.time,
@@ -100,6 +106,10 @@ def recording_of(result: Result) -> Recording:
             for row in result.impacts
         ],
         walls=result.scene.half_planes,
+        parameters={
+            name: reduce(getitem, path, values)  # type: ignore[arg-type]
+            for name, path in parameter_paths(result.scene).items()
+        },
     )
 
 

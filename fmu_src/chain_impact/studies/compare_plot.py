@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from chain_impact.compilation.work import Notify, announce
-from chain_impact.results.plots import STYLE
+from chain_impact.results.plots.style import STYLE
 from chain_impact.results.recording import written_whole
 from chain_impact.studies.compare import Comparison, LawRun, realised_restitution
 
