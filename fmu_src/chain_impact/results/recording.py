@@ -7,15 +7,12 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import reduce
-from operator import getitem
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from chain_impact.results.result import Result
-from chain_impact.scene import scene_to_dict
 from chain_impact.variables import output_columns, parameter_paths
 from chain_impact.walls import HalfPlane
 
@@ -96,7 +93,7 @@ class Recording:
 
 def recording_of(result: Result) -> Recording:
     """The recording of a simulated scene."""
-    names, values = result.scene.wall_names, scene_to_dict(result.scene)
+    names, values = result.scene.wall_names, result.scene.values
     return Recording(
         name=result.scene.name,
         time=result.time,
@@ -106,10 +103,7 @@ def recording_of(result: Result) -> Recording:
             for row in result.impacts
         ],
         walls=result.scene.half_planes,
-        parameters={
-            name: reduce(getitem, path, values)  # type: ignore[arg-type]
-            for name, path in parameter_paths(result.scene).items()
-        },
+        parameters={name: values[name] for name in parameter_paths(result.scene)},
     )
 
 

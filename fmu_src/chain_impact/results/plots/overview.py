@@ -18,7 +18,7 @@ from chain_impact.results.plots.over_time import (
     number_impacts,
 )
 from chain_impact.results.plots.room import view_of
-from chain_impact.results.plots.style import STYLE, headline
+from chain_impact.results.plots.style import DPI, STYLE, headline
 from chain_impact.results.recording import Recording, written_whole
 
 SIZE = (10.0, 5.4)  # inches
@@ -29,9 +29,9 @@ HEIGHT = 0.46  # of the page's width, the motion's panel
 def plot(recording: Recording, path: Path) -> None:
     """Draw the recording into a file; the suffix says which kind (png, svg, pdf)."""
     with written_whole(path) as fresh:
-        page = Figure(figsize=SIZE, layout="constrained")
+        page = Figure(figsize=SIZE, dpi=DPI, layout="constrained")
         fill(page, recording)
-        page.savefig(fresh, dpi=160)
+        page.savefig(fresh, dpi="figure")
 
 
 @mpl.rc_context(STYLE)

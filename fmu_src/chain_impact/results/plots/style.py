@@ -34,6 +34,7 @@ STYLE: Any = {
     "savefig.facecolor": "white",
 }
 """Settings of matplotlib for every picture, for `matplotlib.rc_context`."""
+DPI = 160
 LEFT, TOP = 0.12, 0.08  # inches from the left and the upper edge of the page to the headline
 LINES = (0.3, 0.24)  # inches, the heights of its lines
 
