@@ -70,7 +70,8 @@ def message(comparison: Comparison) -> str:
     e, name = comparison.scene.contact.restitution, comparison.scene.name
     if not found:
         return f"{name}: no law finished its first impact"
-    return f"{name}: asked for e = {e:g}, {len(found)} laws give {min(found):.2f} to {max(found):.2f} in the first impact"
+    span = f"{min(found):.2f} to {max(found):.2f}"
+    return f"{name}: asked for e = {e:g}, {len(found)} laws give {span} in the first impact"
 
 
 def conditions(comparison: Comparison, looks: Looks) -> str:
@@ -86,8 +87,8 @@ def conditions(comparison: Comparison, looks: Looks) -> str:
 def named_laws(comparison: Comparison) -> dict[str, str]:
     """The laws that get a colour, at most NAMED, and why.
 
-    The one that differs most is the one whose restitution in the first impact is farthest from the prescribed,
-    of those that dissipate.
+    Of those that dissipate, the one that differs most is the one whose restitution in the first impact is
+    farthest from the prescribed.
     """
     e, reference = comparison.scene.contact.restitution, comparison.reference
     why = {reference: "reference"}
