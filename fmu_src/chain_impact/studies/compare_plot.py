@@ -104,22 +104,22 @@ def named_laws(comparison: Comparison) -> dict[str, str]:
 
 def looks_of(comparison: Comparison, curves: dict[str, np.ndarray]) -> Looks:
     """How each law is drawn; the second of two laws with the same force has no look, but shares a label."""
-    why, looks = named_laws(comparison), {}
-    colours = iter(PALETTE)
+    why, colours = named_laws(comparison), iter(PALETTE)
+    twins: dict[str, list[str]] = {}
     for run in comparison.runs:
-        twin = next((one for one in looks if _same(comparison[one], run, curves)), None)
-        if twin is None:
-            looks[run.law] = {"laws": [], "color": GREY, "linewidth": 0.9, "zorder": 2}
-        look = looks[twin or run.law]
-        look["laws"].append(run.law)
-        if run.law == comparison.reference:
-            look |= {"color": BLACK, "linewidth": 3.0, "zorder": 3}
-        elif run.law in why and look["color"] == GREY:
-            look |= {"color": next(colours), "linewidth": 1.7, "zorder": 4}
-    for look in looks.values():
-        laws = look.pop("laws")
+        twin = next((one for one in twins if _same(comparison[one], run, curves)), run.law)
+        twins.setdefault(twin, []).append(run.law)
+    looks: Looks = {}
+    for first, laws in twins.items():
         reasons = [why[law] for law in laws if law in why]
-        look["label"] = ", ".join(laws) + (f" ({reasons[0]})" if reasons else "")
+        label = ", ".join(laws) + (f" ({reasons[0]})" if reasons else "")
+        if comparison.reference in laws:
+            look = {"color": BLACK, "linewidth": 3.0, "zorder": 3}
+        elif reasons:
+            look = {"color": next(colours), "linewidth": 1.7, "zorder": 4}
+        else:
+            look = {"color": GREY, "linewidth": 0.9, "zorder": 2}
+        looks[first] = {"label": label, **look}
     return looks
 
 
