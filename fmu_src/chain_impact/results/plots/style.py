@@ -53,6 +53,6 @@ def headline(page: Figure, message: str, conditions: str = "") -> None:
         engine.set(rect=(0.0, 0.0, 1.0, 1.0 - top / height))
 
 
-def number(value: float) -> str:
-    """A number with up to four digits, without zeros that say nothing: 1e8, 2.145e10."""
-    return re.sub(r"e\+?(-?)0*", r"e\1", f"{value:.4g}")
+def number(value: float, digits: int = 4) -> str:
+    """A number with up to so many digits, without zeros that say nothing: 1e8, 2.145e10."""
+    return re.sub(r"e\+?(-?)0*", r"e\1", f"{value:.{digits}g}")
