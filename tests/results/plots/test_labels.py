@@ -17,6 +17,7 @@ from chain_impact.results.plots.labels import (
     place_labels,
     settle,
     spread_labels,
+    stem_boxes,
 )
 
 
@@ -57,6 +58,15 @@ def test_a_label_stands_on_the_side_it_is_meant_for(axes):
 def test_a_marker_is_as_large_as_it_is_drawn(axes):
     (box,) = marker_boxes(axes, [(0.5, 0.5)], 72.0)
     np.testing.assert_allclose(box.size, axes.figure.dpi)
+
+
+def test_a_stem_stands_between_zero_and_its_top(axes):
+    axes.set_ylim(-1.0, 1.0)
+    (box,) = stem_boxes(axes, [(0.5, 0.8)])
+    np.testing.assert_allclose(axes.transData.inverted().transform(box), [[0.5, 0.0], [0.5, 0.8]], atol=1e-12)
+    place_labels(axes, [Label("x", (0.5, 0.4))], [box], fontsize=7)
+    (text,) = axes.texts
+    assert text.xyann[0] != 0.0  # beside the stem
 
 
 def test_names_of_curves_stay_apart_and_in_order(axes):

@@ -16,7 +16,7 @@ from matplotlib.text import Annotation, Text
 from matplotlib.transforms import Bbox
 
 CLOSE, STEP = 6.0, 8.0  # points from the place to its label, and along it between trials
-PAD = 3.0  # pixels that stay free around a label
+PAD = 2.5  # points that stay free around a label
 RIGHT = 8.0  # points from the edge of the axes to the labels of curves
 LINE = 1.25  # of the font's size, between labels one above the other
 
@@ -62,7 +62,7 @@ def place_labels(axes: Axes, labels: Sequence[Label], obstacles: Sequence[Bbox] 
         box = text.get_window_extent()
         for offset in label.offsets(box.width * pixel, box.height * pixel):
             text.xyann = offset
-            box = text.get_window_extent().padded(PAD)
+            box = text.get_window_extent().padded(PAD / pixel)
             within = inside.x0 <= box.x0 <= box.x1 <= inside.x1 and inside.y0 <= box.y0 <= box.y1 <= inside.y1
             if within and not box.count_overlaps(taken):
                 taken.append(text.get_window_extent())
@@ -75,6 +75,13 @@ def marker_boxes(axes: Axes, places: Sequence[tuple[float, float]], size: float)
     """The boxes, in pixels, of round markers of a size in points."""
     half = 0.5 * size * axes.figure.dpi / 72.0
     return [Bbox([at - half, at + half]) for at in axes.transData.transform(np.reshape(places, (-1, 2)))]
+
+
+def stem_boxes(axes: Axes, tops: Sequence[tuple[float, float]]) -> list[Bbox]:
+    """The boxes, in pixels, of upright lines from zero to their tops."""
+    places = np.reshape(tops, (-1, 2))
+    feet = axes.transData.transform(places * [1.0, 0.0])
+    return [Bbox(ends) for ends in zip(feet, axes.transData.transform(places), strict=True)]
 
 
 def label_curves(

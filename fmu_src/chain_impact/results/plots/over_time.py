@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from chain_impact.results.plots.labels import Label, marker_boxes, place_labels
+from chain_impact.results.plots.labels import Label, marker_boxes, place_labels, stem_boxes
 from chain_impact.results.plots.motion import ABOVE, strongest
 from chain_impact.results.plots.style import (
     BLACK,
@@ -77,7 +77,8 @@ def point_groups(recording: Recording) -> list[tuple[str, Any, set[int]]]:
 def number_impacts(axes: Axes, recording: Recording) -> None:
     """Write the numbers of the impacts at their speeds, the highest first."""
     numbers = {impact: number for number, impact in enumerate(recording.impacts, start=1)}
-    dots = marker_boxes(axes, [(hit.time, hit.speed) for hit in recording.impacts], DOT)
+    tops = [(hit.time, hit.speed) for hit in recording.impacts]
+    marks = marker_boxes(axes, tops, DOT) + stem_boxes(axes, tops)
     ordered = strongest(recording.impacts, len(recording.impacts))
     labels = [Label(str(numbers[hit]), (hit.time, hit.speed)) for hit in ordered]
-    place_labels(axes, labels, dots, fontsize=7)
+    place_labels(axes, labels, marks, fontsize=7)
