@@ -5,8 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from chain_impact.results.plots.over_time import point_groups
-from chain_impact.results.plots.style import PALETTE
+from chain_impact.results.plots.over_time import TOLD, point_groups
+from chain_impact.results.plots.style import GREY
 from chain_impact.results.recording import Impact
 from chain_impact.scene import model_names
 from tests.results.plots.pictures import drawn, recorded, swing, texts
@@ -19,7 +19,8 @@ def test_every_impact_is_in_the_picture(model):
     stems = [path for item in speeds.collections for path in item.get_segments()]
     expected = sorted((impact.time, impact.speed) for impact in recording.impacts)
     assert sorted(tuple(stem[1]) for stem in stems) == expected
-    assert len([line for line in energy.lines if len(line.get_xdata()) == 2]) == len(expected)
+    (lines,) = energy.collections
+    assert [path[0, 0] for path in lines.get_segments()] == [impact.time for impact in recording.impacts]
 
 
 @pytest.mark.parametrize("model", model_names())
@@ -59,7 +60,8 @@ def test_many_points_are_not_told_apart_by_colour():
     hits = [Impact(0.1 * k, k, "y_min", float(k)) for k in range(15)]
     groups = point_groups(swing(hits, {"y_min": 0.0}))
     names = [name for name, _, _ in groups]
-    assert names == ["others", *(f"point {k}" for k in range(15 - len(PALETTE) + 1, 15))]
+    assert names == ["others", *(f"point {k}" for k in range(15 - TOLD + 1, 15))]
+    assert groups[0][1] == GREY
     assert len({colour for _, colour, _ in groups}) == len(groups)
     assert set.union(*(points for _, _, points in groups)) == set(range(15))
     few = point_groups(swing(hits[:3], {"y_min": 0.0}))

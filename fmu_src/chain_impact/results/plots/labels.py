@@ -13,7 +13,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation, Text
-from matplotlib.transforms import Bbox
 
 CLOSE, STEP = 6.0, 8.0  # points from the place to its label, and along it between trials
 PAD = 2.5  # points that stay free around a label
@@ -29,11 +28,13 @@ class Label:
         text: what it says.
         place: in data coordinates.
         away: unit vector of the direction in which it stands from its place.
+        short: what it says where the text has no room, if anything.
     """
 
     text: str
     place: tuple[float, float]
     away: tuple[float, float] = (0.0, 1.0)
+    short: str = ""
 
     def offsets(self, width: float, height: float) -> Iterator[tuple[float, float]]:
         """Where the middle of a text of this size can be, in points from its place, the best first."""
@@ -49,39 +50,46 @@ def settle(page: Figure) -> None:
     page.set_layout_engine("none")
 
 
-def place_labels(axes: Axes, labels: Sequence[Label], obstacles: Sequence[Bbox] = (), **look: Any) -> None:
+def place_labels(axes: Axes, labels: Sequence[Label], obstacles: np.ndarray, **look: Any) -> None:
     """Write the labels, the most important first, where they meet no other label and no obstacle.
 
-    A label without room inside the axes is left out. ``look`` is how text is drawn; ``obstacles`` are in
-    pixels.
+    A label without room inside the axes is left out. ``obstacles`` are boxes as `marker_boxes` gives them,
+    ``look`` is how text is drawn.
     """
-    inside, taken, pixel = axes.get_window_extent(), list(obstacles), 72.0 / axes.figure.dpi
+    style: dict[str, Any] = {"ha": "center", "va": "center", "textcoords": "offset points", **look}
+    taken = obstacles
     for label in labels:
-        style: dict[str, Any] = {"ha": "center", "va": "center", "textcoords": "offset points", **look}
-        text = axes.annotate(label.text, label.place, (0.0, 0.0), in_layout=False, **style)
-        box = text.get_window_extent()
-        for offset in label.offsets(box.width * pixel, box.height * pixel):
-            text.xyann = offset
-            box = text.get_window_extent().padded(PAD / pixel)
-            within = inside.x0 <= box.x0 <= box.x1 <= inside.x1 and inside.y0 <= box.y0 <= box.y1 <= inside.y1
-            if within and not box.count_overlaps(taken):
-                taken.append(text.get_window_extent())
+        for words in filter(None, (label.text, label.short)):
+            text = axes.annotate(words, label.place, (0.0, 0.0), in_layout=False, **style)
+            if find_room(axes, text, label, taken):
+                taken = np.vstack([taken, text.get_window_extent().extents])
                 break
-        else:
             text.remove()
 
 
-def marker_boxes(axes: Axes, places: Sequence[tuple[float, float]], size: float) -> list[Bbox]:
-    """The boxes, in pixels, of round markers of a size in points."""
-    half = 0.5 * size * axes.figure.dpi / 72.0
-    return [Bbox([at - half, at + half]) for at in axes.transData.transform(np.reshape(places, (-1, 2)))]
+def find_room(axes: Axes, text: Annotation, label: Label, taken: np.ndarray) -> bool:
+    """Move a text to the first of its label's places that is free and inside the axes, if there is one."""
+    inside, size, pixel = axes.get_window_extent().extents, text.get_window_extent(), 72.0 / axes.figure.dpi
+    for offset in label.offsets(size.width * pixel, size.height * pixel):
+        text.xyann = offset
+        x0, y0, x1, y1 = text.get_window_extent().padded(PAD / pixel).extents
+        within = inside[0] <= x0 and inside[1] <= y0 and x1 <= inside[2] and y1 <= inside[3]
+        meets = (taken[:, 0] < x1) & (taken[:, 1] < y1) & (taken[:, 2] > x0) & (taken[:, 3] > y0)
+        if within and not meets.any():
+            return True
+    return False
 
 
-def stem_boxes(axes: Axes, tops: Sequence[tuple[float, float]]) -> list[Bbox]:
-    """The boxes, in pixels, of upright lines from zero to their tops."""
+def marker_boxes(axes: Axes, places: Sequence[tuple[float, float]], size: float) -> np.ndarray:
+    """The boxes of round markers of a size in points: x and y of two corners in pixels, shape (n, 4)."""
+    half, middles = 0.5 * size * axes.figure.dpi / 72.0, axes.transData.transform(np.reshape(places, (-1, 2)))
+    return np.hstack([middles - half, middles + half])
+
+
+def stem_boxes(axes: Axes, tops: Sequence[tuple[float, float]]) -> np.ndarray:
+    """The boxes of upright lines from zero to their tops, as those of markers."""
     places = np.reshape(tops, (-1, 2))
-    feet = axes.transData.transform(places * [1.0, 0.0])
-    return [Bbox(ends) for ends in zip(feet, axes.transData.transform(places), strict=True)]
+    return np.hstack([axes.transData.transform(ends) for ends in (places * [1.0, 0.0], places)])
 
 
 def label_curves(

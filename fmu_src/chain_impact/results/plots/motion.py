@@ -18,6 +18,7 @@ from chain_impact.results.recording import Impact, Recording
 
 STRONG = 6  # poses at impacts, at most: those at the highest speeds
 FAINT = 80  # evenly spaced poses behind them
+MARKED = 12  # points: those of a longer chain have no marks
 FEW = 6  # points: of a longer chain the paths are fainter
 RING = 6.5  # points, the size of the mark of an impact
 NEAR_PLACE = 0.03  # of the view's width, within which impacts at a wall share a ring
@@ -36,11 +37,13 @@ def draw_motion(axes: Axes, recording: Recording) -> None:
     shade = colour_of_time(recording)
     draw_faint(axes, recording)
     draw_paths(axes, recording, shade)
+    marks: dict[str, Any] = {"marker": "o" if recording.points.shape[1] <= MARKED else ""}
     for time in sorted(hit.time for hit in strongest(recording.impacts, STRONG)):
-        draw_chain(axes, pose_at(recording, time), color=shade(time), linewidth=1.6, markersize=3.5)
+        draw_chain(axes, pose_at(recording, time), color=shade(time), linewidth=1.6, markersize=3.5, **marks)
     for row, name in ((0, "start"), (-1, "end")):
         colour = shade(recording.time[row])
-        draw_chain(axes, recording.points[row], color=colour, linewidth=3.0, markersize=5.5, label=name)
+        look = {"color": colour, "linewidth": 3.0, "markersize": 5.5, "label": name} | marks
+        draw_chain(axes, recording.points[row], **look)
     draw_rings(axes, recording)
     axes.set_aspect("equal")
     axes.set(xlabel="x [m]", ylabel="y [m]")
@@ -117,7 +120,7 @@ def number_rings(axes: Axes, recording: Recording) -> None:
         text = ", ".join(str(number) for number in sorted(numbers[hit] for hit in shown))
         more = f" +{len(hits) - len(shown)}" if len(hits) > len(shown) else ""
         nx, ny = recording.walls[hits[0].wall].normal
-        labels.append(Label(text + more, spot, (-nx, -ny)))
+        labels.append(Label(text + more, spot, (-nx, -ny), short=str(numbers[hits[0]])))
     place_labels(axes, labels, marker_boxes(axes, list(found), RING), fontsize=7, color=INK)
 
 

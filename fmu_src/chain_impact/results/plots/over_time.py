@@ -24,6 +24,8 @@ from chain_impact.results.recording import Recording
 
 ENERGY_COLOURS = {"kinetic": GREEN, "potential": ORANGE, "total": BLACK, "dissipated": VERMILLION}
 ENERGY_COLOURS |= {"supplied": PURPLE}
+TOLD = 5  # points, at most, that have a colour of their own, so that the legend has room
+NUMBERED = 60  # impacts, at most, for whose numbers room is sought
 DOT = 4.0  # points, the size of the mark of an impact
 
 
@@ -38,8 +40,8 @@ def draw_clock(axes: Axes, recording: Recording) -> None:
 
 def draw_energy(axes: Axes, recording: Recording) -> None:
     """The energy ledger over time; the impacts as lines."""
-    for impact in recording.impacts:
-        axes.axvline(impact.time, color=PALE, linewidth=0.8, zorder=0)
+    onsets = [impact.time for impact in recording.impacts]
+    axes.vlines(onsets, 0.0, 1.0, PALE, linewidth=0.8, zorder=0, transform=axes.get_xaxis_transform())
     for name, colour in ENERGY_COLOURS.items():
         energy = recording.columns.get(f"energy.{name}", np.zeros(1))
         if name != "supplied" or energy.any():
@@ -49,7 +51,7 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
 
 
 def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
-    """The approach speed of each impact over time, coloured by point; many points share a grey."""
+    """The approach speed of each impact over time, coloured by point; of many points most share a grey."""
     for name, colour, points in point_groups(recording):
         hits = [(hit.time, hit.speed) for hit in recording.impacts if hit.point in points]
         times, speeds = zip(*hits, strict=True)
@@ -66,7 +68,7 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
 def point_groups(recording: Recording) -> list[tuple[str, Any, set[int]]]:
     """Name, colour and points of what is told apart: the points hit hardest, and all others together."""
     hit = list(dict.fromkeys(impact.point for impact in strongest(recording.impacts, len(recording.impacts))))
-    told = sorted(hit if len(hit) <= len(PALETTE) else hit[: len(PALETTE) - 1])
+    told = sorted(hit if len(hit) <= TOLD else hit[: TOLD - 1])
     groups: list[tuple[str, Any, set[int]]] = [
         (f"point {point}", colour, {point}) for point, colour in zip(told, PALETTE, strict=False)
     ]
@@ -78,7 +80,7 @@ def number_impacts(axes: Axes, recording: Recording) -> None:
     """Write the numbers of the impacts at their speeds, the highest first."""
     numbers = {impact: number for number, impact in enumerate(recording.impacts, start=1)}
     tops = [(hit.time, hit.speed) for hit in recording.impacts]
-    marks = marker_boxes(axes, tops, DOT) + stem_boxes(axes, tops)
-    ordered = strongest(recording.impacts, len(recording.impacts))
+    marks = np.vstack([marker_boxes(axes, tops, DOT), stem_boxes(axes, tops)])
+    ordered = strongest(recording.impacts, NUMBERED)
     labels = [Label(str(numbers[hit]), (hit.time, hit.speed)) for hit in ordered]
     place_labels(axes, labels, marks, fontsize=7)

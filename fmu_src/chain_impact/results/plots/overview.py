@@ -22,7 +22,7 @@ from chain_impact.results.plots.style import DPI, STYLE, headline
 from chain_impact.results.recording import Recording, written_whole
 
 SIZE = (10.0, 5.4)  # inches
-SLIM, BROAD = 0.6, 1.45  # width of the motion's panel in heights, at least and at most
+SLIM, BROAD = 0.6, 1.3  # width of the motion's panel in heights, at least and at most
 HEIGHT = 0.46  # of the page's width, the motion's panel
 
 
