@@ -10,12 +10,14 @@ from chain_impact.running import SimulationError
 from chain_impact.runs import RunError, record_fmu
 from chain_impact.scene import Scene, load_scene
 from chain_impact.simulate import simulate, with_law
+from chain_impact.stepping import Chain
 from chain_impact.stiffness import sphere_plane_stiffness
 from chain_impact.studies.compare import Comparison, compare
 
 __all__ = [
     "CONTACT_LAWS",
     "BuildError",
+    "Chain",
     "Comparison",
     "Recording",
     "Result",

@@ -173,7 +173,8 @@ class Scene:
     @property
     def values(self) -> dict[str, Any]:
         """Every single value by its name, as ``with_values`` takes it; None for what is not there."""
-        return {name_of(path, [wall.name for wall in self.walls]): value for path, value in _leaves(self)}
+        walls = [wall.name for wall in self.walls]
+        return {name_of(path, walls): value for path, value in _leaves(self)}
 
     def with_values(self, changes: Mapping[str, Any] | Mapping[Place, Any]) -> "Scene":
         """Return the validated scene with some values changed: ``{"contact.restitution": 0.5}``.
@@ -276,14 +277,16 @@ def with_values(scene: Scene, changes: Mapping[str, Any] | Mapping[Place, Any]) 
     Raises SceneError when a name is unknown, a path leads nowhere, or the scene becomes invalid.
     """
     data: Any = scene_to_dict(scene)
-    names = _paths(scene) if any(isinstance(change, str) for change in changes) else {}
+    names = _keys()
     for change, given in changes.items():
-        if not isinstance(change, str):
-            path, value = change, given
-        elif change in names:
+        if isinstance(change, str):
+            if change not in names:
+                names = _keys() | _names(scene)
+            if change not in names:
+                raise UnknownNameError(scene.name, change, names, "no parameter")
             path, value = names[change], _chosen(scene, change, given)
         else:
-            raise UnknownNameError(scene.name, change, names, "no parameter")
+            path, value = change, given
         try:
             *parents, last = path
             functools.reduce(operator.getitem, parents, data)[last] = value
@@ -292,11 +295,16 @@ def with_values(scene: Scene, changes: Mapping[str, Any] | Mapping[Place, Any]) 
     return _validated(data, scene.name, in_file=False)
 
 
-def _paths(scene: Scene) -> dict[str, Place]:
-    """The path of every name that ``with_values`` takes."""
+@functools.cache
+def _keys() -> dict[str, Place]:
+    """The path of every dotted key; of what is in a list of tables, of the list."""
+    return {key: tuple(key.split(".")) for key, _ in scene_keys() if "[" not in key}
+
+
+def _names(scene: Scene) -> dict[str, Place]:
+    """The path of every single value by its name."""
     walls = [wall.name for wall in scene.walls]
-    whole = {key: tuple(key.split(".")) for key, _ in scene_keys() if "[" not in key}
-    return whole | {name_of(path, walls): path for path, _ in _leaves(scene)}
+    return {name_of(path, walls): path for path, _ in _leaves(scene)}
 
 
 def _leaves(value: Any, path: Place = (), unit: str = "") -> Iterator[tuple[Place, Any]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -47,6 +47,8 @@ class Drive:
     @property
     def changes(self) -> np.ndarray:
         """The rows that differ from the row before, and the number of rows."""
+        if not self.places:
+            return np.array([len(self.times)])
         return np.append(
             1 + np.flatnonzero((self.values[1:] != self.values[:-1]).any(axis=1)), len(self.times)
         )
@@ -66,12 +68,12 @@ def drive(scene: Scene, inputs: Mapping[str, Signal], interpolation: str, times:
     """
     if interpolation not in INTERPOLATIONS:
         raise SceneError(f"{scene.name}: interpolation = {interpolation!r} must be hold or linear")
+    if not inputs:
+        return Drive(times, np.ones(len(times), bool), (), np.zeros((len(times), 0)))
     places = input_places(scene)
     for name in inputs:
         if name not in places:
-            raise SceneError(
-                f"{scene.name}: {name!r} is no input of this scene; {_inputs_text(list(places))}"
-            )
+            raise SceneError(f"{scene.name}: {name!r} is no input of this scene; {inputs_text(places)}")
     signals = {name: _checked(f"{scene.name}: {name}", signal) for name, signal in inputs.items()}
 
     same = SAME_TIME * times[-1]
@@ -96,8 +98,9 @@ def drive(scene: Scene, inputs: Mapping[str, Signal], interpolation: str, times:
     )
 
 
-def _inputs_text(names: list[str]) -> str:
-    """What inputs there are, or how there would be some."""
+def inputs_text(inputs: Iterable[str]) -> str:
+    """What inputs there are, by name, or how there would be some."""
+    names = list(inputs)
     how = "[inputs] joint_torques = true and tip_force = true in the scene"
     if not names:
         return f"it has none, {how} make them"

@@ -13,6 +13,7 @@ from rich.table import Table
 
 from chain_impact.compilation.cache import LINKER, Entry
 from chain_impact.results.recording import Recording
+from chain_impact.results.summary import energy_lines, plural
 from chain_impact.studies.compare import Comparison, LawRun, advice
 
 NOTHING = "–"
@@ -26,18 +27,12 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
             str(number), f"{impact.time:.6f}", str(impact.point), impact.wall, f"{impact.speed:.4f}"
         )
     count, listed = recording.impact_count, len(recording.impacts)
-    impacts = f"{count} impact{'s' if count != 1 else ''}"
+    impacts = plural(count, "impact")
     if listed < count:
         impacts += f", {listed} listed: an FMU tells only the last one in a communication step"
     yield f"\n[bold]{escape(recording.name)}[/]  0 … {recording.time[-1]:g} s, {impacts}"
     yield table
-    total, dissipated = (recording.columns[f"energy.{name}"] for name in ("total", "dissipated"))
-    supplied = recording.columns.get("energy.supplied", 0.0 * total)
-    balance = total + dissipated - supplied
-    parts = [f"{total[-1]:.6g} J left", f"{dissipated[-1]:.6g} J dissipated"]
-    parts += [f"{-supplied[-1]:.6g} J supplied"] if supplied.any() else []
-    yield f"energy   {total[0]:.6g} J at the start = {' + '.join(parts)}"
-    yield f"balance  off by at most {abs(balance - balance[0]).max():.1e} J"
+    yield from energy_lines(recording.columns)
 
 
 def law_table(comparison: Comparison) -> Iterator[str]:
