@@ -85,20 +85,21 @@ def test_looking_at_impacts_changes_nothing():
 # --- states ----------------------------------------------------------------------------------------------
 
 
-def test_a_state_is_continued_bit_by_bit(arm):
+@pytest.mark.parametrize("split", [150, 186])  # in flight, and in the first contact
+def test_a_state_is_continued_bit_by_bit(arm, split):
     chain, other = Chain(arm), Chain(arm)
-    times = [0.01 * k for k in range(1, 101)]
-    drive(chain, times[:40], signal)
-    state, impacts = chain.save(), len(chain.impacts)
-    first = drive(chain, times[40:], signal)
+    times = [2e-3 * k for k in range(1, 251)]
+    drive(chain, times[:split], signal)
+    state, impacts = chain.save(), chain.impacts
+    first = drive(chain, times[split:], signal)
     ended = chain.save()
-    assert len(chain.impacts) > impacts
+    assert chain.impacts.tobytes() != impacts.tobytes()
     chain.restore(state)
-    assert len(chain.impacts) == impacts
-    assert chain.time == times[39]
-    assert drive(chain, times[40:], signal).tobytes() == first.tobytes()
+    assert chain.impacts.tobytes() == impacts.tobytes()
+    assert chain.time == times[split - 1]
+    assert drive(chain, times[split:], signal).tobytes() == first.tobytes()
     other.restore(state)
-    assert drive(other, times[40:], signal).tobytes() == first.tobytes()
+    assert drive(other, times[split:], signal).tobytes() == first.tobytes()
     assert chain.save() == other.save() == ended
 
 

@@ -8,7 +8,7 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.results.recording import recording_of
 from chain_impact.variables import fmu_variables
-from tests.problems import ball, default_scene
+from tests.problems import default_scene
 from tests.refusal import refusal
 
 
@@ -103,7 +103,7 @@ def test_a_result_says_what_happened(result):
 
 
 def test_a_result_without_impacts_or_outputs_says_so():
-    lines = repr(simulate(ball(stop_time=0.01), output=())).splitlines()
+    lines = repr(simulate(default_scene(), 0.01, output=())).splitlines()
     assert "0 impacts, 11 rows of 0 outputs" in lines[0]
     assert [line.split()[0] for line in lines[1:]] == ["solver", "status"]
 
