@@ -40,6 +40,7 @@ TESTED_ELSEWHERE = {
     "export/table.py": "fmu/test_native.py",
     "running.py": "test_simulate.py",
     "limits.py": "test_scene.py",
+    "checks.py": "test_scene.py",
     "units.py": "test_variables.py",
     "cli/progress.py": "cli/test_commands.py",
     "kernel/integration/combination.py": "kernel/integration/test_explicit.py",

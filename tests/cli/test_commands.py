@@ -224,7 +224,9 @@ def test_compare_writes_what_was_asked_for(run, here):
 
 def check_variables(listing, scene):
     """Each variable has its line, whole, however narrow the terminal."""
-    lines = {line.split()[0]: line for line in listing.splitlines() if line}
+    head, *rows = listing.splitlines()
+    assert head.split() == ["name", "causality", "variability", "unit", "meaning"]
+    lines = {line.split()[0]: line for line in rows}
     variables = fmu_variables(scene)
     assert lines.keys() == {variable.name for variable in variables}
     for variable in variables:

@@ -108,9 +108,7 @@ def test_a_disk_that_is_full_is_named(refused, here, option):
 @pytest.mark.parametrize("kind", ["scene", "FMU"])
 def test_a_result_that_is_too_large(refused, fmu, kind):
     source = fmu if kind == "FMU" else "four_link_box"
-    pattern = (
-        r"simulation\.stop_time = 2 \[s\] in steps of simulation\.step_size = 1e-09 \[s\] gives"
-    )
+    pattern = r"simulation\.stop_time = 2 \[s\] in steps of simulation\.step_size = 1e-09 \[s\] gives"
     refused(2, pattern, "simulate", source, "--set", "simulation.step_size=1e-9")
     refused(2, "must be at most 2 GB", "simulate", source, "--stop-time", "2e5")
 
