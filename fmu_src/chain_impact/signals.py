@@ -77,12 +77,8 @@ def drive(scene: Scene, inputs: Mapping[str, Signal], interpolation: str, times:
     signals = {name: _checked(f"{scene.name}: {name}", signal) for name, signal in inputs.items()}
 
     same = SAME_TIME * times[-1]
-    samples = np.unique(np.concatenate([s[0] for s in signals.values() if isinstance(s, tuple)] or [[]]))
-    samples = samples[(samples > 0.0) & (samples < times[-1])]
-    after = np.searchsorted(times, samples)  # times[after − 1] < sample ≤ times[after]
-    samples = samples[np.minimum(times[after] - samples, samples - times[after - 1]) > same]
-    samples = samples[np.diff(samples, prepend=0.0) > same]
-    grid = np.union1d(times, samples)
+    sampled = [signal[0] for signal in signals.values() if isinstance(signal, tuple)]
+    grid = _with_samples(times, np.concatenate(sampled), same) if sampled else times
 
     points = [
         _at_points(f"{scene.name}: {name}", signal, interpolation, grid, same)
@@ -92,10 +88,19 @@ def drive(scene: Scene, inputs: Mapping[str, Signal], interpolation: str, times:
     held = values[:-1] if interpolation == "hold" else (values[:-1] + values[1:]) / 2
     return Drive(
         times=grid,
-        asked=np.isin(grid, times),
+        asked=np.isin(grid, times) if sampled else np.ones(len(times), bool),
         places=tuple(places[name] for name in signals),
         values=np.concatenate([values[:1], held]),
     )
+
+
+def _with_samples(times: np.ndarray, samples: np.ndarray, same: float) -> np.ndarray:
+    """The communication points, and the times of samples that are not as good as one of them."""
+    samples = np.unique(samples)
+    samples = samples[(samples > 0.0) & (samples < times[-1])]
+    after = np.searchsorted(times, samples)  # times[after − 1] < sample ≤ times[after]
+    samples = samples[np.minimum(times[after] - samples, samples - times[after - 1]) > same]
+    return np.union1d(times, samples[np.diff(samples, prepend=0.0) > same])
 
 
 def inputs_text(inputs: Iterable[str]) -> str:

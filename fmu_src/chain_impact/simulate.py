@@ -12,7 +12,7 @@ import numpy as np
 
 from chain_impact.compilation import cache
 from chain_impact.compilation.work import Notify, announce
-from chain_impact.instance import candidates
+from chain_impact.instance import candidate_count
 from chain_impact.kernel.status import OK
 from chain_impact.law_file import LawError, source_of
 from chain_impact.layout import output_dtype
@@ -91,7 +91,7 @@ def simulate(
     stop = scene.simulation.stop_time
     step = stop if output_step == math.inf else scene.simulation.step_size
     words = None if output is None else output_words(scene, output)
-    layout = output_dtype(len(scene.chain.links), len(candidates(scene)))
+    layout = output_dtype(len(scene.chain.links), candidate_count(scene))
     check_size(scene.name, stop, step, layout.itemsize // WORD if words is None else len(words))
     driven = drive(scene, inputs or {}, interpolation, _times(stop, step))
     instance = Instance(scene, notify, driven)

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.instance import candidates
+from chain_impact.instance import candidate_count, candidates
 from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
@@ -136,7 +136,7 @@ def output_words(scene: Scene, wanted: str | Iterable[str]) -> dict[str, int]:
     Raises:
         UnknownNameError: when there is none of a name, or like a pattern.
     """
-    layout = output_dtype(len(scene.chain.links), len(candidates(scene)))
+    layout = output_dtype(len(scene.chain.links), candidate_count(scene))
     words = {variable.name: word_index(layout, variable.place[1:]) for variable in output_variables(scene)}
     names = (wanted,) if isinstance(wanted, str) else wanted
     chosen = [one for name in names for one in matching(scene.name, name, words, "no output")]
