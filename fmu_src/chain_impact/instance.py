@@ -52,6 +52,7 @@ def new_instance(scene: Scene) -> np.ndarray:
     initial["angle"] = scene.initial.angles
     initial["angular_velocity"] = scene.initial.angular_velocities
 
+    d["impulse"]["wanted"], d["latest"]["kept"] = 1, 8
     d["solver"]["method"] = SOLVER_METHODS.index(scene.solver.method) + 1
     for name in ("tolerance", "work_limit"):
         d["solver"][name] = getattr(scene.solver, name)
