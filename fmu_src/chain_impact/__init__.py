@@ -4,6 +4,7 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.export.fmu import build_fmu
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.reading import SceneError
+from chain_impact.results.impacts import impacts_of
 from chain_impact.results.recording import Recording
 from chain_impact.results.result import Result
 from chain_impact.running import SimulationError
@@ -25,6 +26,7 @@ __all__ = [
     "SimulationError",
     "build_fmu",
     "compare",
+    "impacts_of",
     "load_scene",
     "record_fmu",
     "simulate",

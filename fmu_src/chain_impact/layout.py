@@ -279,7 +279,8 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("clear_start_curve", REAL, (candidates,)),  # m/s², second derivative
         ("clear_end_curve", REAL, (candidates,)),
     )
-    # of the implicit step, z = (y, clearances of the active contacts, their rates, impulses): integration/implicit.py
+    # of the implicit step, z = (y, and of the active contacts clearances, their rates, impulses):
+    # integration/implicit.py
     extended = state + 3 * candidates
     implicit = _record(
         ("start", REAL, (extended,)),  # z at the start of a step

@@ -63,6 +63,10 @@ class Instance:
             status = self._kernel.advance_awhile(self._address, time)
         return status
 
+    def observe(self) -> None:
+        """Fill the record ``output`` with what holds at the time reached, and bring ``latest`` up to it."""
+        self._kernel.observe(self._address)
+
     def trajectory(self, times: np.ndarray, outputs: np.ndarray) -> int:
         """Advance to each of the times [s], filling a row of outputs for each; return how many are filled."""
         rows: int = self._kernel.trajectory(self._address, times.ctypes.data, len(times), outputs.ctypes.data)

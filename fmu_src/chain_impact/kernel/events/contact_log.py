@@ -164,6 +164,12 @@ def finish(d, c):
     log.effective_mass[row] = touch.effective_mass[c]
     log.impulse[row] = d.impulse.total[c] - d.impulse.onset[c]
     note_impact(
-        d, c, log.end[row], log.separation_speed[row], log.peak_force[row], log.max_penetration[row], log.impulse[row]
+        d,
+        c,
+        log.end[row],
+        log.separation_speed[row],
+        log.peak_force[row],
+        log.max_penetration[row],
+        log.impulse[row],
     )
     log.count += 1

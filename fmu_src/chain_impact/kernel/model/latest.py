@@ -20,7 +20,10 @@ def list_impact(d, c):
         before = row - 1
         latest.time[row], latest.end[row] = latest.time[before], latest.end[before]
         latest.point[row], latest.wall[row] = latest.point[before], latest.wall[before]
-        latest.speed[row], latest.separation_speed[row] = latest.speed[before], latest.separation_speed[before]
+        latest.speed[row], latest.separation_speed[row] = (
+            latest.speed[before],
+            latest.separation_speed[before],
+        )
         latest.peak_force[row], latest.impulse[row] = latest.peak_force[before], latest.impulse[before]
         latest.max_penetration[row] = latest.max_penetration[before]
     d.touch.number[c] = d.impact.count
