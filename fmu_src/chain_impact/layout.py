@@ -96,8 +96,9 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("damping_factor", REAL),  # f(e), λ of the Hunt–Crossley family
         ("rate_exponent", REAL),  # p of the damping d δᵖ δ̇
         ("approach_only", INTEGER),  # 1: damped while compressing only
-        ("derived_law", INTEGER),  # law and …
-        ("derived_restitution", REAL),  # … restitution that these are for
+        ("derived_law", INTEGER),  # law, …
+        ("derived_restitution", REAL),  # … restitution …
+        ("derived_stiffness", REAL),  # … and stiffness that these are for
         ("impulsive", INTEGER),  # 1: rigid walls, with impulses in place of a force law
     )
     initial = _record(

@@ -57,7 +57,7 @@ class Variable:
     def feedthrough(self) -> bool:
         """Whether an input acts at once, without passing through a state.
 
-        True of accelerations, and of forces: those of rigid walls hold against a torque.
+        True of accelerations, and of forces and their peaks: those of rigid walls hold against a torque.
         """
         return str(self.place[1]).endswith(("acceleration", "force"))
 

@@ -8,16 +8,14 @@ the communication point has passed it.
 
 import math
 
-from chain_impact.kernel.events.contact_log import follow_contacts
+from chain_impact.kernel.events.contact_log import follow_contacts, follow_until_change
 from chain_impact.kernel.events.impulses import end_contacts, judge
 from chain_impact.kernel.events.search import REFUSED, find_event
 from chain_impact.kernel.events.table import apply_events, ends_contact
 from chain_impact.kernel.initialize import derive_law, first_size
 from chain_impact.kernel.integration import step_size
 from chain_impact.kernel.integration.balance import check_balance, keeps_balance, restart_balance, take_stock
-from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.impulse import (
-    cut_impulses,
     keep_forces,
     note_end,
     settle_impulses,
@@ -29,6 +27,7 @@ from chain_impact.kernel.integration.last_step import (
     choose_variable,
     complete,
     cut,
+    cut_now,
     see_points,
     see_rate,
     stand,
@@ -90,12 +89,13 @@ def advance(d, time, room, work):
 def restart(d):
     """Drop what lies beyond the communication point, as an input or parameter changed; returns a status."""
     d.inputs.changed = 0
-    theta = fraction(d, d.step.time)
-    interpolate(d.step, theta, d.work.y)
-    cut_impulses(d, theta)
-    settle_impulses(d)
-    d.step.next_size *= time_rate_now(d, d.work.y)  # in seconds
-    stand(d, d.step.time, d.work.y)
+    if d.touch.active_count > 0 and not d.contact.impulsive:
+        follow_until_change(d)
+    else:
+        cut_now(d)
+        settle_impulses(d)
+    d.step.next_size *= time_rate_now(d, d.step.state_end)  # in seconds
+    stand(d, d.step.time, d.step.state_end)
     drop_events(d)
     status = change_law(d)
     clear_loads(d)

@@ -140,6 +140,7 @@ def derive_law(d):
         if status != OK:
             return status
         contact.derived_law, contact.derived_restitution = contact.law, contact.restitution
+    contact.derived_stiffness = contact.stiffness
     for k in range(d.touch.active_count):
         if not contact.impulsive:
             foresee_depth(d, d.touch.active_index[k])

@@ -70,3 +70,31 @@ def test_a_look_changes_nothing():
     assert looked.statistics == blind.statistics
     for name in ("latest", "output", "impulse"):
         assert looked.record[name].tobytes() == blind.record[name].tobytes()
+
+
+@pytest.mark.parametrize("method", ["auto", "implicit"])
+@pytest.mark.parametrize("parts", [(0.46,), (0.54,), (0.3, 0.5, 0.7), (0.48, 0.49, 0.5, 0.51, 0.52)])
+def test_a_restart_inside_of_an_impact_loses_no_peak(method, parts):
+    """Not even where an input or the stiffness is set: to what it was."""
+    scene = with_values(load_scene("four_link_box"), {"solver.method": method, "solver.tolerance": 1e-8})
+    first = simulate(scene).impacts[0]
+    instance = Instance(scene)
+    for part in parts:
+        instance.advance(first["onset"] + part * (first["end"] - first["onset"]))
+        instance.record["inputs"]["changed"] = 1
+    instance.advance(first["end"] + 1e-3)
+    found = instance.collect()[0]
+    assert found["peak_force"] == pytest.approx(first["peak_force"], rel=1e-6)
+    assert found["max_penetration"] == pytest.approx(first["max_penetration"], rel=1e-6)
+    assert found["impulse"] == pytest.approx(first["impulse"], rel=1e-7)
+
+
+def test_a_peak_before_the_wall_got_softer_is_kept():
+    scene = load_scene("four_link_box")
+    first = simulate(scene).impacts[0]
+    instance = Instance(scene)
+    instance.advance(first["onset"] + 0.6 * (first["end"] - first["onset"]))
+    instance.record["contact"]["stiffness"] *= 0.1
+    instance.record["inputs"]["changed"] = 1
+    instance.advance(first["onset"] + 0.1)
+    assert instance.collect()[0]["peak_force"] == pytest.approx(first["peak_force"], rel=1e-6)

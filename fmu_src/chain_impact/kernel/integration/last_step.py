@@ -89,7 +89,7 @@ def cut(d, theta):
 def cut_now(d):
     """End the last step at the communication point."""
     step = d.step
-    complete(d, SOLVER)
+    complete(d, OUTPUTS)
     theta = fraction(d, step.time)
     interpolate(step, theta, step.state_end)
     cut_impulses(d, theta)
