@@ -35,7 +35,7 @@ def _output(
     )
 
 
-def output_variables(scene: Scene) -> Iterator[Variable]:
+def all_outputs(scene: Scene) -> Iterator[Variable]:
     """The outputs that the scene asks for."""
     asked = scene.outputs
     if asked.points:

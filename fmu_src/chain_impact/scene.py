@@ -15,6 +15,7 @@ from numbers import Integral
 from pathlib import Path
 from typing import Any
 
+from chain_impact.checks import check_start, check_together, movable_points, with_angles, with_law_path
 from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
@@ -22,7 +23,6 @@ from chain_impact.kernel.model.latest import LATEST
 from chain_impact.limits import Derived, quantity
 from chain_impact.names import Place, name_of, place_in_file
 from chain_impact.reading import Reader, SceneError, UnknownNameError, keys_of, shown
-from chain_impact.scene_rules import check_start, check_together, movable_points, with_angles, with_law
 from chain_impact.walls import HalfPlane, half_planes
 
 SCENE_FILE = "scene.toml"
@@ -181,7 +181,8 @@ class Scene:
     @property
     def values(self) -> dict[str, Any]:
         """Every single value by its name, as ``with_values`` takes it; None for what is not there."""
-        return {name_of(path, [wall.name for wall in self.walls]): value for path, value in _leaves(self)}
+        walls = [wall.name for wall in self.walls]
+        return {name_of(path, walls): value for path, value in _leaves(self)}
 
     def with_values(self, changes: Mapping[str, Any] | Mapping[Place, Any]) -> "Scene":
         """Return the validated scene with some values changed: ``{"contact.restitution": 0.5}``.
@@ -253,7 +254,7 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
 
     try:
         scene: Scene = Reader(Scene, label).read(data)
-        scene = with_angles(with_law(scene, Path(source).parent))
+        scene = with_angles(with_law_path(scene, Path(source).parent))
         check_together(scene)
         check_start(scene)
     except SceneError as error:
@@ -283,15 +284,11 @@ def with_values(scene: Scene, changes: Mapping[str, Any] | Mapping[Place, Any]) 
 
     Raises SceneError when a name is unknown, a path leads nowhere, or the scene becomes invalid.
     """
+    values = [_place_and_value(scene, change, given) for change, given in changes.items()]
+    if all(len(path) == 2 and path[1] in _INDEPENDENT.get(path[0], ()) for path, _ in values):  # noqa: PLR2004
+        return _with_independent(scene, values)
     data: Any = scene_to_dict(scene)
-    names = _paths(scene) if any(isinstance(change, str) for change in changes) else {}
-    for change, given in changes.items():
-        if not isinstance(change, str):
-            path, value = change, given
-        elif change in names:
-            path, value = names[change], _chosen(scene, change, given)
-        else:
-            raise UnknownNameError(scene.name, change, names, "no parameter")
+    for path, value in values:
         try:
             *parents, last = path
             functools.reduce(operator.getitem, parents, data)[last] = value
@@ -300,11 +297,53 @@ def with_values(scene: Scene, changes: Mapping[str, Any] | Mapping[Place, Any]) 
     return _validated(data, scene.name, in_file=False)
 
 
-def _paths(scene: Scene) -> dict[str, Place]:
-    """The path of every name that ``with_values`` takes."""
+_INDEPENDENT: dict[Any, frozenset[str]] = {
+    name: frozenset(entry.name for entry in fields(table))
+    for name, table in (("inputs", Inputs), ("solver", Solver), ("simulation", Simulation))
+}
+"""The tables, and their keys, on which no other value of a scene depends."""
+
+
+def _with_independent(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
+    """As with_values, of independent tables only: to read all others anew takes ten times as long."""
+    tables: dict[str, dict[str, Any]] = {}
+    for (name, key), value in values:
+        tables.setdefault(name, asdict(getattr(scene, name)))[key] = value
+    try:
+        for name, data in tables.items():
+            table = type(getattr(scene, name))
+            scene = replace(scene, **{name: Reader(table, functools.partial(_label_in, name)).read(data)})
+    except SceneError as error:
+        raise SceneError(f"{scene.name}: {error}") from None
+    return scene
+
+
+def _label_in(table: str, path: Place) -> str:
+    return name_of((table, *path))
+
+
+def _place_and_value(scene: Scene, change: str | Place, given: Any) -> tuple[Place, Any]:
+    """The path of a change, which may be a name, and the value that it stands for."""
+    if not isinstance(change, str):
+        return change, given
+    names = _keys()
+    if change not in names:
+        names = _keys() | _names(scene)
+    if change not in names:
+        raise UnknownNameError(scene.name, change, names, "no parameter")
+    return names[change], _chosen(scene, change, given)
+
+
+@functools.cache
+def _keys() -> dict[str, Place]:
+    """The path of every dotted key; of what is in a list of tables, of the list."""
+    return {key: tuple(key.split(".")) for key, _ in scene_keys() if "[" not in key}
+
+
+def _names(scene: Scene) -> dict[str, Place]:
+    """The path of every single value by its name."""
     walls = [wall.name for wall in scene.walls]
-    whole = {key: tuple(key.split(".")) for key, _ in scene_keys() if "[" not in key}
-    return whole | {name_of(path, walls): path for path, _ in _leaves(scene)}
+    return {name_of(path, walls): path for path, _ in _leaves(scene)}
 
 
 def _leaves(value: Any, path: Place = (), unit: str = "") -> Iterator[tuple[Place, Any]]:

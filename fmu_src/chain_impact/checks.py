@@ -1,4 +1,4 @@
-"""The rules for a scene that no key can tell alone."""
+"""What a scene must be that no key can tell alone; see scene.py, whose functions call these."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ START_TOLERANCE = 1e-12  # m, penetration at the start that counts as round-off
 
 
 def movable_points(chain: Chain) -> range:
-    """The points that can move."""
+    """The points that can move: all but a pinned base."""
     return range(1 if chain.base == "pinned" else 0, len(chain.links) + 1)
 
 
-def with_law(scene: Scene, folder: Path) -> Scene:
+def with_law_path(scene: Scene, folder: Path) -> Scene:
     """Return the scene with the whole path of its law's file, after a look at that."""
     file = scene.contact.law_file
     if not file:
