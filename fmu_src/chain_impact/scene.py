@@ -10,7 +10,7 @@ import operator
 import os
 import tomllib
 from collections.abc import Iterator, Mapping
-from dataclasses import Field, asdict, dataclass, fields, is_dataclass
+from dataclasses import Field, asdict, dataclass, fields, is_dataclass, replace
 from numbers import Integral
 from pathlib import Path
 from typing import Any
