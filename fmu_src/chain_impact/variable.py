@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from chain_impact.limits import allowed
 from chain_impact.names import Place
 
+OBSERVED = ("output", "latest")
+"""Records that the kernel fills when somebody looks: their real numbers may change all the time."""
+
 
 @dataclass(frozen=True, slots=True)
 class Item:
