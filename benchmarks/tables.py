@@ -128,7 +128,12 @@ def sweep() -> str:
     rows = [(name, span(used[name]), f"{used[name]['median'] / base:.3g}", span(each[name])) for name in each]
     load = common.load("sweep")["machine"]["load_at_start"][0]
     head = ("", "CPU time of a run [µs]", "over a sweep's", f"by the clock [µs], at a load of {load:.1f}")
-    return run("sweep") + "\n\n" + table(head, rows)
+    rate, share = found["runs a second and core"]["median"], span(found["two threads over twice one"])
+    text = (
+        f"That is {rate:,.0f} runs a second and core. By the clock two threads do {share} of twice what one "
+    )
+    text += "does."
+    return "\n\n".join((run("sweep"), table(head, rows), text))
 
 
 def stability() -> str:

@@ -19,6 +19,12 @@ def candidates(scene: Scene) -> list[tuple[int, int]]:
     return [(point, wall) for point in scene.contact.points for wall in walls]
 
 
+def candidate_count(scene: Scene) -> int:
+    """How many candidates there are."""
+    box = sum(getattr(scene.box, name) is not None for name in WALLS)
+    return len(scene.contact.points) * (box + len(scene.walls))
+
+
 def new_instance(scene: Scene) -> np.ndarray:
     """An instance with the parameters of the scene, not yet initialized; an array with one record."""
     pairs = candidates(scene)
@@ -52,6 +58,8 @@ def new_instance(scene: Scene) -> np.ndarray:
     initial["angle"] = scene.initial.angles
     initial["angular_velocity"] = scene.initial.angular_velocities
 
+    d["latest"]["kept"] = scene.outputs.impacts
+    d["impulse"]["wanted"] = scene.outputs.contacts or scene.outputs.impacts > 0
     d["solver"]["method"] = SOLVER_METHODS.index(scene.solver.method) + 1
     for name in ("tolerance", "work_limit"):
         d["solver"][name] = getattr(scene.solver, name)

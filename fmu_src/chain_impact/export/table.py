@@ -14,7 +14,8 @@ from typing import Any
 from chain_impact.instance import new_instance
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene import Scene
-from chain_impact.variables import Variable, fmu_variables, word_index
+from chain_impact.variable import Variable
+from chain_impact.variables import fmu_variables, word_index
 
 LARGEST = sys.float_info.max
 # as in compilation/fmi2/instance.h
@@ -34,14 +35,14 @@ def model_table(scene: Scene) -> dict[str, Any]:
     }
     return {
         "name": scene.name,
-        "variables": [_variable_row(variable, word_index(layout, variable.place)) for variable in variables],
+        "variables": [variable_row(variable, word_index(layout, variable.place)) for variable in variables],
         "first_output": sum(variable.causality != "output" for variable in variables),
         "words": {name: word_index(layout, place) for name, place in places.items()},
         "statuses": {str(status): text for status, text in STATUS_TEXT.items()},
     }
 
 
-def _variable_row(variable: Variable, word: int) -> list[Any]:
+def variable_row(variable: Variable, word: int) -> list[Any]:
     """Name, type, word, kind, lowest and highest value that can be set, and these in words."""
     kind = variable.variability if variable.causality == "parameter" else variable.causality
     low, high = -LARGEST, LARGEST

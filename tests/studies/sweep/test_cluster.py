@@ -8,6 +8,7 @@ import time
 
 import pytest
 
+from chain_impact.extras import MissingExtraError
 from chain_impact.reading import SceneError
 from chain_impact.runs import RunError
 from chain_impact.scene import load_scene
@@ -169,7 +170,7 @@ def test_an_address_that_is_none(address, monkeypatch):
 
 def test_without_distributed_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(SceneError, match=r"sweeps on a cluster need distributed.*chain-impact\[cluster\]"):
+    with pytest.raises(MissingExtraError, match=r"^distributed.*chain-impact\[cluster\]"):
         sweep(SCENE, VARY, scheduler="tcp://127.0.0.1:9")
 
 

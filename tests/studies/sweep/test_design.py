@@ -6,6 +6,7 @@ import sys
 import numpy as np
 import pytest
 
+from chain_impact.extras import MissingExtraError
 from chain_impact.reading import SceneError
 from chain_impact.scene import load_scene
 from chain_impact.studies.sweep.design import MOST_NUMBERS, grid, sampled
@@ -68,5 +69,5 @@ def test_a_grid_that_is_too_large_is_refused_before_it_is_made():
 
 def test_without_scipy_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "scipy.stats.qmc", None)
-    with pytest.raises(SceneError, match=r"samples need scipy.*pip install 'chain-impact\[sweep\]'"):
+    with pytest.raises(MissingExtraError, match=r"^scipy.*pip install 'chain-impact\[sweep\]'"):
         sampled(variations_of(SCENE, INTERVALS), 20, "s", count=4, sampling="lhs", seed=0)

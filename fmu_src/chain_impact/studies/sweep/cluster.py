@@ -12,10 +12,10 @@ import numpy as np
 
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.sources import fingerprint
+from chain_impact.extras import require
 from chain_impact.reading import SceneError
 from chain_impact.runs import RunError
 from chain_impact.studies.sweep.design import Design
-from chain_impact.studies.sweep.extras import required
 from chain_impact.studies.sweep.job import Job, Runner
 from chain_impact.studies.sweep.pieces import Pieces, Span
 
@@ -39,11 +39,12 @@ def run_on_cluster(
         address: of the scheduler, ``tcp://host:port``.
 
     Raises:
+        MissingExtraError: when distributed is not installed.
         SceneError: when there is no scheduler, or its workers do not have the same chain-impact.
         BuildError: when a worker cannot compile the kernel.
         RunError: when the cluster gives up a piece, has no workers left, or is lost.
     """
-    distributed = required("distributed", "sweeps on a cluster")
+    distributed = require("distributed", "cluster")
     try:
         client = distributed.Client(address, timeout=CONNECT, set_as_default=False)
     except (OSError, ValueError) as error:

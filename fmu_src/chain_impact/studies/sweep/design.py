@@ -9,8 +9,8 @@ from typing import Literal
 
 import numpy as np
 
+from chain_impact.extras import require
 from chain_impact.reading import SceneError
-from chain_impact.studies.sweep.extras import required
 from chain_impact.studies.sweep.variation import Variation
 
 Sampling = Literal["lhs", "sobol"]
@@ -75,7 +75,8 @@ def sampled(
     Mathematics and Mathematical Physics 7 (1967) 86, scrambled as by Owen, for the other.
 
     Raises:
-        SceneError: when an argument is not allowed, the table becomes too large, or SciPy is missing.
+        SceneError: when an argument is not allowed, or the table becomes too large.
+        MissingExtraError: when SciPy is not installed.
     """
     for name, number, least in (("samples", count, 1), ("seed", seed, 0)):
         if not isinstance(number, int) or isinstance(number, bool) or not least <= number < MOST_SEEDS:
@@ -84,7 +85,7 @@ def sampled(
     _check_size(count, columns, source)
     if sampling not in SAMPLINGS:
         raise SceneError(f"{source}: sampling = {sampling!r} must be lhs or sobol")
-    qmc = required("scipy.stats.qmc", "samples")
+    qmc = require("scipy.stats.qmc", "sweep")
     size, generator = len(variations), np.random.default_rng(seed)
     if sampling == "lhs":
         parts = qmc.LatinHypercube(size, seed=generator).random(count)

@@ -20,7 +20,8 @@ from chain_impact.reading import SceneError
 from chain_impact.running import load_kernel
 from chain_impact.scene import Scene
 from chain_impact.studies.sweep.variation import Variation
-from chain_impact.variables import Variable, fmu_variables, word_index
+from chain_impact.variable import Variable
+from chain_impact.variables import fmu_variables, word_index
 
 PEAKS = ("peak_force", "max_penetration")
 """The largest of all contacts of a run [N], [m]: the first columns that the kernel fills."""

@@ -18,7 +18,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.reading import SceneError
-from chain_impact.results.plots import STYLE
+from chain_impact.results.plots.style import DPI, STYLE, headline, number
 from chain_impact.results.recording import written_whole
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.table import Sweep
@@ -79,7 +79,7 @@ def plot_sweep(found: Sweep, path: str | Path) -> None:
     with written_whole(Path(path)) as fresh:
         page = Figure(layout="constrained")
         fill(page, found)
-        page.savefig(fresh, dpi=150)
+        page.savefig(fresh, dpi=DPI)
 
 
 @mpl.rc_context(STYLE)
@@ -98,11 +98,11 @@ def fill(page: Figure, found: Sweep) -> None:
         _lines(page, found, quantities, numbers[0], choices[0])
     elif grid and len(varying) == 2:  # noqa: PLR2004
         _maps(page, found, quantities, *(numbers + choices))
-        page.suptitle(title(found, ""))
+        headline(page, title(found, ""), conditions(varying))
         return
     else:
         _clouds(page, found, quantities, varying)
-    page.suptitle(title(found, " (×)"))
+    headline(page, title(found, " (×)"), conditions(varying))
 
 
 def title(found: Sweep, mark: str) -> str:
@@ -115,6 +115,15 @@ def title(found: Sweep, mark: str) -> str:
     if found.failed.any():
         parts.append(f"{found.failed.sum()} failed{mark}")
     return ", ".join(parts)
+
+
+def conditions(varying: list[Variation]) -> str:
+    """What was varied, and how far."""
+    parts = []
+    for one in varying:
+        ends = " to ".join(number(end) for end in dict.fromkeys((one.values.min(), one.values.max())))
+        parts.append(f"{len(one.values)} of {one.name}" if one.choices else f"{_label(one)} {ends}")
+    return "; ".join(parts)
 
 
 def _varying(design: Design) -> list[Variation]:

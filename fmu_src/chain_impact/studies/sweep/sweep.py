@@ -61,8 +61,9 @@ def sweep(
         progress: called with the fraction done.
 
     Raises:
-        SceneError: when an argument is not allowed, which is said before any run; when a library is missing
-            that it needs; or when another sweep has left a partial table at the path.
+        SceneError: when an argument is not allowed, which is said before any run; or when another sweep has
+            left a partial table at the path.
+        MissingExtraError: when a library is not installed that samples, Parquet or a cluster need.
         RunError: when the cluster cannot finish the sweep.
         OSError: when a file cannot be read or written.
         BuildError: when the kernel cannot be compiled.

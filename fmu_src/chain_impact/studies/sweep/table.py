@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.extras import require
 from chain_impact.kernel.status import OK, STATUS_NAME
 from chain_impact.reading import SceneError
 from chain_impact.results.recording import written_whole
 from chain_impact.scene import Scene
 from chain_impact.studies.sweep.design import Design
-from chain_impact.studies.sweep.extras import required
 from chain_impact.studies.sweep.job import STATUS
 
 STATUS_WORD = "status"  # the column with the status in a word
@@ -98,9 +98,9 @@ class Sweep:
         """All columns as a pandas ``DataFrame``.
 
         Raises:
-            SceneError: when pandas is not installed.
+            MissingExtraError: when pandas is not installed.
         """
-        return required("pandas", "data frames").DataFrame(self._columns(0, len(self)))
+        return require("pandas", "pandas").DataFrame(self._columns(0, len(self)))
 
     def save(self, path: str | Path) -> None:
         """Write the table, as CSV or as Parquet: the suffix says which.
@@ -108,7 +108,8 @@ class Sweep:
         CSV has all digits of each number, and nothing where a number is not known.
 
         Raises:
-            SceneError: when the suffix is another, or pyarrow is missing for Parquet.
+            SceneError: when the suffix is another.
+            MissingExtraError: when pyarrow is not installed, for Parquet.
             OSError: when the file cannot be written.
         """
         path = table_path(path)
@@ -154,7 +155,7 @@ class Sweep:
                 writer.writerows(zip(*cells, strict=True))
 
     def _save_parquet(self, path: Path) -> None:
-        arrow, parquet = required("pyarrow", "Parquet files"), required("pyarrow.parquet", "Parquet files")
+        arrow, parquet = require("pyarrow", "sweep"), require("pyarrow.parquet", "sweep")
         schema = arrow.table(self._columns(0, 1)).schema
         with parquet.ParquetWriter(path, schema) as writer:
             for columns in self._chunks():
@@ -165,13 +166,14 @@ def table_path(path: str | Path) -> Path:
     """The path of a table.
 
     Raises:
-        SceneError: when its suffix is none of ``TABLES``, or pyarrow is missing for Parquet.
+        SceneError: when its suffix is none of ``TABLES``.
+        MissingExtraError: when pyarrow is not installed, for Parquet.
     """
     path = Path(path)
     if path.suffix.lower() not in TABLES:
         raise SceneError(f"{path} must end in {' or '.join(TABLES)}")
     if path.suffix.lower() == ".parquet":
-        required("pyarrow", "Parquet files")
+        require("pyarrow", "sweep")
     return path
 
 

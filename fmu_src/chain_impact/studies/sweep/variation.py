@@ -10,7 +10,8 @@ import numpy as np
 from chain_impact.names import nearest
 from chain_impact.reading import SceneError
 from chain_impact.scene import Scene
-from chain_impact.variables import Variable, fmu_variables
+from chain_impact.variable import Variable
+from chain_impact.variables import fmu_variables
 
 Values = str | float | Sequence[float | str] | np.ndarray
 STOP_TIME = Variable(
