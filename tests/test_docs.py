@@ -16,14 +16,21 @@ from chain_impact.layout import instance_dtype
 from chain_impact.scene import scene_keys
 
 ROOT = Path(__file__).parents[1]
-PAGES = sorted(
-    [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), *(ROOT / "models").glob("*/README.md")],
+NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
+DOCS = sorted(page for page in (ROOT / "docs").rglob("*.md") if page.with_suffix(".ipynb") not in NOTEBOOKS)
+GUIDES = [ROOT / "README.md", *DOCS]  # whose commands are run in a scratch folder
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "models").glob("*.md"), *DOCS])
+# what a page may ask a reader to run besides chain-impact: the installation, and files of the repository
+INSTALLATION = re.compile(
+    r"(sudo )?(apt-get|pip|npm|uv|git) |source |python3 -m venv |(\.venv/bin/)?(pip|ruff|mypy|lint-imports)"
 )
-GUIDES = [
-    ROOT / "README.md",
-    *sorted((ROOT / "docs").glob("*.md")),
-]  # whose commands are run in a bare folder
-every_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+
+
+def parametrized(pages):
+    return pytest.mark.parametrize("page", pages, ids=lambda page: str(page.relative_to(ROOT)))
+
+
+every_page = parametrized(PAGES)
 
 
 def blocks(page, language):
@@ -71,15 +78,28 @@ def test_there_are_commands_to_parse():
 @every_page
 def test_links_lead_to_files(page):
     for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
-        generated = page.parent == ROOT / "docs" and target.startswith("models/")
-        path = ROOT / target.replace(".md", "") if generated else page.parent / target
-        assert path.exists(), target
+        path = page.parent / target
+        assert path.exists() or path.with_suffix(".ipynb") in NOTEBOOKS, target
+
+
+@every_page
+def test_other_commands_are_of_the_installation_or_name_a_file(page):
+    for block in blocks(page, "sh"):
+        for line in block.splitlines():
+            for part in line.partition("  #")[0].split(" && "):
+                file = re.match(r"\S*python3? ([\w/]+\.py)\b", part)
+                if not re.match(r"\S*(chain-impact|python -m pytest)\b", part) and not INSTALLATION.match(
+                    part
+                ):
+                    assert file, part
+                    assert (ROOT / file[1]).is_file(), part
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A folder with build/FourLinkBox.fmu, as the README's first command leaves it."""
+    """A folder with build/FourLinkBox.fmu, as the README's first command leaves it, and one for pictures."""
     folder = tmp_path_factory.mktemp("reader")
+    (folder / "docs" / "images").mkdir(parents=True)
     assert run(folder, "-m", "chain_impact.cli", "build") == 0
     return folder
 
@@ -90,11 +110,7 @@ def run(folder, *arguments):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "page",
-    [page for page in PAGES if blocks(page, "python")],
-    ids=lambda page: str(page.relative_to(ROOT)),
-)
+@parametrized([page for page in PAGES if blocks(page, "python")])
 def test_python_snippets_run(page, folder):
     for snippet in blocks(page, "python"):
         # as a program of its own, as a reader would
@@ -103,7 +119,7 @@ def test_python_snippets_run(page, folder):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", GUIDES, ids=lambda page: str(page.relative_to(ROOT)))
+@parametrized([page for page in GUIDES if list(commands(page))])
 def test_commands_run(page, folder):
     (folder / "pendulum.toml").write_text(blocks(ROOT / "docs" / "scene.md", "toml")[0])
     for block in blocks(page, "sh"):
@@ -143,9 +159,15 @@ def generate():
     return module
 
 
-def test_every_placeholder_has_its_table(generate):
-    wanted = {name for page in PAGES for name in re.findall(r"^\{\{ (\w+) \}\}$", page.read_text(), re.M)}
-    assert wanted == generate.TABLES.keys()
+def test_every_table_has_its_place(generate):
+    names = [found[1] for page in DOCS for found in generate.BLOCK.finditer(page.read_text(encoding="utf-8"))]
+    assert set(names) == generate.TABLES.keys()
+
+
+@parametrized(DOCS)
+def test_the_tables_of_a_page_are_up_to_date(page, generate):
+    text = page.read_text(encoding="utf-8")
+    assert text == generate.filled(text), "run: python docs/generate.py"
 
 
 def test_the_scene_reference_has_every_key(generate):

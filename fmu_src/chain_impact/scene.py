@@ -28,8 +28,8 @@ MAX_LINKS = 1000
 START_TOLERANCE = 1e-12  # m, penetration at the start that counts as round-off
 
 _IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "a C identifier")
-_XML_TEXT = (r"[\t\n\r\x20-\uD7FF\uE000-\uFFFD\U00010000-\U0010FFFF]*", "text without control characters")
-_PYTHON_FILE = (r"|[^\0]*\.py", "the path of a Python file, from the folder of the scene")
+_XML_TEXT = (r"[^\x00-\x08\x0B\x0C\x0E-\x1F\uD800-\uDFFF\uFFFE\uFFFF]*", "text without control characters")
+_PYTHON_FILE = (r"|[^\x00]*\.py", "the path of a Python file, from the folder of the scene")
 
 _MIDDLE = Derived("length / 2", lambda link: link["length"] / 2)
 _ROD = Derived("mass * length^2 / 12", lambda link: link["mass"] * link["length"] * link["length"] / 12)
@@ -39,7 +39,14 @@ _ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links))
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Link:
-    """One rigid link, from its proximal joint (towards the base) to its distal one."""
+    """One rigid link, from its proximal joint (towards the base) to its distal one; or some equal ones.
+
+    A link of a `Chain` has no `count` (None): the chain holds each of the equal links.
+    """
+
+    count: int | None = quantity(
+        "", "how many equal links this is, 1 if missing", None, minimum=1, maximum=MAX_LINKS
+    )
 
     length: float = quantity("m", "length", above=0.0)
     mass: float = quantity("kg", "mass", above=0.0)
@@ -54,6 +61,18 @@ class Chain:
 
     base: str = quantity("", "base point: free to move, or pinned", "free", choices=("free", "pinned"))
     links: tuple[Link, ...] = quantity("", "links from base to tip", entries=(1, MAX_LINKS))
+
+    def __post_init__(self) -> None:
+        """Put each of the equal links of a `count` in the place of the one that has it."""
+        total = sum(link.count or 1 for link in self.links)
+        if total > MAX_LINKS:
+            counts = " + ".join(str(link.count or 1) for link in self.links[:4])
+            more = " + ..." if len(self.links) > 4 else ""
+            raise SceneError(
+                f"chain.links[].count: {counts}{more} = {total} links, must be at most {MAX_LINKS}"
+            )
+        links = (replace(link, count=None) for link in self.links for _ in range(link.count or 1))
+        object.__setattr__(self, "links", tuple(links))
 
 
 def _movable_points(chain: Chain) -> range:
