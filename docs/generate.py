@@ -1,7 +1,7 @@
 """Fill the tables of the docs from the code: ``python docs/generate.py``.
 
-What stands between ``<!-- generated: name -->`` and ``<!-- end -->`` in a page is replaced by what the function
-``name`` below returns. The same command writes the JSON schema of scene files, ``scene.schema.json``.
+What stands between ``<!-- generated: name -->`` and ``<!-- end -->`` in a page is replaced by what the
+function ``name`` below returns. It also writes the JSON schema of scene files, ``scene.schema.json``.
 """
 
 from __future__ import annotations
@@ -13,6 +13,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, get_args, get_origin
 
+from scene_schema import schema
+
 from chain_impact import cli, sphere_plane_stiffness
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.laws.registry import ContactLaw
@@ -20,7 +22,6 @@ from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.limits import Derived, allowed, without_none
 from chain_impact.scene import WALLS, Scene, load_scene, model_names, scene_keys, with_values
 from chain_impact.variables import UNITS, Variable, fmu_variables
-from schema import schema
 
 DOCS = Path(__file__).parent
 SCHEMA = DOCS / "scene.schema.json"

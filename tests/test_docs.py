@@ -1,13 +1,17 @@
 """What users read: the commands parse, the snippets run, the tables are complete."""
 
-import importlib.util
+import json
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
+from typing import NamedTuple
 
+import build_site
+import generate
 import pytest
 
 from chain_impact import cli
@@ -18,11 +22,11 @@ from chain_impact.scene import scene_keys
 ROOT = Path(__file__).parents[1]
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
 DOCS = sorted(page for page in (ROOT / "docs").rglob("*.md") if page.with_suffix(".ipynb") not in NOTEBOOKS)
-GUIDES = [ROOT / "README.md", *DOCS]  # whose commands are run in a scratch folder
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "models").glob("*.md"), *DOCS])
-# what a page may ask a reader to run besides chain-impact: the installation, and files of the repository
-INSTALLATION = re.compile(
-    r"(sudo )?(apt-get|pip|npm|uv|git) |source |python3 -m venv |(\.venv/bin/)?(pip|ruff|mypy|lint-imports)"
+# what a page may ask a reader to run, besides scripts of the repository
+KNOWN = re.compile(
+    r"(\.venv/bin/)?(chain-impact|python -m pytest|pip|ruff|mypy|lint-imports)\b"
+    r"|(apt-get|uv|source|python3 -m venv)\b"
 )
 
 
@@ -33,10 +37,24 @@ def parametrized(pages):
 every_page = parametrized(PAGES)
 
 
+class Block(NamedTuple):
+    """A fenced block: its language, the file that it is, and its text."""
+
+    language: str
+    title: str
+    text: str
+
+
+def fenced(page):
+    found = re.finditer(
+        r"^```(\w*)(?: title=\"(.*)\")?\n(.*?)^```$", page.read_text(encoding="utf-8"), re.M | re.S
+    )
+    return [Block(one[1], one[2] or "", one[3].rstrip("\n")) for one in found]
+
+
 def blocks(page, language):
     """The fenced blocks of a page in a language."""
-    text = page.read_text(encoding="utf-8")
-    return [found[1].rstrip("\n") for found in re.finditer(rf"^```{language}\n(.*?)^```$", text, re.M | re.S)]
+    return [block.text for block in fenced(page) if block.language == language]
 
 
 def commands(page):
@@ -83,16 +101,11 @@ def test_links_lead_to_files(page):
 
 
 @every_page
-def test_other_commands_are_of_the_installation_or_name_a_file(page):
-    for block in blocks(page, "sh"):
-        for line in block.splitlines():
-            for part in line.partition("  #")[0].split(" && "):
-                file = re.match(r"\S*python3? ([\w/]+\.py)\b", part)
-                if not re.match(r"\S*(chain-impact|python -m pytest)\b", part) and not INSTALLATION.match(
-                    part
-                ):
-                    assert file, part
-                    assert (ROOT / file[1]).is_file(), part
+def test_other_commands_are_known_or_scripts_of_the_repository(page):
+    for line in "\n".join(blocks(page, "sh")).splitlines():
+        for command in line.partition("  #")[0].split(" && "):
+            script = re.match(r"(?:\.venv/bin/)?python ([\w/]+\.py)\b", command)
+            assert (ROOT / script[1]).is_file() if script else KNOWN.match(command), command
 
 
 @pytest.fixture(scope="module")
@@ -100,33 +113,67 @@ def folder(tmp_path_factory):
     """A folder with build/FourLinkBox.fmu, as the README's first command leaves it, and one for pictures."""
     folder = tmp_path_factory.mktemp("reader")
     (folder / "docs" / "images").mkdir(parents=True)
-    assert run(folder, "-m", "chain_impact.cli", "build") == 0
+    code, _, errors = run(folder, "-m", "chain_impact.cli", "build")
+    assert code == 0, errors
     return folder
 
 
 def run(folder, *arguments):
-    environment = {**os.environ, "PYTHONPATH": str(ROOT / "fmu_src")}
-    return subprocess.run([sys.executable, *arguments], cwd=folder, env=environment, check=False).returncode
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "fmu_src"), "MPLBACKEND": "Agg"}
+    command = [sys.executable, *arguments]
+    done = subprocess.run(command, cwd=folder, env=environment, check=False, capture_output=True, text=True)
+    return done.returncode, done.stdout, done.stderr
+
+
+def chain_impact(line):
+    """The arguments of a line that runs chain-impact; None for any other line."""
+    _, program, arguments = line.partition("  #")[0].rpartition("chain-impact ")
+    return shlex.split(arguments) if program else None
+
+
+def lines_of(text):
+    return [line.rstrip() for line in text.strip().splitlines()]
 
 
 @pytest.mark.slow
-@parametrized([page for page in PAGES if blocks(page, "python")])
-def test_python_snippets_run(page, folder):
-    for snippet in blocks(page, "python"):
-        # as a program of its own, as a reader would
-        (folder / "snippet.py").write_text(snippet, encoding="utf-8")
-        assert run(folder, "-W", "error", "snippet.py") == 0, snippet
+@parametrized([page for page in PAGES if any(block.language in ("sh", "python") for block in fenced(page))])
+def test_a_page_runs_from_top_to_bottom(page, folder):
+    """Files are written, programs and commands run, in a folder like that of a reader; the output is as shown."""
+    printed = ""
+    for language, title, text in fenced(page):
+        if title == "printed":
+            assert lines_of(printed) == lines_of(text)
+        elif title:
+            (folder / title).write_text(text, encoding="utf-8")
+        elif language == "python":
+            # as a program of its own, as a reader would
+            (folder / "snippet.py").write_text(text, encoding="utf-8")
+            code, printed, errors = run(folder, "-W", "error", "snippet.py")
+            assert code == 0, f"{text}\n{errors}"
+        elif language == "sh":
+            for line in text.splitlines():
+                if (arguments := chain_impact(line)) is not None:
+                    code, printed, errors = run(folder, "-m", "chain_impact.cli", *arguments)
+                    assert code == 0, f"{line}\n{errors}"
 
 
 @pytest.mark.slow
-@parametrized([page for page in GUIDES if list(commands(page))])
-def test_commands_run(page, folder):
-    (folder / "pendulum.toml").write_text(blocks(ROOT / "docs" / "scene.md", "toml")[0])
-    for block in blocks(page, "sh"):
-        for line in block.splitlines():
-            _, program, arguments = line.rpartition("chain-impact ")
-            if program:
-                assert run(folder, "-m", "chain_impact.cli", *shlex.split(arguments)) == 0, line
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_runs(notebook, tmp_path):
+    shutil.copy(notebook, tmp_path)
+    build_site.make_pages([tmp_path / notebook.name], tmp_path)
+    assert (tmp_path / f"{notebook.stem}.md").stat().st_size > notebook.stat().st_size / 2
+
+
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_is_committed_without_outputs(notebook):
+    cells = json.loads(notebook.read_text(encoding="utf-8"))["cells"]
+    code = [cell for cell in cells if cell["cell_type"] == "code"]
+    assert all(cell["outputs"] == [] and cell["execution_count"] is None for cell in code)
+
+
+def test_there_are_three_notebooks():
+    assert len(NOTEBOOKS) == 3
 
 
 def test_the_fields_of_the_symbol_table_exist():
@@ -151,38 +198,30 @@ def test_the_code_that_the_computation_page_names_exists():
 # --- the tables ----------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def generate():
-    spec = importlib.util.spec_from_file_location("generate", ROOT / "docs" / "generate.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-def test_every_table_has_its_place(generate):
+def test_every_table_has_its_place():
     names = [found[1] for page in DOCS for found in generate.BLOCK.finditer(page.read_text(encoding="utf-8"))]
     assert set(names) == generate.TABLES.keys()
 
 
 @parametrized(DOCS)
-def test_the_tables_of_a_page_are_up_to_date(page, generate):
+def test_the_tables_of_a_page_are_up_to_date(page):
     text = page.read_text(encoding="utf-8")
     assert text == generate.filled(text), "run: python docs/generate.py"
 
 
-def test_the_scene_reference_has_every_key(generate):
+def test_the_scene_reference_has_every_key():
     text = generate.scene_reference()
     for key, entry in scene_keys():
         if "default" in entry.metadata and not key.endswith(("links", "walls")):
             assert f"`{key.rpartition('.')[2]}`" in text, key
 
 
-def test_the_table_of_laws_has_every_law(generate):
+def test_the_table_of_laws_has_every_law():
     text = generate.contact_laws()
     assert all(f"| {law.number} | `{law.id}` | {law.source} |" in text for law in CONTACT_LAWS.values())
 
 
-def test_the_table_of_stiffness_has_every_material(generate):
+def test_the_table_of_stiffness_has_every_material():
     text = generate.stiffnesses()
     assert "| steel | 207 | 0.3 | 2.145e+10 | 2.145e+10 |" in text
     assert all(f"| {name} |" in text for name in generate.MATERIALS)

@@ -18,8 +18,8 @@ from chain_impact.scene import (
     model_names,
     models_folder,
     parse_scene,
-    scene_keys,
     scene_from_dict,
+    scene_keys,
     scene_to_dict,
     with_values,
 )
@@ -303,7 +303,7 @@ def test_a_bad_count_is_refused(count):
 
 def test_counts_of_too_many_links_in_all_are_refused():
     message = refusal(of_equal_links, 400, 600, 1)
-    assert message == "RodDrop: chain.links[].count: 400 + 600 + 1 = 1001 links, must be at most 1000"
+    assert message == "RodDrop: chain.links[].count makes 1001 links in all, must make at most 1000"
 
 
 def test_a_chain_has_at_most_a_thousand_links():

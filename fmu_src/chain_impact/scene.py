@@ -66,11 +66,7 @@ class Chain:
         """Put each of the equal links of a `count` in the place of the one that has it."""
         total = sum(link.count or 1 for link in self.links)
         if total > MAX_LINKS:
-            counts = " + ".join(str(link.count or 1) for link in self.links[:4])
-            more = " + ..." if len(self.links) > 4 else ""
-            raise SceneError(
-                f"chain.links[].count: {counts}{more} = {total} links, must be at most {MAX_LINKS}"
-            )
+            raise SceneError(f"chain.links[].count makes {total} links in all, must make at most {MAX_LINKS}")
         links = (replace(link, count=None) for link in self.links for _ in range(link.count or 1))
         object.__setattr__(self, "links", tuple(links))
 

@@ -1,7 +1,7 @@
 """The JSON schema of scene files, for editors: made from the fields of the dataclasses in ``scene.py``.
 
-Draft 7, which Taplo and the editors built on it understand. It knows what each key may hold. What two keys say
-together, such as the number of angles and of links, only the reader can check.
+Draft 7, which Taplo and the editors built on it understand. It knows what each key may hold. What two keys
+say together, such as the number of angles and of links, only the reader can check.
 """
 
 from __future__ import annotations

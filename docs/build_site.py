@@ -1,4 +1,4 @@
-"""Build the site in ``site/``: ``python docs/build.py``. With ``--serve`` show it while you write.
+"""Build the site in ``site/``: ``python docs/build_site.py``. With ``--serve`` show it while you write.
 
 Zensical reads ``mkdocs.yml``. It knows no notebooks, so they are run and made pages before.
 """
@@ -19,6 +19,10 @@ def make_pages(notebooks: list[Path], folder: Path) -> None:
     convert = [sys.executable, "-W", "ignore", "-m", "nbconvert", "--log-level", "ERROR"]
     convert += ["--execute", "--to", "markdown", "--output-dir", str(folder)]
     subprocess.run([*convert, *map(str, notebooks)], check=True)
+    for notebook in notebooks:
+        page = folder / f"{notebook.stem}.md"
+        text = page.read_text(encoding="utf-8").replace(".ipynb)", ".md)")  # links between notebooks
+        page.write_text(text, encoding="utf-8")
 
 
 def main() -> int:
