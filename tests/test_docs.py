@@ -7,6 +7,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 from typing import NamedTuple
 
@@ -47,7 +48,7 @@ class Block(NamedTuple):
 
 def fenced(page):
     found = re.finditer(
-        r"^```(\w*)(?: title=\"(.*)\")?\n(.*?)^```$", page.read_text(encoding="utf-8"), re.M | re.S
+        r"^```(\w*)(?: title=\"([^\"\n]*)\")?\n(.*?)^```$", page.read_text(encoding="utf-8"), re.M | re.S
     )
     return [Block(one[1], one[2] or "", one[3].rstrip("\n")) for one in found]
 
@@ -79,8 +80,21 @@ def test_the_readme_begins_with_two_lines_to_paste():
     assert test.endswith("-m pytest")
 
 
-def test_the_readme_counts_the_laws():
-    assert f" {len(CONTACT_LAWS)} laws" in (ROOT / "README.md").read_text(encoding="utf-8")
+@pytest.mark.parametrize("page", ["README.md", "docs/index.md", "CITATION.cff"])
+def test_the_number_of_laws_is_right(page):
+    counts = re.findall(r"\b(\d+) (?:contact )?laws\b", (ROOT / page).read_text(encoding="utf-8"))
+    assert counts == [str(len(CONTACT_LAWS))]
+
+
+def test_the_citation_is_of_this_version():
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        project = tomllib.load(file)["project"]
+    lines = (ROOT / "CITATION.cff").read_text(encoding="utf-8").splitlines()
+    wanted = {"cff-version: 1.2.0", f"title: {project['name']}", f"license: {project['license']}"}
+    assert wanted | {
+        f"version: {project['version']}",
+        "message: If you use this software in your work, please cite it.",
+    } <= {*lines}
 
 
 @every_page
@@ -127,8 +141,10 @@ def run(folder, *arguments):
 
 def chain_impact(line):
     """The arguments of a line that runs chain-impact; None for any other line."""
-    _, program, arguments = line.partition("  #")[0].rpartition("chain-impact ")
-    return shlex.split(arguments) if program else None
+    found = re.search(r"(chain-impact|build_fmu\.py) (.*)", line.partition("  #")[0])
+    if found and found[1] == "build_fmu.py":
+        return ["build", *shlex.split(found[2])]
+    return shlex.split(found[2]) if found else None
 
 
 def lines_of(text):

@@ -297,9 +297,7 @@ def test_a_count_stands_for_so_many_equal_links():
 @pytest.mark.parametrize("count", [0, 1001, 2.0, True])
 def test_a_bad_count_is_refused(count):
     path = ("chain", "links", 0, "count")
-    assert refused((path, count)) == (
-        f"chain.links[0].count = {count} must be a whole number >= 1 and <= 1000"
-    )
+    assert refused((path, count)) == (f"link[1].count = {count} must be a whole number >= 1 and <= 1000")
 
 
 def test_counts_of_too_many_links_in_all_are_refused():

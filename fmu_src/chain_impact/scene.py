@@ -41,15 +41,11 @@ _ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links))
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Link:
-    """One rigid link, from its proximal joint (towards the base) to its distal one; or some equal ones.
-
-    A link of a `Chain` has no `count` (None): the chain holds each of the equal links.
-    """
+    """One rigid link, from its proximal joint (towards the base) to its distal one; in a file, also several."""
 
     count: int | None = quantity(
-        "", "how many equal links this is, 1 if missing", None, minimum=1, maximum=MAX_LINKS
+        "", "number of equal links, 1 if missing", None, minimum=1, maximum=MAX_LINKS, file_only=True
     )
-
     length: float = quantity("m", "length", above=0.0)
     mass: float = quantity("kg", "mass", above=0.0)
     center_of_mass: float = quantity("m", "centre of mass, from the proximal joint", _MIDDLE, minimum=0.0)
@@ -66,8 +62,7 @@ class Chain:
 
     def __post_init__(self) -> None:
         """Put each of the equal links of a `count` in the place of the one that has it."""
-        total = sum(link.count or 1 for link in self.links)
-        if total > MAX_LINKS:
+        if (total := sum(link.count or 1 for link in self.links)) > MAX_LINKS:
             raise SceneError(f"chain.links[].count makes {total} links in all, must make at most {MAX_LINKS}")
         links = (replace(link, count=None) for link in self.links for _ in range(link.count or 1))
         object.__setattr__(self, "links", tuple(links))
@@ -191,10 +186,7 @@ class Scene:
         return {name_of(path, [wall.name for wall in self.walls]): value for path, value in _leaves(self)}
 
     def with_values(self, changes: Mapping[str, Any] | Mapping[Place, Any]) -> "Scene":
-        """Return the validated scene with some values changed: ``{"contact.restitution": 0.5}``.
-
-        See ``chain_impact.scene.with_values``.
-        """
+        """The scene with some values changed, `{"contact.restitution": 0.5}`, by `with_values` of this module."""
         return with_values(self, changes)
 
 
@@ -317,7 +309,7 @@ def _paths(scene: Scene) -> dict[str, Place]:
 def _leaves(value: Any, path: Place = (), unit: str = "") -> Iterator[tuple[Place, Any]]:
     """Yield the path of every single value, and the value; entries of a list of quantities are single."""
     if is_dataclass(value):
-        for entry in fields(value):
+        for entry in (entry for entry in fields(value) if not entry.metadata.get("file_only")):
             yield from _leaves(
                 getattr(value, entry.name), (*path, entry.name), entry.metadata.get("unit", "")
             )
