@@ -124,11 +124,12 @@ def test_other_commands_are_known_or_scripts_of_the_repository(page):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A folder with build/FourLinkBox.fmu, as the README's first command leaves it, and one for pictures."""
+    """A folder with build/FourLinkBox.fmu, as the README's first command leaves it, and a native one."""
     folder = tmp_path_factory.mktemp("reader")
     (folder / "docs" / "images").mkdir(parents=True)
-    code, _, errors = run(folder, "-m", "chain_impact.cli", "build")
-    assert code == 0, errors
+    for arguments in ((), ("--target", "native", "-o", "build/native")):
+        code, _, errors = run(folder, "-m", "chain_impact.cli", "build", *arguments)
+        assert code == 0, errors
     return folder
 
 

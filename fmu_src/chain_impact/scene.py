@@ -41,7 +41,7 @@ _ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links))
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Link:
-    """One rigid link, from its proximal joint (towards the base) to its distal one; in a file, also several."""
+    """One rigid link, from its proximal joint (towards the base) to its distal one; in a file several."""
 
     count: int | None = quantity(
         "", "number of equal links, 1 if missing", None, minimum=1, maximum=MAX_LINKS, file_only=True
@@ -186,7 +186,7 @@ class Scene:
         return {name_of(path, [wall.name for wall in self.walls]): value for path, value in _leaves(self)}
 
     def with_values(self, changes: Mapping[str, Any] | Mapping[Place, Any]) -> "Scene":
-        """The scene with some values changed, `{"contact.restitution": 0.5}`, by `with_values` of this module."""
+        """The scene with some values changed, `{"contact.restitution": 0.5}`; see the function."""
         return with_values(self, changes)
 
 

@@ -47,8 +47,8 @@ PYTHON_SYMBOLS = (
     *("numba_gil_release", "numba_runtime_build_excinfo_struct", "numba_unpickle"),
 )
 INTERFACE = PACKAGE / "compilation" / "fmi2"
-# Runs lower.py with these sources. The variable PYTHONPATH would not do: where pip builds a wheel in isolation,
-# it hides the folder of an editable installation of the same sources.
+# Runs lower.py with these sources. The variable PYTHONPATH would not do: where pip builds a wheel, it hides
+# the folder of an editable installation of the same sources.
 LOWER = """import runpy, sys
 sys.path.insert(0, sys.argv.pop(1))
 runpy.run_module("chain_impact.compilation.lower", run_name="__main__", alter_sys=True)"""
