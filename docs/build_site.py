@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 DOCS = Path(__file__).parent
+SITE = DOCS.parent / "site"
 NOTEBOOKS = sorted((DOCS / "notebooks").glob("*.ipynb"))
 
 
@@ -19,10 +20,6 @@ def make_pages(notebooks: list[Path], folder: Path) -> None:
     convert = [sys.executable, "-W", "ignore", "-m", "nbconvert", "--log-level", "ERROR"]
     convert += ["--execute", "--to", "markdown", "--output-dir", str(folder)]
     subprocess.run([*convert, *map(str, notebooks)], check=True)
-    for notebook in notebooks:
-        page = folder / f"{notebook.stem}.md"
-        text = page.read_text(encoding="utf-8").replace(".ipynb)", ".md)")  # links between notebooks
-        page.write_text(text, encoding="utf-8")
 
 
 def main() -> int:
@@ -34,8 +31,11 @@ def main() -> int:
     code = subprocess.run(
         [sys.executable, "-m", "zensical", *command], cwd=DOCS.parent, check=False
     ).returncode
-    for script in (DOCS.parent / "site").glob("*.py"):  # Zensical copies every file of docs/
+    for script in SITE.glob("*.py"):  # Zensical copies every file of docs/
         script.unlink()
+    for page in SITE.rglob("*.html"):  # in the repository a link leads to the notebook, here to its page
+        text = page.read_text(encoding="utf-8")
+        page.write_text(text.replace('.ipynb"', '.html"'), encoding="utf-8")
     return code
 
 

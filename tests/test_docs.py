@@ -110,8 +110,7 @@ def test_there_are_commands_to_parse():
 @every_page
 def test_links_lead_to_files(page):
     for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
-        path = page.parent / target
-        assert path.exists() or path.with_suffix(".ipynb") in NOTEBOOKS, target
+        assert (page.parent / target).exists(), target
 
 
 @every_page
@@ -155,7 +154,7 @@ def lines_of(text):
 @pytest.mark.slow
 @parametrized([page for page in PAGES if any(block.language in ("sh", "python") for block in fenced(page))])
 def test_a_page_runs_from_top_to_bottom(page, folder):
-    """Files are written, programs and commands run, in a folder like that of a reader; the output is as shown."""
+    """Files are written, programs and commands run, in a folder like a reader's; the output is as shown."""
     printed = ""
     for language, title, text in fenced(page):
         if title == "printed":
