@@ -1,4 +1,4 @@
-"""The wheel, installed outside of the repository by pip and by uv, in every supported Python that is here.
+"""The wheel, installed outside of the repository by pip and, in every supported Python that is here, by uv.
 
 ``python .ci/check_wheel.py SCRATCH``, in the repository. A wheel takes its kernels from the cache that
 ``CHAIN_IMPACT_CACHE`` names, or compiles them.
@@ -57,12 +57,11 @@ def main(scratch: Path) -> None:
     """Build the wheel and try it."""
     run(sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", scratch / "dist", ".")
     (wheel,) = (scratch / "dist").glob("chain_impact-*.whl")
-    for python in pythons():
-        for tool in ("pip", "uv"):
-            name = f"{Path(python).name}-{tool}"
-            install(tool, python, wheel, scratch / name)
-            use(scratch / name, scratch / f"{name}-folder")
-            print(f"{wheel.name}: works with {Path(python).name}, installed by {tool}")
+    for tool, python in [("pip", pythons()[0]), *(("uv", python) for python in pythons())]:
+        name = f"{Path(python).name}-{tool}"
+        install(tool, python, wheel, scratch / name)
+        use(scratch / name, scratch / f"{name}-folder")
+        print(f"{wheel.name}: works with {Path(python).name}, installed by {tool}")
 
 
 if __name__ == "__main__":

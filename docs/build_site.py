@@ -6,12 +6,14 @@ Zensical reads ``mkdocs.yml``. It knows no notebooks, so they are run and made p
 from __future__ import annotations
 
 import argparse
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 DOCS = Path(__file__).parent
 SITE = DOCS.parent / "site"
+SHIM = "https://unpkg.com/iframe-worker/shim"
 NOTEBOOKS = sorted((DOCS / "notebooks").glob("*.ipynb"))
 
 
@@ -22,20 +24,31 @@ def make_pages(notebooks: list[Path], folder: Path) -> None:
     subprocess.run([*convert, *map(str, notebooks)], check=True)
 
 
+def finish() -> None:
+    """Make what Zensical has written independent of the network and of the repository."""
+    for script in SITE.glob("*.py"):  # every file of docs/ is copied
+        script.unlink()
+    for page in SITE.rglob("*.html"):
+        text = page.read_text(encoding="utf-8")
+        # in the repository a link leads to the notebook, here to its page
+        text = text.replace('.ipynb"', '.html"')
+        # without a server, search needs this script, which is in docs/javascripts
+        top = "../" * (len(page.relative_to(SITE).parts) - 1)
+        text = text.replace(SHIM, f"{top}javascripts/iframe-worker/shim.js")
+        if remote := re.search(r'<(?:script|link)\b[^>]+(?:src|href)="(https?://[^"]*)', text):
+            sys.exit(f"{page.relative_to(SITE)} would load {remote[1]} from the network")
+        page.write_text(text, encoding="utf-8")
+
+
 def main() -> int:
     """Make the pages of the notebooks, then the site; return the exit code of Zensical."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--serve", action="store_true", help="serve the site and follow changes")
     command = ["serve"] if parser.parse_args().serve else ["build", "--clean", "--strict"]
     make_pages(NOTEBOOKS, DOCS / "notebooks")
-    code = subprocess.run(
-        [sys.executable, "-m", "zensical", *command], cwd=DOCS.parent, check=False
-    ).returncode
-    for script in SITE.glob("*.py"):  # Zensical copies every file of docs/
-        script.unlink()
-    for page in SITE.rglob("*.html"):  # in the repository a link leads to the notebook, here to its page
-        text = page.read_text(encoding="utf-8")
-        page.write_text(text.replace('.ipynb"', '.html"'), encoding="utf-8")
+    zensical = [sys.executable, "-m", "zensical", *command]
+    code = subprocess.run(zensical, cwd=DOCS.parent, check=False).returncode
+    finish()
     return code
 
 
