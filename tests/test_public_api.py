@@ -6,10 +6,10 @@
 import argparse
 import dataclasses
 import inspect
+import re
 import sys
 from pathlib import Path
-
-import generate
+from types import FunctionType
 
 import chain_impact
 from chain_impact import cli
@@ -23,28 +23,16 @@ FILE = Path(__file__).with_name("public_api.txt")
 HINT = "run: python tests/test_public_api.py"
 
 
-def signature(function):
-    """Names, kinds and defaults of the parameters, without annotations."""
-    parameters = [
-        parameter.replace(
-            annotation=parameter.empty,
-            default=Shown(parameter.default) if callable(parameter.default) else parameter.default,
-        )
-        if parameter.default is not parameter.empty
-        else parameter.replace(annotation=parameter.empty)
-        for parameter in inspect.signature(function).parameters.values()
-    ]
-    return str(inspect.Signature(parameters))
-
-
-class Shown:
-    """A default that is a function, shown by its name."""
-
-    def __init__(self, function):
-        self.name = function.__name__
-
-    def __repr__(self):
-        return self.name
+def described(name, function):
+    """A function, and each of its parameters with its place or name and its default."""
+    yield f"{name}()"
+    parameters = [one for one in inspect.signature(function).parameters.values() if one.name != "self"]
+    for place, parameter in enumerate(parameters, 1):
+        default = parameter.default
+        shown = default.__name__ if callable(default) and default is not parameter.empty else repr(default)
+        ending = "" if default is parameter.empty else f" = {shown}"
+        kind = "keyword" if parameter.kind is parameter.KEYWORD_ONLY else f"argument {place}"
+        yield f"{name}() {kind}: {parameter.name}{ending}"
 
 
 def python_names():
@@ -53,8 +41,10 @@ def python_names():
         if inspect.isclass(thing):
             yield f"python: class {name}({', '.join(base.__name__ for base in thing.__bases__)})"
             yield from (f"python: {name}.{member}" for member in members(thing))
+        elif callable(thing):
+            yield from (f"python: {line}" for line in described(name, thing))
         else:
-            yield f"python: {name}{signature(thing) if callable(thing) else ''}"
+            yield f"python: {name}"
     yield from (f"python: Result.impacts[{column!r}]" for column in IMPACT_DTYPE.names)
 
 
@@ -64,8 +54,8 @@ def members(kind):
     own = {name for base in kind.__mro__ if base.__module__.startswith("chain_impact") for name in vars(base)}
     for name in sorted(fields | own):
         if not name.startswith("_"):
-            member = inspect.getattr_static(kind, name, None)
-            yield name + (signature(getattr(kind, name)) if inspect.isroutine(member) else "")
+            is_method = isinstance(inspect.getattr_static(kind, name, None), FunctionType)
+            yield from described(name, getattr(kind, name)) if is_method else [name]
 
 
 def command_line():
@@ -85,7 +75,8 @@ def names():
     yield from command_line()
     yield from (f"model: {name}" for name in model_names())
     for scene in map(load_scene, model_names()):
-        yield from (f"FMU variable: {generate._pattern(variable.name)}" for variable in fmu_variables(scene))
+        kinds = {re.sub(r"\[\d+\]", "[i]", variable.name) for variable in fmu_variables(scene)}
+        yield from (f"FMU variable: {kind}" for kind in kinds)
 
 
 def test_nothing_public_is_removed_or_changed():
