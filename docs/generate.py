@@ -22,7 +22,8 @@ from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.limits import Derived, allowed, without_none
 from chain_impact.scene import WALLS, Scene, load_scene, model_names, scene_keys, with_values
 from chain_impact.units import UNITS
-from chain_impact.variables import Variable, fmu_variables
+from chain_impact.variable import Variable
+from chain_impact.variables import fmu_variables
 
 DOCS = Path(__file__).parent
 SCHEMA = DOCS / "scene.schema.json"

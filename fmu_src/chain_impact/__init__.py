@@ -6,6 +6,7 @@ from chain_impact.extras import MissingExtraError
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.laws.registry import ContactLaw
 from chain_impact.reading import SceneError, UnknownNameError
+from chain_impact.results.impacts import impacts_of
 from chain_impact.results.recording import Recording
 from chain_impact.results.result import IMPACT_DTYPE, Result
 from chain_impact.running import SimulationError
@@ -36,6 +37,7 @@ __all__ = [
     "UnknownNameError",
     "build_fmu",
     "compare",
+    "impacts_of",
     "load_scene",
     "model_names",
     "parse_scene",

@@ -80,5 +80,4 @@ def allowed(kind: Any, rule: Mapping[str, Any]) -> str:
     signs = {"minimum": ">=", "above": ">", "maximum": "<="}
     bounds = " and ".join(f"{signs[limit]} {rule[limit]:g}" for limit in signs if rule[limit] is not None)
     unit = "" if rule["unit"] in ("", "1") else f"[{rule['unit']}]"
-    number = "a whole number" if kind is int else "a finite number"
-    return " ".join(filter(None, (number, bounds, unit)))
+    return " ".join(filter(None, ("a whole number" if kind is int else "a finite number", bounds, unit)))
