@@ -296,8 +296,16 @@ def test_a_count_stands_for_so_many_equal_links():
 
 @pytest.mark.parametrize("count", [0, 1001, 2.0, True])
 def test_a_bad_count_is_refused(count):
-    path = ("chain", "links", 0, "count")
-    assert refused((path, count)) == (f"link[1].count = {count} must be a whole number >= 1 and <= 1000")
+    message = refused((("chain", "links", 1, "count"), count))
+    assert message == f"count in entry 2 of [[chain.links]] = {count} must be a whole number >= 1 and <= 1000"
+
+
+def test_an_error_names_the_entry_of_the_file_where_entries_are_not_links():
+    text = MINIMAL.replace(
+        "[{length = 2.0, mass = 3.0}]", "[{length = 2.0, mass = 3.0, count = 3}, {mass = 1.0}]"
+    )
+    message = refusal(parse_scene, text, "f")
+    assert message == "f: length in entry 2 of [[chain.links]] is missing (length)"
 
 
 def test_counts_of_too_many_links_in_all_are_refused():

@@ -255,7 +255,12 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
     given = [table.get("name") if isinstance(table, Mapping) else None for table in tables]
     names = [name if isinstance(name, str) and name.isidentifier() else None for name in given]
 
+    counted = _has_counts(data)
+
     def label(path: Place) -> str:
+        match path:
+            case "chain", "links", int(i), key if counted:
+                return f"{key} in entry {i + 1} of [[chain.links]]"
         name, written = name_of(path, names), place_in_file(path)
         return f"{name} ({written})" if in_file and written != name else name
 
@@ -267,6 +272,14 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
     except SceneError as error:
         raise SceneError(f"{source}: {error}") from None
     return scene
+
+
+def _has_counts(data: Any) -> bool:
+    """Whether an entry for a link stands for several, so that entries are not numbered as links are."""
+    chain = data.get("chain") if isinstance(data, Mapping) else None
+    links = chain.get("links") if isinstance(chain, Mapping) else None
+    tables = links if isinstance(links, list | tuple) else []
+    return any(isinstance(table, Mapping) and "count" in table for table in tables)
 
 
 def scene_to_dict(scene: Scene) -> dict[str, Any]:
