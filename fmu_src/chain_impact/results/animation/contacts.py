@@ -1,0 +1,109 @@
+"""The contacts of a recording: when they were, how large their force was, and which of them are worth a look."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from chain_impact.results.animation.pacing import Span
+from chain_impact.results.recording import Impact, Recording
+
+FORCE = re.compile(r"contact\[(\d+)\]\.(\w+)\.force")
+RESOLVED = 8  # rows in a contact from which the largest force among them is about the peak
+SLOW_SPEED = 0.05  # of the fastest impact: slower ones are not shown slowly
+SLOW_COUNT = 100  # impacts, the fastest ones, that are shown slowly
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """A contact of a point with a wall, as the rows of a recording show it.
+
+    Attributes:
+        point: 0…N.
+        wall: its name.
+        onset: [s].
+        end: [s]; of one that lasts, the end of the recording.
+        speed: normal approach speed [m/s]; None for a contact whose impact is not listed.
+        peak_force: the largest force in the rows [N]; None where no row has one: between rigid walls, or when
+            the rows are too far apart.
+        resolved: whether there are enough rows in it for ``peak_force`` to be the peak.
+    """
+
+    point: int
+    wall: str
+    onset: float
+    end: float
+    speed: float | None
+    peak_force: float | None
+    resolved: bool
+
+
+def force_columns(recording: Recording) -> Iterator[tuple[int, str, np.ndarray]]:
+    """Point, wall and force over time [N] of each pair that can touch."""
+    for name, force in recording.columns.items():
+        if found := FORCE.fullmatch(name):
+            yield int(found[1]), found[2], force
+
+
+def contacts(recording: Recording) -> list[Contact]:
+    """All contacts in order of their onset: the listed impacts, and what else the forces show."""
+    time, found = recording.time, []
+    left = list(recording.impacts)
+    for point, wall, force in force_columns(recording):
+        listed = [impact for impact in recording.impacts if (impact.point, impact.wall) == (point, wall)]
+        for first, last in _runs(force > 0.0):
+            before = time[max(first - 1, 0)]
+            impact = next((i for i in listed if before <= i.time <= time[first]), None)
+            if impact in left:
+                left.remove(impact)
+            found.append(
+                Contact(
+                    point,
+                    wall,
+                    onset=impact.time if impact else float(before),
+                    end=float(time[min(last + 1, len(time) - 1)]),
+                    speed=impact.speed if impact else None,
+                    peak_force=float(force[first : last + 1].max()),
+                    resolved=last - first + 1 >= RESOLVED,
+                )
+            )
+    found += [Contact(i.point, i.wall, i.time, i.time, i.speed, None, False) for i in left]
+    return sorted(found, key=lambda contact: contact.onset)
+
+
+def _runs(mask: np.ndarray) -> Iterator[tuple[int, int]]:
+    """First and last index of each run of true values."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]])))
+    for first, after in edges.reshape(-1, 2):
+        yield int(first), int(after) - 1
+
+
+def slow_spans(found: Sequence[tuple[Span, float]]) -> list[Span]:
+    """Onset and end [s] of the contacts to be shown slowly, of those given with their impact speeds [m/s]."""
+    fastest = sorted(found, key=lambda entry: -entry[1])[:SLOW_COUNT]
+    return sorted(span for span, speed in fastest if speed >= SLOW_SPEED * fastest[0][1])
+
+
+def impacts_from_forces(recording: Recording) -> list[Impact]:
+    """The impacts that the forces in a recording show, for one whose impacts are not listed.
+
+    The onset is where the force began between two rows, by the penetration and its rate in the first row that
+    has one. An impact that began and ended between two rows is missing.
+    """
+    impacts = []
+    for point, wall, force in force_columns(recording):
+        depth, rate = (
+            recording.columns.get(f"contact[{point}].{wall}.{name}", np.zeros_like(force))
+            for name in ("penetration", "penetration_rate")
+        )
+        for first, _ in _runs(force > 0.0):
+            if first == 0:
+                continue  # it touched from the start
+            onset = recording.time[first]
+            if rate[first] > 0.0:
+                onset = max(onset - depth[first] / rate[first], recording.time[first - 1])
+            impacts.append(Impact(float(onset), point, wall, float(abs(rate[first]))))
+    return sorted(impacts, key=lambda impact: impact.time)
