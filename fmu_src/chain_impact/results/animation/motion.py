@@ -15,7 +15,8 @@ from chain_impact.walls import HalfPlane
 ENERGIES = ("kinetic", "potential", "elastic", "dissipated", "supplied", "total")
 NUMBERS = 2_000_000  # coordinates in an animation at most: a long chain has fewer frames
 FEWEST = 200  # frames, however long the chain
-MARGIN = 0.05  # of the width or height, around the motion and the walls near it
+MARGIN = 0.06  # of the size of what is seen, around it
+NEAR = 0.25  # of the size of the motion: a wall farther from it need not be seen
 ALONE = 1e-3  # of the size of the motion: a smaller radius is not drawn
 
 
@@ -100,14 +101,14 @@ def _radius(recording: Recording) -> float:
 
 
 def _view(points: np.ndarray, walls: Mapping[str, HalfPlane], radius: float) -> np.ndarray:
-    """The corners of what is to be seen: the motion, and the walls that are no farther than it is wide."""
+    """The corners of what is to be seen: the motion, and the walls near it."""
     low, high = points.min(axis=(0, 1)) - radius, points.max(axis=(0, 1)) + radius
     width = (high - low).max()
     for wall in walls.values():
         normal = np.array(wall.normal)
         corner = np.where(normal > 0.0, low, high)  # the nearest to the wall
         gap = wall.clearance(*corner)
-        if gap <= width:
+        if gap <= NEAR * width:
             met = corner - max(0.0, gap) * normal
             low, high = np.minimum(low, met), np.maximum(high, met)
     margin = MARGIN * max((high - low).max(), 1e-6)

@@ -1,0 +1,170 @@
+"""What a frame of a film shows: the chain between its walls, its energy, the clock and the forces."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import FancyArrowPatch, Polygon
+
+from chain_impact.results.animation.motion import Motion
+from chain_impact.results.animation.text import force_text, rate_text
+
+INK, MUTED, LINE, OUTSIDE, WALL = "#1c2333", "#566076", "#e3e6ee", "#e4e7ef", "#4a546c"
+CHAIN, TIP, FORCE, SLOW = "#2b4a9f", "#c2255c", "#d9480f", "#d9480f"
+ENERGIES = {
+    "kinetic": "#17855f",
+    "potential": "#b87f00",
+    "elastic": "#1c7ed6",
+    "dissipated": "#d6267f",
+    "supplied": "#7570b3",
+    "total": "#30374a",
+}
+STYLE: dict[str, Any] = {
+    "font.size": 9,
+    "text.color": INK,
+    "axes.edgecolor": MUTED,
+    "axes.labelcolor": MUTED,
+    "xtick.color": MUTED,
+    "ytick.color": MUTED,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+}
+"""Settings of matplotlib for a film."""
+SCENE, LEDGER = (0.02, 0.03, 0.6, 0.85), (0.69, 0.12, 0.29, 0.6)  # left, bottom, width, height of the page
+LONGEST = 0.26  # of the smaller side of the scene: the arrow of the largest force
+LEAST = 0.02  # of the same: the shortest arrow
+TAIL, TAIL_PARTS = 0.3, 40  # s of simulated time in which the trace of the tip fades, and its pieces
+
+
+class FilmPage:
+    """The page that the frames of a film show."""
+
+    def __init__(self, figure: Figure, motion: Motion) -> None:
+        """Draw what does not move."""
+        self.motion = motion
+        self.scene = figure.add_axes(SCENE)
+        self.ledger = figure.add_axes(LEDGER)
+        title = dict(fontsize=13, fontweight="bold", va="center")
+        figure.text(SCENE[0], 0.94, motion.name, **title)
+        moving: dict[str, Any] = {"animated": True, "va": "center"}
+        self.clock = figure.text(LEDGER[0], 0.94, "", fontsize=15, fontweight="bold", **moving)
+        self.rate = figure.text(LEDGER[0], 0.87, "", fontsize=10, **moving)
+        self._draw_ground()
+        self._draw_energies()
+        still: dict[str, Any] = {"animated": True, "solid_capstyle": "round", "solid_joinstyle": "round"}
+        (self.trace,) = self.scene.plot([], [], color=TIP, linewidth=0.8, alpha=0.35, **still)
+        self.tail = LineCollection([], colors=TIP, animated=True)
+        self.scene.add_collection(self.tail, autolim=False)
+        (self.chain,) = self.scene.plot([], [], color=CHAIN, linewidth=4.0, **still)
+        look: dict[str, Any] = {"linestyle": "", "marker": "o", "animated": True}
+        (self.joints,) = self.scene.plot([], [], color="white", markeredgecolor=CHAIN, markersize=5, **look)
+        (self.tip,) = self.scene.plot([], [], color=TIP, markeredgecolor="white", markersize=7, **look)
+        self.now = self.ledger.axvline(motion.time[0], color=INK, linewidth=1.0, animated=True)
+        self.peak = max((c.peak_force for c in motion.contacts if c.peak_force is not None), default=1.0)
+
+    def _draw_ground(self) -> None:
+        axes, (low, high) = self.scene, self.motion.view
+        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xticks=[], yticks=[])
+        axes.set_aspect("equal", adjustable="datalim", anchor="C")
+        axes.apply_aspect()
+        axes.spines[:].set_visible(False)
+        (x0, x1), (y0, y1) = axes.get_xlim(), axes.get_ylim()
+        draw_room(axes, self.motion, np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]]))
+
+    def _draw_energies(self) -> None:
+        axes, motion = self.ledger, self.motion
+        for contact in motion.contacts:
+            axes.axvline(contact.onset, color=LINE, linewidth=0.8, zorder=0)
+        for name, energy in motion.energies.items():
+            axes.plot(motion.time, energy, color=ENERGIES[name], label=name, linewidth=1 + (name == "total"))
+        axes.set(xlim=(motion.time[0], motion.time[-1]), xlabel="time [s]", ylabel="energy [J]")
+        axes.legend(loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=3, fontsize=8, handlelength=1.0,
+                    columnspacing=1.0, borderaxespad=0.2)  # fmt: skip
+
+    def show(self, frame: int, rate: float) -> Iterable[Artist]:
+        """Move to a frame; give what is to be drawn, in order.
+
+        Args:
+            frame: 0…F − 1.
+            rate: simulated seconds in a second on the screen.
+        """
+        motion = self.motion
+        time, points = motion.time[frame], motion.points[frame]
+        self.trace.set_data(*motion.points[: frame + 1, -1].T)
+        self._show_tail(frame)
+        self.chain.set_data(*points.T)
+        self.joints.set_data(*points[:-1].T)
+        self.tip.set_data(*points[-1:].T)
+        self.now.set_xdata([time, time])
+        self.clock.set_text(f"{time:.5f} s")
+        self.rate.set_text(rate_text(rate))
+        self.rate.set_color(SLOW if rate < 0.5 else MUTED)  # noqa: PLR2004
+        yield from (self.trace, self.tail, self.chain, self.joints, self.tip)
+        yield from self._arrows(frame)
+        yield from (self.now, self.clock, self.rate)
+
+    def _show_tail(self, frame: int) -> None:
+        motion = self.motion
+        time = motion.time[frame]
+        moments = np.linspace(max(time - TAIL, motion.time[0]), time, TAIL_PARTS + 1)
+        tip = np.stack(
+            [np.interp(moments, motion.time, motion.points[:, -1, axis]) for axis in (0, 1)], axis=-1
+        )
+        self.tail.set_segments(list(np.stack([tip[:-1], tip[1:]], axis=1)))
+        self.tail.set_alpha(np.linspace(0.0, 1.0, TAIL_PARTS))
+        self.tail.set_linewidths(np.linspace(0.5, 2.2, TAIL_PARTS))
+
+    def _arrows(self, frame: int) -> Iterable[Artist]:
+        """The forces of walls on the chain, their lengths in proportion, and how large they are."""
+        side = min(np.ptp(self.motion.view, axis=0))
+        for (point, name), force in self.motion.forces.items():
+            if force[frame] <= 0.0:
+                continue
+            wall = self.motion.walls[name]
+            normal, place = np.array(wall.normal), self.motion.points[frame, point]
+            foot = place - wall.clearance(*place) * normal
+            head = foot + side * max(LEAST, LONGEST * force[frame] / self.peak) * normal
+            style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 14, "shrinkA": 0, "shrinkB": 0}
+            arrow = FancyArrowPatch(tuple(foot), tuple(head), color=FORCE, linewidth=2.2, **style)
+            yield self.scene.add_patch(arrow)
+            x, y = head + 0.035 * side * normal
+            text = self.scene.text(
+                x, y, force_text(force[frame]), color=FORCE, fontweight="bold", ha="center", va="center"
+            )
+            yield text
+            arrow.remove()
+            text.remove()
+
+
+def draw_room(axes: Axes, motion: Motion, rectangle: np.ndarray) -> None:
+    """The room between the walls in white and what is beyond them in grey, within a rectangle's corners."""
+    room = rectangle
+    for wall in motion.walls.values():
+        room = clipped(room, np.array(wall.normal), wall.offset)
+    axes.set_facecolor(OUTSIDE if motion.walls else "white")
+    if len(room) == 0:
+        return
+    axes.add_patch(Polygon(room, facecolor="white", zorder=0.2))
+    for wall in motion.walls.values():
+        ends = room[np.abs(room @ wall.normal - wall.offset) < 1e-9 * (np.ptp(rectangle) + abs(wall.offset))]
+        if len(ends) > 1:
+            axes.plot(*ends.T, color=WALL, linewidth=2.2, zorder=1)
+
+
+def clipped(polygon: np.ndarray, normal: np.ndarray, offset: float) -> np.ndarray:
+    """The part of a polygon, shape (C, 2), with n·p ≥ offset (Sutherland & Hodgman, 1974)."""
+    gaps, kept = polygon @ normal - offset, []
+    for here, before in zip(range(len(polygon)), range(-1, len(polygon) - 1), strict=True):
+        if gaps[before] * gaps[here] < 0.0:
+            share = gaps[before] / (gaps[before] - gaps[here])
+            kept.append(polygon[before] + share * (polygon[here] - polygon[before]))
+        if gaps[here] >= 0.0:
+            kept.append(polygon[here])
+    return np.array(kept).reshape(-1, 2)
