@@ -17,6 +17,7 @@ from chain_impact.scene import Scene
 from chain_impact.simulate import simulate
 
 MOST_ROWS = 40_000
+WITHIN = np.linspace(0.0, 1.0, 17)  # of a contact that is too weak to be shown slowly: rows for its peak force
 CHUNK = 2000  # rows between two calls of ``progress``
 
 
@@ -47,7 +48,9 @@ def record_slowly(
     spans = slow_spans(
         [((float(a), float(b)), float(v)) for a, b, v in zip(onsets, ends, speeds, strict=True)]
     )
-    times, _ = frame_times(0.0, stop, spans, impact_time, MOST_ROWS)
+    shown, _ = frame_times(0.0, stop, spans, impact_time, MOST_ROWS)
+    others = (onsets[:, None] + (ends - onsets)[:, None] * WITHIN).ravel()[:MOST_ROWS]
+    times = np.union1d(shown, others.clip(0.0, stop))
 
     instance = Instance(scene, notify)
     outputs, done = np.zeros(len(times), instance.record.dtype["output"]), 0

@@ -9,16 +9,17 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
-from chain_impact.results.animation.film_page import STYLE, FilmPage
+from chain_impact.results.animation.film_page import COLOURS, STYLE, FilmPage
 from chain_impact.results.animation.motion import Motion
 
 DPI = 100
 RATES = {".gif": 20, ".mp4": 30}  # frames in a second; a gif counts in hundredths of a second
 HOLD = 1.5  # s for which a gif stays at its end before it starts anew
-COLOURS = 64  # of a gif
-SAMPLES = 24  # frames of which a gif takes its colours
+BITS = 5  # of red, green and blue each, by which a gif's colours are told apart
+SHADES = 6  # of each colour of a gif, towards white
 QUALITY = "20"  # of H.264, where 0 loses nothing and 51 is the worst
 
 
@@ -73,14 +74,34 @@ def write_gif(pictures: Iterable[np.ndarray], path: Path, film_rate: int) -> Non
     """Pack pictures, all with the same few colours, so that what does not move takes no room."""
     from PIL import Image
 
-    frames = list(pictures)
-    samples = frames[:: max(1, len(frames) // SAMPLES)]
-    palette = Image.fromarray(np.concatenate(samples)).quantize(COLOURS, method=Image.Quantize.MEDIANCUT)
-    packed = [Image.fromarray(f).quantize(palette=palette, dither=Image.Dither.NONE) for f in frames]
+    palette = shades()
+    nearest = nearest_shades(palette)
+    packed = []
+    for picture in pictures:
+        red, green, blue = (picture >> (8 - BITS)).transpose(2, 0, 1)
+        packed.append(Image.fromarray(nearest[red, green, blue]))
+        packed[-1].putpalette(palette.tobytes())
     duration = 1000 // film_rate
     durations = [duration] * (len(packed) - 1) + [int(1000 * HOLD)]
     packed[0].save(
         path, format="GIF", save_all=True, append_images=packed[1:], duration=durations, loop=0, optimize=False
+    )
+
+
+def shades() -> np.ndarray:
+    """The colours of a gif: white, and those of the page with their shades towards it, shape (C, 3)."""
+    full = np.array([to_rgb(colour) for colour in COLOURS])
+    share = np.linspace(0.0, 1.0, SHADES, endpoint=False)[:, None, None]
+    mixed = np.concatenate([np.ones((1, 3)), (full + share * (1.0 - full)).reshape(-1, 3)])
+    return np.rint(255.0 * mixed).astype(np.uint8)
+
+
+def nearest_shades(palette: np.ndarray) -> np.ndarray:
+    """The number of the nearest colour of a palette, for each colour of so many bits, shape (32, 32, 32)."""
+    levels = (np.arange(2**BITS) * (255.0 / (2**BITS - 1))).round()
+    colours = np.stack(np.meshgrid(levels, levels, levels, indexing="ij"), axis=-1)[..., None, :]
+    return np.concatenate(
+        [np.argmin(((part - palette) ** 2).sum(axis=-1), axis=-1).astype(np.uint8) for part in np.split(colours, 8)]
     )
 
 

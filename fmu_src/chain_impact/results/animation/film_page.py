@@ -11,12 +11,13 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, Polygon
+from matplotlib.patheffects import withStroke
 
 from chain_impact.results.animation.motion import Motion
 from chain_impact.results.animation.text import force_text, rate_text
 
 INK, MUTED, LINE, OUTSIDE, WALL = "#1c2333", "#566076", "#e3e6ee", "#e4e7ef", "#4a546c"
-CHAIN, TIP, FORCE, SLOW = "#2b4a9f", "#c2255c", "#d9480f", "#d9480f"
+CHAIN, TIP, FORCE = "#2b4a9f", "#c2255c", "#d9480f"
 ENERGIES = {
     "kinetic": "#17855f",
     "potential": "#b87f00",
@@ -25,6 +26,8 @@ ENERGIES = {
     "supplied": "#7570b3",
     "total": "#30374a",
 }
+COLOURS = (INK, MUTED, LINE, OUTSIDE, WALL, CHAIN, TIP, FORCE, *ENERGIES.values())
+"""All colours of a film, but white and their shades."""
 STYLE: dict[str, Any] = {
     "font.size": 9,
     "text.color": INK,
@@ -70,12 +73,14 @@ class FilmPage:
         self.peak = max((c.peak_force for c in motion.contacts if c.peak_force is not None), default=1.0)
 
     def _draw_ground(self) -> None:
-        axes, (low, high) = self.scene, self.motion.view
-        axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), xticks=[], yticks=[])
-        axes.set_aspect("equal", adjustable="datalim", anchor="C")
-        axes.apply_aspect()
+        axes, view = self.scene, self.motion.view
+        # the same scale along x and y: the view, and beside or above it as much as the page has room for
+        room = axes.get_window_extent().size
+        seen = room * (np.ptp(view, axis=0) / room).max()
+        x0, y0 = view[0] - self.motion.anchor * (seen - np.ptp(view, axis=0))
+        x1, y1 = (x0, y0) + seen
+        axes.set(xlim=(x0, x1), ylim=(y0, y1), xticks=[], yticks=[])
         axes.spines[:].set_visible(False)
-        (x0, x1), (y0, y1) = axes.get_xlim(), axes.get_ylim()
         draw_room(axes, self.motion, np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]]))
 
     def _draw_energies(self) -> None:
@@ -105,7 +110,7 @@ class FilmPage:
         self.now.set_xdata([time, time])
         self.clock.set_text(f"{time:.5f} s")
         self.rate.set_text(rate_text(rate))
-        self.rate.set_color(SLOW if rate < 0.5 else MUTED)  # noqa: PLR2004
+        self.rate.set_color(FORCE if rate < 0.5 else MUTED)  # noqa: PLR2004
         yield from (self.trace, self.tail, self.chain, self.joints, self.tip)
         yield from self._arrows(frame)
         yield from (self.now, self.clock, self.rate)
@@ -138,6 +143,7 @@ class FilmPage:
             text = self.scene.text(
                 x, y, force_text(force[frame]), color=FORCE, fontweight="bold", ha="center", va="center"
             )
+            text.set_path_effects([withStroke(linewidth=3.0, foreground="white")])
             yield text
             arrow.remove()
             text.remove()

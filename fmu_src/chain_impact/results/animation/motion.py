@@ -17,6 +17,7 @@ NUMBERS = 2_000_000  # coordinates in an animation at most: a long chain has few
 FEWEST = 200  # frames, however long the chain
 MARGIN = 0.06  # of the size of what is seen, around it
 NEAR = 0.25  # of the size of the motion: a wall farther from it need not be seen
+UPRIGHT = 0.5  # of a wall's normal along an axis, from which the wall bounds the view along it
 ALONE = 1e-3  # of the size of the motion: a smaller radius is not drawn
 
 
@@ -34,6 +35,7 @@ class Motion:
         contacts: in order of their onset.
         walls: name → free side.
         view: lower left and upper right corner of what is to be seen, shape (2, 2) [m].
+        anchor: where there is more room than for the view: how much of it lies left of and below the view, 0…1.
         radius: of the points that can touch [m].
     """
 
@@ -46,6 +48,7 @@ class Motion:
     contacts: list[Contact]
     walls: Mapping[str, HalfPlane]
     view: np.ndarray
+    anchor: tuple[float, float]
     radius: float
 
 
@@ -75,6 +78,7 @@ def motion_of(recording: Recording, impact_time: float = IMPACT_TIME) -> Motion:
     )
     energies = {name: recording.columns.get(f"energy.{name}") for name in ENERGIES}
     radius = _radius(recording)
+    view, anchor = _view(points, recording.walls, radius)
     return Motion(
         name=recording.name,
         time=time,
@@ -84,7 +88,8 @@ def motion_of(recording: Recording, impact_time: float = IMPACT_TIME) -> Motion:
         energies={name: at_frames(e) for name, e in energies.items() if e is not None and e.any()},
         contacts=found,
         walls=recording.walls,
-        view=_view(points, recording.walls, radius),
+        view=view,
+        anchor=anchor,
         radius=radius,
     )
 
@@ -100,10 +105,13 @@ def _radius(recording: Recording) -> float:
     return 0.0
 
 
-def _view(points: np.ndarray, walls: Mapping[str, HalfPlane], radius: float) -> np.ndarray:
-    """The corners of what is to be seen: the motion, and the walls near it."""
+def _view(
+    points: np.ndarray, walls: Mapping[str, HalfPlane], radius: float
+) -> tuple[np.ndarray, tuple[float, float]]:
+    """The corners of what is to be seen: the motion, and the walls near it; and the ``anchor``."""
     low, high = points.min(axis=(0, 1)) - radius, points.max(axis=(0, 1)) + radius
     width = (high - low).max()
+    open_sides = np.ones((2, 2))  # left and below, right and above
     for wall in walls.values():
         normal = np.array(wall.normal)
         corner = np.where(normal > 0.0, low, high)  # the nearest to the wall
@@ -111,5 +119,7 @@ def _view(points: np.ndarray, walls: Mapping[str, HalfPlane], radius: float) -> 
         if gap <= NEAR * width:
             met = corner - max(0.0, gap) * normal
             low, high = np.minimum(low, met), np.maximum(high, met)
+            open_sides[0][normal > UPRIGHT] = open_sides[1][normal < -UPRIGHT] = 0.0
     margin = MARGIN * max((high - low).max(), 1e-6)
-    return np.array([low - margin, high + margin])
+    below = 0.5 + 0.5 * (open_sides[0] - open_sides[1])  # what is left of room goes to the side without a wall
+    return np.array([low - margin, high + margin]), (float(below[0]), float(below[1]))

@@ -78,6 +78,7 @@ def data(motion: Motion, speed: float) -> dict[str, Any]:
             name: {"normal": wall.normal, "offset": wall.offset} for name, wall in motion.walls.items()
         },
         "view": motion.view.tolist(),
+        "anchor": motion.anchor,
         "radius": motion.radius,
         "touching": sorted({point for point, _ in motion.forces} | {c.point for c in motion.contacts}),
     }

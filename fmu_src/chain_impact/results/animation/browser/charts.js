@@ -1,6 +1,6 @@
 // The charts, by uPlot: energy over the whole time, and the force of one contact.
 
-import { digits, durationText, forceText } from "./format.js";
+import { durationText, forceText } from "./format.js";
 
 const WIDTHS = { total: 2.4 };
 const AROUND = 0.35; // of a contact's duration, shown before and after it
@@ -29,7 +29,7 @@ class Chart {
       {
         width: Math.max(element.clientWidth, 100),
         height,
-        padding: [8, 12, 0, 0],
+        padding: [8, 20, 0, 0],
         pxAlign: 0,
         cursor: { show: false },
         legend: { show: false },
@@ -82,6 +82,8 @@ export class EnergyChart extends Chart {
     );
     this.recording = recording;
     this.values = names.map((name) => ledgerEntry(ledger, name));
+    const largest = Object.values(recording.energies).flatMap((values) => [...values]).reduce((most, value) => Math.max(most, Math.abs(value)), 0);
+    this.decimals = Math.min(Math.max(3 - Math.floor(Math.log10(largest || 1)), 0), 9);
     const go = (event) => {
       const { left } = this.plot.over.getBoundingClientRect();
       seek(this.plot.posToVal(event.clientX - left, "x"));
@@ -96,7 +98,7 @@ export class EnergyChart extends Chart {
   draw(frame) {
     this.mark(this.recording.timeAt(frame));
     this.values.forEach(([name, value]) => {
-      value.textContent = digits(this.recording.between(this.recording.energies[name], frame), 4);
+      value.textContent = this.recording.between(this.recording.energies[name], frame).toFixed(this.decimals);
     });
   }
 }
@@ -109,6 +111,12 @@ function ledgerEntry(ledger, name) {
   entry.append(term, value);
   ledger.append(entry);
   return [name, value];
+}
+
+/** A tick of a time axis in seconds or milliseconds, all ticks in the same unit. */
+function ticksText(tick, ticks) {
+  const [factor, unit] = ticks.at(-1) >= 0.5 ? [1, "s"] : [1e3, "ms"];
+  return `${+(factor * tick).toPrecision(6)} ${unit}`;
 }
 
 /** Faint lines at the impacts. */
@@ -135,7 +143,7 @@ export class ForceChart extends Chart {
         series: [{}, { stroke: () => colour("force"), width: 2, fill: () => colour("force-fill"), points: { show: false } }],
         scales: { x: { time: false }, y: { range: (_, __, most) => [0, 1.08 * Math.max(most, 1e-9)] } },
         axes: [
-          axis({ size: 26, values: (_, ticks) => ticks.map((tick) => `${+(1e3 * tick).toPrecision(6)} ms`) }),
+          axis({ size: 26, values: (_, ticks) => ticks.map((tick) => ticksText(tick, ticks)) }),
           axis({ size: 52, values: (_, ticks) => ticks.map((tick) => (tick ? forceText(tick, 0) : "0")) }),
         ],
       },
@@ -171,11 +179,12 @@ export class ForceChart extends Chart {
     const first = Math.floor(recording.frameAt(onset - margin));
     const last = Math.ceil(recording.frameAt(end + margin)) + 1;
     const times = Array.from(recording.time.slice(first, last), (time) => time - onset);
-    this.plot.setData([times, Array.from(values.slice(first, last))], false);
+    const inside = times.map((time, index) => (time >= 0 && time <= end - onset ? values[first + index] : 0));
+    this.plot.setData([times, inside], false);
     this.plot.batch(() => {
       this.plot.setScale("x", { min: -margin, max: end - onset + margin });
       this.plot.setScale("y", { min: 0, max: contact.peak });
     });
-    this.what.textContent = `point ${point} at ${wall}, ${durationText(end - onset)}`;
+    this.what.textContent = `point ${point} at ${wall}, ${durationText(end - onset, 2)}`;
   }
 }

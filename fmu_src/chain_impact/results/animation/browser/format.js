@@ -17,9 +17,9 @@ export function forceText(newtons, count = 3) {
 }
 
 /** A short time, for example: 0.62 ms. */
-export function durationText(seconds) {
+export function durationText(seconds, count = 3) {
   const [factor, unit] = seconds < 1e-3 ? [1e6, "µs"] : seconds < 1 ? [1e3, "ms"] : [1, "s"];
-  return `${digits(seconds * factor)}\u202f${unit}`;
+  return `${digits(seconds * factor, count)}\u202f${unit}`;
 }
 
 /** How many times slower or faster than in reality, for example: 480 × slower. */

@@ -16,6 +16,7 @@ export class ImpactList {
     this.current = null;
     if (!recording.impacts.length) {
       element.textContent = "none";
+      element.classList.add("none");
       return;
     }
     const table = document.createElement("table");
@@ -61,6 +62,7 @@ export class ImpactList {
 
 /** An impact in words. */
 export function impactText({ impacts }, number) {
-  const { point, wall, speed } = impacts[number];
-  return `Impact ${number + 1} of ${impacts.length}: point ${point} at ${wall}, ${speed.toFixed(2)} m/s, peak ${peakText(impacts[number])}`;
+  const { point, wall, speed, peak } = impacts[number];
+  const force = peak === null ? "" : `, peak ${peakText(impacts[number])}`;
+  return `Impact ${number + 1} of ${impacts.length}: point ${point} at ${wall}, ${speed.toFixed(2)} m/s${force}`;
 }

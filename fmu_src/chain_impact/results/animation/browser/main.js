@@ -68,6 +68,8 @@ function fit() {
   drawSoon();
 }
 
+const [low, high] = recording.view;
+element("view").style.setProperty("--aspect", (high[0] - low[0]) / (high[1] - low[1]));
 connect(clock, scene);
 clock.onChange(drawSoon);
 new ResizeObserver(fit).observe(element("view"));

@@ -48,7 +48,7 @@ export class Scene {
   /** Fit the scene into so many pixels. */
   resize(width, height) {
     this.drawing.size(width, height).viewbox(0, 0, width, height);
-    this.camera = new Camera(this.recording.view, width, height);
+    this.camera = new Camera(this.recording, width, height);
     this.longest = LONGEST_ARROW * Math.min(width, height);
     this.ground.clear();
     const { corners, edges } = roomWithin(this.recording.walls, this.camera.rectangle);
@@ -56,20 +56,22 @@ export class Scene {
     this.ground.rect(width, height).addClass("outside");
     if (corners.length) this.ground.polygon(places(corners)).addClass("room");
     edges.forEach((ends) => this.ground.polyline(places(ends)).addClass("wall"));
-    this.#drawScaleBar(width, height);
+    this.#drawScaleBar(width);
     this.discs.forEach(([, disc]) => disc.radius(this.recording.radius * this.camera.scale));
     this.#prepareTrace();
   }
 
   /** A bar of a round length, about a sixth of the width. */
-  #drawScaleBar(width, height) {
+  #drawScaleBar(width) {
     const wanted = width / 6 / this.camera.scale;
     const power = 10 ** Math.floor(Math.log10(wanted));
     const length = power * [5, 2, 1].find((factor) => factor * power <= wanted);
-    const [x, y, pixels] = [14, height - 14, length * this.camera.scale];
-    this.ground.polyline([[x, y - 5], [x, y], [x + pixels, y], [x + pixels, y - 5]]).addClass("bar").fill("none");
+    const [right, y] = [width - 14, 18];
+    const left = right - length * this.camera.scale;
+    this.ground.polyline([[left, y - 4], [left, y + 4], [left, y], [right, y], [right, y - 4], [right, y + 4]])
+      .addClass("bar").fill("none");
     const text = length < 0.01 ? `${+(1000 * length).toPrecision(1)} mm` : `${+length.toPrecision(1)} m`;
-    this.ground.plain(text).attr({ x: x + pixels + 8, y }).addClass("bar-text");
+    this.ground.plain(text).attr({ x: left - 8, y: y + 4 }).addClass("bar-text");
   }
 
   /** The tip's places on the screen, without those that cannot be told apart, and the frame of each. */
