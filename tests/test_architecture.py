@@ -17,6 +17,7 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 # modules without a test file of their own → the one that tests them
 TESTED_ELSEWHERE = {
     "cli/__main__.py": "cli/test_commands.py",
+    "cli/animate.py": "cli/test_animate_command.py",
     "cli/build.py": "cli/test_commands.py",
     "cli/cache.py": "cli/test_commands.py",
     "cli/compare.py": "cli/test_commands.py",

@@ -34,7 +34,8 @@ def read_csv(path: Path, walls: Mapping[str, HalfPlane] | None, wall_names: tupl
     try:
         with path.open(encoding="utf-8-sig") as file:
             names = [name.strip().strip('"') for name in file.readline().split(",")]
-            rows = np.loadtxt(file, delimiter=",", ndmin=2)
+            text = file.readlines()
+        rows = np.loadtxt(text, delimiter=",", ndmin=2) if text else np.zeros((0, len(names)))
     except ValueError as error:  # of a cell that is no number, of a row that is too long, of bytes that are no text
         raise SceneError(f"{path}: not a table of numbers: {error}") from None
     missing = [name for name in NEEDED if name not in names]

@@ -17,7 +17,9 @@ from chain_impact.scene import Scene
 from chain_impact.simulate import simulate
 
 MOST_ROWS = 40_000
-WITHIN = np.linspace(0.0, 1.0, 17)  # of a contact that is too weak to be shown slowly: rows for its peak force
+WITHIN = np.linspace(0.0, 1.0, 25)  # of an impact that is too weak to be shown slowly: rows for its peak force
+LONGEST_IMPACT = 5.0  # of penetration over approach speed
+SLOWEST = 1e-6  # m/s, approach speed of a point that comes to rest at a wall
 CHUNK = 2000  # rows between two calls of ``progress``
 
 
@@ -43,8 +45,10 @@ def record_slowly(
     """
     result = simulate(scene, notify=notify, progress=lambda done: progress(done / 2))
     stop = float(result.time[-1])
-    ends = np.where(np.isnan(result.impacts["end"]), stop, result.impacts["end"])
     onsets, speeds = result.impacts["onset"], result.impacts["impact_speed"]
+    # an impact takes 2.9 δ/v by Hertz, π δ/v at a linear spring, and longer with losses; then the chain stays
+    lasting = LONGEST_IMPACT * result.impacts["max_penetration"] / np.maximum(speeds, SLOWEST)
+    ends = np.fmin(result.impacts["end"], np.minimum(onsets + lasting, stop))
     spans = slow_spans(
         [((float(a), float(b)), float(v)) for a, b, v in zip(onsets, ends, speeds, strict=True)]
     )

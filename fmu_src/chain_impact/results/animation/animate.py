@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 
-from chain_impact.results.animation.motion import motion_of
+from chain_impact.results.animation.frames import motion_of
 from chain_impact.results.animation.pacing import IMPACT_TIME
 from chain_impact.results.recording import Recording, written_whole
 

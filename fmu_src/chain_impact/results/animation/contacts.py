@@ -13,6 +13,7 @@ from chain_impact.results.recording import Impact, Recording
 
 FORCE = re.compile(r"contact\[(\d+)\]\.(\w+)\.force")
 RESOLVED = 8  # rows in a contact from which the largest force among them is about the peak
+AFTER_PEAK = 3.0  # of the time from onset to peak: an impact is over, whatever its law makes of its shape
 SLOW_SPEED = 0.05  # of the fastest impact: slower ones are not shown slowly
 SLOW_COUNT = 100  # impacts, the fastest ones, that are shown slowly
 
@@ -26,6 +27,7 @@ class Contact:
         wall: its name.
         onset: [s].
         end: [s]; of one that lasts, the end of the recording.
+        impact_end: as ``end``, but when the chain stays at the wall after the impact, about the impact's end [s].
         speed: normal approach speed [m/s]; None for a contact whose impact is not listed.
         peak_force: the largest force in the rows [N]; None where no row has one: between rigid walls, or when
             the rows are too far apart.
@@ -36,6 +38,7 @@ class Contact:
     wall: str
     onset: float
     end: float
+    impact_end: float
     speed: float | None
     peak_force: float | None
     resolved: bool
@@ -59,18 +62,22 @@ def contacts(recording: Recording) -> list[Contact]:
             impact = next((i for i in listed if before <= i.time <= time[first]), None)
             if impact in left:
                 left.remove(impact)
+            onset = impact.time if impact else float(before)
+            end = float(time[min(last + 1, len(time) - 1)])
+            peak_time = float(time[first + np.argmax(force[first : last + 1])])
             found.append(
                 Contact(
                     point,
                     wall,
-                    onset=impact.time if impact else float(before),
-                    end=float(time[min(last + 1, len(time) - 1)]),
+                    onset=onset,
+                    end=end,
+                    impact_end=min(end, onset + AFTER_PEAK * (peak_time - onset)),
                     speed=impact.speed if impact else None,
                     peak_force=float(force[first : last + 1].max()),
                     resolved=last - first + 1 >= RESOLVED,
                 )
             )
-    found += [Contact(i.point, i.wall, i.time, i.time, i.speed, None, False) for i in left]
+    found += [Contact(i.point, i.wall, i.time, i.time, i.time, i.speed, None, False) for i in left]
     return sorted(found, key=lambda contact: contact.onset)
 
 

@@ -13,7 +13,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from chain_impact.results.animation.film_page import COLOURS, STYLE, FilmPage
-from chain_impact.results.animation.motion import Motion
+from chain_impact.results.animation.frames import Motion
 
 DPI = 100
 RATES = {".gif": 20, ".mp4": 30}  # frames in a second; a gif counts in hundredths of a second

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, Polygon
 from matplotlib.patheffects import withStroke
 
-from chain_impact.results.animation.motion import Motion
+from chain_impact.results.animation.frames import Motion
 from chain_impact.results.animation.text import force_text, rate_text
 
 INK, MUTED, LINE, OUTSIDE, WALL = "#1c2333", "#566076", "#e3e6ee", "#e4e7ef", "#4a546c"

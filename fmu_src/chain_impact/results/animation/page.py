@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.results.animation.motion import Motion
+from chain_impact.results.animation.frames import Motion
 
 PAGE = resources.files("chain_impact.results.animation") / "browser"
 STYLES = ("vendor/uPlot.min.css", "style.css", "panels.css")

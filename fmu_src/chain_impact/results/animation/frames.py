@@ -62,7 +62,7 @@ def motion_of(recording: Recording, impact_time: float = IMPACT_TIME) -> Motion:
     found = contacts(recording)
     links = recording.points.shape[1]
     most = max(FEWEST, NUMBERS // (2 * links))
-    spans = slow_spans([((c.onset, c.end), c.speed) for c in found if c.speed is not None])
+    spans = slow_spans([((c.onset, c.impact_end), c.speed) for c in found if c.speed is not None])
     start, stop = (float(recording.time[row]) for row in (0, -1))
     time, frame_rate = frame_times(start, stop, spans, impact_time, most)
 
