@@ -22,6 +22,7 @@ from chain_impact.scene import (
     scene_to_dict,
     with_values,
 )
+from chain_impact.variables import fmu_variables
 from tests.problems import of_law
 from tests.refusal import refusal
 
@@ -124,11 +125,11 @@ LINK_2 = ("chain", "links", 2)
 @pytest.mark.parametrize(
     ("path", "value", "message"),
     [
-        ((*LINK_2, "mass"), -1.0, "chain.links[2].mass = -1.0 must be a finite number > 0 [kg]"),
-        ((*LINK_2, "length"), 0, "chain.links[2].length = 0 must be a finite number > 0 [m]"),
-        ((*LINK_2, "mass"), True, "chain.links[2].mass = True must be a finite number > 0 [kg]"),
-        ((*LINK_2, "mass"), "1", "chain.links[2].mass = '1' must be a finite number > 0 [kg]"),
-        (("gravity", 1), math.nan, "gravity[1] = nan must be a finite number [m/s2]"),
+        ((*LINK_2, "mass"), -1.0, "link[3].mass = -1.0 must be a finite number > 0 [kg]"),
+        ((*LINK_2, "length"), 0, "link[3].length = 0 must be a finite number > 0 [m]"),
+        ((*LINK_2, "mass"), True, "link[3].mass = True must be a finite number > 0 [kg]"),
+        ((*LINK_2, "mass"), "1", "link[3].mass = '1' must be a finite number > 0 [kg]"),
+        (("gravity", 1), math.nan, "gravity.y = nan must be a finite number [m/s2]"),
         (("box", "x_max"), math.inf, "box.x_max = inf must be a finite number [m]"),
         (("contact", "stiffness"), 10**400, f"contact.stiffness = 1{'0' * 59}... must be a finite number"),
         (("contact", "restitution"), 1.1, "contact.restitution = 1.1 must be a finite number >= 0 and <= 1"),
@@ -142,13 +143,13 @@ LINK_2 = ("chain", "links", 2)
         (("description",), "bell\a", r"description = 'bell\x07' must be text without control characters"),
         (("contact",), [], "contact = [] must be a table"),
         (("chain", "links"), [], "chain.links has 0 entries, must have 1 to 1000"),
-        (("chain", "links", 1), 7, "chain.links[1] = 7 must be a table"),
+        (("chain", "links", 1), 7, "link[2] = 7 must be a table"),
         (("initial", "angles"), [1.0], "initial.angles = [1.0] must be a list, expected length 4 "),
         (("gravity",), 9.81, "gravity = 9.81 must be a list, expected length 2 (acceleration of gravity)"),
         (("contact", "points"), [1, 5], "contact.points holds 5, must hold 0 to 4 with a free base, each"),
         (("contact", "points"), [-1], "contact.points holds -1, must hold 0 to 4 with a free base, each"),
         (("contact", "points"), [2, 2], "contact.points holds 2, must hold 0 to 4 with a free base, each"),
-        (("contact", "points"), [1.0], "contact.points[0] = 1.0 must be a whole number"),
+        (("contact", "points"), [1.0], "contact.points[1] = 1.0 must be a whole number"),
         (("chain", "base"), "pinned", "contact.points holds 0, must hold 1 to 4 with a pinned base"),
         (("box", "x_max"), 0.0, "box.x_max = 0.0 must be > 0.0 [m], which is x_min + 2 contact.radius"),
         (("contact", "radius"), 1.25, "box.y_max = 2.5 must be > 2.5 [m], which is y_min + 2 contact.radius"),
@@ -235,27 +236,27 @@ def test_a_wall_has_an_angle_or_a_normal_and_keeps_the_angle():
 @pytest.mark.parametrize(
     ("walls", "message"),
     [
-        ([RAMP], "walls[0] (ramp) has neither angle nor normal; must have one of them"),
+        ([RAMP], "wall.ramp has neither angle nor normal; must have one of them"),
         (
             [RAMP | {"angle": 0.0, "normal": [0.0, 1.0]}],
-            "walls[0] (ramp) has both angle and normal; must have",
+            "wall.ramp has both angle and normal; must have",
         ),
-        ([RAMP | {"normal": [0.0, 0.0]}], "walls[0].normal = [0.0, 0.0] must not be zero"),
-        ([RAMP | {"normal": [1.0]}], "walls[0].normal = [1.0] must be a list, expected length 2"),
-        ([RAMP | {"angle": "up"}], "walls[0].angle = 'up' must be a finite number [rad]"),
+        ([RAMP | {"normal": [0.0, 0.0]}], "wall.ramp.normal = [0.0, 0.0] must not be zero"),
+        ([RAMP | {"normal": [1.0]}], "wall.ramp.normal = [1.0] must be a list, expected length 2"),
+        ([RAMP | {"angle": "up"}], "wall.ramp.angle = 'up' must be a finite number [rad]"),
         (
             [RAMP | {"angle": 0.0}] * 2,
-            "walls[1].name = 'ramp' must be none of x_min, x_max, y_min, y_max, ramp",
+            "walls[2].name = 'ramp' must be none of x_min, x_max, y_min, y_max, ramp",
         ),
         (
             [RAMP | {"angle": 0.0, "name": "y_min"}],
-            "walls[0].name = 'y_min' must be none of x_min, x_max, y_",
+            "walls[1].name = 'y_min' must be none of x_min, x_max, y_",
         ),
-        ([RAMP | {"angle": 0.0, "name": "my wall"}], "walls[0].name = 'my wall' must be a C identifier"),
-        ([{"point": [0.0, 0.0], "angle": 0.0}], "walls[0].name is missing"),
-        ([{"name": "ramp", "angle": 0.0}], "walls[0].point is missing (a point on the wall)"),
+        ([RAMP | {"angle": 0.0, "name": "my wall"}], "walls[1].name = 'my wall' must be a C identifier"),
+        ([{"point": [0.0, 0.0], "angle": 0.0}], "walls[1].name is missing"),
+        ([{"name": "ramp", "angle": 0.0}], "wall.ramp.point is missing (a point on the wall)"),
         ({}, "walls = {} must be a list"),
-        ([RAMP | {"angel": 0.0}], "walls[0].angel is unknown; the nearest key is"),
+        ([RAMP | {"angel": 0.0}], "wall.ramp.angel is unknown; the nearest key is"),
     ],
 )
 def test_a_bad_wall_is_refused(walls, message):
@@ -292,6 +293,103 @@ def test_with_values_changes_only_what_it_is_told():
     opened = with_values(changed, {("box", "x_max"): None, ("chain", "links", 0, "inertia"): None})
     assert opened.box.x_max is None
     assert opened.chain.links[0].inertia == pytest.approx(2.0 * 0.25 / 12)
+
+
+# --- by name ---------------------------------------------------------------------------------------------
+
+
+def test_a_value_is_changed_by_the_name_of_its_parameter_or_by_its_key():
+    scene = load_scene("four_link_box")
+    changed = scene.with_values(
+        {
+            "link[1].mass": 2,
+            "gravity.y": -1.62,
+            "initial.vx": 3.0,
+            "initial.angle[4]": 0.25,
+            "contact.points": [3, 4],
+            "simulation.stop_time": 0.5,
+            "inputs.tip_force": True,
+            "box.x_min": None,
+        }
+    )
+    paths = {
+        ("chain", "links", 0, "mass"): 2.0,
+        ("gravity", 1): -1.62,
+        ("initial", "velocity", 0): 3.0,
+        ("initial", "angles", 3): 0.25,
+        ("contact", "points"): [3, 4],
+        ("simulation", "stop_time"): 0.5,
+        ("inputs", "tip_force"): True,
+        ("box", "x_min"): None,
+    }
+    assert changed == scene.with_values(paths) == with_values(scene, paths)
+    assert changed != scene
+
+
+def test_a_law_and_a_method_have_a_name_and_a_number():
+    scene = load_scene("rod_drop")
+    by_name = scene.with_values({"contact.model": "flores", "solver.method": "implicit"})
+    number = CONTACT_LAWS["flores"].number
+    assert scene.with_values({"contact.model": number, "solver.method": np.int64(3)}) == by_name
+    for value in (0, -1, len(CONTACT_LAWS) + 1, True, 1.0):
+        message = refusal(scene.with_values, {"contact.model": value})
+        assert message.startswith(f"RodDrop: contact.model = {value} must be one of ")
+
+
+@pytest.mark.parametrize("model", model_names())
+def test_every_value_has_a_name_by_which_it_can_be_set(model):
+    scene = load_scene(model)
+    assert scene.with_values(scene.values) == scene
+    assert scene.values["link[1].mass"] == scene.chain.links[0].mass
+    assert {v.name for v in fmu_variables(scene) if v.causality == "parameter"} <= scene.values.keys()
+
+
+@pytest.mark.parametrize(
+    ("name", "hint"),
+    [
+        ("contact.restitutoin", "the nearest is contact.restitution"),
+        ("chain.links[1].mass", "the nearest is link[1].mass"),
+        ("link[5].mass", "the nearest is link["),
+        ("initial.angles[1]", "the nearest is initial.angle"),
+        ("?", "`chain-impact info` lists the names"),
+    ],
+)
+def test_an_unknown_name_is_refused_and_the_nearest_is_named(name, hint):
+    message = refusal(load_scene("four_link_box").with_values, {name: 1.0})
+    assert message.startswith(f"FourLinkBox: {name} is no parameter; {hint}")
+
+
+def test_an_unknown_name_is_a_key_that_is_missing():
+    with pytest.raises(KeyError) as caught:
+        load_scene("rod_drop").with_values({"contact.x": 1.0})
+    assert str(caught.value) == "RodDrop: contact.x is no parameter; the nearest is contact"
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("chain.links = [{length = 2.0, mass = -3.0}]", "link[1].mass (mass in [[chain.links]]) = -3.0 must"),
+        (
+            "chain.links = [{length = 2.0, massa = 3.0}]",
+            "link[1].massa (massa in [[chain.links]]) is unknown",
+        ),
+        ("gravity = [0.0, inf]", "gravity.y (entry 2 of gravity) = inf must be a finite number [m/s2]"),
+        (
+            "walls = [{name = 'a', point = [0, '1']}]",
+            "wall.a.y (entry 2 of point in [[walls]]) = '1' must be",
+        ),
+        ("walls = [{point = [0, 1]}]", "walls[1].name (name in [[walls]]) is missing"),
+        ("walls = [{name = 'a\"', x = 1}]", "walls[1].x (x in [[walls]]) is unknown"),
+        ("contact.restitution = 2", "contact.restitution = 2 must be a finite number"),
+    ],
+)
+def test_an_error_in_a_file_also_says_what_stands_there(line, message):
+    key = line.partition(" = ")[0]
+    text = "\n".join([line, *(one for one in MINIMAL.splitlines() if not one.startswith(f"{key} = "))])
+    assert refusal(parse_scene, text, SOURCE).startswith(f"{SOURCE}: {message}")
+
+
+# --- files -----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

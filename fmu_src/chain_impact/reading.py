@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
-from difflib import SequenceMatcher
 from numbers import Integral, Real
 from typing import Any, get_args, get_origin
 
 from chain_impact.limits import Derived, allowed, extended, keeps, without_none
+from chain_impact.names import Place, nearest
 
 _SHOWN = 60  # characters of a value that a message shows
 
@@ -20,6 +20,19 @@ class SceneError(ValueError):
     def __init__(self, message: str) -> None:
         """Keep the message to one line, whatever names and values it quotes."""
         super().__init__(" ".join(message.splitlines()))
+
+
+class UnknownNameError(SceneError, KeyError):
+    """A name that nothing has: the sentence says which name is the nearest."""
+
+    __str__ = Exception.__str__  # that of KeyError adds quotes
+
+    def __init__(self, source: str, name: object, names: Iterable[str], what: str) -> None:
+        """Say that ``name`` is no ``what``: "no parameter", of the ``names`` that there are."""
+        near = nearest(name, names) if isinstance(name, str) else None
+        hint = f"the nearest is {near}" if near else "`chain-impact info` lists the names"
+        text = name if isinstance(name, str) else shown(name)
+        super().__init__(f"{source}: {text} is {what}; {hint}")
 
 
 def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
@@ -33,32 +46,31 @@ def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
 
 
 class Reader:
-    """Reads data into the dataclass ``root`` and those that it is made of."""
+    """Reads data into the dataclass ``root`` and those it is made of; ``label`` names what is at a path."""
 
-    def __init__(self, root: Any) -> None:
-        self.root = root
+    def __init__(self, root: Any, label: Callable[[Place], str]) -> None:
+        self.root, self.label = root, label
 
     def read(self, data: Any) -> Any:
         """Return the dataclass, or raise a SceneError."""
-        return self._table(self.root, data, "", {})
+        return self._table(self.root, data, (), {})
 
-    def _table(self, table: Any, data: Any, key: str, known: Mapping[str, Any]) -> Any:
-        """Return `data` as a `table`; `key` is dotted, `known` is what was read before."""
+    def _table(self, table: Any, data: Any, path: Place, known: Mapping[str, Any]) -> Any:
+        """Return `data` as a `table`; `known` is what was read before."""
         if not isinstance(data, Mapping):
-            raise SceneError(f"{key or 'scene'} = {shown(data)} must be a table")
-        prefix = f"{key}." if key else ""
+            raise self._refusal(path, data, "a table")
         for name in data:
             if name not in table.__dataclass_fields__:
-                raise SceneError(self._unknown(prefix, name))
+                raise SceneError(self._unknown(path, name))
         values: dict[str, Any] = {}
         for entry in fields(table):
-            where, scope = prefix + entry.name, {**known, **values}
+            where, scope = (*path, entry.name), {**known, **values}
             rule = extended(entry.metadata, values)
             value = data.get(entry.name)
             if value is None:
                 value = rule.get("default", {})  # a table has no default but those of its keys
             if value is MISSING:
-                raise SceneError(f"{where} is missing ({rule['description']})")
+                raise SceneError(f"{self.label(where)} is missing ({rule['description']})")
             if isinstance(value, Derived):
                 value = value.value(scope)
             # what is None still is not there, such as a wall
@@ -66,38 +78,42 @@ class Reader:
         return table(**values)
 
     def _value(
-        self, kind: Any, rule: Mapping[str, Any], value: Any, key: str, known: Mapping[str, Any]
+        self, kind: Any, rule: Mapping[str, Any], value: Any, path: Place, known: Mapping[str, Any]
     ) -> Any:
         """Return `value` as a `kind` that keeps the `rule`."""
         kind = without_none(kind)
         if is_dataclass(kind):
-            return self._table(kind, value, key, known)
+            return self._table(kind, value, path, known)
         if get_origin(kind) is tuple:
-            return self._list(kind, rule, value, key, known)
+            return self._list(kind, rule, value, path, known)
         result = _convert(kind, value)
         if result is None or not keeps(result, rule):
-            raise SceneError(f"{key} = {shown(value)} must be {allowed(kind, rule)}")
+            raise self._refusal(path, value, allowed(kind, rule))
         return result
 
     def _list(
-        self, kind: Any, rule: Mapping[str, Any], value: Any, key: str, known: Mapping[str, Any]
+        self, kind: Any, rule: Mapping[str, Any], value: Any, path: Place, known: Mapping[str, Any]
     ) -> Any:
         item, *rest = get_args(kind)
         length = len(known["chain"].links) if rule["per_link"] else None if ... in rest else 1 + len(rest)
         if not isinstance(value, list | tuple) or length not in (None, len(value)):
             expected = "" if length is None else f", expected length {length} ({rule['description']})"
-            raise SceneError(f"{key} = {shown(value)} must be a list{expected}")
+            raise self._refusal(path, value, f"a list{expected}")
         least, most = rule["entries"] or (0, math.inf)
         if not least <= len(value) <= most:
-            raise SceneError(f"{key} has {len(value)} entries, must have {least} to {most}")
-        return tuple(self._value(item, rule, one, f"{key}[{i}]", known) for i, one in enumerate(value))
+            raise SceneError(f"{self.label(path)} has {len(value)} entries, must have {least} to {most}")
+        return tuple(self._value(item, rule, one, (*path, i), known) for i, one in enumerate(value))
 
-    def _unknown(self, prefix: str, name: Any) -> str:
+    def _refusal(self, path: Place, value: Any, needed: str) -> SceneError:
+        where = self.label(path) if path else "scene"
+        return SceneError(f"{where} = {shown(value)} must be {needed}")
+
+    def _unknown(self, path: Place, name: Any) -> str:
         """Name the known key most like `name`, in whatever table: it is easy to be in the wrong one."""
         name = shown(name).strip("'")
-        keys = [key for key, _ in keys_of(self.root)]
-        nearest = max(keys, key=lambda key: SequenceMatcher(None, name, key.rpartition(".")[2]).ratio())
-        return f"{prefix}{name} is unknown; the nearest key is {nearest}"
+        keys = {key.rpartition(".")[2]: key for key, _ in reversed(list(keys_of(self.root)))}
+        near = keys[nearest(name, keys, at_least=0.0) or next(iter(keys))]
+        return f"{self.label((*path, name))} is unknown; the nearest key is {near}"
 
 
 def _convert(kind: Any, value: Any) -> Any:

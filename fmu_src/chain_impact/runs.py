@@ -4,26 +4,27 @@ from __future__ import annotations
 
 import io
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+import tomllib
+from collections.abc import Callable, Mapping
 from contextlib import chdir, redirect_stderr
-from difflib import get_close_matches
+from numbers import Integral, Real
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.reading import SceneError
+from chain_impact.reading import SceneError, UnknownNameError
 from chain_impact.results.recording import Recording, impacts_from_outputs, recording_of
 from chain_impact.running import SimulationError
-from chain_impact.scene import Scene, with_values
+from chain_impact.scene import Scene
 from chain_impact.simulate import simulate
-from chain_impact.variables import fmu_variables, parameter_paths
 from chain_impact.walls import HalfPlane, half_planes
 
-EXPERIMENT = {f"simulation.{key}": ("simulation", key) for key in ("stop_time", "step_size")}
-"""What can be set besides the parameters, for this run only."""
+EXPERIMENT = ("simulation.stop_time", "simulation.step_size")
+"""What can be set of an FMU besides its parameters, for this run only."""
 WARNING = 1  # fmi2Warning; what is worse comes after it
 
 
@@ -38,11 +39,11 @@ class RunError(RuntimeError):
 
 def record_scene(
     scene: Scene,
-    settings: Mapping[str, str],
+    settings: Mapping[str, Any],
     notify: Notify = announce,
     progress: Callable[[float], None] = lambda _: None,
 ) -> Recording:
-    """Simulate a scene with some parameters, named as in its FMU, set to values in text.
+    """Simulate a scene with some values set by name, as ``with_settings`` does.
 
     ``notify`` and ``progress`` as for ``simulate``.
 
@@ -59,19 +60,13 @@ def record_scene(
         raise RunError(f"{scene.name}: {error}", partial) from None
 
 
-def with_settings(scene: Scene, settings: Mapping[str, str]) -> Scene:
-    """The scene with some parameters, named as in its FMU, or of the experiment, set to values in text.
+def with_settings(scene: Scene, settings: Mapping[str, Any]) -> Scene:
+    """The scene with some values set by name, as ``scene.with_values`` does, values in text as in TOML.
 
     Raises:
         SceneError: when a name is unknown or a value is out of range.
     """
-    paths = parameter_paths(scene) | EXPERIMENT
-    choices = {variable.name: [item.name for item in variable.items] for variable in fmu_variables(scene)}
-    changes = {
-        paths[_known(name, paths, scene.name)]: _scene_value(choices.get(name, []), text)
-        for name, text in settings.items()
-    }
-    return with_values(scene, changes)
+    return scene.with_values({name: value_of(value) for name, value in settings.items()})
 
 
 def read_fmu(path: Path) -> Any:
@@ -92,14 +87,16 @@ def read_fmu(path: Path) -> Any:
 
 
 def record_fmu(
-    path: Path, settings: Mapping[str, str], progress: Callable[[float], None] = lambda _: None
+    path: str | Path,
+    settings: Mapping[str, Any] = MappingProxyType({}),
+    progress: Callable[[float], None] = lambda _: None,
 ) -> Recording:
-    """Simulate an FMU with fmpy, with parameters set to values in text.
+    """Simulate an FMU with fmpy, with parameters set by name.
 
     Args:
         path: the FMU.
-        settings: parameter, or ``simulation.stop_time`` or ``step_size`` instead of those of the default
-            experiment → value.
+        settings: parameter, or ``simulation.stop_time`` or ``simulation.step_size`` instead of those of the
+            default experiment → value, or its text; a contact law or a solver method by its name or number.
         progress: called with the fraction done.
 
     Raises:
@@ -108,6 +105,7 @@ def record_fmu(
     """
     import fmpy
 
+    path = Path(path)
     description = read_fmu(path)
     variables = {variable.name: variable for variable in description.modelVariables}
     if "point[0].x" not in variables:
@@ -115,12 +113,12 @@ def record_fmu(
     parameters = {name: v for name, v in variables.items() if v.causality == "parameter"}
     experiment = description.defaultExperiment
     stop_time, step_size = (
-        _positive(name, settings.get(name, default), str(path))
+        _positive(name, value_of(settings.get(name, default)), str(path))
         for name, default in zip(EXPERIMENT, (experiment.stopTime, experiment.stepSize), strict=True)
     )
     start_values = {
-        name: _start_value(parameters[_known(name, parameters, str(path))], text, str(path))
-        for name, text in settings.items()
+        name: _start_value(_known(name, parameters, str(path)), value_of(value), str(path))
+        for name, value in settings.items()
         if name not in EXPERIMENT
     }
     outputs = [name for name, variable in variables.items() if variable.causality == "output"]
@@ -186,46 +184,44 @@ def _walls(values: Mapping[str, float]) -> dict[str, HalfPlane]:
     return half_planes(box, {wall: (x, y, angle) for wall, (x, y, angle) in zip(slopes, lines, strict=True)})
 
 
-def _known(name: str, names: Mapping[str, Any], source: str) -> str:
-    if name not in names:
-        near = get_close_matches(name, names, n=1)
-        hint = f"the nearest is {near[0]}" if near else "`chain-impact info` lists them"
-        raise SceneError(f"{source}: {name} is no parameter; {hint}")
-    return name
-
-
-def _number(text: str) -> float | str:
+def value_of(text: Any) -> Any:
+    """The value that a text stands for: a number, what TOML takes for a value, or itself; others stay."""
+    if not isinstance(text, str):
+        return text
     try:
-        return float(text)
+        return int(text) if text.isascii() and text.isdecimal() else float(text)
     except ValueError:
-        return text  # which the scene will refuse
+        pass
+    try:
+        return tomllib.loads(f"value = {text}")["value"] if len(text.splitlines()) == 1 else text
+    except (ValueError, RecursionError):
+        return text
 
 
-def _positive(name: str, text: str, source: str) -> float:
-    number = _number(text)
-    if isinstance(number, str) or not 0.0 < number < float("inf"):
-        raise SceneError(f"{source}: {name} = {text} must be a finite number > 0 [s]")
-    return number
+def _known(name: str, parameters: Mapping[str, Any], source: str) -> Any:
+    if name not in parameters:
+        raise UnknownNameError(source, name, [*parameters, *EXPERIMENT], "no parameter")
+    return parameters[name]
 
 
-def _scene_value(choices: Sequence[str], text: str) -> float | str:
-    """The value that the scene takes for a parameter: a choice can be given by its number, counted from 1."""
-    if not choices:
-        return _number(text)
-    number = int(text) if text.isdecimal() else 0
-    return choices[number - 1] if 0 < number <= len(choices) else text
+def _positive(name: str, value: Any, source: str) -> float:
+    if not _is_number(value) or not 0.0 < value < float("inf"):
+        raise SceneError(f"{source}: {name} = {value} must be a finite number > 0 [s]")
+    return float(value)
 
 
-def _start_value(variable: Any, text: str, source: str) -> float | int:
+def _is_number(value: Any) -> bool:
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def _start_value(variable: Any, value: Any, source: str) -> float | int:
     """The value that fmpy takes for a variable: an enumeration's choice can be named."""
     if variable.type == "Enumeration":
         numbers = {item.name: int(item.value) for item in variable.declaredType.items}
-        if text in numbers:
-            return numbers[text]
-        if text.isdecimal() and int(text) in numbers.values():
-            return int(text)
-        raise SceneError(f"{source}: {variable.name} = {text} must be one of {', '.join(numbers)}")
-    number = _number(text)
-    if isinstance(number, str):
-        raise SceneError(f"{source}: {variable.name} = {text} must be a number")
-    return number
+        number = numbers.get(value) if isinstance(value, str) else value
+        if isinstance(number, Integral) and number in numbers.values() and not isinstance(number, bool):
+            return int(number)
+        raise SceneError(f"{source}: {variable.name} = {value} must be one of {', '.join(numbers)}")
+    if not _is_number(value):
+        raise SceneError(f"{source}: {variable.name} = {value} must be a number")
+    return float(value)

@@ -11,7 +11,8 @@ import operator
 import os
 import tomllib
 from collections.abc import Iterator, Mapping
-from dataclasses import Field, asdict, dataclass, replace
+from dataclasses import Field, asdict, dataclass, fields, is_dataclass, replace
+from numbers import Integral
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,8 @@ from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.law_file import LawError, read_law
 from chain_impact.limits import Derived, quantity
-from chain_impact.reading import Reader, SceneError, keys_of, shown
+from chain_impact.names import Place, name_of, place_in_file
+from chain_impact.reading import Reader, SceneError, UnknownNameError, keys_of, shown
 from chain_impact.walls import HalfPlane, direction, half_planes
 
 SCENE_FILE = "scene.toml"
@@ -157,10 +159,28 @@ class Scene:
         return *WALLS, *(wall.name for wall in self.walls)
 
     @property
+    def law_names(self) -> tuple[str, ...]:
+        """The contact laws in the order of their numbers in the FMU, a law of one's own last."""
+        file = self.contact.law_file
+        return *CONTACT_LAWS, *([Path(file).stem] if file else [])
+
+    @property
     def half_planes(self) -> dict[str, HalfPlane]:
         """The free sides of the walls that are there, by name."""
         box = {name: at for name in WALLS if (at := getattr(self.box, name)) is not None}
         return half_planes(box, {wall.name: (*wall.point, wall.angle or 0.0) for wall in self.walls})
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """Every single value by its name, as ``with_values`` takes it; None for what is not there."""
+        return {name_of(path, [wall.name for wall in self.walls]): value for path, value in _leaves(self)}
+
+    def with_values(self, changes: Mapping[str, Any] | Mapping[Place, Any]) -> "Scene":
+        """Return the validated scene with some values changed: ``{"contact.restitution": 0.5}``.
+
+        See ``chain_impact.scene.with_values``.
+        """
+        return with_values(self, changes)
 
 
 def scene_keys() -> Iterator[tuple[str, Field[Any]]]:
@@ -209,8 +229,22 @@ def parse_scene(text: str, source: str) -> Scene:
 
 def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
     """Return the validated scene of a parsed scene file; errors (SceneError) name it `source`."""
+    return _validated(data, source, in_file=True)
+
+
+def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
+    """Return the scene; in an error a key is called by its name and, of a file, by what stands there."""
+    walls = data.get("walls") if isinstance(data, Mapping) else None
+    tables = walls if isinstance(walls, list | tuple) else []
+    given = [table.get("name") if isinstance(table, Mapping) else None for table in tables]
+    names = [name if isinstance(name, str) and name.isidentifier() else None for name in given]
+
+    def label(path: Place) -> str:
+        name, written = name_of(path, names), place_in_file(path)
+        return f"{name} ({written})" if in_file and written != name else name
+
     try:
-        scene: Scene = Reader(Scene).read(data)
+        scene: Scene = Reader(Scene, label).read(data)
         scene = _with_angles(_with_law(scene, Path(source).parent))
         _check_together(scene)
         _check_start(scene)
@@ -228,22 +262,63 @@ def scene_to_dict(scene: Scene) -> dict[str, Any]:
     return asdict(scene, dict_factory=plain)
 
 
-def with_values(scene: Scene, changes: Mapping[tuple[str | int, ...], Any]) -> Scene:
+def with_values(scene: Scene, changes: Mapping[str, Any] | Mapping[Place, Any]) -> Scene:
     """Return the validated scene with some values changed.
 
-    A change is a path and its value: `{("chain", "links", 0, "mass"): 2.0}`. None takes the key away, so
-    that its default holds. All else keeps its value, also what a default made of a value that changes.
+    A change is a name and its value: `{"link[1].mass": 2.0, "contact.model": "flores"}`. The name is that of
+    the FMU's parameter, else the dotted key, which also names a whole list: `"initial.angles"`. A contact law
+    and a solver method can be given by their number in the FMU, too. In place of a name can stand a path:
+    `("chain", "links", 0, "mass")`.
 
-    Raises SceneError when a path leads nowhere or the scene becomes invalid.
+    None takes the key away, so that its default holds. All else keeps its value, also what a default made of
+    a value that changes.
+
+    Raises SceneError when a name is unknown, a path leads nowhere, or the scene becomes invalid.
     """
     data: Any = scene_to_dict(scene)
-    for path, value in changes.items():
+    names = _paths(scene) if any(isinstance(change, str) for change in changes) else {}
+    for change, given in changes.items():
+        if not isinstance(change, str):
+            path, value = change, given
+        elif change in names:
+            path, value = names[change], _chosen(scene, change, given)
+        else:
+            raise UnknownNameError(scene.name, change, names, "no parameter")
         try:
             *parents, last = path
             functools.reduce(operator.getitem, parents, data)[last] = value
         except (LookupError, TypeError, ValueError):
             raise SceneError(f"{scene.name}: {shown(path)} is no path to a value of the scene") from None
-    return scene_from_dict(data, scene.name)
+    return _validated(data, scene.name, in_file=False)
+
+
+def _paths(scene: Scene) -> dict[str, Place]:
+    """The path of every name that ``with_values`` takes."""
+    walls = [wall.name for wall in scene.walls]
+    whole = {key: tuple(key.split(".")) for key, _ in scene_keys() if "[" not in key}
+    return whole | {name_of(path, walls): path for path, _ in _leaves(scene)}
+
+
+def _leaves(value: Any, path: Place = (), unit: str = "") -> Iterator[tuple[Place, Any]]:
+    """Yield the path of every single value, and the value; entries of a list of quantities are single."""
+    if is_dataclass(value):
+        for entry in fields(value):
+            yield from _leaves(
+                getattr(value, entry.name), (*path, entry.name), entry.metadata.get("unit", "")
+            )
+    elif isinstance(value, tuple) and value and (unit or is_dataclass(value[0])):
+        for i, one in enumerate(value):
+            yield from _leaves(one, (*path, i))
+    else:
+        yield path, value
+
+
+def _chosen(scene: Scene, name: str, value: Any) -> Any:
+    """The value, but a choice for its number in the FMU, counted from 1."""
+    if isinstance(value, bool) or not isinstance(value, Integral):
+        return value
+    choices = {"contact.model": scene.law_names, "solver.method": SOLVER_METHODS}.get(name, ())
+    return choices[int(value) - 1] if 0 < int(value) <= len(choices) else value
 
 
 def _with_law(scene: Scene, folder: Path) -> Scene:
@@ -262,12 +337,12 @@ def _with_law(scene: Scene, folder: Path) -> Scene:
 def _with_angles(scene: Scene) -> Scene:
     """Return the scene with the angles of the walls that were given by a normal, which have none then."""
     walls = []
-    for i, wall in enumerate(scene.walls):
+    for wall in scene.walls:
         if (wall.angle is None) == (wall.normal is None):
             has = "neither angle nor" if wall.angle is None else "both angle and"
-            raise SceneError(f"walls[{i}] ({wall.name}) has {has} normal; must have one of them")
+            raise SceneError(f"wall.{wall.name} has {has} normal; must have one of them")
         if wall.normal and not any(wall.normal):
-            raise SceneError(f"walls[{i}].normal = {list(wall.normal)} must not be zero")
+            raise SceneError(f"wall.{wall.name}.normal = {list(wall.normal)} must not be zero")
         walls.append(replace(wall, angle=direction(wall.normal), normal=None) if wall.normal else wall)
     return replace(scene, walls=tuple(walls))
 
@@ -290,7 +365,7 @@ def _check_together(scene: Scene) -> None:
     for i, wall in enumerate(scene.walls):
         others = scene.wall_names[: len(WALLS) + i]
         if wall.name in others:
-            raise SceneError(f"walls[{i}].name = {wall.name!r} must be none of {', '.join(others)}")
+            raise SceneError(f"walls[{i + 1}].name = {wall.name!r} must be none of {', '.join(others)}")
     for axis, low, high in (("x", box.x_min, box.x_max), ("y", box.y_min, box.y_max)):
         if low is not None and high is not None and not high - low > 2 * contact.radius:
             least = f"{low + 2 * contact.radius} [m], which is {axis}_min + 2 contact.radius"

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from chain_impact.names import Place
 from chain_impact.reading import SceneError
 from chain_impact.scene import Scene
-from chain_impact.variables import Place, input_places
+from chain_impact.variables import input_places
 
 Signal = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
 """One input over time: a number, a function of the time [s], or a pair (times [s], values) of shape (T,)."""

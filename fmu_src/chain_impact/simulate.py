@@ -16,7 +16,7 @@ from chain_impact.law_file import LawError, source_of
 from chain_impact.reading import SceneError
 from chain_impact.results.result import Result
 from chain_impact.running import Instance, SimulationError
-from chain_impact.scene import Scene, with_values
+from chain_impact.scene import Scene
 from chain_impact.signals import Signal, drive
 
 
@@ -67,14 +67,14 @@ def simulate(
         SimulationError: when the solver cannot go on; it holds the result up to there.
         BuildError: when the kernel cannot be compiled.
     """
-    settings: dict[tuple[str | int, ...], float | str | None] = {
-        ("simulation", "stop_time"): stop_time,
-        ("simulation", "step_size"): output_step,
-        ("solver", "method"): method,
-        ("solver", "tolerance"): tolerance,
+    settings = {
+        "simulation.stop_time": stop_time,
+        "simulation.step_size": output_step,
+        "solver.method": method,
+        "solver.tolerance": tolerance,
     }
-    changes = {path: value for path, value in settings.items() if value is not None}
-    scene = with_values(scene, changes) if changes else scene
+    changes = {name: value for name, value in settings.items() if value is not None}
+    scene = scene.with_values(changes) if changes else scene
     # n steps and, if the stop time is no multiple of the step, a shorter one
     step, stop = scene.simulation.step_size, scene.simulation.stop_time
     times = np.append(np.arange(np.ceil(stop / step * (1 - 1e-12))) * step, stop)
@@ -126,4 +126,4 @@ def with_law(scene: Scene, law: Callable[..., float]) -> Scene:
 
     digest = hashlib.sha256(source.encode()).hexdigest()[:16]
     file = cache.made(f"law-{digest}", write) / f"{law.__name__}.py"
-    return with_values(scene, {("contact", "law_file"): str(file), ("contact", "model"): law.__name__})
+    return scene.with_values({"contact.law_file": str(file), "contact.model": law.__name__})

@@ -8,7 +8,7 @@ candidate and no input that is not in it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -22,11 +22,10 @@ from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.law_file import read_law
 from chain_impact.limits import allowed
+from chain_impact.names import AXES, Place, name_of
 from chain_impact.scene import Box, Contact, Initial, Link, Scene, Solver, Wall
 
-Place = tuple[str | int, ...]
 WORD = 8  # bytes of every scalar in the record
-AXES = ("x", "y")
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,7 +176,12 @@ def _rules(table: type) -> dict[str, Mapping[str, Any]]:
 
 
 def _parameter(
-    rule: Mapping[str, Any], name: str, place: Place, path: Place, description: str = "{}", **changes: Any
+    rule: Mapping[str, Any],
+    place: Place,
+    path: Place,
+    description: str = "{}",
+    walls: Sequence[str] = (),
+    **changes: Any,
 ) -> Variable:
     """The parameter that sets the value at ``path``, by the ``rule`` of its key; {} is its description."""
     limits = {limit: rule[limit] for limit in ("minimum", "above", "maximum")}
@@ -185,7 +189,7 @@ def _parameter(
     # the attributes of FMI have closed limits only
     open_limit = "" if rule["above"] is None else f"; must be > {rule['above']:g}"
     return Variable(
-        name=name,
+        name=name_of(path, walls),
         causality="parameter",
         description=description.format(rule["description"]) + open_limit,
         place=place,
@@ -198,15 +202,13 @@ def _parameters(scene: Scene) -> Iterator[Variable]:
     rules = _rules(Scene) | _rules(Box)
     for j, axis in enumerate(AXES):
         path: Place = ("gravity", j)
-        yield _parameter(rules["gravity"], f"gravity.{axis}", ("model", *path), path, f"{axis} of the {{}}")
+        yield _parameter(rules["gravity"], ("model", *path), path, f"{axis} of the {{}}")
     for i in range(len(scene.chain.links)):
         for key, rule in _rules(Link).items():
-            path = ("chain", "links", i, key)
-            yield _parameter(rule, f"link[{i + 1}].{key}", ("model", key, i), path, f"link {i + 1}: {{}}")
+            yield _parameter(rule, ("model", key, i), ("chain", "links", i, key), f"link {i + 1}: {{}}")
     for w, wall in enumerate(WALLS):
         if getattr(scene.box, wall) is not None:
-            path = ("box", wall)
-            yield _parameter(rules[wall], f"box.{wall}", ("model", "wall", w), path, "position of the {}")
+            yield _parameter(rules[wall], ("model", "wall", w), ("box", wall), "position of the {}")
     if candidates(scene):
         yield from _wall_parameters(scene)
         yield from _contact_parameters(scene)
@@ -214,21 +216,18 @@ def _parameters(scene: Scene) -> Iterator[Variable]:
     for key, rule in _rules(Solver).items():
         path = ("solver", key)
         choice: dict[str, Any] = {"type": "enumeration", "items": _METHODS} if key == "method" else {}
-        yield _parameter(rule, f"solver.{key}", path, path, **choice)
+        yield _parameter(rule, path, path, **choice)
 
 
 def _wall_parameters(scene: Scene) -> Iterator[Variable]:
-    rules = _rules(Wall)
-    for w, wall in enumerate(scene.walls):
-        name, text = f"wall.{wall.name}", f"wall {wall.name}: "
+    rules, names = _rules(Wall), [wall.name for wall in scene.walls]
+    for w, name in enumerate(names):
         for j, axis in enumerate(AXES):
             path: Place = ("walls", w, "point", j)
-            yield _parameter(
-                rules["point"], f"{name}.{axis}", ("walls", axis, w), path, f"{text}{axis} of {{}}"
-            )
-        yield _parameter(
-            rules["angle"], f"{name}.angle", ("walls", "angle", w), ("walls", w, "angle"), f"{text}{{}}"
-        )
+            text = f"wall {name}: {axis} of {{}}"
+            yield _parameter(rules["point"], ("walls", axis, w), path, text, names)
+        path = ("walls", w, "angle")
+        yield _parameter(rules["angle"], ("walls", "angle", w), path, f"wall {name}: {{}}", names)
 
 
 def _laws(scene: Scene) -> tuple[Item, ...]:
@@ -250,23 +249,21 @@ def _contact_parameters(scene: Scene) -> Iterator[Variable]:
             changes |= {"type": "enumeration", "items": _laws(scene)}
             place = ("contact", "law")
         if key not in ("points", "law_file"):
-            yield _parameter(rule, f"contact.{key}", place, ("contact", key), **changes)
+            yield _parameter(rule, place, ("contact", key), **changes)
 
 
 def _initial_values(scene: Scene) -> Iterator[Variable]:
     rules = _rules(Initial)
     # the velocity of a pinned base can only be zero
-    vectors = {"position": ""} if scene.chain.base == "pinned" else {"position": "", "velocity": "v"}
-    for key, prefix in vectors.items():
+    for key in ("position",) if scene.chain.base == "pinned" else ("position", "velocity"):
         for j, axis in enumerate(AXES):
             path: Place = ("initial", key, j)
-            yield _parameter(rules[key], f"initial.{prefix}{axis}", path, path, f"initial {axis} of the {{}}")
+            yield _parameter(rules[key], path, path, f"initial {axis} of the {{}}")
     for key, name in (("angles", "angle"), ("angular_velocities", "angular_velocity")):
         text = "initial " + rules[key]["description"]
         for i in range(len(scene.chain.links)):
-            place, path = ("initial", name, i), ("initial", key, i)
             of_link = text.replace("each link", f"link {i + 1}")
-            yield _parameter(rules[key], f"initial.{name}[{i + 1}]", place, path, of_link)
+            yield _parameter(rules[key], ("initial", name, i), ("initial", key, i), of_link)
 
 
 def _inputs(scene: Scene) -> Iterator[Variable]:

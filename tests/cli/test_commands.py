@@ -237,7 +237,8 @@ def test_info_of_a_scene_has_its_values_and_every_variable(run):
     assert (code, errors) == (0, "")
     values, listing = said.split("\nVariables of the FMU\n")
     assert values.startswith("PinnedArm  Two-link arm pinned at the origin")
-    assert "\n  chain.links[2].mass = 0.6\n" in values
+    assert "\n  link[2].mass = 0.6\n" in values
+    assert "\n  contact.points = [1, 2]\n" in values
     assert "\n  box.x_max = 0.3\n" in values
     assert "x_min" not in values
     check_variables(listing, load_scene("pinned_arm"))
@@ -248,9 +249,27 @@ def test_info_of_an_fmu_has_its_values_and_every_variable(run, fmu):
     assert (code, errors) == (0, "")
     values, listing = said.split("\nVariables of the FMU\n")
     assert values.startswith("FourLinkBox  Four-link chain, free base")
-    for fact in ("FMI version = 2.0", "platforms = linux64", "stopTime = 2.0", "link[2].mass = 1.0"):
+    for fact in (
+        "FMI version = 2.0",
+        "platforms = linux64",
+        "simulation.stop_time = 2.0",
+        "link[2].mass = 1.0",
+    ):
         assert f"\n  {fact}\n" in values
+    assert "\n  contact.model = zhang_sharf\n" in values
     check_variables(listing, load_scene("four_link_box"))
+
+
+@pytest.mark.parametrize("kind", ["scene", "FMU"])
+def test_what_info_prints_can_be_set(run, fmu, kind):
+    source = fmu if kind == "FMU" else "four_link_box"
+    values = run("info", source)[1].split("\nVariables of the FMU\n")[0].splitlines()[1:]
+    named = [
+        line.strip().replace(" = ", "=", 1) for line in values if "[" in line or "." in line.split("=")[0]
+    ]
+    settings = [part for setting in named for part in ("--set", setting)]
+    assert len(named) > 30
+    assert run("simulate", source, *settings) == run("simulate", source)
 
 
 def test_info_prints_brackets_as_they_are(run, here):

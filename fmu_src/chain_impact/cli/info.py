@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from rich.markup import escape
 
 from chain_impact.cli.options import Verbs, add_scene, is_fmu
 from chain_impact.cli.progress import out
-from chain_impact.runs import read_fmu
-from chain_impact.scene import load_scene, scene_to_dict
+from chain_impact.runs import EXPERIMENT, read_fmu
+from chain_impact.scene import load_scene
 
 
 def add(verbs: Verbs) -> None:
@@ -32,14 +32,20 @@ def run(options: argparse.Namespace) -> int:
         facts += [("FMI version", held.fmiVersion), ("made by", held.generationTool), ("guid", held.guid)]
         facts += [("platforms", ", ".join(supported_platforms(options.source)))]
         if held.defaultExperiment:
-            facts += [(key, getattr(held.defaultExperiment, key)) for key in ("stopTime", "stepSize")]
-        facts += [(v.name, v.start) for v in variables if v.causality == "parameter"]
+            times = (held.defaultExperiment.stopTime, held.defaultExperiment.stepSize)
+            facts += zip(EXPERIMENT, times, strict=True)
+        facts += [(v.name, _start(v)) for v in variables if v.causality == "parameter"]
     else:
         from chain_impact.variables import fmu_variables
 
         scene = load_scene(options.source)
         name, description, variables = scene.name, scene.description, fmu_variables(scene)
-        facts += [pair for pair in _flatten(scene_to_dict(scene)) if pair[0] not in {"name", "description"}]
+        shown = {"name", "description"}  # in the headline
+        facts += [
+            (name, _as_set(value))
+            for name, value in scene.values.items()
+            if name not in shown and value not in (None, "", ())
+        ]
     out.print(f"[bold]{escape(name)}[/]  {escape(description)}", soft_wrap=True)
     for key, value in facts:
         out.print(f"  {key} = {value}", markup=False, soft_wrap=True)
@@ -52,12 +58,15 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _flatten(table: dict[str, object], prefix: str = "") -> Iterator[tuple[str, object]]:
-    for key, value in table.items():
-        if isinstance(value, dict):
-            yield from _flatten(value, f"{prefix}{key}.")
-        elif isinstance(value, list) and value and isinstance(value[0], dict):
-            for i, entry in enumerate(value, start=1):
-                yield from _flatten(entry, f"{prefix}{key}[{i}].")
-        else:
-            yield prefix + key, value
+def _as_set(value: object) -> object:
+    """A value of a scene as ``--set`` takes it."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    return list(value) if isinstance(value, tuple) else value
+
+
+def _start(variable: Any) -> object:
+    """The start value, an enumeration's by name."""
+    if variable.type != "Enumeration":
+        return variable.start
+    return next(item.name for item in variable.declaredType.items if str(item.value) == str(variable.start))

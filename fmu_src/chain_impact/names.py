@@ -1,0 +1,57 @@
+"""One name for one thing: how the values of a scene are called, wherever a user meets them.
+
+What is a parameter of the FMU has its name there: ``link[2].mass``, ``initial.angle[1]``, ``gravity.y``. All
+else has its dotted key: ``simulation.stop_time``, ``contact.points``. Links count from 1, at the base.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
+
+Place = tuple[str | int, ...]
+"""A path into nested tables and lists; lists count from 0."""
+AXES = ("x", "y")
+
+
+def name_of(path: Place, walls: Sequence[object] = ()) -> str:
+    """The name of the value at a path of the scene; ``walls`` are the names of the walls at any angle."""
+    match path:
+        case "gravity", int(j):
+            name = f"gravity.{AXES[j]}"
+        case "chain", "links", int(i), *rest:
+            name = _dotted(("link", i, *rest))
+        case "walls", int(w), "point", int(j) if isinstance(walls[w], str):
+            name = f"wall.{walls[w]}.{AXES[j]}"
+        case "walls", int(w), key, *rest if isinstance(walls[w], str) and key != "name":
+            name = _dotted(("wall", str(walls[w]), key, *rest))
+        case "initial", "position", int(j):
+            name = f"initial.{AXES[j]}"
+        case "initial", "velocity", int(j):
+            name = f"initial.v{AXES[j]}"
+        case "initial", "angles", int(i):
+            name = f"initial.angle[{i + 1}]"
+        case "initial", "angular_velocities", int(i):
+            name = f"initial.angular_velocity[{i + 1}]"
+        case _:
+            name = _dotted(path)
+    return name
+
+
+def place_in_file(path: Place) -> str:
+    """Where the value at a path stands in the scene file: "mass in [[chain.links]]"."""
+    *head, last = path
+    if isinstance(last, int):
+        return f"entry {last + 1} of {place_in_file(tuple(head))}"
+    tables = [k for k, step in enumerate(head) if isinstance(step, int)]
+    return f"{last} in [[{_dotted(tuple(head[: tables[0]]))}]]" if tables else _dotted(path)
+
+
+def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | None:
+    """The name that is most like another, if one is alike by a ratio of 0 to 1."""
+    return next(iter(get_close_matches(name, list(names), n=1, cutoff=at_least)), None)
+
+
+def _dotted(path: Place) -> str:
+    steps = (f"[{step + 1}]" if isinstance(step, int) else f".{step}" for step in path)
+    return "".join(steps).removeprefix(".")

@@ -1,0 +1,37 @@
+"""Names of paths; that they are those of the FMU, test_scene.py and test_variables.py check."""
+
+import pytest
+
+from chain_impact.names import name_of, nearest, place_in_file
+
+
+@pytest.mark.parametrize(
+    ("path", "name", "place"),
+    [
+        (("gravity", 0), "gravity.x", "entry 1 of gravity"),
+        (("gravity",), "gravity", "gravity"),
+        (("chain", "links", 9), "link[10]", "entry 10 of chain.links"),
+        (("chain", "links", 0, "mass"), "link[1].mass", "mass in [[chain.links]]"),
+        (("walls", 1, "point", 1), "wall.stop.y", "entry 2 of point in [[walls]]"),
+        (("walls", 1, "angle"), "wall.stop.angle", "angle in [[walls]]"),
+        (("walls", 1, "name"), "walls[2].name", "name in [[walls]]"),
+        (("walls", 0, "normal", 1), "walls[1].normal[2]", "entry 2 of normal in [[walls]]"),
+        (("walls",), "walls", "walls"),
+        (("initial", "position", 1), "initial.y", "entry 2 of initial.position"),
+        (("initial", "velocity", 0), "initial.vx", "entry 1 of initial.velocity"),
+        (("initial", "angles", 2), "initial.angle[3]", "entry 3 of initial.angles"),
+        (("initial", "angular_velocities", 0), "initial.angular_velocity[1]", "entry 1 of initial.angular"),
+        (("contact", "points", 0), "contact.points[1]", "entry 1 of contact.points"),
+        (("simulation", "stop_time"), "simulation.stop_time", "simulation.stop_time"),
+    ],
+)
+def test_a_path_has_a_name_and_a_place(path, name, place):
+    assert name_of(path, [None, "stop"]) == name
+    assert place_in_file(path).startswith(place)
+
+
+def test_only_what_is_alike_is_near():
+    names = ["contact.stiffness", "contact.restitution"]
+    assert nearest("contact.stifness", names) == "contact.stiffness"
+    assert nearest("mass", names) is None
+    assert nearest("mass", names, at_least=0.0) in names
