@@ -48,7 +48,7 @@ def test_walls_of_a_table_can_be_set_as_those_of_its_scene(run, here):
 
 
 def test_what_came_before_a_fault_is_shown(run, here):
-    code, said, errors = run("animate", "-o", "a.html", "--set", "solver.work_limit=20000")
+    code, said, errors = run("animate", "-o", "a.html", "--set", "solver.work_limit=1500")
     assert code == 3
     assert "stopped at t = " in errors
     assert "a.html" in said

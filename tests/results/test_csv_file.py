@@ -69,7 +69,9 @@ def test_what_is_wrong_is_said_in_one_line(tmp_path, text, pattern):
 
 def test_a_wall_that_the_scene_does_not_have(tmp_path, scene):
     (tmp_path / "bad.csv").write_text(f"{HEAD},contact[1].roof.force\n0,0,0,1,0,0\n1,0,0,1,0,0\n")
-    with pytest.raises(SceneError, match=r"contact\[1\]\.roof\.force has a wall .* it has x_min, "):
+    with pytest.raises(
+        SceneError, match=r"contact\[1\]\.roof\.force: the scene has no wall roof; it has x_min, "
+    ):
         read_csv(tmp_path / "bad.csv", scene.half_planes)
 
 

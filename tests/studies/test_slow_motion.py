@@ -46,6 +46,6 @@ def test_no_slow_motion_no_close_rows():
 
 
 def test_a_fault_is_passed_on():
-    scene = load_scene("four_link_box").with_values({"solver.work_limit": 500.0})
+    scene = load_scene("four_link_box").with_values({"solver.work_limit": 1500.0})
     with pytest.raises(SimulationError):
         record_slowly(scene)

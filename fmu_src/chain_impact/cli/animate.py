@@ -10,14 +10,16 @@ from chain_impact.cli.progress import out, progress
 from chain_impact.results.animation import FORMATS, IMPACT_TIME, SIZE, animate
 from chain_impact.results.csv_file import read_csv
 from chain_impact.results.recording import Recording
-from chain_impact.runs import RunError, record_fmu, with_settings
 from chain_impact.running import SimulationError
+from chain_impact.runs import RunError, record_fmu, with_settings
 from chain_impact.scene import load_scene
 
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
-    verb = verbs.add_parser("animate", help="show a scene, an FMU or a CSV file in motion, in a page or a film")
+    verb = verbs.add_parser(
+        "animate", help="show a scene, an FMU or a CSV file in motion, in a page or a film"
+    )
     add_scene(verb, "scene or FMU or CSV")
     add_set(verb)
     verb.add_argument(
@@ -124,7 +126,9 @@ def read_table(path: Path, scene: str | None, settings: dict[str, str]) -> Recor
     """The recording in a table, with the walls of a scene."""
     if scene is None:
         if settings:
-            raise UsageError(f"--set: a CSV file has no parameters; those of its walls need --scene, too: {path}")
+            raise UsageError(
+                f"--set: a CSV file has no parameters; those of its walls need --scene, too: {path}"
+            )
         return read_csv(path, None)
     known = with_settings(load_scene(scene), settings)
     return read_csv(path, known.half_planes, known.wall_names)

@@ -1,4 +1,4 @@
-"""A recording from a table: what `chain-impact simulate --csv` wrote, or another tool under the FMU's names."""
+"""A recording from a table that `simulate --csv` wrote, or another tool under the FMU's names."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ from chain_impact.walls import HalfPlane
 NEEDED = ("time", "point[0].x", "point[0].y", "point[1].x", "point[1].y")
 
 
-def read_csv(path: Path, walls: Mapping[str, HalfPlane] | None, wall_names: tuple[str, ...] = ()) -> Recording:
+def read_csv(
+    path: Path, walls: Mapping[str, HalfPlane] | None, wall_names: tuple[str, ...] = ()
+) -> Recording:
     """Read a table with a head line.
 
     Args:
@@ -24,7 +26,7 @@ def read_csv(path: Path, walls: Mapping[str, HalfPlane] | None, wall_names: tupl
         wall_names: names of the walls by their numbers in the columns ``impact.*``.
 
     Returns:
-        The recording, named as the file is. Its impacts come from the columns ``impact.*``, if they are there,
+        The recording, named as the file is. Its impacts come from the columns ``impact.*`` if they are there,
         else from the forces.
 
     Raises:
@@ -36,11 +38,15 @@ def read_csv(path: Path, walls: Mapping[str, HalfPlane] | None, wall_names: tupl
             names = [name.strip().strip('"') for name in file.readline().split(",")]
             text = file.readlines()
         rows = np.loadtxt(text, delimiter=",", ndmin=2) if text else np.zeros((0, len(names)))
-    except ValueError as error:  # of a cell that is no number, of a row that is too long, of bytes that are no text
+    except (
+        ValueError
+    ) as error:  # of a cell that is no number, of a row that is too long, of bytes that are no text
         raise SceneError(f"{path}: not a table of numbers: {error}") from None
     missing = [name for name in NEEDED if name not in names]
     if missing:
-        raise SceneError(f"{path}: the column {missing[0]} is missing; `chain-impact simulate --csv` writes it")
+        raise SceneError(
+            f"{path}: the column {missing[0]} is missing; `chain-impact simulate --csv` writes it"
+        )
     if rows.shape[0] < 2 or rows.shape[1] != len(names):  # noqa: PLR2004
         raise SceneError(
             f"{path}: {rows.shape[0]} rows of {rows.shape[1]} numbers; must be at least 2 of {len(names)}"
@@ -50,7 +56,9 @@ def read_csv(path: Path, walls: Mapping[str, HalfPlane] | None, wall_names: tupl
     columns = dict(zip(names, rows.T.copy(), strict=True))
     time = columns.pop("time")
     for row in np.flatnonzero(np.diff(time) <= 0.0)[:1]:
-        raise SceneError(f"{path}: line {row + 3}: time = {time[row + 1]:g} must be later than in the line before")
+        raise SceneError(
+            f"{path}: line {row + 3}: time = {time[row + 1]:g} must be later than in the line before"
+        )
     recording = Recording(path.stem, time, columns, [], dict(walls or {}))
     _check_walls(path, recording, walls)
     listed = "impact.count" in columns and walls is not None
@@ -63,11 +71,11 @@ def _check_walls(path: Path, recording: Recording, walls: Mapping[str, HalfPlane
     for point, wall, _ in force_columns(recording):
         if walls is None:
             raise SceneError(
-                f"{path}: it has the contact[{point}].{wall}.force, but a table does not hold where walls are; "
+                f"{path}: it has contact[{point}].{wall}.force, but a table does not hold where walls are: "
                 "give its scene with --scene"
             )
         if wall not in walls:
             known = ", ".join(walls) or "none"
             raise SceneError(
-                f"{path}: contact[{point}].{wall}.force has a wall that the scene does not have; it has {known}"
+                f"{path}: contact[{point}].{wall}.force: the scene has no wall {wall}; it has {known}"
             )

@@ -17,7 +17,9 @@ from chain_impact.scene import Scene
 from chain_impact.simulate import simulate
 
 MOST_ROWS = 40_000
-WITHIN = np.linspace(0.0, 1.0, 25)  # of an impact that is too weak to be shown slowly: rows for its peak force
+WITHIN = np.linspace(
+    0.0, 1.0, 25
+)  # of an impact that is too weak to be shown slowly: rows for its peak force
 LONGEST_IMPACT = 5.0  # of penetration over approach speed
 SLOWEST = 1e-6  # m/s, approach speed of a point that comes to rest at a wall
 CHUNK = 2000  # rows between two calls of ``progress``

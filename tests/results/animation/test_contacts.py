@@ -53,7 +53,10 @@ def test_a_contact_that_lasts_ends_with_the_recording():
 def test_the_onset_of_what_is_not_listed_follows_from_the_first_penetration():
     onset, speed = 0.2037, 2.5
     depth = np.where((onset < TIME) & (TIME < 0.3), speed * (TIME - onset), 0.0)
-    columns = {"contact[1].y_min.penetration": depth, "contact[1].y_min.penetration_rate": speed * (depth > 0)}
+    columns = {
+        "contact[1].y_min.penetration": depth,
+        "contact[1].y_min.penetration_rate": speed * (depth > 0),
+    }
     (impact,) = impacts_from_forces(recording(1e3 * depth, **columns))
     assert impact.time == pytest.approx(onset)
     assert (impact.speed, impact.point, impact.wall) == (speed, 1, "y_min")

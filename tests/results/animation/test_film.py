@@ -9,7 +9,6 @@ from chain_impact import load_scene
 from chain_impact.results.animation.film import RATES, draw_frames, shades, write_film
 from chain_impact.results.animation.film_page import CHAIN, FORCE
 from chain_impact.results.animation.frames import motion_of
-from chain_impact.runs import with_settings
 from chain_impact.studies.slow_motion import record_slowly
 
 SIZE = (320, 180)
@@ -17,7 +16,7 @@ SIZE = (320, 180)
 
 @pytest.fixture(scope="module")
 def motion():
-    scene = with_settings(load_scene("four_link_box"), {"simulation.stop_time": "0.52"})
+    scene = load_scene("four_link_box").with_values({"simulation.stop_time": 0.52})
     return motion_of(record_slowly(scene), impact_time=0.2)
 
 

@@ -1,4 +1,4 @@
-"""The pace of an animation: slow through impacts, real time elsewhere, by what one would measure on the screen."""
+"""The pace of an animation: slow through impacts, real time elsewhere, as measured on the screen."""
 
 import numpy as np
 import pytest

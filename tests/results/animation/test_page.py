@@ -12,7 +12,6 @@ from chain_impact import load_scene, simulate
 from chain_impact.results.animation.frames import motion_of
 from chain_impact.results.animation.page import MODULES, PAGE, data, page, program
 from chain_impact.results.recording import recording_of
-from chain_impact.runs import with_settings
 from chain_impact.studies.slow_motion import record_slowly
 
 # file → package of npm, version, path in the package
@@ -64,7 +63,7 @@ def test_what_is_packed_is_the_motion(motion):
 
 
 def test_ten_seconds_of_four_links_are_small():
-    scene = with_settings(load_scene("four_link_box"), {"simulation.stop_time": "10"})
+    scene = load_scene("four_link_box").with_values({"simulation.stop_time": 10.0})
     assert len(page(motion_of(record_slowly(scene)))) < 1_500_000
 
 

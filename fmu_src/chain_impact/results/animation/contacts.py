@@ -1,4 +1,4 @@
-"""The contacts of a recording: when they were, how large their force was, and which of them are worth a look."""
+"""The contacts of a recording: when they were, how large their force was, and which are worth a look."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Contact:
         wall: its name.
         onset: [s].
         end: [s]; of one that lasts, the end of the recording.
-        impact_end: as ``end``, but when the chain stays at the wall after the impact, about the impact's end [s].
+        impact_end: as ``end``, but when the chain stays at the wall, about the end of the impact before [s].
         speed: normal approach speed [m/s]; None for a contact whose impact is not listed.
         peak_force: the largest force in the rows [N]; None where no row has one: between rigid walls, or when
             the rows are too far apart.

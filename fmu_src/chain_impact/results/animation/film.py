@@ -57,7 +57,7 @@ def draw_frames(
     """Draw frames of the motion: red, green, blue of each pixel, shape (height, width, 3)."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(size[0] / DPI, size[1] / DPI), dpi=DPI)
-        canvas = FigureCanvasAgg(figure)
+        canvas: Any = FigureCanvasAgg(figure)  # matplotlib says nothing of its types
         page = FilmPage(figure, motion)
         canvas.draw()
         ground = canvas.copy_from_bbox(figure.bbox)  # what does not move is drawn once
@@ -84,7 +84,13 @@ def write_gif(pictures: Iterable[np.ndarray], path: Path, film_rate: int) -> Non
     duration = 1000 // film_rate
     durations = [duration] * (len(packed) - 1) + [int(1000 * HOLD)]
     packed[0].save(
-        path, format="GIF", save_all=True, append_images=packed[1:], duration=durations, loop=0, optimize=False
+        path,
+        format="GIF",
+        save_all=True,
+        append_images=packed[1:],
+        duration=durations,
+        loop=0,
+        optimize=False,
     )
 
 
@@ -101,7 +107,10 @@ def nearest_shades(palette: np.ndarray) -> np.ndarray:
     levels = (np.arange(2**BITS) * (255.0 / (2**BITS - 1))).round()
     colours = np.stack(np.meshgrid(levels, levels, levels, indexing="ij"), axis=-1)[..., None, :]
     return np.concatenate(
-        [np.argmin(((part - palette) ** 2).sum(axis=-1), axis=-1).astype(np.uint8) for part in np.split(colours, 8)]
+        [
+            np.argmin(((part - palette) ** 2).sum(axis=-1), axis=-1).astype(np.uint8)
+            for part in np.split(colours, 8)
+        ]
     )
 
 

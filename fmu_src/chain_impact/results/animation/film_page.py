@@ -28,7 +28,7 @@ ENERGIES = {
 }
 COLOURS = (INK, MUTED, LINE, OUTSIDE, WALL, CHAIN, TIP, FORCE, *ENERGIES.values())
 """All colours of a film, but white and their shades."""
-STYLE: dict[str, Any] = {
+STYLE: Any = {
     "font.size": 9,
     "text.color": INK,
     "axes.edgecolor": MUTED,
@@ -54,8 +54,7 @@ class FilmPage:
         self.motion = motion
         self.scene = figure.add_axes(SCENE)
         self.ledger = figure.add_axes(LEDGER)
-        title = dict(fontsize=13, fontweight="bold", va="center")
-        figure.text(SCENE[0], 0.94, motion.name, **title)
+        figure.text(SCENE[0], 0.94, motion.name, fontsize=13, fontweight="bold", va="center")
         moving: dict[str, Any] = {"animated": True, "va": "center"}
         self.clock = figure.text(LEDGER[0], 0.94, "", fontsize=15, fontweight="bold", **moving)
         self.rate = figure.text(LEDGER[0], 0.87, "", fontsize=10, **moving)
@@ -76,9 +75,10 @@ class FilmPage:
         axes, view = self.scene, self.motion.view
         # the same scale along x and y: the view, and beside or above it as much as the page has room for
         room = axes.get_window_extent().size
-        seen = room * (np.ptp(view, axis=0) / room).max()
-        x0, y0 = view[0] - self.motion.anchor * (seen - np.ptp(view, axis=0))
-        x1, y1 = (x0, y0) + seen
+        size = np.ptp(view, axis=0)
+        seen = room * (size / room).max()
+        x0, y0 = view[0] - self.motion.anchor * (seen - size)
+        x1, y1 = np.array([x0, y0]) + seen
         axes.set(xlim=(x0, x1), ylim=(y0, y1), xticks=[], yticks=[])
         axes.spines[:].set_visible(False)
         draw_room(axes, self.motion, np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]]))
@@ -123,8 +123,8 @@ class FilmPage:
             [np.interp(moments, motion.time, motion.points[:, -1, axis]) for axis in (0, 1)], axis=-1
         )
         self.tail.set_segments(list(np.stack([tip[:-1], tip[1:]], axis=1)))
-        self.tail.set_alpha(np.linspace(0.0, 1.0, TAIL_PARTS))
-        self.tail.set_linewidths(np.linspace(0.5, 2.2, TAIL_PARTS))
+        self.tail.set_alpha(list(np.linspace(0.0, 1.0, TAIL_PARTS)))
+        self.tail.set_linewidth(list(np.linspace(0.5, 2.2, TAIL_PARTS)))
 
     def _arrows(self, frame: int) -> Iterable[Artist]:
         """The forces of walls on the chain, their lengths in proportion, and how large they are."""

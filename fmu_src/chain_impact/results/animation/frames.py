@@ -35,7 +35,7 @@ class Motion:
         contacts: in order of their onset.
         walls: name → free side.
         view: lower left and upper right corner of what is to be seen, shape (2, 2) [m].
-        anchor: where there is more room than for the view: how much of it lies left of and below the view, 0…1.
+        anchor: where there is more room than for the view, how much of it lies left of it and below, 0…1.
         radius: of the points that can touch [m].
     """
 
@@ -67,7 +67,7 @@ def motion_of(recording: Recording, impact_time: float = IMPACT_TIME) -> Motion:
     time, frame_rate = frame_times(start, stop, spans, impact_time, most)
 
     def at_frames(column: np.ndarray) -> np.ndarray:
-        return np.interp(time, recording.time, column)
+        return np.asarray(np.interp(time, recording.time, column))
 
     points = np.stack(
         [
@@ -121,5 +121,7 @@ def _view(
             low, high = np.minimum(low, met), np.maximum(high, met)
             open_sides[0][normal > UPRIGHT] = open_sides[1][normal < -UPRIGHT] = 0.0
     margin = MARGIN * max((high - low).max(), 1e-6)
-    below = 0.5 + 0.5 * (open_sides[0] - open_sides[1])  # what is left of room goes to the side without a wall
+    below = 0.5 + 0.5 * (
+        open_sides[0] - open_sides[1]
+    )  # what is left of room goes to the side without a wall
     return np.array([low - margin, high + margin]), (float(below[0]), float(below[1]))

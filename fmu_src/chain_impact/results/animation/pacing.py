@@ -21,8 +21,8 @@ Span = tuple[float, float]
 def rate(time: np.ndarray, spans: Sequence[Span], impact_time: float) -> np.ndarray:
     """Simulated seconds that pass in a second on the screen, shape (T,), 1 far from impacts.
 
-    In an impact the rate is such that it takes ``impact_time``. Before and after it, the rate changes with the
-    distance in time, so that each stretch, half as far from the impact as the one before, takes as long.
+    In an impact the rate is such that it takes ``impact_time``. Before and after it the rate changes with the
+    distance in time: each stretch, half as far from the impact as the one before, takes as long.
 
     Args:
         time: shape (T,) [s].

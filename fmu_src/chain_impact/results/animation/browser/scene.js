@@ -23,9 +23,9 @@ export class Scene {
     this.tail = Array.from({ length: TAIL_PARTS }, (_, part) =>
       this.drawing.polyline().addClass("tail").fill("none").opacity((part + 1) / TAIL_PARTS));
     this.rings = this.drawing.group();
-    this.arrows = this.drawing.group();
     this.links = this.drawing.group();
     this.joints = this.drawing.group();
+    this.arrows = this.drawing.group();
     this.labels = this.drawing.group();
     this.#makeChain();
   }
@@ -66,8 +66,8 @@ export class Scene {
     const wanted = width / 6 / this.camera.scale;
     const power = 10 ** Math.floor(Math.log10(wanted));
     const length = power * [5, 2, 1].find((factor) => factor * power <= wanted);
-    const [right, y] = [width - 14, 18];
-    const left = right - length * this.camera.scale;
+    const y = 18;
+    const [left, right] = [-0.5, 0.5].map((share) => width / 2 + share * length * this.camera.scale);
     this.ground.polyline([[left, y - 4], [left, y + 4], [left, y], [right, y], [right, y - 4], [right, y + 4]])
       .addClass("bar").fill("none");
     const text = length < 0.01 ? `${+(1000 * length).toPrecision(1)} mm` : `${+length.toPrecision(1)} m`;
