@@ -1,4 +1,4 @@
-"""Draw ``images/animation.png``, the page of an animation as Chromium shows it: ``python docs/screenshot.py``."""
+"""Draw ``images/animation.png``, the page of an animation in Chromium: ``python docs/screenshot.py``."""
 
 from __future__ import annotations
 

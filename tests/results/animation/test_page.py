@@ -4,6 +4,9 @@ import base64
 import hashlib
 import json
 import re
+import shutil
+import subprocess
+import tarfile
 
 import numpy as np
 import pytest
@@ -106,3 +109,20 @@ def test_the_libraries_are_those_of_npm(name):
     assert hashlib.sha256(content).hexdigest() == DIGESTS[name]
     _, version, _ = VENDORED[name]
     assert version in (PAGE / "vendor" / "README.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("npm") is None, reason="needs npm")
+@pytest.mark.parametrize(("package", "version"), sorted({entry[:2] for entry in VENDORED.values()}))
+def test_npm_has_the_same_files(tmp_path, package, version):
+    packed = subprocess.run(
+        ["npm", "pack", "--silent", f"{package}@{version}"], cwd=tmp_path, check=False, capture_output=True
+    )
+    if packed.returncode != 0:
+        pytest.skip("npm's registry cannot be reached")
+    (archive,) = tmp_path.glob("*.tgz")
+    with tarfile.open(archive) as files:
+        for name, (owner, _, path) in VENDORED.items():
+            if owner == package:
+                content = files.extractfile(f"package/{path}").read()
+                assert content == (PAGE / "vendor" / name).read_bytes()

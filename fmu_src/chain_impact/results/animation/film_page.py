@@ -19,11 +19,11 @@ from chain_impact.results.animation.text import force_text, rate_text
 INK, MUTED, LINE, OUTSIDE, WALL = "#1c2333", "#566076", "#e3e6ee", "#e4e7ef", "#4a546c"
 CHAIN, TIP, FORCE = "#2b4a9f", "#c2255c", "#d9480f"
 ENERGIES = {
-    "kinetic": "#17855f",
-    "potential": "#b87f00",
-    "elastic": "#1c7ed6",
-    "dissipated": "#d6267f",
-    "supplied": "#7570b3",
+    "kinetic": "#009e73",
+    "potential": "#e69f00",
+    "elastic": "#0072b2",
+    "dissipated": "#d55e00",
+    "supplied": "#cc79a7",
     "total": "#30374a",
 }
 COLOURS = (INK, MUTED, LINE, OUTSIDE, WALL, CHAIN, TIP, FORCE, *ENERGIES.values())
