@@ -105,11 +105,15 @@ def fmu_cost() -> str:
 def fmu_native() -> str:
     """Costs of the native FMU in C, and against that of pythonfmu in fmpy."""
     found = common.load("fmu_native")["results"]
-    in_c, in_fmpy = found["C"], found["fmpy"]
-    rows = [(f"in C: {name}", f"{value:.4g}", "", "") for name, value in in_c.items()]
-    for name, values in in_fmpy.items():
-        texts = (f"{values[who]:.3g}" for who in ("native", "pythonfmu"))
-        rows.append((f"in fmpy: {name}", *texts, span(values["pythonfmu / native"])))
+    rows = []
+    for tool in ("C", "fmpy"):
+        for name, values in found[tool].items():
+            if isinstance(values, dict):
+                texts = (f"{values[who]:.3g}" for who in ("native", "pythonfmu"))
+                cells = (*texts, span(values["pythonfmu / native"]))
+            else:
+                cells = (f"{values:.3g}", "", "")
+            rows.append((f"in {tool}: {name}", *cells))
     size = found["bytes"]
     sizes = (f"{size[name] / 1e3:.0f}" for name in ("native FMU", "pythonfmu FMU"))
     rows.append(("FMU [kB]", *sizes, ""))

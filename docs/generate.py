@@ -25,7 +25,8 @@ from chain_impact.scene import (
     scene_keys,
     with_values,
 )
-from chain_impact.variables import UNITS, Variable, fmu_variables
+from chain_impact.units import UNITS
+from chain_impact.variables import Variable, fmu_variables
 
 if TYPE_CHECKING:
     from mkdocs.config.defaults import MkDocsConfig

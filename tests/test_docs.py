@@ -17,11 +17,11 @@ from chain_impact.scene import scene_keys
 
 ROOT = Path(__file__).parents[1]
 PAGES = sorted(
-    [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), *(ROOT / "models").glob("*/README.md")],
+    [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "models").glob("*/README.md")],
 )
 GUIDES = [
     ROOT / "README.md",
-    *sorted((ROOT / "docs").glob("*.md")),
+    *sorted((ROOT / "docs").rglob("*.md")),
 ]  # whose commands are run in a bare folder
 every_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 
@@ -71,16 +71,18 @@ def test_there_are_commands_to_parse():
 @every_page
 def test_links_lead_to_files(page):
     for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
-        generated = page.parent == ROOT / "docs" and target.startswith("models/")
-        path = ROOT / target.replace(".md", "") if generated else page.parent / target
+        path = (page.parent / target).resolve()
+        if path.parent == ROOT / "docs" / "models":  # generated from the model's README
+            path = ROOT / "models" / path.stem
         assert path.exists(), target
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A folder with build/FourLinkBox.fmu, as the README's first command leaves it."""
+    """A folder with build/FourLinkBox.fmu, as the README's first command leaves it, and a native one."""
     folder = tmp_path_factory.mktemp("reader")
-    assert run(folder, "-m", "chain_impact.cli", "build") == 0
+    for arguments in ((), ("--target", "native", "-o", "build/native")):
+        assert run(folder, "-m", "chain_impact.cli", "build", *arguments) == 0
     return folder
 
 

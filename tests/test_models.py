@@ -42,7 +42,7 @@ REGRESSION_ERROR = {
 }
 
 
-CO_SIMULATED = {"controlled_arm": {"inputs.csv", "controller.py", "co_simulation.py"}}
+CO_SIMULATED = {"controlled_arm": {"inputs.csv", "controller.py", "co_simulation.py", "masters.py"}}
 
 
 def compute_reference(model):

@@ -20,7 +20,7 @@ from chain_impact.reading import SceneError, UnknownNameError
 from chain_impact.results.recording import Recording, impacts_from_outputs, recording_of
 from chain_impact.running import SimulationError
 from chain_impact.scene import Scene
-from chain_impact.simulate import simulate
+from chain_impact.simulate import check_size, simulate
 from chain_impact.walls import HalfPlane, half_planes
 
 EXPERIMENT = ("simulation.stop_time", "simulation.step_size")
@@ -122,6 +122,7 @@ def record_fmu(
         if name not in EXPERIMENT
     }
     outputs = [name for name, variable in variables.items() if variable.causality == "output"]
+    check_size(str(path), stop_time, step_size, len(outputs))
     values = {name: float(start_values.get(name, variable.start)) for name, variable in parameters.items()}
     walls = _walls(values)
 

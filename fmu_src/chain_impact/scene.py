@@ -6,7 +6,6 @@ parameters of the FMU. All values are in SI units, angles in radians from +x.
 """
 
 import functools
-import math
 import operator
 import os
 import tomllib
@@ -16,18 +15,17 @@ from numbers import Integral
 from pathlib import Path
 from typing import Any
 
+from chain_impact.checks import check_start, check_together, movable_points, with_angles, with_law_path
 from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.law_file import LawError, read_law
 from chain_impact.limits import Derived, quantity
 from chain_impact.names import Place, name_of, place_in_file
 from chain_impact.reading import Reader, SceneError, UnknownNameError, keys_of, shown
-from chain_impact.walls import HalfPlane, direction, half_planes
+from chain_impact.walls import HalfPlane, half_planes
 
 SCENE_FILE = "scene.toml"
 MAX_LINKS = 1000
-START_TOLERANCE = 1e-12  # m, penetration at the start that counts as round-off
 
 _IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "a C identifier")
 _XML_TEXT = (r"[\t\n\r\x20-\uD7FF\uE000-\uFFFD\U00010000-\U0010FFFF]*", "text without control characters")
@@ -35,7 +33,7 @@ _PYTHON_FILE = (r"|[^\0]*\.py", "the path of a Python file, from the folder of t
 
 _MIDDLE = Derived("length / 2", lambda link: link["length"] / 2)
 _ROD = Derived("mass * length^2 / 12", lambda link: link["mass"] * link["length"] * link["length"] / 12)
-_MOVABLE = Derived("all that move", lambda known: tuple(_movable_points(known["chain"])))
+_MOVABLE = Derived("all that move", lambda known: tuple(movable_points(known["chain"])))
 _ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links))
 
 
@@ -56,10 +54,6 @@ class Chain:
 
     base: str = quantity("", "base point: free to move, or pinned", "free", choices=("free", "pinned"))
     links: tuple[Link, ...] = quantity("", "links from base to tip", entries=(1, MAX_LINKS))
-
-
-def _movable_points(chain: Chain) -> range:
-    return range(1 if chain.base == "pinned" else 0, len(chain.links) + 1)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -173,7 +167,8 @@ class Scene:
     @property
     def values(self) -> dict[str, Any]:
         """Every single value by its name, as ``with_values`` takes it; None for what is not there."""
-        return {name_of(path, [wall.name for wall in self.walls]): value for path, value in _leaves(self)}
+        walls = [wall.name for wall in self.walls]
+        return {name_of(path, walls): value for path, value in _leaves(self)}
 
     def with_values(self, changes: Mapping[str, Any] | Mapping[Place, Any]) -> "Scene":
         """Return the validated scene with some values changed: ``{"contact.restitution": 0.5}``.
@@ -245,9 +240,9 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
 
     try:
         scene: Scene = Reader(Scene, label).read(data)
-        scene = _with_angles(_with_law(scene, Path(source).parent))
-        _check_together(scene)
-        _check_start(scene)
+        scene = with_angles(with_law_path(scene, Path(source).parent))
+        check_together(scene)
+        check_start(scene)
     except SceneError as error:
         raise SceneError(f"{source}: {error}") from None
     return scene
@@ -275,15 +270,11 @@ def with_values(scene: Scene, changes: Mapping[str, Any] | Mapping[Place, Any]) 
 
     Raises SceneError when a name is unknown, a path leads nowhere, or the scene becomes invalid.
     """
+    values = [_place_and_value(scene, change, given) for change, given in changes.items()]
+    if all(len(path) == 2 and path[1] in _INDEPENDENT.get(path[0], ()) for path, _ in values):  # noqa: PLR2004
+        return _with_independent(scene, values)
     data: Any = scene_to_dict(scene)
-    names = _paths(scene) if any(isinstance(change, str) for change in changes) else {}
-    for change, given in changes.items():
-        if not isinstance(change, str):
-            path, value = change, given
-        elif change in names:
-            path, value = names[change], _chosen(scene, change, given)
-        else:
-            raise UnknownNameError(scene.name, change, names, "no parameter")
+    for path, value in values:
         try:
             *parents, last = path
             functools.reduce(operator.getitem, parents, data)[last] = value
@@ -292,11 +283,53 @@ def with_values(scene: Scene, changes: Mapping[str, Any] | Mapping[Place, Any]) 
     return _validated(data, scene.name, in_file=False)
 
 
-def _paths(scene: Scene) -> dict[str, Place]:
-    """The path of every name that ``with_values`` takes."""
+_INDEPENDENT: dict[Any, frozenset[str]] = {
+    name: frozenset(entry.name for entry in fields(table))
+    for name, table in (("inputs", Inputs), ("solver", Solver), ("simulation", Simulation))
+}
+"""The tables, and their keys, on which no other value of a scene depends."""
+
+
+def _with_independent(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
+    """As with_values, of independent tables only: to read all others anew takes ten times as long."""
+    tables: dict[str, dict[str, Any]] = {}
+    for (name, key), value in values:
+        tables.setdefault(name, asdict(getattr(scene, name)))[key] = value
+    try:
+        for name, data in tables.items():
+            table = type(getattr(scene, name))
+            scene = replace(scene, **{name: Reader(table, functools.partial(_label_in, name)).read(data)})
+    except SceneError as error:
+        raise SceneError(f"{scene.name}: {error}") from None
+    return scene
+
+
+def _label_in(table: str, path: Place) -> str:
+    return name_of((table, *path))
+
+
+def _place_and_value(scene: Scene, change: str | Place, given: Any) -> tuple[Place, Any]:
+    """The path of a change, which may be a name, and the value that it stands for."""
+    if not isinstance(change, str):
+        return change, given
+    names = _keys()
+    if change not in names:
+        names = _keys() | _names(scene)
+    if change not in names:
+        raise UnknownNameError(scene.name, change, names, "no parameter")
+    return names[change], _chosen(scene, change, given)
+
+
+@functools.cache
+def _keys() -> dict[str, Place]:
+    """The path of every dotted key; of what is in a list of tables, of the list."""
+    return {key: tuple(key.split(".")) for key, _ in scene_keys() if "[" not in key}
+
+
+def _names(scene: Scene) -> dict[str, Place]:
+    """The path of every single value by its name."""
     walls = [wall.name for wall in scene.walls]
-    whole = {key: tuple(key.split(".")) for key, _ in scene_keys() if "[" not in key}
-    return whole | {name_of(path, walls): path for path, _ in _leaves(scene)}
+    return {name_of(path, walls): path for path, _ in _leaves(scene)}
 
 
 def _leaves(value: Any, path: Place = (), unit: str = "") -> Iterator[tuple[Place, Any]]:
@@ -319,71 +352,3 @@ def _chosen(scene: Scene, name: str, value: Any) -> Any:
         return value
     choices = {"contact.model": scene.law_names, "solver.method": SOLVER_METHODS}.get(name, ())
     return choices[int(value) - 1] if 0 < int(value) <= len(choices) else value
-
-
-def _with_law(scene: Scene, folder: Path) -> Scene:
-    """Return the scene with the whole path of its law's file, after a look at that."""
-    file = scene.contact.law_file
-    if not file:
-        return scene
-    path = (folder / file).absolute()
-    try:
-        read_law(path)
-    except LawError as error:
-        raise SceneError(f"contact.law_file = {file!r} {error}") from None
-    return replace(scene, contact=replace(scene.contact, law_file=str(path)))
-
-
-def _with_angles(scene: Scene) -> Scene:
-    """Return the scene with the angles of the walls that were given by a normal, which have none then."""
-    walls = []
-    for wall in scene.walls:
-        if (wall.angle is None) == (wall.normal is None):
-            has = "neither angle nor" if wall.angle is None else "both angle and"
-            raise SceneError(f"wall.{wall.name} has {has} normal; must have one of them")
-        if wall.normal and not any(wall.normal):
-            raise SceneError(f"wall.{wall.name}.normal = {list(wall.normal)} must not be zero")
-        walls.append(replace(wall, angle=direction(wall.normal), normal=None) if wall.normal else wall)
-    return replace(scene, walls=tuple(walls))
-
-
-def _check_together(scene: Scene) -> None:
-    """Refuse what no key can tell alone."""
-    contact, box, movable = scene.contact, scene.box, _movable_points(scene.chain)
-    for point in contact.points:
-        if point not in movable or contact.points.count(point) > 1:
-            span = f"{movable[0]} to {movable[-1]} with a {scene.chain.base} base, each once"
-            raise SceneError(f"contact.points holds {shown(point)}, must hold {span}")
-    law = CONTACT_LAWS.get(contact.model)
-    if law and contact.restitution == 0.0 and not law.allows_zero:
-        raise SceneError(f"contact.restitution = 0.0 must be > 0 for the contact model {law.id}")
-    if law and not law.allows_exponent(contact.exponent):
-        needed = f"{law.exponent} for the contact model {law.id}"
-        raise SceneError(f"contact.exponent = {contact.exponent} must be {needed}")
-    if scene.chain.base == "pinned" and any(scene.initial.velocity):
-        raise SceneError(f"initial.velocity = {list(scene.initial.velocity)} must be zero for a pinned base")
-    for i, wall in enumerate(scene.walls):
-        others = scene.wall_names[: len(WALLS) + i]
-        if wall.name in others:
-            raise SceneError(f"walls[{i + 1}].name = {wall.name!r} must be none of {', '.join(others)}")
-    for axis, low, high in (("x", box.x_min, box.x_max), ("y", box.y_min, box.y_max)):
-        if low is not None and high is not None and not high - low > 2 * contact.radius:
-            least = f"{low + 2 * contact.radius} [m], which is {axis}_min + 2 contact.radius"
-            raise SceneError(f"box.{axis}_max = {high} must be > {least}")
-
-
-def _check_start(scene: Scene) -> None:
-    """Refuse a start in which a candidate point is already in a wall."""
-    x, y = scene.initial.position
-    positions = [(x, y)]
-    for link, angle in zip(scene.chain.links, scene.initial.angles, strict=True):
-        x, y = x + link.length * math.cos(angle), y + link.length * math.sin(angle)
-        positions.append((x, y))
-    walls = scene.half_planes
-    for point in scene.contact.points:
-        x, y = positions[point]
-        for name, wall in walls.items():
-            depth = scene.contact.radius - wall.clearance(x, y)
-            if depth > START_TOLERANCE:
-                place = f"point {point} at ({x:.6g}, {y:.6g}) m is {depth:.6g} m deep in"
-                raise SceneError(f"initial: {place} the wall {name}; must be outside")

@@ -8,21 +8,23 @@ candidate and no input that is not in it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from chain_impact.instance import candidates
+from chain_impact.instance import candidate_count, candidates
 from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.law_file import read_law
+from chain_impact.layout import output_dtype
 from chain_impact.limits import allowed
 from chain_impact.names import AXES, Place, name_of
+from chain_impact.reading import matching
 from chain_impact.scene import Box, Contact, Initial, Link, Scene, Solver, Wall
 
 WORD = 8  # bytes of every scalar in the record
@@ -90,34 +92,6 @@ class Variable:
         return allowed(float, {"choices": None, "unit": self.unit, **limits})
 
 
-@dataclass(frozen=True, slots=True)
-class Unit:
-    """What is measured in a unit, and the unit as powers of SI base units; None if these are not integers."""
-
-    quantity: str
-    powers: dict[str, int] | None
-
-
-UNITS = {
-    "1": Unit("Ratio", {}),
-    "s": Unit("Time", {"s": 1}),
-    "1/s": Unit("Frequency", {"s": -1}),
-    "m": Unit("Length", {"m": 1}),
-    "m/s": Unit("Velocity", {"m": 1, "s": -1}),
-    "m/s2": Unit("Acceleration", {"m": 1, "s": -2}),
-    "rad": Unit("Angle", {"rad": 1}),
-    "rad/s": Unit("AngularVelocity", {"rad": 1, "s": -1}),
-    "rad/s2": Unit("AngularAcceleration", {"rad": 1, "s": -2}),
-    "kg": Unit("Mass", {"kg": 1}),
-    "kg.m2": Unit("MomentOfInertia", {"kg": 1, "m": 2}),
-    "N": Unit("Force", {"kg": 1, "m": 1, "s": -2}),
-    "N.m": Unit("Torque", {"kg": 1, "m": 2, "s": -2}),
-    "N.m.s/rad": Unit("RotationalDamping", {"kg": 1, "m": 2, "s": -1, "rad": -1}),
-    "N/m^exponent": Unit("ContactStiffness", None),  # the exponent is a parameter, 3/2 for Hertz
-    "J": Unit("Energy", {"kg": 1, "m": 2, "s": -2}),
-}
-"""Every unit of the FMU's variables."""
-
 _METHODS = tuple(
     Item(name, "as each phase needs" if name == "auto" else f"{name} steps only") for name in SOLVER_METHODS
 )
@@ -142,14 +116,31 @@ def input_places(scene: Scene) -> dict[str, Place]:
     return {variable.name: variable.place for variable in _inputs(scene)}
 
 
+def output_variables(scene: Scene) -> list[Variable]:
+    """The outputs that change all the time: those of ``Result.outputs``."""
+    return [variable for variable in _outputs(scene) if variable.place[0] == "output"]
+
+
 def output_columns(scene: Scene, outputs: np.ndarray) -> dict[str, np.ndarray]:
     """The time series in ``Result.outputs`` under the names of the FMU's outputs: name → shape (T,)."""
     columns = {}
-    for variable in _outputs(scene):
-        record, name, *index = variable.place
-        if record == "output":
-            columns[variable.name] = outputs[name][(..., *index)]  # type: ignore[arg-type]
+    for variable in output_variables(scene):
+        _, name, *index = variable.place
+        columns[variable.name] = outputs[name][(..., *index)]  # type: ignore[arg-type]
     return columns
+
+
+def output_words(scene: Scene, wanted: str | Iterable[str]) -> dict[str, int]:
+    """The outputs of some names or patterns: name → index into a row of ``Result.outputs``.
+
+    Raises:
+        UnknownNameError: when there is none of a name, or like a pattern.
+    """
+    layout = output_dtype(len(scene.chain.links), candidate_count(scene))
+    words = {variable.name: word_index(layout, variable.place[1:]) for variable in output_variables(scene)}
+    names = (wanted,) if isinstance(wanted, str) else wanted
+    chosen = [one for name in names for one in matching(scene.name, name, words, "no output")]
+    return {name: words[name] for name in chosen}
 
 
 def word_index(dtype: np.dtype, place: Place) -> int:

@@ -1,20 +1,20 @@
-"""Co-simulate the arm and its controller, two FMUs, by a master of fixed steps made of fmpy.
+"""Co-simulate the arm and its controller, two FMUs, by a master of fixed steps.
 
-``python models/controlled_arm/co_simulation.py`` builds both FMUs and writes a table and a picture.
+``python models/controlled_arm/co_simulation.py`` builds both FMUs and writes a table and a picture. The
+masters libcosim and Ecos need packages: ``pip install 'chain-impact[masters]'``.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
-import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import fmpy
 import numpy as np
-from fmpy.fmi2 import FMU2Slave
+from masters import MASTERS
 
 HERE = Path(__file__).parent
 STOP_TIME, STEP = 2.0, 1e-3  # s
@@ -32,66 +32,14 @@ def build(folder, target="native"):
     return arm, folder / "JointController.fmu"
 
 
-class Slave:
-    """One FMU that is ready to step."""
-
-    def __init__(self, path, stop_time):
-        """Unzip, instantiate and initialize."""
-        description = fmpy.read_model_description(str(path))
-        self.folder = fmpy.extract(str(path))
-        variables = description.modelVariables
-        self.inputs = {v.name: v.valueReference for v in variables if v.causality == "input"}
-        self.outputs = {
-            v.name: v.valueReference for v in variables if v.causality == "output" and v.type == "Real"
-        }
-        self.fmu = FMU2Slave(
-            guid=description.guid,
-            unzipDirectory=self.folder,
-            modelIdentifier=description.coSimulation.modelIdentifier,
-            instanceName=description.modelName,
-        )
-        self.fmu.instantiate()
-        self.fmu.setupExperiment(startTime=0.0, stopTime=stop_time)
-        self.fmu.enterInitializationMode()
-        self.fmu.exitInitializationMode()
-
-    def read(self):
-        """The outputs: name → value."""
-        return dict(zip(self.outputs, self.fmu.getReal(list(self.outputs.values())), strict=True))
-
-    def write(self, signals):
-        """Set those inputs that the signals, name → value, have."""
-        names = [name for name in self.inputs if name in signals]
-        self.fmu.setReal([self.inputs[name] for name in names], [signals[name] for name in names])
-
-    def close(self):
-        """Free the FMU and its folder."""
-        self.fmu.terminate()
-        self.fmu.freeInstance()
-        shutil.rmtree(self.folder, ignore_errors=True)
-
-
-def co_simulate(fmus, stop_time=STOP_TIME, step=STEP):
-    """Co-simulate FMUs that are connected where an output and an input have one name.
-
-    At each communication point all outputs are read, then all inputs are set, and all FMUs take the
-    next step: the order of the FMUs does not matter (Jacobi's scheme).
+def co_simulate(fmus, stop_time=STOP_TIME, step=STEP, master="fmpy"):
+    """Co-simulate FMUs with one of the masters.
 
     Returns:
         Time and all real outputs at the communication points: name → array of shape (T,).
     """
-    slaves = [Slave(path, stop_time) for path in fmus]
-    rows = []
-    for k in range(round(stop_time / step) + 1):
-        for slave in slaves if k > 0 else ():
-            slave.fmu.doStep(currentCommunicationPoint=(k - 1) * step, communicationStepSize=step)
-        signals = {name: value for slave in slaves for name, value in slave.read().items()}
-        rows.append([k * step, *signals.values()])
-        for slave in slaves:
-            slave.write(signals)
-    for slave in slaves:
-        slave.close()
-    return dict(zip(["time", *signals], np.transpose(rows), strict=True))
+    time = np.arange(round(stop_time / step) + 1) * step
+    return {"time": time, **MASTERS[master](fmus, time)}
 
 
 def save_csv(path, columns):
@@ -153,13 +101,19 @@ def main():
         "-o", "--output", default="build", help="folder for what is written; build by default"
     )
     parser.add_argument("--target", default="native", choices=("native", "pythonfmu"), help="kind of the arm")
+    parser.add_argument("--master", default="fmpy", choices=MASTERS, help="what runs both; fmpy by default")
     parser.add_argument("--step", type=float, default=STEP, help="communication step [s]; 1e-3 by default")
     parser.add_argument("--plot", help="the picture; ControlledArm.png in the folder by default")
     arguments = parser.parse_args()
     folder = Path(arguments.output)
     folder.mkdir(parents=True, exist_ok=True)
     fmus = build(folder, arguments.target)
-    columns = co_simulate(fmus, step=arguments.step)
+    try:
+        columns = co_simulate(fmus, step=arguments.step, master=arguments.master)
+    except ImportError as error:
+        parser.error(f"--master {arguments.master}: {error}; pip install 'chain-impact[masters]'")
+    except ValueError as error:
+        parser.error(f"--step: {error}")
     save_csv(folder / "ControlledArm.csv", columns)
     draw(arguments.plot or folder / "ControlledArm.png", columns, start_values(fmus))
     for name in ("joint[1].torque", "joint[2].torque", "contact[2].x_max.force", "point[2].y"):

@@ -1,4 +1,4 @@
-"""The C functions of a native FMU, called as a tool in C calls them: by ctypes, without fmpy."""
+"""The C functions of an FMU, called as a tool in C calls them: by ctypes, without fmpy."""
 
 from __future__ import annotations
 
@@ -70,7 +70,8 @@ class Library:
         return (self.folder / "resources").as_uri().encode()
 
     def _log(self, _environment: Any, name: bytes, status: int, category: bytes, text: bytes) -> None:
-        self.messages.append((name.decode(), status, category.decode(), text.decode()))
+        # pythonfmu's wrapper has no category for a refusal
+        self.messages.append((name.decode(), status, (category or b"").decode(), text.decode()))
 
     def _allocate(self, count: int, size: int) -> int | None:
         if self.left == 0 or count * size > MOST_MEMORY:

@@ -78,9 +78,21 @@ def test_a_state_can_be_saved_before_initialization(fmus, clean):
 def damaged(fmu, other):
     one = Instance(fmu).start()
     data = one.fmu.serializeFMUstate(one.fmu.getFMUstate())
-    middle = len(data) // 2
-    flipped = data[:middle] + bytes([data[middle] ^ 1]) + data[middle + 1 :]
-    pieces = [flipped, data[:-8], data + b"12345678", b"", b"nonsense", data[:24], bytes(len(data))]
+
+    def flipped(place):
+        return data[:place] + bytes([data[place] ^ 1]) + data[place + 1 :]
+
+    # in the envelope, in the head of what it holds, and here and there in the record
+    places = [*range(0, 96, 4), *range(96, len(data), len(data) // 16), len(data) - 1]
+    pieces = [
+        *map(flipped, places),
+        data[:-8],
+        data + b"12345678",
+        b"",
+        b"nonsense",
+        data[:24],
+        bytes(len(data)),
+    ]
     messages = [refused(fmu, lambda i, piece=piece: i.fmu.deSerializeFMUstate(piece)) for piece in pieces]
     stranger = refused(other, lambda i: i.fmu.setFMUstate(i.fmu.deSerializeFMUstate(data)))
     return [messages, stranger]
@@ -131,5 +143,6 @@ def test_absurd_states_with_a_valid_checksum_do_no_harm(fmus, clean, model):
 
 def test_damaged_and_foreign_states_are_refused(fmus, clean):
     messages, stranger = clean(damaged, fmus["rod_drop"], fmus["pinned_arm"])
+    assert len(messages) > 40
     assert all("the bytes are no state, or damaged" in message for message in messages)
     assert "the state is that of another FMU" in stranger

@@ -11,7 +11,8 @@ import numpy as np
 
 from chain_impact.instance import new_instance
 from chain_impact.scene import Scene
-from chain_impact.variables import UNITS, Variable, fmu_variables, word_index
+from chain_impact.units import UNITS
+from chain_impact.variables import Variable, fmu_variables, word_index
 
 DEGREES = {"rad": "deg", "rad/s": "deg/s", "rad/s2": "deg/s2"}
 """Units, and those in which a tool may show them."""

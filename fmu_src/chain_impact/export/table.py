@@ -34,14 +34,14 @@ def model_table(scene: Scene) -> dict[str, Any]:
     }
     return {
         "name": scene.name,
-        "variables": [_variable_row(variable, word_index(layout, variable.place)) for variable in variables],
+        "variables": [variable_row(variable, word_index(layout, variable.place)) for variable in variables],
         "first_output": sum(variable.causality != "output" for variable in variables),
         "words": {name: word_index(layout, place) for name, place in places.items()},
         "statuses": {str(status): text for status, text in STATUS_TEXT.items()},
     }
 
 
-def _variable_row(variable: Variable, word: int) -> list[Any]:
+def variable_row(variable: Variable, word: int) -> list[Any]:
     """Name, type, word, kind, lowest and highest value that can be set, and these in words."""
     kind = variable.variability if variable.causality == "parameter" else variable.causality
     low, high = -LARGEST, LARGEST

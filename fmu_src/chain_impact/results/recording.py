@@ -12,8 +12,9 @@ from pathlib import Path
 import numpy as np
 
 from chain_impact.results.result import Result
-from chain_impact.variables import output_columns
 from chain_impact.walls import HalfPlane
+
+ROWS_AT_ONCE = 10_000  # that are written
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,8 +85,10 @@ class Recording:
         with written_whole(path) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(["time", *self.columns])
-            values = (column.tolist() for column in self.columns.values())
-            writer.writerows(zip(self.time.tolist(), *values, strict=True))
+            columns = [self.time, *self.columns.values()]
+            for start in range(0, max(map(len, columns)), ROWS_AT_ONCE):  # lists take four times the room
+                values = (column[start : start + ROWS_AT_ONCE].tolist() for column in columns)
+                writer.writerows(zip(*values, strict=True))
 
 
 def recording_of(result: Result) -> Recording:
@@ -94,7 +97,7 @@ def recording_of(result: Result) -> Recording:
     return Recording(
         name=result.scene.name,
         time=result.time,
-        columns=output_columns(result.scene, result.outputs),
+        columns=result.columns,
         impacts=[
             Impact(float(row["onset"]), int(row["point"]), names[row["wall"]], float(row["impact_speed"]))
             for row in result.impacts
@@ -106,10 +109,10 @@ def recording_of(result: Result) -> Recording:
 @contextmanager
 def written_whole(path: Path) -> Iterator[Path]:
     """Yield a path to write to; what is written there appears at ``path`` when it is whole, or not at all."""
-    if path.is_symlink() or (path.exists() and not path.is_file()):
-        yield path  # /dev/stdout and its like cannot be replaced
-        return
     try:
+        if path.is_symlink() or (path.exists() and not path.is_file()):
+            yield path  # /dev/stdout and its like cannot be replaced
+            return
         with tempfile.TemporaryDirectory(prefix=f".{path.name}-", dir=path.parent) as scratch:
             fresh = Path(scratch, path.name)
             yield fresh

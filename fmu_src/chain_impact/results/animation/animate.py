@@ -40,8 +40,10 @@ def animate(
         progress: called with the fraction done.
 
     Raises:
-        AnimationError: when the suffix is unknown, a number is out of its range, the recording has fewer than
-            two rows or no position of a point, or a film needs a package that is not installed.
+        AnimationError: when the suffix is unknown, a number is out of its range, or the recording has fewer
+            than two rows or no position of a point.
+        MissingExtraError: when PyAV is not there, for an mp4: ``pip install 'chain-impact[video]'``.
+        OSError: when the file cannot be written.
     """
     path = Path(path)
     kind = path.suffix.lower()

@@ -12,6 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
+from chain_impact.extras import require
 from chain_impact.results.animation.film_page import COLOURS, STYLE, FilmPage
 from chain_impact.results.animation.frames import Motion
 
@@ -36,7 +37,7 @@ def write_film(
         progress: called with the fraction done.
 
     Raises:
-        AnimationError: when PyAV is not installed, for an mp4.
+        MissingExtraError: when PyAV is not installed, for an mp4.
     """
     kind = path.suffix.lower()
     width, height = (length // 2 * 2 for length in size)
@@ -116,7 +117,7 @@ def nearest_shades(palette: np.ndarray) -> np.ndarray:
 
 def write_mp4(pictures: Iterable[np.ndarray], path: Path, film_rate: int, size: tuple[int, int]) -> None:
     """Pack pictures as H.264, which every browser and slide program plays."""
-    av = _pyav()
+    av = require("av", "video")
     with av.open(str(path), "w", format="mp4", options={"movflags": "faststart"}) as container:
         stream = container.add_stream("libx264", rate=film_rate, options={"crf": QUALITY})
         stream.width, stream.height = size
@@ -124,13 +125,3 @@ def write_mp4(pictures: Iterable[np.ndarray], path: Path, film_rate: int, size: 
         for picture in pictures:
             container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
         container.mux(stream.encode())
-
-
-def _pyav() -> Any:
-    from chain_impact.results.animation.animate import AnimationError
-
-    try:
-        import av
-    except ImportError:
-        raise AnimationError("an mp4 needs PyAV: pip install 'chain-impact[video]'") from None
-    return av

@@ -1,0 +1,176 @@
+"""Masters that co-simulate FMUs, all by one scheme: fmpy, libcosim and Ecos.
+
+FMUs are connected where an output and an input have one name. At each communication point every output goes
+to its input, then all FMUs take the next step: the order of the FMUs does not matter (Jacobi's scheme).
+
+A master takes the paths of the FMUs and the communication points, equally spaced from 0, shape (T,) [s], and
+returns all real outputs at these: name → array of shape (T,).
+"""
+
+from __future__ import annotations
+
+import ctypes
+import importlib.metadata
+import shutil
+from pathlib import Path
+
+import fmpy
+import numpy as np
+from fmpy.fmi2 import FMU2Slave
+
+
+def references(path, causality):
+    """The value references of an FMU's reals of one causality: name → reference."""
+    variables = fmpy.read_model_description(str(path)).modelVariables
+    return {v.name: v.valueReference for v in variables if v.causality == causality and v.type == "Real"}
+
+
+def connections(fmus):
+    """Where an output of one FMU is an input of another: place of the first, of the second, name."""
+    outputs, inputs = ([references(path, which) for path in fmus] for which in ("output", "input"))
+    return [
+        (source, sink, name)
+        for source, out in enumerate(outputs)
+        for sink, into in enumerate(inputs)
+        for name in out
+        if name in into
+    ]
+
+
+# --- fmpy --------------------------------------------------------------------------------------------------
+
+
+class Slave:
+    """One FMU that is ready to step."""
+
+    def __init__(self, path, stop_time):
+        """Unzip, instantiate and initialize."""
+        description = fmpy.read_model_description(str(path))
+        self.folder = fmpy.extract(str(path))
+        self.inputs, self.outputs = references(path, "input"), references(path, "output")
+        self.fmu = FMU2Slave(
+            guid=description.guid,
+            unzipDirectory=self.folder,
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            instanceName=description.modelName,
+        )
+        self.fmu.instantiate()
+        self.fmu.setupExperiment(startTime=0.0, stopTime=stop_time)
+        self.fmu.enterInitializationMode()
+        self.fmu.exitInitializationMode()
+
+    def read(self):
+        """The outputs: name → value."""
+        return dict(zip(self.outputs, self.fmu.getReal(list(self.outputs.values())), strict=True))
+
+    def write(self, signals):
+        """Set those inputs that the signals, name → value, have."""
+        names = [name for name in self.inputs if name in signals]
+        self.fmu.setReal([self.inputs[name] for name in names], [signals[name] for name in names])
+
+    def close(self):
+        """Free the FMU and its folder."""
+        self.fmu.terminate()
+        self.fmu.freeInstance()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def by_fmpy(fmus, time):
+    """A loop of our own, which calls the FMUs through fmpy."""
+    slaves = [Slave(path, time[-1]) for path in fmus]
+    rows = []
+    for k, now in enumerate(time):
+        for slave in slaves if k > 0 else ():
+            # this difference has no round-off, so that the step ends at this very time
+            slave.fmu.doStep(currentCommunicationPoint=time[k - 1], communicationStepSize=now - time[k - 1])
+        signals = {name: value for slave in slaves for name, value in slave.read().items()}
+        rows.append(list(signals.values()))
+        for slave in slaves:
+            slave.write(signals)
+    for slave in slaves:
+        slave.close()
+    return dict(zip(signals, np.transpose(rows), strict=True))
+
+
+# --- libcosim ----------------------------------------------------------------------------------------------
+
+
+def by_libcosim(fmus, time):
+    """The fixed-step algorithm of libcosim, the Open Simulation Platform's, through libcosimpy."""
+    from libcosimpy.CosimEnums import CosimVariableType
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
+    from libcosimpy.CosimObserver import CosimObserver
+    from libcosimpy.CosimSlave import CosimLocalSlave
+
+    log_output_level(CosimLogLevel.ERROR)
+    step = round(time[1] * 1e9)  # ns
+    if not np.isclose(step * 1e-9, time[1], rtol=1e-12, atol=0.0):
+        raise ValueError(
+            f"libcosim counts time in nanoseconds: a step of {time[1]:.9g} s is no whole number of them"
+        )
+    execution = CosimExecution.from_step_size(step)
+    slaves = [CosimLocalSlave(str(path), Path(path).stem) for path in fmus]
+    places = [execution.add_local_slave(slave) for slave in slaves]
+    outputs, inputs = ([references(path, which) for path in fmus] for which in ("output", "input"))
+    for source, sink, name in connections(fmus):
+        execution.connect_real_variables(
+            places[source], outputs[source][name], places[sink], inputs[sink][name]
+        )
+    observer = CosimObserver.create_time_series(len(time))
+    execution.add_observer(observer)
+    series = [
+        (name, place, reference)
+        for place, of in zip(places, outputs, strict=True)
+        for name, reference in of.items()
+    ]
+    for _, place, reference in series:
+        observer.start_time_series(place, reference, CosimVariableType.REAL)
+    if not execution.step(len(time) - 1):
+        raise RuntimeError("libcosim could not finish the simulation; its log has the reason")
+
+    def samples(place, reference):
+        # libcosimpy takes step 0 for no sample and leaves out one for it, so it is asked for apart
+        ranges = ((0, 2), (1, len(time) - 1))
+        return np.concatenate([observer.time_series_real_samples(place, reference, *r)[2] for r in ranges])
+
+    return {name: samples(place, reference) for name, place, reference in series}
+
+
+# --- Ecos --------------------------------------------------------------------------------------------------
+
+
+def by_ecos(fmus, time):
+    """The fixed-step algorithm of Ecos, through ecospy."""
+    load_tbb()
+    from ecospy import EcosSimulation, EcosSimulationStructure
+
+    names = [Path(path).stem for path in fmus]
+    with EcosSimulationStructure() as structure:
+        for name, path in zip(names, fmus, strict=True):
+            structure.add_model(name, str(path))
+        for source, sink, variable in connections(fmus):
+            structure.make_real_connection(f"{names[source]}::{variable}", f"{names[sink]}::{variable}")
+        series = {
+            name: f"{fmu}::{name}"
+            for fmu, path in zip(names, fmus, strict=True)
+            for name in references(path, "output")
+        }
+        rows = []
+        with EcosSimulation(step_size=float(time[1]), structure=structure) as simulation:
+            simulation.init()
+            for k in range(len(time)):
+                if k > 0:
+                    simulation.step()
+                rows.append([simulation.get_real(identifier) for identifier in series.values()])
+            simulation.terminate()
+    return dict(zip(series, np.transpose(rows), strict=True))
+
+
+def load_tbb():
+    """Load the library libtbb of the package tbb, which Ecos needs and would look for in the system only."""
+    library = next(file for file in importlib.metadata.files("tbb") if file.name == "libtbb.so.12")
+    ctypes.CDLL(str(library.locate()), mode=ctypes.RTLD_GLOBAL)
+
+
+MASTERS = {"fmpy": by_fmpy, "libcosim": by_libcosim, "ecos": by_ecos}
