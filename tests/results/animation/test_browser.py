@@ -12,6 +12,7 @@ from playwright.sync_api import sync_playwright
 
 from chain_impact import load_scene
 from chain_impact.results.animation import animate
+from chain_impact.results.recording import Recording
 from chain_impact.studies.slow_motion import record_slowly
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -47,7 +48,7 @@ def show(browser, address):
     """Open the page, which must not complain, and must ask for nothing but itself."""
     said, opened = [], []
 
-    def show(viewport=DESK, motion="reduce", **options):
+    def show(viewport=DESK, motion="reduce", address=address, **options):
         page = browser.new_page(viewport=viewport, reduced_motion=motion, **options)
         opened.append(page)
         page.on("console", lambda message: said.append(message.text))
@@ -115,6 +116,20 @@ def test_it_stops_at_the_end_and_starts_anew(show):
     assert time_of(page) == 2.0
     page.keyboard.press("Space")
     page.wait_for_function(f"parseFloat({TIME_TEXT}) < 1")
+
+
+def test_positions_alone_make_a_page(show, tmp_path):
+    """Of a table with nothing but positions: no walls, no impacts, no energies."""
+    time = np.linspace(0.0, 1.0, 20)
+    columns = {"point[0].x": 0 * time, "point[0].y": 0 * time}
+    columns |= {"point[1].x": np.cos(time), "point[1].y": np.sin(time)}
+    animate(Recording("Bare", time, columns, [], {}), tmp_path / "bare.html")
+    page = show(address=(tmp_path / "bare.html").as_uri())
+    page.keyboard.press("End")
+    page.keyboard.press("Shift+ArrowLeft")
+    assert time_of(page) == 0.0
+    assert page.locator("h2:visible").all_inner_texts() == ["Impacts"]
+    assert page.inner_text("#impacts") == "none"
 
 
 # --- jumping ---------------------------------------------------------------------------------------------

@@ -7,8 +7,9 @@ from PIL import Image
 
 from chain_impact import load_scene
 from chain_impact.results.animation.film import RATES, draw_frames, shades, write_film
-from chain_impact.results.animation.film_page import CHAIN, FORCE
+from chain_impact.results.animation.film_page import CHAIN, ENERGIES, FORCE
 from chain_impact.results.animation.frames import motion_of
+from chain_impact.results.recording import Recording
 from chain_impact.studies.slow_motion import record_slowly
 
 SIZE = (320, 180)
@@ -38,6 +39,16 @@ def test_a_gif_lasts_as_long_as_the_motion_on_the_screen(motion, tmp_path):
         assert sum(durations[:-1]) == pytest.approx(expected, abs=0.1)
         film.seek(film.n_frames // 2)
         assert coloured(np.asarray(film.convert("RGB")), CHAIN) > 100
+
+
+def test_positions_alone_make_a_film(tmp_path):
+    time = np.linspace(0.0, 0.2, 5)
+    columns = {"point[0].x": 0 * time, "point[0].y": 0 * time}
+    columns |= {"point[1].x": np.cos(time), "point[1].y": np.sin(time)}
+    bare = motion_of(Recording("Bare", time, columns, [], {}))
+    (picture,) = draw_frames(bare, np.array([0]), SIZE, lambda _: None)
+    assert coloured(picture, CHAIN) > 100
+    assert coloured(picture[:, SIZE[0] * 2 // 3 :], ENERGIES["total"]) < 50  # the clock, no empty axes
 
 
 def test_twice_the_speed_has_half_the_frames(motion, tmp_path):

@@ -41,6 +41,7 @@ STYLE: Any = {
 }
 """Settings of matplotlib for a film."""
 SCENE, LEDGER = (0.02, 0.03, 0.6, 0.85), (0.69, 0.12, 0.29, 0.6)  # left, bottom, width, height of the page
+ABOVE: Any = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0), "borderaxespad": 0.2}
 LONGEST = 0.26  # of the smaller side of the scene: the arrow of the largest force
 LEAST = 0.02  # of the same: the shortest arrow
 TAIL, TAIL_PARTS = 0.3, 40  # s of simulated time in which the trace of the tip fades, and its pieces
@@ -90,8 +91,9 @@ class FilmPage:
         for name, energy in motion.energies.items():
             axes.plot(motion.time, energy, color=ENERGIES[name], label=name, linewidth=1 + (name == "total"))
         axes.set(xlim=(motion.time[0], motion.time[-1]), xlabel="time [s]", ylabel="energy [J]")
-        axes.legend(loc="lower left", bbox_to_anchor=(-0.02, 1.0), ncols=3, fontsize=8, handlelength=1.0,
-                    columnspacing=1.0, borderaxespad=0.2)  # fmt: skip
+        axes.set_visible(bool(motion.energies))
+        if motion.energies:
+            axes.legend(**ABOVE, ncols=3, fontsize=8, handlelength=1.0, columnspacing=1.0)
 
     def show(self, frame: int, rate: float) -> Iterable[Artist]:
         """Move to a frame; give what is to be drawn, in order.
@@ -113,7 +115,7 @@ class FilmPage:
         self.rate.set_color(FORCE if rate < 0.5 else MUTED)  # noqa: PLR2004
         yield from (self.trace, self.tail, self.chain, self.joints, self.tip)
         yield from self._arrows(frame)
-        yield from (self.now, self.clock, self.rate)
+        yield from (self.now, self.clock, self.rate) if motion.energies else (self.clock, self.rate)
 
     def _show_tail(self, frame: int) -> None:
         motion = self.motion

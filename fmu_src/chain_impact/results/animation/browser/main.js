@@ -19,10 +19,16 @@ const goTo = (number) => {
   clock.toImpact(number);
   element("caption").textContent = impactText(recording, number);
 };
-const parts = [scene, new EnergyChart(element("energy"), element("ledger"), recording, (time) => clock.seek(time))];
-if (recording.contacts.some(({ peak }) => peak !== null)) {
-  parts.push(new ForceChart(element("force"), recording, element("close-what")));
-} else element("close").remove();
+const parts = [scene];
+/** Add a part, or without what it shows, take its panel away. */
+function addPart(isThere, panel, make) {
+  if (isThere) parts.push(make());
+  else element(panel).closest("section").remove();
+}
+addPart(Object.keys(recording.energies).length > 0, "energy", () =>
+  new EnergyChart(element("energy"), element("ledger"), recording, (time) => clock.seek(time)));
+addPart(recording.contacts.some(({ peak }) => peak !== null), "force", () =>
+  new ForceChart(element("force"), recording, element("close-what")));
 parts.push(new ImpactList(element("impacts"), recording, goTo));
 
 const count = recording.impacts.length;
