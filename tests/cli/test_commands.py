@@ -192,7 +192,7 @@ def test_show_opens_one_window_with_the_picture(run, monkeypatch):
     monkeypatch.setattr(pyplot, "figure", lambda **_: page)
     monkeypatch.setattr(pyplot, "show", lambda: shown.append(page.get_suptitle()))
     assert run("simulate", "rod_drop", "--show")[0] == 0
-    assert shown == ["RodDrop: 30 impacts in 2 s"]
+    assert shown == ["RodDrop: 30 impacts dissipate 100 % of the energy in 2 s"]
 
 
 # --- compare ---------------------------------------------------------------------------------------------

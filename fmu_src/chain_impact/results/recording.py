@@ -6,12 +6,14 @@ import csv
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from chain_impact.results.result import Result
+from chain_impact.variables import parameter_paths
 from chain_impact.walls import HalfPlane
 
 ROWS_AT_ONCE = 10_000  # that are written
@@ -45,6 +47,7 @@ class Recording:
         impacts: in order of time; those that an FMU had between two communication points, but for the last
             of them, are missing.
         walls: name → free side of the walls that are there.
+        parameters: FMU variable name → value at the start, of a choice its name; none where they are unknown.
     """
 
     name: str
@@ -52,6 +55,7 @@ class Recording:
     columns: dict[str, np.ndarray]
     impacts: list[Impact]
     walls: dict[str, HalfPlane]
+    parameters: dict[str, Any] = field(default_factory=dict)
 
     @property
     def impact_count(self) -> int:
@@ -93,7 +97,7 @@ class Recording:
 
 def recording_of(result: Result) -> Recording:
     """The recording of a simulated scene."""
-    names = result.scene.wall_names
+    names, values = result.scene.wall_names, result.scene.values
     return Recording(
         name=result.scene.name,
         time=result.time,
@@ -103,6 +107,7 @@ def recording_of(result: Result) -> Recording:
             for row in result.impacts
         ],
         walls=result.scene.half_planes,
+        parameters={name: values[name] for name in parameter_paths(result.scene)},
     )
 
 
