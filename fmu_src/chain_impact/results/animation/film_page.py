@@ -7,26 +7,21 @@ from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
-from matplotlib.patches import FancyArrowPatch, Polygon
+from matplotlib.patches import Circle, FancyArrowPatch
 from matplotlib.patheffects import withStroke
 
 from chain_impact.results.animation.frames import Motion
 from chain_impact.results.animation.text import force_text, rate_text
+from chain_impact.results.plots.over_time import ENERGY_COLOURS
+from chain_impact.results.plots.room import OUTSIDE_COLOUR, draw_room
+from chain_impact.results.plots.style import BLUE, INK, PALE
 
-INK, MUTED, LINE, OUTSIDE, WALL = "#1c2333", "#566076", "#e3e6ee", "#e4e7ef", "#4a546c"
-CHAIN, TIP, FORCE = "#2b4a9f", "#c2255c", "#d9480f"
-ENERGIES = {
-    "kinetic": "#009e73",
-    "potential": "#e69f00",
-    "elastic": "#0072b2",
-    "dissipated": "#d55e00",
-    "supplied": "#cc79a7",
-    "total": "#30374a",
-}
-COLOURS = (INK, MUTED, LINE, OUTSIDE, WALL, CHAIN, TIP, FORCE, *ENERGIES.values())
+MUTED, CHAIN, TIP, FORCE = "#566076", "#2b4a9f", "#c2255c", "#d9480f"
+ENERGIES = {**ENERGY_COLOURS, "elastic": BLUE}
+COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, *ENERGIES.values())
 """All colours of a film, but white and their shades."""
 STYLE: Any = {
     "font.size": 9,
@@ -65,6 +60,9 @@ class FilmPage:
         (self.trace,) = self.scene.plot([], [], color=TIP, linewidth=0.8, alpha=0.35, **still)
         self.tail = LineCollection([], colors=TIP, animated=True)
         self.scene.add_collection(self.tail, autolim=False)
+        disc: dict[str, Any] = {"facecolor": (*to_rgb(CHAIN), 0.14), "edgecolor": CHAIN, "animated": True}
+        touching = motion.touching if motion.radius > 0.0 else []
+        self.discs = {p: self.scene.add_patch(Circle((0, 0), motion.radius, **disc)) for p in touching}
         (self.chain,) = self.scene.plot([], [], color=CHAIN, linewidth=4.0, **still)
         look: dict[str, Any] = {"linestyle": "", "marker": "o", "animated": True}
         (self.joints,) = self.scene.plot([], [], color="white", markeredgecolor=CHAIN, markersize=5, **look)
@@ -78,16 +76,15 @@ class FilmPage:
         room = axes.get_window_extent().size
         size = np.ptp(view, axis=0)
         seen = room * (size / room).max()
-        x0, y0 = view[0] - self.motion.anchor * (seen - size)
-        x1, y1 = np.array([x0, y0]) + seen
-        axes.set(xlim=(x0, x1), ylim=(y0, y1), xticks=[], yticks=[])
+        low = view[0] - self.motion.anchor * (seen - size)
+        axes.set(xticks=[], yticks=[])
         axes.spines[:].set_visible(False)
-        draw_room(axes, self.motion, np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]]))
+        draw_room(axes, low + np.array([np.zeros(2), seen]), list(self.motion.walls.values()))
 
     def _draw_energies(self) -> None:
         axes, motion = self.ledger, self.motion
         for contact in motion.contacts:
-            axes.axvline(contact.onset, color=LINE, linewidth=0.8, zorder=0)
+            axes.axvline(contact.onset, color=PALE, linewidth=0.8, zorder=0)
         for name, energy in motion.energies.items():
             axes.plot(motion.time, energy, color=ENERGIES[name], label=name, linewidth=1 + (name == "total"))
         axes.set(xlim=(motion.time[0], motion.time[-1]), xlabel="time [s]", ylabel="energy [J]")
@@ -106,6 +103,8 @@ class FilmPage:
         time, points = motion.time[frame], motion.points[frame]
         self.trace.set_data(*motion.points[: frame + 1, -1].T)
         self._show_tail(frame)
+        for point, disc in self.discs.items():
+            disc.set_center(tuple(points[point]))
         self.chain.set_data(*points.T)
         self.joints.set_data(*points[:-1].T)
         self.tip.set_data(*points[-1:].T)
@@ -113,7 +112,7 @@ class FilmPage:
         self.clock.set_text(f"{time:.5f} s")
         self.rate.set_text(rate_text(rate))
         self.rate.set_color(FORCE if rate < 0.5 else MUTED)  # noqa: PLR2004
-        yield from (self.trace, self.tail, self.chain, self.joints, self.tip)
+        yield from (self.trace, self.tail, *self.discs.values(), self.chain, self.joints, self.tip)
         yield from self._arrows(frame)
         yield from (self.now, self.clock, self.rate) if motion.energies else (self.clock, self.rate)
 
@@ -149,30 +148,3 @@ class FilmPage:
             yield text
             arrow.remove()
             text.remove()
-
-
-def draw_room(axes: Axes, motion: Motion, rectangle: np.ndarray) -> None:
-    """The room between the walls in white and what is beyond them in grey, within a rectangle's corners."""
-    room = rectangle
-    for wall in motion.walls.values():
-        room = clipped(room, np.array(wall.normal), wall.offset)
-    axes.set_facecolor(OUTSIDE if motion.walls else "white")
-    if len(room) == 0:
-        return
-    axes.add_patch(Polygon(room, facecolor="white", zorder=0.2))
-    for wall in motion.walls.values():
-        ends = room[np.abs(room @ wall.normal - wall.offset) < 1e-9 * (np.ptp(rectangle) + abs(wall.offset))]
-        if len(ends) > 1:
-            axes.plot(*ends.T, color=WALL, linewidth=2.2, zorder=1)
-
-
-def clipped(polygon: np.ndarray, normal: np.ndarray, offset: float) -> np.ndarray:
-    """The part of a polygon, shape (C, 2), with n·p ≥ offset (Sutherland & Hodgman, 1974)."""
-    gaps, kept = polygon @ normal - offset, []
-    for here, before in zip(range(len(polygon)), range(-1, len(polygon) - 1), strict=True):
-        if gaps[before] * gaps[here] < 0.0:
-            share = gaps[before] / (gaps[before] - gaps[here])
-            kept.append(polygon[before] + share * (polygon[here] - polygon[before]))
-        if gaps[here] >= 0.0:
-            kept.append(polygon[here])
-    return np.array(kept).reshape(-1, 2)

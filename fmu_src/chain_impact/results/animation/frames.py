@@ -10,13 +10,14 @@ import numpy as np
 from chain_impact.results.animation.contacts import Contact, contacts, force_columns, slow_spans
 from chain_impact.results.animation.pacing import IMPACT_TIME, frame_times
 from chain_impact.results.recording import Recording
+from chain_impact.results.view import seen
 from chain_impact.walls import HalfPlane
 
 ENERGIES = ("kinetic", "potential", "elastic", "dissipated", "supplied", "total")
 NUMBERS = 2_000_000  # coordinates in an animation at most: a long chain has fewer frames
 FEWEST = 200  # frames, however long the chain
 MARGIN = 0.06  # of the size of what is seen, around it
-NEAR = 0.25  # of the size of the motion: a wall farther from it need not be seen
+LEAST = 1e-6  # m, size of a motion that does not move
 UPRIGHT = 0.5  # of a wall's normal along an axis, from which the wall bounds the view along it
 ALONE = 1e-3  # of the size of the motion: a smaller radius is not drawn
 
@@ -50,6 +51,11 @@ class Motion:
     view: np.ndarray
     anchor: tuple[float, float]
     radius: float
+
+    @property
+    def touching(self) -> list[int]:
+        """The points that touch a wall."""
+        return sorted({point for point, _ in self.forces} | {contact.point for contact in self.contacts})
 
 
 def motion_of(recording: Recording, impact_time: float = IMPACT_TIME) -> Motion:
@@ -109,19 +115,12 @@ def _view(
     points: np.ndarray, walls: Mapping[str, HalfPlane], radius: float
 ) -> tuple[np.ndarray, tuple[float, float]]:
     """The corners of what is to be seen: the motion, and the walls near it; and the ``anchor``."""
-    low, high = points.min(axis=(0, 1)) - radius, points.max(axis=(0, 1)) + radius
-    width = (high - low).max()
+    view, near = seen(points, walls, radius)
     open_sides = np.ones((2, 2))  # left and below, right and above
-    for wall in walls.values():
+    for wall in near:
         normal = np.array(wall.normal)
-        corner = np.where(normal > 0.0, low, high)  # the nearest to the wall
-        gap = wall.clearance(*corner)
-        if gap <= NEAR * width:
-            met = corner - max(0.0, gap) * normal
-            low, high = np.minimum(low, met), np.maximum(high, met)
-            open_sides[0][normal > UPRIGHT] = open_sides[1][normal < -UPRIGHT] = 0.0
-    margin = MARGIN * max((high - low).max(), 1e-6)
-    below = 0.5 + 0.5 * (
-        open_sides[0] - open_sides[1]
-    )  # what is left of room goes to the side without a wall
-    return np.array([low - margin, high + margin]), (float(below[0]), float(below[1]))
+        open_sides[0][normal > UPRIGHT] = open_sides[1][normal < -UPRIGHT] = 0.0
+    margin = MARGIN * max(np.ptp(view, axis=0).max(), LEAST)
+    # what is left of room goes to the side without a wall
+    below = 0.5 + 0.5 * (open_sides[0] - open_sides[1])
+    return view + margin * np.array([[-1.0], [1.0]]), (float(below[0]), float(below[1]))

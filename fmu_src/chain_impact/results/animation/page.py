@@ -80,7 +80,7 @@ def data(motion: Motion, speed: float) -> dict[str, Any]:
         "view": motion.view.tolist(),
         "anchor": motion.anchor,
         "radius": motion.radius,
-        "touching": sorted({point for point, _ in motion.forces} | {c.point for c in motion.contacts}),
+        "touching": motion.touching,
     }
 
 
