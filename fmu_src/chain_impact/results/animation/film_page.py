@@ -62,7 +62,9 @@ class FilmPage:
         self.scene.add_collection(self.tail, autolim=False)
         disc: dict[str, Any] = {"facecolor": (*to_rgb(CHAIN), 0.14), "edgecolor": CHAIN, "animated": True}
         touching = motion.touching if motion.radius > 0.0 else []
-        self.discs = {p: self.scene.add_patch(Circle((0, 0), motion.radius, **disc)) for p in touching}
+        self.discs = {point: Circle((0, 0), motion.radius, **disc) for point in touching}
+        for patch in self.discs.values():
+            self.scene.add_patch(patch)
         (self.chain,) = self.scene.plot([], [], color=CHAIN, linewidth=4.0, **still)
         look: dict[str, Any] = {"linestyle": "", "marker": "o", "animated": True}
         (self.joints,) = self.scene.plot([], [], color="white", markeredgecolor=CHAIN, markersize=5, **look)
@@ -137,7 +139,7 @@ class FilmPage:
             normal, place = np.array(wall.normal), self.motion.points[frame, point]
             foot = place - wall.clearance(*place) * normal
             head = foot + side * max(LEAST, LONGEST * force[frame] / self.peak) * normal
-            style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 14, "shrinkA": 0, "shrinkB": 0}
+            style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 11, "shrinkA": 0, "shrinkB": 0}
             arrow = FancyArrowPatch(tuple(foot), tuple(head), color=FORCE, linewidth=2.2, **style)
             yield self.scene.add_patch(arrow)
             x, y = head + 0.035 * side * normal
