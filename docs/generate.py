@@ -26,7 +26,8 @@ from chain_impact.scene import (
     with_values,
 )
 from chain_impact.units import UNITS
-from chain_impact.variables import Variable, fmu_variables
+from chain_impact.variable import Variable
+from chain_impact.variables import fmu_variables
 
 if TYPE_CHECKING:
     from mkdocs.config.defaults import MkDocsConfig

@@ -120,17 +120,33 @@ def test_parameters_of_the_four_link_box():
     assert names(SCENES["four_link_box"], "parameter") == expected
 
 
+CONTACT = ("force", "penetration", "penetration_rate", "impulse")
+IMPACT = ("time", "point", "wall", "speed", "end", "separation_speed")
+IMPACT += ("peak_force", "max_penetration", "impulse")
+
+
 def test_outputs_of_the_four_link_box():
     found = Counter(re.sub(r"\d+", "#", name) for name in names(SCENES["four_link_box"], "output"))
     expected = {f"point[#].{key}": 5 for key in ("x", "y", "vx", "vy", "ax", "ay")}
     expected |= {f"link[#].{key}": 4 for key in ("angle", "angular_velocity", "angular_acceleration")}
     for wall in WALLS:
-        expected |= {f"contact[#].{wall}.{key}": 5 for key in ("force", "penetration", "penetration_rate")}
+        expected |= {f"contact[#].{wall}.{key}": 5 for key in CONTACT}
     single = [f"energy.{key}" for key in ("kinetic", "potential", "elastic", "dissipated", "total")]
     single += [f"impact.{key}" for key in ("count", "last_time", "last_point", "last_wall", "last_speed")]
+    expected |= {f"impact[#].{key}": 8 for key in IMPACT}
     keys = ("steps", "rejected_steps", "rhs_evaluations", "implicit_steps", "status")
     single += [f"solver.{key}" for key in keys]
     assert found == expected | dict.fromkeys(single, 1)
+
+
+def test_outputs_are_those_asked_for():
+    asked = dict.fromkeys(("points", "links", "contacts", "energies", "solver"), False) | {"impacts": 2}
+    scene = SCENES["four_link_box"].with_values({f"outputs.{key}": value for key, value in asked.items()})
+    found = names(scene, "output")
+    last = [f"impact.{key}" for key in ("count", "last_time", "last_point", "last_wall", "last_speed")]
+    assert found == last + [f"impact[{j}].{key}" for j in (1, 2) for key in IMPACT]
+    none = scene.with_values({"outputs.impacts": 0})
+    assert names(none, "output") == last
 
 
 def test_inputs_exist_only_if_asked_for():

@@ -7,6 +7,7 @@ from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.laws.registry import ContactLaw
 from chain_impact.reading import SceneError, UnknownNameError
 from chain_impact.results.animation import AnimationError, animate
+from chain_impact.results.impacts import impacts_of
 from chain_impact.results.recording import Recording
 from chain_impact.results.result import IMPACT_DTYPE, Result
 from chain_impact.running import SimulationError
@@ -40,6 +41,7 @@ __all__ = [
     "animate",
     "build_fmu",
     "compare",
+    "impacts_of",
     "load_scene",
     "model_names",
     "parse_scene",

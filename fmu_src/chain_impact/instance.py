@@ -58,6 +58,8 @@ def new_instance(scene: Scene) -> np.ndarray:
     initial["angle"] = scene.initial.angles
     initial["angular_velocity"] = scene.initial.angular_velocities
 
+    d["latest"]["kept"] = scene.outputs.impacts
+    d["impulse"]["wanted"] = scene.outputs.contacts or scene.outputs.impacts > 0
     d["solver"]["method"] = SOLVER_METHODS.index(scene.solver.method) + 1
     for name in ("tolerance", "work_limit"):
         d["solver"][name] = getattr(scene.solver, name)

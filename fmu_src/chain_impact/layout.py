@@ -23,6 +23,7 @@ from chain_impact.kernel.integration.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.integration.explicit import STAGES
 from chain_impact.kernel.integration.implicit import ROWS
 from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.kernel.model.latest import LATEST
 
 REAL, INTEGER = np.float64, np.int64
 LOG_SIZE = 32  # finished contacts kept until they are collected, besides one for each candidate
@@ -46,6 +47,7 @@ def output_dtype(links: int, candidates: int) -> np.dtype:
         ("force", REAL, (candidates,)),  # N, wall on point, along the inward normal
         ("penetration", REAL, (candidates,)),  # m, 0 when apart
         ("penetration_rate", REAL, (candidates,)),  # m/s, > 0 compressing, 0 when apart
+        ("impulse", REAL, (candidates,)),  # N·s, of the wall on the point since the start
         ("kinetic", REAL),  # J
         ("potential", REAL),  # J, gravity, zero at the origin
         ("elastic", REAL),  # J, stored in the contacts
@@ -94,8 +96,9 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("damping_factor", REAL),  # f(e), λ of the Hunt–Crossley family
         ("rate_exponent", REAL),  # p of the damping d δᵖ δ̇
         ("approach_only", INTEGER),  # 1: damped while compressing only
-        ("derived_law", INTEGER),  # law and …
-        ("derived_restitution", REAL),  # … restitution that these are for
+        ("derived_law", INTEGER),  # law, …
+        ("derived_restitution", REAL),  # … restitution …
+        ("derived_stiffness", REAL),  # … and stiffness that these are for
         ("impulsive", INTEGER),  # 1: rigid walls, with impulses in place of a force law
     )
     initial = _record(
@@ -155,6 +158,19 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("work_start", REAL),  # s
         ("work_count", INTEGER),  # all work before `work_start`, in evaluations
         ("other_work", INTEGER),  # besides evaluations: looks at points, responses to impulses
+    )
+    # the latest impacts, the newest first, see kernel/model/latest.py
+    latest = _record(
+        ("kept", INTEGER),  # how many of them are wanted
+        ("point", INTEGER, (LATEST,)),  # 0…N, −1 for none
+        ("wall", INTEGER, (LATEST,)),  # 1 + index into the scene's wall_names, 0 for none
+        ("time", REAL, (LATEST,)),  # s
+        ("speed", REAL, (LATEST,)),  # m/s
+        ("end", REAL, (LATEST,)),  # s, the present time for one that lasts
+        ("separation_speed", REAL, (LATEST,)),  # m/s
+        ("peak_force", REAL, (LATEST,)),  # N
+        ("max_penetration", REAL, (LATEST,)),  # m
+        ("impulse", REAL, (LATEST,)),  # N·s
     )
     # the ledger of energies, see kernel/integration/balance.py
     balance = _record(
@@ -224,6 +240,9 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("damping", REAL, (candidates,)),  # N·s/m^(p+1), d of the force law
         ("speed", REAL, (candidates,)),  # m/s, δ̇ and …
         ("force_rate", REAL, (candidates,)),  # N/s, dF/dt at the start of the step, to find the peaks
+        ("force", REAL, (candidates,)),  # N, where a rate was evaluated last, of the active …
+        ("force_end", REAL, (candidates,)),  # N, … and at the end of the last step
+        ("number", INTEGER, (candidates,)),  # of its onset, counted from 1
         ("peak_force", REAL, (candidates,)),  # N
         ("max_penetration", REAL, (candidates,)),  # m
         (
@@ -261,8 +280,9 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("clear_start_curve", REAL, (candidates,)),  # m/s², second derivative
         ("clear_end_curve", REAL, (candidates,)),
     )
-    # of the implicit step, z = (y, clearances of the active contacts, their rates): integration/implicit.py
-    extended = state + 2 * candidates
+    # of the implicit step, z = (y, and of the active contacts clearances, their rates, impulses):
+    # integration/implicit.py
+    extended = state + 3 * candidates
     implicit = _record(
         ("start", REAL, (extended,)),  # z at the start of a step
         ("z", REAL, (extended,)),
@@ -304,6 +324,18 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("peak_force", REAL, (log,)),  # N
         ("max_penetration", REAL, (log,)),  # m
         ("effective_mass", REAL, (log,)),  # kg
+        ("impulse", REAL, (log,)),  # N·s
+    )
+    # ∫F dt of the walls on the points, packed but for what is said, see kernel/integration/impulse.py
+    impulse = _record(
+        ("wanted", INTEGER),  # 1: followed
+        ("total", REAL, (candidates,)),  # N·s since the start, not packed
+        ("onset", REAL, (candidates,)),  # N·s, that at the onset of the contact, not packed
+        ("state", REAL, (candidates,)),  # N·s, at the start of the last step …
+        ("state_end", REAL, (candidates,)),  # … and at its end
+        ("tried", REAL, (candidates,)),  # N·s, at the end of a step that is tried
+        ("dense", REAL, (DENSE_COEFFICIENTS, candidates)),  # the interpolant of the last step
+        ("stage", REAL, (STAGES, candidates)),  # dp/ds at the stages
     )
     return _record(
         ("links", INTEGER),  # N
@@ -315,6 +347,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("inputs", inputs),
         ("step", step),
         ("impact", impact),
+        ("latest", latest),
         ("statistics", statistics),
         ("limits", limits),
         ("balance", balance),
@@ -326,5 +359,6 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("implicit", implicit),
         ("rigid", rigid),
         ("finished", finished),
+        ("impulse", impulse),
         ("output", output_dtype(links, candidates)),
     )

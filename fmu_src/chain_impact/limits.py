@@ -74,9 +74,9 @@ def allowed(kind: Any, rule: Mapping[str, Any]) -> str:
         return "one of " + ", ".join(f'"{choice}"' for choice in rule["choices"])
     if kind is str:
         return str(rule["matching"][1])
-    if kind in (bool, int):
-        return "true or false" if kind is bool else "a whole number"
+    if kind is bool:
+        return "true or false"
     signs = {"minimum": ">=", "above": ">", "maximum": "<="}
     bounds = " and ".join(f"{signs[limit]} {rule[limit]:g}" for limit in signs if rule[limit] is not None)
-    unit = "" if rule["unit"] == "1" else f"[{rule['unit']}]"
-    return " ".join(filter(None, ("a finite number", bounds, unit)))
+    unit = "" if rule["unit"] in ("", "1") else f"[{rule['unit']}]"
+    return " ".join(filter(None, ("a whole number" if kind is int else "a finite number", bounds, unit)))

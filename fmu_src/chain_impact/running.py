@@ -109,6 +109,7 @@ class Instance:
         columns = {name: touch[name] for name in ("onset", "peak_force", "max_penetration", "effective_mass")}
         columns |= {"point": candidate["point"], "wall": candidate["wall"]}
         columns["impact_speed"] = touch["onset_speed"]
+        columns["impulse"] = self.record["impulse"]["total"] - self.record["impulse"]["onset"]
         columns |= {name: np.full(len(active), np.nan) for name in ("end", "separation_speed")}
         return _impact_rows(int(active.sum()), {name: column[active] for name, column in columns.items()})
 

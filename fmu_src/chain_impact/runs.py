@@ -133,7 +133,7 @@ def record_fmu(
             name=description.modelName,
             time=np.asarray(rows["time"]),
             columns=columns,
-            impacts=impacts_from_outputs(columns, list(dict.fromkeys((*WALLS, *walls)))),
+            impacts=impacts_from_outputs(rows, list(dict.fromkeys((*WALLS, *walls)))),
             walls=walls,
             parameters=named,
         )

@@ -19,6 +19,7 @@ from chain_impact.checks import check_start, check_together, movable_points, wit
 from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.kernel.model.latest import LATEST
 from chain_impact.limits import Derived, quantity
 from chain_impact.names import Place, name_of, place_in_file
 from chain_impact.reading import Reader, SceneError, UnknownNameError, keys_of, shown
@@ -103,6 +104,18 @@ class Inputs:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Outputs:
+    """The outputs that the FMU shall have, beside those of the last impact."""
+
+    points: bool = quantity("", "position, velocity and acceleration of the points", True)
+    links: bool = quantity("", "angle, its rate and acceleration of the links", True)
+    contacts: bool = quantity("", "force, penetration and impulse of each contact", True)
+    impacts: int = quantity("", "how many of the latest impacts", 8, minimum=0, maximum=LATEST)
+    energies: bool = quantity("", "the energies", True)
+    solver: bool = quantity("", "steps, evaluations and status of the solver", True)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Initial:
     """The state at time 0."""
 
@@ -144,6 +157,7 @@ class Scene:
     contact: Contact
     inputs: Inputs
     initial: Initial
+    outputs: Outputs
     solver: Solver
     simulation: Simulation
 

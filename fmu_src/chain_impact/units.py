@@ -25,6 +25,7 @@ UNITS = {
     "rad/s2": Unit("AngularAcceleration", {"rad": 1, "s": -2}),
     "kg": Unit("Mass", {"kg": 1}),
     "kg.m2": Unit("MomentOfInertia", {"kg": 1, "m": 2}),
+    "N.s": Unit("Impulse", {"kg": 1, "m": 1, "s": -1}),
     "N": Unit("Force", {"kg": 1, "m": 1, "s": -2}),
     "N.m": Unit("Torque", {"kg": 1, "m": 2, "s": -2}),
     "N.m.s/rad": Unit("RotationalDamping", {"kg": 1, "m": 2, "s": -1, "rad": -1}),

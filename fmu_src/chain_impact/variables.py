@@ -9,7 +9,7 @@ candidate and no input that is not in it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -19,88 +19,25 @@ from chain_impact.instance import candidate_count, candidates
 from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.law_file import read_law
 from chain_impact.layout import output_dtype
-from chain_impact.limits import allowed
 from chain_impact.names import AXES, Place, name_of
+from chain_impact.output_variables import all_outputs
 from chain_impact.reading import matching
 from chain_impact.scene import Box, Contact, Initial, Link, Scene, Solver, Wall
+from chain_impact.variable import Item, Variable
 
 WORD = 8  # bytes of every scalar in the record
-
-
-@dataclass(frozen=True, slots=True)
-class Item:
-    """One choice of an enumeration; its number is its position, counted from 1."""
-
-    name: str
-    description: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Variable:
-    """One variable of the FMU.
-
-    Attributes:
-        name: structured name, as in FMI 2.0, section 2.2.9.
-        type: ``real``, ``integer`` or ``enumeration``.
-        causality: ``parameter``, ``input`` or ``output``.
-        variability: ``fixed``, ``tunable``, ``discrete`` or ``continuous``.
-        unit: name of the unit, a key of ``UNITS``; "" unless real.
-        description: one line.
-        place: path into the instance record, ``("model", "length", 2)`` for one.
-        scene_path: path of a parameter into the scene file, for ``scene.with_values``; None for all others.
-        minimum: value >= minimum, if any.
-        above: value > above, if any.
-        maximum: value <= maximum, if any.
-        items: choices of an enumeration.
-    """
-
-    name: str
-    type: str
-    causality: str
-    variability: str
-    unit: str
-    description: str
-    place: Place
-    scene_path: Place | None = None
-    minimum: float | None = None
-    above: float | None = None
-    maximum: float | None = None
-    items: tuple[Item, ...] = ()
-
-    @property
-    def initial(self) -> str | None:
-        """How the start value comes about; an input has, by the rules of FMI 2.0, no such attribute."""
-        return {"parameter": "exact", "input": None, "output": "calculated"}[self.causality]
-
-    @property
-    def feedthrough(self) -> bool:
-        """Whether an input acts at once, without passing through a state.
-
-        True of accelerations, and of forces: those of rigid walls hold against a torque.
-        """
-        return str(self.place[1]).endswith(("acceleration", "force"))
-
-    @property
-    def allowed(self) -> str:
-        """What a value may be, in words: "a finite number > 0 [m]"."""
-        if self.items:
-            return "one of " + ", ".join(f"{n} ({item.name})" for n, item in enumerate(self.items, 1))
-        limits = {"minimum": self.minimum, "above": self.above, "maximum": self.maximum}
-        return allowed(float, {"choices": None, "unit": self.unit, **limits})
 
 
 _METHODS = tuple(
     Item(name, "as each phase needs" if name == "auto" else f"{name} steps only") for name in SOLVER_METHODS
 )
-_STATUSES = "; ".join(f"{code} {text}" for code, text in STATUS_TEXT.items())
 
 
 def fmu_variables(scene: Scene) -> list[Variable]:
     """All variables of the scene's FMU, in the order of their value references: outputs come last."""
-    return [*_parameters(scene), *_inputs(scene), *_outputs(scene)]
+    return [*_parameters(scene), *_inputs(scene), *all_outputs(scene)]
 
 
 def parameter_paths(scene: Scene) -> dict[str, Place]:
@@ -118,7 +55,7 @@ def input_places(scene: Scene) -> dict[str, Place]:
 
 def output_variables(scene: Scene) -> list[Variable]:
     """The outputs that change all the time: those of ``Result.outputs``."""
-    return [variable for variable in _outputs(scene) if variable.place[0] == "output"]
+    return [variable for variable in all_outputs(scene) if variable.place[0] == "output"]
 
 
 def output_columns(scene: Scene, outputs: np.ndarray) -> dict[str, np.ndarray]:
@@ -276,103 +213,3 @@ def _inputs(scene: Scene) -> Iterator[Variable]:
     if scene.inputs.tip_force:
         for j, axis in enumerate(AXES):
             yield entry(f"tip.force.{axis}", "N", f"{axis} of the force on the tip", "tip_force", j)
-
-
-def _output(
-    name: str,
-    unit: str,
-    description: str,
-    *place: str | int,
-    minimum: float | None = None,
-    maximum: float | None = None,
-) -> Variable:
-    """An output; the kernel's "output" record changes continuously, all else only at events and steps."""
-    return Variable(
-        name=name,
-        type="real" if unit else "integer",
-        causality="output",
-        variability="continuous" if place[0] == "output" else "discrete",
-        unit=unit,
-        description=description,
-        place=place,
-        minimum=minimum,
-        maximum=maximum,
-    )
-
-
-def _outputs(scene: Scene) -> Iterator[Variable]:
-    links = len(scene.chain.links)
-    vectors = (("position", "", "m"), ("velocity", "v", "m/s"), ("acceleration", "a", "m/s2"))
-    for k in range(links + 1):
-        for quantity, prefix, unit in vectors:
-            for j, axis in enumerate(AXES):
-                name, text = f"point[{k}].{prefix}{axis}", f"point {k}: {axis} of the {quantity}"
-                yield _output(name, unit, text, "output", f"point_{quantity}", k, j)
-    rotations = (("angle", "rad"), ("angular_velocity", "rad/s"), ("angular_acceleration", "rad/s2"))
-    for i in range(links):
-        for quantity, unit in rotations:
-            text = f"link {i + 1}: {quantity.replace('_', ' ')}, absolute, from +x"
-            yield _output(f"link[{i + 1}].{quantity}", unit, text, "output", quantity, i)
-    touches = (
-        ("force", "N", "force of the wall, along its normal"),
-        ("penetration", "m", "penetration, 0 when apart"),
-        ("penetration_rate", "m/s", "rate of penetration, positive when closing, 0 when apart"),
-    )
-    for c, (point, number) in enumerate(candidates(scene)):
-        wall = scene.wall_names[number]
-        for quantity, unit, text in touches:
-            name, where = f"contact[{point}].{wall}.{quantity}", f"point {point} at {wall}"
-            least = 0.0 if quantity == "penetration" else None
-            yield _output(name, unit, f"{where}: {text}", "output", quantity, c, minimum=least)
-    yield from _energies(scene)
-    yield from _impacts(scene)
-    yield from _statistics()
-
-
-def _energies(scene: Scene) -> Iterator[Variable]:
-    texts = {
-        "kinetic": "kinetic energy",
-        "potential": "potential energy of gravity, zero at the origin",
-        "elastic": "energy stored in the contacts",
-        "dissipated": "energy lost in contacts and joint damping since the start",
-        "supplied": "energy supplied by the inputs since the start",
-        "total": "kinetic, potential and elastic energy",
-    }
-    if not (scene.inputs.joint_torques or scene.inputs.tip_force):
-        del texts["supplied"]
-    for key, text in texts.items():
-        yield _output(f"energy.{key}", "J", text, "output", key, minimum=0.0 if key == "kinetic" else None)
-
-
-def _impacts(scene: Scene) -> Iterator[Variable]:
-    # the wall is an integer and no enumeration: importers count those from 1, with no room for "none"
-    walls = ", ".join(f"{w} {wall}" for w, wall in enumerate(scene.wall_names, 1))
-    texts = {
-        "count": ("", "impacts since the start"),
-        "last_time": ("s", "time of the last impact, of the start before the first"),
-        "last_point": ("", "point of the last impact, -1 before the first"),
-        "last_wall": ("", f"wall of the last impact: 0 none, {walls}"),
-        "last_speed": ("m/s", "approach speed at the last impact, 0 before the first"),
-    }
-    limits = {
-        "count": (0, None),
-        "last_point": (-1, len(scene.chain.links)),
-        "last_wall": (0, len(scene.wall_names)),
-        "last_speed": (0.0, None),
-    }
-    for key, (unit, text) in texts.items():
-        least, most = limits.get(key, (None, None))
-        yield _output(f"impact.{key}", unit, text, "impact", key, minimum=least, maximum=most)
-
-
-def _statistics() -> Iterator[Variable]:
-    texts = {
-        "steps": "accepted steps of the solver",
-        "rejected_steps": "rejected steps of the solver",
-        "rhs_evaluations": "evaluations of the equations of motion by the solver",
-        "implicit_steps": "accepted implicit steps",
-        "status": f"status of the solver: {_STATUSES}",
-    }
-    for key, text in texts.items():
-        most = max(STATUS_TEXT) if key == "status" else None
-        yield _output(f"solver.{key}", "", text, "statistics", key, minimum=0, maximum=most)

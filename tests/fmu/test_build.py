@@ -99,7 +99,7 @@ def test_inputs_act_at_once_on_accelerations_and_forces_only(fmus):
     for unknown in root.find("ModelStructure/Outputs"):
         name = names[int(unknown.get("index")) - 1]
         on = [names[int(number) - 1] for number in unknown.get("dependencies").split()]
-        at_once = name.endswith((".ax", ".ay", "angular_acceleration", ".force"))
+        at_once = name.endswith((".ax", ".ay", "angular_acceleration", "force"))
         assert on == (["joint[1].torque", "joint[2].torque"] if at_once else [])
 
 

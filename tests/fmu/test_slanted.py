@@ -25,7 +25,7 @@ def test_each_wall_has_its_parameters_and_its_contacts(fmus, clean):
     found = clean(description, fmus["ramp"])
     quantities = {"x": "m", "y": "m", "angle": "rad"}
     walls = {f"wall.{wall}.{key}": unit for wall in ("ramp", "stop") for key, unit in quantities.items()}
-    quantities = {"force": "N", "penetration": "m", "penetration_rate": "m/s"}
+    quantities = {"force": "N", "penetration": "m", "penetration_rate": "m/s", "impulse": "N.s"}
     touches = {f"contact[0].{w}.{key}": unit for w in ("ramp", "stop") for key, unit in quantities.items()}
     assert found.keys() == {"impact.last_wall"} | walls.keys() | touches.keys()
     for name, unit in walls.items():

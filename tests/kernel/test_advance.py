@@ -11,6 +11,7 @@ from chain_impact.kernel.entry import UNLIMITED
 from chain_impact.kernel.events.kinds import ONSET
 from chain_impact.kernel.events.search import REFUSED
 from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL, TOO_MUCH_WORK
 from chain_impact.scene import load_scene, with_values
 from tests.plain import Plain
@@ -49,7 +50,7 @@ def test_a_step_that_is_refused_is_tried_anew_with_a_smaller_size(monkeypatch, n
         d["step"]["time"] = 0.1
     y = np.zeros((2, len(free["work"]["y"])))
     for row, d in zip(y, (free, refused), strict=True):
-        loop.interpolate(d["step"], loop.fraction(d, 0.1), row)
+        interpolate(d["step"], fraction(d, 0.1), row)
     np.testing.assert_allclose(y[0, :-1], y[1, :-1], atol=1e-7)
 
 

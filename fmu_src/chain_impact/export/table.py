@@ -14,7 +14,8 @@ from typing import Any
 from chain_impact.instance import new_instance
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene import Scene
-from chain_impact.variables import Variable, fmu_variables, word_index
+from chain_impact.variable import Variable
+from chain_impact.variables import fmu_variables, word_index
 
 LARGEST = sys.float_info.max
 # as in compilation/fmi2/instance.h

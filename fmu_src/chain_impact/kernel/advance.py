@@ -8,20 +8,26 @@ the communication point has passed it.
 
 import math
 
-from chain_impact.kernel.events.contact_log import follow_contacts
+from chain_impact.kernel.events.contact_log import follow_contacts, follow_until_change
 from chain_impact.kernel.events.impulses import end_contacts, judge
 from chain_impact.kernel.events.search import REFUSED, find_event
 from chain_impact.kernel.events.table import apply_events, ends_contact
 from chain_impact.kernel.initialize import derive_law, first_size
 from chain_impact.kernel.integration import step_size
 from chain_impact.kernel.integration.balance import check_balance, keeps_balance, restart_balance, take_stock
-from chain_impact.kernel.integration.dense import fraction, interpolate
+from chain_impact.kernel.integration.impulse import (
+    keep_forces,
+    note_end,
+    settle_impulses,
+    stand_impulses,
+)
 from chain_impact.kernel.integration.last_step import (
     OUTPUTS,
     accept,
     choose_variable,
     complete,
     cut,
+    cut_now,
     see_points,
     see_rate,
     stand,
@@ -72,6 +78,7 @@ def advance(d, time, room, work):
             return PAUSED
         d.statistics.status = take_step(d)
         if d.statistics.status != OK:
+            settle_impulses(d)
             stand(d, d.step.end, d.step.state_end)
             return d.statistics.status
     d.step.time = time
@@ -82,9 +89,13 @@ def advance(d, time, room, work):
 def restart(d):
     """Drop what lies beyond the communication point, as an input or parameter changed; returns a status."""
     d.inputs.changed = 0
-    interpolate(d.step, fraction(d, d.step.time), d.work.y)
-    d.step.next_size *= time_rate_now(d, d.work.y)  # in seconds
-    stand(d, d.step.time, d.work.y)
+    if d.touch.active_count > 0 and not d.contact.impulsive:
+        follow_until_change(d)
+    else:
+        cut_now(d)
+        settle_impulses(d)
+    d.step.next_size *= time_rate_now(d, d.step.state_end)  # in seconds
+    stand(d, d.step.time, d.step.state_end)
     drop_events(d)
     status = change_law(d)
     clear_loads(d)
@@ -188,9 +199,13 @@ def begin(d):
     rate = d.work.rate_start
     for j in range(len(d.work.y)):
         rate[j] = d.work.rate_end[j]
-    if events > 0 and apply_events(d):
-        state_rate(d, d.step.state_end, rate)
-        d.statistics.rhs_evaluations += 1
+    if events > 0:
+        settle_impulses(d)
+        if apply_events(d):
+            state_rate(d, d.step.state_end, rate)
+            keep_forces(d)
+            d.statistics.rhs_evaluations += 1
+        stand_impulses(d)
     if events > 0 and d.contact.impulsive:
         d.step.next_size = min(d.step.next_size, step_size.in_flight(d, d.step.state_end, rate))
     if events > 0 or d.balance.breaks != d.step.breaks:
@@ -198,4 +213,5 @@ def begin(d):
     choose_method(d)
     choose_variable(d, events > 0)
     regularize(d, d.step.state_end, rate, d.work.stage[0])
+    note_end(d, 0)
     return events

@@ -32,6 +32,7 @@ from chain_impact.kernel.model.contact import clear_loads, drop_events
 from chain_impact.kernel.model.contact_force import USER_LAW, foresee_depth, latch_damping
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import clearance, place_walls
+from chain_impact.kernel.model.latest import forget_impacts
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
     NOT_FINITE,
@@ -88,10 +89,12 @@ def forget_run(d):
     d.touch.active_count = 0
     for c in range(d.candidates):
         d.touch.active[c], d.touch.active_index[c] = 0, 0
+        d.impulse.total[c], d.touch.number[c] = 0.0, 0
     drop_events(d)
     impact, statistics, limits = d.impact, d.statistics, d.limits
     impact.count, impact.last_point, impact.last_wall, impact.last_speed = 0, -1, 0, 0.0
     d.finished.count = 0
+    forget_impacts(d)
     d.step.breaks, d.search.known_for = 0, 0
     statistics.steps, statistics.rejected_steps = 0, 0
     statistics.rhs_evaluations, statistics.implicit_steps = 0, 0
@@ -137,6 +140,7 @@ def derive_law(d):
         if status != OK:
             return status
         contact.derived_law, contact.derived_restitution = contact.law, contact.restitution
+    contact.derived_stiffness = contact.stiffness
     for k in range(d.touch.active_count):
         if not contact.impulsive:
             foresee_depth(d, d.touch.active_index[k])

@@ -2,7 +2,9 @@
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at
-from chain_impact.kernel.integration.dense import fraction, interpolate
+from chain_impact.kernel.events.contact_log import note_active
+from chain_impact.kernel.integration.dense import fraction, interpolate, interpolate_component
+from chain_impact.kernel.integration.impulse import followed
 from chain_impact.kernel.model.contact import contact_force
 from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
 from chain_impact.kernel.model.equations import located_rate
@@ -17,7 +19,8 @@ def observe(d):
     """
     n, out, work_done = d.links, d.output, d.limits.other_work
     y, rate = d.work.y, d.work.rate
-    interpolate(d.step, fraction(d, d.step.time), y)
+    theta = fraction(d, d.step.time)
+    interpolate(d.step, theta, y)
     locate_points(d, y)
     located_rate(d, y, rate)
     accelerate_points(d, y, rate)
@@ -35,6 +38,7 @@ def observe(d):
         out.angular_acceleration[i] = rate[omega_at(n) + i]
     for c in range(d.candidates):
         out.force[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0
+        out.impulse[c] = d.impulse.total[c]
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         gap, gap_rate = clearance(d, c)
@@ -43,9 +47,12 @@ def observe(d):
         elif gap < 0.0:
             out.force[c], _ = contact_force(d, c, gap, gap_rate)
             out.penetration[c], out.penetration_rate[c] = -gap, -gap_rate
+    for k in range(followed(d)):
+        out.impulse[d.touch.active_index[k]] = interpolate_component(d.impulse, theta, k)
     out.kinetic, out.potential = mechanical_energy(d, y)
     out.elastic = stored_energy(d)
     out.dissipated = y[dissipated_at(n)]
     out.supplied = y[supplied_at(n)]
     out.total = out.kinetic + out.potential + out.elastic
+    note_active(d)
     d.limits.other_work = work_done  # a look is not the solver's work

@@ -12,6 +12,7 @@ from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.laws.contact_laws import LAW_COUNT
 from chain_impact.kernel.laws.user_law import present
 from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.kernel.model.latest import LATEST
 from chain_impact.kernel.status import LAST_STATUS, OK
 
 
@@ -26,6 +27,7 @@ def sound(d):
     fits = fits and within(d.step.made_by, 0, METHOD_COUNT - 1)
     fits = fits and within(d.search.known, 0, FAR) and within(d.step.dense_for, 0, SOLVER)
     fits = fits and within(d.statistics.status, OK, LAST_STATUS)
+    fits = fits and within(d.latest.kept, 0, LATEST)
     fits = fits and within(d.touch.active_count, 0, d.candidates)
     for c in range(d.candidates):
         fits = (
@@ -33,6 +35,7 @@ def sound(d):
             and within(d.candidate.point[c], 0, d.links)
             and within(d.candidate.wall[c], 0, len(WALLS) + d.candidates - 1)
         )
+        fits = fits and within(d.touch.number[c], 0, d.impact.count)
         fits = fits and within(d.touch.active_index[c], 0, d.candidates - 1)
         fits = fits and within(d.touch.active[c], 0, 1) and within(d.touch.event[c], 0, NEIGHBOUR)
     return 1 if fits else 0

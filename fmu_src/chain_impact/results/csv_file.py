@@ -62,7 +62,11 @@ def read_csv(
     recording = Recording(path.stem, time, columns, [], dict(walls or {}))
     _check_walls(path, recording, walls)
     listed = "impact.count" in columns and walls is not None
-    impacts = impacts_from_outputs(columns, wall_names) if listed else impacts_from_forces(recording)
+    impacts = (
+        impacts_from_outputs({"time": time, **columns}, wall_names)
+        if listed
+        else impacts_from_forces(recording)
+    )
     recording.impacts.extend(impacts)
     return recording
 

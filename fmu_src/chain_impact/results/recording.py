@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -12,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.results.impacts import impacts_of, names_of
 from chain_impact.results.result import Result
 from chain_impact.variables import parameter_paths
 from chain_impact.walls import HalfPlane
@@ -28,12 +30,16 @@ class Impact:
         point: 0…N.
         wall: name of the wall.
         speed: normal approach speed [m/s].
+        end: of the contact [s]; NaN if it is unknown, or of one that lasts.
+        peak_force: the largest force [N], infinite between rigid walls; NaN if it is unknown.
     """
 
     time: float
     point: int
     wall: str
     speed: float
+    end: float = field(default=math.nan, compare=False)
+    peak_force: float = field(default=math.nan, compare=False)
 
 
 @dataclass(frozen=True)
@@ -44,8 +50,7 @@ class Recording:
         name: the model's name.
         time: communication points, shape (T,) [s].
         columns: FMU variable name → values, shape (T,).
-        impacts: in order of time; those that an FMU had between two communication points, but for the last
-            of them, are missing.
+        impacts: in order of time; of an FMU, those that its outputs have shown.
         walls: name → free side of the walls that are there.
         parameters: FMU variable name → value at the start, of a choice its name; none where they are unknown.
     """
@@ -97,15 +102,12 @@ class Recording:
 
 def recording_of(result: Result) -> Recording:
     """The recording of a simulated scene."""
-    names, values = result.scene.wall_names, result.scene.values
+    values = result.scene.values
     return Recording(
         name=result.scene.name,
         time=result.time,
         columns=result.columns,
-        impacts=[
-            Impact(float(row["onset"]), int(row["point"]), names[row["wall"]], float(row["impact_speed"]))
-            for row in result.impacts
-        ],
+        impacts=impact_list(result.impacts, result.scene.wall_names),
         walls=result.scene.half_planes,
         parameters={name: values[name] for name in parameter_paths(result.scene)},
     )
@@ -126,16 +128,35 @@ def written_whole(path: Path) -> Iterator[Path]:
         raise type(error)(error.errno, error.strerror, str(path)) from None
 
 
-def impacts_from_outputs(columns: dict[str, np.ndarray], walls: Sequence[str]) -> list[Impact]:
-    """The impacts that the outputs `impact.*` of an FMU show, with its walls' names by their numbers."""
-    count = columns["impact.count"]
-    rows = np.flatnonzero(np.diff(count, prepend=0))
+def impacts_from_outputs(record: Any, walls: Sequence[str]) -> list[Impact]:
+    """The impacts that a record of an FMU's outputs shows, with its walls' names by their numbers.
+
+    From an FMU with `outputs.impacts = 0` it is only the last one in each communication step.
+    """
+    if "impact[1].time" in names_of(record):
+        return impact_list(impacts_of(record), walls)
+    rows = np.flatnonzero(np.diff(record["impact.count"], prepend=0))
     return [
         Impact(
-            time=float(columns["impact.last_time"][row]),
-            point=int(columns["impact.last_point"][row]),
-            wall=walls[int(columns["impact.last_wall"][row]) - 1],
-            speed=float(columns["impact.last_speed"][row]),
+            time=float(record["impact.last_time"][row]),
+            point=int(record["impact.last_point"][row]),
+            wall=walls[int(record["impact.last_wall"][row]) - 1],
+            speed=float(record["impact.last_speed"][row]),
         )
         for row in rows
+    ]
+
+
+def impact_list(table: np.ndarray, walls: Sequence[str]) -> list[Impact]:
+    """The impacts of a table as `Result.impacts`, with the names of the walls."""
+    return [
+        Impact(
+            time=float(row["onset"]),
+            point=int(row["point"]),
+            wall=walls[row["wall"]],
+            speed=float(row["impact_speed"]),
+            end=float(row["end"]),
+            peak_force=float(row["peak_force"]),
+        )
+        for row in table
     ]

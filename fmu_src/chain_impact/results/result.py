@@ -31,6 +31,7 @@ IMPACT_DTYPE = np.dtype(
         ("peak_force", np.float64),
         ("max_penetration", np.float64),
         ("effective_mass", np.float64),
+        ("impulse", np.float64),
     ]
 )
 """One contact: point 0…N; wall as index into ``scene.wall_names``; onset and end [s]; impact and separation

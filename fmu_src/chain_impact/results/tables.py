@@ -22,6 +22,7 @@ IMPACT_UNITS = {
     "peak_force": "N",
     "max_penetration": "m",
     "effective_mass": "kg",
+    "impulse": "N.s",
 }
 _DIMENSIONS = {
     "point_position": ("point", "axis"),
@@ -33,6 +34,7 @@ _DIMENSIONS = {
     "force": ("contact",),
     "penetration": ("contact",),
     "penetration_rate": ("contact",),
+    "impulse": ("contact",),
 }
 
 

@@ -199,7 +199,7 @@ def test_van_der_pol_with_mu_of_a_million_takes_few_steps():
 @pytest.mark.parametrize("damping", [0.0, 1.0, 1e4])
 @pytest.mark.parametrize("turn", [0.0, 0.7])
 def test_the_stiff_part_of_the_jacobian_is_that_of_contacts_and_joint_damping(turn, damping, shift):
-    """(1 − hγA) x = r, with A assembled: rows of ẋ, v̇, ġ and g̈ in the unknowns x, v, g and ġ."""
+    """(1 − hγA) x = r, with A assembled: rows of ẋ, v̇, ġ, g̈ and ṗ in the unknowns x, v, g, ġ and p."""
     changes = {("chain", "links", i, "joint_damping"): damping * (1 + i) for i in range(1, 4)}
     instance = touching(1e-4, {} if damping == 0.0 else changes, turn)
     instance.advance(0.8)
@@ -208,7 +208,7 @@ def test_the_stiff_part_of_the_jacobian_is_that_of_contacts_and_joint_damping(tu
     assert count > 0
     locate_points(d, d["step"]["state_end"])
     linearize(d)
-    size = root_at(d.links) + 2 * count
+    size = root_at(d.links) + 3 * count
     r, x = np.random.default_rng(6).uniform(-1.0, 1.0, size), np.full(size, np.nan)
     factorize_stiff(d, shift)
     solve_stiff(d, shift, r, x)
@@ -228,13 +228,20 @@ def test_the_stiff_part_of_the_jacobian_is_that_of_contacts_and_joint_damping(tu
     across = np.hstack([np.zeros((n, 2)), np.eye(n) - np.eye(n, k=-1)])
     joint = np.array([0.0, *(damping * (1 + i) for i in range(1, n))])
     forces = np.zeros((n + 2, size))
-    v, gap, rate = slice(n + 2, 2 * n + 4), slice(gap_at(d, 0), rate_at(d, 0)), slice(rate_at(d, 0), size)
+    v, gap, rate = (
+        slice(n + 2, 2 * n + 4),
+        slice(gap_at(d, 0), rate_at(d, 0)),
+        slice(rate_at(d, 0), size - count),
+    )
+    impulse = slice(size - count, size)
     forces[:, gap] = -normals.T * d["implicit"]["stiffness"][:count]
     forces[:, rate] = -normals.T * d["implicit"]["damping"][:count]
     forces[:, v] = -across.T @ np.diag(joint) @ across
     jacobian = np.zeros((size, size))
     jacobian[v] = np.linalg.solve(mass_matrix(scene, angles), forces)
     jacobian[rate] = normals @ jacobian[v]
+    jacobian[impulse, gap] = -np.diag(d["implicit"]["stiffness"][:count])
+    jacobian[impulse, rate] = -np.diag(d["implicit"]["damping"][:count])
     jacobian[: n + 2, v], jacobian[gap, rate] = np.eye(n + 2), np.eye(count)
     left = x - shift * jacobian @ x
     scale = np.abs(x) + shift * np.abs(jacobian) @ np.abs(x) + np.abs(r)

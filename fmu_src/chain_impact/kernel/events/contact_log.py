@@ -2,10 +2,12 @@
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.integration.dense import fraction, interpolate
-from chain_impact.kernel.integration.last_step import SOLVER, complete, cut_now, see_points, see_rate
+from chain_impact.kernel.integration.impulse import settle_impulses
+from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER, complete, cut_now, see_points, see_rate
 from chain_impact.kernel.model.contact import contact_force, contact_slopes, drop_events
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import along_normal, clearance
+from chain_impact.kernel.model.latest import note_impact
 
 FORCE, PENETRATION = 0, 1
 HELD_SAMPLES = 5  # of a holding force over a step, its ends included
@@ -22,23 +24,35 @@ def follow_contacts(d):
         return
     for k in range(touch.active_count):
         c = touch.active_index[k]
-        gap, gap_rate = clearance(d, c)
-        force, _ = contact_force(d, c, gap, gap_rate)
-        touch.peak_force[c] = max(touch.peak_force[c], force)
-        touch.max_penetration[c] = max(touch.max_penetration[c], -gap)
-
-        # both have a maximum inside the step when their rate falls through zero
+        _, gap_rate = clearance(d, c)
         force_rate = rate_of_force(d, c)
-        force_peaked = touch.force_rate[c] > 0.0 and force_rate <= 0.0
-        depth_peaked = touch.speed[c] > 0.0 and gap_rate >= 0.0
-        touch.force_rate[c] = force_rate
-        touch.speed[c] = -gap_rate
-        if force_peaked:
-            touch.peak_force[c] = max(touch.peak_force[c], maximum(d, c, FORCE))
-        if depth_peaked:
-            touch.max_penetration[c] = max(touch.max_penetration[c], maximum(d, c, PENETRATION))
-        if force_peaked or depth_peaked:
+        peak, depth, elsewhere = peaks(d, c, d.step.end, SOLVER)
+        touch.peak_force[c], touch.max_penetration[c] = peak, depth
+        touch.force_rate[c], touch.speed[c] = force_rate, -gap_rate
+        if elsewhere:
             locate_points(d, d.step.state_end)
+
+
+def peaks(d, c, time, reader):
+    """The largest force [N] and penetration [m] of candidate c until a ``time`` [s] in the last step.
+
+    The points have to be located and accelerated there; a third value is true when they are no longer.
+    ``reader`` is who needs it, OUTPUTS or the SOLVER.
+    """
+    touch = d.touch
+    gap, gap_rate = clearance(d, c)
+    force, _ = contact_force(d, c, gap, gap_rate)
+    peak, depth = max(touch.peak_force[c], force), max(touch.max_penetration[c], -gap)
+    # both have a maximum inside the step when their rate falls through zero
+    force_peaked = touch.force_rate[c] > 0.0 and rate_of_force(d, c) <= 0.0
+    depth_peaked = touch.speed[c] > 0.0 and gap_rate >= 0.0
+    if force_peaked or depth_peaked:
+        complete(d, reader)
+    if force_peaked:
+        peak = max(peak, maximum(d, c, FORCE, time))
+    if depth_peaked:
+        depth = max(depth, maximum(d, c, PENETRATION, time))
+    return peak, depth, force_peaked or depth_peaked
 
 
 def follow_held(d):
@@ -68,8 +82,38 @@ def follow_to_now(d):
     see_rate(d)
     see_points(d)
     follow_contacts(d)
+    settle_impulses(d)
     # a look is not the solver's work
     d.statistics.rhs_evaluations, d.limits.other_work = evaluations, work
+
+
+def follow_until_change(d):
+    """As ``follow_to_now``, where a parameter has changed: under the law and stiffness that held so far."""
+    contact = d.contact
+    law, stiffness = contact.law, contact.stiffness
+    contact.law, contact.stiffness = contact.derived_law, contact.derived_stiffness
+    follow_to_now(d)
+    contact.law, contact.stiffness = law, stiffness
+
+
+def note_active(d):
+    """Note what the active contacts have come to at the communication point, in the list of impacts.
+
+    The points have to be located and accelerated there. The outputs have their impulses.
+    """
+    if d.latest.kept == 0:
+        return
+    theta, time = fraction(d, d.step.time), d.step.time
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        _, gap_rate = clearance(d, c)
+        peak, depth = max(d.touch.peak_force[c], d.output.force[c]), 0.0
+        if not d.contact.impulsive:
+            peak, depth, elsewhere = peaks(d, c, time, OUTPUTS)
+            if elsewhere:
+                interpolate(d.step, theta, d.work.y)
+                locate_points(d, d.work.y)
+        note_impact(d, c, time, gap_rate, peak, depth, d.output.impulse[c] - d.impulse.onset[c])
 
 
 def rate_of_force(d, c):
@@ -80,13 +124,12 @@ def rate_of_force(d, c):
     return -(stiffness * gap_rate + damping * along_normal(d, c, d.work.acceleration))
 
 
-def maximum(d, c, quantity):
-    """The maximum of FORCE or PENETRATION of candidate c inside the last step.
+def maximum(d, c, quantity, time):
+    """The maximum of FORCE or PENETRATION of candidate c inside the last step, until a ``time`` [s] in it.
 
     Parabolas through three points, ever closer to the top of the last one; the top of the last of all.
     """
-    complete(d, SOLVER)
-    end = fraction(d, d.step.end)
+    end = fraction(d, time)
     middle, reach, best, summit = 0.5 * end, 0.5 * end, 0.0, 0.0
     for _ in range(3):
         left = sample(d, c, quantity, middle - reach)
@@ -128,4 +171,14 @@ def finish(d, c):
     log.peak_force[row] = touch.peak_force[c]
     log.max_penetration[row] = touch.max_penetration[c]
     log.effective_mass[row] = touch.effective_mass[c]
+    log.impulse[row] = d.impulse.total[c] - d.impulse.onset[c]
+    note_impact(
+        d,
+        c,
+        log.end[row],
+        log.separation_speed[row],
+        log.peak_force[row],
+        log.max_penetration[row],
+        log.impulse[row],
+    )
     log.count += 1

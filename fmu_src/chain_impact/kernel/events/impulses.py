@@ -22,6 +22,7 @@ from chain_impact.kernel.chain.kinematics import largest, locate_points
 from chain_impact.kernel.chain.state import coordinate_count, dissipated_at, velocity_at
 from chain_impact.kernel.events.contact_log import finish
 from chain_impact.kernel.events.kinds import NEIGHBOUR, ONSET, RELEASE
+from chain_impact.kernel.integration.impulse import give_impulses
 from chain_impact.kernel.model.constraints import complement, meet_walls, press, start_from_accelerations
 from chain_impact.kernel.model.contact import clear_loads, drop_events, latch, list_touching
 from chain_impact.kernel.model.equations import free_rate
@@ -46,6 +47,7 @@ def collide(d):
     locate_points(d, d.step.state_end)
     # an interpolated state keeps to the walls but for its error
     meet_walls(d, d.step.state_end)
+    give_impulses(d)
     struck = False
     for c in range(d.candidates):
         if touch.event[c] == ONSET:
@@ -88,9 +90,11 @@ def strike(d):
             latch(d, c)
             d.touch.onset_speed[c] = max(0.0, d.touch.onset_speed[c])
             d.impact.last_speed = d.touch.onset_speed[c]
+            d.latest.speed[0] = d.touch.onset_speed[c]
     for j in range(coordinate_count(n)):
         state[velocity_at(n) + j] += own.change[j]
     state[dissipated_at(n)] += max(0.0, lost)
+    give_impulses(d)
     locate_points(d, state)
 
 
@@ -158,6 +162,7 @@ def judge(d):
     if touch.active_count > 0:
         locate_points(d, state)
         meet_walls(d, state)
+        give_impulses(d)
         rate = d.work.rate
         free_rate(d, state, rate)
         scale = start_from_accelerations(d, state, rate)

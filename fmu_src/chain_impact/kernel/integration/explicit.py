@@ -7,6 +7,7 @@ from chain_impact.kernel.chain.state import root_at
 from chain_impact.kernel.integration import dop853
 from chain_impact.kernel.integration.combination import combination, combinations
 from chain_impact.kernel.integration.errors import scaled_error, set_gap_errors
+from chain_impact.kernel.integration.impulse import followed, note, note_end
 from chain_impact.kernel.integration.method import Method
 from chain_impact.kernel.integration.sundman import (
     NO_CONTACT,
@@ -37,6 +38,7 @@ def _stage(i, accepted):
     def stage(d, h):
         combine(d.work.stage, d.step.state if accepted else d.step.state_end, h, d.work.y)
         regularized_rate(d, d.work.y, d.work.stage[i])
+        note(d, i)
 
     return stage
 
@@ -87,6 +89,9 @@ def attempt(d, h):
     _stages(d, h)
     d.statistics.rhs_evaluations += STEP_EVALUATIONS
     _step_end(d.work.stage, d.step.state_end, h, d.work.y)
+    active = followed(d)
+    if active > 0:
+        _step_end(d.impulse.stage, d.impulse.state_end[:active], h, d.impulse.tried[:active])
     if runs_back(d, d.work.y):
         return HALVE
     _errors(d.work.stage, h, d.work.error[0], d.work.error[1])
@@ -108,18 +113,25 @@ def attempt(d, h):
 
 def dense_output(d, h):
     """Set the dense output of the last step, of size h."""
-    step = d.step
-    locate_points(d, step.state_end)
-    regularize(d, step.state_end, d.work.rate_end, d.work.stage[LAST])
+    locate_points(d, d.step.state_end)
+    regularize(d, d.step.state_end, d.work.rate_end, d.work.stage[LAST])
+    note_end(d, LAST)
     _dense_stages(d, h)
-    for j in range(len(d.work.y)):
+    _interpolant(d.step, d.work.stage, len(d.work.y), h)
+    if followed(d) > 0:
+        _interpolant(d.impulse, d.impulse.stage, followed(d), h)
+
+
+def _interpolant(step, stages, count, h):
+    """Set the dense output of the first components of a state, or of impulses, from their stages."""
+    for j in range(count):
         # the interpolant is y₀ + θ(F₀ + (1−θ)(F₁ + θ(F₂ + (1−θ)(F₃ + θ(F₄ + (1−θ)(F₅ + θ F₆))))))
         change = step.state_end[j] - step.state[j]
         step.dense[0, j] = change
-        step.dense[1, j] = h * d.work.stage[0, j] - change
-        step.dense[2, j] = 2.0 * change - h * (d.work.stage[LAST, j] + d.work.stage[0, j])
-    _high_01(d.work.stage, h, step.dense[3], step.dense[4])
-    _high_23(d.work.stage, h, step.dense[5], step.dense[6])
+        step.dense[1, j] = h * stages[0, j] - change
+        step.dense[2, j] = 2.0 * change - h * (stages[LAST, j] + stages[0, j])
+    _high_01(stages, h, step.dense[3, :count], step.dense[4, :count])
+    _high_23(stages, h, step.dense[5, :count], step.dense[6, :count])
 
 
 def nothing(_d, _h):

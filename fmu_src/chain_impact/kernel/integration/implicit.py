@@ -6,7 +6,7 @@ out of it, as the method keeps its order with any A.
 
 As the links turn, a stage's coordinates leave the wall's tangent by ½ h² J̇ẏ. That is little, but soon more
 than the penetration of a stiff wall. So the clearances g of the active contacts and their rates are
-integrated beside y, z = (y, g, ġ), with g̈ the acceleration of the point along the normal. The forces are
+integrated beside y, z = (y, g, ġ, p), with g̈ the acceleration of the point along the normal. The forces are
 those at g and ġ, in which the fast motions are linear but for the law of force.
 
 Damped joints make the equations stiff, too, and need nothing beside y: their moments −C v are linear in it,
@@ -41,6 +41,7 @@ from chain_impact.kernel.integration import ros34pw2
 from chain_impact.kernel.integration.combination import combination
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.errors import scaled_error
+from chain_impact.kernel.integration.impulse import followed
 from chain_impact.kernel.integration.method import Method
 from chain_impact.kernel.model.compliance import give_way, give_way_damped, stiffen, stiffen_damped
 from chain_impact.kernel.model.contact import apply_contact, clear_loads, contact_slopes
@@ -125,6 +126,8 @@ def linearize(d):
         c = d.touch.active_index[k]
         d.implicit.stiffness[k], d.implicit.damping[k] = contact_slopes(d, c)
         z[gap_at(d, k)], z[rate_at(d, k)] = clearance(d, c)
+        z[impulse_at(d, k)] = d.impulse.state_end[k]
+        rate[impulse_at(d, k)] = d.touch.force_end[c]
     clearance_rates(d, z, rate)
 
 
@@ -136,6 +139,11 @@ def gap_at(d, k):
 def rate_at(d, k):
     """Where the rate of that clearance stands in z."""
     return gap_at(d, d.touch.active_count + k)
+
+
+def impulse_at(d, k):
+    """Where the impulse of that contact stands in z."""
+    return gap_at(d, 2 * d.touch.active_count + k)
 
 
 def clearance_rates(d, z, rate):
@@ -151,7 +159,9 @@ def extended_rate(d, z, rate):
     clear_loads(d)
     dissipated = 0.0
     for k in range(d.touch.active_count):
-        dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
+        c = d.touch.active_index[k]
+        dissipated += apply_contact(d, c, z[gap_at(d, k)], z[rate_at(d, k)])
+        rate[impulse_at(d, k)] = d.touch.force[c]
     loaded_rate(d, z, dissipated, rate)  # … and of u and time, in whose place are clearances here
     accelerate_points(d, z, rate)
     clearance_rates(d, z, rate)
@@ -200,6 +210,8 @@ def solve_stiff(d, shift, r, x):
     for k in range(d.touch.active_count):
         x[rate_at(d, k)] = r[rate_at(d, k)] - own.normal[k]
         x[gap_at(d, k)] = r[gap_at(d, k)] + shift * x[rate_at(d, k)]
+        slope = own.stiffness[k] * x[gap_at(d, k)] + own.damping[k] * x[rate_at(d, k)]
+        x[impulse_at(d, k)] = r[impulse_at(d, k)] - shift * slope
     for j in range(dissipated_at(n), root_at(n)):
         x[j] = r[j]
 
@@ -214,7 +226,7 @@ def attempt(d, h):
         The error relative to the tolerance: at most 1 for a step to accept; not finite when f was not.
     """
     work, active = d.work, d.touch.active_count
-    length = gap_at(d, 2 * active)
+    length = gap_at(d, 3 * active)
     factorize_stiff(d, h * GAMMA)
     _step(d, d.implicit.start[:length], d.implicit.z[:length], h)
     # the columns of the Jacobian count as evaluations
@@ -225,6 +237,7 @@ def attempt(d, h):
     work.y[root_at(d.links)], work.y[time_at(d.links)] = 1.0, h
     for k in range(active):
         d.touch.gap_error[k] = d.implicit.stage[ERROR, gap_at(d, k)]
+        d.impulse.tried[k] = d.implicit.z[impulse_at(d, k)]
     locate_points(d, work.y)
     apart, change = largest_mismatch(d), d.implicit.stage[RIGHT, : coordinate_count(d.links)]
     for derivative in range(2):
@@ -281,6 +294,19 @@ def finish(d, h):
             dense[2, j] -= h * cube * stages[i, j]
     for j in range(len(d.work.y)):
         dense[0, j] = d.step.state_end[j] - d.step.state[j]
+    for k in range(followed(d)):
+        keep_impulse(d, h, k)
+
+
+def keep_impulse(d, h, k):
+    """Keep a dense output of the k-th impulse, as of the state."""
+    dense, at = d.impulse.dense, impulse_at(d, k)
+    for m in range(len(dense)):
+        dense[m, k] = 0.0
+    for i, (_, square, cube) in _DENSE:
+        dense[1, k] -= h * (square + cube) * d.implicit.stage[i, at]
+        dense[2, k] -= h * cube * d.implicit.stage[i, at]
+    dense[0, k] = d.impulse.state_end[k] - d.impulse.state[k]
 
 
 def dense_output(d, _h):

@@ -9,6 +9,14 @@ at its end belongs to the step that follows (advance.py).
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, place_points
 from chain_impact.kernel.chain.state import omega_at, root_at, time_at
 from chain_impact.kernel.integration.dense import fraction, interpolate
+from chain_impact.kernel.integration.impulse import (
+    append_impulses,
+    cut_impulses,
+    followed,
+    keep_forces,
+    stand_impulses,
+    take_back_impulses,
+)
 from chain_impact.kernel.integration.methods import DENSE_EVALUATIONS, RATE_AT_END, dense_output, finish
 from chain_impact.kernel.integration.sundman import NO_CONTACT, lone_contact, time_rate_now
 from chain_impact.kernel.model.constraints import holding, meet_walls
@@ -18,7 +26,7 @@ NOBODY, OUTPUTS, SOLVER = 0, 1, 2  # step.dense_for: who has had the dense outpu
 
 
 def stand(d, time, y):
-    """Stand at ``time`` [s] in state y, with a last step of no length."""
+    """Stand at ``time`` [s] in state y, with a last step of no length, and the impulses as last settled."""
     step = d.step
     for j in range(len(step.state)):
         step.state[j] = y[j]
@@ -29,6 +37,7 @@ def stand(d, time, y):
         step.state_end[j] = step.state[j]
     step.time, step.start, step.end = time, time, time
     step.size = 1.0
+    stand_impulses(d)
     step.regularized = NO_CONTACT
     step.dense_for = SOLVER
     break_off(d)
@@ -38,10 +47,13 @@ def accept(d, h):
     """Append the step of size h that was tried, with the state in ``work.y``, to the last one."""
     if holding(d):
         meet_walls(d, d.work.y)
+        for k in range(followed(d)):
+            d.impulse.tried[k] += d.rigid.impulse[k]
     step, y = d.step, d.work.y
     for j in range(len(step.state)):
         step.state[j] = step.state_end[j]
         step.state_end[j] = y[j]
+    append_impulses(d)
     step.start = step.end
     step.size = h
     step.end = step.start + y[time_at(d.links)]
@@ -60,6 +72,7 @@ def take_back(d):
     step.end = step.start
     for j in range(len(step.state)):
         step.state_end[j] = step.state[j]
+    take_back_impulses(d)
     break_off(d)
 
 
@@ -68,6 +81,7 @@ def cut(d, theta):
     step = d.step
     complete(d, SOLVER)
     interpolate(step, theta, step.state_end)
+    cut_impulses(d, theta)
     step.end = step.start + step.state_end[time_at(d.links)]
     break_off(d)
 
@@ -75,8 +89,10 @@ def cut(d, theta):
 def cut_now(d):
     """End the last step at the communication point."""
     step = d.step
-    complete(d, SOLVER)
-    interpolate(step, fraction(d, step.time), step.state_end)
+    complete(d, OUTPUTS)
+    theta = fraction(d, step.time)
+    interpolate(step, theta, step.state_end)
+    cut_impulses(d, theta)
     step.end = step.time
     break_off(d)
 
@@ -120,6 +136,7 @@ def find_rate(d, located):
         if not located:
             locate_points(d, y)
         located_rate(d, y, rate)
+        keep_forces(d)
     else:
         state_rate(d, y, rate)
     if d.candidates > 0:

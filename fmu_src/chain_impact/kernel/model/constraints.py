@@ -186,6 +186,7 @@ def hold(d, y, rate):
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         own.least[c] = min(own.least[c], own.impulse[k])
+        d.touch.force[c] = own.impulse[k]
 
 
 def meet_walls(d, y):

@@ -13,6 +13,7 @@ from chain_impact.kernel.model.contact_force import (
     law_slopes,
 )
 from chain_impact.kernel.model.geometry import add_along_normal, clearance
+from chain_impact.kernel.model.latest import list_impact
 
 
 def contact_force(d, c, gap, gap_rate):
@@ -26,6 +27,7 @@ def contact_force(d, c, gap, gap_rate):
 def apply_contact(d, c, gap, gap_rate):
     """Add the force of an active candidate to the load on its point; return the dissipated power [W]."""
     force, power = contact_force(d, c, gap, gap_rate)
+    d.touch.force[c] = force
     add_along_normal(d, c, d.work.load, force)
     return power
 
@@ -64,6 +66,7 @@ def latch(d, c):
     touch.impact_speed[c] = max(-gap_rate, d.contact.minimum_impact_speed)
     touch.speed[c] = -gap_rate
     touch.force_rate[c] = 1.0  # rising
+    touch.force_end[c] = 0.0
     touch.peak_force[c] = 0.0
     touch.max_penetration[c] = 0.0
     touch.effective_mass[c] = effective_mass(d, c)
@@ -77,6 +80,8 @@ def latch(d, c):
     d.impact.last_point = d.candidate.point[c]
     d.impact.last_wall = d.candidate.wall[c] + 1
     d.impact.last_speed = touch.onset_speed[c]
+    d.impulse.onset[c] = d.impulse.total[c]
+    list_impact(d, c)
 
 
 def list_touching(d):

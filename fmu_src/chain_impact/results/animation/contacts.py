@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -26,12 +27,12 @@ class Contact:
         point: 0…N.
         wall: its name.
         onset: [s].
-        end: [s]; of one that lasts, the end of the recording.
+        end: [s]; of one that lasts, the end of the recording; the onset, if it is unknown.
         impact_end: as ``end``, but when the chain stays at the wall, about the end of the impact before [s].
         speed: normal approach speed [m/s]; None for a contact whose impact is not listed.
-        peak_force: the largest force in the rows [N]; None where no row has one: between rigid walls, or when
-            the rows are too far apart.
-        resolved: whether there are enough rows in it for ``peak_force`` to be the peak.
+        peak_force: the largest force [N], of an impact that does not say it that in the rows; None where there
+            is none: between rigid walls, or when the rows are too far apart.
+        resolved: whether ``peak_force`` is the peak, not the largest of a few rows.
     """
 
     point: int
@@ -64,6 +65,9 @@ def contacts(recording: Recording) -> list[Contact]:
                 left.remove(impact)
             onset = impact.time if impact else float(before)
             end = float(time[min(last + 1, len(time) - 1)])
+            if impact and impact.end > onset:
+                end = impact.end
+            known = impact is not None and math.isfinite(impact.peak_force)
             peak_time = float(time[first + np.argmax(force[first : last + 1])])
             found.append(
                 Contact(
@@ -73,11 +77,18 @@ def contacts(recording: Recording) -> list[Contact]:
                     end=end,
                     impact_end=min(end, onset + AFTER_PEAK * (peak_time - onset)),
                     speed=impact.speed if impact else None,
-                    peak_force=float(force[first : last + 1].max()),
-                    resolved=last - first + 1 >= RESOLVED,
+                    peak_force=impact.peak_force
+                    if impact and known
+                    else float(force[first : last + 1].max()),
+                    resolved=known or last - first + 1 >= RESOLVED,
                 )
             )
-    found += [Contact(i.point, i.wall, i.time, i.time, i.time, i.speed, None, False) for i in left]
+    for impact in left:  # between two rows, or of rigid walls
+        end = max(impact.time, impact.end) if math.isfinite(impact.end) else impact.time
+        peak = impact.peak_force if math.isfinite(impact.peak_force) else None
+        found.append(
+            Contact(impact.point, impact.wall, impact.time, end, end, impact.speed, peak, peak is not None)
+        )
     return sorted(found, key=lambda contact: contact.onset)
 
 

@@ -1,0 +1,79 @@
+"""The table of impacts, from what any importer has recorded of an FMU."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import count as naturals
+from typing import Any
+
+import numpy as np
+
+from chain_impact.results.result import IMPACT_DTYPE, Result
+
+COLUMNS = {
+    "point": "point",
+    "wall": "wall",
+    "onset": "time",
+    "end": "end",
+    "impact_speed": "speed",
+    "separation_speed": "separation_speed",
+    "peak_force": "peak_force",
+    "max_penetration": "max_penetration",
+    "impulse": "impulse",
+}
+"""Field of the table → last part of the FMU's variable."""
+
+
+def impacts_of(record: Result | Mapping[str, Any] | np.ndarray | Any) -> np.ndarray:
+    """Rebuild the table of impacts from a record of the FMU's outputs over time.
+
+    An FMU shows the latest impacts at each communication point: `impact[1].time` and so on. If there are
+    never more new ones in a communication step than it shows (`[outputs] impacts` of the scene), none is
+    missing, whatever the step; else `impact.count` at the end is larger than the number of rows.
+
+    Args:
+        record: what has a column of values over time under each name, of shape (T,): a mapping, a
+            structured array such as fmpy returns, or a data frame. The columns are `time`, `impact.count`
+            and those of `impact[j]`, j = 1 … M. A `Result` is taken as well.
+
+    Returns:
+        A structured array as `Result.impacts`, in order of onset, see `IMPACT_DTYPE`. The FMU does not tell
+        the effective mass, which is NaN. So are the end and the separation speed of a contact that lasted
+        when it was last shown.
+
+    Raises:
+        ValueError: when a column is missing.
+    """
+    if isinstance(record, Result):
+        return record.impacts
+    time, counts = _column(record, "time"), _column(record, "impact.count").astype(np.int64)
+    shown = next(j for j in naturals(1) if f"impact[{j}].time" not in names_of(record)) - 1
+    if shown == 0:
+        raise ValueError("there is no column impact[1].time: the scene has outputs.impacts = 0")
+    number = np.arange(1, counts[-1] + 1)
+    # the last row that shows each impact
+    row = np.searchsorted(counts, number + shown - 1, side="right") - 1
+    seen = counts[row] >= number
+    number, row = number[seen], row[seen]
+    table = np.zeros(len(number), IMPACT_DTYPE)
+    table["effective_mass"] = np.nan
+    for field, name in COLUMNS.items():
+        columns = np.array([_column(record, f"impact[{j}].{name}") for j in range(1, shown + 1)])
+        table[field] = columns[counts[row] - number, row]
+    table["wall"] -= 1
+    lasting = (table["end"] == time[row]) & (table["end"] > table["onset"])
+    for field in ("end", "separation_speed"):
+        table[field][lasting] = np.nan
+    return np.sort(table, order=["onset", "point", "wall"])
+
+
+def names_of(record: Any) -> Any:
+    """The names of the columns."""
+    dtype = getattr(record, "dtype", None)
+    return dtype.names if dtype is not None and dtype.names else record.keys()
+
+
+def _column(record: Any, name: str) -> np.ndarray:
+    if name not in names_of(record):
+        raise ValueError(f"the record has no column {name}")
+    return np.asarray(record[name])

@@ -1,0 +1,73 @@
+"""What a variable of the FMU is, and its unit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from chain_impact.limits import allowed
+from chain_impact.names import Place
+
+OBSERVED = ("output", "latest")
+"""Records that the kernel fills when somebody looks: their real numbers may change all the time."""
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """One choice of an enumeration; its number is its position, counted from 1."""
+
+    name: str
+    description: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Variable:
+    """One variable of the FMU.
+
+    Attributes:
+        name: structured name, as in FMI 2.0, section 2.2.9.
+        type: ``real``, ``integer`` or ``enumeration``.
+        causality: ``parameter``, ``input`` or ``output``.
+        variability: ``fixed``, ``tunable``, ``discrete`` or ``continuous``.
+        unit: name of the unit, a key of ``UNITS``; "" unless real.
+        description: one line.
+        place: path into the instance record, ``("model", "length", 2)`` for one.
+        scene_path: path of a parameter into the scene file, for ``scene.with_values``; None for all others.
+        minimum: value >= minimum, if any.
+        above: value > above, if any.
+        maximum: value <= maximum, if any.
+        items: choices of an enumeration.
+    """
+
+    name: str
+    type: str
+    causality: str
+    variability: str
+    unit: str
+    description: str
+    place: Place
+    scene_path: Place | None = None
+    minimum: float | None = None
+    above: float | None = None
+    maximum: float | None = None
+    items: tuple[Item, ...] = ()
+
+    @property
+    def initial(self) -> str | None:
+        """How the start value comes about; an input has, by the rules of FMI 2.0, no such attribute."""
+        return {"parameter": "exact", "input": None, "output": "calculated"}[self.causality]
+
+    @property
+    def feedthrough(self) -> bool:
+        """Whether an input acts at once, without passing through a state.
+
+        True of accelerations, and of forces and their peaks: those of rigid walls hold against a torque.
+        """
+        return str(self.place[1]).endswith(("acceleration", "force"))
+
+    @property
+    def allowed(self) -> str:
+        """What a value may be, in words: "a finite number > 0 [m]"."""
+        if self.items:
+            return "one of " + ", ".join(f"{n} ({item.name})" for n, item in enumerate(self.items, 1))
+        limits = {"minimum": self.minimum, "above": self.above, "maximum": self.maximum}
+        return allowed(float, {"choices": None, "unit": self.unit, **limits})
