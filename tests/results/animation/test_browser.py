@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 from playwright.sync_api import sync_playwright
 
-from chain_impact import load_scene
+from chain_impact import load_scene, simulate
 from chain_impact.results.animation import animate
 from chain_impact.results.recording import Recording
 from chain_impact.studies.slow_motion import record_slowly
@@ -130,6 +130,18 @@ def test_positions_alone_make_a_page(show, tmp_path):
     assert time_of(page) == 0.0
     assert page.locator("h2:visible").all_inner_texts() == ["Impacts"]
     assert page.inner_text("#impacts") == "none"
+
+
+def test_impacts_between_two_rows_are_in_the_list(show, tmp_path):
+    coarse = simulate(load_scene("four_link_box"), output_step=5e-3)
+    coarse.animate(tmp_path / "coarse.html")
+    page = show(address=(tmp_path / "coarse.html").as_uri())
+    page.keyboard.press("Shift+ArrowRight")
+    time_of(page)
+    assert page.locator("#impacts tbody tr").count() == 14
+    assert f"{coarse.impacts['peak_force'][0] / 1e3:.1f}\u202fkN" in page.inner_text(
+        "#impacts tr[aria-current]"
+    )
 
 
 # --- jumping ---------------------------------------------------------------------------------------------

@@ -30,6 +30,19 @@ def test_an_impact_between_two_rows_is_there_without_a_force():
     assert (found.onset, found.end, found.peak_force, found.resolved) == (0.203, 0.203, None, False)
 
 
+def test_what_an_impact_tells_of_its_contact_is_taken():
+    told = Impact(0.203, 1, "y_min", 3.0, end=0.2217, peak_force=12.5)
+    for force in (pulse(0.203, 0.215), 0.0 * TIME):  # with a row in it and without
+        (found,) = contacts(recording(force, [told]))
+        assert (found.onset, found.end, found.peak_force, found.resolved) == (0.203, 0.2217, 12.5, True)
+
+
+def test_a_bounce_of_rigid_walls_has_no_peak():
+    told = Impact(0.203, 1, "y_min", 3.0, end=0.203, peak_force=np.inf)
+    (found,) = contacts(recording(0.0 * TIME, [told]))
+    assert (found.end, found.peak_force, found.resolved) == (0.203, None, False)
+
+
 def test_a_few_rows_do_not_resolve_a_peak():
     (found,) = contacts(recording(pulse(0.2, 0.225), [Impact(0.205, 1, "y_min", 3.0)]))
     assert not found.resolved

@@ -30,8 +30,8 @@ class Contact:
         end: [s]; of one that lasts, the end of the recording; the onset, if it is unknown.
         impact_end: as ``end``, but when the chain stays at the wall, about the end of the impact before [s].
         speed: normal approach speed [m/s]; None for a contact whose impact is not listed.
-        peak_force: the largest force [N], of an impact that does not say it that in the rows; None where there
-            is none: between rigid walls, or when the rows are too far apart.
+        peak_force: the largest force [N], as the impact tells it, else in the rows; None where there is none:
+            between rigid walls, or when the rows are too far apart.
         resolved: whether ``peak_force`` is the peak, not the largest of a few rows.
     """
 

@@ -165,9 +165,8 @@ export class ForceChart extends Chart {
 
   /** The contact that is to be shown: the latest, or the next when that is nearer. */
   #latest(now) {
-    const forceful = this.recording.contacts.filter(({ peak }) => peak !== null);
     const distance = ({ onset, end }) => Math.max(onset - now, now - end, 0);
-    return forceful.reduce((best, one) => (!best || distance(one) <= distance(best) ? one : best), null);
+    return this.recording.forceful.reduce((best, one) => (!best || distance(one) <= distance(best) ? one : best), null);
   }
 
   #show(contact) {

@@ -27,7 +27,7 @@ function addPart(isThere, panel, make) {
 }
 addPart(Object.keys(recording.energies).length > 0, "energy", () =>
   new EnergyChart(element("energy"), element("ledger"), recording, (time) => clock.seek(time)));
-addPart(recording.contacts.some(({ peak }) => peak !== null), "force", () =>
+addPart(recording.forceful.length > 0, "force", () =>
   new ForceChart(element("force"), recording, element("close-what")));
 parts.push(new ImpactList(element("impacts"), recording, goTo));
 

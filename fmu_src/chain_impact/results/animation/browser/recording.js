@@ -41,6 +41,9 @@ export class Recording {
     );
     this.forces = packed.forces.map((force) => this.#wholeForce(force));
     this.impacts = packed.contacts.filter((contact) => contact.speed !== null);
+    // those with a force in some frame; others are between two rows, or at rigid walls
+    this.forceful = packed.contacts.filter(({ point, wall, peak }) =>
+      peak !== null && this.forces.some((force) => force.point === point && force.wall === wall));
     this.onsets = this.impacts.map((impact) => impact.onset);
   }
 
