@@ -6,6 +6,7 @@ from chain_impact.extras import MissingExtraError
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.laws.registry import ContactLaw
 from chain_impact.reading import SceneError, UnknownNameError
+from chain_impact.results.animation import AnimationError, animate
 from chain_impact.results.impacts import impacts_of
 from chain_impact.results.recording import Recording
 from chain_impact.results.result import IMPACT_DTYPE, Result
@@ -17,12 +18,14 @@ from chain_impact.simulate import simulate, with_law
 from chain_impact.stepping import Chain
 from chain_impact.stiffness import sphere_plane_stiffness
 from chain_impact.studies.compare import Comparison, LawRun, compare
+from chain_impact.studies.slow_motion import record_slowly
 from chain_impact.studies.sweep.sweep import sweep
 from chain_impact.studies.sweep.table import Sweep
 
 __all__ = [
     "CONTACT_LAWS",
     "IMPACT_DTYPE",
+    "AnimationError",
     "BuildError",
     "Chain",
     "Comparison",
@@ -38,6 +41,7 @@ __all__ = [
     "SimulationError",
     "Sweep",
     "UnknownNameError",
+    "animate",
     "build_fmu",
     "compare",
     "impacts_of",
@@ -45,6 +49,7 @@ __all__ = [
     "model_names",
     "parse_scene",
     "record_fmu",
+    "record_slowly",
     "simulate",
     "sphere_plane_stiffness",
     "sweep",
