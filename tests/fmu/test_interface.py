@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chain_impact.compilation.compilers import INTERFACE, ZIG_TARGETS, interface_sources
+from chain_impact.compilation.compilers import INCLUDES, ZIG_TARGETS, interface_sources
 from tests.fmu.interface import (
     CO_SIMULATION,
     DISCARD,
@@ -33,13 +33,13 @@ from tests.fmu.zig import WARNINGS, zig
 # --- 2.1.1 to 2.1.4: header files ------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("headers", [INTERFACE, HEADERS], ids=["own header", "standard's headers"])
+@pytest.mark.parametrize("headers", [(), (HEADERS,)], ids=["own headers", "standard's headers"])
 @pytest.mark.parametrize("platform", ZIG_TARGETS)
 def test_it_compiles_without_a_warning(headers, platform, tmp_path):
     """With the standard's own headers, too: so each function has the type that the standard gives it."""
     target, _ = ZIG_TARGETS[platform]
     for source in interface_sources():
-        options = ["-target", target, *WARNINGS, "-I", headers, "-I", INTERFACE]
+        options = ["-target", target, *WARNINGS, *(f"-I{folder}" for folder in (*headers, *INCLUDES))]
         zig(tmp_path, *options, "-c", source, "-o", tmp_path / f"{source.stem}.o")
 
 
@@ -121,7 +121,7 @@ def test_what_cannot_be_instantiated_is_refused_in_one_sentence(native, run):
         "empty name": "the instance has no name",
         "blank name": "the instance has no name",
         "model exchange": "this FMU is for co-simulation, not for model exchange",
-        "another guid": "the GUID {8c4e810f-3df3-4a00-8276-176fa3c9f9e0} is not that of this FMU",
+        "another guid": "fmuGUID {8c4e810f-3df3-4a00-8276-176fa3c9f9e0} is not that of this FMU",
         "no guid": "the argument fmuGUID is a null pointer",
         "no folder": "the argument fmuResourceLocation is a null pointer",
         "empty folder": "fmuResourceLocation  is no URI of a folder",
