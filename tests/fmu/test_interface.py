@@ -220,8 +220,8 @@ def logging(fmu):
     }
 
 
-def test_only_what_is_wanted_is_logged(native, run):
-    found = run(logging, native["rod_drop"])
+def test_only_what_is_wanted_is_logged(all_fmus, run):
+    found = run(logging, all_fmus["native"]["rod_drop"])
     count = {case: after for case, (_, _, after) in found.items()}
     assert count == {
         "on": 1, "off": 0, "switched off": 0, "switched on": 1, "this category": 1, "another category": 0,
@@ -229,6 +229,10 @@ def test_only_what_is_wanted_is_logged(native, run):
     }  # fmt: skip
     assert found["unknown"][:2] == [[ERROR], ["fmi2SetDebugLogging: there is no category logEvents"]]
     assert found["null"][:2] == [[ERROR], ["fmi2SetDebugLogging: there is no category NULL"]]
+    # FMI 3.0 wants an error to be logged in any case
+    found_3 = run(logging, all_fmus["fmi3"]["rod_drop"])
+    assert {case: after for case, (_, _, after) in found_3.items()} == dict.fromkeys(found, 1)
+    assert [found_3[case][:2] for case in found] == [found[case][:2] for case in found]
 
 
 def null_pointers(fmu):
