@@ -1,7 +1,7 @@
-"""An FMU for FMI 3.0 behind the functions of FMI 2.0, so that the tests of those hold it against the same rules.
+"""An FMU for FMI 3.0 behind the functions of FMI 2.0: the tests of those hold it against the same rules.
 
-For interface.py the C functions, for importer.py fmpy's object. Names in messages are given back, too. What only
-FMI 3.0 has is tested in test_fmi3.py.
+For interface.py the C functions, for importer.py fmpy's object. Names in messages are given back, too. What
+only FMI 3.0 has is tested in test_fmi3.py.
 """
 
 from __future__ import annotations
@@ -96,8 +96,9 @@ class Functions:
         places = map(ctypes.byref, (needed, ended, early, reached))
         status = self.library.fmi3DoStep(one, time, size, c_bool(True), *places)
         if status == 0:
-            assert not (needed or ended or early)
-            assert abs(reached.value - (time.value + size.value)) <= 1e-9 * size.value + 1e-12 * abs(time.value)
+            assert [needed.value, ended.value, early.value] == [False] * 3
+            slack = 1e-9 * size.value + 1e-12 * abs(time.value)
+            assert abs(reached.value - (time.value + size.value)) <= slack
         return status
 
 
@@ -108,9 +109,11 @@ def slave(log: Callable[[str], None], **arguments: Any) -> Any:
     class Slave(FMU3Slave):
         def instantiate(self, loggingOn: bool = False, **_: Any) -> None:
             self.experiment: dict[str, Any] = {}
-            super().instantiate(
-                loggingOn=loggingOn, logMessage=lambda _env, _status, _category, text: log(given_back(text.decode()))
-            )
+
+            def log_message(_environment: Any, _status: int, _category: bytes, text: bytes) -> None:
+                log(given_back(text.decode()))
+
+            super().instantiate(loggingOn=loggingOn, logMessage=log_message)
 
         def setupExperiment(self, **experiment: Any) -> None:
             self.experiment = experiment

@@ -217,7 +217,8 @@ def test_documents(fmus, target, model):
     with zipfile.ZipFile(fmus[model]) as fmu:
         page = fmu.read("documentation/index.html").decode()
         assert fmu.read("documentation/licenses/license.txt").startswith(b"MIT License")
-        picture = pyplot.imread(io.BytesIO(fmu.read("terminalsAndIcons/icon.png" if target == "fmi3" else "model.png")), "png")
+        name = "terminalsAndIcons/icon.png" if target == "fmi3" else "model.png"
+        picture = pyplot.imread(io.BytesIO(fmu.read(name)), "png")
     assert all(f"<td>{variable.name}</td>" in page for variable in fmu_variables(load_scene(model)))
     assert all(text in page for text in map(escape, STATUS_TEXT.values()))
     assert picture.shape == (128, 128, 3)
@@ -251,7 +252,7 @@ def test_an_unknown_target_is_refused(tmp_path):
 def test_versions_that_there_are_not_are_refused(tmp_path):
     with pytest.raises(BuildError, match=r"fmi = 1 must be one of 2, 3"):
         build_fmu("rod_drop", tmp_path, fmi=1)
-    with pytest.raises(BuildError, match=r"'pythonfmu' makes FMUs for FMI 2.0 only: FMI 3.0 needs target = 'native'"):
+    with pytest.raises(BuildError, match=r"makes FMUs for FMI 2\.0 only: FMI 3\.0 needs target = 'native'"):
         build_fmu("rod_drop", tmp_path, target="pythonfmu", fmi=3)
     assert not list(tmp_path.iterdir())
 

@@ -36,7 +36,8 @@ def fuzzer(request, tmp_path_factory):
         "-fsanitize=undefined",
         "-fno-sanitize-recover=undefined",
     ]
-    inputs = [*(f"-I{folder}" for folder in INCLUDES), source, *interface_sources(), kernel, f"-Wl,-rpath,{kernel.parent}", "-lm"]
+    headers = [f"-I{place}" for place in INCLUDES]
+    inputs = [*headers, source, *interface_sources(), kernel, f"-Wl,-rpath,{kernel.parent}", "-lm"]
     if request.param == "zig":
         zig(folder, *options, *inputs, "-o", program)
     else:

@@ -90,7 +90,8 @@ def rows(fmu, platform, folder, emulator=(), *, environment=None, path=str):
     target, suffix = ZIG_TARGETS[platform]
     program, place = folder / f"host-{platform}.exe", unpacked(fmu, folder / "fmu")
     libraries = ["-ldl"] if "linux" in target else []
-    zig(folder, "-target", target, *(f"-I{place}" for place in INCLUDES), HOST_PROGRAM, *libraries, "-o", program)
+    headers = [f"-I{place}" for place in INCLUDES]
+    zig(folder, "-target", target, *headers, HOST_PROGRAM, *libraries, "-o", program)
     root = description(fmu)
     references = {node.get("name"): node.get("valueReference") for node in root.iter("ScalarVariable")}
     location = "file://" + path(place / "resources").replace("\\", "/").replace("Z:", "/Z:")

@@ -16,9 +16,9 @@ OWNERS = {
     "link": ("angle", "angular_velocity", "angular_acceleration"),
     "contact": ("force", "penetration", "penetration_rate", "impulse"),
 }
-"""First part of the name → fields of the output record. Those of the latest impacts are impact.time and so on."""
+"""First part of the name → fields of the output record. Of the latest impacts: impact.time and so on."""
 NAMES = {
-    field: f"{owner}.{field.removeprefix(f'{owner}_')}" for owner, fields in OWNERS.items() for field in fields
+    field: f"{owner}.{field.removeprefix('point_')}" for owner, fields in OWNERS.items() for field in fields
 }
 
 
@@ -44,8 +44,9 @@ def array_variables(scene: Scene) -> list[Array]:
     """The arrays of the outputs that the scene asks for, in the order of their value references."""
     groups: dict[tuple[str | int, ...], list[Variable]] = {}
     for variable in output_variables(scene):
-        if len(variable.place) > 2:
-            groups.setdefault(variable.place[:2], []).append(variable)
+        record, field, *index = variable.place
+        if index:
+            groups.setdefault((record, field), []).append(variable)
     return [_array(elements) for elements in groups.values()]
 
 
@@ -54,5 +55,5 @@ def _array(elements: Sequence[Variable]) -> Array:
     indices = [variable.place[2:] for variable in elements]
     shape = tuple(1 + max(int(index[axis]) for index in indices) for axis in range(len(indices[0])))
     name = f"impact.{field}" if record == "latest" else NAMES[str(field)]
-    names = ", ".join(variable.name for variable in elements)
-    return Array(replace(elements[0], name=name, description=f"all of {names}"), shape)
+    text = f"{elements[0].name} to {elements[-1].name}" if len(elements) > 1 else elements[0].name
+    return Array(replace(elements[0], name=name, description=f"array of {text}"), shape)

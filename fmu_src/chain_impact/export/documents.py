@@ -28,8 +28,9 @@ STYLE = (
 )
 
 INTRODUCTION = (
-    "<p>A planar chain of rigid links that hits frictionless walls. FMI {version}, co-simulation. Quantities are "
-    "in SI units. The solver locates every impact: the results do not depend on the communication step.</p>",
+    "<p>A planar chain of rigid links that hits frictionless walls. FMI {version}, co-simulation. Quantities "
+    "are in SI units. The solver locates every impact: the results do not depend on the communication "
+    "step.</p>",
     "<p>Inputs are held constant over a communication step. Fixed parameters can be set until the end of "
     "initialization, tunable ones and inputs at any time. The state can be saved, restored and serialized. "
     "The tolerance that counts is the parameter solver.tolerance.</p>",
@@ -40,6 +41,8 @@ EVENTS = (
     "parameters can be changed before the impact takes effect, by fmi3UpdateDiscreteStates. The outputs are "
     "there as arrays, too, such as point.position.</p>"
 )
+FURTHER: dict[int, list[str]] = {2: [], 3: [EVENTS]}
+"""Version of FMI → what is to be said of it besides."""
 
 
 def documents(scene: Scene, fmi: int) -> dict[str, bytes]:
@@ -79,7 +82,7 @@ def page(scene: Scene, fmi: int) -> str:
     parts = [
         f"<h1>{escape(scene.name)}</h1><p>{escape(scene.description)}</p>",
         *(paragraph.format(version=f"{fmi}.0") for paragraph in INTRODUCTION),
-        *([EVENTS] if fmi == 3 else []),
+        *FURTHER[fmi],
         table("Parameters", ("name", "start", "unit", "variability", "allowed", "meaning"), settable),
         table("Inputs", ("name", "unit", "meaning"), inputs),
         table("Outputs", ("name", "unit", "variability", "meaning"), outputs),

@@ -41,16 +41,17 @@ def model_description(scene: Scene, tool: str) -> Element:
     ``tool`` is what has made the FMU.
     """
     variables = fmu_variables(scene)
-    root = Element("fmiModelDescription", {"fmiVersion": "3.0", "instantiationToken": "", **about(scene, tool)})
+    token = {"fmiVersion": "3.0", "instantiationToken": ""}
+    root = Element("fmiModelDescription", {**token, **about(scene, tool)})
     SubElement(root, "CoSimulation", {"modelIdentifier": scene.name, **CAPABILITIES})
     add_units(root, variables)
     types = SubElement(root, "TypeDefinitions")
     for name, attributes in quantities(variables).items():
-        SubElement(types, "Float64Type", name=name, **attributes)
+        SubElement(types, "Float64Type", {"name": name, **attributes})
     for variable in variables:
         if variable.items:
-            text = variable.description
-            add_items(SubElement(types, "EnumerationType", name=type_name(variable), description=text), variable)
+            name, text = type_name(variable), variable.description
+            add_items(SubElement(types, "EnumerationType", name=name, description=text), variable)
     add_categories_and_experiment(root, scene)
     _add_variables(root, variables, scene)
     _add_structure(root, variables, array_variables(scene))
@@ -58,7 +59,8 @@ def model_description(scene: Scene, tool: str) -> Element:
 
 
 def _add_variables(root: Element, variables: Sequence[Variable], scene: Scene) -> None:
-    nodes, values, arrays = SubElement(root, "ModelVariables"), values_of(variables, scene), array_variables(scene)
+    nodes, values = SubElement(root, "ModelVariables"), values_of(variables, scene)
+    arrays = array_variables(scene)
     references = {variable.place: reference for reference, variable in enumerate(variables)}
     first = len(variables) + 1
     of_arrays = {array.variable.place: reference for reference, array in enumerate(arrays, first)}
@@ -66,7 +68,8 @@ def _add_variables(root: Element, variables: Sequence[Variable], scene: Scene) -
     def add(variable: Variable, reference: int, value: dict[str, str], places: dict[Place, int]) -> Element:
         rate = rate_of(variable)
         derivative = {"derivative": str(places[rate])} if rate else {}
-        return SubElement(nodes, TYPES[variable.type], attributes_of(variable, reference) | value | derivative)
+        attributes = attributes_of(variable, reference) | value | derivative
+        return SubElement(nodes, TYPES[variable.type], attributes)
 
     for reference, (variable, value) in enumerate(zip(variables, values, strict=True)):
         add(variable, reference, value, references)

@@ -23,7 +23,7 @@ Files = Callable[[Scene, Mapping[str, Path], Path], dict[str, bytes]]
 
 
 class Target(NamedTuple):
-    """A kind of FMU: the platforms for which there is one, and what gathers its files for a version of FMI."""
+    """A kind of FMU: its platforms, and what gathers its files for each version of FMI."""
 
     platforms: Sequence[str]
     files: Mapping[int, Files]
@@ -35,8 +35,8 @@ TARGETS = {
         native_target.PLATFORMS, {2: native_target.native_files, 3: native_target.native_fmi3_files}
     ),
 }
-VERSIONS = (2, 3)
-"""Of FMI."""
+USUAL = {2: "pythonfmu", 3: "native"}
+"""Version of FMI → the target if none is asked for."""
 
 
 def build_fmu(
@@ -71,9 +71,9 @@ def build_fmu(
         BuildError: when the kernel cannot be compiled or the FMU is not valid.
     """
     scene = source if isinstance(source, Scene) else load_scene(source)
-    if fmi not in VERSIONS:
-        raise BuildError(f"fmi = {fmi!r} must be one of {', '.join(map(str, VERSIONS))}")
-    target = target or ("pythonfmu" if fmi == 2 else "native")
+    if fmi not in USUAL:
+        raise BuildError(f"fmi = {fmi!r} must be one of {', '.join(map(str, USUAL))}")
+    target = target or USUAL[fmi]
     if target not in TARGETS:
         raise BuildError(f"target = {target!r} must be one of {', '.join(TARGETS)}")
     if fmi not in TARGETS[target].files:

@@ -40,8 +40,7 @@ def native_files(scene: Scene, kernels: Mapping[str, Path], _scratch: Path) -> d
     description = fmi2_description.model_description(
         scene, TOOL.format(version("chain-impact")), canNotUseMemoryManagementFunctions="false"
     )
-    folders = dict(zip(PLATFORMS, PLATFORMS, strict=True))
-    return _files(scene, kernels, folders, description, "guid", [])
+    return _files(scene, kernels, description, "guid", [])
 
 
 def native_fmi3_files(scene: Scene, kernels: Mapping[str, Path], _scratch: Path) -> dict[str, bytes]:
@@ -53,20 +52,20 @@ def native_fmi3_files(scene: Scene, kernels: Mapping[str, Path], _scratch: Path)
         row = variable_row(array.variable, word_index(layout, array.variable.place))
         further.append((row, array.length))
     description = fmi3_description.model_description(scene, TOOL.format(version("chain-impact")))
-    return _files(scene, kernels, TUPLES, description, "instantiationToken", further)
+    kernels = {TUPLES[platform]: library for platform, library in kernels.items()}
+    return _files(scene, kernels, description, "instantiationToken", further)
 
 
 def _files(
     scene: Scene,
     kernels: Mapping[str, Path],
-    folders: Mapping[str, str],
     description: ElementTree.Element,
     token: str,
     further: list[tuple[list[Any], int]],
 ) -> dict[str, bytes]:
-    """The files: those of a description, whose attribute ``token`` is set, and of a table with further rows."""
+    """The files of a description, whose attribute ``token`` is set, and of a table with further rows."""
     files = {
-        f"binaries/{folders[platform]}/{scene.name}{library.suffix}": library.read_bytes()
+        f"binaries/{platform}/{scene.name}{library.suffix}": library.read_bytes()
         for platform, library in sorted(kernels.items())
     }
     model, record = {**model_table(scene), "guid": ""}, new_instance(scene).tobytes()

@@ -81,7 +81,7 @@ def advance(d, time, room, work):
 
 
 def advance_to_onset(d, time):
-    """As ``advance``, without bounds, but only to the first onset on the way, which has not taken effect then.
+    """As ``advance``, without bounds, but only to the first onset on the way, which then is still to come.
 
     An onset at the present time counts if it was not known before: a point may start at a wall.
 
