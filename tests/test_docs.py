@@ -81,7 +81,7 @@ def test_links_lead_to_files(page):
 def folder(tmp_path_factory):
     """A folder with build/FourLinkBox.fmu, as the README's first command leaves it, and a native one."""
     folder = tmp_path_factory.mktemp("reader")
-    for arguments in ((), ("--target", "native", "-o", "build/native")):
+    for arguments in ((), ("--target", "native", "-o", "build/native"), ("--fmi", "3", "-o", "build/fmi3")):
         assert run(folder, "-m", "chain_impact.cli", "build", *arguments) == 0
     return folder
 

@@ -1,4 +1,4 @@
-"""No importer loses an impact: the list that each makes of what it sees, at any step, is that of simulate()."""
+"""No importer loses an impact: what each sees of them, at any step, is the list of simulate()."""
 
 import subprocess
 
