@@ -1,4 +1,4 @@
-"""What every benchmark shares: interleaved timing, the record of a run, the look of the charts."""
+"""What every benchmark shares: interleaved timing, the record of a run, its charts."""
 
 from __future__ import annotations
 
@@ -22,19 +22,8 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 ROOT = Path(__file__).parents[1]
 RESULTS = Path(__file__).parent / "results"
 IMAGES = ROOT / "docs" / "images"
+DPI = 140  # of the charts
 PACKAGES = ("numpy", "numba", "llvmlite", "scipy", "ziglang", "fmpy", "pythonfmu")
-STYLE = {
-    "font.size": 10,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "0.9",
-    "grid.linewidth": 0.6,
-    "axes.axisbelow": True,
-    "legend.frameon": False,
-}
-OURS = "#c1272d"
-
 Timings = dict[str, list[float]]
 """CPU seconds per call of each contender, one number for each round."""
 
@@ -129,13 +118,14 @@ def picture(
 ) -> None:
     """Draw docs/images/bench_<name>.png from <record or name>.json: ``draw(figure, record)``."""
     import matplotlib as mpl
+    from looks import STYLE
     from matplotlib.figure import Figure
 
     with mpl.rc_context(STYLE):
-        page = Figure(figsize=size, layout="constrained")
+        page = Figure(figsize=size, dpi=DPI, layout="constrained")
         draw(page, load(record or name))
         path = IMAGES / f"bench_{name}.png"
-        page.savefig(path, dpi=120)
+        page.savefig(path, dpi="figure")
     print(f"wrote {path.relative_to(ROOT)}")
 
 

@@ -16,6 +16,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
+from looks import BLUE, OURS, headline, number
 from matplotlib import colormaps
 from matplotlib.ticker import LogLocator
 from peers.ours import Kernel
@@ -94,15 +95,15 @@ def measure(rounds: int) -> list[dict]:
     rows = []
     for stop in PROBLEM.times:
         contenders = {}
-        for number, (about, scene) in enumerate(choices()):
+        for place, (about, scene) in enumerate(choices()):
             try:
                 kernel = Kernel(scene, stop)
                 row = {**about, "stop": stop, **judge(kernel.outcome(), expected, stop)}
             except (AssertionError, SceneError) as error:
                 rows.append({**about, "stop": stop, "failed": str(error)})
                 continue
-            rows.append({**row, "first impact": first_impact(scene, truth), "number": number})
-            contenders[str(number)] = kernel.run
+            rows.append({**row, "first impact": first_impact(scene, truth), "number": place})
+            contenders[str(place)] = kernel.run
         timings = common.interleave(contenders, rounds, SPAN)
         for row in rows:
             if row["stop"] == stop and "number" in row:
@@ -115,6 +116,9 @@ def measure(rounds: int) -> list[dict]:
             cost = f"{row['rhs']:5} rhs {1e6 * row['seconds']:5.0f} µs"
             print(f"{about} {cost}  error {row['error']:.1e}{seen}", flush=True)
     return rows
+
+
+SIZE = (10.5, 7.6)  # inches, of the chart
 
 
 def draw(page: Any, record: dict) -> None:
@@ -133,7 +137,19 @@ def draw(page: Any, record: dict) -> None:
             axes.minorticks_off()
     for axes in panels[:, 0]:
         axes.set_ylabel("error of the final state (m, rad, m/s, rad/s)")
-    page.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside right upper", fontsize=9)
+    rows = [row for row in record["results"] if row["stop"] == PROBLEM.times[0] and "seconds" in row]
+    right = min((r for r in rows if (r["choice"], r["stiffness"]) == (GRID, STEEL)), key=lambda r: r["error"])
+    wrong = min(
+        r["error"] for r in rows if r["choice"] == "law" or (r["choice"] == GRID and r["stiffness"] != STEEL)
+    )
+    headline(
+        page,
+        f"Another law or stiffness errs by {number(wrong, 1)} or more, the solver by "
+        f"{number(right['error'], 1)} in {1e3 * right['seconds']:.1g} ms",
+        f"{PROBLEM.title}  ·  the right model: zhang_sharf with the stiffness of steel  ·  errors to "
+        f"{PROBLEM.times[0]} s  ·  numbers at points: tolerances",
+    )
+    page.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside right center")
 
 
 def draw_stiffness(axes: Any, rows: list[dict], cost: Callable[[dict], float]) -> None:
@@ -141,11 +157,11 @@ def draw_stiffness(axes: Any, rows: list[dict], cost: Callable[[dict], float]) -
     shades = colormaps["viridis"](np.linspace(0.0, 0.9, len(STIFFNESSES)))
     for stiffness, shade in zip(STIFFNESSES, shades, strict=True):
         mine = [r for r in rows if (r["choice"], r["stiffness"]) == (GRID, stiffness)]
-        look = {"color": common.OURS if stiffness == STEEL else shade, "marker": "o", "markersize": 4}
+        look = {"color": OURS if stiffness == STEEL else shade, "marker": "o", "markersize": 4}
         name = f"K = {stiffness:.4g}" + (" (steel)" if stiffness == STEEL else "")
         axes.loglog([cost(r) for r in mine], [r["error"] for r in mine], label=name, **look)
         for row in mine[1::2] if stiffness == STEEL else ():
-            name_point(axes, f"1e{math.log10(row['tolerance']):.0f}", cost(row), row["error"], common.OURS)
+            name_point(axes, f"1e{math.log10(row['tolerance']):.0f}", cost(row), row["error"], OURS)
 
 
 def draw_laws(axes: Any, rows: list[dict], cost: Callable[[dict], float]) -> None:
@@ -158,7 +174,7 @@ def draw_laws(axes: Any, rows: list[dict], cost: Callable[[dict], float]) -> Non
         if row["error"] == min(one["error"] for one in laws) or cost(row) > 3 * usual:
             name_point(axes, row["law"], cost(row), row["error"], "black", right=cost(row) < 3 * usual)
     for row in (r for r in rows if r["law"] == RIGID):
-        axes.loglog(cost(row), row["error"], "b*", markersize=11, label=RIGID)
+        axes.loglog(cost(row), row["error"], "*", color=BLUE, markersize=11, label=RIGID)
 
 
 def name_point(axes: Any, text: str, x: float, y: float, colour: str, *, right: bool = True) -> None:
@@ -176,7 +192,7 @@ def main() -> None:
     rows = measure(rounds)
     settings = {"scene": PROBLEM.title, "stop [s]": PROBLEM.times, "rounds": rounds, "unknown": WRONG_BY}
     common.save("fidelity", started, settings, rows)
-    common.picture("fidelity", draw, (11.5, 8.0))
+    common.picture("fidelity", draw, SIZE)
 
 
 if __name__ == "__main__":

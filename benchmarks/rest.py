@@ -14,6 +14,7 @@ import time
 
 import numpy as np
 import rest_model
+from looks import BLUE, INK, OURS, headline, number
 
 from chain_impact.running import Instance
 from chain_impact.scene import Scene, load_scene, with_values
@@ -166,13 +167,16 @@ def table(results: list[dict]) -> str:
     return "\n".join(lines)
 
 
+SIZE = (10.5, 5.6)  # inches, of the chart
+
+
 def draw(page, record) -> None:
     """Time above, steps below; one column for each restitution."""
     looks = {
-        "ours": (common.OURS, "o", "-"),
-        CAREFUL: ("#1f77b4", "^", "-"),
-        USERS: ("#1f77b4", "s", ":"),
-        ADAMS: ("0.6", "v", "--"),
+        "ours": (OURS, "o", "-"),
+        CAREFUL: (BLUE, "^", "-"),
+        USERS: (BLUE, "s", ":"),
+        ADAMS: (INK, "v", "--"),
     }
     panels = page.subplots(2, len(RESTITUTIONS), sharex=True, sharey="row")
     for column, restitution in zip(panels.T, RESTITUTIONS, strict=True):
@@ -182,15 +186,27 @@ def draw(page, record) -> None:
             for name, (colour, marker, line) in looks.items():
                 # a run that did not finish has no place in the chart
                 values = [row[name][key] if row[name]["flag"] == 0 else np.nan for row in rows]
-                label = "ours, auto" if name == "ours" else f"CVODE {name}"
-                axes.loglog(stiffness, values, marker=marker, linestyle=line, color=colour, label=label)
+                strong = {"linewidth": 2.4} if name == "ours" else {"linewidth": 1.2}
+                label = "chain-impact" if name == "ours" else f"CVODE {name}"
+                look = {"marker": marker, "markersize": 4.5, "linestyle": line, "color": colour, **strong}
+                axes.loglog(stiffness, values, label=label, **look)
         column[0].set_title(f"e = {restitution:g}", fontsize=10)
+        column[1].set_xlabel("stiffness K [N/m$^{1.5}$]")
         column[1].set_xticks(STIFFNESSES)
         column[1].minorticks_off()
     panels[0, 0].set_ylabel("CPU time for 10 s [ms]")
     panels[1, 0].set_ylabel("accepted steps")
-    page.supxlabel("contact stiffness K [N/m$^{1.5}$]")
-    page.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=len(looks))
+    factors = [
+        row[CAREFUL]["time / ours"]["median"] for row in record["results"] if row[CAREFUL]["flag"] == 0
+    ]
+    settings = record["settings"]
+    headline(
+        page,
+        f"Coming to rest takes CVODE {min(factors):.2g} to {max(factors):.2g} times our time",
+        f"four_link_box for {settings['stop time']:g} s  ·  tolerance {number(settings['tolerance'])}  ·  "
+        f"factors: CVODE {CAREFUL}",
+    )
+    page.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=len(looks))
 
 
 def main() -> None:
@@ -210,7 +226,7 @@ def main() -> None:
     settings = {"stop time": STOP, "tolerance": TOLERANCE, "rounds": ROUNDS, "budget": BUDGET}
     settings |= {"careful": {"position error": rest_model.POSITION_ERROR, "margin": rest_model.MARGIN}}
     common.save("rest", started, settings, results)
-    common.picture("rest", draw, (12.5, 6.0))
+    common.picture("rest", draw, SIZE)
     print(table(results))
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import common  # isort: skip
 
 import numpy as np
+from looks import BLUE, INK, OURS, headline, names_at_ends
 from numba import njit
 from plain_chain import flight_rate, plain_chain, start
 from rhs_share import load
@@ -97,31 +98,40 @@ def measure(links: int) -> dict:
     return result
 
 
+SIZE = (10.5, 4.2)  # inches, of the chart
+
+
 def draw(page, record) -> None:
     """Cost on the left, cost for each link on the right."""
     rows = record["results"]
     links = np.array([row["links"] for row in rows])
     looks = {
-        "NumPy": ("0.45", "s", "NumPy: assemble M(q), solve"),
-        "plain arrays": ("#1f77b4", "^", "same recursion, plain arrays, numba"),
-        "ours": (common.OURS, "o", "chain-impact kernel"),
+        "NumPy": (INK, "s", "NumPy: assemble\nM(q), solve"),
+        "plain arrays": (BLUE, "^", "same recursion,\nplain arrays"),
+        "ours": (OURS, "o", "chain-impact"),
     }
     whole, each = page.subplots(1, 2)
+    ends = {whole: [], each: []}
     for name, (colour, marker, label) in looks.items():
         cost = np.array([row["nanoseconds"][name] for row in rows])
-        whole.loglog(links, cost, marker=marker, color=colour, label=label)
+        strong = {"linewidth": 2.4} if name == "ours" else {"linewidth": 1.2}
+        whole.loglog(links, cost, marker=marker, color=colour, **strong)
+        ends[whole].append((links[-1], cost[-1], label, colour))
         if name != "NumPy":
-            each.semilogx(links, cost / links, marker=marker, color=colour, label=label)
-            for n, value in zip(links, cost / links, strict=True):
-                above = name != "ours"
-                each.annotate(
-                    f"{value:.0f}", (n, value), (0, 7 if above else -14), textcoords="offset points",
-                    ha="center", fontsize=8, color=colour,
-                )  # fmt: skip
+            each.semilogx(links, cost / links, marker=marker, color=colour, **strong)
+            ends[each].append(
+                (links[-1], cost[-1] / links[-1], f"{label}: {cost[-1] / links[-1]:.0f} ns", colour)
+            )
     whole.set(xlabel="links N", ylabel="one right-hand side in flight [ns]")
     each.set(xlabel="links N", ylabel="for each link [ns]", ylim=(0, 42))
-    whole.legend()
-    each.legend()
+    least = min(row["NumPy / ours"]["median"] for row in rows)
+    headline(
+        page,
+        f"A right-hand side costs {cost[-1] / links[-1]:.0f} ns for each link of a long chain, "
+        f"with NumPy at least {least:.0f} times as much",
+        f"median of {record['settings']['rounds']} rounds in which all take turns",
+    )
+    names_at_ends(page, ends)
 
 
 def main() -> None:
@@ -129,7 +139,7 @@ def main() -> None:
     started = common.environment()
     settings = {"rounds": ROUNDS, "calls in a loop": CALLS, "compiled for": common.PORTABLE_CPU}
     common.save("rhs", started, settings, [measure(links) for links in SIZES])
-    common.picture("rhs", draw, (11, 4.2))
+    common.picture("rhs", draw, SIZE)
 
 
 if __name__ == "__main__":

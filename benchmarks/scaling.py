@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import peers
+from looks import LOOKS, headline, look, names_at_ends, number
 from peers import Contender, Outcome, cvode
 from peers.ours import Kernel, OnInstance
 from problems import Problem
@@ -136,20 +137,30 @@ def flatness(rows: list[dict]) -> dict[int, float]:
     return {links: value / each[BASE] for links, value in each.items()} if BASE in each else {}
 
 
+SIZE = (10.5, 4.4)  # inches, of the chart
+
+
 def draw(page, record) -> None:
     """Time over N, in flight and in the heap."""
-    from work_precision_chart import LOOKS, look
-
-    panels = page.subplots(1, 2)
+    panels, ends = page.subplots(1, 2), {}
     for axes, key in zip(panels, ("flight", "heap"), strict=True):
+        ends[axes] = []
         for name in LOOKS:
             rows = [r for r in record["results"][key] if r["name"] == name and "seconds" in r]
-            x, y = [r["links"] for r in rows], [1e3 * r["seconds"] for r in rows]
-            if rows:
-                axes.loglog(x, y, label=name, **look(name))
+            points = [(r["links"], 1e3 * r["seconds"]) for r in rows]
+            if points:
+                axes.loglog(*zip(*points, strict=True), **look(name))
+                ends[axes].append((*points[-1], name.replace("ours", "chain-impact"), LOOKS[name][0]))
         axes.set(title=f"{key}, 1 s", xlabel="links N")
-        axes.legend(fontsize=9)
     panels[0].set_ylabel("CPU time [ms]")
+    flat = flatness(record["results"]["flight"])
+    headline(
+        page,
+        f"In flight the cost of a link stays the same up to {max(flat)} links",
+        f"time for each right-hand side and link: {flat[max(flat)]:.2g} of that at {BASE} links  ·  "
+        f"tolerance {number(record['settings']['tolerance'])}",
+    )
+    names_at_ends(page, ends)
 
 
 def main() -> None:
@@ -173,7 +184,7 @@ def main() -> None:
         "limit of CVODE in the heap": HEAP_LIMIT,
     }  # fmt: skip
     common.save("scaling", started, settings, results)
-    common.picture("scaling", draw, (11, 4.4))
+    common.picture("scaling", draw, SIZE)
 
 
 if __name__ == "__main__":

@@ -38,15 +38,15 @@ HEIGHT, TILT, LENGTH = 0.1, 0.3, 1.0  # m, rad, m
 GAIN, DEEPEST = 1e-3, 0.06  # of the energy at the start above rest; of the rod's length
 OUTSIDE = 1e-9  # m, a point this deep without a contact: the onset was missed
 
-OUTCOMES = {
-    "completed": "#3b8f4a",
-    "over budget": "#e8c547",
-    "gained energy": "#d9822b",
-    "tunnelled": "#b03a2e",
-    "not finite": "#5b2333",
-    "missed an onset": "#5b6abf",
-    "gave up": "#8e8e8e",
-}
+OUTCOMES = (
+    "completed",
+    "over budget",
+    "gained energy",
+    "tunnelled",
+    "not finite",
+    "missed an onset",
+    "gave up",
+)
 
 
 class OverBudgetError(Exception):
@@ -225,10 +225,9 @@ def main() -> None:
         "energy gain": GAIN, "deepest": DEEPEST, "peers run": peers_run,
     }  # fmt: skip
     common.save("stability", started, settings, {"tally": tally, "cells": cells})
-    from stability_chart import draw, draw_steps
+    from stability_chart import draw_all
 
-    common.picture("stability", draw, (11, 9.5))
-    common.picture("stability_steps", draw_steps, (8, 4.6), record="stability")
+    draw_all()
 
 
 if __name__ == "__main__":

@@ -4,32 +4,95 @@ from __future__ import annotations
 
 import common
 import numpy as np
-from matplotlib.colors import ListedColormap
+from looks import INK, LOOKS, OURS, headline, names_at_ends, number
+from matplotlib import colormaps
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from stability import FIXED, OUTCOMES
+from stability import ADAPTIVE, METHODS
 
 STEPS_AT = 0.1  # restitution
+LEVELS = (1e-3, 1e-2, 1e-1, 1.0)  # errors of the energy, parts of that at the start, where the colour changes
+NAMES = ("below 0.1 %", "to 1 %", "to 10 %", "to 100 %", "more")
+SHADES = ListedColormap(colormaps["cividis_r"](np.linspace(0.05, 1.0, len(NAMES))))
+LATE = {"marker": "s", "markersize": 3.5, "markerfacecolor": "none", "linestyle": ""}
+FAULTY = {"marker": "x", "markersize": 4.0, "markeredgewidth": 1.1, "linestyle": ""}
+LINES = {"ours explicit": ":", "ours implicit": "--"}
+
+
+def title_of(method: str) -> str:
+    """A method's name in the chart."""
+    return f"scipy {method}" if method in ADAPTIVE else method.replace("ours auto", "chain-impact")
+
+
+def completed(record, method: str) -> int:
+    """How many cells of a method were completed."""
+    rows = record["results"]["cells"]
+    return sum((row["method"], row["outcome"]) == (method, "completed") for row in rows)
+
+
+def expected_energy(record) -> dict[tuple[float, float], float]:
+    """The energy at the end by stiffness and restitution, as a part of that at the start.
+
+    The median of the methods that control their error; those that did not complete are left out.
+    """
+    controlled = (*(f"ours {method}" for method in METHODS), *ADAPTIVE)
+    found: dict[tuple[float, float], list[float]] = {}
+    for row in record["results"]["cells"]:
+        if row["method"] in controlled and row["outcome"] == "completed":
+            found.setdefault((row["stiffness"], row["restitution"]), []).append(row["energy_left"])
+    return {place: float(np.median(values)) for place, values in found.items()}
+
+
+def energy_errors(record, method: str) -> np.ndarray:
+    """Errors of the energy at the end, restitution by stiffness; infinite where it is not finite."""
+    settings, expected = record["settings"], expected_energy(record)
+    errors = np.full((len(settings["restitutions"]), len(settings["stiffnesses"])), np.nan)
+    for row in (row for row in record["results"]["cells"] if row["method"] == method):
+        left = row.get("energy_left")
+        error = np.inf if left is None else abs(left - expected[row["stiffness"], row["restitution"]])
+        errors[place_of(record, row)] = error if np.isfinite(error) else np.inf
+    return errors
+
+
+def place_of(record, row) -> tuple[int, int]:
+    """Line and column of a cell."""
+    settings = record["settings"]
+    return settings["restitutions"].index(row["restitution"]), settings["stiffnesses"].index(row["stiffness"])
 
 
 def draw(page, record) -> None:
-    """One map for each method: stiffness to the right, restitution upwards."""
-    settings, names = record["settings"], list(OUTCOMES)
+    """One map for each method: stiffness to the right, restitution upwards, coloured by the error."""
+    settings = record["settings"]
     stiffnesses, restitutions = settings["stiffnesses"], settings["restitutions"]
+    done = {method: completed(record, method) for method in settings["methods"]}
+    cells = len(stiffnesses) * len(restitutions)
+    full = [title_of(method) for method in ("ours auto", *ADAPTIVE) if done[method] == cells]
+    headline(
+        page,
+        f"{', '.join(full)} complete all {cells} cells, RK4 with steps of 1 ms only {done['RK4 0.001 s']}",
+        f"a rod falls, clatters and settles in {settings['stop [s]']:g} s  ·  colour: error of the energy at "
+        "the end, as a part of that at the start  ·  counts: completed cells",
+    )
     panels = page.subplots(4, 4, sharex=True, sharey=True).ravel()
+    norm = BoundaryNorm([-1.0, *LEVELS, np.inf], SHADES.N)
     for axes, method in zip(panels, settings["methods"], strict=True):
-        grid = np.full((len(restitutions), len(stiffnesses)), np.nan)
-        for row in record["results"]["cells"]:
-            if row["method"] == method:
-                place = restitutions.index(row["restitution"]), stiffnesses.index(row["stiffness"])
-                grid[place] = names.index(row["outcome"])
-        axes.imshow(
-            grid, ListedColormap(list(OUTCOMES.values())), vmin=-0.5, vmax=len(names) - 0.5, origin="lower",
-            aspect="auto",
-        )  # fmt: skip
-        label = f"scipy {method}" if method.isupper() or method == "Radau" or method[:2] == "RK" else method
-        axes.set_title(method if method in FIXED else label, fontsize=10)
-        axes.set_xticks(range(len(stiffnesses)), [f"{round(np.log10(k))}" for k in stiffnesses], fontsize=8)
-        axes.set_yticks(range(len(restitutions)), [f"{e:g}" for e in restitutions], fontsize=8)
+        rows = [row for row in record["results"]["cells"] if row["method"] == method]
+        errors = energy_errors(record, method)
+        for row in (row for row in rows if row["outcome"] != "completed"):
+            line, column = place_of(record, row)
+            mark = LATE if row["outcome"] == "over budget" else FAULTY
+            dark = mark == FAULTY and errors[line, column] > LEVELS[1]
+            errors[line, column] = np.nan if mark == LATE else errors[line, column]
+            axes.plot(column, line, color="white" if dark else INK, **mark)
+        axes.imshow(np.minimum(errors, 1e9), SHADES, norm, origin="lower", aspect="auto")
+        axes.set_title(
+            f"{title_of(method)}: {done[method]} of {cells}",
+            fontsize=9,
+            fontweight="bold" if done[method] == cells else None,
+        )
+        axes.set_xticks(range(len(stiffnesses)), [f"{round(np.log10(k))}" for k in stiffnesses], fontsize=7.5)
+        axes.set_yticks(range(len(restitutions)), [f"{e:g}" for e in restitutions], fontsize=7.5)
         # lines between the cells
         axes.set_xticks(np.arange(len(stiffnesses) + 1) - 0.5, minor=True)
         axes.set_yticks(np.arange(len(restitutions) + 1) - 0.5, minor=True)
@@ -37,45 +100,51 @@ def draw(page, record) -> None:
         axes.grid(which="minor", color="white", linewidth=1.0)
         axes.set_axisbelow(False)
         axes.tick_params(which="both", length=0)
-    page.supxlabel("log₁₀ of the contact stiffness K [N/m^1.5]")
-    page.supylabel("restitution e")
-    seen = {row["outcome"] for row in record["results"]["cells"]}
-    patches = [Patch(color=colour, label=name) for name, colour in OUTCOMES.items() if name in seen]
-    page.legend(handles=patches, loc="outside upper center", ncols=len(patches))
+    for axes in panels[-4:]:
+        axes.set_xlabel("log₁₀ of K [N/m$^{1.5}$]")
+    for axes in panels[::4]:
+        axes.set_ylabel("restitution e")
+    keys = [Patch(color=SHADES(level), label=name) for level, name in enumerate(NAMES)]
+    late = f"not done in {settings['budget [s CPU]']:g} s of CPU time"
+    keys.append(Line2D([], [], color=INK, label=late, **LATE))
+    keys.append(Line2D([], [], color=INK, label="gained energy or tunnelled", **FAULTY))
+    page.legend(handles=keys, loc="outside lower center", ncols=len(keys), columnspacing=1.2)
 
 
 def draw_steps(page, record) -> None:
     """Accepted steps of the error-controlled methods over stiffness."""
-    axes = page.subplots()
-    looks = {
-        "ours explicit": (common.OURS, ":"),
-        "ours implicit": (common.OURS, "--"),
-        "ours auto": (common.OURS, "-"),
-        "DOP853": ("#1f77b4", "-"),
-        "RK45": ("#17a2b8", "-"),
-        "LSODA": ("#2ca02c", "-"),
-        "Radau": ("0.3", "-"),
-        "BDF": ("0.6", "-"),
-    }
-    for method, (colour, line) in looks.items():
-        rows = [
-            row
-            for row in record["results"]["cells"]
-            if row["method"] == method and row["restitution"] == STEPS_AT
-        ]
-        label = method if method.startswith("ours") else f"scipy {method}"
-        done = [(row["stiffness"], row["steps"]) for row in rows if row["outcome"] == "completed"]
+    axes, ends = page.subplots(), []
+    cells = [row for row in record["results"]["cells"] if row["restitution"] == STEPS_AT]
+    counts = {}
+    for method in (*(f"ours {method}" for method in METHODS), *ADAPTIVE):
+        colour = OURS if method.startswith("ours") else LOOKS[f"scipy {method}"][0]
+        rows = [row for row in cells if row["method"] == method]
+        counts[method] = done = [(r["stiffness"], r["steps"]) for r in rows if r["outcome"] == "completed"]
         failed = [(row["stiffness"], row["steps"]) for row in rows if row["outcome"] != "completed"]
-        axes.loglog(
-            *zip(*(done or [(np.nan, np.nan)]), strict=True), line, marker="o", color=colour, label=label
-        )
+        strong = {"linewidth": 2.4, "zorder": 3} if method == "ours auto" else {"linewidth": 1.2}
+        line = LINES.get(method, "-")
+        axes.loglog(*zip(*done, strict=True), line, marker="o", markersize=4, color=colour, **strong)
         if failed:
             axes.loglog(*zip(*failed, strict=True), linestyle="", marker="x", color=colour)
-    axes.plot([], [], linestyle="", marker="x", color="black", label="stopped or failed\n(steps until then)")
-    axes.set(xlabel="contact stiffness K [N/m^1.5]", ylabel="accepted steps for 3 s", title=f"e = {STEPS_AT}")
-    page.legend(loc="outside right center")
+        name = method.replace("ours auto", "chain-impact").replace("ours", "chain-impact, only")
+        ends.append((*done[-1], title_of(name), colour))
+    (softest, least), *_, (stiffest, most) = counts["ours auto"]
+    headline(
+        page,
+        f"Contacts {number(stiffest / softest)} times as stiff take {most / least:.2g} times as many steps",
+        f"a rod falls, clatters and settles in {record['settings']['stop [s]']:g} s  ·  e = {STEPS_AT}  ·  "
+        f"tolerance {number(record['settings']['tolerance'])}  ·  ×: steps until it stopped or failed",
+    )
+    axes.set(xlabel="contact stiffness K [N/m$^{1.5}$]", ylabel="accepted steps")
+    axes.minorticks_off()
+    names_at_ends(page, {axes: ends})
+
+
+def draw_all() -> None:
+    """The map and the steps."""
+    common.picture("stability", draw, (9.5, 8.6))
+    common.picture("stability_steps", draw_steps, (8.0, 4.6), record="stability")
 
 
 if __name__ == "__main__":
-    common.picture("stability", draw, (11, 9.5))
-    common.picture("stability_steps", draw_steps, (8, 4.6), record="stability")
+    draw_all()

@@ -13,6 +13,7 @@ import math
 
 import peers
 import reference
+from looks import LOOKS, headline, look, names_at_ends, number
 from problems import Problem
 from work_precision import judge
 
@@ -51,25 +52,35 @@ def measure(stiffness: float, rounds: int) -> tuple[list[dict], dict]:
     return table, missing
 
 
+SIZE = (10.5, 4.4)  # inches, of the chart
+
+
 def draw(page, record) -> None:
     """Time and error over stiffness."""
-    from work_precision_chart import LOOKS, look
-
-    time, error = page.subplots(1, 2)
-    rows = record["results"]
+    panels, rows, ends = page.subplots(1, 2), record["results"], {}
+    time, error = panels
+    ends[time] = []
     for name in LOOKS:
         mine = [row for row in rows if row["name"] == name and "seconds" in row]
         if mine:
-            x = [row["stiffness"] for row in mine]
-            time.loglog(x, [1e3 * row["seconds"] for row in mine], label=name, **look(name))
+            x, y = [row["stiffness"] for row in mine], [1e3 * row["seconds"] for row in mine]
+            time.loglog(x, y, **look(name))
             right = [row["error"] if row["onsets_right"] else math.nan for row in mine]
             error.loglog(x, right, **look(name))
-    for axes, label in ((time, "CPU time [ms]"), (error, "error of the final state")):
+            ends[time].append((x[-1], y[-1], name.replace("ours", "chain-impact"), LOOKS[name][0]))
+    for axes, label in zip(panels, ("CPU time [ms]", "error of the final state"), strict=True):
         axes.set(xlabel="contact stiffness K [N/m$^{1.5}$]", ylabel=label)
         axes.set_xticks([row["stiffness"] for row in rows if row["name"] == "ours"])
         axes.minorticks_off()
-    handles, labels = time.get_legend_handles_labels()
-    page.legend(handles, labels, loc="outside right center", fontsize=9)
+    ours = [(row["stiffness"], row["seconds"]) for row in rows if row["name"] == "ours"]
+    most = max(seconds for _, seconds in ours) / min(seconds for _, seconds in ours)
+    settings = record["settings"]
+    headline(
+        page,
+        f"From K = {number(ours[0][0])} to {number(ours[-1][0])} the cost of impacts varies {most:.2g}-fold",
+        f"four_link_box, {settings['stop [s]']:g} s  ·  tolerance {number(settings['tolerance'])}",
+    )
+    names_at_ends(page, ends)
 
 
 def main() -> None:
@@ -86,7 +97,7 @@ def main() -> None:
         print(f"left out: {family}: {reason}")
     settings = {"stop [s]": STOP, "tolerance": TOLERANCE, "rounds": rounds, "left out": missing}
     common.save("stiffness", started, settings, rows)
-    common.picture("stiffness", draw, (11.5, 4.4))
+    common.picture("stiffness", draw, SIZE)
 
 
 if __name__ == "__main__":

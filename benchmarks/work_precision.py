@@ -14,13 +14,13 @@ import math
 
 import numpy as np
 import peers
+from equal_error import at_equal_error, usable
 from peers import Contender, Outcome
 from problems import PROBLEMS, Problem
 from work_precision_chart import draw_all
 
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 ROUNDS, SPAN, PATIENCE = 5, 0.02, 5.0
-HOPELESS = 10.0  # m, rad, m/s, rad/s: an error that is no longer one
 
 
 def judge(found: Outcome, expected: dict, stop: float) -> dict:
@@ -69,36 +69,6 @@ def measure(
         )
         print(f"{problem.name:7}{stop:4} {tolerance:.0e} {name:22} {said}", flush=True)
     return table, missing
-
-
-def usable(rows: list[dict], problem: str, stop: float, name: str) -> list[dict]:
-    """The runs of a contender on a problem that saw the right impacts."""
-    return [
-        r
-        for r in rows
-        if (r["problem"], r["stop"], r["name"]) == (problem, stop, name)
-        and r.get("onsets_right")
-        and 0.0 < r["error"] < HOPELESS
-    ]
-
-
-def at_equal_error(mine: dict, points: list[dict]) -> float | None:
-    """How many times as long a peer takes to reach the error of one of our runs.
-
-    On straight lines between its points in the chart. Where even its loosest run errs less, that run; None
-    where none of its runs comes that close.
-    """
-    if not points:
-        return None
-    # a run that is beaten by another in both is no part of its front
-    front = [
-        p for p in points if not any(q["error"] < p["error"] and q["seconds"] < p["seconds"] for q in points)
-    ]
-    line = sorted((math.log(p["error"]), math.log(p["seconds"])) for p in front)
-    target = math.log(mine["error"])
-    if target < line[0][0]:
-        return None
-    return float(f"{math.exp(np.interp(target, *zip(*line, strict=True))) / mine['seconds']:.3g}")
 
 
 def compared(rows: list[dict]) -> list[dict]:

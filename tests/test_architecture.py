@@ -16,7 +16,9 @@ LONGEST = 400  # lines of a file
 MODULES = sorted(PACKAGE.rglob("*.py"))
 # modules without a test file of their own → the one that tests them
 TESTED_ELSEWHERE = {
+    "results/animation/film_page.py": "results/animation/test_film.py",
     "cli/__main__.py": "cli/test_commands.py",
+    "cli/animate.py": "cli/test_animate_command.py",
     "cli/build.py": "cli/test_commands.py",
     "cli/cache.py": "cli/test_commands.py",
     "cli/compare.py": "cli/test_commands.py",
@@ -24,6 +26,7 @@ TESTED_ELSEWHERE = {
     "cli/options.py": "cli/test_commands.py",
     "cli/report.py": "cli/test_commands.py",
     "cli/simulate.py": "cli/test_commands.py",
+    "cli/sweep.py": "cli/test_sweep_command.py",
     "cli/validate.py": "cli/test_commands.py",
     "compilation/collecting.py": "compilation/test_lower.py",
     "compilation/compilers.py": "compilation/test_library.py",
@@ -41,9 +44,11 @@ TESTED_ELSEWHERE = {
     "export/native_target.py": "fmu/test_native.py",
     "export/pythonfmu_target.py": "fmu/test_slave.py",
     "export/table.py": "fmu/test_native.py",
-    "results/result.py": "test_simulate.py",
     "running.py": "test_simulate.py",
+    "studies/sweep/job.py": "studies/sweep/test_sweep.py",
     "limits.py": "test_scene.py",
+    "checks.py": "test_scene.py",
+    "units.py": "test_variables.py",
     "cli/progress.py": "cli/test_commands.py",
     "kernel/integration/combination.py": "kernel/integration/test_explicit.py",
     "kernel/model/compliance.py": "kernel/model/test_constraints.py",
@@ -71,7 +76,6 @@ TESTED_ELSEWHERE = {
     "kernel/integration/ros34pw2.py": "test_simulate.py",
     "kernel/events/release.py": "test_newton_rest.py",
     "output_variables.py": "test_variables.py",
-    "scene_rules.py": "test_scene.py",
     "variable.py": "test_variables.py",
     "results/impacts.py": "results/test_impacts_of.py",
     "kernel/status.py": "test_variables.py",

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene
-from chain_impact.instance import candidates, new_instance
+from chain_impact.instance import candidate_count, candidates, new_instance
 from chain_impact.scene import SOLVER_METHODS, WALLS, model_names, scene_to_dict, with_values
 from chain_impact.variables import fmu_variables, word_index
 
@@ -37,6 +37,8 @@ def test_candidates_are_the_listed_points_at_the_walls_that_are_there():
     held = new_instance(slanted)[0]["walls"]
     assert held["angle"].tolist() == [0.0, -1.0] + [0.0] * 6
     assert candidates(with_values(box, {("contact", "points"): []})) == []
+    for scene in (box, some, slanted, with_values(box, {("contact", "points"): []})):
+        assert candidate_count(scene) == len(candidates(scene))
     assert candidates(with_values(box, {("box", wall): None for wall in WALLS})) == []
 
 

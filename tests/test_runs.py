@@ -37,7 +37,7 @@ def record(request, fmus):
 @pytest.mark.parametrize("model", model_names())
 def test_a_scene_and_its_fmu_give_the_same(fmus, model):
     scene, fmu = record_scene(load_scene(model), {}), record_fmu(fmus[model], {})
-    assert (scene.name, scene.walls) == (fmu.name, fmu.walls)
+    assert (scene.name, scene.walls, scene.parameters) == (fmu.name, fmu.walls, fmu.parameters)
     np.testing.assert_allclose(scene.time, fmu.time, rtol=0, atol=1e-12)
     assert scene.columns.keys() <= fmu.columns.keys()
     # the communication points differ in their last bit, and contacts make much of that

@@ -12,6 +12,7 @@ from chain_impact import simulate
 from chain_impact.kernel import status
 from chain_impact.running import SimulationError
 from chain_impact.scene import SOLVER_METHODS, SceneError
+from chain_impact.simulate import check_size
 from tests.problems import ball, default_scene, dropped_ball, rod, tumbling_chain
 
 # --- output ------------------------------------------------------------------------------------------------
@@ -153,3 +154,44 @@ def test_a_start_that_overflows_is_refused():
 def test_arguments_out_of_range_are_refused(arguments):
     with pytest.raises(SceneError, match="must be"):
         simulate(ball(), **arguments)
+
+
+# --- bounds ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("arguments", "pattern"),
+    [
+        (
+            {"output_step": 1e-9},
+            r"stop_time = 2 \[s\] in steps of simulation\.step_size = 1e-09 \[s\] gives 2e\+09",
+        ),
+        (
+            {"stop_time": 2e5},
+            r"simulation\.stop_time = 200000 \[s\] .* gives 2e\+08 rows of \d+ outputs, 20\d\.\d GB",
+        ),
+        ({"stop_time": 1e300, "output_step": 1e-300}, "gives inf rows"),
+        (
+            {"stop_time": 2e6, "output": "point[4].x"},
+            r"gives 2e\+09 rows of 1 outputs, 32 GB; must be at most 2 GB",
+        ),
+    ],
+)
+def test_a_result_that_is_too_large_is_refused_before_anything_is_done(monkeypatch, arguments, pattern):
+    module = sys.modules["chain_impact.simulate"]
+    monkeypatch.setattr(module, "Instance", None)
+    monkeypatch.setattr(module, "_times", None)
+    with pytest.raises(SceneError, match=pattern):
+        simulate(default_scene(), **arguments)
+
+
+def test_fewer_outputs_allow_more_rows():
+    check_size("a", 9.9e3, 1e-3, 24)
+    with pytest.raises(SceneError, match=r"9\.9e\+06 rows of 25 outputs"):
+        check_size("a", 9.9e3, 1e-3, 25)
+
+
+def test_an_infinite_output_step_leaves_the_start_and_the_end():
+    whole, ends = simulate(default_scene(), 0.6), simulate(default_scene(), 0.6, math.inf)
+    assert ends.time.tolist() == [0.0, 0.6]
+    assert ends.outputs[-1].tobytes() == whole.outputs[-1].tobytes()

@@ -1,35 +1,59 @@
 """chain-impact: the impact dynamics of planar robotic chains, as an FMU."""
 
 from chain_impact.compilation.errors import BuildError
-from chain_impact.export.fmu import build_fmu
+from chain_impact.export.fmu import build_fmu, validate_fmu
+from chain_impact.extras import MissingExtraError
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.reading import SceneError
+from chain_impact.kernel.laws.registry import ContactLaw
+from chain_impact.reading import SceneError, UnknownNameError
+from chain_impact.results.animation import AnimationError, animate
 from chain_impact.results.impacts import impacts_of
 from chain_impact.results.recording import Recording
-from chain_impact.results.result import Result
+from chain_impact.results.result import IMPACT_DTYPE, Result
 from chain_impact.running import SimulationError
 from chain_impact.runs import RunError, record_fmu
-from chain_impact.scene import Scene, load_scene
+from chain_impact.scene import Scene, load_scene, model_names, parse_scene, with_values
+from chain_impact.signals import Signal
 from chain_impact.simulate import simulate, with_law
+from chain_impact.stepping import Chain
 from chain_impact.stiffness import sphere_plane_stiffness
-from chain_impact.studies.compare import Comparison, compare
+from chain_impact.studies.compare import Comparison, LawRun, compare
+from chain_impact.studies.slow_motion import record_slowly
+from chain_impact.studies.sweep.sweep import sweep
+from chain_impact.studies.sweep.table import Sweep
 
 __all__ = [
     "CONTACT_LAWS",
+    "IMPACT_DTYPE",
+    "AnimationError",
     "BuildError",
+    "Chain",
     "Comparison",
+    "ContactLaw",
+    "LawRun",
+    "MissingExtraError",
     "Recording",
     "Result",
     "RunError",
     "Scene",
     "SceneError",
+    "Signal",
     "SimulationError",
+    "Sweep",
+    "UnknownNameError",
+    "animate",
     "build_fmu",
     "compare",
     "impacts_of",
     "load_scene",
+    "model_names",
+    "parse_scene",
     "record_fmu",
+    "record_slowly",
     "simulate",
     "sphere_plane_stiffness",
+    "sweep",
+    "validate_fmu",
     "with_law",
+    "with_values",
 ]

@@ -19,6 +19,12 @@ def candidates(scene: Scene) -> list[tuple[int, int]]:
     return [(point, wall) for point in scene.contact.points for wall in walls]
 
 
+def candidate_count(scene: Scene) -> int:
+    """How many candidates there are."""
+    box = sum(getattr(scene.box, name) is not None for name in WALLS)
+    return len(scene.contact.points) * (box + len(scene.walls))
+
+
 def new_instance(scene: Scene) -> np.ndarray:
     """An instance with the parameters of the scene, not yet initialized; an array with one record."""
     pairs = candidates(scene)

@@ -8,7 +8,7 @@ from chain_impact.instance import candidates
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.names import AXES
 from chain_impact.scene import Scene
-from chain_impact.variable import Variable
+from chain_impact.variable import OBSERVED, Variable
 
 _STATUSES = "; ".join(f"{code} {text}" for code, text in STATUS_TEXT.items())
 
@@ -26,7 +26,7 @@ def _output(
         name=name,
         type="real" if unit else "integer",
         causality="output",
-        variability="continuous" if place[0] in ("output", "latest") and unit else "discrete",
+        variability="continuous" if place[0] in OBSERVED and unit else "discrete",
         unit=unit,
         description=description,
         place=place,
@@ -35,7 +35,7 @@ def _output(
     )
 
 
-def output_variables(scene: Scene) -> Iterator[Variable]:
+def all_outputs(scene: Scene) -> Iterator[Variable]:
     """The outputs that the scene asks for."""
     asked = scene.outputs
     if asked.points:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
 from numbers import Integral, Real
@@ -33,6 +34,21 @@ class UnknownNameError(SceneError, KeyError):
         hint = f"the nearest is {near}" if near else "`chain-impact info` lists the names"
         text = name if isinstance(name, str) else shown(name)
         super().__init__(f"{source}: {text} is {what}; {hint}")
+
+
+def matching(source: str, name: str, names: Iterable[str], what: str) -> list[str]:
+    """The names that are ``name``, or like it if it has a ``*``, which stands for any text.
+
+    Raises:
+        UnknownNameError: when there are none.
+    """
+    found = [one for one in names if one == name]
+    if not found and isinstance(name, str) and "*" in name:
+        pattern = re.compile(re.escape(name).replace(r"\*", ".*"))
+        found = [one for one in names if pattern.fullmatch(one)]
+    if not found:
+        raise UnknownNameError(source, name, names, what)
+    return found
 
 
 def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import functools
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -53,8 +54,29 @@ class Instance:
         library = kernel_library(links, notify=notify, law_file=law_file)
         self._kernel = load_kernel(library)
         self._address = self._block.ctypes.data
+        self.initialize()
+
+    def initialize(self) -> None:
+        """Set the instance to its start, t = 0, by the parameters, initial values and inputs in its record.
+
+        Raises:
+            SimulationError: when it cannot start.
+        """
         if self._kernel.initialize(self._address, 0.0) != OK:
             raise SimulationError(self.status, 0.0, None)
+
+    @property
+    def words(self) -> np.ndarray:
+        """The whole record as numbers, each in its word; a view."""
+        return self._block.view(np.float64)
+
+    def observe(self) -> None:
+        """Fill the outputs of the record with what holds at the present time."""
+        self._kernel.observe(self._address)
+
+    def is_sound(self, words: np.ndarray) -> bool:
+        """Whether the words of a record can be those of an instance with this kernel."""
+        return bool(self._kernel.sound(words.ctypes.data))
 
     def advance(self, time: float) -> int:
         """Advance to a time [s], not before the present one; return the status."""
@@ -62,10 +84,6 @@ class Instance:
         while status == PAUSED:  # in between, Python looks after Ctrl-C
             status = self._kernel.advance_awhile(self._address, time)
         return status
-
-    def observe(self) -> None:
-        """Fill the record ``output`` with what holds at the time reached, and bring ``latest`` up to it."""
-        self._kernel.observe(self._address)
 
     def trajectory(self, times: np.ndarray, outputs: np.ndarray) -> int:
         """Advance to each of the times [s], filling a row of outputs for each; return how many are filled."""
@@ -75,6 +93,8 @@ class Instance:
     def collect(self) -> np.ndarray:
         """Take the finished contacts out of the log."""
         log = self.record["finished"]
+        if not log["count"]:
+            return np.zeros(0, IMPACT_DTYPE)
         rows = _impact_rows(int(log["count"]), {name: log[name] for name in IMPACT_DTYPE.names or ()})
         log["count"] = 0
         return rows
@@ -83,6 +103,8 @@ class Instance:
         """The contacts that have not ended yet, with their peaks so far; drops what was solved ahead."""
         self._kernel.follow(self._address)
         touch, candidate = self.record["touch"], self.record["candidate"]
+        if not touch["active_count"]:
+            return np.zeros(0, IMPACT_DTYPE)
         active = touch["active"] == 1
         columns = {name: touch[name] for name in ("onset", "peak_force", "max_penetration", "effective_mass")}
         columns |= {"point": candidate["point"], "wall": candidate["wall"]}
@@ -108,6 +130,12 @@ class Instance:
         return {name: int(counts[name]) for name in counts.dtype.names or ()}
 
 
+def in_order(parts: Sequence[np.ndarray]) -> np.ndarray:
+    """Contacts in order of onset."""
+    found = [part for part in parts if len(part)]
+    return np.sort(np.concatenate(found), order=["onset", "point", "wall"]) if found else parts[0]
+
+
 def _impact_rows(count: int, columns: dict[str, np.ndarray]) -> np.ndarray:
     rows = np.zeros(count, IMPACT_DTYPE)
     for name in IMPACT_DTYPE.names or ():
@@ -119,10 +147,12 @@ def _impact_rows(count: int, columns: dict[str, np.ndarray]) -> np.ndarray:
 def load_kernel(library: Path) -> ctypes.CDLL:
     """Load a compiled kernel and declare its entry points (see kernel/entry.py)."""
     kernel = ctypes.CDLL(str(library))
-    pointer, real = ctypes.c_void_p, ctypes.c_double
+    pointer, real, integer = ctypes.c_void_p, ctypes.c_double, ctypes.c_int64
     kernel.initialize.argtypes = kernel.advance.argtypes = [pointer, real]
     kernel.advance_awhile.argtypes = [pointer, real]
-    kernel.observe.argtypes = kernel.follow.argtypes = [pointer]
-    kernel.trajectory.argtypes = [pointer, pointer, ctypes.c_int64, pointer]
-    kernel.trajectory.restype = ctypes.c_int64
+    kernel.observe.argtypes = kernel.follow.argtypes = kernel.sound.argtypes = [pointer]
+    kernel.trajectory.argtypes = [pointer, pointer, integer, pointer]
+    runs = (pointer, pointer, pointer, integer, pointer, pointer, integer, pointer, integer, pointer)
+    kernel.run_each.argtypes = [*runs, ctypes.c_int32]
+    kernel.trajectory.restype = kernel.run_each.restype = integer
     return kernel

@@ -20,7 +20,7 @@ from chain_impact.reading import SceneError, UnknownNameError
 from chain_impact.results.recording import Recording, impacts_from_outputs, recording_of
 from chain_impact.running import SimulationError
 from chain_impact.scene import Scene
-from chain_impact.simulate import simulate
+from chain_impact.simulate import check_size, simulate
 from chain_impact.walls import HalfPlane, half_planes
 
 EXPERIMENT = ("simulation.stop_time", "simulation.step_size")
@@ -127,8 +127,10 @@ def record_fmu(
         # the arrays of FMI 3.0 have the values of the scalars once more
         if variable.causality == "output" and not variable.dimensions
     ]
+    check_size(str(path), stop_time, step_size, len(outputs))
     values = {name: float(start_values.get(name, variable.start)) for name, variable in parameters.items()}
     walls = _walls(values)
+    named = {name: _named(parameters[name], value) for name, value in values.items()}
 
     def recording(rows: np.ndarray) -> Recording:
         columns = {name: rows[name] for name in outputs}
@@ -138,6 +140,7 @@ def record_fmu(
             columns=columns,
             impacts=impacts_from_outputs(rows, list(dict.fromkeys((*WALLS, *walls)))),
             walls=walls,
+            parameters=named,
         )
 
     recorders: list[Any] = []  # fmpy's, after the first step
@@ -187,6 +190,13 @@ def _walls(values: Mapping[str, float]) -> dict[str, HalfPlane]:
     slopes = [name.split(".")[1] for name in values if name.startswith("wall.") and name.endswith(".angle")]
     lines = ([values[f"wall.{wall}.{key}"] for key in ("x", "y", "angle")] for wall in slopes)
     return half_planes(box, {wall: (x, y, angle) for wall, (x, y, angle) in zip(slopes, lines, strict=True)})
+
+
+def _named(variable: Any, value: float) -> float | str:
+    """The value of a parameter of an FMU, of an enumeration the choice's name."""
+    if variable.type != "Enumeration":
+        return value
+    return next((item.name for item in variable.declaredType.items if float(item.value) == value), str(value))
 
 
 def value_of(text: Any) -> Any:

@@ -10,11 +10,12 @@ import operator
 import os
 import tomllib
 from collections.abc import Iterator, Mapping
-from dataclasses import Field, asdict, dataclass, fields, is_dataclass
+from dataclasses import Field, asdict, dataclass, fields, is_dataclass, replace
 from numbers import Integral
 from pathlib import Path
 from typing import Any
 
+from chain_impact.checks import check_start, check_together, movable_points, with_angles, with_law_path
 from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
@@ -22,15 +23,14 @@ from chain_impact.kernel.model.latest import LATEST
 from chain_impact.limits import Derived, quantity
 from chain_impact.names import Place, name_of, place_in_file
 from chain_impact.reading import Reader, SceneError, UnknownNameError, keys_of, shown
-from chain_impact.scene_rules import check_start, check_together, movable_points, with_angles, with_law
 from chain_impact.walls import HalfPlane, half_planes
 
 SCENE_FILE = "scene.toml"
 MAX_LINKS = 1000
 
 _IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "a C identifier")
-_XML_TEXT = (r"[\t\n\r\x20-\uD7FF\uE000-\uFFFD\U00010000-\U0010FFFF]*", "text without control characters")
-_PYTHON_FILE = (r"|[^\0]*\.py", "the path of a Python file, from the folder of the scene")
+_XML_TEXT = (r"[^\x00-\x08\x0B\x0C\x0E-\x1F\uD800-\uDFFF\uFFFE\uFFFF]*", "text without control characters")
+_PYTHON_FILE = (r"|[^\x00]*\.py", "the path of a Python file, from the folder of the scene")
 
 _MIDDLE = Derived("length / 2", lambda link: link["length"] / 2)
 _ROD = Derived("mass * length^2 / 12", lambda link: link["mass"] * link["length"] * link["length"] / 12)
@@ -40,8 +40,11 @@ _ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links))
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Link:
-    """One rigid link, from its proximal joint (towards the base) to its distal one."""
+    """One rigid link, from its proximal joint (towards the base) to its distal one; in a file several."""
 
+    count: int | None = quantity(
+        "", "number of equal links, 1 if missing", None, minimum=1, maximum=MAX_LINKS, file_only=True
+    )
     length: float = quantity("m", "length", above=0.0)
     mass: float = quantity("kg", "mass", above=0.0)
     center_of_mass: float = quantity("m", "centre of mass, from the proximal joint", _MIDDLE, minimum=0.0)
@@ -55,6 +58,13 @@ class Chain:
 
     base: str = quantity("", "base point: free to move, or pinned", "free", choices=("free", "pinned"))
     links: tuple[Link, ...] = quantity("", "links from base to tip", entries=(1, MAX_LINKS))
+
+    def __post_init__(self) -> None:
+        """Put each of the equal links of a `count` in the place of the one that has it."""
+        if (total := sum(link.count or 1 for link in self.links)) > MAX_LINKS:
+            raise SceneError(f"chain.links[].count makes {total} links in all, must make at most {MAX_LINKS}")
+        links = (replace(link, count=None) for link in self.links for _ in range(link.count or 1))
+        object.__setattr__(self, "links", tuple(links))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -181,13 +191,11 @@ class Scene:
     @property
     def values(self) -> dict[str, Any]:
         """Every single value by its name, as ``with_values`` takes it; None for what is not there."""
-        return {name_of(path, [wall.name for wall in self.walls]): value for path, value in _leaves(self)}
+        walls = [wall.name for wall in self.walls]
+        return {name_of(path, walls): value for path, value in _leaves(self)}
 
     def with_values(self, changes: Mapping[str, Any] | Mapping[Place, Any]) -> "Scene":
-        """Return the validated scene with some values changed: ``{"contact.restitution": 0.5}``.
-
-        See ``chain_impact.scene.with_values``.
-        """
+        """The scene with some values changed, `{"contact.restitution": 0.5}`; see the function."""
         return with_values(self, changes)
 
 
@@ -247,18 +255,31 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
     given = [table.get("name") if isinstance(table, Mapping) else None for table in tables]
     names = [name if isinstance(name, str) and name.isidentifier() else None for name in given]
 
+    counted = _has_counts(data)
+
     def label(path: Place) -> str:
+        match path:
+            case "chain", "links", int(i), key if counted:
+                return f"{key} in entry {i + 1} of [[chain.links]]"
         name, written = name_of(path, names), place_in_file(path)
         return f"{name} ({written})" if in_file and written != name else name
 
     try:
         scene: Scene = Reader(Scene, label).read(data)
-        scene = with_angles(with_law(scene, Path(source).parent))
+        scene = with_angles(with_law_path(scene, Path(source).parent))
         check_together(scene)
         check_start(scene)
     except SceneError as error:
         raise SceneError(f"{source}: {error}") from None
     return scene
+
+
+def _has_counts(data: Any) -> bool:
+    """Whether an entry for a link stands for several, so that entries are not numbered as links are."""
+    chain = data.get("chain") if isinstance(data, Mapping) else None
+    links = chain.get("links") if isinstance(chain, Mapping) else None
+    tables = links if isinstance(links, list | tuple) else []
+    return any(isinstance(table, Mapping) and "count" in table for table in tables)
 
 
 def scene_to_dict(scene: Scene) -> dict[str, Any]:
@@ -283,15 +304,11 @@ def with_values(scene: Scene, changes: Mapping[str, Any] | Mapping[Place, Any]) 
 
     Raises SceneError when a name is unknown, a path leads nowhere, or the scene becomes invalid.
     """
+    values = [_place_and_value(scene, change, given) for change, given in changes.items()]
+    if all(len(path) == 2 and path[1] in _INDEPENDENT.get(path[0], ()) for path, _ in values):  # noqa: PLR2004
+        return _with_independent(scene, values)
     data: Any = scene_to_dict(scene)
-    names = _paths(scene) if any(isinstance(change, str) for change in changes) else {}
-    for change, given in changes.items():
-        if not isinstance(change, str):
-            path, value = change, given
-        elif change in names:
-            path, value = names[change], _chosen(scene, change, given)
-        else:
-            raise UnknownNameError(scene.name, change, names, "no parameter")
+    for path, value in values:
         try:
             *parents, last = path
             functools.reduce(operator.getitem, parents, data)[last] = value
@@ -300,17 +317,59 @@ def with_values(scene: Scene, changes: Mapping[str, Any] | Mapping[Place, Any]) 
     return _validated(data, scene.name, in_file=False)
 
 
-def _paths(scene: Scene) -> dict[str, Place]:
-    """The path of every name that ``with_values`` takes."""
+_INDEPENDENT: dict[Any, frozenset[str]] = {
+    name: frozenset(entry.name for entry in fields(table))
+    for name, table in (("inputs", Inputs), ("solver", Solver), ("simulation", Simulation))
+}
+"""The tables, and their keys, on which no other value of a scene depends."""
+
+
+def _with_independent(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
+    """As with_values, of independent tables only: to read all others anew takes ten times as long."""
+    tables: dict[str, dict[str, Any]] = {}
+    for (name, key), value in values:
+        tables.setdefault(name, asdict(getattr(scene, name)))[key] = value
+    try:
+        for name, data in tables.items():
+            table = type(getattr(scene, name))
+            scene = replace(scene, **{name: Reader(table, functools.partial(_label_in, name)).read(data)})
+    except SceneError as error:
+        raise SceneError(f"{scene.name}: {error}") from None
+    return scene
+
+
+def _label_in(table: str, path: Place) -> str:
+    return name_of((table, *path))
+
+
+def _place_and_value(scene: Scene, change: str | Place, given: Any) -> tuple[Place, Any]:
+    """The path of a change, which may be a name, and the value that it stands for."""
+    if not isinstance(change, str):
+        return change, given
+    names = _keys()
+    if change not in names:
+        names = _keys() | _names(scene)
+    if change not in names:
+        raise UnknownNameError(scene.name, change, names, "no parameter")
+    return names[change], _chosen(scene, change, given)
+
+
+@functools.cache
+def _keys() -> dict[str, Place]:
+    """The path of every dotted key; of what is in a list of tables, of the list."""
+    return {key: tuple(key.split(".")) for key, _ in scene_keys() if "[" not in key}
+
+
+def _names(scene: Scene) -> dict[str, Place]:
+    """The path of every single value by its name."""
     walls = [wall.name for wall in scene.walls]
-    whole = {key: tuple(key.split(".")) for key, _ in scene_keys() if "[" not in key}
-    return whole | {name_of(path, walls): path for path, _ in _leaves(scene)}
+    return {name_of(path, walls): path for path, _ in _leaves(scene)}
 
 
 def _leaves(value: Any, path: Place = (), unit: str = "") -> Iterator[tuple[Place, Any]]:
     """Yield the path of every single value, and the value; entries of a list of quantities are single."""
     if is_dataclass(value):
-        for entry in fields(value):
+        for entry in (entry for entry in fields(value) if not entry.metadata.get("file_only")):
             yield from _leaves(
                 getattr(value, entry.name), (*path, entry.name), entry.metadata.get("unit", "")
             )

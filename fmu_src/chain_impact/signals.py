@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -47,6 +47,8 @@ class Drive:
     @property
     def changes(self) -> np.ndarray:
         """The rows that differ from the row before, and the number of rows."""
+        if not self.places:
+            return np.array([len(self.times)])
         return np.append(
             1 + np.flatnonzero((self.values[1:] != self.values[:-1]).any(axis=1)), len(self.times)
         )
@@ -66,21 +68,17 @@ def drive(scene: Scene, inputs: Mapping[str, Signal], interpolation: str, times:
     """
     if interpolation not in INTERPOLATIONS:
         raise SceneError(f"{scene.name}: interpolation = {interpolation!r} must be hold or linear")
+    if not inputs:
+        return Drive(times, np.ones(len(times), bool), (), np.zeros((len(times), 0)))
     places = input_places(scene)
     for name in inputs:
         if name not in places:
-            raise SceneError(
-                f"{scene.name}: {name!r} is no input of this scene; {_inputs_text(list(places))}"
-            )
+            raise SceneError(f"{scene.name}: {name!r} is no input of this scene; {inputs_text(places)}")
     signals = {name: _checked(f"{scene.name}: {name}", signal) for name, signal in inputs.items()}
 
     same = SAME_TIME * times[-1]
-    samples = np.unique(np.concatenate([s[0] for s in signals.values() if isinstance(s, tuple)] or [[]]))
-    samples = samples[(samples > 0.0) & (samples < times[-1])]
-    after = np.searchsorted(times, samples)  # times[after − 1] < sample ≤ times[after]
-    samples = samples[np.minimum(times[after] - samples, samples - times[after - 1]) > same]
-    samples = samples[np.diff(samples, prepend=0.0) > same]
-    grid = np.union1d(times, samples)
+    sampled = [signal[0] for signal in signals.values() if isinstance(signal, tuple)]
+    grid = _with_samples(times, np.concatenate(sampled), same) if sampled else times
 
     points = [
         _at_points(f"{scene.name}: {name}", signal, interpolation, grid, same)
@@ -90,14 +88,24 @@ def drive(scene: Scene, inputs: Mapping[str, Signal], interpolation: str, times:
     held = values[:-1] if interpolation == "hold" else (values[:-1] + values[1:]) / 2
     return Drive(
         times=grid,
-        asked=np.isin(grid, times),
+        asked=np.isin(grid, times) if sampled else np.ones(len(times), bool),
         places=tuple(places[name] for name in signals),
         values=np.concatenate([values[:1], held]),
     )
 
 
-def _inputs_text(names: list[str]) -> str:
-    """What inputs there are, or how there would be some."""
+def _with_samples(times: np.ndarray, samples: np.ndarray, same: float) -> np.ndarray:
+    """The communication points, and the times of samples that are not as good as one of them."""
+    samples = np.unique(samples)
+    samples = samples[(samples > 0.0) & (samples < times[-1])]
+    after = np.searchsorted(times, samples)  # times[after − 1] < sample ≤ times[after]
+    samples = samples[np.minimum(times[after] - samples, samples - times[after - 1]) > same]
+    return np.union1d(times, samples[np.diff(samples, prepend=0.0) > same])
+
+
+def inputs_text(inputs: Iterable[str]) -> str:
+    """What inputs there are, by name, or how there would be some."""
+    names = list(inputs)
     how = "[inputs] joint_torques = true and tip_force = true in the scene"
     if not names:
         return f"it has none, {how} make them"

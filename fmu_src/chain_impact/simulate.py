@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Literal
 
@@ -11,13 +12,20 @@ import numpy as np
 
 from chain_impact.compilation import cache
 from chain_impact.compilation.work import Notify, announce
+from chain_impact.instance import candidate_count
 from chain_impact.kernel.status import OK
 from chain_impact.law_file import LawError, source_of
+from chain_impact.layout import output_dtype
 from chain_impact.reading import SceneError
 from chain_impact.results.result import Result
-from chain_impact.running import Instance, SimulationError
+from chain_impact.running import Instance, SimulationError, in_order
 from chain_impact.scene import Scene
 from chain_impact.signals import Signal, drive
+from chain_impact.variables import WORD, output_words
+
+MOST_BYTES = 2_000_000_000
+"""Most bytes that the outputs of a simulation may take: more is refused before anything is computed."""
+CHUNK_ROWS, CHUNK_BYTES = 5000, 8_000_000  # that the kernel fills at once, at most
 
 
 def simulate(
@@ -27,6 +35,7 @@ def simulate(
     method: str | None = None,
     tolerance: float | None = None,
     *,
+    output: str | Iterable[str] | None = None,
     inputs: Mapping[str, Signal] | None = None,
     interpolation: Literal["hold", "linear"] = "hold",
     notify: Notify = announce,
@@ -52,9 +61,13 @@ def simulate(
         scene: what to simulate.
         stop_time: end [s]; the scene's by default.
         output_step: distance of the rows of the result [s]; the scene's communication step by default. It
-            changes neither the solution nor its cost, but for inputs that are functions or lines.
+            changes neither the solution nor its cost, but for inputs that are functions or lines. With
+            ``math.inf`` there are two rows, the start and the end.
         method: solver method instead of the scene's.
         tolerance: relative tolerance instead of the scene's.
+        output: the outputs that the result shall hold, by their names in the FMU, in which ``*`` stands for
+            any text: ``["point[4].x", "energy.*"]``; all by default, none if empty. All rows together take
+            at most ``MOST_BYTES``. The impacts are always all there.
         inputs: name of an input of the scene's FMU, as ``joint[2].torque`` [N·m] or ``tip.force.x`` [N] →
             a number, a function of the time [s], or a pair (times [s], values), each of shape (T,), times
             increasing. An input that is not named is zero.
@@ -63,44 +76,102 @@ def simulate(
         progress: called with the fraction done.
 
     Raises:
-        SceneError: when one of the arguments is outside its range.
+        SceneError: when one of the arguments is outside its range, or the result would be too large.
         SimulationError: when the solver cannot go on; it holds the result up to there.
         BuildError: when the kernel cannot be compiled.
     """
     settings = {
         "simulation.stop_time": stop_time,
-        "simulation.step_size": output_step,
+        "simulation.step_size": None if output_step == math.inf else output_step,
         "solver.method": method,
         "solver.tolerance": tolerance,
     }
     changes = {name: value for name, value in settings.items() if value is not None}
     scene = scene.with_values(changes) if changes else scene
-    # n steps and, if the stop time is no multiple of the step, a shorter one
-    step, stop = scene.simulation.step_size, scene.simulation.stop_time
-    times = np.append(np.arange(np.ceil(stop / step * (1 - 1e-12))) * step, stop)
-    driven = drive(scene, inputs or {}, interpolation, times)
+    stop = scene.simulation.stop_time
+    step = stop if output_step == math.inf else scene.simulation.step_size
+    words = None if output is None else output_words(scene, output)
+    layout = output_dtype(len(scene.chain.links), candidate_count(scene))
+    check_size(scene.name, stop, step, layout.itemsize // WORD if words is None else len(words))
+    driven = drive(scene, inputs or {}, interpolation, _times(stop, step))
     instance = Instance(scene, notify, driven)
-    outputs = np.zeros(len(driven.times), instance.record.dtype["output"])
+    rows = _Rows(len(driven.times), layout, words)
     done, impacts, ends = 0, [], driven.changes
-    while done < len(outputs) and instance.status == OK:
+    while done < len(driven.times) and instance.status == OK:
         # in chunks, for the progress bar's sake, in which the inputs are constant
-        end = min(done + 5000, ends[np.searchsorted(ends, done, side="right")])
+        end = min(done + rows.at_once, ends[np.searchsorted(ends, done, side="right")])
         driven.set(instance.record["inputs"], done)
-        done += instance.trajectory(driven.times[done:end], outputs[done:end])
+        filled = instance.trajectory(driven.times[done:end], rows.room(done, end))
+        rows.keep(done, filled)
+        done += filled
         impacts.append(instance.collect())
-        progress(done / len(outputs))
+        progress(done / len(driven.times))
     impacts.append(instance.open_contacts())
-    asked = driven.asked[:done]
+    asked = slice(done) if driven.asked.all() else np.flatnonzero(driven.asked[:done])
     result = Result(
         scene=scene,
-        time=driven.times[:done][asked],
-        outputs=outputs[:done][asked],
-        impacts=np.sort(np.concatenate(impacts), order=["onset", "point", "wall"]),
+        time=driven.times[asked],
+        outputs=rows.kept[asked],
+        impacts=in_order(impacts),
         statistics=instance.statistics,
     )
     if instance.status != OK:
         raise SimulationError(instance.status, instance.time, result)
     return result
+
+
+def check_size(source: str, stop: float, step: float, columns: int) -> None:
+    """Refuse a result whose outputs take more than ``MOST_BYTES``.
+
+    Args:
+        source: of the error.
+        stop: stop time [s].
+        step: distance of the rows [s].
+        columns: number of outputs.
+
+    Raises:
+        SceneError: when it would be too large.
+    """
+    count = stop / step + 1.0
+    size = count * WORD * (1 + columns)  # the time, too
+    if not size <= MOST_BYTES:
+        asked = f"simulation.stop_time = {stop:g} [s] in steps of simulation.step_size = {step:g} [s]"
+        rows = f"{count:.4g} rows of {columns} outputs, {size / 1e9:.4g} GB"
+        limit = f"must be at most {MOST_BYTES / 1e9:g} GB: take longer steps, an earlier end or fewer outputs"
+        raise SceneError(f"{source}: {asked} gives {rows}; {limit}")
+
+
+def _times(stop: float, step: float) -> np.ndarray:
+    """The multiples of the step below the stop time, and that [s]: the last step may be shorter."""
+    times = np.arange(np.ceil(stop / step * (1 - 1e-12)) + 1.0)
+    times *= step
+    times[-1] = stop
+    return times
+
+
+class _Rows:
+    """The rows of a result: all outputs as the kernel writes them, or only some of its numbers."""
+
+    def __init__(self, count: int, layout: np.dtype, words: Mapping[str, int] | None) -> None:
+        self.at_once = max(1, min(CHUNK_ROWS, CHUNK_BYTES // layout.itemsize))
+        self._words = None if words is None else np.array(list(words.values()), int)
+        if words is None:
+            self.kept = np.zeros(count, layout)
+        else:
+            self._numbers = np.zeros((count, len(words)))
+            self._scratch = np.zeros(min(count, self.at_once), layout)
+            named = np.dtype([(name, np.float64) for name in words])
+            self.kept = self._numbers.view(named)[:, 0] if words else np.zeros(count, named)
+
+    def room(self, start: int, end: int) -> np.ndarray:
+        """Where the kernel shall write some rows."""
+        return self.kept[start:end] if self._words is None else self._scratch
+
+    def keep(self, start: int, count: int) -> None:
+        """Keep the first rows of what the kernel wrote."""
+        if self._words is not None:
+            written = self._scratch[:count].view(np.float64).reshape(count, -1)
+            self._numbers[start : start + count] = written[:, self._words]
 
 
 def with_law(scene: Scene, law: Callable[..., float]) -> Scene:

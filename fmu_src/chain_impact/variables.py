@@ -8,20 +8,22 @@ candidate and no input that is not in it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from chain_impact.instance import candidates
+from chain_impact.instance import candidate_count, candidates
 from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.law_file import read_law
+from chain_impact.layout import output_dtype
 from chain_impact.names import AXES, Place, name_of
-from chain_impact.output_variables import output_variables
+from chain_impact.output_variables import all_outputs
+from chain_impact.reading import matching
 from chain_impact.scene import Box, Contact, Initial, Link, Scene, Solver, Wall
 from chain_impact.variable import Item, Variable
 
@@ -35,7 +37,7 @@ _METHODS = tuple(
 
 def fmu_variables(scene: Scene) -> list[Variable]:
     """All variables of the scene's FMU, in the order of their value references: outputs come last."""
-    return [*_parameters(scene), *_inputs(scene), *output_variables(scene)]
+    return [*_parameters(scene), *_inputs(scene), *all_outputs(scene)]
 
 
 def parameter_paths(scene: Scene) -> dict[str, Place]:
@@ -51,14 +53,31 @@ def input_places(scene: Scene) -> dict[str, Place]:
     return {variable.name: variable.place for variable in _inputs(scene)}
 
 
+def output_variables(scene: Scene) -> list[Variable]:
+    """The outputs that change all the time: those of ``Result.outputs``."""
+    return [variable for variable in all_outputs(scene) if variable.place[0] == "output"]
+
+
 def output_columns(scene: Scene, outputs: np.ndarray) -> dict[str, np.ndarray]:
     """The time series in ``Result.outputs`` under the names of the FMU's outputs: name → shape (T,)."""
     columns = {}
     for variable in output_variables(scene):
-        record, name, *index = variable.place
-        if record == "output":
-            columns[variable.name] = outputs[name][(..., *index)]  # type: ignore[arg-type]
+        _, name, *index = variable.place
+        columns[variable.name] = outputs[name][(..., *index)]  # type: ignore[arg-type]
     return columns
+
+
+def output_words(scene: Scene, wanted: str | Iterable[str]) -> dict[str, int]:
+    """The outputs of some names or patterns: name → index into a row of ``Result.outputs``.
+
+    Raises:
+        UnknownNameError: when there is none of a name, or like a pattern.
+    """
+    layout = output_dtype(len(scene.chain.links), candidate_count(scene))
+    words = {variable.name: word_index(layout, variable.place[1:]) for variable in output_variables(scene)}
+    names = (wanted,) if isinstance(wanted, str) else wanted
+    chosen = [one for name in names for one in matching(scene.name, name, words, "no output")]
+    return {name: words[name] for name in chosen}
 
 
 def word_index(dtype: np.dtype, place: Place) -> int:
@@ -81,7 +100,7 @@ def word_index(dtype: np.dtype, place: Place) -> int:
 
 def _rules(table: type) -> dict[str, Mapping[str, Any]]:
     """The metadata of each key of a table of the scene."""
-    return {entry.name: entry.metadata for entry in fields(table)}
+    return {entry.name: entry.metadata for entry in fields(table) if not entry.metadata.get("file_only")}
 
 
 def _parameter(

@@ -58,40 +58,64 @@ def start_values(fmus):
 
 def draw(path, columns, parameters):
     """Draw the motion, the joints' angles and torques, and the force of the wall."""
+    import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(10, 7), layout="constrained")
-    grid = figure.add_gridspec(3, 2, width_ratios=(1, 1.1))
-    motion = figure.add_subplot(grid[:, 0])
-    angles, torques, force = (figure.add_subplot(grid[row, 1]) for row in range(3))
-    time = columns["time"]
+    from chain_impact.results.plots import draw_chain, draw_walls
+    from chain_impact.results.plots.style import (
+        BLUE,
+        DPI,
+        INK,
+        ORANGE,
+        STYLE,
+        TIME_COLOURS,
+        VERMILLION,
+        headline,
+    )
+    from chain_impact.results.recording import Recording
+    from chain_impact.walls import half_planes
 
-    x, y = (np.stack([columns[f"point[{k}].{axis}"] for k in range(3)]) for axis in "xy")
-    motion.plot(x[2], y[2], color="tab:orange", linewidth=1, label="path of the tip")
-    for at in (0.0, 0.1, 0.17, 0.22, time[-1]):
-        k = int(np.searchsorted(time, at - 1e-9))
-        final = k == len(time) - 1
-        shade = "black" if final else str(0.8 - at)
-        motion.plot(x[:, k], y[:, k], "o-", color=shade, linewidth=3 if final else 1.5, markersize=4)
-    motion.axvline(parameters["box.x_max"], color="tab:gray", linewidth=3)
-    motion.set(xlabel="x [m]", ylabel="y [m]", aspect="equal", title="From rest to the wall")
-    motion.legend(loc="upper left")
+    time, force = columns["time"], columns["contact[2].x_max.force"]
+    recording = Recording(
+        "ControlledArm", time, columns, [], half_planes({"x_max": parameters["box.x_max"]}, {})
+    )
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(10, 6), dpi=DPI, layout="constrained")
+        headline(
+            figure,
+            f"The wall stops the arm with {max(force):.0f} N at most, then holds it with {force[-1]:.0f} N",
+            "two FMUs, arm and controller  ·  targets of the joints lie behind the wall  ·  restitution e = "
+            f"{parameters['contact.restitution']:g}  ·  communication step {time[1]:g} s",
+        )
+        grid = figure.add_gridspec(3, 2, width_ratios=(1, 1.2))
+        motion = figure.add_subplot(grid[:, 0])
+        angles, torques, forces = (figure.add_subplot(grid[row, 1]) for row in range(3))
 
-    shoulder = columns["link[1].angle"]
-    joints = (("shoulder", shoulder), ("elbow", columns["link[2].angle"] - shoulder))
-    for i, (name, angle) in enumerate(joints, 1):
-        color = f"C{i - 1}"
-        angles.plot(time, angle, color=color, label=name)
-        angles.axhline(parameters[f"joint[{i}].target"], color=color, linestyle=":", linewidth=1)
-        torques.step(time, columns[f"joint[{i}].torque"], color=color, where="post", label=name)
-    angles.set(ylabel="joint angle [rad]", title="dotted: targets, which lie behind the wall")
-    torques.set(ylabel="torque [N·m]")
-    force.plot(time, columns["contact[2].x_max.force"], color="C3", linewidth=1)
-    force.set(xlabel="time [s]", ylabel="force of the wall [N]", yscale="symlog", ylim=(0, None))
-    for axes in (angles, torques):
-        axes.legend(loc="lower right")
-        axes.tick_params(labelbottom=False)
-    figure.savefig(path, dpi=110)
+        draw_walls(motion, recording)
+        motion.plot(*recording.points[:, -1].T, color=VERMILLION, linewidth=1.2, label="path of the tip")
+        impact = time[np.flatnonzero(force)[0]]
+        for at in (0.0, 0.5 * impact, impact, time[-1]):
+            shade = TIME_COLOURS(min(at / (2.0 * impact), 1.0))
+            pose = recording.points[np.searchsorted(time, at - 1e-9)]
+            draw_chain(motion, pose, color=shade, linewidth=2.4, label=f"{at:.2g} s")
+        motion.set(xlabel="x [m]", ylabel="y [m]", aspect="equal")
+
+        shoulder = columns["link[1].angle"]
+        joints = (("shoulder", BLUE, shoulder), ("elbow", ORANGE, columns["link[2].angle"] - shoulder))
+        for i, (name, colour, angle) in enumerate(joints, 1):
+            angles.plot(time, angle, color=colour, label=name)
+            angles.axhline(parameters[f"joint[{i}].target"], color=colour, linestyle=":", linewidth=1)
+            torques.step(time, columns[f"joint[{i}].torque"], color=colour, where="post", label=name)
+        angles.plot([], [], ":", color=INK, linewidth=1, label="target")
+        angles.set(ylabel="joint angle [rad]")
+        torques.set(ylabel="torque [N·m]")
+        forces.plot(time, force, color=INK, linewidth=1)
+        forces.set(xlabel="time [s]", ylabel="force of the wall [N]", yscale="symlog", ylim=(0, None))
+        for axes in (motion, angles, torques):
+            axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3 if axes is motion else 4)
+        for axes in (angles, torques):
+            axes.tick_params(labelbottom=False)
+        figure.savefig(path, dpi="figure")
 
 
 def main():

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 import zipfile
+from importlib.metadata import version
 
 import matplotlib as mpl
 import pytest
@@ -191,7 +192,7 @@ def test_show_opens_one_window_with_the_picture(run, monkeypatch):
     monkeypatch.setattr(pyplot, "figure", lambda **_: page)
     monkeypatch.setattr(pyplot, "show", lambda: shown.append(page.get_suptitle()))
     assert run("simulate", "rod_drop", "--show")[0] == 0
-    assert shown == ["RodDrop: 30 impacts in 2 s"]
+    assert shown == ["RodDrop: 30 impacts dissipate 100 % of the energy in 2 s"]
 
 
 # --- compare ---------------------------------------------------------------------------------------------
@@ -223,7 +224,9 @@ def test_compare_writes_what_was_asked_for(run, here):
 
 def check_variables(listing, scene):
     """Each variable has its line, whole, however narrow the terminal."""
-    lines = {line.split()[0]: line for line in listing.splitlines() if line}
+    head, *rows = listing.splitlines()
+    assert head.split() == ["name", "causality", "variability", "unit", "meaning"]
+    lines = {line.split()[0]: line for line in rows}
     variables = fmu_variables(scene)
     assert lines.keys() == {variable.name for variable in variables}
     for variable in variables:
@@ -316,6 +319,39 @@ def test_every_command_has_help(run, verb):
     code, said, _ = run(*([verb] if verb else []), "--help")
     assert code == 0
     assert said.startswith(f"usage: chain-impact {verb or ''}".rstrip())
+
+
+@pytest.mark.parametrize("verb", ["build", "simulate", "compare", "info"])
+def test_quiet_prints_nothing(run, here, verb):
+    options = ["--csv", "out.csv"] if verb in ("simulate", "compare") else []
+    assert run(verb, "rod_drop", "--quiet", *options) == (0, "", "")
+    assert (here / "out.csv").exists() == bool(options)
+    assert run("info", "rod_drop")[1] != ""
+
+
+def test_quiet_still_says_what_is_wrong(run, monkeypatch, terminal):
+    text = terminal(False)
+    assert run("simulate", "no_scene", "-q")[:2] == (2, "")
+    assert text.getvalue().startswith("chain-impact: no_scene: cannot be read")
+
+
+def test_quiet_says_nothing_of_compiling(run, monkeypatch, terminal):
+    compiling(monkeypatch)
+    text = terminal(True)
+    assert run("simulate", "rod_drop", "-q") == (0, "", "")
+    assert text.getvalue() == ""
+
+
+def test_version(run):
+    assert run("--version") == (0, f"chain-impact {version('chain-impact')}\n", "")
+
+
+@pytest.mark.parametrize("kind", ["scene", "FMU"])
+def test_the_stop_time_can_be_given(run, fmu, kind):
+    source = fmu if kind == "FMU" else "four_link_box"
+    done = run("simulate", source, "--stop-time", "0.52")
+    assert done == run("simulate", source, "--set", "simulation.stop_time=0.52")
+    assert "FourLinkBox  0 … 0.52 s, 1 impact\n" in done[1]
 
 
 def test_an_interrupt_is_no_traceback(run, monkeypatch):

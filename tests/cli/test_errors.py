@@ -8,6 +8,7 @@ import pytest
 from matplotlib import pyplot
 
 from chain_impact.cli import report
+from chain_impact.extras import MissingExtraError
 
 
 @pytest.fixture
@@ -94,6 +95,30 @@ def test_a_place_that_cannot_be_written(refused, here, option, place):
     (here / "file").write_text("")
     (here / "folder.png").mkdir()
     refused(2, rf"^chain-impact: {re.escape(place)}: [A-Z]", "simulate", "rod_drop", option, place)
+
+
+@pytest.mark.parametrize("option", ["--csv", "--plot"])
+def test_a_disk_that_is_full_is_named(refused, here, option):
+    (here / "full.png").symlink_to("/dev/full")
+    refused(
+        2, r"^chain-impact: full\.png: No space left on device$", "simulate", "rod_drop", option, "full.png"
+    )
+
+
+@pytest.mark.parametrize("kind", ["scene", "FMU"])
+def test_a_result_that_is_too_large(refused, fmu, kind):
+    source = fmu if kind == "FMU" else "four_link_box"
+    pattern = r"simulation\.stop_time = 2 \[s\] in steps of simulation\.step_size = 1e-09 \[s\] gives"
+    refused(2, pattern, "simulate", source, "--set", "simulation.step_size=1e-9")
+    refused(2, "must be at most 2 GB", "simulate", source, "--stop-time", "2e5")
+
+
+def test_an_extra_that_is_missing(refused, monkeypatch):
+    def record(*_):
+        raise MissingExtraError("pandas cannot be imported: pip install 'chain-impact[pandas]'")
+
+    monkeypatch.setattr(report, "record", record)
+    refused(2, r"pip install 'chain-impact\[pandas\]'$", "simulate")
 
 
 @pytest.mark.parametrize("name", ["out.bmpx", "out", "png"])

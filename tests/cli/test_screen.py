@@ -1,10 +1,15 @@
 """What the command line prints of a comparison; of simulations, test_commands.py."""
 
+import io
 import math
 from dataclasses import replace
 
+from rich.console import Console
+
 from chain_impact import CONTACT_LAWS, compare
-from chain_impact.cli.screen import law_table
+from chain_impact.cli.report import show
+from chain_impact.cli.screen import law_table, plain_lines, table_of, variable_table
+from chain_impact.variables import fmu_variables
 from tests.problems import default_scene
 
 
@@ -15,7 +20,8 @@ def test_an_impulse_and_a_law_without_a_result_have_a_row():
     failed = replace(
         others[0], result=None, note="cannot start", **dict.fromkeys(("restitution", "peak_force"), math.nan)
     )
-    lines = list(law_table(replace(comparison, runs=(impulse, failed, *others[1:]))))
+    _, table, *_ = law_table(replace(comparison, runs=(impulse, failed, *others[1:])))
+    lines = [line.strip() for line in plain_lines(table)]
     first, second = (next(line for line in lines if line.startswith(run.law)) for run in (impulse, failed))
     assert first.split()[2:5] == ["∞", "0.000", "0.000"]
     assert second.split()[1:3] == ["–", "–"]
@@ -23,7 +29,28 @@ def test_an_impulse_and_a_law_without_a_result_have_a_row():
 
 
 def test_the_columns_are_aligned():
-    head, *rows = list(law_table(compare(default_scene())))[1 : 2 + len(CONTACT_LAWS)]
-    end = head.replace("[bold]", "").index("steps") + len("steps")
+    _, table, *_ = law_table(compare(default_scene()))
+    head, *rows = plain_lines(table)
+    end = head.index("steps") + len("steps")
     assert [row.split()[0] for row in rows] == list(CONTACT_LAWS)
     assert all(len(row) == end or row[end] == " " for row in rows)
+
+
+def test_on_a_terminal_a_table_is_as_wide_as_that(monkeypatch):
+    text = io.StringIO()
+    console = Console(file=text, force_terminal=True, color_system=None, width=70)
+    monkeypatch.setattr("chain_impact.cli.report.out", console)
+    variables = fmu_variables(default_scene())
+    show(variable_table(variables))
+    lines = text.getvalue().splitlines()
+    assert max(map(len, lines)) <= 70
+    assert len(lines) > len(variables) + 20  # long descriptions go on in the next line
+    assert all(any(line.split()[:1] == [v.name] for line in lines) for v in variables)
+
+
+def test_elsewhere_lines_are_whole_and_have_no_spaces_at_their_end():
+    table = table_of(("name", "number"), numbers=("number",))
+    table.add_row("[a]" * 2, "1")
+    table.add_row("b" * 200, "23")
+    assert [len(line) for line in plain_lines(table)] == [209] * 3
+    assert not any(line.endswith(" ") for line in plain_lines(table_of(("name", "text"))))

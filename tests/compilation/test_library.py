@@ -19,7 +19,7 @@ from tests.fmu.standard import all_functions_of_fmi3, co_simulation_functions
 
 ENTRY_POINTS = {
     *("initialize", "advance", "advance_awhile", "advance_to_onset", "let_happen"),
-    *("observe", "sound", "follow", "trajectory"),
+    *("observe", "sound", "follow", "trajectory", "run_each"),
 }
 OLDEST_GLIBC = (2, 17)  # CentOS 7, of 2014
 HOST_ONLY = pytest.mark.skipif(sys.platform != "linux", reason="reads an ELF file")

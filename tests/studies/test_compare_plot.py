@@ -1,13 +1,26 @@
 """The picture of a comparison."""
 
+import itertools
+import re
+
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from chain_impact import CONTACT_LAWS, compare
+from chain_impact.results.plots.style import GREY
 from chain_impact.scene import with_values
 from chain_impact.studies.compare import realised_restitution
-from chain_impact.studies.compare_plot import PRESCRIBED, fill, looks_of, plot_comparison
+from chain_impact.studies.compare_plot import (
+    NAMED,
+    PRESCRIBED,
+    SIZE,
+    fill,
+    looks_of,
+    named_laws,
+    plot_comparison,
+)
 from tests.problems import default_scene
 
 
@@ -22,19 +35,46 @@ def curves(comparison):
 
 
 def drawn(comparison, curves):
-    page = Figure(figsize=(15.0, 5.6), layout="constrained")
+    page = Figure(figsize=SIZE, layout="constrained")
     fill(page, comparison, curves)
     page.draw_without_rendering()
     return page
 
 
-def test_every_law_is_in_the_legend_and_twins_share_a_look(comparison, curves):
+def test_every_law_has_a_look_and_twins_share_one(comparison, curves):
+    labels = [re.sub(r" \(.*", "", look["label"]) for look in looks_of(comparison, curves).values()]
+    assert sorted(name for label in labels for name in label.split(", ")) == sorted(CONTACT_LAWS)
+    assert "ye, flores" in labels
+
+
+def test_five_laws_are_named_each_in_its_own_colour_and_the_rest_is_grey(comparison, curves):
+    why = named_laws(comparison)
+    assert why == {
+        "zhang_sharf": "reference",
+        "gharib_hurmuzlu": "differs most",
+        "hunt_crossley": "much used",
+        "lankarani_nikravesh": "much used",
+        "flores": "much used",
+    }
     looks = looks_of(comparison, curves)
-    names = [name for look in looks.values() for name in look["label"].split(", ")]
-    assert sorted(names) == sorted(CONTACT_LAWS)
-    assert looks["ye"]["label"] == "ye, flores"
-    styles = [(str(look["color"]), str(look.get("linestyle"))) for look in looks.values()]
-    assert len(set(styles)) == len(styles)
+    coloured = {law: look["color"] for law, look in looks.items() if look["color"] != GREY}
+    assert len(coloured) == len(set(coloured.values())) == NAMED
+    for law, reason in why.items():
+        (look,) = (look for look in looks.values() if law in look["label"].replace(",", "").split())
+        assert look["label"].endswith(f"({reason})")
+
+
+def test_the_scenes_own_law_is_named():
+    comparison = compare(
+        with_values(default_scene(model="jankowski"), {("simulation", "stop_time"): 0.6}),
+    )
+    assert named_laws(comparison)["jankowski"] == "of the scene"
+    assert len(named_laws(comparison)) == NAMED
+
+
+def test_the_law_that_differs_most_is_the_one_of_those_that_dissipate(comparison):
+    off = {run.law: abs(run.restitution - 0.7) for run in comparison.runs if run.law != "hertz"}
+    assert max(off, key=off.get) == "gharib_hurmuzlu"
 
 
 def test_the_panels_show_restitution_loops_and_energy(comparison, curves):
@@ -43,18 +83,37 @@ def test_the_panels_show_restitution_loops_and_energy(comparison, curves):
     count = len(looks_of(comparison, curves))
     assert len(restitution.lines) == count + 1  # and the scene's e
     assert len(loops.lines) == len(energy.lines) == count
-    line = next(line for line in loops.lines if line.get_label() == "zhang_sharf")
+    line = next(line for line in loops.lines if line.get_label().startswith("zhang_sharf"))
     np.testing.assert_allclose(line.get_xydata().T, comparison["zhang_sharf"].loop * [[1e3], [1e-3]])
     names = [axes.get_xlabel() for axes in page.axes] + [axes.get_ylabel() for axes in page.axes]
     assert sum("[" in name for name in names) == 4
 
 
-def test_the_legend_covers_no_panel(comparison, curves):
+def test_the_headline_has_the_spread_of_the_laws(comparison, curves):
     page = drawn(comparison, curves)
-    (legend,) = page.legends
-    box = legend.get_window_extent()
-    assert not any(axes.get_window_extent().overlaps(box) for axes in page.axes)
-    assert page.bbox.x1 >= box.x1
+    said, conditions = (text.get_text() for text in page.texts)
+    found = [run.restitution for run in comparison.runs]
+    assert re.search(r"(\d+) laws give ([\d.]+) to ([\d.]+)", said).groups() == (
+        str(len(CONTACT_LAWS)),
+        f"{min(found):.2f}",
+        f"{max(found):.2f}",
+    )
+    assert f"grey: {len(looks_of(comparison, curves)) - NAMED} other laws" in conditions
+
+
+def test_the_names_of_the_laws_stand_beside_their_curves_and_overlap_nothing(comparison, curves):
+    page = drawn(comparison, curves)
+    *_, energy = page.axes
+    boxes = [Text.get_window_extent(text) for text in energy.texts]
+    assert len(boxes) == NAMED
+    for one, other in itertools.combinations(boxes, 2):
+        assert not one.overlaps(other)
+    for box in boxes:
+        assert not any(axes.get_window_extent().overlaps(box) for axes in page.axes)
+        assert page.bbox.x1 >= box.x1
+    for text in energy.texts:
+        law = re.split(r"[,\n]", text.get_text())[0]
+        assert text.xy[1] == comparison[law].result.energy["total"][-1]
 
 
 def test_laws_that_did_not_run_leave_the_others_in_the_picture(tmp_path):

@@ -4,24 +4,28 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from importlib.metadata import version
 from typing import NoReturn
 
-from chain_impact.cli import build, cache, compare, info, simulate, validate
+from chain_impact.cli import animate, build, cache, compare, info, simulate, sweep, validate
 from chain_impact.cli.options import UsageError
-from chain_impact.cli.progress import err
+from chain_impact.cli.progress import err, out
 from chain_impact.compilation.errors import BuildError
+from chain_impact.extras import MissingExtraError
 from chain_impact.reading import SceneError
+from chain_impact.results.animation import AnimationError
 from chain_impact.runs import RunError
 
-VERBS = (build, simulate, compare, info, validate, cache)
+VERBS = (build, simulate, animate, compare, sweep, info, validate, cache)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; return the exit code."""
     options = parser().parse_args(arguments)
+    out.quiet = options.quiet
     try:
         code: int = options.run(options)
-    except (SceneError, UsageError) as error:
+    except (AnimationError, SceneError, UsageError, MissingExtraError) as error:
         err.print(f"chain-impact: {error}", markup=False, soft_wrap=True)
         return 2
     except (BuildError, RunError) as error:
@@ -48,7 +52,10 @@ class Parser(argparse.ArgumentParser):
 def parser() -> argparse.ArgumentParser:
     """The grammar of the command line."""
     whole = Parser(prog="chain-impact", description="Impact dynamics of planar robotic chains, as an FMU.")
+    whole.add_argument("--version", action="version", version=f"chain-impact {version('chain-impact')}")
     verbs = whole.add_subparsers(required=True, metavar="COMMAND")
     for verb in VERBS:
         verb.add(verbs)
+    for command in verbs.choices.values():
+        command.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
     return whole

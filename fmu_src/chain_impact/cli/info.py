@@ -10,6 +10,8 @@ from rich.markup import escape
 
 from chain_impact.cli.options import Verbs, add_scene, is_fmu
 from chain_impact.cli.progress import out
+from chain_impact.cli.report import show
+from chain_impact.cli.screen import variable_table
 from chain_impact.runs import EXPERIMENT, read_fmu
 from chain_impact.scene import load_scene
 
@@ -49,12 +51,7 @@ def run(options: argparse.Namespace) -> int:
     out.print(f"[bold]{escape(name)}[/]  {escape(description)}", soft_wrap=True)
     for key, value in facts:
         out.print(f"  {key} = {value}", markup=False, soft_wrap=True)
-    out.print("\n[bold]Variables of the FMU[/]")
-    rows = [(v.name, v.causality, v.variability, v.unit or "", v.description or "") for v in variables]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        cells = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))
-        out.print(f"  {'  '.join(cells).rstrip()}", markup=False, soft_wrap=True)
+    show(variable_table(variables))
     return 0
 
 

@@ -33,9 +33,21 @@ def add_scene(command: argparse.ArgumentParser, what: str) -> None:
 
 
 def add_set(command: argparse.ArgumentParser) -> None:
-    """Add ``--set``."""
+    """Add ``--set``, and a short form of one."""
     command.add_argument(
-        "--set", action="append", default=[], metavar="NAME=VALUE", help="set a parameter; can be repeated"
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help="set a value by a name that `info` lists; can be repeated",
+    )
+    command.add_argument(
+        "--stop-time",
+        action="append",
+        dest="set",
+        metavar="SECONDS",
+        type="simulation.stop_time={}".format,
+        help="end of the simulation, as --set simulation.stop_time=SECONDS",
     )
 
 

@@ -48,6 +48,9 @@ def progress(work: str = "simulating") -> Iterator[tuple[Notify, Advance]]:
     Yields a function that says what is being done, for as long as it takes, and one that tells the fraction
     of a simulation that is done.
     """
+    if out.quiet:
+        yield lambda _: None, lambda _: None
+        return
     columns = TextColumn("{task.description}"), EstimatedBar(pulse_style="cyan"), TimeColumn()
     bar = Progress(*columns, console=err, transient=True, disable=not err.is_terminal)
     started, shown, simulating = monotonic(), 0.0, False

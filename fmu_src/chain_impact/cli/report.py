@@ -6,10 +6,11 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from rich.console import RenderableType
+from rich.table import Table
 
 from chain_impact.cli.options import check_folders, is_fmu, settings_of
 from chain_impact.cli.progress import out, progress
-from chain_impact.cli.screen import summary
+from chain_impact.cli.screen import plain_lines, summary
 from chain_impact.results.recording import Recording
 from chain_impact.runs import RunError, record_fmu, record_scene
 from chain_impact.scene import load_scene
@@ -49,6 +50,10 @@ def record(source: str, settings: Sequence[str]) -> Recording:
 
 
 def show(parts: Iterable[RenderableType]) -> None:
-    """Print one after the other, whole lines however narrow the terminal."""
+    """Print one after the other: on a terminal as wide as that is, elsewhere whole lines."""
     for part in parts:
-        out.print(part, soft_wrap=True)
+        if isinstance(part, Table) and not out.is_terminal:
+            for line in plain_lines(part):
+                out.print(line, markup=False, soft_wrap=True)
+        else:
+            out.print(part, soft_wrap=not isinstance(part, Table))

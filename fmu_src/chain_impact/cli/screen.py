@@ -3,44 +3,67 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from datetime import datetime
+from io import StringIO
 from pathlib import Path
+from typing import Any
 
-from rich.console import RenderableType
+from rich.console import Console, RenderableType
 from rich.markup import escape
 from rich.table import Table
 
 from chain_impact.compilation.cache import LINKER, Entry
 from chain_impact.results.recording import Recording
+from chain_impact.results.summary import energy_lines, plural
 from chain_impact.studies.compare import Comparison, LawRun, advice
 
 NOTHING = "–"
 
 
+def table_of(head: Sequence[str], numbers: Sequence[str] = ()) -> Table:
+    """An empty table without lines; the columns of numbers are flush right."""
+    table = Table(box=None, header_style="bold")
+    for name in head:
+        table.add_column(name, justify="right" if name in numbers else "left", no_wrap=name == head[0])
+    return table
+
+
+def plain_lines(table: Table) -> Iterator[str]:
+    """The lines of a table as wide as it is, for files and other programs."""
+    wide = Console(file=StringIO(), width=10_000, highlight=False, color_system=None)
+    with wide.capture() as captured:
+        wide.print(table)
+    yield from (line.rstrip() for line in captured.get().splitlines())
+
+
+def variable_table(variables: Iterable[Any]) -> Iterator[RenderableType]:
+    """The variables of an FMU."""
+    yield "\n[bold]Variables of the FMU[/]"
+    table = table_of(("name", "causality", "variability", "unit", "meaning"))
+    for v in variables:
+        cells = (v.name, v.causality, v.variability, v.unit or "", v.description or "")
+        table.add_row(*map(escape, cells))
+    yield table
+
+
 def summary(recording: Recording) -> Iterator[RenderableType]:
     """Impacts and energy balance."""
-    table = Table("#", "time, s", "point", "wall", "speed, m/s", box=None, header_style="bold")
+    table = table_of(("#", "time, s", "point", "wall", "speed, m/s"))
     for number, impact in enumerate(recording.impacts, start=1):
         table.add_row(
             str(number), f"{impact.time:.6f}", str(impact.point), impact.wall, f"{impact.speed:.4f}"
         )
     count, listed = recording.impact_count, len(recording.impacts)
-    impacts = f"{count} impact{'s' if count != 1 else ''}"
+    impacts = plural(count, "impact")
     if listed < count:
         impacts += f", {listed} listed: an FMU tells only the last one in a communication step"
     yield f"\n[bold]{escape(recording.name)}[/]  0 … {recording.time[-1]:g} s, {impacts}"
     yield table
-    total, dissipated = (recording.columns[f"energy.{name}"] for name in ("total", "dissipated"))
-    supplied = recording.columns.get("energy.supplied", 0.0 * total)
-    balance = total + dissipated - supplied
-    parts = [f"{total[-1]:.6g} J left", f"{dissipated[-1]:.6g} J dissipated"]
-    parts += [f"{-supplied[-1]:.6g} J supplied"] if supplied.any() else []
-    yield f"energy   {total[0]:.6g} J at the start = {' + '.join(parts)}"
-    yield f"balance  off by at most {abs(balance - balance[0]).max():.1e} J"
+    yield from energy_lines(recording.columns)
 
 
-def law_table(comparison: Comparison) -> Iterator[str]:
+def law_table(comparison: Comparison) -> Iterator[RenderableType]:
     """The laws side by side, and which to take."""
     scene, impact = comparison.scene, comparison.first_impact
     contact = scene.contact
@@ -49,13 +72,11 @@ def law_table(comparison: Comparison) -> Iterator[str]:
         f"K = {contact.stiffness:.4g}; first impact at {impact['onset']:.6g} s with "
         f"{impact['effective_mass']:.4g} kg at {impact['impact_speed']:.4g} m/s"
     )
-    head = ("law", "e′", "peak, kN", "depth, mm", "time, ms", "lost, J", "impacts", "differs at", "steps", "")
-    rows = [head, *(_row(run) for run in comparison.runs)]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        first, *others = (cell.rjust(width) for cell, width in zip(row[:-1], widths, strict=False))
-        line = escape("  ".join([first.strip().ljust(widths[0]), *others, row[-1]]).rstrip())
-        yield f"[bold]{line}[/]" if row is head else line
+    numbers = ("e′", "peak, kN", "depth, mm", "time, ms", "lost, J", "impacts", "differs at", "steps")
+    table = table_of(("law", *numbers, ""), numbers)
+    for run in comparison.runs:
+        table.add_row(*map(escape, _row(run)))
+    yield table
     yield "e′ … lost: of the first impact. differs at: the first impact elsewhere than with " + (
         f"{comparison.reference}, and its time, s"
     )

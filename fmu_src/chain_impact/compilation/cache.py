@@ -48,10 +48,13 @@ def base_folder() -> Path:
 
 def cache_folder() -> Path:
     """The folder for kernels of these sources and compilers."""
-    digest = hashlib.sha256(fingerprint().encode())
-    for name in COMPILERS:
-        digest.update(f"\n{name} {_version(name)}".encode())
-    return base_folder() / digest.hexdigest()[:16]
+    return base_folder() / _digest(tuple(f"{name} {_version(name)}" for name in COMPILERS))
+
+
+@functools.cache
+def _digest(compilers: tuple[str, ...]) -> str:
+    """16 hexadecimal digits for these sources and some compilers."""
+    return hashlib.sha256("\n".join([fingerprint(), *compilers]).encode()).hexdigest()[:16]
 
 
 def linker_folder() -> Path:

@@ -12,7 +12,8 @@ import numpy as np
 from chain_impact.instance import new_instance
 from chain_impact.names import Place
 from chain_impact.scene import Scene
-from chain_impact.variable import UNITS, Variable
+from chain_impact.units import UNITS
+from chain_impact.variable import OBSERVED, Variable
 from chain_impact.variables import word_index
 
 DEGREES = {"rad": "deg", "rad/s": "deg/s", "rad/s2": "deg/s2"}
@@ -113,7 +114,7 @@ def values_of(variables: Sequence[Variable], scene: Scene) -> list[dict[str, str
         if variable.type == "real":
             value = {"declaredType": UNITS[variable.unit].quantity, "unit": variable.unit}
             record, field, *_ = variable.place
-            if record == "output" and field in nominal:
+            if record in OBSERVED and field in nominal:
                 value["nominal"] = repr(nominal[str(field)])
         elif variable.items:
             value = {"declaredType": type_name(variable)}
@@ -136,11 +137,11 @@ def rate_of(variable: Variable) -> Place | None:
 
 
 def nominal_values(scene: Scene) -> dict[str, float]:
-    """Magnitudes of the outputs: field of the output record → value, in the unit of the field.
+    """Magnitudes of the outputs: field of what is observed → value, in the unit of the field.
 
     Those of the motion are the absolute scales of the solver (``model.size``, ``model.energy``): the longest
     link L, L in a second, and M L²/s² for the whole mass M. Those of contacts are what a collision of all the
-    mass at v = L/s compresses the wall to, without damping: K δⁿ⁺¹/(n+1) = M v²/2.
+    mass at v = L/s compresses the wall to, without damping, K δⁿ⁺¹/(n+1) = M v²/2, and its momentum M v.
     """
     links, contact = scene.chain.links, scene.contact
     size, mass = max(link.length for link in links), sum(link.mass for link in links)
@@ -152,7 +153,10 @@ def nominal_values(scene: Scene) -> dict[str, float]:
         ("point_position", "point_velocity", "point_acceleration", "penetration_rate"), size
     )
     energies = dict.fromkeys(("kinetic", "potential", "elastic", "dissipated", "supplied", "total"), energy)
-    return motion | energies | {"penetration": depth, "force": contact.stiffness * depth**contact.exponent}
+    force = contact.stiffness * depth**contact.exponent
+    contacts = {"penetration": depth, "force": force, "impulse": mass * size}
+    impacts = {"speed": size, "separation_speed": size, "peak_force": force, "max_penetration": depth}
+    return motion | energies | contacts | impacts
 
 
 def type_name(variable: Variable) -> str:

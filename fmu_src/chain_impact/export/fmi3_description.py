@@ -19,7 +19,8 @@ from chain_impact.export.description import (
 )
 from chain_impact.names import Place
 from chain_impact.scene import Scene
-from chain_impact.variable import UNITS, Variable
+from chain_impact.units import UNITS
+from chain_impact.variable import Variable
 from chain_impact.variables import fmu_variables
 
 CAPABILITIES = {

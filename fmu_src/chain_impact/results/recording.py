@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import csv
+import math
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +15,10 @@ import numpy as np
 
 from chain_impact.results.impacts import impacts_of, names_of
 from chain_impact.results.result import Result
-from chain_impact.variables import output_columns
+from chain_impact.variables import parameter_paths
 from chain_impact.walls import HalfPlane
+
+ROWS_AT_ONCE = 10_000  # that are written
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,12 +30,16 @@ class Impact:
         point: 0…N.
         wall: name of the wall.
         speed: normal approach speed [m/s].
+        end: of the contact [s]; NaN if it is unknown, or of one that lasts.
+        peak_force: the largest force [N], infinite between rigid walls; NaN if it is unknown.
     """
 
     time: float
     point: int
     wall: str
     speed: float
+    end: float = field(default=math.nan, compare=False)
+    peak_force: float = field(default=math.nan, compare=False)
 
 
 @dataclass(frozen=True)
@@ -45,6 +52,7 @@ class Recording:
         columns: FMU variable name → values, shape (T,).
         impacts: in order of time; of an FMU, those that its outputs have shown.
         walls: name → free side of the walls that are there.
+        parameters: FMU variable name → value at the start, of a choice its name; none where they are unknown.
     """
 
     name: str
@@ -52,6 +60,7 @@ class Recording:
     columns: dict[str, np.ndarray]
     impacts: list[Impact]
     walls: dict[str, HalfPlane]
+    parameters: dict[str, Any] = field(default_factory=dict)
 
     @property
     def impact_count(self) -> int:
@@ -85,28 +94,32 @@ class Recording:
         with written_whole(path) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(["time", *self.columns])
-            values = (column.tolist() for column in self.columns.values())
-            writer.writerows(zip(self.time.tolist(), *values, strict=True))
+            columns = [self.time, *self.columns.values()]
+            for start in range(0, max(map(len, columns)), ROWS_AT_ONCE):  # lists take four times the room
+                values = (column[start : start + ROWS_AT_ONCE].tolist() for column in columns)
+                writer.writerows(zip(*values, strict=True))
 
 
 def recording_of(result: Result) -> Recording:
     """The recording of a simulated scene."""
+    values = result.scene.values
     return Recording(
         name=result.scene.name,
         time=result.time,
-        columns=output_columns(result.scene, result.outputs),
+        columns=result.columns,
         impacts=impact_list(result.impacts, result.scene.wall_names),
         walls=result.scene.half_planes,
+        parameters={name: values[name] for name in parameter_paths(result.scene)},
     )
 
 
 @contextmanager
 def written_whole(path: Path) -> Iterator[Path]:
     """Yield a path to write to; what is written there appears at ``path`` when it is whole, or not at all."""
-    if path.is_symlink() or (path.exists() and not path.is_file()):
-        yield path  # /dev/stdout and its like cannot be replaced
-        return
     try:
+        if path.is_symlink() or (path.exists() and not path.is_file()):
+            yield path  # /dev/stdout and its like cannot be replaced
+            return
         with tempfile.TemporaryDirectory(prefix=f".{path.name}-", dir=path.parent) as scratch:
             fresh = Path(scratch, path.name)
             yield fresh
@@ -137,6 +150,13 @@ def impacts_from_outputs(record: Any, walls: Sequence[str]) -> list[Impact]:
 def impact_list(table: np.ndarray, walls: Sequence[str]) -> list[Impact]:
     """The impacts of a table as `Result.impacts`, with the names of the walls."""
     return [
-        Impact(float(row["onset"]), int(row["point"]), walls[row["wall"]], float(row["impact_speed"]))
+        Impact(
+            time=float(row["onset"]),
+            point=int(row["point"]),
+            wall=walls[row["wall"]],
+            speed=float(row["impact_speed"]),
+            end=float(row["end"]),
+            peak_force=float(row["peak_force"]),
+        )
         for row in table
     ]

@@ -2,11 +2,23 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from chain_impact.reading import matching
+from chain_impact.results import summary, tables
 from chain_impact.scene import Scene
+from chain_impact.variables import output_columns, output_variables
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+    from matplotlib.figure import Figure
 
 IMPACT_DTYPE = np.dtype(
     [
@@ -28,15 +40,19 @@ speed of a contact that lasts to the end of the simulation are NaN. Under the la
 has no duration and an infinite peak force; that of a contact that lasts is the largest force that held it."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Result:
     """What happened in a simulation.
+
+    ``result["point[4].x"]`` is an output over time, shape (T,), by its name in the FMU; ``result["time"]`` is
+    the time. A name with ``*``, which stands for any text, gives a dict of all that are like it:
+    ``result["contact[2].*.force"]``.
 
     Attributes:
         scene: the scene as it was simulated.
         time: communication points, shape (T,) [s].
-        outputs: all outputs at these times, a structured array of shape (T,), see
-            ``instance.output_dtype``.
+        outputs: the outputs at these times, a structured array of shape (T,): all of them, see
+            ``layout.output_dtype``, or those that ``simulate(output=…)`` asked for, by their names.
         impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``.
         statistics: steps, rejected_steps, rhs_evaluations, implicit_steps, status.
     """
@@ -47,20 +63,45 @@ class Result:
     impacts: np.ndarray
     statistics: dict[str, int]
 
+    def __getitem__(self, name: str) -> Any:
+        """An output over time by its name, shape (T,), or a dict of those that are like a pattern.
+
+        Raises:
+            UnknownNameError: a KeyError, when there is none.
+        """
+        if name == "time":
+            return self.time
+        if name in self.columns:
+            return self.columns[name]
+        found = matching(self.scene.name, name, self.columns, "no output of this result")
+        return {one: self.columns[one] for one in found}
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the outputs, in the order of the FMU's."""
+        return tuple(self.columns)
+
+    @cached_property
+    def columns(self) -> dict[str, np.ndarray]:
+        """The outputs over time: name → shape (T,)."""
+        if "point_position" in (self.outputs.dtype.names or ()):
+            return output_columns(self.scene, self.outputs)
+        return {name: self.outputs[name] for name in self.outputs.dtype.names or ()}
+
     @property
     def points(self) -> np.ndarray:
         """Positions of the points 0…N, shape (T, N+1, 2) [m]."""
-        return self.outputs["point_position"]
+        return self._all("point_position")
 
     @property
     def angles(self) -> np.ndarray:
         """Absolute angles of the links, shape (T, N) [rad]."""
-        return self.outputs["angle"]
+        return self._all("angle")
 
     @property
     def angular_velocities(self) -> np.ndarray:
         """Angular velocities of the links, shape (T, N) [rad/s]."""
-        return self.outputs["angular_velocity"]
+        return self._all("angular_velocity")
 
     @property
     def energy(self) -> np.ndarray:
@@ -69,4 +110,103 @@ class Result:
         Fields kinetic, potential, elastic, dissipated, supplied and total = kinetic + potential + elastic;
         total + dissipated − supplied is constant.
         """
-        return self.outputs[["kinetic", "potential", "elastic", "dissipated", "supplied", "total"]]
+        names = ["kinetic", "potential", "elastic", "dissipated", "supplied", "total"]
+        if "kinetic" in (self.outputs.dtype.names or ()):
+            return self.outputs[names]
+        ledger = np.zeros(len(self.time), [(name, np.float64) for name in names])
+        for name in names:
+            if name != "supplied" or self.scene.inputs.joint_torques or self.scene.inputs.tip_force:
+                ledger[name] = self[f"energy.{name}"]
+        return ledger
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """The outputs as a table of pandas: the time as index, a column for each name.
+
+        ``attrs["units"]`` has the unit of each column.
+
+        Raises:
+            MissingExtraError: when pandas is not there: ``pip install 'chain-impact[pandas]'``.
+        """
+        return tables.dataframe(self)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """The outputs as a dataset of xarray, over time, point, axis, link and contact, with their units.
+
+        What ``simulate(output=…)`` left out is NaN, or not there if nothing of its kind was asked for.
+
+        Raises:
+            MissingExtraError: when xarray is not there: ``pip install 'chain-impact[xarray]'``.
+        """
+        return tables.dataset(self)
+
+    def impact_table(self) -> pandas.DataFrame:
+        """The impacts as a table of pandas: the columns of ``IMPACT_DTYPE``, with the names of the walls.
+
+        The rows count from 1. ``attrs["units"]`` has the unit of each column.
+
+        Raises:
+            MissingExtraError: when pandas is not there: ``pip install 'chain-impact[pandas]'``.
+        """
+        return tables.impact_table(self)
+
+    def plot(self, path: str | os.PathLike[str] | None = None) -> Figure | None:
+        """Draw motion, energy and impacts.
+
+        Args:
+            path: a file, whose suffix says which kind: png, svg or pdf; without it the figure is returned,
+                which a notebook shows.
+
+        Raises:
+            UnknownNameError: when ``simulate(output=…)`` left out what is drawn.
+            OSError: when the file cannot be written.
+        """
+        from matplotlib.figure import Figure  # a second to load, so not at the top
+
+        from chain_impact.results import plots
+        from chain_impact.results.recording import recording_of
+
+        for needed in ("point[*].x", "point[*].y", "energy.*"):
+            self[needed]
+        recording = recording_of(self)
+        if path is not None:
+            plots.plot(recording, Path(path))
+            return None
+        page = Figure(figsize=plots.SIZE, layout="constrained")
+        plots.fill(page, recording)
+        return page
+
+    def animate(self, path: str | os.PathLike[str], **options: Any) -> None:
+        """Write an animation: a page for the browser, ``.html``, or a film, ``.gif`` or ``.mp4``.
+
+        It shows an impact by the rows within it. ``record_slowly`` simulates a scene with more of them.
+
+        Args:
+            path: the file.
+            options: ``speed``, ``impact_time``, ``size``, ``progress`` of ``chain_impact.animate``.
+
+        Raises:
+            UnknownNameError: when ``simulate(output=…)`` left out the positions of the points.
+            AnimationError, MissingExtraError, OSError: as ``chain_impact.animate``.
+        """
+        from chain_impact.results.animation import animate
+        from chain_impact.results.recording import recording_of
+
+        for needed in ("point[*].x", "point[*].y"):
+            self[needed]
+        animate(recording_of(self), Path(path), **options)
+
+    def __repr__(self) -> str:
+        """What happened, in a few lines."""
+        return summary.text(self)
+
+    def _repr_html_(self) -> str:
+        """The same in a notebook, with a table of the impacts."""
+        return summary.html(self)
+
+    def _all(self, field: str) -> np.ndarray:
+        """A field of ``layout.output_dtype``, also if the outputs have other fields."""
+        if field in (self.outputs.dtype.names or ()):
+            return self.outputs[field]
+        parts = [v for v in output_variables(self.scene) if v.place[1] == field]
+        values = np.stack([self[variable.name] for variable in parts], axis=-1)
+        return values.reshape(len(self.time), *(int(step) + 1 for step in parts[-1].place[2:]))

@@ -1,8 +1,11 @@
-"""The picture of a comparison of contact laws: restitution, the first impact, energy over time."""
+"""The picture of a comparison of contact laws: restitution, the first impact, energy over time.
+
+Five laws have a colour and a name: the reference, the scene's own, the one that differs most, and others that
+are much used. The rest is grey.
+"""
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -12,17 +15,20 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.text import Annotation
 
 from chain_impact.compilation.work import Notify, announce
-from chain_impact.results.plots import STYLE
+from chain_impact.results.plots.labels import label_curves, settle, spread_labels
+from chain_impact.results.plots.style import BLACK, DPI, GREY, INK, PALETTE, STYLE, headline, number
 from chain_impact.results.recording import written_whole
 from chain_impact.studies.compare import Comparison, LawRun, realised_restitution
 
-SIZE = (15.0, 5.6)  # inches
+SIZE = (11.0, 4.5)  # inches
 PRESCRIBED = np.linspace(0.02, 1.0, 50)  # restitutions
-LINES = ("-", (0, (5, 1.5)), (0, (1, 1)))
-COLOURS = mpl.colormaps["tab10"].colors  # type: ignore[attr-defined]
-REFERENCE: dict[str, Any] = {"color": "0.75", "linewidth": 6.0, "zorder": 1, "solid_capstyle": "butt"}
+NAMED = 5  # laws with a colour
+ELASTIC = 1.0 - 1e-3  # restitution of an impact in which nothing is dissipated
+USED = ("hunt_crossley", "lankarani_nikravesh", "flores", "kelvin_voigt", "newton_impact")
+"""Laws that are found in many programs and papers."""
 MILLI, KILO = 1e3, 1e-3
 
 Looks = dict[str, dict[str, Any]]
@@ -40,41 +46,80 @@ def plot_comparison(
     """
     curves = realised_restitution(comparison, PRESCRIBED, notify, progress)
     with written_whole(path) as fresh:
-        page = Figure(figsize=SIZE, layout="constrained")
+        page = Figure(figsize=SIZE, dpi=DPI, layout="constrained")
         fill(page, comparison, curves)
-        page.savefig(fresh, dpi=140)
+        page.savefig(fresh, dpi="figure")
 
 
 @mpl.rc_context(STYLE)
 def fill(page: Figure, comparison: Comparison, curves: dict[str, np.ndarray]) -> None:
     """Draw the three panels on an empty page."""
-    panels = page.subplots(1, 3)
     looks = looks_of(comparison, curves)
-    draw_restitution(panels[0], comparison, curves, looks)
-    draw_loops(panels[1], comparison, looks)
-    draw_energy(panels[2], comparison, looks)
-    handles, labels = panels[0].get_legend_handles_labels()
-    page.legend(handles, labels, loc="outside right upper", handlelength=3)
-    scene, impact = comparison.scene, comparison.first_impact
-    page.suptitle(
-        f"{scene.name}: e = {scene.contact.restitution:g}, first impact of "
-        f"{impact['effective_mass']:.3g} kg at {impact['impact_speed']:.3g} m/s"
-    )
+    headline(page, message(comparison), conditions(comparison, looks))
+    restitution, loops, energy = page.subplots(1, 3)
+    draw_restitution(restitution, comparison, curves, looks)
+    draw_loops(loops, comparison, looks)
+    names = draw_energy(energy, comparison, looks)
+    settle(page)
+    spread_labels(energy, names)
+
+
+def message(comparison: Comparison) -> str:
+    """How far the laws are apart in the first impact."""
+    found = [run.restitution for run in comparison.runs if math.isfinite(run.restitution)]
+    e, name = comparison.scene.contact.restitution, comparison.scene.name
+    if not found:
+        return f"{name}: no law finished its first impact"
+    span = f"{min(found):.2f} to {max(found):.2f}"
+    return f"{name}: asked for e = {e:g}, {len(found)} laws give {span} in the first impact"
+
+
+def conditions(comparison: Comparison, looks: Looks) -> str:
+    """The first impact, the scene's contact, and what is grey."""
+    contact, impact = comparison.scene.contact, comparison.first_impact
+    hit = f"first impact of {impact['effective_mass']:.3g} kg at {impact['impact_speed']:.3g} m/s"
+    stiffness = f"stiffness K = {number(contact.stiffness)} N/m$^{{{contact.exponent:g}}}$"
+    tolerance = f"tolerance {number(comparison.scene.solver.tolerance)}"
+    grey = sum(look["color"] == GREY for look in looks.values())
+    return "  ·  ".join((hit, stiffness, tolerance, f"grey: {grey} other laws"))
+
+
+def named_laws(comparison: Comparison) -> dict[str, str]:
+    """The laws that get a colour, at most NAMED, and why.
+
+    Of those that dissipate, the one that differs most is the one whose restitution in the first impact is
+    farthest from the prescribed.
+    """
+    e, reference = comparison.scene.contact.restitution, comparison.reference
+    why = {reference: "reference"}
+    why.setdefault(comparison.scene.contact.model, "of the scene")
+    off = {run.law: abs(run.restitution - e) for run in comparison.runs if run.restitution < ELASTIC}
+    if off:
+        why.setdefault(max(off, key=off.__getitem__), "differs most")
+    for run in comparison.runs:
+        if run.law in USED and run.result is not None and len(why) < NAMED:
+            why.setdefault(run.law, "much used")
+    return why
 
 
 def looks_of(comparison: Comparison, curves: dict[str, np.ndarray]) -> Looks:
     """How each law is drawn; the second of two laws with the same force has no look, but shares a label."""
-    looks: Looks = {}
-    styles = itertools.product(LINES, COLOURS)
+    why, colours = named_laws(comparison), iter(PALETTE)
+    twins: dict[str, list[str]] = {}
     for run in comparison.runs:
-        twin = next((one for one in looks if _same(comparison[one], run, curves)), None)
-        if twin:
-            looks[twin]["label"] += f", {run.law}"
-        elif run.law == comparison.reference:
-            looks[run.law] = {"label": run.law, **REFERENCE}
+        twin = next((one for one in twins if _same(comparison[one], run, curves)), run.law)
+        twins.setdefault(twin, []).append(run.law)
+    looks: Looks = {}
+    for first, laws in twins.items():
+        reasons = [why[law] for law in laws if law in why]
+        label = ", ".join(laws) + (f" ({reasons[0]})" if reasons else "")
+        if comparison.reference in laws:
+            look = {"color": BLACK, "linewidth": 3.0, "zorder": 3}
+        elif reasons:
+            look = {"color": next(colours), "linewidth": 1.7, "zorder": 4}
         else:
-            line, colour = next(styles)
-            looks[run.law] = {"label": run.law, "color": colour, "linestyle": line, "linewidth": 1.5}
+            look = {"color": GREY, "linewidth": 0.9, "zorder": 2}
+        looks[first] = {"label": label, **look}
     return looks
 
 
@@ -86,7 +131,7 @@ def _same(one: LawRun, other: LawRun, curves: dict[str, np.ndarray]) -> bool:
 
 def draw_restitution(axes: Axes, comparison: Comparison, curves: dict[str, np.ndarray], looks: Looks) -> None:
     """Realised over prescribed restitution in a free impact; the scene's e as a line."""
-    axes.axvline(comparison.scene.contact.restitution, color="0.6", linewidth=0.8, linestyle=":")
+    axes.axvline(comparison.scene.contact.restitution, color=INK, linewidth=0.8, linestyle=":")
     for law, look in looks.items():
         axes.plot(PRESCRIBED, curves[law], **look)
     axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.02))
@@ -105,11 +150,16 @@ def draw_loops(axes: Axes, comparison: Comparison, looks: Looks) -> None:
     axes.set(xlabel="penetration in the first impact [mm]", ylabel="force [kN]")
 
 
-def draw_energy(axes: Axes, comparison: Comparison, looks: Looks) -> None:
-    """Total energy over time."""
+def draw_energy(axes: Axes, comparison: Comparison, looks: Looks) -> list[Annotation]:
+    """Total energy over time, with the names of the coloured laws; returns these, to be spread."""
+    ends = []
     for law, look in looks.items():
         result = comparison[law].result
         if result is not None:
             axes.plot(result.time, result.energy["total"], **look)
+            if look["color"] != GREY:
+                name = look["label"].replace(" (", "\n(")
+                ends.append((result.time[-1], result.energy["total"][-1], name, look["color"]))
     axes.set(xlabel="time [s]", ylabel="total energy [J]")
     axes.margins(x=0.0)
+    return label_curves(axes, ends, fontsize=7.5)

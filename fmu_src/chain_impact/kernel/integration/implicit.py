@@ -126,8 +126,9 @@ def linearize(d):
         c = d.touch.active_index[k]
         d.implicit.stiffness[k], d.implicit.damping[k] = contact_slopes(d, c)
         z[gap_at(d, k)], z[rate_at(d, k)] = clearance(d, c)
+    for k in range(followed(d)):
         z[impulse_at(d, k)] = d.impulse.state_end[k]
-        rate[impulse_at(d, k)] = d.touch.force_end[c]
+        rate[impulse_at(d, k)] = d.touch.force_end[d.touch.active_index[k]]
     clearance_rates(d, z, rate)
 
 
@@ -159,9 +160,9 @@ def extended_rate(d, z, rate):
     clear_loads(d)
     dissipated = 0.0
     for k in range(d.touch.active_count):
-        c = d.touch.active_index[k]
-        dissipated += apply_contact(d, c, z[gap_at(d, k)], z[rate_at(d, k)])
-        rate[impulse_at(d, k)] = d.touch.force[c]
+        dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
+    for k in range(followed(d)):
+        rate[impulse_at(d, k)] = d.touch.force[d.touch.active_index[k]]
     loaded_rate(d, z, dissipated, rate)  # … and of u and time, in whose place are clearances here
     accelerate_points(d, z, rate)
     clearance_rates(d, z, rate)
@@ -210,6 +211,7 @@ def solve_stiff(d, shift, r, x):
     for k in range(d.touch.active_count):
         x[rate_at(d, k)] = r[rate_at(d, k)] - own.normal[k]
         x[gap_at(d, k)] = r[gap_at(d, k)] + shift * x[rate_at(d, k)]
+    for k in range(followed(d)):
         slope = own.stiffness[k] * x[gap_at(d, k)] + own.damping[k] * x[rate_at(d, k)]
         x[impulse_at(d, k)] = r[impulse_at(d, k)] - shift * slope
     for j in range(dissipated_at(n), root_at(n)):
@@ -226,7 +228,7 @@ def attempt(d, h):
         The error relative to the tolerance: at most 1 for a step to accept; not finite when f was not.
     """
     work, active = d.work, d.touch.active_count
-    length = gap_at(d, 3 * active)
+    length = gap_at(d, 2 * active + followed(d))
     factorize_stiff(d, h * GAMMA)
     _step(d, d.implicit.start[:length], d.implicit.z[:length], h)
     # the columns of the Jacobian count as evaluations
@@ -237,6 +239,7 @@ def attempt(d, h):
     work.y[root_at(d.links)], work.y[time_at(d.links)] = 1.0, h
     for k in range(active):
         d.touch.gap_error[k] = d.implicit.stage[ERROR, gap_at(d, k)]
+    for k in range(followed(d)):
         d.impulse.tried[k] = d.implicit.z[impulse_at(d, k)]
     locate_points(d, work.y)
     apart, change = largest_mismatch(d), d.implicit.stage[RIGHT, : coordinate_count(d.links)]

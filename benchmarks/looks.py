@@ -1,0 +1,80 @@
+"""How the charts look: colours and marks of the contenders, names at curves; the style is the package's."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from chain_impact.results.plots.labels import label_curves, settle, spread_labels
+from chain_impact.results.plots.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    PURPLE,
+    SKY,
+    STYLE,
+    VERMILLION,
+    headline,
+    number,
+)
+
+OURS, LINE_NAME = VERMILLION, 8.0  # points, the size of a name at a curve
+STYLE = STYLE | {"axes.grid": True}
+PYTHON = ":"  # the line of who is driven from Python, whose marks are hollow
+LOOKS = {
+    "ours": (OURS, "o", "-"),
+    "ours, simulate()": (OURS, "o", PYTHON),
+    "numbalsoda DOP853": (BLUE, "s", "-"),
+    "numbalsoda LSODA": (GREEN, "D", "-"),
+    "CVODE Adams": (PURPLE, "v", "-"),
+    "CVODE BDF": (BLACK, "P", "-"),
+    "heyoka": (ORANGE, "^", "-"),
+    "CasADi erk": (SKY, "X", "-"),
+    "CasADi cvodes": (SKY, "x", PYTHON),
+    "scikit-sundae Adams": (PURPLE, "v", PYTHON),
+    "scikit-sundae BDF": (BLACK, "P", PYTHON),
+    "diffrax Dopri8": (ORANGE, "*", PYTHON),
+    "scipy DOP853": (BLUE, "s", PYTHON),
+    "scipy RK45": (INK, "<", PYTHON),
+    "scipy LSODA": (GREEN, "D", PYTHON),
+    "scipy Radau": ("0.5", ">", PYTHON),
+    "scipy BDF": (GREY, "p", PYTHON),
+    "NumPy, scipy DOP853": ("0.5", "h", PYTHON),
+}
+"""Colour, mark and line of each contender; the two of one method share a colour."""
+QUIET = {"color": GREY, "linewidth": 0.8, "zorder": 1}
+
+
+def look(name: str) -> dict[str, Any]:
+    """How a contender is drawn."""
+    colour, marker, line = LOOKS[name]
+    hollow = {"markerfacecolor": "white"} if line == PYTHON else {}
+    strong = {"linewidth": 2.4, "zorder": 3} if name == "ours" else {"linewidth": 1.2, "zorder": 2}
+    return {"color": colour, "marker": marker, "linestyle": line, "markersize": 4.5, **hollow, **strong}
+
+
+def names_at_ends(page: Any, curves: Mapping[Any, Sequence[tuple[float, float, str, Any]]]) -> None:
+    """Write the names of curves beside them, once all is drawn: axes → x, y, name and colour of each."""
+    names = {axes: label_curves(axes, ends, fontsize=LINE_NAME) for axes, ends in curves.items()}
+    settle(page)
+    for axes, texts in names.items():
+        spread_labels(axes, texts)
+
+
+__all__ = [
+    "BLUE",
+    "GREY",
+    "INK",
+    "LOOKS",
+    "OURS",
+    "QUIET",
+    "SKY",
+    "STYLE",
+    "headline",
+    "look",
+    "names_at_ends",
+    "number",
+]

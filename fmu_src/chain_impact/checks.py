@@ -1,0 +1,92 @@
+"""What a scene must be that no key can tell alone; see scene.py, whose functions call these."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.law_file import LawError, read_law
+from chain_impact.reading import SceneError, shown
+from chain_impact.walls import direction
+
+if TYPE_CHECKING:
+    from chain_impact.scene import Chain, Scene
+
+START_TOLERANCE = 1e-12  # m, penetration at the start that counts as round-off
+
+
+def movable_points(chain: Chain) -> range:
+    """The points that can move: all but a pinned base."""
+    return range(1 if chain.base == "pinned" else 0, len(chain.links) + 1)
+
+
+def with_law_path(scene: Scene, folder: Path) -> Scene:
+    """Return the scene with the whole path of its law's file, after a look at that."""
+    file = scene.contact.law_file
+    if not file:
+        return scene
+    path = (folder / file).absolute()
+    try:
+        read_law(path)
+    except LawError as error:
+        raise SceneError(f"contact.law_file = {file!r} {error}") from None
+    return replace(scene, contact=replace(scene.contact, law_file=str(path)))
+
+
+def with_angles(scene: Scene) -> Scene:
+    """Return the scene with the angles of the walls that were given by a normal, which have none then."""
+    walls = []
+    for wall in scene.walls:
+        if (wall.angle is None) == (wall.normal is None):
+            has = "neither angle nor" if wall.angle is None else "both angle and"
+            raise SceneError(f"wall.{wall.name} has {has} normal; must have one of them")
+        if wall.normal and not any(wall.normal):
+            raise SceneError(f"wall.{wall.name}.normal = {list(wall.normal)} must not be zero")
+        walls.append(replace(wall, angle=direction(wall.normal), normal=None) if wall.normal else wall)
+    return replace(scene, walls=tuple(walls))
+
+
+def check_together(scene: Scene) -> None:
+    """Refuse what no key can tell alone."""
+    contact, box, movable = scene.contact, scene.box, movable_points(scene.chain)
+    for point in contact.points:
+        if point not in movable or contact.points.count(point) > 1:
+            span = f"{movable[0]} to {movable[-1]} with a {scene.chain.base} base, each once"
+            raise SceneError(f"contact.points holds {shown(point)}, must hold {span}")
+    law = CONTACT_LAWS.get(contact.model)
+    if law and contact.restitution == 0.0 and not law.allows_zero:
+        raise SceneError(f"contact.restitution = 0.0 must be > 0 for the contact model {law.id}")
+    if law and not law.allows_exponent(contact.exponent):
+        needed = f"{law.exponent} for the contact model {law.id}"
+        raise SceneError(f"contact.exponent = {contact.exponent} must be {needed}")
+    if scene.chain.base == "pinned" and any(scene.initial.velocity):
+        raise SceneError(f"initial.velocity = {list(scene.initial.velocity)} must be zero for a pinned base")
+    for i, wall in enumerate(scene.walls):
+        others = scene.wall_names[: len(WALLS) + i]
+        if wall.name in others:
+            raise SceneError(f"walls[{i + 1}].name = {wall.name!r} must be none of {', '.join(others)}")
+    for axis, low, high in (("x", box.x_min, box.x_max), ("y", box.y_min, box.y_max)):
+        if low is not None and high is not None and not high - low > 2 * contact.radius:
+            least = f"{low + 2 * contact.radius} [m], which is {axis}_min + 2 contact.radius"
+            raise SceneError(f"box.{axis}_max = {high} must be > {least}")
+
+
+def check_start(scene: Scene) -> None:
+    """Refuse a start in which a candidate point is already in a wall."""
+    x, y = scene.initial.position
+    positions = [(x, y)]
+    for link, angle in zip(scene.chain.links, scene.initial.angles, strict=True):
+        x, y = x + link.length * math.cos(angle), y + link.length * math.sin(angle)
+        positions.append((x, y))
+    walls = scene.half_planes
+    for point in scene.contact.points:
+        x, y = positions[point]
+        for name, wall in walls.items():
+            depth = scene.contact.radius - wall.clearance(x, y)
+            if depth > START_TOLERANCE:
+                place = f"point {point} at ({x:.6g}, {y:.6g}) m is {depth:.6g} m deep in"
+                raise SceneError(f"initial: {place} the wall {name}; must be outside")

@@ -1,0 +1,73 @@
+"""What the picture of a recording says, in a line, and under which conditions it came about."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.results.plots.style import number
+from chain_impact.results.recording import Recording
+
+SHARE = 0.01  # of the energy at the start: more below zero, and a share of it means nothing
+
+
+def message(recording: Recording) -> str:
+    """How many impacts there were, and what they took: "Box: 14 impacts dissipate 82 % of the energy in 2 s".
+
+    Dissipation is that of impacts and joints, and where no joint is damped that of the impacts. It is a share
+    where the energy at the start can be lost: where none is supplied and the motion stays above the place at
+    which the potential energy is zero. Else it is in joules.
+    """
+    count, span = recording.impact_count, f"in {recording.time[-1] - recording.time[0]:g} s"
+    impacts = f"{count or 'no'} impact{'s' if count != 1 else ''}"
+    lost = recording.columns.get("energy.dissipated", np.zeros(1))[-1]
+    if not lost > 0.0:
+        return f"{recording.name}: {impacts} {span}"
+    amount = (
+        f"{lost:.3g} J" if (share := lost_share(recording)) is None else f"{100 * share:.0f} % of the energy"
+    )
+    if count and joint_damping(recording) == 0.0:
+        return f"{recording.name}: {impacts} dissipate{'s' if count == 1 else ''} {amount} {span}"
+    return f"{recording.name}: {impacts}, {amount} dissipated {span}"
+
+
+def lost_share(recording: Recording) -> float | None:
+    """The part of the energy at the start that was dissipated, where that means something."""
+    names = ("total", "potential", "dissipated")
+    if any(f"energy.{name}" not in recording.columns for name in names):
+        return None
+    total, potential, dissipated = (recording.columns[f"energy.{name}"] for name in names)
+    supplied = recording.columns.get("energy.supplied", np.zeros(1))
+    if supplied.any() or not total[0] > 0.0 or potential.min() < -SHARE * total[0]:
+        return None
+    return float(dissipated[-1] / total[0])
+
+
+def joint_damping(recording: Recording) -> float | None:
+    """The largest damping of a joint [N·m·s/rad]; None where the parameters are not known."""
+    found = [value for name, value in recording.parameters.items() if name.endswith(".joint_damping")]
+    return max(map(float, found), default=None)
+
+
+def conditions(recording: Recording) -> str:
+    """What an engineer needs to know to read the picture, as far as the recording knows it."""
+    links = sum(re.fullmatch(r"link\[\d+\]\.angle", name) is not None for name in recording.columns)
+    known = recording.parameters
+    parts = [f"{links} link{'s' if links != 1 else ''}"] if links else []
+    if damping := joint_damping(recording):
+        parts.append(f"joint damping ≤ {damping:g} N·m·s/rad")
+    law = known.get("contact.model")
+    if law is not None:
+        parts.append(f"law {law}")
+        parts.append(f"restitution e = {known['contact.restitution']:g}")
+        entry = CONTACT_LAWS.get(str(law))
+        if entry is None or not entry.impulsive:
+            unit = f"N/m$^{{{known['contact.exponent']:g}}}$"
+            parts.append(f"stiffness K = {number(known['contact.stiffness'])} {unit}")
+    if known.get("contact.radius"):
+        parts.append(f"radius {known['contact.radius']:g} m")
+    if "solver.tolerance" in known:
+        parts.append(f"method {known['solver.method']}, tolerance {number(known['solver.tolerance'])}")
+    return "  ·  ".join(parts)

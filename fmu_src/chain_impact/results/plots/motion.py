@@ -1,0 +1,139 @@
+"""The picture of the motion: few strong poses, the paths of the points, the rest faint, the impacts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize
+from matplotlib.lines import Line2D
+
+from chain_impact.results.plots.labels import Label, marker_boxes, place_labels
+from chain_impact.results.plots.room import draw_walls
+from chain_impact.results.plots.style import INK, TIME_COLOURS
+from chain_impact.results.recording import Impact, Recording
+
+STRONG = 6  # poses at impacts, at most: those at the highest speeds
+FAINT = 80  # evenly spaced poses behind them
+MARKED = 12  # points: those of a longer chain have no marks
+FEW = 6  # points: of a longer chain the paths are fainter
+RING = 6.5  # points, the size of the mark of an impact
+NEAR_PLACE = 0.03  # of the view's width, within which impacts at a wall share a ring
+LISTED = 2  # numbers at a ring with more than three impacts
+ABOVE: dict[str, Any] = {
+    "loc": "lower left",
+    "bbox_to_anchor": (0.0, 1.0),
+    "columnspacing": 1.0,
+    "handletextpad": 0.5,
+}
+
+
+def draw_motion(axes: Axes, recording: Recording) -> None:
+    """Walls, faint poses, paths of the points, and strong poses at the start, the end and the impacts."""
+    draw_walls(axes, recording)
+    shade = colour_of_time(recording)
+    draw_faint(axes, recording)
+    draw_paths(axes, recording, shade)
+    marks: dict[str, Any] = {"marker": "o" if recording.points.shape[1] <= MARKED else ""}
+    for time in sorted(hit.time for hit in strongest(recording.impacts, STRONG)):
+        draw_chain(axes, pose_at(recording, time), color=shade(time), linewidth=1.6, markersize=3.5, **marks)
+    for row, name in ((0, "start"), (-1, "end")):
+        colour = shade(recording.time[row])
+        look = {"color": colour, "linewidth": 3.0, "markersize": 5.5, "label": name} | marks
+        draw_chain(axes, recording.points[row], **look)
+    draw_rings(axes, recording)
+    axes.set_aspect("equal")
+    axes.set(xlabel="x [m]", ylabel="y [m]")
+    axes.legend(**ABOVE, ncols=4, handlelength=1.2)
+
+
+def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
+    """The chain in one pose.
+
+    Args:
+        axes: where it is drawn.
+        points: positions of the points 0…N, shape (N+1, 2) [m].
+        look: of the line, as matplotlib names it: color, linewidth, markersize, label, …
+
+    Returns:
+        The line; `set_data(*points.T)` moves it to another pose.
+    """
+    style: dict[str, Any] = {"marker": "o", "markeredgecolor": "white", "markeredgewidth": 0.7, "zorder": 4}
+    style |= {"solid_joinstyle": "round", "solid_capstyle": "round"}
+    (line,) = axes.plot(*np.transpose(points), **(style | look))
+    return line
+
+
+def colour_of_time(recording: Recording) -> Any:
+    """The function that gives the colour of a time."""
+    start, end = recording.time[0], recording.time[-1]
+    norm = Normalize(start, end if end > start else start + 1.0)
+    return lambda time: TIME_COLOURS(norm(time))
+
+
+def pose_at(recording: Recording, time: float) -> np.ndarray:
+    """Positions of the points at a time [s], interpolated, shape (N+1, 2) [m]."""
+    count = recording.points.shape[1]
+    return np.array([recording.point_at(point, time) for point in range(count)])
+
+
+def strongest(impacts: Sequence[Impact], count: int) -> list[Impact]:
+    """The impacts with the highest approach speeds, the highest first."""
+    return sorted(impacts, key=lambda impact: -impact.speed)[:count]
+
+
+def draw_faint(axes: Axes, recording: Recording) -> None:
+    """The chain at evenly spaced times."""
+    rows = np.unique(np.linspace(0, len(recording.time) - 1, FAINT).round().astype(int))
+    axes.add_collection(LineCollection(list(recording.points[rows]), colors=INK, linewidths=0.6, alpha=0.13))
+
+
+def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
+    """The paths of the points; that of the tip is strong, in the colours of time."""
+    *others, tip = recording.points.transpose(1, 0, 2)
+    alpha = 0.45 * min(1.0, FEW / (len(others) + 1))
+    axes.add_collection(LineCollection(others, colors=INK, linewidths=0.6, alpha=alpha))
+    if len(tip) == 1:
+        return
+    middles = 0.5 * (recording.time[1:] + recording.time[:-1])
+    pieces = np.stack([tip[:-1], tip[1:]], axis=1)
+    path = LineCollection(list(pieces), colors=shade(middles), linewidths=1.5, capstyle="round", label="tip")
+    axes.add_collection(path)
+
+
+def draw_rings(axes: Axes, recording: Recording) -> None:
+    """A ring where a wall was hit."""
+    look: dict[str, Any] = {"marker": "o", "markersize": RING, "markerfacecolor": "none", "linestyle": ""}
+    if spots := list(rings(axes, recording)):
+        axes.plot(*np.transpose(spots), **look, color=INK, zorder=5, label="impacts")
+
+
+def number_rings(axes: Axes, recording: Recording) -> None:
+    """Write the numbers of the impacts outside of the walls, those at the highest speeds first."""
+    numbers = {impact: number for number, impact in enumerate(recording.impacts, start=1)}
+    found, labels = rings(axes, recording), []
+    for spot, hits in found.items():
+        shown = hits if len(hits) <= LISTED + 1 else hits[:LISTED]
+        text = ", ".join(str(number) for number in sorted(numbers[hit] for hit in shown))
+        more = f" +{len(hits) - len(shown)}" if len(hits) > len(shown) else ""
+        nx, ny = recording.walls[hits[0].wall].normal
+        labels.append(Label(text + more, spot, (-nx, -ny), short=str(numbers[hits[0]])))
+    place_labels(axes, labels, marker_boxes(axes, list(found), RING), fontsize=7, color=INK)
+
+
+def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[Impact]]:
+    """The places where walls were hit, and the impacts there, the hardest first; those near share a place."""
+    spacing = NEAR_PLACE * max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
+    found: dict[tuple[float, float], list[Impact]] = {}
+    for impact in strongest(recording.impacts, len(recording.impacts)):
+        x, y = recording.spot(impact)
+        near = (
+            spot
+            for spot, hits in found.items()
+            if hits[0].wall == impact.wall and np.hypot(spot[0] - x, spot[1] - y) < spacing
+        )
+        found.setdefault(next(near, (x, y)), []).append(impact)
+    return found

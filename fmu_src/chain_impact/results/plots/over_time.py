@@ -1,0 +1,86 @@
+"""The pictures over time: the energies, the speeds of the impacts, and the colours of time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from chain_impact.results.plots.labels import Label, marker_boxes, place_labels, stem_boxes
+from chain_impact.results.plots.motion import ABOVE, strongest
+from chain_impact.results.plots.style import (
+    BLACK,
+    GREEN,
+    GREY,
+    ORANGE,
+    PALE,
+    PALETTE,
+    PURPLE,
+    TIME_COLOURS,
+    VERMILLION,
+)
+from chain_impact.results.recording import Recording
+
+ENERGY_COLOURS = {"kinetic": GREEN, "potential": ORANGE, "total": BLACK, "dissipated": VERMILLION}
+ENERGY_COLOURS |= {"supplied": PURPLE}
+TOLD = 5  # points, at most, that have a colour of their own, so that the legend has room
+NUMBERED = 60  # impacts, at most, for whose numbers room is sought
+DOT = 4.0  # points, the size of the mark of an impact
+
+
+def draw_clock(axes: Axes, recording: Recording) -> None:
+    """The axis of time, in the colours of the motion."""
+    start, end = recording.time[0], max(recording.time[-1], recording.time[0] + 1e-9)
+    axes.imshow(np.linspace([0.0], [1.0], 256).T, TIME_COLOURS, aspect="auto", extent=(start, end, 0, 1))
+    margin = 0.015 * (end - start)
+    axes.set(xlabel="time [s], and its colours in the motion", yticks=[], xlim=(start - margin, end + margin))
+    axes.spines[:].set_visible(False)
+
+
+def draw_energy(axes: Axes, recording: Recording) -> None:
+    """The energy ledger over time; the impacts as lines."""
+    onsets = [impact.time for impact in recording.impacts]
+    axes.vlines(onsets, 0.0, 1.0, PALE, linewidth=0.8, zorder=0, transform=axes.get_xaxis_transform())
+    for name, colour in ENERGY_COLOURS.items():
+        energy = recording.columns.get(f"energy.{name}", np.zeros(1))
+        if name != "supplied" or energy.any():
+            axes.plot(recording.time, energy, color=colour, label=name, linewidth=1 + (name == "total"))
+    axes.set_ylabel("energy [J]")
+    axes.legend(**ABOVE, ncols=5, handlelength=1.6)
+
+
+def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
+    """The approach speed of each impact over time, coloured by point; of many points most share a grey."""
+    for name, colour, points in point_groups(recording):
+        hits = [(hit.time, hit.speed) for hit in recording.impacts if hit.point in points]
+        times, speeds = zip(*hits, strict=True)
+        axes.vlines(times, 0.0, speeds, color=colour, linewidth=1.0)
+        axes.plot(times, speeds, "o", color=colour, markersize=DOT, label=name)
+    axes.set_ylabel("impact speed [m/s]")
+    axes.set_ylim(0.0, 1.2 * max((impact.speed for impact in recording.impacts), default=1.0))
+    if recording.impacts:
+        axes.legend(**ABOVE, ncols=7, handlelength=0.8)
+    else:
+        axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", color=GREY)
+
+
+def point_groups(recording: Recording) -> list[tuple[str, Any, set[int]]]:
+    """Name, colour and points of what is told apart: the points hit hardest, and all others together."""
+    hit = list(dict.fromkeys(impact.point for impact in strongest(recording.impacts, len(recording.impacts))))
+    told = sorted(hit if len(hit) <= TOLD else hit[: TOLD - 1])
+    groups: list[tuple[str, Any, set[int]]] = [
+        (f"point {point}", colour, {point}) for point, colour in zip(told, PALETTE, strict=False)
+    ]
+    others = set(hit) - set(told)
+    return [("others", GREY, others), *groups] if others else groups
+
+
+def number_impacts(axes: Axes, recording: Recording) -> None:
+    """Write the numbers of the impacts at their speeds, the highest first."""
+    numbers = {impact: number for number, impact in enumerate(recording.impacts, start=1)}
+    tops = [(hit.time, hit.speed) for hit in recording.impacts]
+    marks = np.vstack([marker_boxes(axes, tops, DOT), stem_boxes(axes, tops)])
+    ordered = strongest(recording.impacts, NUMBERED)
+    labels = [Label(str(numbers[hit]), (hit.time, hit.speed)) for hit in ordered]
+    place_labels(axes, labels, marks, fontsize=7)

@@ -1,0 +1,53 @@
+"""The page with a recording: the motion with its impacts, the energy, and the impacts over time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+
+from chain_impact.results.plots.labels import settle
+from chain_impact.results.plots.message import conditions, message
+from chain_impact.results.plots.motion import draw_motion, number_rings
+from chain_impact.results.plots.over_time import (
+    draw_clock,
+    draw_energy,
+    draw_impact_speeds,
+    number_impacts,
+)
+from chain_impact.results.plots.room import view_of
+from chain_impact.results.plots.style import DPI, STYLE, headline
+from chain_impact.results.recording import Recording, written_whole
+
+SIZE = (10.0, 5.4)  # inches
+SLIM, BROAD = 0.6, 1.3  # width of the motion's panel in heights, at least and at most
+HEIGHT = 0.46  # of the page's width, the motion's panel
+
+
+def plot(recording: Recording, path: Path) -> None:
+    """Draw the recording into a file; the suffix says which kind (png, svg, pdf)."""
+    with written_whole(path) as fresh:
+        page = Figure(figsize=SIZE, dpi=DPI, layout="constrained")
+        fill(page, recording)
+        page.savefig(fresh, dpi="figure")
+
+
+@mpl.rc_context(STYLE)
+def fill(page: Figure, recording: Recording) -> None:
+    """Draw motion on the left, and energy and impacts over time on the right, of an empty page."""
+    headline(page, message(recording), conditions(recording))
+    width, height = np.ptp(view_of(recording)[0], axis=0)
+    share = HEIGHT * min(max(width / height, SLIM), BROAD)  # the motion fills its panel
+    grid = page.add_gridspec(3, 2, width_ratios=(share, 1.0 - share), height_ratios=(1, 1, 0.06))
+    motion, clock = page.add_subplot(grid[:, 0]), page.add_subplot(grid[2, 1])
+    energy, speeds = (page.add_subplot(grid[row, 1], sharex=clock) for row in range(2))
+    draw_motion(motion, recording)
+    draw_clock(clock, recording)
+    for axes, draw in ((energy, draw_energy), (speeds, draw_impact_speeds)):
+        axes.tick_params(labelbottom=False)
+        draw(axes, recording)
+    settle(page)
+    number_rings(motion, recording)
+    number_impacts(speeds, recording)

@@ -1,0 +1,72 @@
+"""The room of the motion: its walls, the free side of them, and the part of it that is in view."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Polygon
+
+from chain_impact.results.plots.style import INK
+from chain_impact.results.recording import Recording
+from chain_impact.results.view import seen
+from chain_impact.walls import HalfPlane, half_planes
+
+OUTSIDE_COLOUR = "0.93"
+MARGIN, BAND = (
+    0.04,
+    0.14,
+)  # of the motion's width, at the edges of the view and outside of walls; √2 BAND < NEAR
+PARALLEL = 1e-9  # of a length of 1 and of m, what round-off may be
+
+
+def view_of(recording: Recording) -> tuple[np.ndarray, list[HalfPlane]]:
+    """The lower left and the upper right corner of what is to be seen, shape (2, 2) [m], and the walls in it.
+
+    The motion fills it, with a margin. A wall far from the motion is left out.
+    """
+    view, near = seen(recording.points, recording.walls)
+    margin = np.full((2, 2), MARGIN)
+    for wall in near:
+        margin = np.maximum(margin, BAND * np.array([wall.normal, np.negative(wall.normal)]))
+    return view + np.ptp(view, axis=0).max() * margin * [[-1.0], [1.0]], near
+
+
+def draw_walls(axes: Axes, recording: Recording) -> None:
+    """The room between the walls near the motion; sets the limits of the axes."""
+    draw_room(axes, *view_of(recording))
+
+
+def draw_room(axes: Axes, view: np.ndarray, near: list[HalfPlane]) -> None:
+    """The room between some walls in white, all beyond them in grey; sets the limits of the axes.
+
+    Args:
+        axes: where it is drawn.
+        view: lower left and upper right corner of what the axes show, shape (2, 2) [m].
+        near: the walls.
+    """
+    frame = half_planes(dict(zip(("x_min", "y_min", "x_max", "y_max"), view.ravel(), strict=True)), {})
+    bounds = [*near, *frame.values()]
+    edges = [_edge(wall, bounds) for wall in bounds]
+    # the free side is to the left of each edge, so their directions turn as one goes round the room
+    turning = sorted((np.arctan2(*(b - a)[::-1]), *a) for a, b in filter(len, edges))
+    axes.set_facecolor(OUTSIDE_COLOUR if near else "white")
+    axes.add_patch(Polygon([start for _, *start in turning], facecolor="white", zorder=0.5))
+    for ends in filter(len, edges[: len(near)]):
+        axes.plot(*ends.T, color=INK, linewidth=2.0, zorder=2)
+    axes.set(xlim=view[:, 0], ylim=view[:, 1])
+
+
+def _edge(wall: HalfPlane, bounds: list[HalfPlane]) -> np.ndarray:
+    """The ends of the part of a wall's line that the others leave free, shape (2, 2), or (0, 2) for none."""
+    (nx, ny), start = wall.normal, wall.offset * np.array(wall.normal)
+    along = np.array([ny, -nx])
+    low, high = -np.inf, np.inf
+    for other in bounds:
+        gap, slope = other.clearance(*start), np.dot(other.normal, along)
+        if abs(slope) < PARALLEL:
+            high = high if gap > -PARALLEL else -np.inf
+        elif slope > 0.0:
+            low = max(low, -gap / slope)
+        else:
+            high = min(high, -gap / slope)
+    return np.array([start + low * along, start + high * along]) if low < high else np.zeros((0, 2))

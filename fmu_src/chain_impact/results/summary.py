@@ -1,0 +1,81 @@
+"""What happened, in some lines: of a result, as Python and notebooks show it, and of a recording."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from html import escape
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from chain_impact.kernel.status import OK, STATUS_TEXT
+
+if TYPE_CHECKING:
+    from chain_impact.results.result import Result
+
+LISTED = 30  # impacts in a notebook
+
+
+def plural(count: int, what: str) -> str:
+    """For example: 1 impact, 2 impacts."""
+    return f"{count} {what}{'s' if count != 1 else ''}"
+
+
+def energy_lines(columns: Mapping[str, np.ndarray]) -> Iterator[str]:
+    """The ledger at the end, and how far it was out of balance; nothing if there are no such columns."""
+    if not {"energy.total", "energy.dissipated"} <= columns.keys():
+        return
+    total, dissipated = columns["energy.total"], columns["energy.dissipated"]
+    supplied = columns.get("energy.supplied", 0.0 * total)
+    balance = total + dissipated - supplied
+    parts = [f"{total[-1]:.6g} J left", f"{dissipated[-1]:.6g} J dissipated"]
+    parts += [f"{-supplied[-1]:.6g} J supplied"] if supplied.any() else []
+    yield f"energy   {total[0]:.6g} J at the start = {' + '.join(parts)}"
+    yield f"balance  off by at most {abs(balance - balance[0]).max():.1e} J"
+
+
+def text(result: Result) -> str:
+    """A result in a few lines."""
+    return "\n".join([_headline(result), *_impact_lines(result), *_facts(result)])
+
+
+def html(result: Result) -> str:
+    """A result for a notebook: with a table of its impacts."""
+    head = "".join(f"<th>{name}</th>" for name in ("", "time, s", "point", "wall", "speed, m/s"))
+    rows = [
+        "".join(f"<td>{escape(cell)}</td>" for cell in (str(number), *_cells(result, impact)))
+        for number, impact in enumerate(result.impacts[:LISTED], 1)
+    ]
+    more = len(result.impacts) - LISTED
+    table = f"<table><tr>{head}</tr>{''.join(f'<tr>{row}</tr>' for row in rows)}</table>" if rows else ""
+    table += f"<p>… and {plural(more, 'more impact')}</p>" if more > 0 else ""
+    facts = "\n".join(map(escape, _facts(result)))
+    return f"<div><b>{escape(_headline(result))}</b>{table}<pre>{facts}</pre></div>"
+
+
+def _headline(result: Result) -> str:
+    end = f"{result.time[-1]:g}" if len(result.time) else "0"
+    rows = f"{plural(len(result.time), 'row')} of {plural(len(result.names), 'output')}"
+    return f"{result.scene.name}  0 … {end} s, {plural(len(result.impacts), 'impact')}, {rows}"
+
+
+def _impact_lines(result: Result) -> Iterator[str]:
+    ends = {"first": result.impacts[:1], "last": result.impacts[1:][-1:]}
+    for word, rows in ends.items():
+        for row in rows:
+            time, point, wall, speed = _cells(result, row)
+            yield f"{word:9}impact at {time} s: point {point} hits {wall} at {speed} m/s"
+
+
+def _cells(result: Result, impact: np.void) -> tuple[str, str, str, str]:
+    wall = result.scene.wall_names[impact["wall"]]
+    return f"{impact['onset']:.6f}", str(impact["point"]), wall, f"{impact['impact_speed']:.4f}"
+
+
+def _facts(result: Result) -> Iterator[str]:
+    yield from energy_lines(result.columns if len(result.time) else {})
+    counts = result.statistics
+    steps = f"{counts['steps']} steps, of which {counts['implicit_steps']} implicit"
+    yield f"solver   {steps}; {counts['rhs_evaluations']} evaluations of the equations of motion"
+    status = counts["status"]
+    yield f"status   {status}: {'done' if status == OK else STATUS_TEXT[status]}"

@@ -1,0 +1,89 @@
+"""Results as tables of pandas and datasets of xarray."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from chain_impact.extras import require
+from chain_impact.instance import candidates
+from chain_impact.names import AXES
+from chain_impact.variables import output_variables
+
+if TYPE_CHECKING:
+    from chain_impact.results.result import Result
+
+IMPACT_UNITS = {
+    "onset": "s",
+    "end": "s",
+    "impact_speed": "m/s",
+    "separation_speed": "m/s",
+    "peak_force": "N",
+    "max_penetration": "m",
+    "effective_mass": "kg",
+    "impulse": "N.s",
+}
+_DIMENSIONS = {
+    "point_position": ("point", "axis"),
+    "point_velocity": ("point", "axis"),
+    "point_acceleration": ("point", "axis"),
+    "angle": ("link",),
+    "angular_velocity": ("link",),
+    "angular_acceleration": ("link",),
+    "force": ("contact",),
+    "penetration": ("contact",),
+    "penetration_rate": ("contact",),
+    "impulse": ("contact",),
+}
+
+
+def dataframe(result: Result) -> Any:
+    """See ``Result.to_dataframe``."""
+    pandas = require("pandas", "pandas")
+    table = pandas.DataFrame(result.columns, index=pandas.Index(result.time, name="time"))
+    units = {variable.name: variable.unit for variable in output_variables(result.scene)}
+    table.attrs["units"] = {name: units[name] for name in result.names}
+    return table
+
+
+def impact_table(result: Result) -> Any:
+    """See ``Result.impact_table``."""
+    pandas = require("pandas", "pandas")
+    walls = np.array(result.scene.wall_names, dtype=object)
+    columns = {name: result.impacts[name] for name in result.impacts.dtype.names or ()}
+    columns["wall"] = walls[columns["wall"]]
+    index = pandas.RangeIndex(1, len(result.impacts) + 1, name="impact")
+    table = pandas.DataFrame(columns, index=index)
+    table.attrs["units"] = dict(IMPACT_UNITS)
+    return table
+
+
+def dataset(result: Result) -> Any:
+    """See ``Result.to_xarray``."""
+    xarray = require("xarray", "xarray")
+    scene = result.scene
+    pairs = [(point, scene.wall_names[wall]) for point, wall in candidates(scene)]
+    points = len(scene.chain.links) + 1
+    sizes = {"point": points, "axis": len(AXES), "link": points - 1, "contact": len(pairs)}
+    data: dict[str, Any] = {}
+    for variable in output_variables(scene):
+        if variable.name not in result.columns:
+            continue
+        _, field, *index = variable.place
+        dimensions = _DIMENSIONS.get(str(field), ())
+        key = str(field).removeprefix("point_") if dimensions else variable.name
+        if key not in data:
+            values = np.full((len(result.time), *(sizes[one] for one in dimensions)), np.nan)
+            data[key] = (("time", *dimensions), values, {"units": variable.unit})
+        data[key][1][(slice(None), *index)] = result.columns[variable.name]
+    coordinates = {
+        "time": ("time", result.time, {"units": "s"}),
+        "point": np.arange(points),
+        "axis": list(AXES),
+        "link": np.arange(1, points),
+        "contact": [f"contact[{point}].{wall}" for point, wall in pairs],
+        "contact_point": ("contact", [point for point, _ in pairs]),
+        "contact_wall": ("contact", [wall for _, wall in pairs]),
+    }
+    return xarray.Dataset(data, coordinates, {"scene": scene.name, "description": scene.description})

@@ -1,0 +1,269 @@
+"""A chain that is stepped by hand, for controllers and learning: set inputs, take a step, look, decide."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import struct
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from chain_impact.compilation.work import Notify, announce
+from chain_impact.export.table import variable_row
+from chain_impact.kernel.status import OK
+from chain_impact.reading import SceneError, UnknownNameError, matching, shown
+from chain_impact.results.result import IMPACT_DTYPE
+from chain_impact.running import Instance, SimulationError, in_order
+from chain_impact.scene import Scene
+from chain_impact.variable import Variable
+from chain_impact.variables import fmu_variables, word_index
+
+STATE = struct.Struct("<8s16sqq")  # magic, the scene's digest, whether it has started, number of contacts
+MAGIC = b"chainsav"
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """Where a variable stands in the record, and what may be written there."""
+
+    word: int
+    whole: bool
+    kind: str
+    low: float
+    high: float
+    allowed: str
+    choices: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Look:
+    """Several variables that are read at once: words, which are integers, whether any is an output."""
+
+    words: np.ndarray
+    whole: np.ndarray
+    observed: bool
+
+
+class Chain:
+    """An instance of a scene that is stepped by hand.
+
+    The names are those of the FMU, and so are the rules: until the first step, everything but outputs can be
+    set; after it, inputs and tunable parameters. What is set acts from the present time on, until it is set
+    anew. The steps change neither the solution nor, while nothing is set, its cost. A fault is a
+    ``SimulationError``; then ``restore`` and ``reset`` go on from an earlier state.
+
+    Attributes:
+        scene: what was given.
+    """
+
+    def __init__(self, scene: Scene, notify: Notify = announce) -> None:
+        """Stand at the start of the scene, t = 0.
+
+        Args:
+            scene: what to simulate. The FMU has inputs when the scene asks for them: ``inputs.tip_force``,
+                ``inputs.joint_torques``.
+            notify: called with a sentence before a kernel is compiled.
+
+        Raises:
+            SimulationError: when the scene cannot start.
+            BuildError: when the kernel cannot be compiled.
+        """
+        self.scene = scene
+        self._instance = Instance(scene, notify)
+        self._reals = self._instance.words
+        self._integers = self._reals.view(np.int64)
+        self._start = self._reals.copy()
+        dtype = self._instance.record.dtype
+        self._places = {v.name: _place(v, word_index(dtype, v.place)) for v in fmu_variables(scene)}
+        self._time_word = word_index(dtype, ("step", "time"))
+        self._changed_word = word_index(dtype, ("inputs", "changed"))
+        self._finished_word = word_index(dtype, ("finished", "count"))
+        self._looks: dict[str | tuple[str, ...], _Look] = {}
+        self._instant = np.zeros(1)
+        self._outputs = np.zeros(1, dtype["output"])
+        self._stepped, self._initialized, self._observed = False, True, False
+        self._impacts: list[np.ndarray] = []
+
+    @property
+    def time(self) -> float:
+        """The present time [s]."""
+        return float(self._reals[self._time_word])
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of all variables: parameters, inputs, outputs."""
+        return tuple(self._places)
+
+    @property
+    def impacts(self) -> np.ndarray:
+        """The contacts so far in order of onset, see ``IMPACT_DTYPE``; the end of one that lasts is NaN."""
+        self._ready()
+        before = self._reals.copy()
+        lasting = self._instance.open_contacts()  # drops what was solved ahead, so on a copy
+        self._reals[:] = before
+        return in_order([*self._impacts, lasting])
+
+    def step(self, duration: float) -> None:
+        """Go on for a duration > 0 [s].
+
+        Raises:
+            SceneError: when the duration is no finite number > 0.
+            SimulationError: when the solver cannot go on.
+        """
+        if not 0.0 < duration < math.inf:
+            raise SceneError(f"{self.scene.name}: step({shown(duration)}) must be a finite number > 0 [s]")
+        self.step_to(self.time + duration)
+
+    def step_to(self, time: float) -> None:
+        """Go on to a time [s], not before the present one.
+
+        Raises:
+            SceneError: when the time lies in the past, or is no finite number.
+            SimulationError: when the solver cannot go on.
+        """
+        if not self.time <= time < math.inf:
+            needed = f"a finite number >= {self.time!r} [s], the present time"
+            raise SceneError(f"{self.scene.name}: step_to({shown(time)}) must be {needed}")
+        self._ready()
+        self._stepped, self._observed = True, False
+        self._instant[0] = time
+        while not self._instance.trajectory(self._instant, self._outputs):
+            # a fault, or the log is full, or it is time that Python looks after Ctrl-C
+            if self._instance.status != OK:
+                raise SimulationError(self._instance.status, self.time, None)
+            self._collect()
+        self._collect()
+        self._observed = True
+
+    def get(self, names: str | Iterable[str]) -> Any:
+        """The present value of a variable, or of several.
+
+        Args:
+            names: a name, which gives a number; or several, or a name with ``*``, which stands for any text,
+                which gives an array of numbers in their order, shape (M,).
+
+        Raises:
+            UnknownNameError: when there is none of that name.
+        """
+        key = names if isinstance(names, str) else tuple(names)
+        look = self._looks.get(key) or self._look(key)
+        if look.observed and not self._observed:
+            self._ready()
+            self._instance.observe()
+            self._observed = True
+        values = self._reals[look.words]
+        if look.whole.size:
+            values[look.whole] = self._integers[look.words[look.whole]]
+        if isinstance(key, str) and "*" not in key:
+            return int(values[0]) if look.whole.size else float(values[0])
+        return values
+
+    def set(self, values: Mapping[str, Any]) -> None:
+        """Set variables by name: ``{"joint[2].torque": 0.5}``. If one is refused, none is set.
+
+        A contact law or a solver method can be given by its name, or by its number.
+
+        Raises:
+            UnknownNameError: when there is no variable of that name.
+            SceneError: when it cannot be set at this time, or not to that value.
+        """
+        words = [self._checked(name, value) for name, value in values.items()]
+        for word, whole, value in words:
+            memory = self._integers if whole else self._reals
+            if memory[word] != value:
+                memory[word] = value
+                self._observed = False
+                if self._stepped:
+                    self._integers[self._changed_word] = 1  # the solver starts anew from this point in time
+                else:
+                    self._initialized = False
+
+    def save(self) -> bytes:
+        """The present state, all of it: a chain of the same scene that restores it goes on bit by bit."""
+        self._ready()
+        impacts = np.concatenate([np.zeros(0, IMPACT_DTYPE), *self._impacts])
+        head = STATE.pack(MAGIC, self._digest, self._stepped, len(impacts))
+        return head + impacts.tobytes() + self._reals.tobytes()
+
+    def restore(self, state: bytes) -> None:
+        """Go back, or forth, to a state that was saved.
+
+        Raises:
+            SceneError: when it is no state of a chain of this scene.
+        """
+        magic, digest, stepped, count = STATE.unpack_from(state.ljust(STATE.size, b"\0"))
+        record_at = STATE.size + count * IMPACT_DTYPE.itemsize
+        if magic != MAGIC or digest != self._digest or len(state) != record_at + self._reals.nbytes:
+            raise SceneError(f"{self.scene.name}: restore: the bytes are no state of this scene")
+        words = np.frombuffer(state, offset=record_at).copy()
+        if not self._instance.is_sound(words):
+            raise SceneError(f"{self.scene.name}: restore: the state is damaged")
+        self._reals[:] = words
+        self._impacts = [np.frombuffer(state, IMPACT_DTYPE, count, STATE.size).copy()]
+        self._stepped, self._initialized, self._observed = bool(stepped), True, False
+
+    def reset(self) -> None:
+        """Go back to the start of the scene; all values are those of the scene again."""
+        self._reals[:] = self._start
+        self._impacts = []
+        self._stepped, self._initialized, self._observed = False, True, False
+
+    def __repr__(self) -> str:
+        """The scene and the time."""
+        return f"Chain({self.scene.name}) at t = {self.time:.9g} s"
+
+    def _ready(self) -> None:
+        """Work the start out anew if something was set since."""
+        if not self._initialized:
+            self._instance.initialize()
+            self._initialized, self._observed = True, False
+
+    def _collect(self) -> None:
+        if self._integers[self._finished_word]:
+            self._impacts.append(self._instance.collect())
+
+    def _look(self, key: str | tuple[str, ...]) -> _Look:
+        names = (key,) if isinstance(key, str) else key
+        found = [
+            one for name in names for one in matching(self.scene.name, name, self._places, "no variable")
+        ]
+        places = [self._places[name] for name in found]
+        look = _Look(
+            words=np.array([place.word for place in places], int),
+            whole=np.flatnonzero([place.whole for place in places]),
+            observed=any(place.kind == "output" for place in places),
+        )
+        self._looks[key] = look
+        return look
+
+    def _checked(self, name: str, value: Any) -> tuple[int, bool, float]:
+        """The word of a variable, whether it holds an integer, and the value for it."""
+        place = self._places.get(name)
+        if place is None:
+            raise UnknownNameError(self.scene.name, name, self._places, "no variable")
+        if place.kind == "output" or (place.kind == "fixed" and self._stepped):
+            what = "an output" if place.kind == "output" else "a fixed parameter"
+            late = "" if place.kind == "output" else " after the first step"
+            raise SceneError(f"{self.scene.name}: {name} is {what} and cannot be set{late}")
+        number = place.choices.index(value) + 1 if value in place.choices else value
+        try:
+            kept = place.low <= number <= place.high and (not place.whole or number == int(number))
+        except (TypeError, ValueError):
+            kept = False
+        if not kept or isinstance(value, bool):
+            raise SceneError(f"{self.scene.name}: {name} = {shown(value)} must be {place.allowed}")
+        return place.word, place.whole, number
+
+    @cached_property
+    def _digest(self) -> bytes:
+        return hashlib.sha256(repr(self.scene).encode()).digest()[:16]
+
+
+def _place(variable: Variable, word: int) -> _Place:
+    _, _, _, kind, low, high, allowed = variable_row(variable, word)
+    choices = tuple(item.name for item in variable.items)
+    return _Place(word, variable.type != "real", kind, low, high, allowed, choices)

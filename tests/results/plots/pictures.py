@@ -1,0 +1,64 @@
+"""Recordings to draw, and the pictures of them."""
+
+import functools
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from chain_impact import load_scene, simulate
+from chain_impact.results.plots.overview import SIZE, fill
+from chain_impact.results.recording import Impact, Recording, recording_of
+from chain_impact.walls import half_planes
+from tests.test_models import inputs_of
+
+
+@functools.cache
+def recorded(model):
+    """The recording of a model, driven as it is meant to be."""
+    return recording_of(simulate(load_scene(model), inputs=inputs_of(model)))
+
+
+def swing(impacts=(), walls=None, rows=50, slopes=None, parameters=None):
+    """A rod of 1 m that turns about the origin by half a turn, from the right to the left through y > 0.
+
+    The walls of the box and those at any angle as ``half_planes`` takes them.
+    """
+    time = np.linspace(0.0, 2.0, rows)
+    angle = np.pi / 2 * time
+    columns = {"point[0].x": 0 * time, "point[0].y": 0 * time}
+    columns |= {"point[1].x": np.cos(angle), "point[1].y": np.sin(angle), "link[1].angle": angle}
+    columns |= {f"energy.{name}": 2.0 + 0 * time for name in ("kinetic", "potential", "total")}
+    columns["energy.dissipated"] = 0.5 * time
+    room = half_planes(walls or {}, slopes or {})
+    return Recording("Swing", time, columns, list(impacts), room, parameters or {})
+
+
+def crowd(count=60):
+    """A swing with many impacts at three walls, some of them at nearly the same place and time."""
+    random = np.random.default_rng(1)
+    times = np.sort(random.uniform(0.0, 2.0, count))
+    kinds = random.choice(["y_min", "y_max", "x_max"], count)
+    speeds = random.uniform(0.0, 5.0, count)
+    hits = [
+        Impact(float(t), int(k % 2), str(w), float(v))
+        for k, (t, w, v) in enumerate(zip(times, kinds, speeds, strict=True))
+    ]
+    return swing(hits, {"y_min": 0.0, "y_max": 1.0, "x_max": 1.0})
+
+
+def drawn(recording):
+    """The page with a recording, and its axes: motion, time, energy, impact speeds."""
+    page = Figure(figsize=SIZE, layout="constrained")
+    fill(page, recording)
+    page.draw_without_rendering()
+    return page, *page.axes
+
+
+def texts(axes):
+    """The texts inside the axes."""
+    return [text.get_text() for text in axes.texts]
+
+
+def boxes(axes):
+    """What the texts inside the axes cover, in pixels."""
+    return [text.get_window_extent() for text in axes.texts]

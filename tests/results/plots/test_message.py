@@ -1,0 +1,84 @@
+"""The headline of a picture says what happened, in numbers that are those of the recording."""
+
+import re
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene, simulate
+from chain_impact.results.plots.message import conditions, message
+from chain_impact.results.recording import Impact, recording_of
+from chain_impact.scene import model_names, with_values
+from tests.results.plots.pictures import recorded, swing
+
+
+@pytest.mark.parametrize("model", model_names())
+def test_the_numbers_are_those_of_the_recording(model):
+    recording = recorded(model)
+    said = message(recording)
+    assert said.startswith(recording.name + ": ")
+    assert int(re.search(r"(\d+) impact", said)[1]) == recording.impact_count
+    assert said.endswith(f" in {recording.time[-1]:g} s")
+    columns = recording.columns
+    if share := re.search(r"(\d+) % of the energy", said):
+        before, after = columns["energy.total"][[0, -1]]
+        # without inputs, what is not left was dissipated
+        assert int(share[1]) == pytest.approx(100 * (1 - after / before), abs=0.6)
+    else:
+        lost = float(re.search(r"([\d.]+) J dissipated", said)[1])
+        assert lost == pytest.approx(columns["energy.dissipated"][-1], rel=5e-3)
+
+
+def test_a_share_is_said_only_where_it_means_something():
+    hits = [Impact(1.0, 1, "y_max", 1.0)]
+    assert "1 impact, 50 % of the energy dissipated in 2 s" in message(swing(hits, {"y_max": 1.0}))
+    below = swing(hits, {"y_max": 1.0})
+    below.columns["energy.potential"] = np.linspace(1.0, -1.0, 50)  # which has no natural zero
+    assert "1 impact, 1 J dissipated in 2 s" in message(below)
+    driven = swing(hits, {"y_max": 1.0})
+    driven.columns["energy.supplied"] = np.ones(50)
+    assert "1 J dissipated" in message(driven)
+
+
+def test_impacts_alone_dissipate_where_no_joint_is_damped():
+    hits, walls = [Impact(1.0, 1, "y_max", 1.0)], {"y_max": 1.0}
+    free, damped = ({"link[1].joint_damping": value} for value in (0.0, 0.1))
+    assert "1 impact dissipates 50 %" in message(swing(hits, walls, parameters=free))
+    assert "2 impacts dissipate 50 %" in message(swing(hits * 2, walls, parameters=free))
+    assert "1 impact, 50 %" in message(swing(hits, walls, parameters=damped))
+    assert "no impacts, 50 %" in message(swing(parameters=free))
+
+
+def test_nothing_is_said_of_energy_that_is_not_lost_or_not_known():
+    recording = swing()
+    recording.columns["energy.dissipated"] = np.zeros(50)
+    assert message(recording) == "Swing: no impacts in 2 s"
+    del recording.columns["energy.dissipated"]
+    assert message(recording) == "Swing: no impacts in 2 s"
+
+
+def test_the_conditions_are_the_parameters_of_the_run():
+    changes = {
+        ("contact", "stiffness"): 2.145e10,
+        ("contact", "model"): "flores",
+        ("solver", "tolerance"): 1e-6,
+    }
+    scene = with_values(load_scene("rod_drop"), changes | {("simulation", "stop_time"): 0.1})
+    assert conditions(recording_of(simulate(scene))).split("  ·  ") == [
+        "1 link",
+        "law flores",
+        "restitution e = 0.7",
+        "stiffness K = 2.145e10 N/m$^{1.5}$",
+        "method auto, tolerance 1e-6",
+    ]
+    assert "joint damping ≤ 0.02 N·m·s/rad" in conditions(recorded("pinned_arm"))
+    assert "radius 0.05 m" in conditions(recorded("ramp"))
+
+
+def test_an_impulse_has_no_stiffness():
+    known = recorded("rod_drop").parameters | {"contact.model": "newton_impact"}
+    assert "stiffness" not in conditions(swing(parameters=known))
+
+
+def test_without_parameters_only_the_links_are_known():
+    assert conditions(swing()) == "1 link"

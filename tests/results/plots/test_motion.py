@@ -1,0 +1,108 @@
+"""The picture of the motion: its poses, its paths, and the numbers of the impacts."""
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from chain_impact.results.plots import draw_chain
+from chain_impact.results.plots.motion import STRONG, pose_at, strongest
+from chain_impact.results.recording import Impact
+from tests.results.plots.pictures import boxes, crowd, drawn, recorded, swing, texts
+
+
+def poses(axes):
+    """The chains that are drawn strongly, as arrays (N+1, 2)."""
+    return [np.array(line.get_xydata()) for line in axes.lines if line.get_zorder() == 4]
+
+
+def ring_places(axes):
+    return np.concatenate([line.get_xydata() for line in axes.lines if line.get_markerfacecolor() == "none"])
+
+
+@pytest.mark.parametrize("model", ["four_link_box", "pinned_arm", "ramp"])
+def test_the_strong_poses_are_start_end_and_those_of_the_strongest_impacts(model):
+    recording = recorded(model)
+    _, motion, *_ = drawn(recording)
+    *at_impacts, start, end = poses(motion)
+    np.testing.assert_array_equal(start, recording.points[0])
+    np.testing.assert_array_equal(end, recording.points[-1])
+    assert len(at_impacts) == min(STRONG, len(recording.impacts))
+    hardest = sorted(recording.impacts, key=lambda impact: impact.speed)[-STRONG:]
+    for pose, impact in zip(at_impacts, sorted(hardest, key=lambda impact: impact.time), strict=True):
+        place = pose[impact.point]
+        # the point touches the wall, but for its radius and the way between two communication points
+        gap = recording.walls[impact.wall].clearance(*place) - recording.parameters["contact.radius"]
+        assert abs(gap) < 1.1e-3 * impact.speed
+
+
+def test_every_impact_has_a_strong_pose_if_there_are_few():
+    recording = recorded("pinned_arm")
+    assert strongest(recording.impacts, STRONG) == recording.impacts
+
+
+def test_a_pose_is_between_two_communication_points():
+    recording = swing(rows=3)
+    np.testing.assert_allclose(pose_at(recording, 0.5), [[0.0, 0.0], [0.5, 0.5]], atol=1e-15)
+
+
+def test_the_paths_of_all_points_are_there_and_that_of_the_tip_is_strongest():
+    recording = recorded("four_link_box")
+    _, motion, *_ = drawn(recording)
+    _, others, tip = motion.collections
+    for point, path in enumerate(others.get_segments()):
+        np.testing.assert_array_equal(path, recording.points[:, point])
+    ends = np.array(tip.get_segments())
+    np.testing.assert_array_equal(ends[:, 1], recording.points[1:, -1])
+    assert tip.get_linewidth()[0] > others.get_linewidth()[0]
+    assert others.get_alpha() < 0.5
+
+
+def test_a_chain_is_a_line_that_can_be_moved():
+    axes = Figure().add_subplot()
+    line = draw_chain(axes, np.array([[0.0, 0.0], [1.0, 2.0]]), color="red", linewidth=5.0)
+    assert line.get_color() == "red"
+    assert line.get_linewidth() == 5.0
+    assert axes.lines[0] is line
+    line.set_data(*np.array([[0.0, 1.0], [3.0, 4.0]]).T)
+    np.testing.assert_array_equal(line.get_xydata(), [[0.0, 1.0], [3.0, 4.0]])
+
+
+def test_impacts_are_ringed_where_the_point_was_and_numbered():
+    impacts = [Impact(0.5, 1, "x_max", 3.0), Impact(1.0, 1, "y_max", 2.0), Impact(1.5, 0, "y_min", 1.0)]
+    s = np.sqrt(0.5)
+    walls = {"x_max": s, "y_max": 1.1, "y_min": 0.0}  # of the second, a point with a radius of 0.1 m
+    _, motion, *_ = drawn(swing(impacts, walls, rows=2001))
+    np.testing.assert_allclose(ring_places(motion), [[s, s], [0.0, 1.1], [0.0, 0.0]], atol=1e-6)
+    assert texts(motion) == ["1", "2", "3"]
+
+
+def test_impacts_at_one_place_share_a_ring_that_names_the_strongest():
+    walls = {"y_min": 0.0, "y_max": 1.0}
+    floor = [Impact(time, 0, "y_min", time) for time in (0.5, 0.51, 1.0, 1.5)]
+    _, motion, *_ = drawn(swing([*floor[:2], Impact(0.9, 1, "y_max", 9.0)], walls))
+    assert texts(motion) == ["3", "1, 2"]
+    _, motion, *_ = drawn(swing(floor, walls))
+    assert texts(motion) == ["3, 4 +2"]
+
+
+@pytest.mark.parametrize("model", ["four_link_box", "pinned_arm", "ramp", "crowd"])
+def test_numbers_stand_outside_of_the_room_and_off_the_rings(model):
+    recording = crowd() if model == "crowd" else recorded(model)
+    _, motion, *_ = drawn(recording)
+    to_data = motion.transData.inverted()
+    rings = motion.transData.transform(ring_places(motion))
+    for box in boxes(motion):
+        (x0, y0), (x1, y1) = to_data.transform(box.get_points())
+        corners = [(x, y) for x in (x0, x1) for y in (y0, y1)]
+        assert any(
+            all(wall.clearance(*corner) < 0.0 for corner in corners) for wall in recording.walls.values()
+        )
+        assert not any(box.contains(*ring) for ring in rings)
+
+
+def test_the_hardest_impact_is_numbered():
+    for recording in (recorded("four_link_box"), crowd()):
+        _, motion, *_ = drawn(recording)
+        (hardest,) = strongest(recording.impacts, 1)
+        number = str(recording.impacts.index(hardest) + 1)
+        assert any(number in text.replace(",", " ").split() for text in texts(motion))

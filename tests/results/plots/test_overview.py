@@ -1,0 +1,117 @@
+"""The page with a recording: its files, its headline, and that nothing hides anything else."""
+
+import itertools
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+
+from chain_impact.results.plots import plot
+from chain_impact.results.recording import Recording
+from chain_impact.scene import model_names
+from tests.results.plots.pictures import boxes, crowd, drawn, recorded, swing
+
+BEGINNINGS = {".png": b"\x89PNG\r\n\x1a\n", ".svg": b"<?xml", ".pdf": b"%PDF"}
+PICTURES = [*model_names(), "sixty impacts"]
+COLOURS = 10  # the most that a picture tells apart
+
+
+def picture(name):
+    return crowd() if name == "sixty impacts" else recorded(name)
+
+
+@pytest.mark.parametrize("suffix", BEGINNINGS)
+def test_the_suffix_says_which_kind_of_file(tmp_path, suffix):
+    path = tmp_path / f"swing{suffix}"
+    plot(swing(), path)
+    assert path.read_bytes().startswith(BEGINNINGS[suffix])
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_picture_that_fails_leaves_the_old_one_alone(tmp_path, monkeypatch):
+    def savefig(_, path, **__):
+        path.write_text("half of it")
+        raise MemoryError
+
+    path = tmp_path / "swing.png"
+    path.write_text("old")
+    monkeypatch.setattr(Figure, "savefig", savefig)
+    with pytest.raises(MemoryError):
+        plot(swing(), path)
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_settings_of_matplotlib_are_left_alone(tmp_path):
+    before = dict(mpl.rcParams)
+    plot(swing(), tmp_path / "swing.png")
+    assert dict(mpl.rcParams) == before
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_labels_never_overlap(name):
+    page, *panels = drawn(picture(name))
+    motion, _, energy, speeds = panels
+    for axes in panels:
+        inside = axes.get_window_extent()
+        for one, other in itertools.combinations(boxes(axes), 2):
+            assert not one.overlaps(other)
+        for box in boxes(axes):
+            assert inside.x0 <= box.x0 <= box.x1 <= inside.x1
+            assert inside.y0 <= box.y0 <= box.y1 <= inside.y1
+    outside = [axes.get_legend().get_window_extent() for axes in (motion, energy, speeds)]
+    outside += [axis.label.get_window_extent() for axes in panels for axis in (axes.xaxis, axes.yaxis)]
+    outside += [text.get_window_extent() for text in page.texts]
+    for box in outside:
+        assert not any(box.overlaps(axes.get_window_extent()) for axes in panels)
+        assert page.bbox.x0 <= box.x0 <= box.x1 <= page.bbox.x1
+        assert page.bbox.y0 <= box.y0 <= box.y1 <= page.bbox.y1
+    for one, other in itertools.combinations([box for box in outside if box.width], 2):
+        assert not one.overlaps(other)
+    assert len(boxes(motion)) > 0
+    assert len(boxes(speeds)) > 0
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_a_picture_has_few_colours_besides_those_of_time(name):
+    _, _, _, energy, speeds = drawn(picture(name))
+    for axes in (energy, speeds):
+        colours = {to_hex(line.get_color()) for line in axes.lines}
+        colours |= {to_hex(colour) for item in axes.collections for colour in item.get_edgecolor()}
+        assert 0 < len(colours) <= COLOURS
+
+
+@pytest.mark.parametrize("name", ["four_link_box", "rod_drop", "pinned_arm"])
+def test_the_motion_fills_its_panel(name):
+    """It is nearly as high as the panels beside it, or takes two fifths of the page's width."""
+    page, motion, clock, energy, _ = drawn(recorded(name))
+    box = motion.get_window_extent()
+    height = energy.get_window_extent().y1 - clock.get_window_extent().y0
+    assert box.width > 0.4 * page.bbox.width or box.height > 0.85 * height
+
+
+def test_the_headline_has_the_message_and_the_conditions():
+    page, *_ = drawn(recorded("four_link_box"))
+    message, conditions = (text.get_text() for text in page.texts)
+    assert message.startswith("FourLinkBox: 14 impacts dissipate ")
+    assert "zhang_sharf" in conditions
+
+
+@pytest.mark.parametrize("rows", [1, 2])
+def test_a_simulation_that_stopped_at_once_has_a_picture(tmp_path, rows):
+    recording = swing(rows=2)
+    columns = {name: column[:rows] for name, column in recording.columns.items()}
+    plot(Recording("Stopped", recording.time[:rows], columns, [], {}), tmp_path / "stopped.png")
+    assert (tmp_path / "stopped.png").stat().st_size > 0
+
+
+def test_the_colours_of_the_motion_are_those_of_the_axis_of_time():
+    _, motion, clock, _, _ = drawn(swing(rows=201))
+    strip = clock.images[0]
+    path = next(item for item in motion.collections if item.get_label() == "tip")
+    for row, time in ((0, 0.005), (70, 0.705), (199, 1.995)):
+        shade = strip.cmap(strip.norm(strip.get_array()[0, round(time / 2.0 * 255)]))
+        np.testing.assert_allclose(path.get_colors()[row], shade, atol=0.02)
+    assert strip.get_extent() == [0.0, 2.0, 0, 1]

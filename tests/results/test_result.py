@@ -1,0 +1,135 @@
+"""Results by name, and what they say of themselves; tables are in test_tables.py."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene, simulate
+from chain_impact.results.recording import recording_of
+from chain_impact.variables import fmu_variables
+from tests.problems import default_scene
+from tests.refusal import refusal
+
+
+@pytest.fixture(scope="module")
+def result():
+    return simulate(default_scene(), 0.6)
+
+
+def test_an_output_is_got_by_its_name(result):
+    assert result["point[4].x"].tobytes() == np.ascontiguousarray(result.points[:, 4, 0]).tobytes()
+    assert result["link[2].angle"].tolist() == result.angles[:, 1].tolist()
+    assert result["contact[2].y_min.force"].max() > 1e3
+    assert result["time"] is result.time
+
+
+def test_the_names_are_those_of_the_fmu_and_of_the_csv(result):
+    variables = fmu_variables(result.scene)
+    assert list(result.names) == [v.name for v in variables if v.place[0] == "output"]
+    assert list(recording_of(result).columns) == list(result.names)
+
+
+def test_a_pattern_gives_all_that_are_like_it(result):
+    found = result["point[*].x"]
+    assert list(found) == [f"point[{k}].x" for k in range(5)]
+    assert all(column is result[name] for name, column in found.items())
+    assert len(result["contact[2].*.force"]) == 4
+    assert list(result["*"]) == list(result.names)
+
+
+@pytest.mark.parametrize("name", ["point[5].x", "point[*].z", "impacts", "[", 7])
+def test_an_unknown_name_is_a_key_that_is_missing(result, name):
+    with pytest.raises(KeyError, match="no output of this result"):
+        result[name]
+
+
+# --- fewer outputs ---------------------------------------------------------------------------------------
+
+
+def test_some_outputs_are_the_same_bits_as_all(result):
+    wanted = ["energy.total", "point[*].x"]
+    some = simulate(default_scene(), 0.6, output=wanted)
+    assert some.names == ("energy.total", *(f"point[{k}].x" for k in range(5)))
+    assert some.outputs.nbytes == 6 * 8 * len(some.time)
+    for name in some.names:
+        assert some[name].tobytes() == np.ascontiguousarray(result[name]).tobytes()
+    assert some.impacts.tobytes() == result.impacts.tobytes()
+    assert some.statistics == result.statistics
+    with pytest.raises(KeyError, match=r"point\[0\]\.y is no output of this result"):
+        some.points  # noqa: B018
+    with pytest.raises(KeyError, match=r"energy\.kinetic is no output of this result"):
+        some.energy  # noqa: B018
+    with pytest.raises(KeyError, match=r"no output of this result"):
+        some.plot()
+
+
+def test_arrays_are_gathered_from_whatever_is_there(result):
+    some = simulate(default_scene(), 0.6, output=["point[*].*", "link[*].angle", "energy.*"])
+    assert some.points.tobytes() == np.ascontiguousarray(result.points).tobytes()
+    assert some.angles.tobytes() == np.ascontiguousarray(result.angles).tobytes()
+    for name in some.energy.dtype.names:
+        np.testing.assert_array_equal(some.energy[name], result.energy[name])
+    pushed = load_scene("pinned_arm")
+    ledger = simulate(pushed, 0.1, inputs={"joint[2].torque": 1.0}, output="energy.*").energy
+    assert abs(ledger["supplied"][-1]) > 0.0
+
+
+def test_no_outputs_leave_the_impacts(result):
+    none = simulate(default_scene(), 0.6, math.inf, output=())
+    assert none.names == ()
+    assert none.time.tolist() == [0.0, 0.6]
+    assert none.impacts.tobytes() == result.impacts.tobytes()
+
+
+def test_an_output_that_is_not_there_is_refused_before_anything_runs():
+    message = refusal(lambda: simulate(default_scene(), output=["point[4].x", "point[4].z"]))
+    assert message == "FourLinkBox: point[4].z is no output; the nearest is point[4].y"
+    assert "no output" in refusal(lambda: simulate(default_scene(), output="wall*"))
+
+
+# --- what it says ----------------------------------------------------------------------------------------
+
+
+def test_a_result_says_what_happened(result):
+    lines = repr(result).splitlines()
+    assert lines[0] == f"FourLinkBox  0 … 0.6 s, 2 impacts, 601 rows of {len(result.names)} outputs"
+    assert lines[1] == "first    impact at 0.499446 s: point 2 hits y_min at 4.9710 m/s"
+    assert lines[2] == "last     impact at 0.534169 s: point 4 hits y_min at 3.1488 m/s"
+    assert lines[3].startswith("energy   61.663 J at the start = ")
+    assert lines[4].startswith("balance  off by at most ")
+    assert lines[5].startswith(f"solver   {result.statistics['steps']} steps, of which ")
+    assert lines[6] == "status   0: done"
+
+
+def test_a_result_without_impacts_or_outputs_says_so():
+    lines = repr(simulate(default_scene(), 0.01, output=())).splitlines()
+    assert "0 impacts, 11 rows of 0 outputs" in lines[0]
+    assert [line.split()[0] for line in lines[1:]] == ["solver", "status"]
+
+
+def test_a_notebook_shows_a_table_of_the_impacts(result):
+    html = result._repr_html_()
+    assert html.count("<tr>") == 3
+    assert "<td>2</td><td>0.534169</td><td>4</td><td>y_min</td><td>3.1488</td>" in html
+
+
+# --- pictures --------------------------------------------------------------------------------------------
+
+
+def test_plot_gives_a_figure_or_writes_a_file(result, tmp_path):
+    assert result.plot().get_suptitle().startswith("FourLinkBox")
+    assert result.plot(tmp_path / "motion.png") is None
+    assert (tmp_path / "motion.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_animate_writes_a_page(result, tmp_path):
+    result.animate(tmp_path / "motion.html", speed=0.5)
+    assert '"name":"FourLinkBox","speed":0.5' in (tmp_path / "motion.html").read_text(encoding="utf-8")
+
+
+def test_animate_needs_positions(tmp_path):
+    some = simulate(default_scene(), 0.6, output="energy.*")
+    with pytest.raises(KeyError, match="no output of this result"):
+        some.animate(tmp_path / "motion.html")
+    assert list(tmp_path.iterdir()) == []

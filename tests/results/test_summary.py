@@ -1,0 +1,33 @@
+"""The lines on a result; most of them test_result.py checks."""
+
+import numpy as np
+
+from chain_impact import simulate
+from chain_impact.results.summary import LISTED, energy_lines, html, plural
+from tests.problems import dropped_ball
+
+
+def test_the_plural():
+    assert [plural(n, "row") for n in (0, 1, 2)] == ["0 rows", "1 row", "2 rows"]
+
+
+def test_energy_that_was_not_recorded_has_no_lines():
+    assert list(energy_lines({"energy.total": np.ones(2)})) == []
+
+
+def test_energy_supplied_is_in_the_ledger():
+    columns = {"total": [1.0, 3.0], "dissipated": [0.0, 0.5], "supplied": [0.0, 2.25]}
+    lines = list(energy_lines({f"energy.{name}": np.array(values) for name, values in columns.items()}))
+    assert lines == [
+        "energy   1 J at the start = 3 J left + 0.5 J dissipated + -2.25 J supplied",
+        "balance  off by at most 2.5e-01 J",
+    ]
+
+
+def test_a_long_list_of_impacts_ends_with_how_many_more():
+    scene, _ = dropped_ball(1e-3, stop_time=1.0, model="hertz", stiffness=1e10)
+    result = simulate(scene)
+    more = len(result.impacts) - LISTED
+    assert more > 1
+    assert html(result).count("<tr>") == 1 + LISTED
+    assert f"… and {more} more impacts" in html(result)

@@ -1,0 +1,254 @@
+"""A chain stepped by hand: the same bits as simulate(), states, what can be set and what is refused."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact import CONTACT_LAWS, Chain, SceneError, SimulationError, load_scene, simulate
+from chain_impact.results.result import IMPACT_DTYPE
+from tests.problems import ball, default_scene, dropped_ball
+from tests.refusal import refusal
+
+TORQUE, FORCE = "joint[2].torque", "tip.force.x"
+
+
+@pytest.fixture
+def arm():
+    return load_scene("pinned_arm").with_values({"inputs.tip_force": True})
+
+
+def drive(chain, times, signal):
+    """Hold the value of a signal at each time until the next; return all outputs at the times."""
+    names = simulate(chain.scene, 1e-3).names
+    rows = []
+    for time in times:
+        if time > chain.time:
+            chain.step_to(time)
+        elif time == 0.0:
+            chain.set({TORQUE: signal(0.0)})
+        rows.append(chain.get(names))
+        chain.set({TORQUE: signal(time)})
+    return np.array(rows)
+
+
+def signal(time):
+    return 2.0 * math.sin(9.0 * time)
+
+
+# --- one result ------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("model", ["four_link_box", "ramp", "rod_drop"])
+def test_steps_give_the_bits_of_simulate(model):
+    scene = load_scene(model)
+    result, chain = simulate(scene), Chain(scene)
+    rows = []
+    for time in result.time:
+        chain.step_to(time)
+        rows.append(chain.get(result.names))
+    assert np.array(rows).tobytes() == np.stack(list(result.columns.values()), -1).tobytes()
+    assert chain.impacts.tobytes() == result.impacts.tobytes()
+    assert len(result.impacts) > 2
+    counts = [chain.get(f"solver.{name}") for name in ("steps", "rhs_evaluations")]
+    assert counts == [result.statistics[name] for name in ("steps", "rhs_evaluations")]
+
+
+def test_held_inputs_give_the_bits_of_simulate(arm):
+    result = simulate(arm, inputs={TORQUE: signal})
+    chain = Chain(arm)
+    rows = drive(chain, result.time.tolist(), signal)
+    assert rows.tobytes() == np.stack(list(result.columns.values()), -1).tobytes()
+    assert chain.impacts.tobytes() == result.impacts.tobytes()
+    assert len(result.impacts) > 0
+
+
+def test_many_impacts_in_one_step_are_all_collected():
+    scene, _ = dropped_ball(1e-3, stop_time=3.0, model="hertz", stiffness=1e10)
+    chain = Chain(scene)
+    chain.step(3.0)
+    assert len(chain.impacts) > 100
+    assert chain.impacts.tobytes() == simulate(scene, output_step=math.inf).impacts.tobytes()
+
+
+def test_looking_at_impacts_changes_nothing():
+    quiet, curious = Chain(default_scene()), Chain(default_scene())
+    lasting = 0
+    for _ in range(1000):
+        quiet.step(1e-3)
+        curious.step(1e-3)
+        lasting += bool(np.isnan(curious.impacts["end"]).any())
+    assert lasting > 0
+    assert quiet.save() == curious.save()
+
+
+# --- states ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("split", [150, 186])  # in flight, and in the first contact
+def test_a_state_is_continued_bit_by_bit(arm, split):
+    chain, other = Chain(arm), Chain(arm)
+    times = [2e-3 * k for k in range(1, 251)]
+    drive(chain, times[:split], signal)
+    state, impacts = chain.save(), chain.impacts
+    first = drive(chain, times[split:], signal)
+    ended = chain.save()
+    assert chain.impacts.tobytes() != impacts.tobytes()
+    chain.restore(state)
+    assert chain.impacts.tobytes() == impacts.tobytes()
+    assert chain.time == times[split - 1]
+    assert drive(chain, times[split:], signal).tobytes() == first.tobytes()
+    other.restore(state)
+    assert drive(other, times[split:], signal).tobytes() == first.tobytes()
+    assert chain.save() == other.save() == ended
+
+
+def test_reset_goes_back_to_the_scene(arm):
+    chain = Chain(arm)
+    start = chain.save()
+    chain.set({"contact.radius": 0.01, TORQUE: 3.0})
+    chain.step(1.0)
+    chain.reset()
+    assert (chain.time, chain.get(TORQUE), chain.get("contact.radius")) == (0.0, 0.0, arm.contact.radius)
+    assert len(chain.impacts) == 0
+    assert chain.save() == start
+
+
+@pytest.mark.parametrize("change", [lambda s: b"", lambda s: s[:-8], lambda s: b"x" + s[1:], lambda s: s + s])
+def test_bytes_that_are_no_state_are_refused(arm, change):
+    chain = Chain(arm)
+    assert "the bytes are no state of this scene" in refusal(chain.restore, change(chain.save()))
+
+
+def test_the_state_of_another_scene_is_refused(arm):
+    state = Chain(arm.with_values({"link[1].mass": 9.0})).save()
+    assert "the bytes are no state of this scene" in refusal(Chain(arm).restore, state)
+
+
+def test_a_damaged_state_is_refused_and_changes_nothing(arm):
+    chain = Chain(arm)
+    state = chain.save()
+    head = len(state) - chain._reals.nbytes
+    damaged = state[:head] + b"\xff" * 16 + state[head + 16 :]
+    assert "the state is damaged" in refusal(chain.restore, damaged)
+    assert chain.save() == state
+
+
+# --- get and set -----------------------------------------------------------------------------------------
+
+
+def test_get_gives_numbers_and_arrays():
+    chain = Chain(default_scene())
+    assert type(chain.get("point[4].x")) is float
+    assert type(chain.get("impact.count")) is int
+    assert chain.get("impact.last_point") == -1
+    assert chain.get("contact.model") == CONTACT_LAWS[chain.scene.contact.model].number
+    several = chain.get(["point[0].x", "impact.last_point", "link[2].mass"])
+    assert several.tolist() == [0.6, -1.0, 1.0]
+    assert chain.get("link[*].mass").tolist() == [1.0] * 4
+    assert chain.get(["initial.x", "link[*].length"]).shape == (5,)
+    assert {"point[0].x", "contact.stiffness", "impact.count"} <= set(chain.names)
+
+
+def test_before_the_first_step_everything_but_outputs_can_be_set():
+    values = {"link[1].mass": 2.0, "initial.angle[1]": 0.4, "contact.model": "flores", "box.x_max": 2.9}
+    chain, scene = Chain(default_scene()), default_scene().with_values(values)
+    chain.set(values)
+    assert chain.get("link[1].angle") == 0.4
+    chain.step_to(1.0)
+    assert chain.get("point[*].x").tobytes() == chain_at(scene, 1.0).get("point[*].x").tobytes()
+    message = refusal(chain.set, {"link[1].mass": 1.0})
+    assert message == "FourLinkBox: link[1].mass is a fixed parameter and cannot be set after the first step"
+
+
+def chain_at(scene, time):
+    chain = Chain(scene)
+    chain.step_to(time)
+    return chain
+
+
+def test_what_is_set_acts_from_now_on(arm):
+    chain = Chain(arm)
+    chain.step(0.1)
+    before = chain.get("link[2].angular_acceleration")
+    chain.set({TORQUE: 5.0})
+    assert chain.get("link[2].angular_acceleration") > before + 1.0
+    steps = chain.get("solver.steps")
+    chain.set({TORQUE: 5.0, "contact.restitution": 0.25, "contact.model": 1})
+    chain.step(1e-9)
+    assert chain.get("solver.steps") > steps
+    assert chain.get("contact.restitution") == 0.25
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"joint[3].torque": 1.0}, "joint[3].torque is no variable; the nearest is joint[2].torque"),
+        ({"point[0].x": 1.0}, "point[0].x is an output and cannot be set"),
+        ({"contact.stiffness": 0.0}, "contact.stiffness = 0.0 must be a finite number > 0 [N/m^exponent]"),
+        ({TORQUE: math.nan}, "joint[2].torque = nan must be a finite number [N.m]"),
+        ({TORQUE: "1"}, "joint[2].torque = '1' must be a finite number [N.m]"),
+        ({TORQUE: [1.0, 2.0]}, "joint[2].torque = [1.0, 2.0] must be"),
+        ({TORQUE: True}, "joint[2].torque = True must be"),
+        ({"contact.model": "nobody"}, "contact.model = 'nobody' must be one of 1 (hertz), "),
+        ({"contact.model": 1.5}, "contact.model = 1.5 must be one of 1 (hertz), "),
+    ],
+)
+def test_what_cannot_be_set_is_refused_and_nothing_changes(arm, values, message):
+    chain = Chain(arm)
+    state = chain.save()
+    assert refusal(chain.set, {"tip.force.y": 1.0, **values}).startswith(f"PinnedArm: {message}")
+    assert chain.save() == state
+
+
+def test_an_unknown_name_is_refused(arm):
+    chain = Chain(arm)
+    with pytest.raises(KeyError, match=r"point\[9\]\.x is no variable; the nearest is point"):
+        chain.get(["point[0].x", "point[9].x"])
+    assert "jiont* is no variable" in refusal(chain.get, "jiont*")
+
+
+# --- time and faults -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("duration", [0.0, -1.0, math.nan, math.inf])
+def test_a_step_is_a_finite_number_above_zero(duration):
+    message = refusal(Chain(ball()).step, duration)
+    assert message.endswith(f"step({duration}) must be a finite number > 0 [s]")
+
+
+def test_time_does_not_go_back():
+    chain = Chain(ball())
+    chain.step(0.01)
+    chain.step_to(0.01)
+    assert "step_to(0.005) must be a finite number >= 0.01 [s], the present time" in refusal(
+        chain.step_to, 0.005
+    )
+
+
+def test_a_fault_is_a_sentence_and_an_earlier_state_goes_on():
+    chain = Chain(ball(0.05, 1.0, stiffness=1e60, stop_time=0.1))
+    chain.step(0.01)
+    state = chain.save()
+    for _ in range(2):
+        with pytest.raises(SimulationError, match=r"stopped at t = 0\.05 s: "):
+            chain.step(0.09)
+    chain.restore(state)
+    chain.step(0.01)
+    assert chain.time == 0.02
+    assert repr(chain).endswith("at t = 0.02 s")
+
+
+def test_a_start_that_cannot_be_is_said_at_the_next_look(arm):
+    chain = Chain(arm)
+    chain.set({"initial.angle[1]": 0.0})
+    with pytest.raises(SimulationError, match="beyond a wall"):
+        chain.get("point[1].x")
+    chain.reset()
+    assert chain.impacts.dtype == IMPACT_DTYPE
+    assert isinstance(chain.get("point[1].x"), float)
+
+
+def test_errors_are_scene_errors_for_whoever_catches_them(arm):
+    with pytest.raises(SceneError):
+        Chain(arm).get("nothing")
