@@ -24,7 +24,11 @@ HERE = Path(__file__).parent
 Clean = Callable[..., Any]
 
 
-KINDS = {"pythonfmu": {"target": "pythonfmu"}, "native": {"target": "native"}, "fmi3": {"fmi": 3}}
+KINDS = {
+    "pythonfmu": {"target": "pythonfmu"},
+    "native": {"target": "native"},
+    "fmi3": {"target": "native", "fmi": 3},
+}
 """The kinds of FMU → how to build one. The first two are for FMI 2.0."""
 
 

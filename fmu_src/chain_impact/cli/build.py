@@ -11,6 +11,8 @@ from chain_impact.cli.report import report
 from chain_impact.compilation.compilers import HOST, ZIG_TARGETS
 from chain_impact.scene import load_scene
 
+OLDEST = 2  # version of FMI
+
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
@@ -34,8 +36,8 @@ def add(verbs: Verbs) -> None:
     build.add_argument(
         "--fmi",
         type=int,
-        choices=[2, 3],
-        default=2,
+        choices=[OLDEST, 3],
+        default=OLDEST,
         help="version of FMI; 3 has event mode: a step ends at each impact; default: 2",
     )
     build.add_argument("--simulate", action="store_true", help="simulate it with fmpy, and draw")
@@ -51,7 +53,8 @@ def run(options: argparse.Namespace) -> int:
         fmu = build_fmu(
             scene,
             options.output,
-            target=options.target,
+            # for FMI 3.0 there is only one
+            target=options.target or ("pythonfmu" if options.fmi == OLDEST else "native"),
             fmi=options.fmi,
             platforms=options.platform,
             notify=notify,

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from chain_impact.scene import Scene
 from chain_impact.variable import Variable
-from chain_impact.variables import output_variables
+from chain_impact.output_variables import all_outputs
 
 OWNERS = {
     "point": ("point_position", "point_velocity", "point_acceleration"),
@@ -43,7 +43,7 @@ class Array(NamedTuple):
 def array_variables(scene: Scene) -> list[Array]:
     """The arrays of the outputs that the scene asks for, in the order of their value references."""
     groups: dict[tuple[str | int, ...], list[Variable]] = {}
-    for variable in output_variables(scene):
+    for variable in all_outputs(scene):
         record, field, *index = variable.place
         if index:
             groups.setdefault((record, field), []).append(variable)

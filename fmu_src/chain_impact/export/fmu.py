@@ -35,15 +35,15 @@ TARGETS = {
         native_target.PLATFORMS, {2: native_target.native_files, 3: native_target.native_fmi3_files}
     ),
 }
-USUAL = {2: "pythonfmu", 3: "native"}
-"""Version of FMI → the target if none is asked for."""
+VERSIONS = (2, 3)
+"""Of FMI."""
 
 
 def build_fmu(
     source: Scene | str | os.PathLike[str],
     directory: str | os.PathLike[str] = ".",
     *,
-    target: str | None = None,
+    target: str = "pythonfmu",
     fmi: int = 2,
     platforms: Sequence[str] = ("linux64",),
     notify: Notify = announce,
@@ -56,9 +56,8 @@ def build_fmu(
         source: a scene, or what ``load_scene`` takes.
         directory: where to put the FMU; it is created if need be.
         target: ``pythonfmu``, which runs in the Python of the importer, or ``native``, which needs none. Both
-            have the same variables and give the same results. Without one, ``pythonfmu`` for FMI 2.0 and
-            ``native`` for FMI 3.0.
-        fmi: 2 or 3, the version of FMI; 3 for the target ``native`` only.
+            have the same variables and give the same results.
+        fmi: 2 or 3, the version of FMI; 3 is for the target ``native`` only.
         platforms: those that the FMU shall run on: ``linux64``, ``win64``, and of native FMUs
             ``darwin64``, ``aarch64-linux`` and ``aarch64-darwin``; or just ``all``.
         notify: called with a sentence before work that takes seconds.
@@ -71,9 +70,8 @@ def build_fmu(
         BuildError: when the kernel cannot be compiled or the FMU is not valid.
     """
     scene = source if isinstance(source, Scene) else load_scene(source)
-    if fmi not in USUAL:
-        raise BuildError(f"fmi = {fmi!r} must be one of {', '.join(map(str, USUAL))}")
-    target = target or USUAL[fmi]
+    if fmi not in VERSIONS:
+        raise BuildError(f"fmi = {fmi!r} must be one of {', '.join(map(str, VERSIONS))}")
     if target not in TARGETS:
         raise BuildError(f"target = {target!r} must be one of {', '.join(TARGETS)}")
     if fmi not in TARGETS[target].files:
