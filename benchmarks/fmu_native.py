@@ -19,7 +19,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from chain_impact.compilation.cache import linker_folder
-from chain_impact.compilation.compilers import INTERFACE
+from chain_impact.compilation.compilers import INCLUDES
 from chain_impact.export.fmu import build_fmu
 from chain_impact.scene import load_scene, with_values
 
@@ -81,8 +81,7 @@ def rounds_in_c(
         "ziglang",
         "cc",
         "-O2",
-        "-I",
-        str(INTERFACE),
+        *(f"-I{folder}" for folder in INCLUDES),
         str(HERE / "fmu_native.c"),
     ]
     folders = {"ZIG_GLOBAL_CACHE_DIR": str(linker_folder()), "ZIG_LOCAL_CACHE_DIR": str(folder / "zig")}

@@ -126,7 +126,7 @@ def folder(tmp_path_factory):
     """A folder with build/FourLinkBox.fmu, as the README's first command leaves it, and a native one."""
     folder = tmp_path_factory.mktemp("reader")
     (folder / "docs" / "images").mkdir(parents=True)
-    for arguments in ((), ("--target", "native", "-o", "build/native")):
+    for arguments in ((), ("--target", "native", "-o", "build/native"), ("--fmi", "3", "-o", "build/fmi3")):
         code, _, errors = run(folder, "-m", "chain_impact.cli", "build", *arguments)
         assert code == 0, errors
     return folder

@@ -122,7 +122,12 @@ def record_fmu(
         for name, value in settings.items()
         if name not in EXPERIMENT
     }
-    outputs = [name for name, variable in variables.items() if variable.causality == "output"]
+    outputs = [
+        name
+        for name, variable in variables.items()
+        # the arrays of FMI 3.0 have the values of the scalars once more
+        if variable.causality == "output" and not variable.dimensions
+    ]
     check_size(str(path), stop_time, step_size, len(outputs))
     values = {name: float(start_values.get(name, variable.start)) for name, variable in parameters.items()}
     walls = _walls(values)

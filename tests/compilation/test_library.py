@@ -15,17 +15,11 @@ from chain_impact.instance import new_instance
 from chain_impact.running import load_kernel
 from chain_impact.scene import with_values
 from tests.binaries import read_binary
-from tests.fmu.standard import co_simulation_functions
+from tests.fmu.standard import all_functions_of_fmi3, co_simulation_functions
 
 ENTRY_POINTS = {
-    "initialize",
-    "advance",
-    "advance_awhile",
-    "observe",
-    "sound",
-    "follow",
-    "trajectory",
-    "run_each",
+    *("initialize", "advance", "advance_awhile", "advance_to_onset", "let_happen"),
+    *("observe", "sound", "follow", "trajectory", "run_each"),
 }
 OLDEST_GLIBC = (2, 17)  # CentOS 7, of 2014
 HOST_ONLY = pytest.mark.skipif(sys.platform != "linux", reason="reads an ELF file")
@@ -46,8 +40,8 @@ def test_the_library_needs_neither_python_nor_numba(one_link):
 @HOST_ONLY
 def test_the_library_offers_its_entry_points_and_those_of_fmi(one_link):
     offered = {name for name in read_binary(one_link).offered if not name.startswith("_")}
-    assert {name for name in offered if not name.startswith("fmi2")} == ENTRY_POINTS
-    assert offered - ENTRY_POINTS == set(co_simulation_functions())
+    assert {name for name in offered if not name.startswith("fmi")} == ENTRY_POINTS
+    assert offered - ENTRY_POINTS == {*co_simulation_functions(), *all_functions_of_fmi3()}
 
 
 @HOST_ONLY

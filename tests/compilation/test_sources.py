@@ -33,8 +33,8 @@ def test_equal_sources_have_one_wherever_they_are(copy):
         "kernel/events/search.py",
         "layout.py",
         "compilation/record_type.py",
-        "compilation/fmi2/state.c",
-        "compilation/fmi2/instance.h",
+        "compilation/c_interface/common/states.c",
+        "compilation/c_interface/fmi3/fmi3.c",
         "law_file.py",
     ],
 )

@@ -1,6 +1,6 @@
-"""FMUs of both targets, and a clean process to import them in.
+"""FMUs of all kinds, and a clean process to import them in.
 
-Every test here runs on both kinds of FMU, unless it is about one of them. In this process the FMU could pick
+Every test here runs on all kinds of FMU, unless it is about one of them. In this process the FMU could pick
 up the package, numba, or modules that a test has loaded. So what concerns its use runs in an environment of
 its own that holds an importer and pythonfmu, and not this package.
 """
@@ -17,26 +17,46 @@ from typing import Any
 
 import pytest
 
-from chain_impact.export.fmu import TARGETS, build_fmu
+from chain_impact.export.fmu import build_fmu
 from chain_impact.scene import model_names
 
 HERE = Path(__file__).parent
 Clean = Callable[..., Any]
 
 
-@pytest.fixture(scope="session", params=TARGETS)
+KINDS = {
+    "pythonfmu": {"target": "pythonfmu"},
+    "native": {"target": "native"},
+    "fmi3": {"target": "native", "fmi": 3},
+}
+"""The kinds of FMU → how to build one. The first two are for FMI 2.0."""
+
+
+@pytest.fixture(scope="session", params=KINDS)
 def target(request) -> str:
     """The kind of FMU."""
     return request.param
 
 
+@pytest.fixture(scope="session", params=["pythonfmu", "native"])
+def fmi2(request, all_fmus) -> dict[str, str]:
+    """The FMU of each model, of both kinds for FMI 2.0."""
+    return all_fmus[request.param]
+
+
+@pytest.fixture(scope="session", params=["native", "fmi3"])
+def strict(request, all_fmus) -> dict[str, str]:
+    """The FMU of each model, of both kinds that have the C interface."""
+    return all_fmus[request.param]
+
+
 @pytest.fixture(scope="session")
 def all_fmus(tmp_path_factory) -> dict[str, dict[str, str]]:
-    """The FMUs of each model: target → name of the model → path."""
+    """The FMUs of each model: kind → name of the model → path."""
     folder = tmp_path_factory.mktemp("fmus")
     return {
-        target: {name: str(build_fmu(name, folder / target, target=target)) for name in model_names()}
-        for target in TARGETS
+        kind: {name: str(build_fmu(name, folder / kind, **options)) for name in model_names()}
+        for kind, options in KINDS.items()
     }
 
 

@@ -19,6 +19,7 @@ from fmpy.fmi2 import (
 from fmpy.logging import addLoggerProxy
 
 MESSAGES: list[str] = []
+REALS = ("Real", "Float64")
 
 
 def _log(_environment: Any, _name: bytes, _status: int, _category: bytes, message: bytes) -> None:
@@ -39,15 +40,22 @@ class Instance:
     def __init__(self, path: str, name: str = "instance", folder: str | None = None) -> None:
         """Unzip, unless there is the folder of another instance, and instantiate, with logging on."""
         description = fmpy.read_model_description(path)
-        self.variables = {variable.name: variable for variable in description.modelVariables}
+        # of FMI 3.0 the scalars, which are those of FMI 2.0
+        self.variables = {v.name: v for v in description.modelVariables if not v.dimensions}
         self.outputs = [name for name, v in self.variables.items() if v.causality == "output"]
         self.folder = folder or fmpy.extract(path)
-        self.fmu = FMU2Slave(
-            guid=description.guid,
-            unzipDirectory=self.folder,
-            modelIdentifier=description.coSimulation.modelIdentifier,
-            instanceName=name,
-        )
+        arguments = {
+            "guid": description.guid,
+            "unzipDirectory": self.folder,
+            "modelIdentifier": description.coSimulation.modelIdentifier,
+            "instanceName": name,
+        }
+        if description.fmiVersion == "3.0":
+            from as_fmi2 import slave
+
+            self.fmu = slave(MESSAGES.append, **arguments)
+        else:
+            self.fmu = FMU2Slave(**arguments)
         self.fmu.instantiate(callbacks=CALLBACKS, loggingOn=True)
         self.time = 0.0
 
@@ -67,14 +75,14 @@ class Instance:
     def __getitem__(self, name: str) -> Any:
         """The value of one variable."""
         variable = self.variables[name]
-        get = self.fmu.getReal if variable.type == "Real" else self.fmu.getInteger
+        get = self.fmu.getReal if variable.type in REALS else self.fmu.getInteger
         return get([variable.valueReference])[0]
 
     def set(self, values: dict[str, float]) -> None:
         """Set variables."""
         for name, value in values.items():
             variable = self.variables[name]
-            put = self.fmu.setReal if variable.type == "Real" else self.fmu.setInteger
+            put = self.fmu.setReal if variable.type in REALS else self.fmu.setInteger
             put([variable.valueReference], [value])
 
     def step(self, time: float) -> None:

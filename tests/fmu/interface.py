@@ -50,15 +50,27 @@ class Library:
         """Unzip and load it."""
         self.folder = unpacked(fmu, folder)
         root = ElementTree.parse(self.folder / "modelDescription.xml").getroot()
-        self.guid = root.get("guid").encode()
+        fmi3 = root.get("fmiVersion") == "3.0"
+        self.guid = root.get("instantiationToken" if fmi3 else "guid").encode()
         self.categories = [category.get("name") for category in root.iter("Category")]
-        nodes = list(root.iter("ScalarVariable"))
+        self.unfinished = ERROR if fmi3 else DISCARD  # status of a step that cannot be finished
+        nodes = list(root.find("ModelVariables"))
         self.references = {node.get("name"): int(node.get("valueReference")) for node in nodes}
-        self.reals = [n.get("name") for n in nodes if n[0].tag == "Real" and n.get("causality") == "output"]
-        binary = self.folder / "binaries" / "linux64" / f"{root.get('modelName')}.so"
-        self.c = ctypes.CDLL(str(binary), mode)
-        self.c.fmi2Instantiate.restype = c_void_p
-        self.c.fmi2GetVersion.restype = self.c.fmi2GetTypesPlatform.restype = c_char_p
+        outputs = [node for node in nodes if node.get("causality") == "output"]
+        if fmi3:  # the scalars, which are those of FMI 2.0
+            self.reals = [n.get("name") for n in outputs if n.tag == "Float64" and len(n) == 0]
+        else:
+            self.reals = [n.get("name") for n in outputs if n[0].tag == "Real"]
+        platform = "x86_64-linux" if fmi3 else "linux64"
+        binary = self.folder / "binaries" / platform / f"{root.get('modelName')}.so"
+        self.c: Any = ctypes.CDLL(str(binary), mode)
+        if fmi3:
+            from as_fmi2 import Functions
+
+            self.c = Functions(self.c, self._log)
+        else:
+            self.c.fmi2Instantiate.restype = c_void_p
+            self.c.fmi2GetVersion.restype = self.c.fmi2GetTypesPlatform.restype = c_char_p
         self.messages: list[tuple[str, int, str, str]] = []  # instance, status, category, text
         self.blocks: dict[int, Any] = {}
         self.left = -1  # so many more blocks of memory can be had; any number if negative
@@ -142,7 +154,7 @@ class Component:
             assert self.call("fmi2EnterInitializationMode") == OK
         if phase not in ("instantiated", "initialization mode"):
             assert self.call("fmi2ExitInitializationMode") == OK
-            assert self.step(0.0, 1.0) == (DISCARD if phase == "step failed" else OK)
+            assert self.step(0.0, 1.0) == (self.library.unfinished if phase == "step failed" else OK)
         if phase == "terminated":
             assert self.call("fmi2Terminate") == OK
         self.library.said()

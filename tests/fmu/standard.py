@@ -17,3 +17,9 @@ def co_simulation_functions() -> list[str]:
     )
     text = text[: text.index(before)] + text[text.index(after) :]
     return re.findall(r"\b(fmi2\w+)TYPE\b", text[text.index("Types for Common Functions") :])
+
+
+def all_functions_of_fmi3() -> list[str]:
+    """The names of all functions of FMI 3.0: every FMU has to have them all (3.0.2, section 2.5)."""
+    text = (HEADERS / "fmi3FunctionTypes.h").read_text(encoding="utf-8")
+    return re.findall(r"\b(fmi3\w+)TYPE\b", text)

@@ -12,12 +12,13 @@ from matplotlib import pyplot
 from chain_impact import load_scene
 from chain_impact.compilation.errors import BuildError
 from chain_impact.export import fmu as export
-from chain_impact.export.fmu import TARGETS, build_fmu, validate_fmu
+from chain_impact.export.fmu import build_fmu, validate_fmu
 from chain_impact.instance import new_instance
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene import model_names, with_values
 from chain_impact.variables import fmu_variables, word_index
+from tests.fmu.conftest import KINDS
 from tests.fmu.contents import description
 from tests.fmu.importer import Instance
 
@@ -37,13 +38,17 @@ def test_an_fmu_is_named_after_its_model_and_small(fmus, model):
 
 
 def test_two_builds_have_equal_bytes(fmus, target, tmp_path):
-    assert build_fmu("rod_drop", tmp_path, target=target).read_bytes() == Path(fmus["rod_drop"]).read_bytes()
+    again = build_fmu("rod_drop", tmp_path, **KINDS[target])
+    assert again.read_bytes() == Path(fmus["rod_drop"]).read_bytes()
 
 
 def test_another_value_makes_another_guid(fmus, target, tmp_path):
     scene = with_values(load_scene("rod_drop"), {("contact", "stiffness"): 2e8})
-    other = str(build_fmu(scene, tmp_path, target=target))
-    assert description(other).get("guid") != description(fmus["rod_drop"]).get("guid")
+    other = str(build_fmu(scene, tmp_path, **KINDS[target]))
+    name = "instantiationToken" if target == "fmi3" else "guid"
+    found = [description(path).get(name) for path in (other, fmus["rod_drop"])]
+    assert None not in found
+    assert found[0] != found[1]
 
 
 def test_names_are_sorted_and_nothing_is_dated(fmus):
@@ -56,10 +61,10 @@ def test_names_are_sorted_and_nothing_is_dated(fmus):
 
 
 @every_model
-def test_start_values_are_those_of_the_scene_to_the_last_bit(fmus, model):
+def test_start_values_are_those_of_the_scene_to_the_last_bit(fmi2, model):
     scene = load_scene(model)
     instance = new_instance(scene)
-    nodes = description(fmus[model]).iter("ScalarVariable")
+    nodes = description(fmi2[model]).iter("ScalarVariable")
     found = {node.get("name"): node[0].get("start") for node in nodes}
     for variable in fmu_variables(scene):
         start = found.pop(variable.name)
@@ -72,8 +77,8 @@ def test_start_values_are_those_of_the_scene_to_the_last_bit(fmus, model):
 
 
 @every_model
-def test_units_types_and_unknowns_are_complete(fmus, model):
-    root = description(fmus[model])
+def test_units_types_and_unknowns_are_complete(fmi2, model):
+    root = description(fmi2[model])
     assert root.get("generationDateAndTime").endswith("Z")
     assert root.get("variableNamingConvention") == "structured"
     units = {unit.get("name") for unit in root.iter("Unit")}
@@ -92,9 +97,9 @@ def test_units_types_and_unknowns_are_complete(fmus, model):
         assert indices == sorted(outputs, key=int)
 
 
-def test_inputs_act_at_once_on_accelerations_and_forces_only(fmus):
+def test_inputs_act_at_once_on_accelerations_and_forces_only(fmi2):
     """On forces, as rigid walls hold against a torque, and the law can be changed."""
-    root = description(fmus["pinned_arm"])
+    root = description(fmi2["pinned_arm"])
     names = [node.get("name") for node in root.iter("ScalarVariable")]
     for unknown in root.find("ModelStructure/Outputs"):
         name = names[int(unknown.get("index")) - 1]
@@ -103,24 +108,24 @@ def test_inputs_act_at_once_on_accelerations_and_forces_only(fmus):
         assert on == (["joint[1].torque", "joint[2].torque"] if at_once else [])
 
 
-def test_capabilities(fmus, target):
-    cosimulation = description(fmus["rod_drop"]).find("CoSimulation")
-    assert cosimulation.attrib == {
-        "modelIdentifier": "RodDrop",
-        "needsExecutionTool": "false",
-        "canHandleVariableCommunicationStepSize": "true",
-        "canInterpolateInputs": "false",
-        "canBeInstantiatedOnlyOncePerProcess": "false",
-        "canNotUseMemoryManagementFunctions": "true" if target == "pythonfmu" else "false",
-        "canGetAndSetFMUstate": "true",
-        "canSerializeFMUstate": "true",
-    }
+def test_capabilities(all_fmus):
+    for target in ("pythonfmu", "native"):
+        assert description(all_fmus[target]["rod_drop"]).find("CoSimulation").attrib == {
+            "modelIdentifier": "RodDrop",
+            "needsExecutionTool": "false",
+            "canHandleVariableCommunicationStepSize": "true",
+            "canInterpolateInputs": "false",
+            "canBeInstantiatedOnlyOncePerProcess": "false",
+            "canNotUseMemoryManagementFunctions": "true" if target == "pythonfmu" else "false",
+            "canGetAndSetFMUstate": "true",
+            "canSerializeFMUstate": "true",
+        }
 
 
 @every_model
-def test_derivatives_nominal_values_and_ranges(fmus, model):
+def test_derivatives_nominal_values_and_ranges(fmi2, model):
     """Of outputs: rates name what they are the rate of; what cannot be negative says so."""
-    nodes = list(description(fmus[model]).iter("ScalarVariable"))
+    nodes = list(description(fmi2[model]).iter("ScalarVariable"))
     rates = {
         node.get("name"): nodes[int(node[0].get("derivative")) - 1].get("name")
         for node in nodes
@@ -207,12 +212,13 @@ def test_dependencies_are_true_under_every_law(native, clean):
 
 
 @every_model
-def test_documents(fmus, model):
+def test_documents(fmus, target, model):
     """A page with every variable, the license, and a picture."""
     with zipfile.ZipFile(fmus[model]) as fmu:
         page = fmu.read("documentation/index.html").decode()
         assert fmu.read("documentation/licenses/license.txt").startswith(b"MIT License")
-        picture = pyplot.imread(io.BytesIO(fmu.read("model.png")), "png")
+        name = "terminalsAndIcons/icon.png" if target == "fmi3" else "model.png"
+        picture = pyplot.imread(io.BytesIO(fmu.read(name)), "png")
     assert all(f"<td>{variable.name}</td>" in page for variable in fmu_variables(load_scene(model)))
     assert all(text in page for text in map(escape, STATUS_TEXT.values()))
     assert picture.shape == (128, 128, 3)
@@ -220,8 +226,8 @@ def test_documents(fmus, model):
 
 
 @every_model
-def test_both_targets_have_the_same_description(all_fmus, model):
-    both = [description(all_fmus[target][model]) for target in TARGETS]
+def test_both_kinds_for_fmi2_have_the_same_description(all_fmus, model):
+    both = [description(all_fmus[target][model]) for target in ("pythonfmu", "native")]
     for root in both:
         del root.attrib["guid"], root.attrib["generationTool"]
         del root.find("CoSimulation").attrib["canNotUseMemoryManagementFunctions"]
@@ -235,12 +241,20 @@ def test_both_targets_have_the_same_description(all_fmus, model):
 @pytest.mark.parametrize("platforms", [(), ("linux64", "amiga")])
 def test_an_unknown_platform_is_refused(tmp_path, target, platforms):
     with pytest.raises(BuildError, match=r"platforms = .* must be some of linux64, win64"):
-        build_fmu("rod_drop", tmp_path, target=target, platforms=platforms)
+        build_fmu("rod_drop", tmp_path, **KINDS[target], platforms=platforms)
 
 
 def test_an_unknown_target_is_refused(tmp_path):
     with pytest.raises(BuildError, match=r"target = 'fortran' must be one of pythonfmu, native"):
         build_fmu("rod_drop", tmp_path, target="fortran")
+
+
+def test_versions_that_there_are_not_are_refused(tmp_path):
+    with pytest.raises(BuildError, match=r"fmi = 1 must be one of 2, 3"):
+        build_fmu("rod_drop", tmp_path, fmi=1)
+    with pytest.raises(BuildError, match=r"makes FMUs for FMI 2\.0 only: FMI 3\.0 needs target = 'native'"):
+        build_fmu("rod_drop", tmp_path, target="pythonfmu", fmi=3)
+    assert not list(tmp_path.iterdir())
 
 
 def test_an_invalid_fmu_does_not_appear(tmp_path, monkeypatch, fmus):

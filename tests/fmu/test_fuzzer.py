@@ -3,11 +3,12 @@
 import re
 import shutil
 import subprocess
+from pathlib import Path
 
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.compilation.compilers import INTERFACE, interface_sources
+from chain_impact.compilation.compilers import INCLUDES, interface_sources
 from chain_impact.compilation.library import kernel_library
 from chain_impact.variables import fmu_variables
 from tests.fmu.contents import description
@@ -27,7 +28,7 @@ def fuzzer(request, tmp_path_factory):
     """The program: the interface compiled with sanitizers, and the kernel's library as it is."""
     folder = tmp_path_factory.mktemp("fuzzer")
     kernel = kernel_library(len(load_scene(MODEL).chain.links))
-    source, program = INTERFACE.parents[3] / "tests" / "fmu" / "fuzzer.c", folder / "fuzzer"
+    source, program = Path(__file__).with_name("fuzzer.c"), folder / "fuzzer"
     options = [
         "-g",
         "-O1",
@@ -35,7 +36,8 @@ def fuzzer(request, tmp_path_factory):
         "-fsanitize=undefined",
         "-fno-sanitize-recover=undefined",
     ]
-    inputs = ["-I", INTERFACE, source, *interface_sources(), kernel, f"-Wl,-rpath,{kernel.parent}", "-lm"]
+    headers = [f"-I{place}" for place in INCLUDES]
+    inputs = [*headers, source, *interface_sources(), kernel, f"-Wl,-rpath,{kernel.parent}", "-lm"]
     if request.param == "zig":
         zig(folder, *options, *inputs, "-o", program)
     else:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chain_impact.compilation.compilers import INTERFACE, ZIG_TARGETS, interface_sources
+from chain_impact.compilation.compilers import INCLUDES, ZIG_TARGETS, interface_sources
 from tests.fmu.interface import (
     CO_SIMULATION,
     DISCARD,
@@ -33,13 +33,13 @@ from tests.fmu.zig import WARNINGS, zig
 # --- 2.1.1 to 2.1.4: header files ------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("headers", [INTERFACE, HEADERS], ids=["own header", "standard's headers"])
+@pytest.mark.parametrize("headers", [(), (HEADERS,)], ids=["own headers", "standard's headers"])
 @pytest.mark.parametrize("platform", ZIG_TARGETS)
 def test_it_compiles_without_a_warning(headers, platform, tmp_path):
     """With the standard's own headers, too: so each function has the type that the standard gives it."""
     target, _ = ZIG_TARGETS[platform]
     for source in interface_sources():
-        options = ["-target", target, *WARNINGS, "-I", headers, "-I", INTERFACE]
+        options = ["-target", target, *WARNINGS, *(f"-I{folder}" for folder in (*headers, *INCLUDES))]
         zig(tmp_path, *options, "-c", source, "-o", tmp_path / f"{source.stem}.o")
 
 
@@ -121,7 +121,7 @@ def test_what_cannot_be_instantiated_is_refused_in_one_sentence(native, run):
         "empty name": "the instance has no name",
         "blank name": "the instance has no name",
         "model exchange": "this FMU is for co-simulation, not for model exchange",
-        "another guid": "the GUID {8c4e810f-3df3-4a00-8276-176fa3c9f9e0} is not that of this FMU",
+        "another guid": "fmuGUID {8c4e810f-3df3-4a00-8276-176fa3c9f9e0} is not that of this FMU",
         "no guid": "the argument fmuGUID is a null pointer",
         "no folder": "the argument fmuResourceLocation is a null pointer",
         "empty folder": "fmuResourceLocation  is no URI of a folder",
@@ -220,8 +220,8 @@ def logging(fmu):
     }
 
 
-def test_only_what_is_wanted_is_logged(native, run):
-    found = run(logging, native["rod_drop"])
+def test_only_what_is_wanted_is_logged(all_fmus, run):
+    found = run(logging, all_fmus["native"]["rod_drop"])
     count = {case: after for case, (_, _, after) in found.items()}
     assert count == {
         "on": 1, "off": 0, "switched off": 0, "switched on": 1, "this category": 1, "another category": 0,
@@ -229,6 +229,10 @@ def test_only_what_is_wanted_is_logged(native, run):
     }  # fmt: skip
     assert found["unknown"][:2] == [[ERROR], ["fmi2SetDebugLogging: there is no category logEvents"]]
     assert found["null"][:2] == [[ERROR], ["fmi2SetDebugLogging: there is no category NULL"]]
+    # FMI 3.0 wants an error to be logged in any case
+    found_3 = run(logging, all_fmus["fmi3"]["rod_drop"])
+    assert {case: after for case, (_, _, after) in found_3.items()} == dict.fromkeys(found, 1)
+    assert [found_3[case][:2] for case in found] == [found[case][:2] for case in found]
 
 
 def null_pointers(fmu):

@@ -54,7 +54,7 @@ def in_turns(fmus, lots):
 
 
 @pytest.mark.parametrize("backwards", [False, True])
-def test_fmus_of_both_targets_and_a_foreign_one_do_not_mix(all_fmus, foreign, clean, backwards):
+def test_fmus_of_all_kinds_and_a_foreign_one_do_not_mix(all_fmus, foreign, clean, backwards):
     """Each gives the digits that it gives alone, in its own process."""
     ours = [all_fmus[target][model] for model in ("rod_drop", "four_link_box") for target in all_fmus]
     fmus = [*ours[:2], foreign, *ours[2:]]
@@ -89,8 +89,8 @@ def growth(fmu, warm_up, cycles):
     return (memory() - before) / cycles
 
 
-def test_native_instances_leave_nothing_behind(native, clean):
-    assert clean(growth, native["rod_drop"], 500, 10_000) < 0.01  # kB
+def test_native_instances_leave_nothing_behind(strict, clean):
+    assert clean(growth, strict["rod_drop"], 500, 10_000) < 0.01  # kB
 
 
 def test_pythonfmu_instances_leave_no_more_behind_than_those_of_an_empty_slave(all_fmus, foreign, clean):

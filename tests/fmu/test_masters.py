@@ -1,4 +1,4 @@
-"""One FMU in each of the masters of controlled_arm; and a value that it refuses, in libcosim.
+"""An FMU for FMI 2.0 in each of the masters of controlled_arm; and a value that it refuses, in libcosim.
 
 libcosim is a master in C++ that calls FMUs from threads of its own.
 """
@@ -93,14 +93,14 @@ def refused(fmu, when):
 
 
 @pytest.mark.parametrize("when", ["start", "run"])
-def test_libcosim_says_which_value_was_refused(fmus, when):
-    done = refused(fmus["rod_drop"], when)
+def test_libcosim_says_which_value_was_refused(fmi2, when):
+    done = refused(fmi2["rod_drop"], when)
     sentence = "fmi2SetReal: contact.restitution = 2.0 must be a finite number >= 0 and <= 1"
     assert sentence in done.stdout + done.stderr
 
 
-def test_libcosim_lives_on_after_a_value_that_was_refused_during_the_run(fmus):
+def test_libcosim_lives_on_after_a_value_that_was_refused_during_the_run(fmi2):
     """And runs the FMU again; before the first step its threads catch no error, and it ends the process."""
-    done = refused(fmus["rod_drop"], "run")
+    done = refused(fmi2["rod_drop"], "run")
     assert done.returncode == 0, done.stderr[-2000:]
     assert "\nlives on\n" in done.stdout

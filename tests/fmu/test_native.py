@@ -49,17 +49,19 @@ def whole_scene(fmu, stop, step):
     return [rows, sorted(set(sys.modules) - before)]
 
 
-def test_both_targets_give_the_same_bits(all_fmus, clean):
+def test_all_kinds_give_the_same_bits(all_fmus, clean):
     rows, imported = clean(whole_scene, all_fmus["native"]["four_link_box"], 2.0, 1e-3)
-    others, _ = clean(whole_scene, all_fmus["pythonfmu"]["four_link_box"], 2.0, 1e-3)
-    assert np.array(rows).tobytes() == np.array(others).tobytes()
+    for other in ("pythonfmu", "fmi3"):
+        others, _ = clean(whole_scene, all_fmus[other]["four_link_box"], 2.0, 1e-3)
+        assert np.array(rows).tobytes() == np.array(others).tobytes()
     assert len(rows) == 2001
     assert not [name for name in imported if name.startswith(("chain_impact", "pythonfmu"))]
 
 
-def test_both_targets_give_the_same_bits_with_inputs(all_fmus, clean):
+def test_all_kinds_give_the_same_bits_with_inputs(all_fmus, clean):
     names, rows = clean(driven, all_fmus["native"]["pinned_arm"], TORQUES, PERIOD, 16, {})
-    assert [names, rows] == clean(driven, all_fmus["pythonfmu"]["pinned_arm"], TORQUES, PERIOD, 16, {})
+    for other in ("pythonfmu", "fmi3"):
+        assert [names, rows] == clean(driven, all_fmus[other]["pinned_arm"], TORQUES, PERIOD, 16, {})
 
 
 def state_of(fmu, data=None):

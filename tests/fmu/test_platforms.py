@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chain_impact.compilation.compilers import INTERFACE, ZIG_TARGETS
+from chain_impact.compilation.compilers import INCLUDES, INTERFACE, ZIG_TARGETS
 from chain_impact.export.fmu import build_fmu
 from tests.binaries import binary
 from tests.fmu.contents import description
@@ -90,7 +90,8 @@ def rows(fmu, platform, folder, emulator=(), *, environment=None, path=str):
     target, suffix = ZIG_TARGETS[platform]
     program, place = folder / f"host-{platform}.exe", unpacked(fmu, folder / "fmu")
     libraries = ["-ldl"] if "linux" in target else []
-    zig(folder, "-target", target, "-I", INTERFACE, HOST_PROGRAM, *libraries, "-o", program)
+    headers = [f"-I{place}" for place in INCLUDES]
+    zig(folder, "-target", target, *headers, HOST_PROGRAM, *libraries, "-o", program)
     root = description(fmu)
     references = {node.get("name"): node.get("valueReference") for node in root.iter("ScalarVariable")}
     location = "file://" + path(place / "resources").replace("\\", "/").replace("Z:", "/Z:")

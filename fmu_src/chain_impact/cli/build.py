@@ -11,6 +11,8 @@ from chain_impact.cli.report import report
 from chain_impact.compilation.compilers import HOST, ZIG_TARGETS
 from chain_impact.scene import load_scene
 
+OLDEST = 2  # version of FMI
+
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
@@ -29,8 +31,14 @@ def add(verbs: Verbs) -> None:
     build.add_argument(
         "--target",
         choices=["pythonfmu", "native"],
-        default="pythonfmu",
-        help="native: an FMU that needs no Python; default: pythonfmu",
+        help="native: an FMU that needs no Python, the only target for FMI 3.0; default: pythonfmu",
+    )
+    build.add_argument(
+        "--fmi",
+        type=int,
+        choices=[OLDEST, 3],
+        default=OLDEST,
+        help="version of FMI; 3 has event mode: a step ends at each impact; default: 2",
     )
     build.add_argument("--simulate", action="store_true", help="simulate it with fmpy, and draw")
     build.set_defaults(run=run)
@@ -43,7 +51,13 @@ def run(options: argparse.Namespace) -> int:
     scene = load_scene(options.source)
     with progress() as (notify, _):
         fmu = build_fmu(
-            scene, options.output, target=options.target, platforms=options.platform, notify=notify
+            scene,
+            options.output,
+            # for FMI 3.0 there is only one
+            target=options.target or ("pythonfmu" if options.fmi == OLDEST else "native"),
+            fmi=options.fmi,
+            platforms=options.platform,
+            notify=notify,
         )
     out.print(f"FMU      {fmu}", markup=False, soft_wrap=True)
     if options.simulate:

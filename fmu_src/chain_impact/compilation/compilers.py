@@ -1,7 +1,7 @@
 """The two programs that make a library: numba's front end, run once, and zig's C compiler, run for each.
 
 lower.py writes the kernel in LLVM's language, without sizes. The prelude has the sizes; with it the kernel is
-compiled and linked, together with the C interface of native FMUs (fmi2/), which is the same for every scene.
+compiled and linked, together with the C interface of native FMUs (c_interface/), the same for every scene.
 """
 
 from __future__ import annotations
@@ -46,7 +46,8 @@ PYTHON_SYMBOLS = (
     *("PyExc_SystemError", "PyUnicode_FromString", "Py_DecRef", "numba_do_raise", "numba_gil_ensure"),
     *("numba_gil_release", "numba_runtime_build_excinfo_struct", "numba_unpickle"),
 )
-INTERFACE = PACKAGE / "compilation" / "fmi2"
+INTERFACE = PACKAGE / "compilation" / "c_interface"
+INCLUDES = tuple(INTERFACE / name for name in ("common", "fmi2", "fmi3"))
 # Runs lower.py with these sources. The variable PYTHONPATH would not do: where pip builds a wheel, it hides
 # the folder of an editable installation of the same sources.
 LOWER = """import runpy, sys
@@ -159,7 +160,7 @@ def prepare_zig(platform: str) -> None:
 
 def interface_sources() -> list[Path]:
     """The files of the C interface."""
-    return sorted(INTERFACE.glob("*.c"))
+    return sorted(INTERFACE.rglob("*.c"))
 
 
 def _zig(platform: str, library: Path, *inputs: Path) -> None:
@@ -175,10 +176,9 @@ def _zig(platform: str, library: Path, *inputs: Path) -> None:
     if "macos" in target:  # else the folder in which it was made
         options.append("-Wl,-install_name,@rpath/kernel.dylib")
     folders = {"ZIG_GLOBAL_CACHE_DIR": linker_folder(), "ZIG_LOCAL_CACHE_DIR": library.with_name("zig")}
-    files = map(str, ("-I", INTERFACE, "-o", library, *inputs, stubs))
-    _check(
-        _run("-m", "ziglang", *options, *files, "-lm", **{name: str(path) for name, path in folders.items()})
-    )
+    files = map(str, (*(f"-I{folder}" for folder in INCLUDES), "-o", library, *inputs, stubs))
+    places = {name: str(path) for name, path in folders.items()}
+    _check(_run("-m", "ziglang", *options, *files, "-lm", **places))
 
 
 def _run(*arguments: str, **settings: str) -> subprocess.CompletedProcess[str]:

@@ -3,6 +3,8 @@
     int32 initialize(instance*, double time)
     int32 advance(instance*, double time)
     int32 advance_awhile(instance*, double time)
+    int32 advance_to_onset(instance*, double time)
+    int32 let_happen(instance*)
     int32 observe(instance*)
     int32 sound(instance*)
     int32 follow(instance*)
@@ -11,7 +13,7 @@
                    const double* values, const double* stops, int64 runs, const int64* looks, int64 columns,
                    double* rows, int32 going_on)
 
-What they do, kernel/entry.py tells.
+What they do, kernel/entry.py and kernel/advance.py tell.
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ from numba import float64, int32, int64, types
 from chain_impact.compilation import functions  # noqa: F401 - so that numba takes the kernel's functions
 from chain_impact.compilation.record_type import INSTANCE, matrix, vector, words
 from chain_impact.kernel import entry
+from chain_impact.kernel.advance import advance_to_onset, let_happen
 from chain_impact.kernel.events.contact_log import follow_to_now
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.soundness import sound
@@ -70,6 +73,8 @@ def entry_points() -> Entries:
         "initialize": (int32(INSTANCE, float64), initialize),
         "advance": (int32(INSTANCE, float64), entry.advance_to),
         "advance_awhile": (int32(INSTANCE, float64), entry.advance_awhile),
+        "advance_to_onset": (int32(INSTANCE, float64), advance_to_onset),
+        "let_happen": (int32(INSTANCE), let_happen),
         "observe": (int32(INSTANCE), entry.observe_now),
         "sound": (int32(INSTANCE), sound),
         "follow": (int32(INSTANCE), follow),

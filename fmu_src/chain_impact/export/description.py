@@ -1,4 +1,4 @@
-"""The modelDescription.xml of a scene's FMU (FMI 2.0, section 2.2)."""
+"""What the model descriptions of FMI 2.0 and 3.0 have in common."""
 
 from __future__ import annotations
 
@@ -10,10 +10,11 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from chain_impact.instance import new_instance
+from chain_impact.names import Place
 from chain_impact.scene import Scene
 from chain_impact.units import UNITS
 from chain_impact.variable import OBSERVED, Variable
-from chain_impact.variables import fmu_variables, word_index
+from chain_impact.variables import word_index
 
 DEGREES = {"rad": "deg", "rad/s": "deg/s", "rad/s2": "deg/s2"}
 """Units, and those in which a tool may show them."""
@@ -33,40 +34,54 @@ LOG_CATEGORIES = {
     "logStatusFatal": "Errors after which the instance cannot go on",
     "logAll": "All messages",
 }
-CAPABILITIES = {
-    "needsExecutionTool": "false",
-    "canHandleVariableCommunicationStepSize": "true",
-    "canInterpolateInputs": "false",
-    "canBeInstantiatedOnlyOncePerProcess": "false",
-    "canNotUseMemoryManagementFunctions": "true",
-    "canGetAndSetFMUstate": "true",
-    "canSerializeFMUstate": "true",
-}
 
 
-def model_description(scene: Scene, tool: str, **capabilities: str) -> Element:
-    """The model description, with the start values of the scene's instance and without a guid.
+def about(scene: Scene, tool: str) -> dict[str, str]:
+    """The attributes of the root, but for the version and the GUID. ``tool`` is what has made the FMU."""
+    return {
+        "modelName": scene.name,
+        "description": scene.description,
+        "author": "The chain-impact developers",
+        "version": version("chain-impact"),
+        "copyright": "Copyright 2026 The chain-impact developers",
+        "license": "MIT, see documentation/licenses",
+        "generationTool": tool,
+        "generationDateAndTime": DATE,
+        "variableNamingConvention": "structured",
+    }
 
-    Value references are positions in ``fmu_variables(scene)``. ``tool`` is what has made the FMU;
-    ``capabilities`` are attributes of CoSimulation in place of the usual ones.
-    """
-    variables = fmu_variables(scene)
-    root = Element(
-        "fmiModelDescription",
-        fmiVersion="2.0",
-        modelName=scene.name,
-        guid="",
-        description=scene.description,
-        author="The chain-impact developers",
-        version=version("chain-impact"),
-        copyright="Copyright 2026 The chain-impact developers",
-        license="MIT, see documentation/licenses",
-        generationTool=tool,
-        generationDateAndTime=DATE,
-        variableNamingConvention="structured",
-    )
-    SubElement(root, "CoSimulation", {"modelIdentifier": scene.name, **CAPABILITIES, **capabilities})
-    _add_units_and_types(root, variables)
+
+def add_units(root: Element, variables: Sequence[Variable]) -> None:
+    """Add the definitions of the units that are used."""
+    used, units = {variable.unit for variable in variables}, SubElement(root, "UnitDefinitions")
+    for name, unit in UNITS.items():
+        if name in used:
+            definition = SubElement(units, "Unit", name=name)
+            if unit.powers is not None:
+                SubElement(definition, "BaseUnit", {base: str(power) for base, power in unit.powers.items()})
+            if name in DEGREES:
+                SubElement(definition, "DisplayUnit", name=DEGREES[name], factor=repr(180.0 / math.pi))
+
+
+def quantities(variables: Sequence[Variable]) -> dict[str, dict[str, str]]:
+    """The types of reals: name → attributes."""
+    used, types = {variable.unit for variable in variables}, {}
+    for name, unit in UNITS.items():
+        if name in used:
+            types[unit.quantity] = {"quantity": unit.quantity, "unit": name}
+            if name in DEGREES:
+                types[unit.quantity]["displayUnit"] = DEGREES[name]
+    return types
+
+
+def add_items(choice: Element, variable: Variable) -> None:
+    """Add the choices of an enumeration to its type."""
+    for number, item in enumerate(variable.items, 1):
+        SubElement(choice, "Item", name=item.name, value=str(number), description=item.description)
+
+
+def add_categories_and_experiment(root: Element, scene: Scene) -> None:
+    """Add the categories of messages and the default experiment."""
     categories = SubElement(root, "LogCategories")
     for name, text in LOG_CATEGORIES.items():
         SubElement(categories, "Category", name=name, description=text)
@@ -78,66 +93,47 @@ def model_description(scene: Scene, tool: str, **capabilities: str) -> Element:
         tolerance=repr(scene.solver.tolerance),
         stepSize=repr(scene.simulation.step_size),
     )
-    _add_variables(root, variables, scene)
-    _add_structure(root, variables)
-    return root
 
 
-def _add_units_and_types(root: Element, variables: Sequence[Variable]) -> None:
-    used = {variable.unit for variable in variables}
-    units, types = SubElement(root, "UnitDefinitions"), SubElement(root, "TypeDefinitions")
-    for name, unit in UNITS.items():
-        if name in used:
-            definition = SubElement(units, "Unit", name=name)
-            if unit.powers is not None:
-                SubElement(definition, "BaseUnit", {base: str(power) for base, power in unit.powers.items()})
-            simple = SubElement(types, "SimpleType", name=unit.quantity)
-            real = SubElement(simple, "Real", quantity=unit.quantity, unit=name)
-            if name in DEGREES:
-                SubElement(definition, "DisplayUnit", name=DEGREES[name], factor=repr(180.0 / math.pi))
-                real.set("displayUnit", DEGREES[name])
-    for variable in variables:
-        if variable.items:
-            text = variable.description
-            choice = SubElement(types, "SimpleType", name=_type_name(variable), description=text)
-            items = SubElement(choice, "Enumeration")
-            for number, item in enumerate(variable.items, 1):
-                SubElement(items, "Item", name=item.name, value=str(number), description=item.description)
+def attributes_of(variable: Variable, reference: int) -> dict[str, str]:
+    """What a variable is."""
+    attributes = {"name": variable.name, "valueReference": str(reference)}
+    attributes |= {"description": variable.description, "causality": variable.causality}
+    attributes["variability"] = variable.variability
+    if variable.initial is not None:
+        attributes["initial"] = variable.initial
+    return attributes
 
 
-def _add_variables(root: Element, variables: Sequence[Variable], scene: Scene) -> None:
+def values_of(variables: Sequence[Variable], scene: Scene) -> list[dict[str, str]]:
+    """What the values of each variable are: type, unit, range, start and nominal value."""
     instance, nominal = new_instance(scene), nominal_values(scene)
-    reals, integers = instance.view(np.float64), instance.view(np.int64)
-    indices = {variable.place: str(index) for index, variable in enumerate(variables, 1)}
-    nodes = SubElement(root, "ModelVariables")
-    for reference, variable in enumerate(variables):
-        attributes = {"name": variable.name, "valueReference": str(reference)}
-        attributes |= {"description": variable.description, "causality": variable.causality}
-        attributes["variability"] = variable.variability
-        if variable.initial is not None:
-            attributes["initial"] = variable.initial
-        node = SubElement(nodes, "ScalarVariable", attributes)
-
-        value = SubElement(node, variable.type.capitalize())
+    reals, integers, found = instance.view(np.float64), instance.view(np.int64), []
+    for variable in variables:
+        value = {}
         if variable.type == "real":
-            value.set("declaredType", UNITS[variable.unit].quantity)
-            value.set("unit", variable.unit)
-            record, field, *index = variable.place
+            value = {"declaredType": UNITS[variable.unit].quantity, "unit": variable.unit}
+            record, field, *_ = variable.place
             if record in OBSERVED and field in nominal:
-                value.set("nominal", repr(nominal[str(field)]))
-            if record == "output" and field in RATES:
-                value.set("derivative", indices[(record, RATES[str(field)], *index)])
+                value["nominal"] = repr(nominal[str(field)])
         elif variable.items:
-            value.set("declaredType", _type_name(variable))
+            value = {"declaredType": type_name(variable)}
         # an open limit is written as a closed one, which is all that FMI knows; the FMU keeps it open
         low = variable.above if variable.minimum is None else variable.minimum
-        for name, limit in (("min", low), ("max", variable.maximum)):
-            if limit is not None:
-                value.set(name, repr(limit))
+        limits = {"min": low, "max": variable.maximum}
+        value |= {name: repr(limit) for name, limit in limits.items() if limit is not None}
         if variable.causality != "output":
             words = reals if variable.type == "real" else integers
             # repr of a float is the shortest text that reads back as the same number
-            value.set("start", repr(words[word_index(instance.dtype, variable.place)].item()))
+            value["start"] = repr(words[word_index(instance.dtype, variable.place)].item())
+        found.append(value)
+    return found
+
+
+def rate_of(variable: Variable) -> Place | None:
+    """The place of the variable that this one is the derivative of, if any."""
+    record, field, *index = variable.place
+    return (record, RATES[str(field)], *index) if record == "output" and field in RATES else None
 
 
 def nominal_values(scene: Scene) -> dict[str, float]:
@@ -163,18 +159,6 @@ def nominal_values(scene: Scene) -> dict[str, float]:
     return motion | energies | contacts | impacts
 
 
-def _add_structure(root: Element, variables: Sequence[Variable]) -> None:
-    inputs = " ".join(str(n) for n, variable in enumerate(variables, 1) if variable.causality == "input")
-    structure = SubElement(root, "ModelStructure")
-    outputs, unknowns = SubElement(structure, "Outputs"), SubElement(structure, "InitialUnknowns")
-    for number, variable in enumerate(variables, 1):
-        if variable.causality == "output":
-            dependencies = inputs if variable.feedthrough else ""
-            SubElement(outputs, "Unknown", index=str(number), dependencies=dependencies)
-            # at the start they depend on all that is known then, which is what no list means
-            SubElement(unknowns, "Unknown", index=str(number))
-
-
-def _type_name(variable: Variable) -> str:
+def type_name(variable: Variable) -> str:
     """ContactModel for contact.model."""
     return "".join(part.capitalize() for part in variable.name.split("."))

@@ -1,4 +1,4 @@
-"""What an FMU tells people: documentation/index.html, the licenses, and model.png (FMI 2.0, section 2.3)."""
+"""What an FMU tells people: documentation/index.html, the licenses, and a picture."""
 
 from __future__ import annotations
 
@@ -20,36 +20,47 @@ from chain_impact.variables import fmu_variables, word_index
 
 SIZE, MARGIN, EDGE = 128, 0.12, 1.5  # of the picture: pixels, a part of it, half a wall in pixels
 WALL, LINK, JOINT, PAPER = (150, 150, 150), (31, 119, 180), (214, 39, 40), (255, 255, 255)
+PICTURES = {2: "model.png", 3: "terminalsAndIcons/icon.png"}
+"""Version of FMI → where it wants the picture (2.3 of FMI 2.0, 2.5.1 of FMI 3.0)."""
 STYLE = (
     "body{font-family:sans-serif;max-width:70em;margin:2em auto;padding:0 1em}"
     "table{border-collapse:collapse}td,th{border:1px solid #ccc;padding:.2em .6em;text-align:left}"
 )
 
 INTRODUCTION = (
-    "<p>A planar chain of rigid links that hits frictionless walls. FMI 2.0, co-simulation. Quantities are "
-    "in SI units. The solver locates every impact: the results do not depend on the communication step.</p>",
+    "<p>A planar chain of rigid links that hits frictionless walls. FMI {version}, co-simulation. Quantities "
+    "are in SI units. The solver locates every impact: the results do not depend on the communication "
+    "step.</p>",
     "<p>Inputs are held constant over a communication step. Fixed parameters can be set until the end of "
     "initialization, tunable ones and inputs at any time. The state can be saved, restored and serialized. "
     "The tolerance that counts is the parameter solver.tolerance.</p>",
 )
 
+EVENTS = (
+    "<p>With event mode and early return, a step ends at each onset of a contact. There, inputs and tunable "
+    "parameters can be changed before the impact takes effect, by fmi3UpdateDiscreteStates. The outputs are "
+    "there as arrays, too, such as point.position.</p>"
+)
+FURTHER: dict[int, list[str]] = {2: [], 3: [EVENTS]}
+"""Version of FMI → what is to be said of it besides."""
 
-def documents(scene: Scene) -> dict[str, bytes]:
-    """The files, by their names in the FMU."""
+
+def documents(scene: Scene, fmi: int) -> dict[str, bytes]:
+    """The files, by their names in an FMU of version 2 or 3 of FMI."""
     license_text = distribution("chain-impact").read_text("licenses/LICENSE")
     if license_text is None:
         raise BuildError("the license of chain-impact is not installed with it: install the package anew")
     return {
-        "documentation/index.html": page(scene).encode(),
+        "documentation/index.html": page(scene, fmi).encode(),
         "documentation/licenses/license.txt": license_text.encode(),
-        "model.png": picture(scene),
+        PICTURES[fmi]: picture(scene),
     }
 
 
 # --- the page --------------------------------------------------------------------------------------------
 
 
-def page(scene: Scene) -> str:
+def page(scene: Scene, fmi: int) -> str:
     """The documentation, as HTML."""
     instance, variables = new_instance(scene), fmu_variables(scene)
 
@@ -70,7 +81,8 @@ def page(scene: Scene) -> str:
     ]
     parts = [
         f"<h1>{escape(scene.name)}</h1><p>{escape(scene.description)}</p>",
-        *INTRODUCTION,
+        *(paragraph.format(version=f"{fmi}.0") for paragraph in INTRODUCTION),
+        *FURTHER[fmi],
         table("Parameters", ("name", "start", "unit", "variability", "allowed", "meaning"), settable),
         table("Inputs", ("name", "unit", "meaning"), inputs),
         table("Outputs", ("name", "unit", "variability", "meaning"), outputs),

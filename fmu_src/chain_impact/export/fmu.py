@@ -19,17 +19,24 @@ from chain_impact.scene import Scene, load_scene
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 
 
+Files = Callable[[Scene, Mapping[str, Path], Path], dict[str, bytes]]
+
+
 class Target(NamedTuple):
-    """A kind of FMU: the platforms for which there is one, and what gathers its files."""
+    """A kind of FMU: its platforms, and what gathers its files for each version of FMI."""
 
     platforms: Sequence[str]
-    files: Callable[[Scene, Mapping[str, Path], Path], dict[str, bytes]]
+    files: Mapping[int, Files]
 
 
 TARGETS = {
-    "pythonfmu": Target(pythonfmu_target.PLATFORMS, pythonfmu_target.pythonfmu_files),
-    "native": Target(native_target.PLATFORMS, native_target.native_files),
+    "pythonfmu": Target(pythonfmu_target.PLATFORMS, {2: pythonfmu_target.pythonfmu_files}),
+    "native": Target(
+        native_target.PLATFORMS, {2: native_target.native_files, 3: native_target.native_fmi3_files}
+    ),
 }
+VERSIONS = (2, 3)
+"""Of FMI."""
 
 
 def build_fmu(
@@ -37,6 +44,7 @@ def build_fmu(
     directory: str | os.PathLike[str] = ".",
     *,
     target: str = "pythonfmu",
+    fmi: int = 2,
     platforms: Sequence[str] = ("linux64",),
     notify: Notify = announce,
 ) -> Path:
@@ -49,6 +57,7 @@ def build_fmu(
         directory: where to put the FMU; it is created if need be.
         target: ``pythonfmu``, which runs in the Python of the importer, or ``native``, which needs none. Both
             have the same variables and give the same results.
+        fmi: 2 or 3, the version of FMI; 3 is for the target ``native`` only.
         platforms: those that the FMU shall run on: ``linux64``, ``win64``, and of native FMUs
             ``darwin64``, ``aarch64-linux`` and ``aarch64-darwin``; or just ``all``.
         notify: called with a sentence before work that takes seconds.
@@ -61,8 +70,12 @@ def build_fmu(
         BuildError: when the kernel cannot be compiled or the FMU is not valid.
     """
     scene = source if isinstance(source, Scene) else load_scene(source)
+    if fmi not in VERSIONS:
+        raise BuildError(f"fmi = {fmi!r} must be one of {', '.join(map(str, VERSIONS))}")
     if target not in TARGETS:
         raise BuildError(f"target = {target!r} must be one of {', '.join(TARGETS)}")
+    if fmi not in TARGETS[target].files:
+        raise BuildError(f"target = {target!r} makes FMUs for FMI 2.0 only: FMI 3.0 needs target = 'native'")
     known = TARGETS[target].platforms
     platforms = known if list(platforms) == ["all"] else platforms
     if not platforms or set(platforms) - set(known):
@@ -74,13 +87,14 @@ def build_fmu(
     # inside the directory, so that the finished FMU can be moved to its place at once
     with tempfile.TemporaryDirectory(prefix=f".{scene.name}-", dir=directory) as scratch:
         notify("packaging the FMU")
-        fmu = Path(scratch, f"{scene.name}.fmu")
-        _pack(TARGETS[target].files(scene, kernels, Path(scratch)) | documents(scene), fmu)
+        path = Path(scratch, f"{scene.name}.fmu")
+        files = TARGETS[target].files[fmi](scene, kernels, Path(scratch))
+        _pack(files | documents(scene, fmi), path)
         notify("validating the FMU")
-        problems = validate_fmu(fmu)
+        problems = validate_fmu(path)
         if problems:
-            raise BuildError(f"{fmu.name} is not valid: " + "; ".join(problems))
-        return fmu.replace(directory / fmu.name)
+            raise BuildError(f"{path.name} is not valid: " + "; ".join(problems))
+        return path.replace(directory / path.name)
 
 
 def validate_fmu(path: str | os.PathLike[str]) -> list[str]:

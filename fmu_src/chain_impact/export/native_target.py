@@ -5,37 +5,74 @@ from __future__ import annotations
 from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 from chain_impact.compilation.compilers import ZIG_TARGETS
-from chain_impact.export.description import model_description
-from chain_impact.export.table import guid_of, model_table, packed
+from chain_impact.export import fmi2_description, fmi3_description
+from chain_impact.export.arrays import array_variables
+from chain_impact.export.table import LARGEST, guid_of, model_table, packed, variable_row
 from chain_impact.instance import new_instance
 from chain_impact.scene import Scene
+from chain_impact.variables import word_index
 
 PLATFORMS = tuple(ZIG_TARGETS)
 """All for which the kernel can be compiled."""
+TUPLES = {
+    "linux64": "x86_64-linux",
+    "win64": "x86_64-windows",
+    "darwin64": "x86_64-darwin",
+    "aarch64-linux": "aarch64-linux",
+    "aarch64-darwin": "aarch64-darwin",
+}
+"""What FMI 3.0 calls the platforms (2.5.1.4.1)."""
 TABLE = "resources/model.bin"
+TOOL = "chain-impact {}"
 
 
 def native_files(scene: Scene, kernels: Mapping[str, Path], _scratch: Path) -> dict[str, bytes]:
-    """All files of the FMU, by their names in it.
+    """All files of the FMU for FMI 2.0, by their names in it.
 
     Args:
         scene: what it simulates.
         kernels: platform → library.
     """
+    description = fmi2_description.model_description(
+        scene, TOOL.format(version("chain-impact")), canNotUseMemoryManagementFunctions="false"
+    )
+    return _files(scene, kernels, description, "guid", [])
+
+
+def native_fmi3_files(scene: Scene, kernels: Mapping[str, Path], _scratch: Path) -> dict[str, bytes]:
+    """Likewise for FMI 3.0."""
+    layout = new_instance(scene).dtype
+    time = ["time", "real", word_index(layout, ("step", "time")), "independent", -LARGEST, LARGEST, ""]
+    further: list[tuple[list[Any], int]] = [(time, 1)]
+    for array in array_variables(scene):
+        row = variable_row(array.variable, word_index(layout, array.variable.place))
+        further.append((row, array.length))
+    description = fmi3_description.model_description(scene, TOOL.format(version("chain-impact")))
+    kernels = {TUPLES[platform]: library for platform, library in kernels.items()}
+    return _files(scene, kernels, description, "instantiationToken", further)
+
+
+def _files(
+    scene: Scene,
+    kernels: Mapping[str, Path],
+    description: ElementTree.Element,
+    token: str,
+    further: list[tuple[list[Any], int]],
+) -> dict[str, bytes]:
+    """The files of a description, whose attribute ``token`` is set, and of a table with further rows."""
     files = {
         f"binaries/{platform}/{scene.name}{library.suffix}": library.read_bytes()
         for platform, library in sorted(kernels.items())
     }
     model, record = {**model_table(scene), "guid": ""}, new_instance(scene).tobytes()
-    description = model_description(
-        scene, f"chain-impact {version('chain-impact')}", canNotUseMemoryManagementFunctions="false"
-    )
-    model["guid"] = guid_of((packed(model, record), ElementTree.tostring(description), *files.values()))
-    description.set("guid", model["guid"])
-    files[TABLE] = packed(model, record)
+    contents = (packed(model, record, further), ElementTree.tostring(description), *files.values())
+    model["guid"] = guid_of(contents)
+    description.set(token, model["guid"])
+    files[TABLE] = packed(model, record, further)
     ElementTree.indent(description)
     files["modelDescription.xml"] = ElementTree.tostring(description, encoding="UTF-8", xml_declaration=True)
     return files

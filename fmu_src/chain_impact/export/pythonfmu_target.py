@@ -12,7 +12,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from chain_impact.compilation.errors import BuildError
-from chain_impact.export.description import model_description
+from chain_impact.export.fmi2_description import model_description
 from chain_impact.export.table import guid_of, model_table
 from chain_impact.instance import new_instance
 from chain_impact.scene import Scene

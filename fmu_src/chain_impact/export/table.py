@@ -8,7 +8,7 @@ import struct
 import sys
 import uuid
 import zlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from chain_impact.instance import new_instance
@@ -18,11 +18,11 @@ from chain_impact.variable import Variable
 from chain_impact.variables import fmu_variables, word_index
 
 LARGEST = sys.float_info.max
-# as in compilation/fmi2/instance.h
+# as in compilation/c_interface/common/instance.h
 HEAD, CHECKED_FROM = struct.Struct("<8sQQ40s11q"), 24
-ROW, PLACE = struct.Struct("<ddqiiii"), struct.Struct("<q")
+ROW, PLACE = struct.Struct("<ddqqiiii"), struct.Struct("<q")
 MAGIC = b"chaintab"
-TYPES, KINDS = ("real", "integer"), ("fixed", "tunable", "input", "output")
+TYPES, KINDS = ("real", "integer"), ("fixed", "tunable", "input", "output", "independent")
 
 
 def model_table(scene: Scene) -> dict[str, Any]:
@@ -66,20 +66,26 @@ def guid_of(contents: Iterable[bytes]) -> str:
     return str(uuid.UUID(bytes=digest.digest()[:16]))
 
 
-def packed(model: dict[str, Any], record: bytes) -> bytes:
+def packed(model: dict[str, Any], record: bytes, further: Sequence[tuple[list[Any], int]] = ()) -> bytes:
     """The table with its GUID, and the record with the start values, as the C interface reads them.
 
-    The layout is that of the structures in compilation/fmi2/instance.h.
+    The layout is that of the structures in compilation/c_interface/common/instance.h.
+
+    Args:
+        model: as ``model_table`` gives it, with the GUID.
+        record: the start values.
+        further: rows of variables that only FMI 3.0 has, and how many values each has.
     """
     texts = bytearray()
+    variables = [*((row, 1) for row in model["variables"]), *further]
 
     def text(content: str) -> int:
         texts.extend(content.encode() + b"\0")
         return len(texts) - len(content.encode()) - 1
 
     rows = b"".join(
-        ROW.pack(low, high, word, TYPES.index(type_), KINDS.index(kind), text(name), text(allowed))
-        for name, type_, word, kind, low, high, allowed in model["variables"]
+        ROW.pack(low, high, word, length, TYPES.index(type_), KINDS.index(kind), text(name), text(allowed))
+        for (name, type_, word, kind, low, high, allowed), length in variables
     )
     codes = range(max(map(int, model["statuses"])) + 1)
     statuses = b"".join(
@@ -89,7 +95,7 @@ def packed(model: dict[str, Any], record: bytes) -> bytes:
     statuses_at = variables_at + len(rows)
     record_at = statuses_at + len(statuses)
     texts_at = record_at + len(record)
-    numbers = [len(model["variables"]), model["first_output"], len(codes)]
+    numbers = [len(variables), model["first_output"], len(codes)]
     numbers += [model["words"][name] for name in ("time", "changed", "tolerance")]
     numbers += [variables_at, statuses_at, texts_at, record_at, len(record)]
     parts = rows + statuses + record + bytes(texts)

@@ -8,8 +8,9 @@ the communication point has passed it.
 
 import math
 
-from chain_impact.kernel.events.contact_log import follow_contacts, follow_until_change
+from chain_impact.kernel.events.contact_log import end_now, follow_contacts, follow_until_change
 from chain_impact.kernel.events.impulses import end_contacts, judge
+from chain_impact.kernel.events.kinds import ONSET
 from chain_impact.kernel.events.search import REFUSED, find_event
 from chain_impact.kernel.events.table import apply_events, ends_contact
 from chain_impact.kernel.initialize import derive_law, first_size
@@ -27,7 +28,6 @@ from chain_impact.kernel.integration.last_step import (
     choose_variable,
     complete,
     cut,
-    cut_now,
     see_points,
     see_rate,
     stand,
@@ -43,6 +43,7 @@ from chain_impact.kernel.status import (
     LOG_FULL,
     NOT_FINITE,
     OK,
+    ONSET_DUE,
     PAUSED,
     RIGID_WHILE_TOUCHING,
     STEP_TOO_SMALL,
@@ -67,23 +68,84 @@ def advance(d, time, room, work):
         once the ``room`` finished contacts that wait are collected, and after PAUSED, which comes when all
         work exceeds ``work`` evaluations.
     """
-    if d.statistics.status == OK and d.inputs.changed:
-        d.statistics.status = restart(d)
-    if d.statistics.status != OK:
-        return d.statistics.status
-    while d.step.end < time:
+    status = renew(d)
+    while status == OK and d.step.end < time:
         if d.finished.count >= room:
             return LOG_FULL
         if work_done(d) > work:
             return PAUSED
-        d.statistics.status = take_step(d)
-        if d.statistics.status != OK:
-            settle_impulses(d)
-            stand(d, d.step.end, d.step.state_end)
-            return d.statistics.status
+        status = go_on(d)
+    if status == OK:
+        look_at(d, time)
+    return status
+
+
+def advance_to_onset(d, time):
+    """As ``advance``, without bounds, but only to the first onset on the way, which then is still to come.
+
+    An onset at the present time counts if it was not known before: a point may start at a wall.
+
+    Returns:
+        A status; ONSET_DUE where contacts begin at the time reached.
+    """
+    status, fresh = renew(d), False
+    while status == OK and d.step.end < time:
+        if (fresh or d.step.end > d.step.time) and ends_in_onset(d):
+            time = d.step.end
+        else:
+            status, fresh = go_on(d), True
+    if status == OK:
+        look_at(d, time)
+        status = ONSET_DUE if onset_due(d) else OK
+    return status
+
+
+def let_happen(d):
+    """Let the onsets at the communication point take effect, under the parameters as they are now.
+
+    What holds right after them is then the start of the step ahead. Returns a status.
+    """
+    status = renew(d)
+    while status == OK and onset_due(d):
+        status = go_on(d)
+    if status == OK:
+        look_at(d, d.step.time)
+    return status
+
+
+def onset_due(d):
+    """Whether contacts begin at the communication point that have not taken effect."""
+    return d.step.end == d.step.time and ends_in_onset(d)
+
+
+def ends_in_onset(d):
+    """Whether the last step ends where contacts begin."""
+    for c in range(d.candidates):
+        if d.touch.event[c] == ONSET:
+            return True
+    return False
+
+
+def renew(d):
+    """Start anew from the communication point if an input or parameter has changed; returns a status."""
+    if d.statistics.status == OK and d.inputs.changed:
+        d.statistics.status = restart(d)
+    return d.statistics.status
+
+
+def go_on(d):
+    """Take a step; after a fault, stand at the last time reached. Returns a status."""
+    d.statistics.status = take_step(d)
+    if d.statistics.status != OK:
+        settle_impulses(d)
+        stand(d, d.step.end, d.step.state_end)
+    return d.statistics.status
+
+
+def look_at(d, time):
+    """Make a ``time`` [s] in the last step the communication point."""
     d.step.time = time
     complete(d, OUTPUTS)
-    return OK
 
 
 def restart(d):
@@ -92,11 +154,10 @@ def restart(d):
     if d.touch.active_count > 0 and not d.contact.impulsive:
         follow_until_change(d)
     else:
-        cut_now(d)
+        end_now(d)
         settle_impulses(d)
     d.step.next_size *= time_rate_now(d, d.step.state_end)  # in seconds
     stand(d, d.step.time, d.step.state_end)
-    drop_events(d)
     status = change_law(d)
     clear_loads(d)
     restart_balance(d)

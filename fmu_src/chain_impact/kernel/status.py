@@ -16,6 +16,7 @@ ENERGY_NOT_KEPT = 12
 LAST_STATUS = ENERGY_NOT_KEPT
 LOG_FULL = -1  # not a fault: collect the finished contacts and go on
 PAUSED = -2  # not a fault: go on, if that is wanted
+ONSET_DUE = -3  # not a fault: contacts begin at the time reached, which has not taken effect
 
 STATUS_TEXT = {
     OK: "no fault",

@@ -1,10 +1,11 @@
 """What is known of each impact: its peak values, followed during contact, and the log of finished ones."""
 
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.events.kinds import NONE, ONSET
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.impulse import settle_impulses
 from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER, complete, cut_now, see_points, see_rate
-from chain_impact.kernel.model.contact import contact_force, contact_slopes, drop_events
+from chain_impact.kernel.model.contact import contact_force, contact_slopes
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import along_normal, clearance
 from chain_impact.kernel.model.latest import note_impact
@@ -77,14 +78,25 @@ def follow_held(d):
 def follow_to_now(d):
     """Follow the active contacts up to the communication point, where the last step ends from now on."""
     evaluations, work = d.statistics.rhs_evaluations, d.limits.other_work
-    cut_now(d)
-    drop_events(d)  # they are beyond, and will be found again
+    end_now(d)
     see_rate(d)
     see_points(d)
     follow_contacts(d)
     settle_impulses(d)
     # a look is not the solver's work
     d.statistics.rhs_evaluations, d.limits.other_work = evaluations, work
+
+
+def end_now(d):
+    """End the last step at the communication point, and forget the events beyond: they will be found again.
+
+    An onset just there stays, as its point is at the wall and will not arrive once more.
+    """
+    due = d.step.end == d.step.time
+    cut_now(d)
+    for c in range(d.candidates):
+        if not (due and d.touch.event[c] == ONSET):
+            d.touch.event[c] = NONE
 
 
 def follow_until_change(d):

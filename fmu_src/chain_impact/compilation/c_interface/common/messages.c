@@ -18,37 +18,37 @@ unsigned category_bit(const char *name) {
     return 0;
 }
 
-fmi2Status say(const Instance *one, fmi2Status status, const char *format, ...) {
-    if (!(one->categories & 1u << status)) return status;
+int say(const Instance *one, int status, const char *format, ...) {
+    int wanted = (one->categories & 1u << status) || (status >= ERROR && one->interface->says_errors);
+    if (!wanted) return status;
     char text[LONGEST], message[2 * LONGEST], *end = message;
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    /* the importer takes a message as a format of printf, in which # begins the name of a variable (2.1.5) */
     for (const char *at = text; *at; at++) {
-        if (*at == '%' || *at == '#') *end++ = *at;
+        if (strchr(one->interface->escaped, *at)) *end++ = *at;
         *end++ = *at;
     }
     *end = '\0';
-    one->functions.logger(one->functions.componentEnvironment, one->name, status, CATEGORIES[status], message);
+    one->interface->log(one, status, CATEGORIES[status], message);
     return status;
 }
 
-const char *when(Phase phase) {
+const char *when(const Instance *one) {
     static const char *const WHEN[] = {"before initialization", "in initialization mode", "after initialization",
-                                       "after terminate", "after a step that failed"};
-    return WHEN[phase];
+                                       "after terminate", "after a step that failed", "in event mode"};
+    return one->phase == STEPPING && one->event_mode ? "in step mode" : WHEN[one->phase];
 }
 
 int allowed(const Instance *one, const char *call, unsigned phases) {
     if (!one) return 0;
-    if (!(phases & IN(one->phase))) say(one, fmi2Error, "%s cannot be called %s", call, when(one->phase));
+    if (!(phases & IN(one->phase))) say(one, ERROR, "%s cannot be called %s", call, when(one));
     return (phases & IN(one->phase)) != 0;
 }
 
 int given(const Instance *one, const char *call, const char *name, const void *argument) {
-    if (!argument) say(one, fmi2Error, "%s: the argument %s is a null pointer", call, name);
+    if (!argument) say(one, ERROR, "%s: the argument %s is a null pointer", call, name);
     return argument != NULL;
 }
 

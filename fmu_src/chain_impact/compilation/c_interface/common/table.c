@@ -42,10 +42,11 @@ static int hexadecimal(char digit) {
     return found ? (int)(found - DIGITS) % 16 : -1;
 }
 
+static const char NAME[] = "/model.bin";
+
 /* The path of the table by the URI of its folder, file:///folder, file:/folder or file://localhost/folder, or, beyond
    the standard, by the folder's path; 0 if there is none. */
-static int table_path(const char *uri, char path[LONGEST]) {
-    static const char NAME[] = "/model.bin";
+static int path_by_uri(const char *uri, char path[LONGEST]) {
     if (strncmp(uri, "file:", 5) == 0) uri += 5;
     if (strncmp(uri, "//", 2) == 0) uri += strncmp(uri, "//localhost/", 12) == 0 ? 11 : 2;
 #ifdef _WIN32
@@ -67,10 +68,24 @@ static int table_path(const char *uri, char path[LONGEST]) {
     return 1;
 }
 
-const Table *read_table(const fmi2CallbackFunctions *functions, const char *location, const char **reason) {
+/* Likewise by the path of its folder, with or without a separator at its end. */
+static int path_by_path(const char *folder, char path[LONGEST]) {
+    size_t size = strlen(folder);
+    if (size == 0 || size + sizeof NAME > LONGEST) return 0;
+    memcpy(path, folder, size);
+    int ends = path[size - 1] == '/';
+#ifdef _WIN32
+    ends |= path[size - 1] == '\\';
+#endif
+    memcpy(path + size - ends, NAME, sizeof NAME);
+    return 1;
+}
+
+const Table *read_table(const Instance *draft, const char *resources, const char **reason) {
     char path[LONGEST];
-    *reason = "is no URI of a folder, such as file:///folder/resources";
-    if (!table_path(location, path)) return NULL;
+    int by_uri = draft->interface->by_uri;
+    *reason = by_uri ? "is no URI of a folder, such as file:///folder/resources" : "is no path of a folder";
+    if (!(by_uri ? path_by_uri(resources, path) : path_by_path(resources, path))) return NULL;
     *reason = "has no file model.bin that can be read";
     int file = open_file(path);
     if (file < 0) return NULL;
@@ -78,13 +93,13 @@ const Table *read_table(const fmi2CallbackFunctions *functions, const char *loca
     Table head, *table = NULL;
     const size_t begin = offsetof(Table, guid); /* of what is checked */
     if (read_all(file, &head, sizeof head) && memcmp(head.magic, "chaintab", 8) == 0 && head.size > sizeof head &&
-        !(table = functions->allocateMemory(1, head.size)))
+        !(table = draft->allocate(1, head.size)))
         *reason = "has more in it than there is memory for";
     if (table) {
         *table = head;
         if (!read_all(file, table + 1, head.size - sizeof head) ||
             head.checksum != checksum((char *)table + begin, head.size - begin)) {
-            functions->freeMemory(table);
+            draft->release(table);
             table = NULL;
         }
     }

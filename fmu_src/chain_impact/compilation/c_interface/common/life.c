@@ -1,0 +1,144 @@
+/* The life of an instance, and its steps. Which call is answered when follows the standard's table (4.2.4 of FMI 2.0)
+   or state machine (2.3 and 4.2 of FMI 3.0); a call that is refused changes nothing. */
+#include "instance.h"
+
+#include <math.h>
+#include <string.h>
+
+/* by how much the importer's clock may differ: a part of the step, and the round-off of adding steps up */
+static const double TIME_TOLERANCE = 1e-9, ROUND_OFF = 1e-12;
+
+static void back_to_the_start(Instance *one) {
+    memcpy(one->record, in_table(one->table, one->table->record_at), (size_t)one->table->record_size);
+    one->phase = INSTANTIATED;
+    one->set_up = one->initialized = one->observed = 0;
+    one->time = 0.0;
+    one->stop_time = INFINITY;
+}
+
+/* An instance with its record and its name, in one piece of memory; NULL if there is not enough. */
+static Instance *allocated(const Instance *draft) {
+    size_t record = (size_t)draft->table->record_size, name = strlen(draft->name) + 1;
+    Instance *one = draft->allocate(1, sizeof *one + record + name);
+    if (!one) return NULL;
+    *one = *draft;
+    one->record = (Word *)(one + 1);
+    one->name = memcpy((char *)one->record + record, draft->name, name);
+    back_to_the_start(one);
+    return one;
+}
+
+/* The instance, as far as it can be made; why there is none is said in any case. */
+Instance *new_instance(Instance draft, const char *call, const char *token, const char *resources) {
+    const Interface *names = draft.interface;
+    const char *reason;
+    draft.phase = INSTANTIATED;
+    draft.name = draft.name ? draft.name : "";
+    if (draft.name[strspn(draft.name, " \t\r\n\v\f")] == '\0')
+        return say(&draft, ERROR, "%s: the instance has no name", call), NULL;
+    if (!given(&draft, call, names->token, token) || !given(&draft, call, names->resources, resources)) return NULL;
+    if (!(draft.table = read_table(&draft, resources, &reason)))
+        return say(&draft, ERROR, "%s: %s %s %s", call, names->resources, resources, reason), NULL;
+    Instance *one = NULL;
+    if (strcmp(token, draft.table->guid) != 0)
+        say(&draft, ERROR, "%s: %s %s is not that of this FMU, %s", call, names->token, token, draft.table->guid);
+    else if (!(one = allocated(&draft)))
+        say(&draft, ERROR, "%s: no memory for an instance", call);
+    if (!one) draft.release((void *)draft.table);
+    return one;
+}
+
+void free_instance(Instance *one) {
+    if (!one) return;
+    void (*release)(void *) = one->release;
+    release((void *)one->table);
+    release(one);
+}
+
+int set_logging(Instance *one, const char *call, int on, size_t count, const char *const names[]) {
+    unsigned named = count == 0 ? ALL_CATEGORIES : 0;
+    if (!allowed(one, call, ANY_PHASE) || (count > 0 && !given(one, call, "categories", names))) return ERROR;
+    for (size_t i = 0; i < count; i++) {
+        unsigned bit = category_bit(names[i]);
+        if (!bit) return say(one, ERROR, "%s: there is no category %s", call, names[i] ? names[i] : "NULL");
+        named |= bit;
+    }
+    one->categories = on ? named : one->categories & ~named;
+    return OK;
+}
+
+int set_up(Instance *one, const char *call, int with_tolerance, double tolerance, double start_time, int with_stop,
+           double stop_time) {
+    if (!allowed(one, call, IN(INSTANTIATED))) return ERROR;
+    if (!isfinite(start_time) || (with_stop && !(stop_time >= start_time)))
+        return say(one, ERROR, "%s: start time %s s, stop time %s s", call, number(start_time).text,
+                   with_stop ? number(stop_time).text : "None");
+    if (with_tolerance && tolerance != one->record[one->table->tolerance_word].real)
+        say(one, OK, "the importer's tolerance %s is not used: set the parameter solver.tolerance",
+            number(tolerance).text);
+    one->time = start_time;
+    one->stop_time = with_stop ? stop_time : INFINITY;
+    one->set_up = 1;
+    one->initialized = 0;
+    return OK;
+}
+
+int enter_initialization(Instance *one, const char *call) {
+    if (!allowed(one, call, IN(INSTANTIATED))) return ERROR;
+    one->phase = INITIALIZING;
+    return OK;
+}
+
+int start(Instance *one, const char *call) {
+    if (one->initialized) return OK;
+    int status = initialize(one->record, one->time);
+    if (status)
+        return say(one, ERROR, "%s: the simulation cannot start: %s", call, status_text(one->table, status));
+    one->initialized = 1;
+    one->observed = 0;
+    return OK;
+}
+
+int exit_initialization(Instance *one, const char *call) {
+    if (!allowed(one, call, IN(INITIALIZING)) || start(one, call) != OK) return ERROR;
+    one->phase = one->event_mode ? EVENT : STEPPING;
+    return OK;
+}
+
+int terminate(Instance *one, const char *call) {
+    if (!allowed(one, call, IN(STEPPING) | IN(EVENT) | IN(FAILED))) return ERROR;
+    one->phase = TERMINATED;
+    return OK;
+}
+
+int reset(Instance *one, const char *call) {
+    if (!allowed(one, call, ANY_PHASE)) return ERROR;
+    back_to_the_start(one);
+    return OK;
+}
+
+int fail(Instance *one, int status, int fault) {
+    one->phase = FAILED;
+    one->time = one->record[one->table->time_word].real;
+    return say(one, status, "the simulation stopped at t = %.9g s: %s", one->time, status_text(one->table, fault));
+}
+
+/* The bound on the solver's work, solver.work_limit, ends every step. */
+int do_step(Instance *one, const char *call, double now, double size, int *onset_due) {
+    if (!allowed(one, call, IN(STEPPING))) return ERROR;
+    if (!(size > 0.0 && size < INFINITY))
+        return say(one, ERROR, "%s: the step size %s s is not > 0", call, number(size).text);
+    double slack = TIME_TOLERANCE * size + ROUND_OFF * fabs(one->time), time = fmax(one->time, now + size);
+    if (!(fabs(now - one->time) <= slack))
+        return say(one, ERROR, "%s: the time %s s is not the present %s s", call, number(now).text,
+                   number(one->time).text);
+    if (time > one->stop_time + slack)
+        return say(one, ERROR, "%s: %s s lies beyond the stop time %s s", call, number(time).text,
+                   number(one->stop_time).text);
+    one->observed = 0;
+    int status = one->stops ? advance_to_onset(one->record, time) : advance(one->record, time);
+    *onset_due = status == ONSET_DUE;
+    if (status != 0 && !*onset_due) return fail(one, one->interface->unfinished, status);
+    one->time = *onset_due ? one->record[one->table->time_word].real : time;
+    return OK;
+}

@@ -1,0 +1,120 @@
+/* States (2.1.8 of FMI 2.0, 2.2.6.4 of FMI 3.0): the whole record and the interface's own few numbers, in memory as
+   in bytes. */
+#include "instance.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The slave of the pythonfmu FMU has the same one. The checksum is for the bytes only. */
+typedef struct {
+    char magic[8];
+    uint64_t size, checksum; /* of what follows this number */
+    char guid[40];
+    int64_t phase, flags;
+    double time, stop_time; /* and the record */
+} State;
+
+enum { INITIALIZED = 1, SET_UP = 2 }; /* flags */
+enum { BEGIN = offsetof(State, guid) };
+static const char MAGIC[] = "chainimp";
+
+/* The state that an argument is; NULL if a call cannot be answered with it. */
+static State *state_in(const Instance *one, const char *call, void *state) {
+    if (!allowed(one, call, ANY_PHASE) || !given(one, call, one->interface->state, state)) return NULL;
+    if (memcmp(((State *)state)->magic, MAGIC, sizeof ((State *)state)->magic) == 0) return state;
+    return say(one, ERROR, "%s: %s is no state", call, one->interface->state), NULL;
+}
+
+static size_t size_of(const State *state) { return BEGIN + (size_t)state->size; }
+
+static int is_own(const Instance *one, const State *state) {
+    return memcmp(state->guid, one->table->guid, sizeof state->guid) == 0 &&
+           size_of(state) == sizeof(State) + (size_t)one->table->record_size;
+}
+
+/* Whether the kernel can go on from a state, whatever made it. */
+static int is_sound(const Instance *one, State *state) {
+    Word *record = (Word *)(state + 1);
+    int started = state->phase != INSTANTIATED && state->phase != INITIALIZING;
+    return state->phase >= 0 && state->phase < PHASES && (state->phase != EVENT || one->event_mode) &&
+           (state->flags & ~(INITIALIZED | SET_UP)) == 0 &&
+           (!started || state->flags == (INITIALIZED | SET_UP)) && isfinite(state->time) && !isnan(state->stop_time) &&
+           memcmp(record, one->record, 2 * sizeof *record) == 0 && /* the numbers of links and candidates */
+           sound(record) == 1;
+}
+
+int get_state(Instance *one, const char *call, void **place) {
+    if (!allowed(one, call, ANY_PHASE) || !given(one, call, one->interface->state, place)) return ERROR;
+    State *state = *place;
+    if (state && !state_in(one, call, state)) return ERROR;
+    if (state && !is_own(one, state))
+        return say(one, ERROR, "%s: %s is a state of another FMU", call, one->interface->state);
+    size_t record = (size_t)one->table->record_size;
+    if (!state && !(state = one->allocate(1, sizeof *state + record)))
+        return say(one, ERROR, "%s: no memory for a state", call);
+    int flags = (one->initialized ? INITIALIZED : 0) | (one->set_up ? SET_UP : 0);
+    *state = (State){.size = sizeof *state + record - BEGIN, .phase = one->phase, .flags = flags, .time = one->time,
+                     .stop_time = one->stop_time};
+    memcpy(state->magic, MAGIC, sizeof state->magic);
+    memcpy(state->guid, one->table->guid, sizeof state->guid);
+    memcpy(state + 1, one->record, record);
+    *place = state;
+    return OK;
+}
+
+int set_state(Instance *one, const char *call, void *given_state) {
+    State *state = state_in(one, call, given_state);
+    if (!state) return ERROR;
+    if (!is_own(one, state)) return say(one, ERROR, "%s: the state is that of another FMU", call);
+    if (!is_sound(one, state)) return say(one, ERROR, "%s: the state is damaged", call);
+    memcpy(one->record, state + 1, (size_t)one->table->record_size);
+    one->phase = (Phase)state->phase;
+    one->initialized = (state->flags & INITIALIZED) != 0;
+    one->set_up = (state->flags & SET_UP) != 0;
+    one->observed = 0;
+    one->time = state->time;
+    one->stop_time = state->stop_time;
+    return OK;
+}
+
+int free_state(const Instance *one, const char *call, void **place) {
+    if (!allowed(one, call, ANY_PHASE)) return ERROR;
+    if (!place || !*place) return OK;
+    State *state = state_in(one, call, *place);
+    if (!state) return ERROR;
+    memset(state->magic, 0, sizeof state->magic);
+    one->release(state);
+    *place = NULL;
+    return OK;
+}
+
+int state_size(const Instance *one, const char *call, void *given_state, size_t *size) {
+    State *state = state_in(one, call, given_state);
+    if (!state || !given(one, call, "size", size)) return ERROR;
+    *size = size_of(state);
+    return OK;
+}
+
+int serialize(const Instance *one, const char *call, void *given_state, void *bytes, size_t size) {
+    State *state = state_in(one, call, given_state);
+    if (!state || !given(one, call, "serializedState", bytes)) return ERROR;
+    if (size < size_of(state))
+        return say(one, ERROR, "%s: the state takes %zu bytes, there are %zu", call, size_of(state), size);
+    state->checksum = checksum((char *)state + BEGIN, state->size);
+    memcpy(bytes, state, size_of(state));
+    return OK;
+}
+
+int deserialize(const Instance *one, const char *call, const void *bytes, size_t size, void **place) {
+    if (!allowed(one, call, ANY_PHASE) || !given(one, call, one->interface->state, place)) return ERROR;
+    if (!given(one, call, "serializedState", bytes)) return ERROR;
+    State head = {.size = 0};
+    if (size >= sizeof head) memcpy(&head, bytes, sizeof head);
+    if (memcmp(head.magic, MAGIC, sizeof head.magic) != 0 || size_of(&head) != size ||
+        head.checksum != checksum((const char *)bytes + BEGIN, head.size))
+        return say(one, ERROR, "%s: the bytes are no state, or damaged", call);
+    State *state = one->allocate(1, size);
+    if (!state) return say(one, ERROR, "%s: no memory for a state", call);
+    *place = memcpy(state, bytes, size);
+    return OK;
+}

@@ -1,0 +1,121 @@
+/* Getting and setting variables (2.1.7 of FMI 2.0, 2.2.6.2 of FMI 3.0): the table says which words of the record each
+   one is. */
+#include "instance.h"
+
+#include <limits.h>
+
+enum { BEFORE = IN(INSTANTIATED) | IN(INITIALIZING), AT_ANY_TIME = BEFORE | IN(STEPPING) | IN(EVENT) };
+static const unsigned SETTABLE[] = {
+    [FIXED] = BEFORE, [TUNABLE] = AT_ANY_TIME, [INPUT] = AT_ANY_TIME, [OUTPUT] = 0, [TIME] = 0,
+};
+static const char *const KINDS[] = {"a fixed parameter", "a tunable parameter", "an input", "an output",
+                                    "the independent variable"};
+
+/* The variable of a value reference; NULL if there is none, or it is of another type. */
+static const Variable *variable(const Instance *one, uint32_t vr, Element element) {
+    const Variable *all = in_table(one->table, one->table->variables_at);
+    int type = element == FLOAT64S ? REAL : INTEGER;
+    return vr < one->table->variable_count && all[vr].type == type ? all + vr : NULL;
+}
+
+/* See that the outputs in the record are those of the present time, if one of them is asked for. */
+static int refresh(Instance *one, const char *call, const uint32_t vr[], size_t count) {
+    for (size_t i = 0; i < count && !one->observed; i++) {
+        if (vr[i] < one->table->first_output) continue;
+        if (one->phase == INSTANTIATED)
+            return say(one, ERROR, "%s: outputs cannot be read %s", call, when(one));
+        if (start(one, call) != OK) return ERROR;
+        observe(one->record);
+        one->observed = 1;
+    }
+    return OK;
+}
+
+/* Whether there are as many values as the variables, which have been checked, have. */
+static int fits(const Instance *one, const char *call, Element element, const uint32_t vr[], size_t count,
+                size_t length) {
+    size_t wanted = 0;
+    for (size_t i = 0; i < count; i++) wanted += (size_t)variable(one, vr[i], element)->length;
+    if (wanted != length)
+        say(one, ERROR, "%s: the variables have %zu values, and there are %zu", call, wanted, length);
+    return wanted == length;
+}
+
+static void store(Word word, Element element, void *values, size_t i) {
+    if (element == FLOAT64S)
+        ((double *)values)[i] = word.real;
+    else if (element == INT64S)
+        ((int64_t *)values)[i] = word.integer;
+    else /* counts have more bits */
+        ((int32_t *)values)[i] = word.integer > INT_MAX ? INT_MAX : (int32_t)word.integer;
+}
+
+int get(Instance *one, const char *call, Element element, const uint32_t vr[], size_t count, void *values,
+        size_t length) {
+    if (!allowed(one, call, ANY_PHASE)) return ERROR;
+    if (count == 0 && length == 0) return OK;
+    if (!given(one, call, one->interface->references, vr) || !given(one, call, one->interface->values, values))
+        return ERROR;
+    for (size_t i = 0; i < count; i++)
+        if (!variable(one, vr[i], element))
+            return say(one, ERROR, "%s: the value reference %u is no %s's", call, vr[i],
+                       one->interface->types[element != FLOAT64S]);
+    if (!fits(one, call, element, vr, count, length)) return ERROR;
+    if (refresh(one, call, vr, count) != OK) return ERROR;
+    for (size_t i = 0, at = 0; i < count; i++) {
+        const Variable *from = variable(one, vr[i], element);
+        for (int64_t k = 0; k < from->length; k++) store(one->record[from->word + k], element, values, at++);
+    }
+    return OK;
+}
+
+static Word word_at(Element element, const void *values, size_t i) {
+    if (element == FLOAT64S) return (Word){.real = ((const double *)values)[i]};
+    return (Word){.integer = element == INT64S ? ((const int64_t *)values)[i] : ((const int32_t *)values)[i]};
+}
+
+/* Whether a value can be set; the variables that can are no arrays. */
+static int check(const Instance *one, const char *call, Element element, uint32_t vr, Word new) {
+    const Variable *at = variable(one, vr, element);
+    if (!at) return say(one, ERROR, "%s: the value reference %u is of another type or of nothing", call, vr);
+    const char *name = text_of(one->table, at->name), *range = text_of(one->table, at->allowed);
+    if (!(SETTABLE[at->kind] & IN(one->phase)))
+        return say(one, ERROR, "%s: %s is %s and cannot be set %s", call, name, KINDS[at->kind], when(one));
+    double value = at->type == REAL ? new.real : (double)new.integer;
+    if (at->low <= value && value <= at->high) return OK; /* false for NaN, too */
+    if (at->type == INTEGER) return say(one, ERROR, "%s: %s = %.0f must be %s", call, name, value, range);
+    return say(one, ERROR, "%s: %s = %s must be %s", call, name, number(value).text, range);
+}
+
+/* Set all of the values or, if one is refused, none. */
+int set(Instance *one, const char *call, Element element, const uint32_t vr[], size_t count, const void *values,
+        size_t length) {
+    if (!allowed(one, call, ANY_PHASE)) return ERROR;
+    if (count == 0 && length == 0) return OK;
+    if (!given(one, call, one->interface->references, vr) || !given(one, call, one->interface->values, values))
+        return ERROR;
+    if (length != count)
+        return say(one, ERROR, "%s: %zu variables that can be set have as many values, and there are %zu", call, count,
+                   length);
+    for (size_t i = 0; i < count; i++)
+        if (check(one, call, element, vr[i], word_at(element, values, i)) != OK) return ERROR;
+    int changed = 0;
+    for (size_t i = 0; i < count; i++) {
+        const Variable *at = variable(one, vr[i], element);
+        Word *word = one->record + at->word, new = word_at(element, values, i);
+        changed |= at->type == REAL ? word->real != new.real : word->integer != new.integer;
+        *word = new;
+    }
+    if (!changed) return OK;
+    one->observed = 0;
+    if (IN(one->phase) & BEFORE)
+        one->initialized = 0;
+    else
+        one->record[one->table->changed_word].integer = 1; /* the solver starts anew from this point in time */
+    return OK;
+}
+
+int none(const Instance *one, const char *call, size_t count, const char *missing) {
+    if (!allowed(one, call, ANY_PHASE)) return ERROR;
+    return count == 0 ? OK : say(one, ERROR, "%s: there are no %s", call, missing);
+}

@@ -1,0 +1,59 @@
+"""The outputs as arrays, which FMI 3.0 has beside the scalars of FMI 2.0."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+from chain_impact.output_variables import all_outputs
+from chain_impact.scene import Scene
+from chain_impact.variable import Variable
+
+OWNERS = {
+    "point": ("point_position", "point_velocity", "point_acceleration"),
+    "link": ("angle", "angular_velocity", "angular_acceleration"),
+    "contact": ("force", "penetration", "penetration_rate", "impulse"),
+}
+"""First part of the name → fields of the output record. Of the latest impacts: impact.time and so on."""
+NAMES = {
+    field: f"{owner}.{field.removeprefix('point_')}" for owner, fields in OWNERS.items() for field in fields
+}
+
+
+class Array(NamedTuple):
+    """An array whose elements are scalar variables, too.
+
+    Attributes:
+        variable: the array as a variable; its place is that of its first element.
+        shape: one size for each dimension; the elements stand one after the other in the record, the last
+            index changing first.
+    """
+
+    variable: Variable
+    shape: tuple[int, ...]
+
+    @property
+    def length(self) -> int:
+        """The number of elements."""
+        return math.prod(self.shape)
+
+
+def array_variables(scene: Scene) -> list[Array]:
+    """The arrays of the outputs that the scene asks for, in the order of their value references."""
+    groups: dict[tuple[str | int, ...], list[Variable]] = {}
+    for variable in all_outputs(scene):
+        record, field, *index = variable.place
+        if index:
+            groups.setdefault((record, field), []).append(variable)
+    return [_array(elements) for elements in groups.values()]
+
+
+def _array(elements: Sequence[Variable]) -> Array:
+    record, field, *_ = elements[0].place
+    indices = [variable.place[2:] for variable in elements]
+    shape = tuple(1 + max(int(index[axis]) for index in indices) for axis in range(len(indices[0])))
+    name = f"impact.{field}" if record == "latest" else NAMES[str(field)]
+    text = f"{elements[0].name} to {elements[-1].name}" if len(elements) > 1 else elements[0].name
+    return Array(replace(elements[0], name=name, description=f"array of {text}"), shape)

@@ -1,0 +1,77 @@
+"""The modelDescription.xml of a scene's FMU for FMI 2.0 (section 2.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from xml.etree.ElementTree import Element, SubElement
+
+from chain_impact.export.description import (
+    about,
+    add_categories_and_experiment,
+    add_items,
+    add_units,
+    attributes_of,
+    quantities,
+    rate_of,
+    type_name,
+    values_of,
+)
+from chain_impact.scene import Scene
+from chain_impact.variable import Variable
+from chain_impact.variables import fmu_variables
+
+CAPABILITIES = {
+    "needsExecutionTool": "false",
+    "canHandleVariableCommunicationStepSize": "true",
+    "canInterpolateInputs": "false",
+    "canBeInstantiatedOnlyOncePerProcess": "false",
+    "canNotUseMemoryManagementFunctions": "true",
+    "canGetAndSetFMUstate": "true",
+    "canSerializeFMUstate": "true",
+}
+
+
+def model_description(scene: Scene, tool: str, **capabilities: str) -> Element:
+    """The model description, with the start values of the scene's instance and without a guid.
+
+    Value references are positions in ``fmu_variables(scene)``. ``tool`` is what has made the FMU;
+    ``capabilities`` are attributes of CoSimulation in place of the usual ones.
+    """
+    variables = fmu_variables(scene)
+    root = Element("fmiModelDescription", {"fmiVersion": "2.0", "guid": "", **about(scene, tool)})
+    SubElement(root, "CoSimulation", {"modelIdentifier": scene.name, **CAPABILITIES, **capabilities})
+    add_units(root, variables)
+    types = SubElement(root, "TypeDefinitions")
+    for name, attributes in quantities(variables).items():
+        SubElement(SubElement(types, "SimpleType", name=name), "Real", attributes)
+    for variable in variables:
+        if variable.items:
+            text = variable.description
+            choice = SubElement(types, "SimpleType", name=type_name(variable), description=text)
+            add_items(SubElement(choice, "Enumeration"), variable)
+    add_categories_and_experiment(root, scene)
+    _add_variables(root, variables, scene)
+    _add_structure(root, variables)
+    return root
+
+
+def _add_variables(root: Element, variables: Sequence[Variable], scene: Scene) -> None:
+    indices = {variable.place: str(index) for index, variable in enumerate(variables, 1)}
+    nodes, values = SubElement(root, "ModelVariables"), values_of(variables, scene)
+    for reference, (variable, value) in enumerate(zip(variables, values, strict=True)):
+        node = SubElement(nodes, "ScalarVariable", attributes_of(variable, reference))
+        rate = rate_of(variable)
+        derivative = {"derivative": indices[rate]} if rate else {}
+        SubElement(node, variable.type.capitalize(), value | derivative)
+
+
+def _add_structure(root: Element, variables: Sequence[Variable]) -> None:
+    inputs = " ".join(str(n) for n, variable in enumerate(variables, 1) if variable.causality == "input")
+    structure = SubElement(root, "ModelStructure")
+    outputs, unknowns = SubElement(structure, "Outputs"), SubElement(structure, "InitialUnknowns")
+    for number, variable in enumerate(variables, 1):
+        if variable.causality == "output":
+            dependencies = inputs if variable.feedthrough else ""
+            SubElement(outputs, "Unknown", index=str(number), dependencies=dependencies)
+            # at the start they depend on all that is known then, which is what no list means
+            SubElement(unknowns, "Unknown", index=str(number))

@@ -1,0 +1,138 @@
+"""An FMU for FMI 3.0 behind the functions of FMI 2.0: the tests of those hold it against the same rules.
+
+For interface.py the C functions, for importer.py fmpy's object. Names in messages are given back, too. What
+only FMI 3.0 has is tested in test_fmi3.py.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from ctypes import CFUNCTYPE, c_bool, c_char_p, c_double, c_int, c_int64, c_size_t, c_void_p
+from typing import Any
+from urllib.parse import unquote, urlparse
+
+RENAMED = {
+    "GetReal": "GetFloat64",
+    "SetReal": "SetFloat64",
+    "GetInteger": "GetInt64",
+    "SetInteger": "SetInt64",
+    "DeSerializeFMUstate": "DeserializeFMUState",
+}
+LogMessage = CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
+
+
+def renamed(name: str) -> str:
+    """What a function of FMI 2.0 is called in FMI 3.0."""
+    name = name.removeprefix("fmi2")
+    return "fmi3" + RENAMED.get(name, name.replace("FMUstate", "FMUState"))
+
+
+def given_back(text: str) -> str:
+    """A message of FMI 3.0 in the words of FMI 2.0."""
+    words = {f"fmi2{name}:": f"fmi3{new}:" for name, new in RENAMED.items()}
+    words |= {"fmi2SetupExperiment: start": "fmi3EnterInitializationMode: start"}
+    words |= {"Real's": "Float64's", "Integer's": "Int64's", "FMUstate": "FMUState", "fmi2": "fmi3"}
+    for word, new in words.items():
+        text = text.replace(new, word)
+    return text
+
+
+class Functions:
+    """The functions of a loaded library; ``log`` is called as that of FMI 2.0."""
+
+    def __init__(self, library: ctypes.CDLL, log: Callable[..., None]) -> None:
+        self.library, self.log = library, log
+        self.kept: list[Any] = []  # callbacks
+        self.experiments: dict[int | None, tuple[Any, ...]] = {}
+        library.fmi3InstantiateCoSimulation.restype = c_void_p
+        library.fmi3GetVersion.restype = c_char_p
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.library, renamed(name))
+
+    def fmi2Instantiate(self, name: Any, _type: int, guid: Any, location: bytes, *rest: Any) -> int | None:
+        def log(_environment: Any, status: int, category: bytes, text: bytes) -> None:
+            self.log(None, name, status, category, given_back(text.decode()).encode())
+
+        self.kept.append(LogMessage(log))
+        path = unquote(urlparse(location.decode()).path).encode() + b"/"
+        logging, none = rest[-1], c_void_p()
+        flags = (c_bool(False), c_bool(logging), c_bool(False), c_bool(False))
+        return self.library.fmi3InstantiateCoSimulation(
+            name, guid, path, *flags, none, c_size_t(0), none, self.kept[-1], none
+        )
+
+    def fmi2SetDebugLogging(self, one: c_void_p, on: int, count: c_size_t, names: Any) -> int:
+        return self.library.fmi3SetDebugLogging(one, c_bool(on), count, names)
+
+    def fmi2SetupExperiment(self, one: c_void_p, *arguments: Any) -> int:
+        """FMI 3.0 takes these when initialization mode is entered."""
+        with_tolerance, tolerance, start, with_stop, stop = arguments
+        self.experiments[one.value] = (c_bool(with_tolerance), tolerance, start, c_bool(with_stop), stop)
+        return 0
+
+    def fmi2EnterInitializationMode(self, one: c_void_p) -> int:
+        return self.library.fmi3EnterInitializationMode(one, *self.experiments[one.value])
+
+    def fmi2GetReal(self, one: c_void_p, vr: Any, count: c_size_t, values: Any) -> int:
+        return self.library.fmi3GetFloat64(one, vr, count, values, count)
+
+    def fmi2SetReal(self, one: c_void_p, vr: Any, count: c_size_t, values: Any) -> int:
+        return self.library.fmi3SetFloat64(one, vr, count, values, count)
+
+    def fmi2GetInteger(self, one: c_void_p, vr: Any, _count: c_size_t, value: Any) -> int:
+        long = c_int64(value._obj.value)
+        status = self.library.fmi3GetInt64(one, vr, c_size_t(1), ctypes.byref(long), c_size_t(1))
+        value._obj.value = long.value
+        return status
+
+    def fmi2SetInteger(self, one: c_void_p, vr: Any, _count: c_size_t, value: Any) -> int:
+        long = c_int64(value._obj.value)
+        return self.library.fmi3SetInt64(one, vr, c_size_t(1), ctypes.byref(long), c_size_t(1))
+
+    def fmi2DoStep(self, one: c_void_p, time: c_double, size: c_double, _flag: int) -> int:
+        needed, ended, early, reached = c_bool(), c_bool(), c_bool(), c_double()
+        places = map(ctypes.byref, (needed, ended, early, reached))
+        status = self.library.fmi3DoStep(one, time, size, c_bool(True), *places)
+        if status == 0:
+            assert [needed.value, ended.value, early.value] == [False] * 3
+            slack = 1e-9 * size.value + 1e-12 * abs(time.value)
+            assert abs(reached.value - (time.value + size.value)) <= slack
+        return status
+
+
+def slave(log: Callable[[str], None], **arguments: Any) -> Any:
+    """fmpy's object for an FMU of FMI 3.0 with the methods of the one for FMI 2.0."""
+    from fmpy.fmi3 import FMU3Slave
+
+    class Slave(FMU3Slave):
+        def instantiate(self, loggingOn: bool = False, **_: Any) -> None:
+            self.experiment: dict[str, Any] = {}
+
+            def log_message(_environment: Any, _status: int, _category: bytes, text: bytes) -> None:
+                log(given_back(text.decode()))
+
+            super().instantiate(loggingOn=loggingOn, logMessage=log_message)
+
+        def setupExperiment(self, **experiment: Any) -> None:
+            self.experiment = experiment
+
+        def enterInitializationMode(self) -> None:
+            super().enterInitializationMode(**self.experiment)
+
+        @property
+        def fmi2FreeInstance(self) -> Any:
+            return self.fmi3FreeInstance
+
+        getReal, setReal = FMU3Slave.getFloat64, FMU3Slave.setFloat64
+        getInteger, setInteger = FMU3Slave.getInt64, FMU3Slave.setInt64
+        getFMUstate, setFMUstate, freeFMUstate = (
+            FMU3Slave.getFMUState,
+            FMU3Slave.setFMUState,
+            FMU3Slave.freeFMUState,
+        )
+        serializeFMUstate = FMU3Slave.serializeFMUState
+        deSerializeFMUstate = FMU3Slave.deserializeFMUState
+
+    return Slave(**arguments)

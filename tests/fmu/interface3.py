@@ -1,0 +1,257 @@
+"""The C functions of an FMU for FMI 3.0, called as a tool in C calls them: by ctypes, without fmpy."""
+
+from __future__ import annotations
+
+import ctypes
+import tempfile
+import zipfile
+from collections.abc import Callable
+from ctypes import CFUNCTYPE, byref, c_bool, c_char_p, c_double, c_int, c_int64, c_size_t, c_uint32, c_void_p
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+OK, WARNING, DISCARD, ERROR, FATAL = range(5)
+PHASES = ("instantiated", "initialization mode", "event mode", "step mode", "step failed", "terminated")
+LogMessage = CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
+TYPES = (
+    "Float32",
+    "Float64",
+    *(f"{u}Int{n}" for u in ("", "U") for n in (8, 16, 32, 64)),
+    "Boolean",
+    "String",
+)
+
+
+class Library:
+    """The binary of an FMU and what its model description says."""
+
+    def __init__(self, fmu: str) -> None:
+        """Unzip and load it."""
+        self.folder = Path(tempfile.mkdtemp())
+        with zipfile.ZipFile(fmu) as archive:
+            archive.extractall(self.folder)
+        root = ElementTree.parse(self.folder / "modelDescription.xml").getroot()
+        self.token = root.get("instantiationToken").encode()
+        self.categories = [category.get("name") for category in root.iter("Category")]
+        nodes = list(root.find("ModelVariables"))
+        self.references = {node.get("name"): int(node.get("valueReference")) for node in nodes}
+        self.shapes = {node.get("name"): [int(size.get("start")) for size in node] for node in nodes}
+        self.c = ctypes.CDLL(str(self.folder / "binaries" / "x86_64-linux" / f"{root.get('modelName')}.so"))
+        for kind in ("CoSimulation", "ModelExchange", "ScheduledExecution"):
+            getattr(self.c, f"fmi3Instantiate{kind}").restype = c_void_p
+        self.c.fmi3GetVersion.restype = c_char_p
+        self.messages: list[tuple[int, str, str]] = []  # status, category, text
+        self.log = LogMessage(self._log)
+
+    def _log(self, _environment: Any, status: int, category: bytes, text: bytes) -> None:
+        self.messages.append((status, category.decode(), text.decode()))
+
+    def said(self) -> list[str]:
+        """The texts since the last look."""
+        texts = [text for *_, text in self.messages]
+        self.messages.clear()
+        return texts
+
+    def instantiate(self, **changes: Any) -> int | None:
+        """Call fmi3InstantiateCoSimulation, with some other arguments than the usual ones."""
+        usual = {
+            "name": b"one",
+            "token": self.token,
+            "resources": f"{self.folder / 'resources'}/".encode(),
+            "visible": False,
+            "logging": True,
+            "event_mode": True,
+            "early_return": True,
+            "intermediate": None,
+            "intermediates": c_size_t(0),
+            "environment": None,
+            "log": self.log,
+            "update": None,
+        }
+        arguments = ({**usual, **changes}).values()
+        return self.c.fmi3InstantiateCoSimulation(
+            *(c_bool(a) if isinstance(a, bool) else a for a in arguments)
+        )
+
+
+class Component:
+    """An instance; each function returns the status, or what it has to tell."""
+
+    def __init__(self, library: Library, **changes: Any) -> None:
+        """Instantiate."""
+        self.library = library
+        self.address = c_void_p(library.instantiate(**changes))
+        assert self.address.value, library.said()
+
+    def call(self, name: str, *arguments: Any) -> int:
+        """Call a function of the standard."""
+        return getattr(self.library.c, f"fmi3{name}")(self.address, *arguments)
+
+    def enter(self, start: float = 0.0, stop: float | None = None) -> int:
+        """Call fmi3EnterInitializationMode."""
+        times = (c_double(start), c_bool(stop is not None), c_double(stop or 0.0))
+        return self.call("EnterInitializationMode", c_bool(False), c_double(0.0), *times)
+
+    def start(self, **values: float) -> Component:
+        """Go on to step mode, through event mode if it is used."""
+        for name, value in values.items():
+            assert self.set(name, value) == OK
+        assert self.enter() == OK
+        assert self.call("ExitInitializationMode") == OK
+        if self.call("EnterEventMode") == ERROR:  # it is there already, if it uses it
+            self.library.said()
+            if self.update()[0] == OK:
+                assert self.call("EnterStepMode") == OK
+        self.library.said()
+        return self
+
+    def bring_to(self, phase: str) -> Component:
+        """Bring a new instance to a phase of its life."""
+        if phase == "instantiated":
+            return self
+        if phase == "step failed":
+            assert self.set("solver.work_limit", 20.0) == OK
+        assert self.enter() == OK
+        if phase == "initialization mode":
+            return self
+        assert self.call("ExitInitializationMode") == OK
+        if phase == "event mode":
+            return self
+        assert self.call("EnterStepMode") == OK
+        if phase == "step failed":
+            assert self.step(0.0, 1.0)[0] == ERROR
+        if phase == "terminated":
+            assert self.call("Terminate") == OK
+        self.library.said()
+        return self
+
+    def step(self, time: float, size: float) -> list[Any]:
+        """fmi3DoStep: status, eventHandlingNeeded, terminateSimulation, earlyReturn, lastSuccessfulTime."""
+        places = (c_bool(), c_bool(), c_bool(), c_double())
+        status = self.call("DoStep", c_double(time), c_double(size), c_bool(True), *map(byref, places))
+        return [status, *(place.value for place in places)]
+
+    def update(self) -> list[Any]:
+        """fmi3UpdateDiscreteStates: status, and the six values."""
+        places = (*(c_bool(True) for _ in range(5)), c_double(-1.0))
+        return [self.call("UpdateDiscreteStates", *map(byref, places)), *(place.value for place in places)]
+
+    def set(self, name: str, value: float) -> int:
+        """Set a Float64 or, if it is an int, an Int64."""
+        kind, cell = ("Int64", c_int64(value)) if isinstance(value, int) else ("Float64", c_double(value))
+        reference = c_uint32(self.library.references[name])
+        return self.call(f"Set{kind}", byref(reference), c_size_t(1), byref(cell), c_size_t(1))
+
+    def get(self, *names: str, kind: str = "Float64", length: int | None = None) -> Any:
+        """The values of variables, arrays included, as one list; the status if they are refused."""
+        references = (c_uint32 * len(names))(*(self.library.references[name] for name in names))
+        if length is None:
+            length = 0
+            for name in names:
+                count = 1
+                for size in self.library.shapes[name]:
+                    count *= size
+                length += count
+        values = ((c_double if kind == "Float64" else c_int64) * max(length, 1))()
+        status = self.call(f"Get{kind}", references, c_size_t(len(names)), values, c_size_t(length))
+        return list(values)[:length] if status == OK else status
+
+    def state(self) -> c_void_p:
+        """Call fmi3GetFMUState."""
+        state = c_void_p()
+        assert self.call("GetFMUState", byref(state)) == OK
+        return state
+
+    def serialized(self) -> bytes:
+        """The present state as bytes."""
+        state, size = self.state(), c_size_t()
+        assert self.call("SerializedFMUStateSize", state, byref(size)) == OK
+        data = ctypes.create_string_buffer(size.value)
+        assert self.call("SerializeFMUState", state, data, size) == OK
+        assert self.call("FreeFMUState", byref(state)) == OK
+        return data.raw
+
+    def restore(self, data: bytes) -> int:
+        """Go back to a state in bytes."""
+        state = c_void_p()
+        status = self.call("DeserializeFMUState", data, c_size_t(len(data)), byref(state))
+        if status == OK:
+            status = self.call("SetFMUState", state)
+            assert self.call("FreeFMUState", byref(state)) == OK
+        return status
+
+    def free(self) -> None:
+        """Call fmi3FreeInstance."""
+        self.library.c.fmi3FreeInstance(self.address)
+
+
+def calls() -> dict[str, Callable[[Component], int]]:
+    """Each function that an instance has, with arguments that are right where it can be called."""
+    none, size = c_size_t(0), c_size_t()
+
+    def plain(name: str, *arguments: Any) -> Callable[[Component], int]:
+        return lambda one: one.call(name, *arguments)
+
+    def with_state(function: Callable[[Component, c_void_p], int]) -> Callable[[Component], int]:
+        def call(one: Component) -> int:
+            state = one.state()
+            try:
+                return function(one, state)
+            finally:
+                one.call("FreeFMUState", byref(state))
+
+        return call
+
+    def serialize(one: Component, state: c_void_p) -> int:
+        one.call("SerializedFMUStateSize", state, byref(size))
+        return one.call("SerializeFMUState", state, ctypes.create_string_buffer(size.value), size)
+
+    def value(one: Component, name: str, kind: str) -> int:
+        found = one.get(name, kind=kind)
+        return OK if isinstance(found, list) else found
+
+    found: dict[str, Callable[[Component], int]] = {
+        "SetDebugLogging": plain("SetDebugLogging", c_bool(True), none, None),
+        "EnterInitializationMode": lambda one: one.enter(),
+        "EnterEventMode": plain("EnterEventMode"),
+        "EnterStepMode": plain("EnterStepMode"),
+        "UpdateDiscreteStates": lambda one: one.update()[0],
+        "DoStep": lambda one: one.step(0.0, 0.1)[0],
+        "GetFMUState": with_state(lambda *_: OK),
+        "SetFMUState": with_state(lambda one, state: one.call("SetFMUState", state)),
+        "FreeFMUState": plain("FreeFMUState", byref(c_void_p())),
+        "SerializedFMUStateSize": with_state(
+            lambda one, state: one.call("SerializedFMUStateSize", state, byref(size))
+        ),
+        "SerializeFMUState": with_state(serialize),
+        "DeserializeFMUState": lambda one: one.restore(one.serialized()),
+    }
+    for name in ("ExitInitializationMode", "Terminate", "Reset"):
+        found[name] = plain(name)
+    for kind in (*TYPES, "Binary", "Clock"):
+        for verb in ("Get", "Set"):
+            found[f"{verb}{kind}"] = plain(f"{verb}{kind}", None, none, None, none, none)
+    found["GetFloat64"] = lambda one: value(one, "point[0].y", "Float64")
+    found["GetInt64"] = lambda one: value(one, "impact.count", "Int64")
+    found["SetFloat64"] = lambda one: one.set("contact.stiffness", 1e7)
+    found["SetInt64"] = lambda one: one.set("contact.model", 1)
+    for name in ("GetInterval", "SetInterval", "GetShift", "SetShift"):
+        for form in ("Decimal", "Fraction"):
+            found[f"{name}{form}"] = plain(f"{name}{form}", None, none, None, None, None)
+    found["GetOutputDerivatives"] = plain("GetOutputDerivatives", None, none, None, None, none)
+    for name in ("GetDirectionalDerivative", "GetAdjointDerivative"):
+        found[name] = plain(name, None, none, None, none, None, none, None, none)
+    for name in NEVER:
+        found[name] = plain(name, *([None] * 6))
+    return found
+
+
+NEVER = (
+    *("EvaluateDiscreteStates", "EnterConfigurationMode", "ExitConfigurationMode"),
+    *("GetNumberOfVariableDependencies", "GetVariableDependencies", "EnterContinuousTimeMode"),
+    *("CompletedIntegratorStep", "SetTime", "SetContinuousStates", "GetContinuousStateDerivatives"),
+    *("GetEventIndicators", "GetContinuousStates", "GetNominalsOfContinuousStates"),
+    *("GetNumberOfEventIndicators", "GetNumberOfContinuousStates", "ActivateModelPartition"),
+)
+"""Functions that this FMU has not: the model description says so."""
