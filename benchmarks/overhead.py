@@ -59,8 +59,8 @@ def by_hand(scene: Scene) -> Callable[[], object]:
 def by_kernel(scene: Scene) -> Callable[[], object]:
     """The kernel's part of it."""
     instance = Instance(scene)
-    inputs, step = instance.record["inputs"], instance.record["step"]
-    force, changed, time = inputs["tip_force"], inputs, step
+    given, time = instance.record["given"], instance.record["step"]
+    force = given["tip_force"]
     at, row = np.zeros(1), np.zeros(1, instance.record.dtype["output"])
 
     def run() -> None:
@@ -68,7 +68,7 @@ def by_kernel(scene: Scene) -> Callable[[], object]:
             instance.initialize()
             at[0] = 0.0
         force[0] = 1.0 - force[0]
-        changed["changed"] = 1
+        given["changed"] = 1
         at[0] += STEP_BY_HAND
         instance.trajectory(at, row)
 

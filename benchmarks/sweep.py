@@ -44,11 +44,11 @@ def kernel_alone(scene: Scene, runs: int) -> Callable[[], object]:
     """The same runs, each with two calls from Python, and nothing but the run."""
     instance = Instance(scene)
     values = np.linspace(FIRST, LAST, runs).tolist()
-    contact, kernel, address = instance.record["contact"], instance._kernel, instance._address
+    given, kernel, address = instance.record["given"], instance._kernel, instance._address
 
     def call() -> None:
         for value in values:
-            contact["restitution"] = value
+            given["restitution"] = value
             kernel.initialize(address, 0.0)
             kernel.advance(address, STOP)
 

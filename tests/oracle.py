@@ -78,8 +78,8 @@ def account(scene: Scene, seed: int, memory: Any = None) -> Account:
     record = instance.record
     torque, force = drive(scene, seed)
     if scene.inputs.joint_torques or scene.inputs.tip_force:
-        record["inputs"]["joint_torque"], record["inputs"]["tip_force"] = torque, force
-        record["inputs"]["changed"] = 1
+        record["given"]["joint_torque"], record["given"]["tip_force"] = torque, force
+        record["given"]["changed"] = 1
     outputs = np.zeros(len(times), record.dtype["output"])
     done, impacts = 0, []
     while done < len(times) and instance.status == OK:

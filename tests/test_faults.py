@@ -223,7 +223,7 @@ def test_outputs_do_not_depend_on_how_often_they_are_looked_at(seed):
         instance = Instance(one)
         torque, force = drive(one, seed)
         if one.inputs.joint_torques or one.inputs.tip_force:
-            inputs = instance.record["inputs"]
+            inputs = instance.record["given"]
             inputs["joint_torque"], inputs["tip_force"], inputs["changed"] = torque, force, 1
         for k in range(1, looks + 1):
             assert instance.advance(one.simulation.stop_time * k / looks) == OK
@@ -269,7 +269,7 @@ def test_restarts_do_not_add_up_to_a_drift_of_the_energy():
         solver={"tolerance": 1e-4, "method": "implicit"},
     )
     instance = Instance(scene)
-    inputs = instance.record["inputs"]
+    inputs = instance.record["given"]
     for k in range(20000):
         inputs["joint_torque"][3], inputs["changed"] = 1e-3 * math.sin(5e-5 * k), 1
         assert instance.advance(1e-5 * (k + 1)) == OK
@@ -282,7 +282,7 @@ def test_a_new_stiffness_in_an_impact_is_a_change_of_energy_and_no_error(stiffne
     instance = Instance(chain(1, {"position": [0.0, 0.2], "angles": [0.5]}))
     while instance.record["touch"]["active_count"] == 0:
         assert instance.advance(instance.time + 1e-4) == OK
-    instance.record["contact"]["stiffness"], instance.record["inputs"]["changed"] = stiffness, 1
+    instance.record["given"]["stiffness"], instance.record["given"]["changed"] = stiffness, 1
     assert instance.advance(instance.time + 0.3) == OK
 
 

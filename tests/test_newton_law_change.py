@@ -12,8 +12,8 @@ from tests.problems import ball, default_scene
 
 
 def change_law(instance, law):
-    instance.record["contact"]["law"] = CONTACT_LAWS[law].number
-    instance.record["inputs"]["changed"] = 1
+    instance.record["given"]["law"] = CONTACT_LAWS[law].number
+    instance.record["given"]["changed"] = 1
 
 
 def test_in_flight_the_law_may_change_to_it():
@@ -55,7 +55,7 @@ def test_a_change_that_is_refused_leaves_the_contacts_rigid(look):
         instance = Instance(rigid(ball(height=0.01), restitution=0.0))
         assert instance.advance(1.0) == 0
         for law, restitution in settings:
-            instance.record["contact"]["restitution"] = restitution
+            instance.record["given"]["restitution"] = restitution
             change_law(instance, law)
             if look:
                 instance._kernel.observe(instance._address)

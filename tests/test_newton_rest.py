@@ -86,8 +86,8 @@ def resting():
     def at(time, force=None):
         instance.record["finished"]["count"] = 0
         if force is not None:
-            instance.record["inputs"]["tip_force"] = force
-            instance.record["inputs"]["changed"] = 1
+            instance.record["given"]["tip_force"] = force
+            instance.record["given"]["changed"] = 1
         assert instance.trajectory(np.array([time]), out) == 1
         return out[0].copy()
 
@@ -173,8 +173,8 @@ def test_a_pinned_arm_under_torques_that_switch_keeps_the_ledger():
     record = instance.record
     out = np.zeros(2000, record.dtype["output"])
     for k in range(2000):
-        record["inputs"]["joint_torque"] = [3.0 * (-1.0) ** k + 2.0, -2.0 * (-1.0) ** (k // 2)]
-        record["inputs"]["changed"] = 1
+        record["given"]["joint_torque"] = [3.0 * (-1.0) ** k + 2.0, -2.0 * (-1.0) ** (k // 2)]
+        record["given"]["changed"] = 1
         record["finished"]["count"] = 0
         assert instance.trajectory(np.array([(k + 1) * 1e-3]), out[k : k + 1]) == 1
     balance = out["total"] + out["dissipated"] - out["supplied"]
@@ -186,8 +186,8 @@ def test_a_pinned_arm_leans_on_a_wall():
     """A torque holds it there: the wall's force has its moment about the base."""
     scene = rigid(load_scene("pinned_arm"), restitution=0.2)
     instance = Instance(scene)
-    instance.record["inputs"]["joint_torque"] = [10.0, 0.0]
-    instance.record["inputs"]["changed"] = 1
+    instance.record["given"]["joint_torque"] = [10.0, 0.0]
+    instance.record["given"]["changed"] = 1
     out = np.zeros(1, instance.record.dtype["output"])
     assert instance.trajectory(np.array([5.0]), out) == 1
     force, position = out["force"][0], out["point_position"][0]

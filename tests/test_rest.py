@@ -137,8 +137,8 @@ def test_rest_wakes_in_the_step_in_which_it_is_pulled():
     record, out = instance.record, np.zeros(1, instance.record.dtype["output"])
     instance.trajectory(np.array([10.0]), out)
     height = out["point_position"][0, 4, 1]
-    record["inputs"]["tip_force"] = [0.0, 100.0]
-    record["inputs"]["changed"] = 1
+    record["given"]["tip_force"] = [0.0, 100.0]
+    record["given"]["changed"] = 1
     instance.trajectory(np.array([10.001]), out)
     assert out["point_velocity"][0, 4, 1] > 0.05
     assert out["point_position"][0, 4, 1] > height
@@ -147,8 +147,8 @@ def test_rest_wakes_in_the_step_in_which_it_is_pulled():
 def test_rest_carries_a_push_at_once():
     instance = resting()
     out = np.zeros(1, instance.record.dtype["output"])
-    instance.record["inputs"]["tip_force"] = [0.0, -100.0]
-    instance.record["inputs"]["changed"] = 1
+    instance.record["given"]["tip_force"] = [0.0, -100.0]
+    instance.record["given"]["changed"] = 1
     instance.trajectory(np.array([10.1]), out)
     assert out["force"][0].reshape(5, 4)[:, 2].sum() == pytest.approx(WEIGHT + 100.0, rel=1e-6)
 
@@ -281,8 +281,8 @@ def test_torques_that_switch_every_millisecond_keep_the_ledger():
     record = instance.record
     out = np.zeros(2000, record.dtype["output"])
     for k in range(2000):
-        record["inputs"]["joint_torque"] = [3.0 * (-1.0) ** k, -2.0 * (-1.0) ** (k // 2)]
-        record["inputs"]["changed"] = 1
+        record["given"]["joint_torque"] = [3.0 * (-1.0) ** k, -2.0 * (-1.0) ** (k // 2)]
+        record["given"]["changed"] = 1
         assert instance.trajectory(np.array([(k + 1) * 1e-3]), out[k : k + 1]) == 1
     ledger = out["total"] + out["dissipated"] - out["supplied"]
     assert np.ptp(ledger) < 1e-6 * out["kinetic"].max()

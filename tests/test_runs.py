@@ -190,7 +190,7 @@ def test_a_description_that_is_no_xml_is_refused(fmus, tmp_path):
 
 def test_the_fmu_of_something_else_can_be_read_but_not_recorded(fmus, tmp_path):
     def renamed(xml):
-        return xml.replace(b'"point[', b'"tank[')
+        return xml.replace(b'"link[', b'"tank[')
 
     other = changed(fmus["rod_drop"], tmp_path / "other.fmu", xml=renamed)
     assert read_fmu(other).modelName == "RodDrop"

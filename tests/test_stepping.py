@@ -252,3 +252,61 @@ def test_a_start_that_cannot_be_is_said_at_the_next_look(arm):
 def test_errors_are_scene_errors_for_whoever_catches_them(arm):
     with pytest.raises(SceneError):
         Chain(arm).get("nothing")
+
+
+# --- found by review -------------------------------------------------------------------------------------
+
+
+def in_first_impact(part, **contact):
+    """A chain that stands in the first impact of the default scene, and that impact."""
+    scene = load_scene("four_link_box").with_values({f"contact.{key}": one for key, one in contact.items()})
+    first = simulate(scene).impacts[0]
+    chain = Chain(scene)
+    chain.step_to(first["onset"] + part * (first["end"] - first["onset"]))
+    return chain, first
+
+
+def test_a_law_that_is_refused_and_taken_back_changes_no_contact():
+    chain, first = in_first_impact(0.2, model="hunt_crossley")
+    before = chain.get("energy.total")
+    chain.set({"contact.model": "tsuji", "contact.restitution": 0.0})
+    assert chain.get("energy.total") == before
+    chain.set({"contact.model": "hunt_crossley", "contact.restitution": 0.7})
+    chain.step(0.01)
+    assert chain.impacts[0]["peak_force"] == pytest.approx(first["peak_force"], rel=1e-6)
+
+
+@pytest.mark.parametrize("look", [False, True])
+@pytest.mark.parametrize("stiffness", [1e5, 1e11])
+def test_what_was_before_a_change_stays_as_it_was(look, stiffness):
+    chain, first = in_first_impact(0.6, model="hunt_crossley")
+    chain.set({"contact.stiffness": stiffness})
+    if look:
+        chain.get("energy.total")
+    assert chain.impacts[0]["peak_force"] == pytest.approx(first["peak_force"], rel=1e-6)
+
+
+@pytest.mark.parametrize("limit", [500, 1500, 2500])
+def test_a_fault_loses_no_impact(limit):
+    scene = load_scene("four_link_box").with_values({"solver.work_limit": limit})
+    with pytest.raises(SimulationError) as stopped:
+        simulate(scene)
+    chain = Chain(scene)
+    with pytest.raises(SimulationError):
+        chain.step_to(2.0)
+    np.testing.assert_array_equal(chain.impacts["onset"], stopped.value.result.impacts["onset"])
+    assert len(chain.impacts) == chain.get("impact.count")
+
+
+def test_inputs_that_change_lose_no_force_of_a_rigid_wall():
+    scene = load_scene("four_link_box").with_values(
+        {"contact.model": "newton_impact", "contact.restitution": 0.0, "inputs.tip_force": True}
+    )
+    held, touched = Chain(scene), Chain(scene)
+    for k in range(1, 120):
+        held.step_to(5e-3 * k)
+        touched.step_to(5e-3 * k)
+        touched.set({"tip.force.x": 1e-12 * (k % 2)})
+    expected, found = held.impacts[0], touched.impacts[0]
+    assert np.isfinite(expected["peak_force"])
+    assert found["peak_force"] == pytest.approx(expected["peak_force"], rel=1e-3)

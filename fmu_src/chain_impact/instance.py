@@ -53,6 +53,10 @@ def new_instance(scene: Scene) -> np.ndarray:
     for name in ("stiffness", "exponent", "restitution", "radius", "minimum_impact_speed"):
         contact[name] = getattr(scene.contact, name)
 
+    given = d["given"]
+    for name in ("law", "stiffness", "restitution"):
+        given[name] = contact[name]
+
     initial = d["initial"]
     initial["position"], initial["velocity"] = scene.initial.position, scene.initial.velocity
     initial["angle"] = scene.initial.angles

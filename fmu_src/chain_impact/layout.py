@@ -96,9 +96,8 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("damping_factor", REAL),  # f(e), λ of the Hunt–Crossley family
         ("rate_exponent", REAL),  # p of the damping d δᵖ δ̇
         ("approach_only", INTEGER),  # 1: damped while compressing only
-        ("derived_law", INTEGER),  # law, …
-        ("derived_restitution", REAL),  # … restitution …
-        ("derived_stiffness", REAL),  # … and stiffness that these are for
+        ("derived_law", INTEGER),  # law and …
+        ("derived_restitution", REAL),  # … restitution that these are for
         ("impulsive", INTEGER),  # 1: rigid walls, with impulses in place of a force law
     )
     initial = _record(
@@ -112,10 +111,18 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("tolerance", REAL),
         ("work_limit", REAL),  # 1/s, evaluations for a second of simulated time
     )
+    # what an importer can set at any time; it is taken over at the next step or look
+    given = _record(
+        ("changed", INTEGER),  # 1: something was set since the last step
+        ("law", INTEGER),  # as in `contact`, …
+        ("stiffness", REAL),
+        ("restitution", REAL),
+        ("joint_torque", REAL, (links,)),  # … and as in `inputs`
+        ("tip_force", REAL, (2,)),
+    )
     inputs = _record(
         ("joint_torque", REAL, (links,)),  # N·m
         ("tip_force", REAL, (2,)),  # N
-        ("changed", INTEGER),  # 1: an input or a tunable parameter was set since the last step
     )
     # the last accepted step and its dense output, valid from `start` to `end`
     step = _record(
@@ -344,6 +351,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("contact", contact),
         ("initial", initial),
         ("solver", solver),
+        ("given", given),
         ("inputs", inputs),
         ("step", step),
         ("impact", impact),

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, Field, fields, is_dataclass
 from numbers import Integral, Real
 from typing import Any, get_args, get_origin
@@ -42,13 +41,23 @@ def matching(source: str, name: str, names: Iterable[str], what: str) -> list[st
     Raises:
         UnknownNameError: when there are none.
     """
-    found = [one for one in names if one == name]
+    found = [name] if name in names else []
     if not found and isinstance(name, str) and "*" in name:
-        pattern = re.compile(re.escape(name).replace(r"\*", ".*"))
-        found = [one for one in names if pattern.fullmatch(one)]
+        first, *parts = name.split("*")
+        found = [one for one in names if one.startswith(first) and _has(one, len(first), parts)]
     if not found:
         raise UnknownNameError(source, name, names, what)
     return found
+
+
+def _has(text: str, start: int, parts: Sequence[str]) -> bool:
+    """Whether the text has the parts one after the other from ``start`` on, the last of them at its end."""
+    *between, last = parts
+    for part in between:
+        start = text.find(part, start) + len(part)
+        if start < len(part):
+            return False
+    return len(text) >= start + len(last) and text.endswith(last)
 
 
 def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:

@@ -49,7 +49,7 @@ class Instance:
         self._block = new_instance(scene)
         self.record = self._block[0]
         if driven:
-            driven.set(self.record["inputs"], 0)
+            driven.set(self.record["given"], 0)
         links, law_file = len(scene.chain.links), scene.contact.law_file
         library = kernel_library(links, notify=notify, law_file=law_file)
         self._kernel = load_kernel(library)
@@ -95,9 +95,11 @@ class Instance:
         log = self.record["finished"]
         if not log["count"]:
             return np.zeros(0, IMPACT_DTYPE)
-        rows = _impact_rows(int(log["count"]), {name: log[name] for name in IMPACT_DTYPE.names or ()})
+        # of those that nobody collected in time, the oldest are lost
+        count = min(int(log["count"]), len(log["point"]))
+        rows = _impact_rows(count, {name: log[name] for name in IMPACT_DTYPE.names or ()})
         log["count"] = 0
-        return rows
+        return self._with_impulses(rows)
 
     def open_contacts(self) -> np.ndarray:
         """The contacts that have not ended yet, with their peaks so far; drops what was solved ahead."""
@@ -111,7 +113,14 @@ class Instance:
         columns["impact_speed"] = touch["onset_speed"]
         columns["impulse"] = self.record["impulse"]["total"] - self.record["impulse"]["onset"]
         columns |= {name: np.full(len(active), np.nan) for name in ("end", "separation_speed")}
-        return _impact_rows(int(active.sum()), {name: column[active] for name, column in columns.items()})
+        rows = _impact_rows(int(active.sum()), {name: column[active] for name, column in columns.items()})
+        return self._with_impulses(rows)
+
+    def _with_impulses(self, rows: np.ndarray) -> np.ndarray:
+        """The impacts, without impulses if these are not followed."""
+        if not self.record["impulse"]["wanted"]:
+            rows["impulse"] = np.nan
+        return rows
 
     @property
     def status(self) -> int:

@@ -109,8 +109,11 @@ def record_fmu(
     path = Path(path)
     description = read_fmu(path)
     variables = {variable.name: variable for variable in description.modelVariables}
-    if "point[0].x" not in variables:
-        raise SceneError(f"{path}: not the FMU of a chain: it has no variable point[0].x")
+    if "link[1].length" not in variables:
+        raise SceneError(f"{path}: not the FMU of a chain: it has no variable link[1].length")
+    for name, kind in (("point[0].x", "points"), ("energy.total", "energies")):
+        if name not in variables:
+            raise SceneError(f"{path}: has no variable {name}: its scene has outputs.{kind} = false")
     parameters = {name: v for name, v in variables.items() if v.causality == "parameter"}
     experiment = description.defaultExperiment
     stop_time, step_size = (

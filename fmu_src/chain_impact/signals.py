@@ -37,12 +37,12 @@ class Drive:
     places: tuple[Place, ...]
     values: np.ndarray
 
-    def set(self, inputs: Any, row: int) -> None:
+    def set(self, given: Any, row: int) -> None:
         """Set the inputs of an instance to a row of values; the solver starts anew if one changes."""
         for (_, name, index), value in zip(self.places, self.values[row], strict=True):
-            if inputs[name][index] != value:
-                inputs[name][index] = value
-                inputs["changed"] = 1
+            if given[name][index] != value:
+                given[name][index] = value
+                given["changed"] = 1
 
     @property
     def changes(self) -> np.ndarray:

@@ -100,7 +100,7 @@ def simulate(
     while done < len(driven.times) and instance.status == OK:
         # in chunks, for the progress bar's sake, in which the inputs are constant
         end = min(done + rows.at_once, ends[np.searchsorted(ends, done, side="right")])
-        driven.set(instance.record["inputs"], done)
+        driven.set(instance.record["given"], done)
         filled = instance.trajectory(driven.times[done:end], rows.room(done, end))
         rows.keep(done, filled)
         done += filled

@@ -80,7 +80,7 @@ class Chain:
         dtype = self._instance.record.dtype
         self._places = {v.name: _place(v, word_index(dtype, v.place)) for v in fmu_variables(scene)}
         self._time_word = word_index(dtype, ("step", "time"))
-        self._changed_word = word_index(dtype, ("inputs", "changed"))
+        self._changed_word = word_index(dtype, ("given", "changed"))
         self._finished_word = word_index(dtype, ("finished", "count"))
         self._looks: dict[str | tuple[str, ...], _Look] = {}
         self._instant = np.zeros(1)
@@ -133,9 +133,9 @@ class Chain:
         self._instant[0] = time
         while not self._instance.trajectory(self._instant, self._outputs):
             # a fault, or the log is full, or it is time that Python looks after Ctrl-C
+            self._collect()
             if self._instance.status != OK:
                 raise SimulationError(self._instance.status, self.time, None)
-            self._collect()
         self._collect()
         self._observed = True
 
@@ -195,9 +195,15 @@ class Chain:
         Raises:
             SceneError: when it is no state of a chain of this scene.
         """
+        state = bytes(state)
         magic, digest, stepped, count = STATE.unpack_from(state.ljust(STATE.size, b"\0"))
         record_at = STATE.size + count * IMPACT_DTYPE.itemsize
-        if magic != MAGIC or digest != self._digest or len(state) != record_at + self._reals.nbytes:
+        if (
+            magic != MAGIC
+            or digest != self._digest
+            or count < 0
+            or len(state) != record_at + self._reals.nbytes
+        ):
             raise SceneError(f"{self.scene.name}: restore: the bytes are no state of this scene")
         words = np.frombuffer(state, offset=record_at).copy()
         if not self._instance.is_sound(words):
@@ -249,8 +255,8 @@ class Chain:
             what = "an output" if place.kind == "output" else "a fixed parameter"
             late = "" if place.kind == "output" else " after the first step"
             raise SceneError(f"{self.scene.name}: {name} is {what} and cannot be set{late}")
-        number = place.choices.index(value) + 1 if value in place.choices else value
         try:
+            number = place.choices.index(value) + 1 if value in place.choices else value
             kept = place.low <= number <= place.high and (not place.whole or number == int(number))
         except (TypeError, ValueError):
             kept = False

@@ -173,9 +173,10 @@ def _contact_parameters(scene: Scene) -> Iterator[Variable]:
         place = ("contact", key)
         if key in ("model", "stiffness", "restitution"):
             changes["variability"] = "tunable"
+            place = ("given", key)
         if key == "model":
             changes |= {"type": "enumeration", "items": _laws(scene)}
-            place = ("contact", "law")
+            place = ("given", "law")
         if key not in ("points", "law_file"):
             yield _parameter(rule, place, ("contact", key), **changes)
 
@@ -203,7 +204,7 @@ def _inputs(scene: Scene) -> Iterator[Variable]:
             variability="continuous",
             unit=unit,
             description=description,
-            place=("inputs", *place),
+            place=("given", *place),
         )
 
     if scene.inputs.joint_torques:

@@ -57,7 +57,7 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
     count, listed = recording.impact_count, len(recording.impacts)
     impacts = plural(count, "impact")
     if listed < count:
-        impacts += f", {listed} listed: an FMU tells only the last one in a communication step"
+        impacts += f", {listed} listed: an FMU shows only the latest in a communication step"
     yield f"\n[bold]{escape(recording.name)}[/]  0 … {recording.time[-1]:g} s, {impacts}"
     yield table
     yield from energy_lines(recording.columns)

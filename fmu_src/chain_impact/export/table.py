@@ -30,7 +30,7 @@ def model_table(scene: Scene) -> dict[str, Any]:
     variables, layout = fmu_variables(scene), new_instance(scene).dtype
     places = {
         "time": ("step", "time"),
-        "changed": ("inputs", "changed"),
+        "changed": ("given", "changed"),
         "tolerance": ("solver", "tolerance"),
     }
     return {

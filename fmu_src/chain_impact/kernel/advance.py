@@ -8,12 +8,12 @@ the communication point has passed it.
 
 import math
 
-from chain_impact.kernel.events.contact_log import end_now, follow_contacts, follow_until_change
+from chain_impact.kernel.events.contact_log import follow_contacts, follow_to_now
 from chain_impact.kernel.events.impulses import end_contacts, judge
 from chain_impact.kernel.events.kinds import ONSET
 from chain_impact.kernel.events.search import REFUSED, find_event
 from chain_impact.kernel.events.table import apply_events, ends_contact
-from chain_impact.kernel.initialize import derive_law, first_size
+from chain_impact.kernel.initialize import derive_law, first_size, take_given
 from chain_impact.kernel.integration import step_size
 from chain_impact.kernel.integration.balance import check_balance, keeps_balance, restart_balance, take_stock
 from chain_impact.kernel.integration.impulse import (
@@ -128,7 +128,7 @@ def ends_in_onset(d):
 
 def renew(d):
     """Start anew from the communication point if an input or parameter has changed; returns a status."""
-    if d.statistics.status == OK and d.inputs.changed:
+    if d.statistics.status == OK and d.given.changed:
         d.statistics.status = restart(d)
     return d.statistics.status
 
@@ -150,15 +150,11 @@ def look_at(d, time):
 
 def restart(d):
     """Drop what lies beyond the communication point, as an input or parameter changed; returns a status."""
-    d.inputs.changed = 0
-    if d.touch.active_count > 0 and not d.contact.impulsive:
-        follow_until_change(d)
-    else:
-        end_now(d)
-        settle_impulses(d)
+    d.given.changed = 0
+    follow_to_now(d)
     d.step.next_size *= time_rate_now(d, d.step.state_end)  # in seconds
     stand(d, d.step.time, d.step.state_end)
-    status = change_law(d)
+    status = take_over(d)
     clear_loads(d)
     restart_balance(d)
     # a chain at rest takes steps far too long for what an input may do to it
@@ -166,20 +162,23 @@ def restart(d):
     return status
 
 
-def change_law(d):
-    """Take over the parameters of the contact law as they are now, and judge anew who is held.
+def take_over(d):
+    """Take over what was given, and judge anew who is held. What cannot be taken over changes nothing.
 
     Returns:
         A status: a point inside a wall has no place under a law without depth.
     """
-    rigid = d.contact.impulsive
+    contact, rigid = d.contact, d.contact.impulsive
+    law, stiffness, restitution = contact.law, contact.stiffness, contact.restitution
+    take_given(d)
     status = derive_law(d)
-    if status == OK and d.touch.active_count > 0 and d.contact.impulsive and not rigid:
+    if status == OK and d.touch.active_count > 0 and contact.impulsive and not rigid:
         status = RIGID_WHILE_TOUCHING
     if status != OK:
-        d.contact.impulsive = rigid  # of the contacts that last, until a law is found for them
+        contact.law, contact.stiffness, contact.restitution = law, stiffness, restitution
+        derive_law(d)
     elif d.touch.active_count > 0 and rigid:
-        if d.contact.impulsive:
+        if contact.impulsive:
             judge(d)
         else:
             end_contacts(d)

@@ -27,8 +27,8 @@ def advance_awhile(d, time):
 
 def observe_now(d):
     """Fill the outputs with what holds at the communication point; returns a status."""
-    if d.statistics.status == OK and d.inputs.changed and restart(d) != OK:
-        d.inputs.changed = 1  # a parameter that goes with the others may yet be set before the next step
+    if d.statistics.status == OK and d.given.changed and restart(d) != OK:
+        d.given.changed = 1  # a parameter that goes with the others may yet be set before the next step
     observe(d)
     return d.statistics.status
 

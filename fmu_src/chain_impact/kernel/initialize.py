@@ -52,6 +52,7 @@ def initialize(d, time):
     derive_chain(d)
     forget_run(d)
     d.contact.derived_law = 0  # any parameter may be another now
+    take_given(d)
     d.statistics.status = check_parameters(d)
     if d.statistics.status == OK:
         d.statistics.status = derive_law(d)
@@ -78,7 +79,7 @@ def initialize(d, time):
     d.limits.event_start = time
     d.limits.work_start = time
     start_balance(d, time)
-    d.inputs.changed = 0
+    d.given.changed = 0
     begin_explicit(d.step)
     d.statistics.status = check_start(d)
     return d.statistics.status
@@ -126,6 +127,17 @@ def derive_chain(d):
     model.damping_bound = damping_bound(d)
 
 
+def take_given(d):
+    """Let what was given hold: the law of contact and the inputs."""
+    given = d.given
+    d.contact.law, d.contact.stiffness = given.law, given.stiffness
+    d.contact.restitution = given.restitution
+    for i in range(d.links):
+        d.inputs.joint_torque[i] = given.joint_torque[i]
+    for j in range(2):
+        d.inputs.tip_force[j] = given.tip_force[j]
+
+
 def derive_law(d):
     """Find what the law makes of the restitution, also for the contacts that last; returns a status."""
     contact = d.contact
@@ -140,7 +152,6 @@ def derive_law(d):
         if status != OK:
             return status
         contact.derived_law, contact.derived_restitution = contact.law, contact.restitution
-    contact.derived_stiffness = contact.stiffness
     for k in range(d.touch.active_count):
         if not contact.impulsive:
             foresee_depth(d, d.touch.active_index[k])

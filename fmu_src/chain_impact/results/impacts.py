@@ -38,8 +38,9 @@ def impacts_of(record: Result | Mapping[str, Any] | np.ndarray | Any) -> np.ndar
 
     Returns:
         A structured array as `Result.impacts`, in order of onset, see `IMPACT_DTYPE`. The FMU does not tell
-        the effective mass, which is NaN. So are the end and the separation speed of a contact that lasted
-        when it was last shown.
+        the effective mass, which is NaN. So are the end and the separation speed of a contact that lasts to
+        the end of the record, and also its peak force, penetration and impulse if newer impacts took its
+        place in the list while it lasted.
 
     Raises:
         ValueError: when a column is missing.
@@ -48,6 +49,8 @@ def impacts_of(record: Result | Mapping[str, Any] | np.ndarray | Any) -> np.ndar
         return record.impacts
     time, counts = _column(record, "time"), _column(record, "impact.count").astype(np.int64)
     shown = next(j for j in naturals(1) if f"impact[{j}].time" not in names_of(record)) - 1
+    if len(time) == 0:
+        raise ValueError("the record has no rows")
     if shown == 0:
         raise ValueError("there is no column impact[1].time: the scene has outputs.impacts = 0")
     number = np.arange(1, counts[-1] + 1)
@@ -64,6 +67,9 @@ def impacts_of(record: Result | Mapping[str, Any] | np.ndarray | Any) -> np.ndar
     lasting = (table["end"] == time[row]) & (table["end"] > table["onset"])
     for field in ("end", "separation_speed"):
         table[field][lasting] = np.nan
+    # what became of one that newer impacts have pushed out of the list is not known
+    for field in ("peak_force", "max_penetration", "impulse"):
+        table[field][lasting & (row < len(time) - 1)] = np.nan
     return np.sort(table, order=["onset", "point", "wall"])
 
 

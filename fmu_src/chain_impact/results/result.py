@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from chain_impact.reading import matching
+from chain_impact.reading import UnknownNameError, matching
 from chain_impact.results import summary, tables
 from chain_impact.scene import Scene
 from chain_impact.variables import output_columns, output_variables
@@ -35,7 +35,8 @@ IMPACT_DTYPE = np.dtype(
     ]
 )
 """One contact: point 0…N; wall as index into ``scene.wall_names``; onset and end [s]; impact and separation
-speed [m/s]; peak force [N]; largest penetration [m]; effective mass at onset [kg]. The end and the separation
+speed [m/s]; peak force [N]; largest penetration [m]; effective mass at onset [kg]; impulse of the wall [N·s],
+as accurate as the momentum of the chain, NaN if the scene asks for no impulses. The end and the separation
 speed of a contact that lasts to the end of the simulation are NaN. Under the law ``newton_impact`` a bounce
 has no duration and an infinite peak force; that of a contact that lasts is the largest force that held it."""
 
@@ -165,8 +166,7 @@ class Result:
         from chain_impact.results import plots
         from chain_impact.results.recording import recording_of
 
-        for needed in ("point[*].x", "point[*].y", "energy.*"):
-            self[needed]
+        self._need("point_position", "kinetic")
         recording = recording_of(self)
         if path is not None:
             plots.plot(recording, Path(path))
@@ -191,8 +191,7 @@ class Result:
         from chain_impact.results.animation import animate
         from chain_impact.results.recording import recording_of
 
-        for needed in ("point[*].x", "point[*].y"):
-            self[needed]
+        self._need("point_position")
         animate(recording_of(self), Path(path), **options)
 
     def __repr__(self) -> str:
@@ -203,10 +202,17 @@ class Result:
         """The same in a notebook, with a table of the impacts."""
         return summary.html(self)
 
+    def _need(self, *fields: str) -> None:
+        """Refuse what cannot be drawn, as an output of one of the fields was left out."""
+        for field in fields:
+            self._all(field)
+
     def _all(self, field: str) -> np.ndarray:
         """A field of ``layout.output_dtype``, also if the outputs have other fields."""
         if field in (self.outputs.dtype.names or ()):
             return self.outputs[field]
         parts = [v for v in output_variables(self.scene) if v.place[1] == field]
+        if not parts:
+            raise UnknownNameError(self.scene.name, field, self.names, "no output of the scene")
         values = np.stack([self[variable.name] for variable in parts], axis=-1)
         return values.reshape(len(self.time), *(int(step) + 1 for step in parts[-1].place[2:]))

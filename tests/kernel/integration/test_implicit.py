@@ -288,7 +288,7 @@ def test_a_restart_inside_an_implicit_step_does_not_kick(tolerance):
     for restarts in (0, 20):
         instance = touching(tolerance)
         for time in np.linspace(0.9, 1.1, restarts + 1):
-            instance.record["inputs"]["changed"] = restarts > 0
+            instance.record["given"]["changed"] = restarts > 0
             instance.advance(time)
         instance.advance(1.2)
         output = instance.record["output"]

@@ -64,8 +64,8 @@ def kernel():
 def factor_of(law, e):
     """The factor f(e) that the compiled kernel derives; infinite where it refuses e."""
     instance = kernel()
-    contact = instance.record["contact"]
-    contact["law"], contact["restitution"], contact["exponent"] = law.number, e, law.exponent or 1.5
+    contact, given = instance.record["contact"], instance.record["given"]
+    given["law"], given["restitution"], contact["exponent"] = law.number, e, law.exponent or 1.5
     status = instance._kernel.initialize(instance._address, 0.0)
     assert status in (OK, RESTITUTION_NOT_ALLOWED)
     return float(contact["damping_factor"]) if status == OK else math.inf

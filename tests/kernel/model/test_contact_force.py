@@ -249,8 +249,8 @@ def test_a_contact_takes_a_new_law_and_restitution_at_once(law):
     d = instance.record
     assert instance.advance(5e-3) == OK
     assert d["touch"]["active"][0]
-    d["contact"]["law"], d["contact"]["restitution"] = law.number, 0.4
-    d["inputs"]["changed"] = 1
+    d["given"]["law"], d["given"]["restitution"] = law.number, 0.4
+    d["given"]["changed"] = 1
     assert instance.advance(5.01e-3) == OK
     touch, s = d["touch"], law.mass_power
     unit = touch["impact_speed"][0] if s == 0.0 else 1.0

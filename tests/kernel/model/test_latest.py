@@ -81,7 +81,7 @@ def test_a_restart_inside_of_an_impact_loses_no_peak(method, parts):
     instance = Instance(scene)
     for part in parts:
         instance.advance(first["onset"] + part * (first["end"] - first["onset"]))
-        instance.record["inputs"]["changed"] = 1
+        instance.record["given"]["changed"] = 1
     instance.advance(first["end"] + 1e-3)
     found = instance.collect()[0]
     assert found["peak_force"] == pytest.approx(first["peak_force"], rel=1e-6)
@@ -94,7 +94,7 @@ def test_a_peak_before_the_wall_got_softer_is_kept():
     first = simulate(scene).impacts[0]
     instance = Instance(scene)
     instance.advance(first["onset"] + 0.6 * (first["end"] - first["onset"]))
-    instance.record["contact"]["stiffness"] *= 0.1
-    instance.record["inputs"]["changed"] = 1
+    instance.record["given"]["stiffness"] *= 0.1
+    instance.record["given"]["changed"] = 1
     instance.advance(first["onset"] + 0.1)
     assert instance.collect()[0]["peak_force"] == pytest.approx(first["peak_force"], rel=1e-6)

@@ -99,15 +99,6 @@ def end_now(d):
             d.touch.event[c] = NONE
 
 
-def follow_until_change(d):
-    """As ``follow_to_now``, where a parameter has changed: under the law and stiffness that held so far."""
-    contact = d.contact
-    law, stiffness = contact.law, contact.stiffness
-    contact.law, contact.stiffness = contact.derived_law, contact.derived_stiffness
-    follow_to_now(d)
-    contact.law, contact.stiffness = law, stiffness
-
-
 def note_active(d):
     """Note what the active contacts have come to at the communication point, in the list of impacts.
 
