@@ -1,9 +1,9 @@
 """Reference results inside the FMU: an experiment, what the FMU shall give in it, and how exactly.
 
 They lie where the layered standard FMI-LS-REF (draft 1.0.0-alpha.1, Modelica Association, 2026) has them: a
-manifest names an experiments file (draft MA-HS-Experiments, Modelica Association, 2026), which names tables of
-inputs and results. The Reference-FMUs of the Modelica Association carry such a manifest with one table. Neither
-draft has a place for the tolerances of a comparison, so these are an annotation of the results.
+manifest names a file of experiments (draft MA-HS-Experiments, Modelica Association, 2026), which names tables
+of inputs and results. The Reference-FMUs of the Modelica Association carry such a manifest with one table.
+Neither draft has a place for the tolerances of a comparison, so these are an annotation of the results.
 """
 
 from __future__ import annotations
@@ -37,14 +37,14 @@ TOLERANCES = "chain-impact.tolerances"
 EXACT = 1e-12  # tolerance of the reference
 ROWS = 100  # communication steps of the scene's time, about
 SHORTER = 10  # a part of the scene's time that is tried, when the results can be relied on in no more of it
-# A chain amplifies an error with each impact. The experiment ends before the scene's own tolerance leads farther
-# from the reference than LARGEST, or that tolerance, of the largest value of a unit. MARGIN times as far as it led
-# until there, and at least LEAST of that value, is tolerated.
+# A chain amplifies an error with each impact. The experiment ends before the scene's own tolerance leads
+# farther from the reference than LARGEST, or that tolerance, of the largest value of a unit. Tolerated is
+# MARGIN times as far as it led until there, and at least LEAST of that value.
 LARGEST, MARGIN, LEAST = 1e-5, 10.0, 1e-9
 CLOSE = 1e-4  # of a step: nearer to the begin or the end of a contact, nothing is compared
 MOST_WORK = 2_000_000  # evaluations of the equations of motion, times links: about 0.2 s
 SWING = 0.1  # of the inputs, of the magnitudes of the motion
-DIGITS = 12
+FEWEST, DIGITS = 2, 12  # rows: the start alone is no simulation; digits of a result
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class Reference:
 
 
 def reference_files(scene: Scene, notify: Notify) -> dict[str, bytes]:
-    """The files, by their names in the FMU; none if there is no time until which the results can be relied on.
+    """The files, by their names in the FMU; none if the results cannot be relied on for any time.
 
     Args:
         scene: what the FMU simulates.
@@ -81,7 +81,7 @@ def reference_files(scene: Scene, notify: Notify) -> dict[str, bytes]:
     except SimulationError as error:
         notify(f"no reference results in the FMU: {error}")
         return {}
-    if len(found.times) < 2:  # noqa: PLR2004  the start alone is no simulation
+    if len(found.times) < FEWEST:
         notify("no reference results in the FMU: they depend too much on the solver's tolerance")
         return {}
     name = scene.name
@@ -102,7 +102,7 @@ def reference(scene: Scene, notify: Notify) -> Reference:
     If that is a small part of the scene's time, in shorter steps.
 
     Raises:
-        SimulationError: when it cannot start.
+        SimulationError: when it cannot start, or take the first step.
     """
     stop, shortest = scene.simulation.stop_time, scene.simulation.step_size
     while True:
@@ -123,13 +123,17 @@ def _compared(scene: Scene, times: np.ndarray, notify: Notify) -> Reference:
         for tolerance in (EXACT, scene.solver.tolerance)
     ]
     for row, time in enumerate(times):
-        if not all([run.go_on(time, {n: u[max(row - 1, 0)] for n, u in inputs.items()}, chosen) for run in runs]):
+        acting = {name: values[max(row - 1, 0)] for name, values in inputs.items()}
+        if sum(run.go_on(time, acting, chosen) for run in runs) < len(runs):
             break
     count = min(len(run.rows) for run in runs)
     exact, own = (np.array(run.rows[:count]).reshape(count, len(chosen)) for run in runs)
-    until = _agreed_until(*(run.chain.impacts["onset"] for run in runs), CLOSE * step / MARGIN)
+    onsets = [run.chain.impacts["onset"] for run in runs]
+    until = _agreed_until(onsets[0], onsets[1], CLOSE * step / MARGIN)
     # a contact that lasts has no end yet, which is NaN
-    edges = np.concatenate([*(run.chain.impacts[end] for run in runs for end in ("onset", "end")), [math.inf]])
+    edges = np.concatenate(
+        [*(run.chain.impacts[end] for run in runs for end in ("onset", "end")), [math.inf]]
+    )
     apart = np.nanmin(np.abs(times[:count, None] - edges), axis=1) > CLOSE * step
     rows = np.flatnonzero(apart & (times[:count] < until))
     scale, whole = _scales(exact[rows], chosen), [v.type != "real" for v in chosen]
@@ -158,12 +162,18 @@ class _Run:
         self._links = len(scene.chain.links)
 
     def go_on(self, time: float, inputs: dict[str, float], outputs: Sequence[Variable]) -> bool:
-        """Step to a time [s]; return whether that went well, and did not take too long."""
+        """Step to a time [s]; return whether that went well, and did not take too long.
+
+        Raises:
+            SimulationError: when the first step cannot be taken.
+        """
         try:
             self.chain.set(inputs)
             self.chain.step_to(time)
             self.rows.append(self.chain.get([variable.name for variable in outputs]))
         except SimulationError:
+            if len(self.rows) < FEWEST:
+                raise
             return False
         return bool(self.chain.get("solver.rhs_evaluations") * self._links < MOST_WORK)
 
