@@ -1,38 +1,33 @@
-"""A hook of mkdocs that fills the tables of the docs from the code, so that they cannot drift.
+"""Fill the tables of the docs from the code: ``python docs/generate.py``.
 
-A line ``{{ name }}`` in a page is replaced by what the function ``name`` below returns. The pages of the
-models are the README files of their folders.
+What stands between ``<!-- generated: name -->`` and ``<!-- end -->`` in a page is replaced by what the
+function ``name`` below returns. It also writes the JSON schema of scene files, ``scene.schema.json``.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import json
 import re
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any, get_args, get_origin
+from pathlib import Path
+from typing import Any, get_args, get_origin
+
+from scene_schema import schema
 
 from chain_impact import cli, sphere_plane_stiffness
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.laws.registry import ContactLaw
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.limits import Derived, allowed, without_none
-from chain_impact.scene import (
-    WALLS,
-    Scene,
-    load_scene,
-    model_names,
-    models_folder,
-    scene_keys,
-    with_values,
-)
+from chain_impact.scene import WALLS, Scene, load_scene, model_names, scene_keys, with_values
 from chain_impact.units import UNITS
 from chain_impact.variable import Variable
 from chain_impact.variables import fmu_variables
 
-if TYPE_CHECKING:
-    from mkdocs.config.defaults import MkDocsConfig
-    from mkdocs.structure.files import Files
-
+DOCS = Path(__file__).parent
+SCHEMA = DOCS / "scene.schema.json"
+BLOCK = re.compile(r"(?<=^<!-- generated: )(\w+)( -->\n).*?(?=^<!-- end -->$)", re.MULTILINE | re.DOTALL)
 HELP_WIDTH = 88  # columns
 RADIUS = 0.02  # m, of the spheres in the table of stiffness
 # Young's modulus [Pa] and Poisson's ratio, as usual for the material
@@ -45,20 +40,9 @@ MATERIALS = {
 }
 
 
-def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Add the README of each model as a page."""
-    from mkdocs.structure.files import File  # the tables can be made, and tested, without mkdocs
-
-    for name in model_names():
-        text = (models_folder() / name / "README.md").read_text(encoding="utf-8")
-        text = text.replace("../../docs/", "../")
-        files.append(File.generated(config, f"models/{name}.md", content=text))
-    return files
-
-
-def on_page_markdown(markdown: str, **_: Any) -> str:
-    """Fill the placeholders of a page."""
-    return re.sub(r"^\{\{ (\w+) \}\}$", lambda found: TABLES[found[1]](), markdown, flags=re.MULTILINE)
+def filled(page: str) -> str:
+    """The text of a page with its tables as the code has them."""
+    return BLOCK.sub(lambda found: f"{found[1]}{found[2]}\n{TABLES[found[1]]()}\n\n", page)
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -190,7 +174,7 @@ def _choices(variable: Variable) -> str:
 
 
 def variable_lists() -> str:
-    """All variables of each model, in a tab for each."""
+    """All variables of each model, folded."""
     return "\n\n".join(_variable_list(load_scene(name)) for name in model_names())
 
 
@@ -199,9 +183,8 @@ def _variable_list(scene: Scene) -> str:
         (code(v.name), v.causality, v.variability, code(v.unit), v.description) for v in fmu_variables(scene)
     ]
     text = table(("name", "causality", "variability", "unit", "meaning"), rows)
-    return "\n".join(
-        [f'=== "{scene.name} ({len(rows)})"', "", *("    " + line for line in text.splitlines())]
-    )
+    summary = f"<summary>{scene.name}: {len(rows)} variables</summary>"
+    return f'<details markdown="1">\n{summary}\n\n{text}\n\n</details>'
 
 
 def units() -> str:
@@ -314,3 +297,20 @@ TABLES = {
         command_line,
     )
 }
+
+
+def schema_text() -> str:
+    """The text of ``scene.schema.json``."""
+    return json.dumps(schema(), indent=2, ensure_ascii=False) + "\n"
+
+
+def write() -> None:
+    """Write every page, and the schema, anew."""
+    for page in sorted(DOCS.rglob("*.md")):
+        text = page.read_text(encoding="utf-8")
+        page.write_text(filled(text), encoding="utf-8")
+    SCHEMA.write_text(schema_text(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    write()

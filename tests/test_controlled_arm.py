@@ -16,7 +16,7 @@ from tests.test_models import table
 MODEL = "controlled_arm"
 SCENE = load_scene(MODEL)
 TORQUES = list(input_places(SCENE))
-# as README.md has them
+# as docs/models/controlled_arm.md has them
 TARGET, PROPORTIONAL, DERIVATIVE = np.array([-1.0, 0.6]), np.array([100.0, 40.0]), np.array([10.0, 3.0])
 LIMIT = np.array([30.0, 12.0])  # N·m
 

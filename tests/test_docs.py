@@ -1,13 +1,18 @@
 """What users read: the commands parse, the snippets run, the tables are complete."""
 
-import importlib.util
+import json
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
+from typing import NamedTuple
 
+import build_site
+import generate
 import pytest
 
 from chain_impact import cli
@@ -16,20 +21,41 @@ from chain_impact.layout import instance_dtype
 from chain_impact.scene import scene_keys
 
 ROOT = Path(__file__).parents[1]
-PAGES = sorted(
-    [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "models").glob("*/README.md")],
+NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
+DOCS = sorted(page for page in (ROOT / "docs").rglob("*.md") if page.with_suffix(".ipynb") not in NOTEBOOKS)
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "models").glob("*.md"), *DOCS])
+# what a page may ask a reader to run, besides scripts of the repository
+KNOWN = re.compile(
+    r"(\.venv/bin/)?(chain-impact|python -m pytest|pip|ruff|mypy|lint-imports)\b"
+    r"|(apt-get|uv|source|python3 -m venv)\b"
 )
-GUIDES = [
-    ROOT / "README.md",
-    *sorted((ROOT / "docs").rglob("*.md")),
-]  # whose commands are run in a bare folder
-every_page = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+
+
+def parametrized(pages):
+    return pytest.mark.parametrize("page", pages, ids=lambda page: str(page.relative_to(ROOT)))
+
+
+every_page = parametrized(PAGES)
+
+
+class Block(NamedTuple):
+    """A fenced block: its language, the file that it is, and its text."""
+
+    language: str
+    title: str
+    text: str
+
+
+def fenced(page):
+    found = re.finditer(
+        r"^```(\w*)(?: title=\"([^\"\n]*)\")?\n(.*?)^```$", page.read_text(encoding="utf-8"), re.M | re.S
+    )
+    return [Block(one[1], one[2] or "", one[3].rstrip("\n")) for one in found]
 
 
 def blocks(page, language):
     """The fenced blocks of a page in a language."""
-    text = page.read_text(encoding="utf-8")
-    return [found[1].rstrip("\n") for found in re.finditer(rf"^```{language}\n(.*?)^```$", text, re.M | re.S)]
+    return [block.text for block in fenced(page) if block.language == language]
 
 
 def commands(page):
@@ -54,8 +80,21 @@ def test_the_readme_begins_with_two_lines_to_paste():
     assert test.endswith("-m pytest")
 
 
-def test_the_readme_counts_the_laws():
-    assert f" {len(CONTACT_LAWS)} laws" in (ROOT / "README.md").read_text(encoding="utf-8")
+@pytest.mark.parametrize("page", ["README.md", "docs/index.md", "CITATION.cff"])
+def test_the_number_of_laws_is_right(page):
+    counts = re.findall(r"\b(\d+) (?:contact )?laws\b", (ROOT / page).read_text(encoding="utf-8"))
+    assert counts == [str(len(CONTACT_LAWS))]
+
+
+def test_the_citation_is_of_this_version():
+    with (ROOT / "pyproject.toml").open("rb") as file:
+        project = tomllib.load(file)["project"]
+    lines = (ROOT / "CITATION.cff").read_text(encoding="utf-8").splitlines()
+    wanted = {"cff-version: 1.2.0", f"title: {project['name']}", f"license: {project['license']}"}
+    assert wanted | {
+        f"version: {project['version']}",
+        "message: If you use this software in your work, please cite it.",
+    } <= {*lines}
 
 
 @every_page
@@ -71,48 +110,86 @@ def test_there_are_commands_to_parse():
 @every_page
 def test_links_lead_to_files(page):
     for target in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", page.read_text(encoding="utf-8")):
-        path = (page.parent / target).resolve()
-        if path.parent == ROOT / "docs" / "models":  # generated from the model's README
-            path = ROOT / "models" / path.stem
-        assert path.exists(), target
+        assert (page.parent / target).exists(), target
+
+
+@every_page
+def test_other_commands_are_known_or_scripts_of_the_repository(page):
+    for line in "\n".join(blocks(page, "sh")).splitlines():
+        for command in line.partition("  #")[0].split(" && "):
+            script = re.match(r"(?:\.venv/bin/)?python ([\w/]+\.py)\b", command)
+            assert (ROOT / script[1]).is_file() if script else KNOWN.match(command), command
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     """A folder with build/FourLinkBox.fmu, as the README's first command leaves it, and a native one."""
     folder = tmp_path_factory.mktemp("reader")
+    (folder / "docs" / "images").mkdir(parents=True)
     for arguments in ((), ("--target", "native", "-o", "build/native")):
-        assert run(folder, "-m", "chain_impact.cli", "build", *arguments) == 0
+        code, _, errors = run(folder, "-m", "chain_impact.cli", "build", *arguments)
+        assert code == 0, errors
     return folder
 
 
 def run(folder, *arguments):
-    environment = {**os.environ, "PYTHONPATH": str(ROOT / "fmu_src")}
-    return subprocess.run([sys.executable, *arguments], cwd=folder, env=environment, check=False).returncode
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "fmu_src"), "MPLBACKEND": "Agg"}
+    command = [sys.executable, *arguments]
+    done = subprocess.run(command, cwd=folder, env=environment, check=False, capture_output=True, text=True)
+    return done.returncode, done.stdout, done.stderr
+
+
+def chain_impact(line):
+    """The arguments of a line that runs chain-impact; None for any other line."""
+    found = re.search(r"(chain-impact|build_fmu\.py) (.*)", line.partition("  #")[0])
+    if found and found[1] == "build_fmu.py":
+        return ["build", *shlex.split(found[2])]
+    return shlex.split(found[2]) if found else None
+
+
+def lines_of(text):
+    return [line.rstrip() for line in text.strip().splitlines()]
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "page",
-    [page for page in PAGES if blocks(page, "python")],
-    ids=lambda page: str(page.relative_to(ROOT)),
-)
-def test_python_snippets_run(page, folder):
-    for snippet in blocks(page, "python"):
-        # as a program of its own, as a reader would
-        (folder / "snippet.py").write_text(snippet, encoding="utf-8")
-        assert run(folder, "-W", "error", "snippet.py") == 0, snippet
+@parametrized([page for page in PAGES if any(block.language in ("sh", "python") for block in fenced(page))])
+def test_a_page_runs_from_top_to_bottom(page, folder):
+    """Files are written, programs and commands run, in a folder like a reader's; the output is as shown."""
+    printed = ""
+    for language, title, text in fenced(page):
+        if title == "printed":
+            assert lines_of(printed) == lines_of(text)
+        elif title:
+            (folder / title).write_text(text, encoding="utf-8")
+        elif language == "python":
+            # as a program of its own, as a reader would
+            (folder / "snippet.py").write_text(text, encoding="utf-8")
+            code, printed, errors = run(folder, "-W", "error", "snippet.py")
+            assert code == 0, f"{text}\n{errors}"
+        elif language == "sh":
+            for line in text.splitlines():
+                if (arguments := chain_impact(line)) is not None:
+                    code, printed, errors = run(folder, "-m", "chain_impact.cli", *arguments)
+                    assert code == 0, f"{line}\n{errors}"
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", GUIDES, ids=lambda page: str(page.relative_to(ROOT)))
-def test_commands_run(page, folder):
-    (folder / "pendulum.toml").write_text(blocks(ROOT / "docs" / "scene.md", "toml")[0])
-    for block in blocks(page, "sh"):
-        for line in block.splitlines():
-            _, program, arguments = line.rpartition("chain-impact ")
-            if program:
-                assert run(folder, "-m", "chain_impact.cli", *shlex.split(arguments)) == 0, line
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_runs(notebook, tmp_path):
+    shutil.copy(notebook, tmp_path)
+    build_site.make_pages([tmp_path / notebook.name], tmp_path)
+    assert (tmp_path / f"{notebook.stem}.md").stat().st_size > notebook.stat().st_size / 2
+
+
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_is_committed_without_outputs(notebook):
+    cells = json.loads(notebook.read_text(encoding="utf-8"))["cells"]
+    code = [cell for cell in cells if cell["cell_type"] == "code"]
+    assert all(cell["outputs"] == [] and cell["execution_count"] is None for cell in code)
+
+
+def test_there_are_three_notebooks():
+    assert len(NOTEBOOKS) == 3
 
 
 def test_the_fields_of_the_symbol_table_exist():
@@ -137,32 +214,30 @@ def test_the_code_that_the_computation_page_names_exists():
 # --- the tables ----------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def generate():
-    spec = importlib.util.spec_from_file_location("generate", ROOT / "docs" / "generate.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+def test_every_table_has_its_place():
+    names = [found[1] for page in DOCS for found in generate.BLOCK.finditer(page.read_text(encoding="utf-8"))]
+    assert set(names) == generate.TABLES.keys()
 
 
-def test_every_placeholder_has_its_table(generate):
-    wanted = {name for page in PAGES for name in re.findall(r"^\{\{ (\w+) \}\}$", page.read_text(), re.M)}
-    assert wanted == generate.TABLES.keys()
+@parametrized(DOCS)
+def test_the_tables_of_a_page_are_up_to_date(page):
+    text = page.read_text(encoding="utf-8")
+    assert text == generate.filled(text), "run: python docs/generate.py"
 
 
-def test_the_scene_reference_has_every_key(generate):
+def test_the_scene_reference_has_every_key():
     text = generate.scene_reference()
     for key, entry in scene_keys():
         if "default" in entry.metadata and not key.endswith(("links", "walls")):
             assert f"`{key.rpartition('.')[2]}`" in text, key
 
 
-def test_the_table_of_laws_has_every_law(generate):
+def test_the_table_of_laws_has_every_law():
     text = generate.contact_laws()
     assert all(f"| {law.number} | `{law.id}` | {law.source} |" in text for law in CONTACT_LAWS.values())
 
 
-def test_the_table_of_stiffness_has_every_material(generate):
+def test_the_table_of_stiffness_has_every_material():
     text = generate.stiffnesses()
     assert "| steel | 207 | 0.3 | 2.145e+10 | 2.145e+10 |" in text
     assert all(f"| {name} |" in text for name in generate.MATERIALS)

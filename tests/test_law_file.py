@@ -26,7 +26,6 @@ from chain_impact.scene import parse_scene, scene_to_dict, with_values
 from chain_impact.variables import fmu_variables
 from tests.problems import ball, own_law, struck_ball
 
-PAGE = Path(__file__).parents[1] / "docs" / "contact_laws.md"
 # all laws of the tests that simulate are in one, as each is one compilation: the restitution tells which
 DAMPED = f"""
 import math
@@ -235,18 +234,3 @@ def test_the_command_line_says_in_one_line_what_is_wrong(law, tmp_path, capsys):
     assert cli.main(["simulate", str(scene)]) != 0
     (line,) = capsys.readouterr().err.splitlines()
     assert f"{path} does not compile: NameError" in line
-
-
-# --- the example of the docs -------------------------------------------------------------------------------
-
-
-def test_the_example_of_the_docs_runs_as_written(tmp_path, monkeypatch):
-    page = PAGE.read_text(encoding="utf-8")
-    own = page[page.index("## A law of your own") :]
-    files = re.findall(r"`(\w+\.(?:py|toml))`:\n\n```\w+\n(.*?)^```$", own, re.M | re.S)
-    assert [name for name, _ in files] == ["rubber.py", "scene.toml"]
-    monkeypatch.chdir(tmp_path)
-    for name, text in files:
-        Path(name).write_text(text, encoding="utf-8")
-    assert cli.main(["simulate", "scene.toml"]) == 0
-    assert simulate(load_scene("scene.toml")).impacts["peak_force"][0] > 100.0

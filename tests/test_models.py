@@ -22,6 +22,7 @@ from chain_impact.results.recording import recording_of
 from chain_impact.scene import SCENE_FILE, WALLS, model_names, models_folder
 from chain_impact.variables import input_places
 
+DOCS = Path(__file__).parents[1] / "docs" / "models"
 STEP = 0.02  # s, between two rows of a reference
 # until when [s] the two integrations are compared, and within what [m, rad, s]: the four-link chain
 # amplifies an error of its start 2e4 times until 2 s; the rod comes to rest by ever more impacts
@@ -243,7 +244,8 @@ def test_energy_is_conserved_in_the_reference(model):
 def test_every_model_has_its_files():
     for model in model_names():
         files = {file.name for file in (models_folder() / model).iterdir() if file.is_file()}
-        assert files == {SCENE_FILE, "README.md", "reference.csv"} | CO_SIMULATED.get(model, set())
+        assert files == {SCENE_FILE, "reference.csv"} | CO_SIMULATED.get(model, set())
+        assert (DOCS / f"{model}.md").is_file()
 
 
 def write_inputs(model):

@@ -24,7 +24,8 @@ positive = st.floats(1e-6, 1e6)
 @st.composite
 def scene_dicts(draw):
     """Draw a valid scene file, without some of the keys that may be missing."""
-    count = draw(st.integers(1, 6))
+    counts = draw(st.lists(st.none() | st.integers(1, 3), min_size=1, max_size=4))
+    count = sum(equal or 1 for equal in counts)
     pinned = draw(st.booleans())
 
     def table(**keys):
@@ -33,8 +34,9 @@ def scene_dicts(draw):
     def per_link(values):
         return st.lists(values, min_size=count, max_size=count)
 
-    def link():
+    def link(equal):
         optional = table(center_of_mass=st.floats(0, 10), inertia=positive, joint_damping=st.floats(0, 10))
+        optional |= {"count": equal} if equal else {}
         return {"length": draw(st.floats(1e-3, 10)), "mass": draw(positive)} | optional
 
     far = st.floats(1e3, 1e6)  # out of reach of the chain
@@ -49,7 +51,7 @@ def scene_dicts(draw):
         "name": draw(st.from_regex(r"[A-Za-z_]\w*", fullmatch=True, alphabet=st.characters(codec="ascii"))),
         **table(description=st.text(st.characters(codec="utf-8", exclude_categories=["C"]))),
         **table(gravity=st.lists(finite, min_size=2, max_size=2)),
-        "chain": {"base": "pinned" if pinned else "free", "links": [link() for _ in range(count)]},
+        "chain": {"base": "pinned" if pinned else "free", "links": [link(equal) for equal in counts]},
         "box": table(x_min=far.map(lambda x: -x), x_max=far, y_min=far.map(lambda x: -x), y_max=far),
         "walls": [wall(name) for name in draw(st.lists(st.sampled_from(["a", "b_", "C1"]), unique=True))],
         "contact": table(

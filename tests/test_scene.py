@@ -18,6 +18,7 @@ from chain_impact.scene import (
     model_names,
     models_folder,
     parse_scene,
+    scene_from_dict,
     scene_keys,
     scene_to_dict,
     with_values,
@@ -270,6 +271,46 @@ def test_a_start_inside_a_wall_at_a_slant_is_refused():
         "initial: point 0 at (0.6, 1.4) m is 0.176777 m deep in the wall ramp; must be outside"
     )
     with_values(load_scene("four_link_box"), {("walls",): walls, ("contact", "points"): [2, 3, 4]})
+
+
+def of_equal_links(*counts):
+    links = [{"length": 0.1 * (i + 1), "mass": 1.0, "count": count} for i, count in enumerate(counts)]
+    zeros = [0.0] * sum(counts)
+    changes = {
+        ("initial", "angles"): zeros,
+        ("initial", "angular_velocities"): zeros,
+        ("chain", "links"): links,
+    }
+    return with_values(load_scene("rod_drop"), {**changes, ("contact", "points"): None})
+
+
+def test_a_count_stands_for_so_many_equal_links():
+    scene = of_equal_links(2, 1, 3)
+    assert [link.length for link in scene.chain.links] == pytest.approx([0.1, 0.1, 0.2, 0.3, 0.3, 0.3])
+    assert scene.contact.points == tuple(range(7))
+    assert all("count" not in link for link in scene_to_dict(scene)["chain"]["links"])
+    assert scene_from_dict(scene_to_dict(scene), "f") == scene
+    heavier = with_values(scene, {("chain", "links", 4, "mass"): 2.0})
+    assert [link.mass for link in heavier.chain.links] == [1.0, 1.0, 1.0, 1.0, 2.0, 1.0]
+
+
+@pytest.mark.parametrize("count", [0, 1001, 2.0, True])
+def test_a_bad_count_is_refused(count):
+    message = refused((("chain", "links", 1, "count"), count))
+    assert message == f"count in entry 2 of [[chain.links]] = {count} must be a whole number >= 1 and <= 1000"
+
+
+def test_an_error_names_the_entry_of_the_file_where_entries_are_not_links():
+    text = MINIMAL.replace(
+        "[{length = 2.0, mass = 3.0}]", "[{length = 2.0, mass = 3.0, count = 3}, {mass = 1.0}]"
+    )
+    message = refusal(parse_scene, text, "f")
+    assert message == "f: length in entry 2 of [[chain.links]] is missing (length)"
+
+
+def test_counts_of_too_many_links_in_all_are_refused():
+    message = refusal(of_equal_links, 400, 600, 1)
+    assert message == "RodDrop: chain.links[].count makes 1001 links in all, must make at most 1000"
 
 
 def test_a_chain_has_at_most_a_thousand_links():

@@ -6,6 +6,7 @@ from chain_impact.extras import MissingExtraError
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.laws.registry import ContactLaw
 from chain_impact.reading import SceneError, UnknownNameError
+from chain_impact.results.animation import AnimationError, animate
 from chain_impact.results.impacts import impacts_of
 from chain_impact.results.recording import Recording
 from chain_impact.results.result import IMPACT_DTYPE, Result
@@ -17,10 +18,12 @@ from chain_impact.simulate import simulate, with_law
 from chain_impact.stepping import Chain
 from chain_impact.stiffness import sphere_plane_stiffness
 from chain_impact.studies.compare import Comparison, LawRun, compare
+from chain_impact.studies.slow_motion import record_slowly
 
 __all__ = [
     "CONTACT_LAWS",
     "IMPACT_DTYPE",
+    "AnimationError",
     "BuildError",
     "Chain",
     "Comparison",
@@ -35,6 +38,7 @@ __all__ = [
     "Signal",
     "SimulationError",
     "UnknownNameError",
+    "animate",
     "build_fmu",
     "compare",
     "impacts_of",
@@ -42,6 +46,7 @@ __all__ = [
     "model_names",
     "parse_scene",
     "record_fmu",
+    "record_slowly",
     "simulate",
     "sphere_plane_stiffness",
     "validate_fmu",

@@ -29,6 +29,7 @@ class Limits(TypedDict, total=False):
     matching: tuple[str, str]  # regular expression for the whole text, and its meaning in words
     per_link: bool  # a list with one value for each link
     entries: tuple[int, int]  # of a list, how many at least and at most
+    file_only: bool  # stands for other values in a file; None in a scene
     extended_by: str  # key of the same table, a file whose name is one more choice
 
 

@@ -29,8 +29,8 @@ SCENE_FILE = "scene.toml"
 MAX_LINKS = 1000
 
 _IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "a C identifier")
-_XML_TEXT = (r"[\t\n\r\x20-\uD7FF\uE000-\uFFFD\U00010000-\U0010FFFF]*", "text without control characters")
-_PYTHON_FILE = (r"|[^\0]*\.py", "the path of a Python file, from the folder of the scene")
+_XML_TEXT = (r"[^\x00-\x08\x0B\x0C\x0E-\x1F\uD800-\uDFFF\uFFFE\uFFFF]*", "text without control characters")
+_PYTHON_FILE = (r"|[^\x00]*\.py", "the path of a Python file, from the folder of the scene")
 
 _MIDDLE = Derived("length / 2", lambda link: link["length"] / 2)
 _ROD = Derived("mass * length^2 / 12", lambda link: link["mass"] * link["length"] * link["length"] / 12)
@@ -40,8 +40,11 @@ _ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links))
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Link:
-    """One rigid link, from its proximal joint (towards the base) to its distal one."""
+    """One rigid link, from its proximal joint (towards the base) to its distal one; in a file several."""
 
+    count: int | None = quantity(
+        "", "number of equal links, 1 if missing", None, minimum=1, maximum=MAX_LINKS, file_only=True
+    )
     length: float = quantity("m", "length", above=0.0)
     mass: float = quantity("kg", "mass", above=0.0)
     center_of_mass: float = quantity("m", "centre of mass, from the proximal joint", _MIDDLE, minimum=0.0)
@@ -55,6 +58,13 @@ class Chain:
 
     base: str = quantity("", "base point: free to move, or pinned", "free", choices=("free", "pinned"))
     links: tuple[Link, ...] = quantity("", "links from base to tip", entries=(1, MAX_LINKS))
+
+    def __post_init__(self) -> None:
+        """Put each of the equal links of a `count` in the place of the one that has it."""
+        if (total := sum(link.count or 1 for link in self.links)) > MAX_LINKS:
+            raise SceneError(f"chain.links[].count makes {total} links in all, must make at most {MAX_LINKS}")
+        links = (replace(link, count=None) for link in self.links for _ in range(link.count or 1))
+        object.__setattr__(self, "links", tuple(links))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -185,10 +195,7 @@ class Scene:
         return {name_of(path, walls): value for path, value in _leaves(self)}
 
     def with_values(self, changes: Mapping[str, Any] | Mapping[Place, Any]) -> "Scene":
-        """Return the validated scene with some values changed: ``{"contact.restitution": 0.5}``.
-
-        See ``chain_impact.scene.with_values``.
-        """
+        """The scene with some values changed, `{"contact.restitution": 0.5}`; see the function."""
         return with_values(self, changes)
 
 
@@ -248,7 +255,12 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
     given = [table.get("name") if isinstance(table, Mapping) else None for table in tables]
     names = [name if isinstance(name, str) and name.isidentifier() else None for name in given]
 
+    counted = _has_counts(data)
+
     def label(path: Place) -> str:
+        match path:
+            case "chain", "links", int(i), key if counted:
+                return f"{key} in entry {i + 1} of [[chain.links]]"
         name, written = name_of(path, names), place_in_file(path)
         return f"{name} ({written})" if in_file and written != name else name
 
@@ -260,6 +272,14 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
     except SceneError as error:
         raise SceneError(f"{source}: {error}") from None
     return scene
+
+
+def _has_counts(data: Any) -> bool:
+    """Whether an entry for a link stands for several, so that entries are not numbered as links are."""
+    chain = data.get("chain") if isinstance(data, Mapping) else None
+    links = chain.get("links") if isinstance(chain, Mapping) else None
+    tables = links if isinstance(links, list | tuple) else []
+    return any(isinstance(table, Mapping) and "count" in table for table in tables)
 
 
 def scene_to_dict(scene: Scene) -> dict[str, Any]:
@@ -349,7 +369,7 @@ def _names(scene: Scene) -> dict[str, Place]:
 def _leaves(value: Any, path: Place = (), unit: str = "") -> Iterator[tuple[Place, Any]]:
     """Yield the path of every single value, and the value; entries of a list of quantities are single."""
     if is_dataclass(value):
-        for entry in fields(value):
+        for entry in (entry for entry in fields(value) if not entry.metadata.get("file_only")):
             yield from _leaves(
                 getattr(value, entry.name), (*path, entry.name), entry.metadata.get("unit", "")
             )

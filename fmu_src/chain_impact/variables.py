@@ -100,7 +100,7 @@ def word_index(dtype: np.dtype, place: Place) -> int:
 
 def _rules(table: type) -> dict[str, Mapping[str, Any]]:
     """The metadata of each key of a table of the scene."""
-    return {entry.name: entry.metadata for entry in fields(table)}
+    return {entry.name: entry.metadata for entry in fields(table) if not entry.metadata.get("file_only")}
 
 
 def _parameter(

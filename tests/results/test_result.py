@@ -121,3 +121,15 @@ def test_plot_gives_a_figure_or_writes_a_file(result, tmp_path):
     assert result.plot().get_suptitle().startswith("FourLinkBox")
     assert result.plot(tmp_path / "motion.png") is None
     assert (tmp_path / "motion.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_animate_writes_a_page(result, tmp_path):
+    result.animate(tmp_path / "motion.html", speed=0.5)
+    assert '"name":"FourLinkBox","speed":0.5' in (tmp_path / "motion.html").read_text(encoding="utf-8")
+
+
+def test_animate_needs_positions(tmp_path):
+    some = simulate(default_scene(), 0.6, output="energy.*")
+    with pytest.raises(KeyError, match="no output of this result"):
+        some.animate(tmp_path / "motion.html")
+    assert list(tmp_path.iterdir()) == []

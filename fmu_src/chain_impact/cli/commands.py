@@ -7,15 +7,16 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from typing import NoReturn
 
-from chain_impact.cli import build, cache, compare, info, simulate, validate
+from chain_impact.cli import animate, build, cache, compare, info, simulate, validate
 from chain_impact.cli.options import UsageError
 from chain_impact.cli.progress import err, out
 from chain_impact.compilation.errors import BuildError
 from chain_impact.extras import MissingExtraError
 from chain_impact.reading import SceneError
+from chain_impact.results.animation import AnimationError
 from chain_impact.runs import RunError
 
-VERBS = (build, simulate, compare, info, validate, cache)
+VERBS = (build, simulate, animate, compare, info, validate, cache)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -24,7 +25,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     out.quiet = options.quiet
     try:
         code: int = options.run(options)
-    except (SceneError, UsageError, MissingExtraError) as error:
+    except (AnimationError, SceneError, UsageError, MissingExtraError) as error:
         err.print(f"chain-impact: {error}", markup=False, soft_wrap=True)
         return 2
     except (BuildError, RunError) as error:

@@ -47,6 +47,11 @@ PYTHON_SYMBOLS = (
     *("numba_gil_release", "numba_runtime_build_excinfo_struct", "numba_unpickle"),
 )
 INTERFACE = PACKAGE / "compilation" / "fmi2"
+# Runs lower.py with these sources. The variable PYTHONPATH would not do: where pip builds a wheel, it hides
+# the folder of an editable installation of the same sources.
+LOWER = """import runpy, sys
+sys.path.insert(0, sys.argv.pop(1))
+runpy.run_module("chain_impact.compilation.lower", run_name="__main__", alter_sys=True)"""
 STUB = '__attribute__((visibility("hidden"))) void {}(void) {{}}\n'
 
 # A number that the instance holds does not change while the kernel works on it, and is of a sensible size.
@@ -104,9 +109,8 @@ def lower(module: Path, law: Path | None = None) -> None:
     """
     # numba takes the features of this machine unless told otherwise, and orders by hash
     settings = {"NUMBA_CPU_NAME": PORTABLE_CPU, "NUMBA_CPU_FEATURES": "", "PYTHONHASHSEED": "0"}
-    path = os.pathsep.join(filter(None, (str(PACKAGE.parent), os.environ.get("PYTHONPATH"))))
     files = [str(path) for path in (module, law) if path]
-    done = _run("chain_impact.compilation.lower", fingerprint(), *files, **settings, PYTHONPATH=path)
+    done = _run("-c", LOWER, str(PACKAGE.parent), fingerprint(), *files, **settings)
     if done.returncode == BAD_LAW:
         raise LawError(done.stderr.splitlines()[-1])
     _check(done)
@@ -172,15 +176,17 @@ def _zig(platform: str, library: Path, *inputs: Path) -> None:
         options.append("-Wl,-install_name,@rpath/kernel.dylib")
     folders = {"ZIG_GLOBAL_CACHE_DIR": linker_folder(), "ZIG_LOCAL_CACHE_DIR": library.with_name("zig")}
     files = map(str, ("-I", INTERFACE, "-o", library, *inputs, stubs))
-    _check(_run("ziglang", *options, *files, "-lm", **{name: str(path) for name, path in folders.items()}))
+    _check(
+        _run("-m", "ziglang", *options, *files, "-lm", **{name: str(path) for name, path in folders.items()})
+    )
 
 
-def _run(module: str, *arguments: str, **settings: str) -> subprocess.CompletedProcess[str]:
-    """Run a module of Python, whatever the user's settings of numba and the files of the present folder."""
+def _run(*arguments: str, **settings: str) -> subprocess.CompletedProcess[str]:
+    """Run Python, whatever the user's settings of numba and the files of the present folder."""
     kept = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_")}
     with TemporaryDirectory() as nowhere:
         return subprocess.run(
-            [sys.executable, "-P", "-m", module, *arguments],
+            [sys.executable, "-P", *arguments],
             cwd=nowhere,
             env=kept | settings,
             capture_output=True,
@@ -191,5 +197,5 @@ def _run(module: str, *arguments: str, **settings: str) -> subprocess.CompletedP
 
 def _check(done: subprocess.CompletedProcess[str]) -> None:
     if done.returncode != 0:
-        command = " ".join(done.args[2:5])
-        raise BuildError(f"could not compile the kernel: {command} … said:\n{done.stderr}")
+        program = "zig" if "ziglang" in done.args else "numba"
+        raise BuildError(f"could not compile the kernel: {program} said:\n{done.stderr}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import math
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -29,12 +30,16 @@ class Impact:
         point: 0…N.
         wall: name of the wall.
         speed: normal approach speed [m/s].
+        end: of the contact [s]; NaN if it is unknown, or of one that lasts.
+        peak_force: the largest force [N], infinite between rigid walls; NaN if it is unknown.
     """
 
     time: float
     point: int
     wall: str
     speed: float
+    end: float = field(default=math.nan, compare=False)
+    peak_force: float = field(default=math.nan, compare=False)
 
 
 @dataclass(frozen=True)
@@ -145,6 +150,13 @@ def impacts_from_outputs(record: Any, walls: Sequence[str]) -> list[Impact]:
 def impact_list(table: np.ndarray, walls: Sequence[str]) -> list[Impact]:
     """The impacts of a table as `Result.impacts`, with the names of the walls."""
     return [
-        Impact(float(row["onset"]), int(row["point"]), walls[row["wall"]], float(row["impact_speed"]))
+        Impact(
+            time=float(row["onset"]),
+            point=int(row["point"]),
+            wall=walls[row["wall"]],
+            speed=float(row["impact_speed"]),
+            end=float(row["end"]),
+            peak_force=float(row["peak_force"]),
+        )
         for row in table
     ]

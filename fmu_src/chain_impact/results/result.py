@@ -175,6 +175,26 @@ class Result:
         plots.fill(page, recording)
         return page
 
+    def animate(self, path: str | os.PathLike[str], **options: Any) -> None:
+        """Write an animation: a page for the browser, ``.html``, or a film, ``.gif`` or ``.mp4``.
+
+        It shows an impact by the rows within it. ``record_slowly`` simulates a scene with more of them.
+
+        Args:
+            path: the file.
+            options: ``speed``, ``impact_time``, ``size``, ``progress`` of ``chain_impact.animate``.
+
+        Raises:
+            UnknownNameError: when ``simulate(output=…)`` left out the positions of the points.
+            AnimationError, MissingExtraError, OSError: as ``chain_impact.animate``.
+        """
+        from chain_impact.results.animation import animate
+        from chain_impact.results.recording import recording_of
+
+        for needed in ("point[*].x", "point[*].y"):
+            self[needed]
+        animate(recording_of(self), Path(path), **options)
+
     def __repr__(self) -> str:
         """What happened, in a few lines."""
         return summary.text(self)

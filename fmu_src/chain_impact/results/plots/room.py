@@ -8,11 +8,14 @@ from matplotlib.patches import Polygon
 
 from chain_impact.results.plots.style import INK
 from chain_impact.results.recording import Recording
+from chain_impact.results.view import seen
 from chain_impact.walls import HalfPlane, half_planes
 
 OUTSIDE_COLOUR = "0.93"
-MARGIN, BAND = 0.04, 0.14  # of the motion's width, at the edges of the view and outside of walls
-NEAR = 0.2  # of the motion's width: a wall farther from the motion is left out; more than √2 BAND
+MARGIN, BAND = (
+    0.04,
+    0.14,
+)  # of the motion's width, at the edges of the view and outside of walls; √2 BAND < NEAR
 PARALLEL = 1e-9  # of a length of 1 and of m, what round-off may be
 
 
@@ -21,21 +24,26 @@ def view_of(recording: Recording) -> tuple[np.ndarray, list[HalfPlane]]:
 
     The motion fills it, with a margin. A wall far from the motion is left out.
     """
-    reach = np.array([edge(recording.points, axis=(0, 1)) for edge in (np.min, np.max)])
-    width = np.ptp(reach, axis=0).max()
-    near = [wall for wall in recording.walls.values() if -width <= _gap(wall, reach)[1] <= NEAR * width]
-    view, margin = reach.copy(), np.full((2, 2), MARGIN)
+    view, near = seen(recording.points, recording.walls)
+    margin = np.full((2, 2), MARGIN)
     for wall in near:
-        corner, gap = _gap(wall, reach)
-        met = corner - max(0.0, gap) * np.array(wall.normal)
-        view = np.array([np.minimum(view[0], met), np.maximum(view[1], met)])
         margin = np.maximum(margin, BAND * np.array([wall.normal, np.negative(wall.normal)]))
     return view + np.ptp(view, axis=0).max() * margin * [[-1.0], [1.0]], near
 
 
 def draw_walls(axes: Axes, recording: Recording) -> None:
-    """The room between the walls in white, all beyond them in grey; sets the limits of the axes."""
-    view, near = view_of(recording)
+    """The room between the walls near the motion; sets the limits of the axes."""
+    draw_room(axes, *view_of(recording))
+
+
+def draw_room(axes: Axes, view: np.ndarray, near: list[HalfPlane]) -> None:
+    """The room between some walls in white, all beyond them in grey; sets the limits of the axes.
+
+    Args:
+        axes: where it is drawn.
+        view: lower left and upper right corner of what the axes show, shape (2, 2) [m].
+        near: the walls.
+    """
     frame = half_planes(dict(zip(("x_min", "y_min", "x_max", "y_max"), view.ravel(), strict=True)), {})
     bounds = [*near, *frame.values()]
     edges = [_edge(wall, bounds) for wall in bounds]
@@ -46,12 +54,6 @@ def draw_walls(axes: Axes, recording: Recording) -> None:
     for ends in filter(len, edges[: len(near)]):
         axes.plot(*ends.T, color=INK, linewidth=2.0, zorder=2)
     axes.set(xlim=view[:, 0], ylim=view[:, 1])
-
-
-def _gap(wall: HalfPlane, reach: np.ndarray) -> tuple[np.ndarray, float]:
-    """The corner of a rectangle (lower, upper ends of x and y) that is nearest to a wall, and how near."""
-    corner = np.where(np.array(wall.normal) > 0.0, *reach)
-    return corner, wall.clearance(*corner)
 
 
 def _edge(wall: HalfPlane, bounds: list[HalfPlane]) -> np.ndarray:

@@ -1,0 +1,68 @@
+"""The wheel, installed outside of the repository by pip and, in every supported Python that is here, by uv.
+
+``python .ci/check_wheel.py SCRATCH``, in the repository. A wheel takes its kernels from the cache that
+``CHAIN_IMPACT_CACHE`` names, or compiles them.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+SUPPORTED = ["python3.11", "python3.12", "python3.13"]
+UV = Path(sys.executable).with_name("uv")
+CHECK = "import chain_impact, sys; assert sys.prefix in chain_impact.__file__; print(chain_impact.__file__)"
+
+
+def run(*command: str | Path, **options: object) -> None:
+    """Run a command, which has to succeed."""
+    subprocess.run([str(part) for part in command], check=True, **options)  # type: ignore[call-overload]
+
+
+def pythons() -> list[str]:
+    """The supported Pythons that are here: those of pyenv, and on the path."""
+    kept = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv"), "versions")
+    path = os.pathsep.join(
+        [*map(str, sorted(kept.glob("*/bin"))), os.environ["PATH"]]
+    )  # pyenv's own stand-ins last
+    found = (shutil.which(name, path=path) for name in SUPPORTED)
+    return [python for python in found if python]
+
+
+def install(tool: str, python: str, wheel: Path, venv: Path) -> None:
+    """Install the wheel with pip or uv in a new environment."""
+    if tool == "uv":
+        run(UV, "venv", "--quiet", "--python", python, venv)
+        run(UV, "pip", "install", "--quiet", "--python", venv / "bin" / "python", wheel)
+    else:
+        run(python, "-m", "venv", venv)
+        run(venv / "bin" / "pip", "install", "--quiet", wheel)
+
+
+def use(venv: Path, folder: Path) -> None:
+    """Do what a user does first, in a folder that has nothing to do with the repository."""
+    folder.mkdir()
+    unused = folder / "cache"
+    environment = {**os.environ, "CHAIN_IMPACT_CACHE": str(unused), "MPLBACKEND": "Agg"}
+    run(venv / "bin" / "python", "-c", CHECK, cwd=folder, env=environment)
+    command = [venv / "bin" / "chain-impact", "build", "--simulate"]
+    run(*command, cwd=folder, env=environment, stdout=subprocess.DEVNULL)
+    made = {file.name for file in (folder / "build").iterdir()}
+    assert made >= {"FourLinkBox.fmu", "FourLinkBox.csv", "FourLinkBox.png"}, made
+    assert not unused.exists(), "a kernel was compiled, though the wheel should have all"
+
+
+def main(scratch: Path) -> None:
+    """Build the wheel and try it."""
+    run(sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--wheel-dir", scratch / "dist", ".")
+    (wheel,) = (scratch / "dist").glob("chain_impact-*.whl")
+    for tool, python in [("pip", pythons()[0]), *(("uv", python) for python in pythons())]:
+        name = f"{Path(python).name}-{tool}"
+        install(tool, python, wheel, scratch / name)
+        use(scratch / name, scratch / f"{name}-folder")
+        print(f"{wheel.name}: works with {Path(python).name}, installed by {tool}")
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

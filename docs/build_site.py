@@ -1,0 +1,58 @@
+"""Build the site in ``site/``: ``python docs/build_site.py``. With ``--serve`` show it while you write.
+
+Zensical reads ``mkdocs.yml``. It knows no notebooks, so they are run and made pages before.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+DOCS = Path(__file__).parent
+SITE = DOCS.parent / "site"
+SHIM = "https://unpkg.com/iframe-worker/shim"
+NOTEBOOKS = sorted((DOCS / "notebooks").glob("*.ipynb"))
+
+
+def make_pages(notebooks: list[Path], folder: Path) -> None:
+    """Run notebooks and write each as a page with its pictures; RuntimeError if a cell fails."""
+    convert = [sys.executable, "-W", "ignore", "-m", "nbconvert", "--log-level", "ERROR"]
+    convert += ["--execute", "--to", "markdown", "--output-dir", str(folder)]
+    done = subprocess.run([*convert, *map(str, notebooks)], check=False, capture_output=True, text=True)
+    if done.returncode != 0:  # else it has warnings only, about how it talks to the kernel of the notebook
+        raise RuntimeError(f"a notebook does not run:\n{done.stderr}")
+
+
+def finish() -> None:
+    """Make what Zensical has written independent of the network and of the repository."""
+    for script in SITE.glob("*.py"):  # every file of docs/ is copied
+        script.unlink()
+    for page in SITE.rglob("*.html"):
+        text = page.read_text(encoding="utf-8")
+        # in the repository a link leads to the notebook, here to its page
+        text = text.replace('.ipynb"', '.html"')
+        # without a server, search needs this script, which is in docs/javascripts
+        top = "../" * (len(page.relative_to(SITE).parts) - 1)
+        text = text.replace(SHIM, f"{top}javascripts/iframe-worker/shim.js")
+        if remote := re.search(r'<(?:script|link)\b[^>]+(?:src|href)="(https?://[^"]*)', text):
+            sys.exit(f"{page.relative_to(SITE)} would load {remote[1]} from the network")
+        page.write_text(text, encoding="utf-8")
+
+
+def main() -> int:
+    """Make the pages of the notebooks, then the site; return the exit code of Zensical."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--serve", action="store_true", help="serve the site and follow changes")
+    command = ["serve"] if parser.parse_args().serve else ["build", "--clean", "--strict"]
+    make_pages(NOTEBOOKS, DOCS / "notebooks")
+    zensical = [sys.executable, "-m", "zensical", *command]
+    code = subprocess.run(zensical, cwd=DOCS.parent, check=False).returncode
+    finish()
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,93 @@
+"""The JSON schema of scene files, for editors: made from the fields of the dataclasses in ``scene.py``.
+
+Draft 7, which Taplo and the editors built on it understand. It knows what each key may hold. What two keys
+say together, such as the number of angles and of links, only the reader can check.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any, get_args, get_origin
+
+from chain_impact.limits import Derived, without_none
+from chain_impact.scene import Scene, Wall
+
+LIMITS = {"minimum": "minimum", "above": "exclusiveMinimum", "maximum": "maximum"}
+TYPES = {bool: "boolean", int: "integer", float: "number", str: "string"}
+
+
+def schema() -> dict[str, Any]:
+    """The schema of a whole scene file."""
+    head = {"$schema": "http://json-schema.org/draft-07/schema#", "title": "chain-impact scene"}
+    return head | _table(Scene)
+
+
+def _table(table: Any) -> dict[str, Any]:
+    entries = dataclasses.fields(table)
+    rules: dict[str, Any] = {"type": "object", "additionalProperties": False}
+    rules |= {"description": _sentence(table.__doc__)} if table is not Scene else {}
+    rules["properties"] = {entry.name: _key(entry) for entry in entries}
+    if needed := [entry.name for entry in entries if _is_needed(entry)]:
+        rules["required"] = needed
+    if table is Wall:  # the reader wants one of the two
+        rules["oneOf"] = [{"required": ["angle"]}, {"required": ["normal"]}]
+    for entry in entries:
+        if file := entry.metadata.get("extended_by"):
+            # without the file only the choices of the registry are allowed
+            has_file = {"required": [file], "properties": {file: {"minLength": 1}}}
+            choices = {"properties": {entry.name: {"enum": list(entry.metadata["choices"])}}}
+            rules |= {"if": has_file, "else": choices}
+    return rules
+
+
+def _is_needed(entry: Any) -> bool:
+    """Whether a key, or something in a table, has no default."""
+    if dataclasses.is_dataclass(entry.type):
+        return any(_is_needed(inner) for inner in dataclasses.fields(entry.type))
+    return entry.metadata["default"] is dataclasses.MISSING
+
+
+def _sentence(text: str) -> str:
+    return " ".join(text.partition("\n\n")[0].split())
+
+
+def _key(entry: Any) -> dict[str, Any]:
+    if dataclasses.is_dataclass(entry.type):
+        return _table(entry.type)
+    rule = entry.metadata
+    text = rule["description"] + (f" [{rule['unit']}]" if rule["unit"] not in ("", "1") else "")
+    default = rule["default"]
+    if isinstance(default, Derived):
+        text += f"; default: {default.text}"
+    rules = {"description": text} | _value(without_none(entry.type), rule)
+    if not isinstance(default, Derived) and default is not None and default is not dataclasses.MISSING:
+        rules["default"] = list(default) if isinstance(default, tuple) else default
+    return rules
+
+
+def _value(kind: Any, rule: Any) -> dict[str, Any]:
+    if get_origin(kind) is tuple:
+        return _list(kind, rule)
+    rules: dict[str, Any] = {"type": TYPES[kind]}
+    rules |= {name: rule[limit] for limit, name in LIMITS.items() if rule[limit] is not None}
+    if rule["choices"] is not None:
+        choices = {"enum": list(rule["choices"])}
+        # an editor offers the choices, though a file may add one
+        return rules | ({"anyOf": [choices, {"minLength": 1}]} if rule["extended_by"] else choices)
+    if rule["matching"] is not None:
+        # TOML has no surrogates, and the regular expressions of Taplo cannot name them
+        rules["pattern"] = "^({})$".format(rule["matching"][0].replace(r"\uD800-\uDFFF", ""))
+    return rules
+
+
+def _list(kind: Any, rule: Any) -> dict[str, Any]:
+    item, *rest = get_args(kind)
+    rules: dict[str, Any] = {"type": "array"}
+    rules["items"] = _table(item) if dataclasses.is_dataclass(item) else _value(item, rule)
+    if rule["per_link"]:
+        rules["minItems"] = 1
+    elif rule["entries"]:
+        rules["minItems"], rules["maxItems"] = rule["entries"]
+    elif ... not in rest:
+        rules["minItems"] = rules["maxItems"] = 1 + len(rest)
+    return rules

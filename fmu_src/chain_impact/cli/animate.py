@@ -1,0 +1,134 @@
+"""`chain-impact animate`: a page for the browser, or a film."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from chain_impact.cli.options import UsageError, Verbs, add_scene, add_set, check_folders, is_fmu, settings_of
+from chain_impact.cli.progress import out, progress
+from chain_impact.results.animation import FORMATS, IMPACT_TIME, SIZE, animate
+from chain_impact.results.csv_file import read_csv
+from chain_impact.results.recording import Recording
+from chain_impact.running import SimulationError
+from chain_impact.runs import RunError, record_fmu, with_settings
+from chain_impact.scene import load_scene
+
+
+def add(verbs: Verbs) -> None:
+    """Add the verb to the grammar."""
+    verb = verbs.add_parser(
+        "animate", help="show a scene, an FMU or a CSV file in motion, in a page or a film"
+    )
+    add_scene(verb, "scene or FMU or CSV")
+    add_set(verb)
+    verb.add_argument(
+        "-o",
+        "--output",
+        metavar="FILE",
+        type=animation,
+        help="what to write: a page for the browser (html), or a film (gif, mp4); default: NAME.html",
+    )
+    verb.add_argument("--scene", metavar="SCENE", help="of a CSV file: the scene that has its walls")
+    verb.add_argument(
+        "--speed", type=float, default=1.0, help="simulated seconds in a second on the screen; default: 1"
+    )
+    verb.add_argument(
+        "--impact-time",
+        type=float,
+        default=IMPACT_TIME,
+        metavar="SECONDS",
+        help=f"how long an impact takes on the screen, 0 for no slow motion; default: {IMPACT_TIME:g}",
+    )
+    verb.add_argument(
+        "--size",
+        type=size,
+        default=SIZE,
+        metavar="WIDTHxHEIGHT",
+        help=f"of a film, in pixels; default: {SIZE[0]}x{SIZE[1]}",
+    )
+    verb.set_defaults(run=run)
+
+
+def animation(text: str) -> Path:
+    """The type of an argument: a file that an animation can be written to."""
+    path = Path(text)
+    if path.suffix.lower() not in FORMATS:
+        raise argparse.ArgumentTypeError(f"{text} must end in {', '.join(FORMATS)}")
+    return path
+
+
+def size(text: str) -> tuple[int, int]:
+    """The type of an argument: width and height in pixels."""
+    least, most = 160, 4096
+    width, cross, height = text.lower().partition("x")
+    if not (cross and width.isdecimal() and height.isdecimal()):
+        raise argparse.ArgumentTypeError(f"{text} must be WIDTHxHEIGHT, for example 960x540")
+    if not all(least <= int(length) <= most for length in (width, height)):
+        raise argparse.ArgumentTypeError(f"{text}: width and height must be {least} … {most}")
+    return int(width), int(height)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Get the recording, and write its animation; also of what came before a fault."""
+    check_folders(options.output)
+    fault = None
+    try:
+        recording = record(options)
+    except RunError as error:
+        if error.recording is None:
+            raise
+        recording, fault = error.recording, error
+    path = options.output or Path(f"{recording.name}.html")
+    with progress("drawing") as (_, advance):
+        animate(
+            recording,
+            path,
+            speed=options.speed,
+            impact_time=options.impact_time,
+            size=options.size,
+            progress=advance,
+        )
+    out.print(f"animation  {path}, {path.stat().st_size / 1e6:.2g} MB", markup=False, soft_wrap=True)
+    if fault:
+        raise fault
+    return 0
+
+
+def record(options: argparse.Namespace) -> Recording:
+    """The recording of a scene, simulated so that its impacts can be seen slowly, of an FMU or of a table."""
+    from chain_impact.studies.slow_motion import record_slowly
+
+    settings = settings_of(options.set)
+    if is_csv(options.source):
+        return read_table(Path(options.source), options.scene, settings)
+    if options.scene:
+        raise UsageError(f"--scene {options.scene}: only a CSV file needs it; {options.source} has its walls")
+    with progress() as (notify, advance):
+        if is_fmu(options.source):
+            return record_fmu(Path(options.source), settings, advance)
+        scene = with_settings(load_scene(options.source), settings)
+        try:
+            return record_slowly(scene, options.impact_time, notify, advance)
+        except SimulationError as error:
+            from chain_impact.results.recording import recording_of
+
+            partial = recording_of(error.result) if error.result else None
+            raise RunError(f"{scene.name}: {error}", partial) from None
+
+
+def is_csv(source: str) -> bool:
+    """Whether the source is meant to be a table."""
+    return source.lower().endswith(".csv")
+
+
+def read_table(path: Path, scene: str | None, settings: dict[str, str]) -> Recording:
+    """The recording in a table, with the walls of a scene."""
+    if scene is None:
+        if settings:
+            raise UsageError(
+                f"--set: a CSV file has no parameters; those of its walls need --scene, too: {path}"
+            )
+        return read_csv(path, None)
+    known = with_settings(load_scene(scene), settings)
+    return read_csv(path, known.half_planes, known.wall_names)

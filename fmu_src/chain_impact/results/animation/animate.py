@@ -1,0 +1,68 @@
+"""An animation into a file, of the kind that the file's name says."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+from chain_impact.results.animation.frames import motion_of
+from chain_impact.results.animation.pacing import IMPACT_TIME
+from chain_impact.results.recording import Recording, written_whole
+
+FORMATS = (".html", ".gif", ".mp4")
+SIZE = (960, 540)  # pixels of a film
+
+
+class AnimationError(ValueError):
+    """An animation that cannot be made; the message is one line."""
+
+
+def animate(
+    recording: Recording,
+    path: Path | str,
+    *,
+    speed: float = 1.0,
+    impact_time: float = IMPACT_TIME,
+    size: tuple[int, int] = SIZE,
+    progress: Callable[[float], None] = lambda _: None,
+) -> None:
+    """Write an animation of a recording.
+
+    Args:
+        recording: what to show. Where its rows are close in time, slow motion shows more.
+        path: the file, whose suffix says the kind: ``.html`` is a page that a browser opens and that needs no
+            other file, ``.gif`` and ``.mp4`` are films.
+        speed: simulated seconds in a second on the screen, but for impacts.
+        impact_time: what each impact takes on the screen [s] at the speed 1: shortly before, the animation
+            slows down. 0 shows all at one speed.
+        size: width and height of a film [pixels].
+        progress: called with the fraction done.
+
+    Raises:
+        AnimationError: when the suffix is unknown, a number is out of its range, or the recording has fewer
+            than two rows or no position of a point.
+        MissingExtraError: when PyAV is not there, for an mp4: ``pip install 'chain-impact[video]'``.
+        OSError: when the file cannot be written.
+    """
+    path = Path(path)
+    kind = path.suffix.lower()
+    if kind not in FORMATS:
+        raise AnimationError(f"{path}: the name must end in {', '.join(FORMATS)}")
+    if not 0.0 < speed < math.inf:
+        raise AnimationError(f"speed = {speed:g} must be a finite number > 0")
+    if not 0.0 <= impact_time < math.inf:
+        raise AnimationError(f"impact_time = {impact_time:g} must be a finite number >= 0 [s]")
+    if len(recording.time) < 2 or "point[0].x" not in recording.columns:  # noqa: PLR2004
+        raise AnimationError(f"{recording.name}: an animation needs two rows at least, with point[0].x")
+    motion = motion_of(recording, impact_time)
+    with written_whole(path) as fresh:
+        if kind == ".html":
+            from chain_impact.results.animation.page import page
+
+            fresh.write_text(page(motion, speed), encoding="utf-8")
+        else:
+            from chain_impact.results.animation.film import write_film
+
+            write_film(motion, fresh, speed, size, progress)
+    progress(1.0)

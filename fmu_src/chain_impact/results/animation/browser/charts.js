@@ -1,0 +1,189 @@
+// The charts, by uPlot: energy over the whole time, and the force of one contact.
+
+import { durationText, forceText } from "./format.js";
+
+const WIDTHS = { total: 2.4 };
+const AROUND = 0.35; // of a contact's duration, shown before and after it
+
+/** A colour of the style sheet. */
+function colour(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+}
+
+function axis(options = {}) {
+  return {
+    stroke: () => colour("muted"),
+    grid: { stroke: () => colour("line"), width: 1 },
+    ticks: { stroke: () => colour("line"), width: 1, size: 4 },
+    font: "11px system-ui, sans-serif",
+    ...options,
+  };
+}
+
+/** A vertical line at the present time, and what the charts share. */
+class Chart {
+  constructor(element, height, options, data) {
+    this.element = element;
+    this.height = height;
+    this.plot = new uPlot(
+      {
+        width: Math.max(element.clientWidth, 100),
+        height,
+        padding: [8, 20, 0, 0],
+        pxAlign: 0,
+        cursor: { show: false },
+        legend: { show: false },
+        ...options,
+      },
+      data,
+      element,
+    );
+    this.line = document.createElement("div");
+    this.line.className = "now";
+    this.plot.over.append(this.line);
+    new ResizeObserver(() => this.fit()).observe(element);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.plot.redraw(false));
+  }
+
+  fit() {
+    const width = this.element.clientWidth;
+    if (width > 0 && width !== this.plot.width) this.plot.setSize({ width, height: this.height });
+    this.mark();
+  }
+
+  /** Put the line at a place of the x-axis, without one where it is. */
+  mark(x = this.at) {
+    this.at = x;
+    const left = this.plot.valToPos(x, "x");
+    this.line.hidden = !(left >= -1 && left <= this.plot.over.clientWidth + 1);
+    this.line.style.transform = `translateX(${left}px)`;
+  }
+}
+
+/** The ledger: all energies over the whole time, with their values at the present time. */
+export class EnergyChart extends Chart {
+  constructor(element, ledger, recording, seek) {
+    const names = Object.keys(recording.energies);
+    const series = names.map((name) => ({
+      stroke: () => colour(name),
+      width: WIDTHS[name] ?? 1.6,
+      points: { show: false },
+    }));
+    super(
+      element,
+      element.clientHeight || 180,
+      {
+        series: [{}, ...series],
+        scales: { x: { time: false, range: [recording.start, recording.end] } },
+        axes: [axis({ size: 26, values: (_, ticks) => ticks.map((tick) => `${+tick.toFixed(6)} s`) }), axis({ size: 44 })],
+        hooks: { drawAxes: [(plot) => drawOnsets(plot, recording.impacts)] },
+      },
+      [recording.time, ...Object.values(recording.energies)],
+    );
+    this.recording = recording;
+    this.values = names.map((name) => ledgerEntry(ledger, name));
+    const largest = Object.values(recording.energies).flatMap((values) => [...values]).reduce((most, value) => Math.max(most, Math.abs(value)), 0);
+    this.decimals = Math.min(Math.max(3 - Math.floor(Math.log10(largest || 1)), 0), 9);
+    const go = (event) => {
+      const { left } = this.plot.over.getBoundingClientRect();
+      seek(this.plot.posToVal(event.clientX - left, "x"));
+    };
+    this.plot.over.addEventListener("pointerdown", (event) => {
+      this.plot.over.setPointerCapture(event.pointerId);
+      go(event);
+    });
+    this.plot.over.addEventListener("pointermove", (event) => event.buttons && go(event));
+  }
+
+  draw(frame) {
+    this.mark(this.recording.timeAt(frame));
+    this.values.forEach(([name, value]) => {
+      value.textContent = this.recording.between(this.recording.energies[name], frame).toFixed(this.decimals);
+    });
+  }
+}
+
+/** The entry of an energy in the ledger: its name, and the element for its present value. */
+function ledgerEntry(ledger, name) {
+  const [entry, term, value] = ["div", "dt", "dd"].map((tag) => document.createElement(tag));
+  term.textContent = name;
+  term.style.setProperty("--colour", `var(--${name})`);
+  entry.append(term, value);
+  ledger.append(entry);
+  return [name, value];
+}
+
+/** A tick of a time axis in seconds or milliseconds, all ticks in the same unit. */
+function ticksText(tick, ticks) {
+  const [factor, unit] = ticks.at(-1) >= 0.5 ? [1, "s"] : [1e3, "ms"];
+  return `${+(factor * tick).toPrecision(6)} ${unit}`;
+}
+
+/** Faint lines at the impacts. */
+function drawOnsets({ ctx, bbox, valToPos }, impacts) {
+  ctx.save();
+  ctx.strokeStyle = colour("onset");
+  ctx.beginPath();
+  for (const { onset } of impacts) {
+    const x = Math.round(valToPos(onset, "x", true)) + 0.5;
+    ctx.moveTo(x, bbox.top);
+    ctx.lineTo(x, bbox.top + bbox.height);
+  }
+  ctx.stroke();
+  ctx.restore();
+}
+
+/** The force of the latest contact over its own time, or of the first before there was one. */
+export class ForceChart extends Chart {
+  constructor(element, recording, what) {
+    super(
+      element,
+      element.clientHeight || 120,
+      {
+        series: [{}, { stroke: () => colour("force"), width: 2, fill: () => colour("force-fill"), points: { show: false } }],
+        scales: { x: { time: false }, y: { range: (_, __, most) => [0, 1.08 * Math.max(most, 1e-9)] } },
+        axes: [
+          axis({ size: 26, values: (_, ticks) => ticks.map((tick) => ticksText(tick, ticks)) }),
+          axis({ size: 52, values: (_, ticks) => ticks.map((tick) => (tick ? forceText(tick, 0) : "0")) }),
+        ],
+      },
+      [[0, 1], [0, 0]],
+    );
+    this.recording = recording;
+    this.what = what;
+    this.shown = null;
+  }
+
+  draw(frame) {
+    const { recording } = this;
+    const now = recording.timeAt(frame);
+    const contact = this.#latest(now);
+    if (!contact) return;
+    if (contact !== this.shown) this.#show(contact);
+    this.mark(now - contact.onset);
+  }
+
+  /** The contact that is to be shown: the latest, or the next when that is nearer. */
+  #latest(now) {
+    const distance = ({ onset, end }) => Math.max(onset - now, now - end, 0);
+    return this.recording.forceful.reduce((best, one) => (!best || distance(one) <= distance(best) ? one : best), null);
+  }
+
+  #show(contact) {
+    const { recording } = this;
+    const { point, wall, onset, end } = contact;
+    this.shown = contact;
+    const margin = AROUND * Math.max(end - onset, 1e-6);
+    const { values } = recording.forces.find((force) => force.point === point && force.wall === wall);
+    const first = Math.floor(recording.frameAt(onset - margin));
+    const last = Math.ceil(recording.frameAt(end + margin)) + 1;
+    const times = Array.from(recording.time.slice(first, last), (time) => time - onset);
+    const inside = times.map((time, index) => (time >= 0 && time <= end - onset ? values[first + index] : 0));
+    this.plot.setData([times, inside], false);
+    this.plot.batch(() => {
+      this.plot.setScale("x", { min: -margin, max: end - onset + margin });
+      this.plot.setScale("y", { min: 0, max: contact.peak });
+    });
+    this.what.textContent = `point ${point} at ${wall}, ${durationText(end - onset, 2)}`;
+  }
+}

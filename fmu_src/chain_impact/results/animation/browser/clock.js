@@ -1,0 +1,91 @@
+// The clock: which frame is on the screen, and how fast the simulated time passes.
+
+export const SPEEDS = [1 / 16, 1 / 8, 1 / 4, 1 / 2, 1, 2, 4];
+const STEP = 1 / 30; // s on the screen that an arrow key steps
+
+/** Tells those who listen whenever the frame, the speed or play and pause change. */
+export class Clock {
+  #listeners = [];
+
+  constructor(recording) {
+    this.recording = recording;
+    this.frame = 0;
+    this.playing = false;
+    this.slow = true;
+    this.speed = recording.speed;
+  }
+
+  onChange(listener) {
+    this.#listeners.push(listener);
+  }
+
+  get time() {
+    return this.recording.timeAt(this.frame);
+  }
+
+  get last() {
+    return this.recording.time.length - 1;
+  }
+
+  /** Simulated seconds that pass in a second on the screen. */
+  get rate() {
+    return this.speed * (this.slow ? this.recording.rateAt(this.frame) : 1);
+  }
+
+  /** Change some of: frame, playing, slow, speed. */
+  set(changes) {
+    Object.assign(this, changes);
+    this.frame = Math.min(Math.max(this.frame, 0), this.last);
+    this.#listeners.forEach((listener) => listener());
+  }
+
+  seek(time) {
+    this.set({ frame: this.recording.frameAt(time) });
+  }
+
+  /** Play, from the start if this is the end, or pause. */
+  toggle() {
+    const again = !this.playing && this.frame >= this.last;
+    this.set({ playing: !this.playing, frame: again ? 0 : this.frame });
+  }
+
+  /** Let some seconds on the screen pass, forwards or backwards. */
+  advance(seconds) {
+    const frame = this.slow
+      ? this.frame + seconds * this.speed * this.recording.frameRate
+      : this.recording.frameAt(this.time + seconds * this.speed);
+    this.set({ frame, playing: this.playing && frame < this.last });
+  }
+
+  /** Pause, and go one step back (−1) or ahead (1). */
+  step(direction) {
+    this.playing = false;
+    this.advance(direction * STEP);
+  }
+
+  /** Go to the next of the speeds: faster (1) or slower (−1). */
+  shift(direction) {
+    const faster = SPEEDS.filter((speed) => (speed - this.speed) * direction > 1e-9);
+    if (faster.length) this.set({ speed: direction > 0 ? faster[0] : faster[faster.length - 1] });
+  }
+
+  /** Go to the onset of an impact, by its number, counted from 0. */
+  toImpact(number) {
+    this.seek(this.recording.impacts[number].onset);
+    // the frame is a rounded number: an impact that is gone to has begun
+    while (this.time < this.recording.impacts[number].onset) this.frame += 1e-3;
+    this.set({});
+  }
+
+  /** Go to the impact before (−1) or after (1) the present time. */
+  stepImpact(direction) {
+    const { impacts } = this.recording;
+    const now = this.time;
+    const same = 1e-9 * (1 + Math.abs(now)) + 2e-3 * this.recording.rateAt(this.frame) / this.recording.frameRate;
+    const number = direction > 0
+      ? impacts.findIndex((impact) => impact.onset > now + same)
+      : impacts.findLastIndex((impact) => impact.onset < now - same);
+    if (number >= 0) this.toImpact(number);
+    else if (direction < 0) this.seek(this.recording.start);
+  }
+}

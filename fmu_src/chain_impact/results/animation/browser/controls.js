@@ -1,0 +1,96 @@
+// Buttons, the slider and the keys.
+
+import { SPEEDS } from "./clock.js";
+import { speedText } from "./format.js";
+
+const get = (id) => document.getElementById(id);
+
+/** Connect buttons, slider and keys with the clock. */
+export function connect(clock, scene) {
+  const { recording } = clock;
+  const actions = {
+    " ": () => clock.toggle(),
+    ArrowLeft: () => clock.step(-1),
+    ArrowRight: () => clock.step(1),
+    ShiftArrowLeft: () => clock.stepImpact(-1),
+    ShiftArrowRight: () => clock.stepImpact(1),
+    ArrowUp: () => clock.shift(1),
+    ArrowDown: () => clock.shift(-1),
+    Home: () => clock.seek(recording.start),
+    End: () => clock.seek(recording.end),
+    s: () => get("slow").click(),
+    t: () => get("trace").click(),
+    "?": () => get("help").showModal(),
+  };
+  document.addEventListener("keydown", (event) => {
+    const name = event.shiftKey && event.key.startsWith("Arrow") ? `Shift${event.key}` : event.key;
+    const action = actions[name.length === 1 ? name.toLowerCase() : name];
+    if (!action || event.ctrlKey || event.altKey || event.metaKey || keepsKey(event)) return;
+    event.preventDefault();
+    action();
+  });
+  get("play").addEventListener("click", () => clock.toggle());
+  get("previous").addEventListener("click", () => clock.stepImpact(-1));
+  get("next").addEventListener("click", () => clock.stepImpact(1));
+  get("slow").addEventListener("change", ({ target }) => clock.set({ slow: target.checked }));
+  get("trace").addEventListener("change", ({ target }) => {
+    scene.showTrace = target.checked;
+    clock.set({});
+  });
+  get("help-open").addEventListener("click", () => get("help").showModal());
+  connectSpeed(clock);
+  connectSlider(clock);
+}
+
+/** Whether the element that has the focus needs the key itself. */
+function keepsKey({ target, key }) {
+  if (get("help").open) return true;
+  if (target.closest("select")) return key.startsWith("Arrow") || key === "Home" || key === "End" || key === " ";
+  return key === " " && target.closest("button, input[type=checkbox]") !== null;
+}
+
+function connectSpeed(clock) {
+  const select = get("speed");
+  const choices = SPEEDS.includes(clock.speed) ? SPEEDS : [...SPEEDS, clock.speed].sort((a, b) => a - b);
+  select.append(...choices.map((value) => new Option(speedText(value), String(value))));
+  select.addEventListener("change", () => clock.set({ speed: Number(select.value) }));
+  clock.onChange(() => {
+    select.value = String(clock.speed);
+  });
+}
+
+function connectSlider(clock) {
+  const { recording } = clock;
+  const slider = get("scrub");
+  Object.assign(slider, { min: recording.start, max: recording.end });
+  slider.addEventListener("input", () => clock.seek(Number(slider.value)));
+  const play = get("play");
+  clock.onChange(() => {
+    slider.value = String(clock.time);
+    slider.setAttribute("aria-valuetext", `${clock.time.toFixed(4)} s`);
+    slider.style.setProperty("--done", `${(100 * (clock.time - recording.start)) / (recording.end - recording.start)}%`);
+    const label = clock.playing ? "Pause" : "Play";
+    if (play.getAttribute("aria-label") !== label) play.setAttribute("aria-label", label);
+  });
+  const marks = get("marks");
+  const draw = () => drawMarks(marks, recording);
+  new ResizeObserver(draw).observe(marks.parentElement);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+}
+
+/** A mark above the slider for each impact, the higher the faster it was. */
+function drawMarks(canvas, { impacts, start, end }) {
+  const { clientWidth: width, clientHeight: height } = canvas;
+  const density = window.devicePixelRatio;
+  Object.assign(canvas, { width: width * density, height: height * density });
+  const context = canvas.getContext("2d");
+  context.scale(density, density);
+  context.fillStyle = getComputedStyle(canvas).color;
+  const fastest = Math.max(...impacts.map(({ speed }) => speed), 1e-12);
+  const thumb = 16; // px: the middle of the slider's thumb stays half of this from its ends
+  for (const { onset, speed } of impacts) {
+    const x = thumb / 2 + ((width - thumb) * (onset - start)) / (end - start);
+    const tall = Math.max(3, (height * speed) / fastest);
+    context.fillRect(x - 1, height - tall, 2, tall);
+  }
+}

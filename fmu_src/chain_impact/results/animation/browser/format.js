@@ -1,0 +1,37 @@
+// Numbers as text.
+
+const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""]];
+
+/** A number with so many digits that count. */
+export function digits(value, count = 3) {
+  if (value === 0) return "0";
+  const decimals = count - 1 - Math.floor(Math.log10(Math.abs(value)));
+  return value.toFixed(Math.min(Math.max(decimals, 0), 9));
+}
+
+/** A force, for example: 12.3 kN; with no count, as many digits as it has. */
+export function forceText(newtons, count = 3) {
+  const [factor, prefix] = PREFIXES.find(([least]) => Math.abs(newtons) >= least) ?? [1, ""];
+  const value = newtons / factor;
+  return `${count ? digits(value, count) : +value.toPrecision(6)}\u202f${prefix}N`;
+}
+
+/** A short time, for example: 0.62 ms. */
+export function durationText(seconds, count = 3) {
+  const [factor, unit] = seconds < 1e-3 ? [1e6, "µs"] : seconds < 1 ? [1e3, "ms"] : [1, "s"];
+  return `${digits(seconds * factor, count)}\u202f${unit}`;
+}
+
+/** How many times slower or faster than in reality, for example: 480 × slower. */
+export function rateText(value) {
+  if (Math.abs(value - 1) < 0.02) return "real time";
+  const [times, word] = value < 1 ? [1 / value, "slower"] : [value, "faster"];
+  const rounded = times < 9.95 ? String(Number(times.toFixed(1))) : Number(times.toPrecision(2)).toFixed(0);
+  return `${rounded} × ${word}`;
+}
+
+/** The same of a speed that one chooses, for example: ½ ×. */
+export function speedText(value) {
+  const names = { 0.5: "½", 0.25: "¼", 0.125: "⅛", 0.0625: "1⁄16" };
+  return `${names[value] ?? Number(value.toPrecision(3))} ×`;
+}

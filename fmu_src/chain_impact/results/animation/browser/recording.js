@@ -1,0 +1,102 @@
+// The recording: what `page.py` packed, as numbers, and what is between two frames.
+
+const FINEST = 65535; // of 16 bits
+
+/** The bytes of a text in base64. */
+function bytes(text) {
+  return Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0)).buffer;
+}
+
+/** The numbers low + (high − low) · integer / 65535. */
+function unpacked({ low, high, values }) {
+  const scale = (high - low) / FINEST;
+  return Float64Array.from(new Uint16Array(bytes(values)), (value) => low + scale * value);
+}
+
+/** The largest index whose value is ≤ wanted, in increasing numbers; 0 if there is none. */
+export function lastBefore(numbers, wanted) {
+  let low = 0;
+  let high = numbers.length - 1;
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (numbers[middle] <= wanted) low = middle;
+    else high = middle - 1;
+  }
+  return low;
+}
+
+/**
+ * A simulation at frames that follow each other evenly on the screen, and in simulated time closely at impacts.
+ * A frame's number may be a fraction: what it shows is interpolated.
+ */
+export class Recording {
+  constructor(packed) {
+    Object.assign(this, packed);
+    this.time = new Float64Array(bytes(packed.time));
+    this.start = this.time[0];
+    this.end = this.time[this.time.length - 1];
+    [this.x, this.y] = packed.points.map(unpacked);
+    this.energies = Object.fromEntries(
+      Object.entries(packed.energies).map(([name, values]) => [name, unpacked(values)]),
+    );
+    this.forces = packed.forces.map((force) => this.#wholeForce(force));
+    this.impacts = packed.contacts.filter((contact) => contact.speed !== null);
+    // those with a force in some frame; others are between two rows, or at rigid walls
+    this.forceful = packed.contacts.filter(({ point, wall, peak }) =>
+      peak !== null && this.forces.some((force) => force.point === point && force.wall === wall));
+    this.onsets = this.impacts.map((impact) => impact.onset);
+  }
+
+  /** A force at every frame, of one that is packed without its zeros. */
+  #wholeForce({ point, wall, frames, ...rest }) {
+    const values = new Float32Array(this.time.length);
+    const sparse = unpacked(rest);
+    new Uint32Array(bytes(frames)).forEach((frame, index) => {
+      values[frame] = sparse[index];
+    });
+    return { point, wall, values };
+  }
+
+  /** The frame at a simulated time [s]. */
+  frameAt(time) {
+    const index = Math.min(lastBefore(this.time, time), this.time.length - 2);
+    const fraction = (time - this.time[index]) / (this.time[index + 1] - this.time[index]);
+    return index + Math.min(Math.max(fraction, 0), 1);
+  }
+
+  /** The simulated time of a frame [s]. */
+  timeAt(frame) {
+    return this.between(this.time, frame);
+  }
+
+  /** Simulated seconds that pass in a second on the screen at a frame, with slow motion at the speed 1. */
+  rateAt(frame) {
+    const index = Math.min(Math.floor(frame), this.time.length - 2);
+    return (this.time[index + 1] - this.time[index]) * this.frameRate;
+  }
+
+  /** A value at a frame, of values in rows of some width. */
+  between(values, frame, column = 0, width = 1) {
+    const index = Math.min(Math.floor(frame), this.time.length - 2);
+    const first = values[index * width + column];
+    return first + (frame - index) * (values[(index + 1) * width + column] - first);
+  }
+
+  /** Where a point is at a frame [m]. */
+  pointAt(frame, point) {
+    const width = this.links + 1;
+    return [this.between(this.x, frame, point, width), this.between(this.y, frame, point, width)];
+  }
+
+  /** The contacts at a frame: point, wall and force [N]. */
+  contactsAt(frame) {
+    return this.forces
+      .map(({ point, wall, values }) => ({ point, wall, force: this.between(values, frame) }))
+      .filter(({ force }) => force > 0);
+  }
+
+  /** The number of the latest impact until a time, counted from 0; −1 before the first. */
+  impactAt(time) {
+    return this.onsets[0] <= time ? lastBefore(this.onsets, time) : -1;
+  }
+}

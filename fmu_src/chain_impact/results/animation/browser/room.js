@@ -1,0 +1,43 @@
+// The room between the walls, on the screen.
+
+/** The part of a polygon on the free side of a wall n·p ≥ offset (Sutherland & Hodgman, 1974). */
+function clipped(polygon, { normal: [nx, ny], offset }) {
+  const gap = ([x, y]) => nx * x + ny * y - offset;
+  return polygon.flatMap((here, index) => {
+    const before = polygon.at(index - 1);
+    const [gapBefore, gapHere] = [gap(before), gap(here)];
+    const kept = gapHere >= 0 ? [here] : [];
+    if (gapBefore * gapHere >= 0) return kept;
+    const fraction = gapBefore / (gapBefore - gapHere);
+    return [before.map((value, axis) => value + fraction * (here[axis] - value)), ...kept];
+  });
+}
+
+/** The room within a rectangle: its corners, and the ends of the part of each wall that bounds it. */
+export function roomWithin(walls, [[x0, y0], [x1, y1]]) {
+  const all = Object.values(walls);
+  const corners = all.reduce(clipped, [[x0, y0], [x1, y0], [x1, y1], [x0, y1]]);
+  const size = Math.hypot(x1 - x0, y1 - y0);
+  const edges = all.map(({ normal: [nx, ny], offset }) =>
+    corners.filter(([x, y]) => Math.abs(nx * x + ny * y - offset) < 1e-9 * (size + Math.abs(offset))),
+  );
+  return { corners, edges: edges.filter((ends) => ends.length > 1) };
+}
+
+/** The place in a scene of so many pixels: a map from metres to pixels, y upwards, that shows a view.
+ * Where there is more room than for the view, the anchor says how much of it lies left of and below the view. */
+export class Camera {
+  constructor({ view: [[x0, y0], [x1, y1]], anchor: [beside, below] }, width, height) {
+    this.scale = Math.min(width / (x1 - x0), height / (y1 - y0));
+    this.left = beside * (width - this.scale * (x1 - x0)) - this.scale * x0;
+    this.bottom = height - below * (height - this.scale * (y1 - y0)) + this.scale * y0;
+    this.rectangle = [
+      [-this.left / this.scale, (this.bottom - height) / this.scale],
+      [(width - this.left) / this.scale, this.bottom / this.scale],
+    ];
+  }
+
+  place(x, y) {
+    return [this.left + this.scale * x, this.bottom - this.scale * y];
+  }
+}

@@ -1,0 +1,159 @@
+// The scene: walls, chain, trace of the tip, force arrows; drawn by SVG.js, coloured by the style sheet.
+
+import { forceText } from "./format.js";
+import { lastBefore } from "./recording.js";
+import { Camera, roomWithin } from "./room.js";
+
+const LONGEST_ARROW = 0.26; // of the smaller side of the scene, for the largest force
+const LEAST_ARROW = 9; // pixels, so that a small force is seen
+const LABEL_FROM = 22; // pixels: shorter arrows have no label
+const TAIL = 0.3; // s of simulated time in which the trace's bright end fades
+const TAIL_PARTS = 10;
+const TRACE_STEP = 1.5; // pixels between the corners of the trace
+const RING_TIME = 0.25; // s of simulated time for which the place of an impact is marked
+const MANY_LINKS = 60; // above which the chain is one line, without joints
+
+export class Scene {
+  constructor(element, recording) {
+    this.recording = recording;
+    this.drawing = SVG(element);
+    this.showTrace = true;
+    this.ground = this.drawing.group();
+    this.trace = this.drawing.polyline().addClass("trace").fill("none");
+    this.tail = Array.from({ length: TAIL_PARTS }, (_, part) =>
+      this.drawing.polyline().addClass("tail").fill("none").opacity((part + 1) / TAIL_PARTS));
+    this.rings = this.drawing.group();
+    this.links = this.drawing.group();
+    this.joints = this.drawing.group();
+    this.arrows = this.drawing.group();
+    this.labels = this.drawing.group();
+    this.#makeChain();
+  }
+
+  #makeChain() {
+    const { links, touching, radius } = this.recording;
+    // each link has an edge, so that one can tell which is in front
+    const lines = links < MANY_LINKS ? Array.from({ length: links }, (_, link) => [link, link + 2]) : [[0, links + 1]];
+    this.lines = lines.flatMap((range) => ["link-edge", "link"].map((kind) =>
+      [range, this.links.polyline().addClass(kind).fill("none")]));
+    this.discs = radius > 0 ? touching.map((point) => [point, this.drawing.circle().addClass("disc")]) : [];
+    this.discs.forEach(([, disc]) => disc.insertBefore(this.links));
+    const shown = links < MANY_LINKS ? Array.from({ length: links + 1 }, (_, point) => point) : [0, links];
+    this.dots = shown.map((point) => {
+      const kind = point === links ? "tip" : "joint";
+      return [point, this.joints.circle(kind === "tip" ? 11 : 8).addClass(kind)];
+    });
+  }
+
+  /** Fit the scene into so many pixels. */
+  resize(width, height) {
+    this.drawing.size(width, height).viewbox(0, 0, width, height);
+    this.camera = new Camera(this.recording, width, height);
+    this.longest = LONGEST_ARROW * Math.min(width, height);
+    this.ground.clear();
+    const { corners, edges } = roomWithin(this.recording.walls, this.camera.rectangle);
+    const places = (points) => points.map(([x, y]) => this.camera.place(x, y));
+    this.ground.rect(width, height).addClass("outside");
+    if (corners.length) this.ground.polygon(places(corners)).addClass("room");
+    edges.forEach((ends) => this.ground.polyline(places(ends)).addClass("wall"));
+    this.#drawScaleBar(width);
+    this.discs.forEach(([, disc]) => disc.radius(this.recording.radius * this.camera.scale));
+    this.#prepareTrace();
+  }
+
+  /** A bar of a round length, about a sixth of the width. */
+  #drawScaleBar(width) {
+    const wanted = width / 6 / this.camera.scale;
+    const power = 10 ** Math.floor(Math.log10(wanted));
+    const length = power * [5, 2, 1].find((factor) => factor * power <= wanted);
+    const y = 18;
+    const [left, right] = [-0.5, 0.5].map((share) => width / 2 + share * length * this.camera.scale);
+    this.ground.polyline([[left, y - 4], [left, y + 4], [left, y], [right, y], [right, y - 4], [right, y + 4]])
+      .addClass("bar").fill("none");
+    const text = length < 0.01 ? `${+(1000 * length).toPrecision(1)} mm` : `${+length.toPrecision(1)} m`;
+    this.ground.plain(text).attr({ x: left - 8, y: y + 4 }).addClass("bar-text");
+  }
+
+  /** The tip's places on the screen, without those that cannot be told apart, and the frame of each. */
+  #prepareTrace() {
+    const { recording } = this;
+    this.traceFrames = [];
+    this.tracePlaces = [];
+    for (let frame = 0; frame < recording.time.length; frame += 1) {
+      const here = this.camera.place(...recording.pointAt(frame, recording.links));
+      const before = this.tracePlaces.at(-1);
+      if (!before || Math.hypot(here[0] - before[0], here[1] - before[1]) >= TRACE_STEP) {
+        this.traceFrames.push(frame);
+        this.tracePlaces.push(here);
+      }
+    }
+  }
+
+  /** Draw a frame. */
+  draw(frame) {
+    const { recording, camera } = this;
+    const places = Array.from({ length: recording.links + 1 }, (_, point) =>
+      camera.place(...recording.pointAt(frame, point)));
+    this.lines.forEach(([range, line]) => line.plot(places.slice(...range)));
+    this.dots.forEach(([point, dot]) => dot.center(...places[point]));
+    this.discs.forEach(([point, disc]) => disc.center(...places[point]));
+    this.#drawTrace(frame, places.at(-1));
+    this.#drawRings(frame);
+    this.#drawArrows(frame);
+  }
+
+  #drawTrace(frame, tip) {
+    const { recording } = this;
+    const now = recording.timeAt(frame);
+    const end = this.showTrace ? lastBefore(this.traceFrames, frame) + 1 : 0;
+    this.trace.plot([...this.tracePlaces.slice(0, end), tip]);
+    this.tail.forEach((line, part) => {
+      const [from, to] = [TAIL_PARTS - part, TAIL_PARTS - part - 1].map((share) =>
+        lastBefore(this.traceFrames, recording.frameAt(now - (TAIL * share) / TAIL_PARTS)));
+      const last = part === TAIL_PARTS - 1 ? [tip] : [];
+      line.plot(this.showTrace ? [...this.tracePlaces.slice(from, Math.max(to, from) + 1), ...last] : []);
+    });
+  }
+
+  /** Where a point touches a wall, on the screen, and the direction away from the wall. */
+  #spot(frame, point, wall) {
+    const { normal: [nx, ny], offset } = this.recording.walls[wall];
+    const [x, y] = this.recording.pointAt(frame, point);
+    const gap = nx * x + ny * y - offset;
+    return { place: this.camera.place(x - gap * nx, y - gap * ny), away: [nx, -ny] };
+  }
+
+  /** Rings where impacts have just been: they widen and fade. */
+  #drawRings(frame) {
+    const { recording } = this;
+    const now = recording.timeAt(frame);
+    this.rings.clear();
+    recording.impacts
+      .filter(({ onset, wall }) => onset <= now && onset > now - RING_TIME && wall in recording.walls)
+      .forEach(({ onset, point, wall }) => {
+        const age = (now - onset) / RING_TIME;
+        const { place } = this.#spot(recording.frameAt(onset), point, wall);
+        this.rings.circle(12 + 34 * Math.sqrt(age)).center(...place).addClass("ring").opacity((1 - age) ** 2);
+      });
+  }
+
+  #drawArrows(frame) {
+    const { recording } = this;
+    this.arrows.clear();
+    this.labels.clear();
+    recording.contactsAt(frame).filter(({ wall }) => wall in recording.walls).forEach(({ point, wall, force }) => {
+      const { place: [x, y], away: [dx, dy] } = this.#spot(frame, point, wall);
+      const length = Math.max(LEAST_ARROW, (this.longest * force) / recording.peakForce);
+      const head = Math.min(14, 0.6 * length);
+      const at = (along, across) => [x + dx * along - dy * across, y + dy * along + dx * across];
+      this.arrows.line([at(0, 0), at(length - head, 0)]).addClass("arrow");
+      this.arrows.polygon([at(length, 0), at(length - head, 0.45 * head), at(length - head, -0.45 * head)])
+        .addClass("arrow-head");
+      if (length >= LABEL_FROM) {
+        const [tx, ty] = at(length + 14, 0);
+        const anchor = Math.abs(dx) < 0.5 ? "middle" : dx > 0 ? "start" : "end";
+        this.labels.plain(forceText(force)).attr({ x: tx, y: ty + 4, "text-anchor": anchor }).addClass("force-text");
+      }
+    });
+  }
+}

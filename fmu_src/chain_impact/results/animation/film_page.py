@@ -1,0 +1,152 @@
+"""What a frame of a film shows: the chain between its walls, its energy, the clock and the forces."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.collections import LineCollection
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, FancyArrowPatch
+from matplotlib.patheffects import withStroke
+
+from chain_impact.results.animation.frames import Motion
+from chain_impact.results.animation.text import force_text, rate_text
+from chain_impact.results.plots.over_time import ENERGY_COLOURS
+from chain_impact.results.plots.room import OUTSIDE_COLOUR, draw_room
+from chain_impact.results.plots.style import BLUE, INK, PALE
+
+MUTED, CHAIN, TIP, FORCE = "#566076", "#2b4a9f", "#c2255c", "#d9480f"
+ENERGIES = {**ENERGY_COLOURS, "elastic": BLUE}
+COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, *ENERGIES.values())
+"""All colours of a film, but white and their shades."""
+STYLE: Any = {
+    "font.size": 9,
+    "text.color": INK,
+    "axes.edgecolor": MUTED,
+    "axes.labelcolor": MUTED,
+    "xtick.color": MUTED,
+    "ytick.color": MUTED,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+}
+"""Settings of matplotlib for a film."""
+SCENE, LEDGER = (0.02, 0.03, 0.6, 0.85), (0.69, 0.12, 0.29, 0.6)  # left, bottom, width, height of the page
+ABOVE: Any = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0), "borderaxespad": 0.2}
+LONGEST = 0.26  # of the smaller side of the scene: the arrow of the largest force
+LEAST = 0.02  # of the same: the shortest arrow
+TAIL, TAIL_PARTS = 0.3, 40  # s of simulated time in which the trace of the tip fades, and its pieces
+
+
+class FilmPage:
+    """The page that the frames of a film show."""
+
+    def __init__(self, figure: Figure, motion: Motion) -> None:
+        """Draw what does not move."""
+        self.motion = motion
+        self.scene = figure.add_axes(SCENE)
+        self.ledger = figure.add_axes(LEDGER)
+        figure.text(SCENE[0], 0.94, motion.name, fontsize=13, fontweight="bold", va="center")
+        moving: dict[str, Any] = {"animated": True, "va": "center"}
+        self.clock = figure.text(LEDGER[0], 0.94, "", fontsize=15, fontweight="bold", **moving)
+        self.rate = figure.text(LEDGER[0], 0.87, "", fontsize=10, **moving)
+        self._draw_ground()
+        self._draw_energies()
+        still: dict[str, Any] = {"animated": True, "solid_capstyle": "round", "solid_joinstyle": "round"}
+        (self.trace,) = self.scene.plot([], [], color=TIP, linewidth=0.8, alpha=0.35, **still)
+        self.tail = LineCollection([], colors=TIP, animated=True)
+        self.scene.add_collection(self.tail, autolim=False)
+        disc: dict[str, Any] = {"facecolor": (*to_rgb(CHAIN), 0.14), "edgecolor": CHAIN, "animated": True}
+        touching = motion.touching if motion.radius > 0.0 else []
+        self.discs = {point: Circle((0, 0), motion.radius, **disc) for point in touching}
+        for patch in self.discs.values():
+            self.scene.add_patch(patch)
+        (self.chain,) = self.scene.plot([], [], color=CHAIN, linewidth=4.0, **still)
+        look: dict[str, Any] = {"linestyle": "", "marker": "o", "animated": True}
+        (self.joints,) = self.scene.plot([], [], color="white", markeredgecolor=CHAIN, markersize=5, **look)
+        (self.tip,) = self.scene.plot([], [], color=TIP, markeredgecolor="white", markersize=7, **look)
+        self.now = self.ledger.axvline(motion.time[0], color=INK, linewidth=1.0, animated=True)
+        self.peak = max((c.peak_force for c in motion.contacts if c.peak_force is not None), default=1.0)
+
+    def _draw_ground(self) -> None:
+        axes, view = self.scene, self.motion.view
+        # the same scale along x and y: the view, and beside or above it as much as the page has room for
+        room = axes.get_window_extent().size
+        size = np.ptp(view, axis=0)
+        seen = room * (size / room).max()
+        low = view[0] - self.motion.anchor * (seen - size)
+        axes.set(xticks=[], yticks=[])
+        axes.spines[:].set_visible(False)
+        draw_room(axes, low + np.array([np.zeros(2), seen]), list(self.motion.walls.values()))
+
+    def _draw_energies(self) -> None:
+        axes, motion = self.ledger, self.motion
+        for contact in motion.contacts:
+            axes.axvline(contact.onset, color=PALE, linewidth=0.8, zorder=0)
+        for name, energy in motion.energies.items():
+            axes.plot(motion.time, energy, color=ENERGIES[name], label=name, linewidth=1 + (name == "total"))
+        axes.set(xlim=(motion.time[0], motion.time[-1]), xlabel="time [s]", ylabel="energy [J]")
+        axes.set_visible(bool(motion.energies))
+        if motion.energies:
+            axes.legend(**ABOVE, ncols=3, fontsize=8, handlelength=1.0, columnspacing=1.0)
+
+    def show(self, frame: int, rate: float) -> Iterable[Artist]:
+        """Move to a frame; give what is to be drawn, in order.
+
+        Args:
+            frame: 0…F − 1.
+            rate: simulated seconds in a second on the screen.
+        """
+        motion = self.motion
+        time, points = motion.time[frame], motion.points[frame]
+        self.trace.set_data(*motion.points[: frame + 1, -1].T)
+        self._show_tail(frame)
+        for point, disc in self.discs.items():
+            disc.set_center(tuple(points[point]))
+        self.chain.set_data(*points.T)
+        self.joints.set_data(*points[:-1].T)
+        self.tip.set_data(*points[-1:].T)
+        self.now.set_xdata([time, time])
+        self.clock.set_text(f"{time:.5f} s")
+        self.rate.set_text(rate_text(rate))
+        self.rate.set_color(FORCE if rate < 0.5 else MUTED)  # noqa: PLR2004
+        yield from (self.trace, self.tail, *self.discs.values(), self.chain, self.joints, self.tip)
+        yield from self._arrows(frame)
+        yield from (self.now, self.clock, self.rate) if motion.energies else (self.clock, self.rate)
+
+    def _show_tail(self, frame: int) -> None:
+        motion = self.motion
+        time = motion.time[frame]
+        moments = np.linspace(max(time - TAIL, motion.time[0]), time, TAIL_PARTS + 1)
+        tip = np.stack(
+            [np.interp(moments, motion.time, motion.points[:, -1, axis]) for axis in (0, 1)], axis=-1
+        )
+        self.tail.set_segments(list(np.stack([tip[:-1], tip[1:]], axis=1)))
+        self.tail.set_alpha(list(np.linspace(0.0, 1.0, TAIL_PARTS)))
+        self.tail.set_linewidth(list(np.linspace(0.5, 2.2, TAIL_PARTS)))
+
+    def _arrows(self, frame: int) -> Iterable[Artist]:
+        """The forces of walls on the chain, their lengths in proportion, and how large they are."""
+        side = min(np.ptp(self.motion.view, axis=0))
+        for (point, name), force in self.motion.forces.items():
+            if force[frame] <= 0.0:
+                continue
+            wall = self.motion.walls[name]
+            normal, place = np.array(wall.normal), self.motion.points[frame, point]
+            foot = place - wall.clearance(*place) * normal
+            head = foot + side * max(LEAST, LONGEST * force[frame] / self.peak) * normal
+            style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 11, "shrinkA": 0, "shrinkB": 0}
+            arrow = FancyArrowPatch(tuple(foot), tuple(head), color=FORCE, linewidth=2.2, **style)
+            yield self.scene.add_patch(arrow)
+            x, y = head + 0.035 * side * normal
+            text = self.scene.text(
+                x, y, force_text(force[frame]), color=FORCE, fontweight="bold", ha="center", va="center"
+            )
+            text.set_path_effects([withStroke(linewidth=3.0, foreground="white")])
+            yield text
+            arrow.remove()
+            text.remove()

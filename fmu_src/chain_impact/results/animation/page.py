@@ -1,0 +1,110 @@
+"""The animation as a page for a browser: one file, which needs nothing else."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+from collections.abc import Mapping
+from importlib import resources
+from typing import Any
+
+import numpy as np
+
+from chain_impact.results.animation.frames import Motion
+
+PAGE = resources.files("chain_impact.results.animation") / "browser"
+STYLES = ("vendor/uPlot.min.css", "style.css", "panels.css")
+LIBRARIES = ("vendor/uPlot.iife.min.js", "vendor/svg.min.js")
+MODULES = ("recording", "clock", "format", "room", "scene", "charts", "impacts", "controls", "main")
+IMPORT = re.compile(r"^import [^;]+;\n", re.MULTILINE)
+EXPORT = re.compile(r"^export (?=class|const|function)", re.MULTILINE)
+SOURCE_MAP = re.compile(r"^//# sourceMappingURL=.*$", re.MULTILINE)
+FINEST = 65535  # of 16 bits
+
+
+def page(motion: Motion, speed: float = 1.0) -> str:
+    """The page's HTML.
+
+    Args:
+        motion: what to show.
+        speed: at which it plays at first, 1 for real time.
+    """
+    scripts = "\n".join(f"<script>\n{SOURCE_MAP.sub('', _text(name))}</script>" for name in LIBRARIES)
+    parts = {
+        "title": _escaped(motion.name),
+        "style": "\n".join(map(_text, STYLES)),
+        "data": json.dumps(data(motion, speed), separators=(",", ":")).replace("<", "\\u003c"),
+        "libraries": scripts,
+        "program": program(),
+    }
+    # one pass: what is filled in may hold what looks like a place to fill
+    return re.sub(r"\{\{ (\w+) \}\}", lambda found: parts[found[1]], _text("index.html"))
+
+
+def program() -> str:
+    """The page's modules one after the other, as one: without what they import from each other."""
+    return "\n".join(EXPORT.sub("", IMPORT.sub("", _text(f"{name}.js"))) for name in MODULES)
+
+
+def data(motion: Motion, speed: float) -> dict[str, Any]:
+    """What the page's ``recording.js`` reads, numbers as small as the screen allows."""
+    finite = [contact.peak_force for contact in motion.contacts if contact.peak_force is not None]
+    return {
+        "name": motion.name,
+        "speed": speed,
+        "frameRate": motion.frame_rate,
+        "time": _base64(motion.time.astype("<f8")),
+        "links": motion.points.shape[1] - 1,
+        "points": [_packed(motion.points[:, :, axis]) for axis in (0, 1)],
+        "energies": {name: _packed(energy) for name, energy in motion.energies.items()},
+        "forces": [
+            {"point": point, "wall": wall, **_sparse(force)} for (point, wall), force in motion.forces.items()
+        ],
+        "peakForce": max(finite, default=0.0),
+        "contacts": [
+            {
+                "point": contact.point,
+                "wall": contact.wall,
+                "onset": contact.onset,
+                "end": contact.end,
+                "speed": contact.speed,
+                "peak": contact.peak_force,
+                "resolved": contact.resolved,
+            }
+            for contact in motion.contacts
+        ],
+        "walls": {
+            name: {"normal": wall.normal, "offset": wall.offset} for name, wall in motion.walls.items()
+        },
+        "view": motion.view.tolist(),
+        "anchor": motion.anchor,
+        "radius": motion.radius,
+        "touching": motion.touching,
+    }
+
+
+def _packed(values: np.ndarray) -> dict[str, Any]:
+    """Numbers in 16 bits: low + (high − low) · integer / 65535."""
+    low, high = float(values.min()), float(values.max())
+    integers = np.rint((values - low) * (FINEST / ((high - low) or 1.0)))
+    return {"low": low, "high": high, "values": _base64(integers.astype("<u2"))}
+
+
+def _sparse(force: np.ndarray) -> dict[str, Any]:
+    """A force that is mostly zero: the frames at which it is not, and its values there."""
+    frames = np.flatnonzero(force > 0.0)
+    return {"frames": _base64(frames.astype("<u4")), **_packed(force[frames] if len(frames) else np.zeros(1))}
+
+
+def _base64(array: np.ndarray) -> str:
+    return base64.b64encode(array.tobytes()).decode("ascii")
+
+
+def _text(name: str) -> str:
+    return PAGE.joinpath(name).read_text(encoding="utf-8")
+
+
+def _escaped(text: str) -> str:
+    replaced: Mapping[str, str] = {"&": "&amp;", "<": "&lt;", ">": "&gt;"}
+    return "".join(replaced.get(sign, sign) for sign in text)

@@ -1,0 +1,85 @@
+"""A recording from a table that `simulate --csv` wrote, or another tool under the FMU's names."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from chain_impact.reading import SceneError
+from chain_impact.results.animation.contacts import force_columns, impacts_from_forces
+from chain_impact.results.recording import Recording, impacts_from_outputs
+from chain_impact.walls import HalfPlane
+
+NEEDED = ("time", "point[0].x", "point[0].y", "point[1].x", "point[1].y")
+
+
+def read_csv(
+    path: Path, walls: Mapping[str, HalfPlane] | None, wall_names: tuple[str, ...] = ()
+) -> Recording:
+    """Read a table with a head line.
+
+    Args:
+        path: the file; columns ``time`` [s] and outputs of the FMU, at least the positions of the points.
+        walls: name → free side of the scene's walls, which a table does not hold; None if they are unknown.
+        wall_names: names of the walls by their numbers in the columns ``impact.*``.
+
+    Returns:
+        The recording, named as the file is. Its impacts come from the columns ``impact.*`` if they are there,
+        else from the forces.
+
+    Raises:
+        SceneError: when the file is no such table, or has a wall that is not among ``walls``.
+        OSError: when the file cannot be read.
+    """
+    try:
+        with path.open(encoding="utf-8-sig") as file:
+            names = [name.strip().strip('"') for name in file.readline().split(",")]
+            text = file.readlines()
+        rows = np.loadtxt(text, delimiter=",", ndmin=2) if text else np.zeros((0, len(names)))
+    except (
+        ValueError
+    ) as error:  # of a cell that is no number, of a row that is too long, of bytes that are no text
+        raise SceneError(f"{path}: not a table of numbers: {error}") from None
+    missing = [name for name in NEEDED if name not in names]
+    if missing:
+        raise SceneError(
+            f"{path}: the column {missing[0]} is missing; `chain-impact simulate --csv` writes it"
+        )
+    if rows.shape[0] < 2 or rows.shape[1] != len(names):  # noqa: PLR2004
+        raise SceneError(
+            f"{path}: {rows.shape[0]} rows of {rows.shape[1]} numbers; must be at least 2 of {len(names)}"
+        )
+    for row in np.flatnonzero(~np.isfinite(rows).all(axis=1))[:1]:
+        raise SceneError(f"{path}: line {row + 2} has a number that is not finite")
+    columns = dict(zip(names, rows.T.copy(), strict=True))
+    time = columns.pop("time")
+    for row in np.flatnonzero(np.diff(time) <= 0.0)[:1]:
+        raise SceneError(
+            f"{path}: line {row + 3}: time = {time[row + 1]:g} must be later than in the line before"
+        )
+    recording = Recording(path.stem, time, columns, [], dict(walls or {}))
+    _check_walls(path, recording, walls)
+    listed = "impact.count" in columns and walls is not None
+    impacts = (
+        impacts_from_outputs({"time": time, **columns}, wall_names)
+        if listed
+        else impacts_from_forces(recording)
+    )
+    recording.impacts.extend(impacts)
+    return recording
+
+
+def _check_walls(path: Path, recording: Recording, walls: Mapping[str, HalfPlane] | None) -> None:
+    for point, wall, _ in force_columns(recording):
+        if walls is None:
+            raise SceneError(
+                f"{path}: it has contact[{point}].{wall}.force, but a table does not hold where walls are: "
+                "give its scene with --scene"
+            )
+        if wall not in walls:
+            known = ", ".join(walls) or "none"
+            raise SceneError(
+                f"{path}: contact[{point}].{wall}.force: the scene has no wall {wall}; it has {known}"
+            )

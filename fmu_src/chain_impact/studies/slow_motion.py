@@ -1,0 +1,70 @@
+"""A recording for an animation: with rows so close in time that each impact can be seen slowly."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from chain_impact.compilation.work import Notify, announce
+from chain_impact.kernel.status import OK
+from chain_impact.results.animation.contacts import slow_spans
+from chain_impact.results.animation.pacing import IMPACT_TIME, frame_times
+from chain_impact.results.recording import Recording, recording_of
+from chain_impact.results.result import Result
+from chain_impact.running import Instance
+from chain_impact.scene import Scene
+from chain_impact.simulate import simulate
+
+MOST_ROWS = 40_000
+WITHIN = np.linspace(
+    0.0, 1.0, 25
+)  # of an impact that is too weak to be shown slowly: rows for its peak force
+LONGEST_IMPACT = 5.0  # of penetration over approach speed
+SLOWEST = 1e-6  # m/s, approach speed of a point that comes to rest at a wall
+CHUNK = 2000  # rows between two calls of ``progress``
+
+
+def record_slowly(
+    scene: Scene,
+    impact_time: float = IMPACT_TIME,
+    notify: Notify = announce,
+    progress: Callable[[float], None] = lambda _: None,
+) -> Recording:
+    """Simulate a scene twice: to find the impacts, and with rows that are close in time around them.
+
+    The rows do not change the solution, so both times it is the same.
+
+    Args:
+        scene: what to simulate; its inputs are zero.
+        impact_time: what each impact takes on the screen [s], 0 for no slow motion.
+        notify: called with a sentence before a kernel is compiled.
+        progress: called with the fraction done.
+
+    Raises:
+        SimulationError: when the solver cannot go on; it holds the result up to there, with even rows.
+        BuildError: when the kernel cannot be compiled.
+    """
+    result = simulate(scene, notify=notify, progress=lambda done: progress(done / 2))
+    stop = float(result.time[-1])
+    onsets, speeds = result.impacts["onset"], result.impacts["impact_speed"]
+    # an impact takes 2.9 δ/v by Hertz, π δ/v at a linear spring, and longer with losses; then the chain stays
+    lasting = LONGEST_IMPACT * result.impacts["max_penetration"] / np.maximum(speeds, SLOWEST)
+    ends = np.fmin(result.impacts["end"], np.minimum(onsets + lasting, stop))
+    spans = slow_spans(
+        [((float(a), float(b)), float(v)) for a, b, v in zip(onsets, ends, speeds, strict=True)]
+    )
+    shown, _ = frame_times(0.0, stop, spans, impact_time, MOST_ROWS)
+    others = (onsets[:, None] + (ends - onsets)[:, None] * WITHIN).ravel()[:MOST_ROWS]
+    times = np.union1d(shown, others.clip(0.0, stop))
+
+    instance = Instance(scene, notify)
+    outputs, done = np.zeros(len(times), instance.record.dtype["output"]), 0
+    while done < len(times) and instance.status == OK:
+        end = done + CHUNK
+        done += instance.trajectory(times[done:end], outputs[done:end])
+        instance.collect()
+        progress(0.5 + done / len(times) / 2)
+    return recording_of(
+        Result(scene, times[:done], outputs[:done], result.impacts, statistics=instance.statistics)
+    )

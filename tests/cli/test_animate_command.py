@@ -1,0 +1,76 @@
+"""`chain-impact animate`: scenes, FMUs, tables; what it refuses."""
+
+import json
+import re
+
+import pytest
+from PIL import Image
+
+
+def data_of(path):
+    return json.loads(re.search(r'<script id="data"[^>]*>(.*?)</script>', path.read_text(), re.DOTALL)[1])
+
+
+def test_a_scene_becomes_a_page_that_is_named_after_it(run, here):
+    code, said, errors = run("animate", "rod_drop")
+    assert (code, errors) == (0, "")
+    assert re.fullmatch(r"animation  RodDrop\.html, 0\.\d+ MB\n", said)
+    assert data_of(here / "RodDrop.html")["contacts"]
+
+
+def test_settings_and_speed_reach_the_page(run, here):
+    run("animate", "rod_drop", "-o", "a.html", "--set", "simulation.stop_time=0.1", "--speed", "0.25")
+    data = data_of(here / "a.html")
+    assert (data["speed"], data["contacts"]) == (0.25, [])
+
+
+def test_an_fmu_becomes_a_page(run, here, fmu):
+    assert run("animate", fmu, "-o", "fmu.html", "--set", "simulation.stop_time=0.8")[0] == 0
+    data = data_of(here / "fmu.html")
+    assert [contact["point"] for contact in data["contacts"] if contact["speed"] is not None] == [2, 4, 0]
+    assert set(data["walls"]) == {"x_min", "x_max", "y_min", "y_max"}
+
+
+def test_a_table_becomes_a_film_with_the_walls_of_its_scene(run, here):
+    run("simulate", "rod_drop", "--csv", "rod.csv")
+    code, _, errors = run("animate", "rod.csv", "--scene", "rod_drop", "-o", "rod.gif", "--size", "320x180",
+                          "--impact-time", "0")  # fmt: skip
+    assert (code, errors) == (0, "")
+    with Image.open(here / "rod.gif") as film:
+        assert film.size == (320, 180)
+        assert film.n_frames == pytest.approx(41, abs=1)
+
+
+def test_walls_of_a_table_can_be_set_as_those_of_its_scene(run, here):
+    run("simulate", "rod_drop", "--csv", "rod.csv", "--set", "box.y_min=-1")
+    run("animate", "rod.csv", "--scene", "rod_drop", "-o", "rod.html", "--set", "box.y_min=-1")
+    assert data_of(here / "rod.html")["walls"]["y_min"]["offset"] == -1.0
+
+
+def test_what_came_before_a_fault_is_shown(run, here):
+    code, said, errors = run("animate", "-o", "a.html", "--set", "solver.work_limit=1500")
+    assert code == 3
+    assert "stopped at t = " in errors
+    assert "a.html" in said
+    assert (here / "a.html").is_file()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "pattern"),
+    [
+        (["rod_drop", "-o", "a.avi"], r"a\.avi must end in \.html, \.gif, \.mp4"),
+        (["rod_drop", "--size", "big"], "big must be WIDTHxHEIGHT"),
+        (["rod_drop", "--size", "10x10"], "width and height must be 160 … 4096"),
+        (["rod_drop", "--speed", "0"], "speed = 0 must be"),
+        (["rod_drop", "-o", "no/a.html"], r"no/a\.html: No such folder"),
+        (["rod_drop", "--scene", "ramp"], "only a CSV file needs it"),
+        (["none.csv"], r"none\.csv: No such file"),
+        (["none.csv", "--set", "box.y_min=0"], "need --scene, too"),
+    ],
+)
+def test_refusals_are_one_line(run, here, arguments, pattern):
+    code, _, errors = run("animate", *arguments)
+    assert code == 2
+    assert re.search(pattern, errors)
+    assert errors.count("\n") == 1
+    assert list(here.iterdir()) == []

@@ -1,0 +1,314 @@
+"""The page in a browser: it plays, it jumps, it is slow at impacts, on a phone and in the dark."""
+
+import io
+import re
+import shutil
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from PIL import Image
+from playwright.sync_api import sync_playwright
+
+from chain_impact import load_scene, simulate
+from chain_impact.results.animation import animate
+from chain_impact.results.recording import Recording
+from chain_impact.studies.slow_motion import record_slowly
+
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium")
+DESK, PHONE = {"width": 1280, "height": 760}, {"width": 390, "height": 844}
+TIME_TEXT = "document.getElementById('time').textContent"
+LIGHT_CHAIN, DARK_CHAIN = "#2b4a9f", "#9db4ff"
+
+
+@pytest.fixture(scope="module")
+def recording():
+    return record_slowly(load_scene("four_link_box"))
+
+
+@pytest.fixture(scope="module")
+def address(recording, tmp_path_factory):
+    path = tmp_path_factory.mktemp("page") / "box.html"
+    animate(recording, path)
+    return path.as_uri()
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with sync_playwright() as playwright:
+        # in a container there is no sandbox for root, and the page is our own
+        started = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield started
+        started.close()
+
+
+@pytest.fixture
+def show(browser, address):
+    """Open the page, which must not complain, and must ask for nothing but itself."""
+    said, opened = [], []
+
+    def show(viewport=DESK, motion="reduce", address=address, **options):
+        page = browser.new_page(viewport=viewport, reduced_motion=motion, **options)
+        opened.append(page)
+        page.on("console", lambda message: said.append(message.text))
+        page.on("pageerror", lambda error: said.append(str(error)))
+        page.on("request", lambda request: said.append(request.url) if request.url != address else None)
+        page.goto(address)
+        page.wait_for_function("performance.getEntriesByName('first-frame').length === 1")
+        return page
+
+    yield show
+    for page in opened:
+        page.close()
+    assert [text for text in said if not text.startswith("data:")] == []
+
+
+def time_of(page):
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    return float(page.evaluate(TIME_TEXT).removesuffix(" s"))
+
+
+def pixels(page):
+    return np.asarray(Image.open(io.BytesIO(page.screenshot())).convert("RGB")).astype(float)
+
+
+def count_of(picture, colour):
+    return int((abs(picture - 255 * np.array(mpl.colors.to_rgb(colour))).max(axis=-1) < 6).sum())
+
+
+# --- playing ---------------------------------------------------------------------------------------------
+
+
+def test_it_plays_on_its_own_and_pauses(show):
+    page = show(motion="no-preference")
+    page.wait_for_function(f"parseFloat({TIME_TEXT}) > 0.1")
+    page.get_by_role("button", name="Pause").click()
+    stopped = time_of(page)
+    page.wait_for_timeout(200)
+    assert time_of(page) == stopped
+    page.keyboard.press("Space")  # the button has the focus and takes it
+    page.wait_for_function(f"parseFloat({TIME_TEXT}) > {stopped}")
+
+
+def test_it_stands_still_for_who_asked_for_less_motion(show):
+    page = show()
+    page.wait_for_timeout(200)
+    assert time_of(page) == 0.0
+    page.get_by_role("button", name="Play").click()
+    page.wait_for_function(f"parseFloat({TIME_TEXT}) > 0.05")
+
+
+def test_the_chain_moves_on_the_screen(show):
+    page = show()
+    before = pixels(page)
+    page.keyboard.press("End")
+    time_of(page)
+    after = pixels(page)
+    assert count_of(before, LIGHT_CHAIN) > 1000
+    assert count_of(after, LIGHT_CHAIN) > 1000
+    assert (abs(before - after).max(axis=-1) > 50).sum() > 2000
+
+
+def test_it_stops_at_the_end_and_starts_anew(show):
+    page = show()
+    page.keyboard.press("End")
+    assert time_of(page) == 2.0
+    page.keyboard.press("Space")
+    page.wait_for_function(f"parseFloat({TIME_TEXT}) < 1")
+
+
+def test_positions_alone_make_a_page(show, tmp_path):
+    """Of a table with nothing but positions: no walls, no impacts, no energies."""
+    time = np.linspace(0.0, 1.0, 20)
+    columns = {"point[0].x": 0 * time, "point[0].y": 0 * time}
+    columns |= {"point[1].x": np.cos(time), "point[1].y": np.sin(time)}
+    animate(Recording("Bare", time, columns, [], {}), tmp_path / "bare.html")
+    page = show(address=(tmp_path / "bare.html").as_uri())
+    page.keyboard.press("End")
+    page.keyboard.press("Shift+ArrowLeft")
+    assert time_of(page) == 0.0
+    assert page.locator("h2:visible").all_inner_texts() == ["Impacts"]
+    assert page.inner_text("#impacts") == "none"
+
+
+def test_impacts_between_two_rows_are_in_the_list(show, tmp_path):
+    coarse = simulate(load_scene("four_link_box"), output_step=5e-3)
+    coarse.animate(tmp_path / "coarse.html")
+    page = show(address=(tmp_path / "coarse.html").as_uri())
+    page.keyboard.press("Shift+ArrowRight")
+    time_of(page)
+    assert page.locator("#impacts tbody tr").count() == 14
+    assert f"{coarse.impacts['peak_force'][0] / 1e3:.1f}\u202fkN" in page.inner_text(
+        "#impacts tr[aria-current]"
+    )
+
+
+# --- jumping ---------------------------------------------------------------------------------------------
+
+
+def test_a_click_on_an_impact_goes_to_its_moment(show, recording):
+    page = show()
+    for number in (3, 14, 1):
+        page.get_by_role("button", name=f"Go to impact {number}, ").click()
+        impact = recording.impacts[number - 1]
+        assert time_of(page) == pytest.approx(impact.time, abs=2e-5)
+        assert f"Impact {number} of 14: point {impact.point} at {impact.wall}" in page.inner_text("#caption")
+        assert page.inner_text("tr[aria-current] button") == str(number)
+
+
+def test_keys_go_from_impact_to_impact(show, recording):
+    page = show()
+    times = []
+    for key in ["Shift+ArrowRight"] * 3 + ["Shift+ArrowLeft"]:
+        page.keyboard.press(key)
+        times.append(time_of(page))
+    expected = [recording.impacts[number].time for number in (0, 1, 2, 1)]
+    assert times == pytest.approx(expected, abs=2e-5)
+    page.keyboard.press("Home")
+    assert time_of(page) == 0.0
+
+
+def test_arrow_keys_step_in_time_on_the_screen(show):
+    page = show()
+    page.keyboard.press("ArrowRight")
+    assert time_of(page) == pytest.approx(1 / 30, rel=0.01)
+    page.keyboard.press("ArrowLeft")
+    assert time_of(page) == 0.0
+
+
+def test_the_slider_and_the_chart_go_to_a_time(show):
+    page = show()
+    page.get_by_role("slider", name="Time").fill("1.25")
+    assert time_of(page) == pytest.approx(1.25, abs=1e-4)
+    box = page.locator("#energy .u-over").bounding_box()
+    page.mouse.click(box["x"] + box["width"] / 4, box["y"] + 20)
+    assert time_of(page) == pytest.approx(0.5, abs=0.01)
+
+
+# --- slow motion, forces, energies -----------------------------------------------------------------------
+
+
+def test_time_is_slow_at_an_impact_and_real_in_flight(show):
+    page = show()
+    page.keyboard.press("ArrowRight")
+    assert page.inner_text("#rate") == "real time"
+    page.keyboard.press("Shift+ArrowRight")
+    page.keyboard.press("ArrowRight")
+    time_of(page)
+    slower = int(re.fullmatch(r"(\d+) × slower", page.inner_text("#rate"))[1])
+    assert 200 < slower < 2000  # 0.6 s for an impact of 0.3 ms to 3 ms
+    page.keyboard.press("s")
+    time_of(page)
+    assert page.inner_text("#rate") == "real time"
+
+
+def test_the_clock_passes_as_it_says(show):
+    """For a third of a second on the screen: at an impact some tenths of a millisecond, else as long."""
+    page = show()
+    passed = []
+    for key in ("Shift+ArrowRight", "s"):
+        page.keyboard.press(key)
+        before = time_of(page)
+        page.keyboard.press("Space")
+        page.wait_for_timeout(330)
+        page.keyboard.press("Space")
+        passed.append(time_of(page) - before)
+    assert 1e-5 < passed[0] < 3e-3
+    assert 0.1 < passed[1] < 1.0
+
+
+def test_the_force_is_an_arrow_from_the_wall_and_a_curve(show):
+    page = show()
+    assert page.locator(".arrow").count() == 0
+    page.keyboard.press("Shift+ArrowRight")
+    for _ in range(6):
+        page.keyboard.press("ArrowRight")
+    time_of(page)
+    (arrow,) = page.locator(".arrow").all()
+    assert float(arrow.get_attribute("y2")) < float(arrow.get_attribute("y1"))  # up, from the floor
+    assert arrow.get_attribute("x2") == arrow.get_attribute("x1")
+    assert re.fullmatch(r"[\d.]+\skN", page.text_content(".force-text"))
+    assert page.text_content("#close-what").startswith("point 2 at y_min, ")
+
+
+def test_the_ledger_is_that_of_the_recording(show, recording):
+    page = show()
+    page.get_by_role("slider", name="Time").fill("0.9")
+    time_of(page)
+    names, values = (page.locator(f"#ledger {tag}").all_inner_texts() for tag in ("dt", "dd"))
+    shown = dict(zip(names, values, strict=True))
+    for name in ("kinetic", "potential", "dissipated", "total"):
+        expected = np.interp(0.9, recording.time, recording.columns[f"energy.{name}"])
+        assert float(shown[name]) == pytest.approx(expected, abs=0.02)
+
+
+def test_the_speed_is_chosen_by_list_and_keys(show):
+    page = show()
+    page.get_by_label("Speed").select_option("½ ×")
+    time_of(page)
+    assert page.inner_text("#rate") == "2 × slower"
+    page.locator("h1").click()
+    page.get_by_label("Speed").evaluate("(select) => select.blur()")
+    page.keyboard.press("ArrowUp")
+    page.keyboard.press("ArrowUp")
+    time_of(page)
+    assert page.inner_text("#rate") == "2 × faster"
+
+
+def test_the_trace_can_be_left_out(show):
+    page = show()
+    page.get_by_role("slider", name="Time").fill("0.9")
+    time_of(page)
+    assert len(page.get_attribute(".trace", "points")) > 1000
+    page.keyboard.press("t")
+    time_of(page)
+    assert len(page.get_attribute(".trace", "points")) < 100
+
+
+def test_help_opens_and_keys_rest_while_it_is_open(show):
+    page = show()
+    page.keyboard.press("?")
+    assert page.get_by_role("dialog").is_visible()
+    page.keyboard.press("End")
+    assert time_of(page) == 0.0
+    page.keyboard.press("Escape")
+    assert not page.get_by_role("dialog").is_visible()
+
+
+# --- how it looks ----------------------------------------------------------------------------------------
+
+
+def test_it_is_dark_where_that_is_wanted_and_changes_while_open(show):
+    page = show(color_scheme="dark")
+    dark = pixels(page)
+    assert np.median(dark) < 60
+    assert count_of(dark, DARK_CHAIN) > 1000
+    page.emulate_media(color_scheme="light", reduced_motion="reduce")
+    time_of(page)
+    assert np.median(pixels(page)) > 200
+
+
+@pytest.mark.parametrize("viewport", [PHONE, {"width": 320, "height": 568}, {"width": 844, "height": 390}])
+def test_on_a_phone_all_fits_the_width_and_the_controls_are_in_sight(show, viewport):
+    page = show(viewport, has_touch=True)
+    assert page.evaluate("document.documentElement.scrollWidth") <= viewport["width"]
+    for name in ("Previous impact", "Play", "Next impact"):
+        box = page.get_by_role("button", name=name, exact=True).bounding_box()
+        assert box["y"] + box["height"] <= viewport["height"]
+        assert min(box["width"], box["height"]) >= 36
+    assert count_of(pixels(page), LIGHT_CHAIN) > 150
+
+
+def test_everything_that_can_be_used_has_a_name_and_gets_the_focus(show):
+    page = show()
+    names = page.evaluate(
+        """[...document.querySelectorAll('button, input, select')].map((element) =>
+          element.ariaLabel || element.textContent.trim() || element.labels?.[0]?.textContent.trim())"""
+    )
+    assert all(names)
+    focused = set()
+    for _ in range(30):
+        page.keyboard.press("Tab")
+        focused.add(page.evaluate("document.activeElement.id"))
+    assert {"help-open", "scrub", "previous", "play", "next", "speed", "slow", "trace"} <= focused

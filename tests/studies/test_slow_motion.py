@@ -1,0 +1,51 @@
+"""A recording with rows close around impacts: the same simulation, seen more closely."""
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene, simulate
+from chain_impact.results.animation.contacts import contacts
+from chain_impact.results.recording import recording_of
+from chain_impact.running import SimulationError
+from chain_impact.studies.slow_motion import record_slowly
+
+
+def test_it_is_the_same_simulation():
+    scene = load_scene("four_link_box")
+    done = []
+    close, even = record_slowly(scene, progress=done.append), recording_of(simulate(scene))
+    assert close.impacts == even.impacts
+    assert (close.time[0], close.time[-1]) == (0.0, 2.0)
+    for name in ("point[4].x", "energy.total"):
+        assert close.columns[name][-1] == even.columns[name][-1]
+    assert done == sorted(done)
+    assert done[-1] == 1.0
+
+
+def test_each_contact_has_the_rows_that_its_peak_needs():
+    """Also the weak ones, which are not shown slowly; against the peak that the kernel has found."""
+    scene = load_scene("ramp")
+    known = simulate(scene).impacts
+    found = [contact for contact in contacts(record_slowly(scene)) if contact.speed is not None]
+    assert len(found) == len(known)
+    for contact, row in zip(found, known, strict=True):
+        assert contact.peak_force == pytest.approx(row["peak_force"], rel=0.02)
+
+
+def test_rows_follow_each_other_closely_only_near_impacts():
+    recording = record_slowly(load_scene("four_link_box"))
+    steps = np.diff(recording.time)
+    first = recording.impacts[0].time
+    assert steps[recording.time[1:] < first - 0.1].min() > 0.015
+    assert steps[np.searchsorted(recording.time, first)] < 1e-4
+
+
+def test_no_slow_motion_no_close_rows():
+    recording = record_slowly(load_scene("pinned_arm"), impact_time=0.0)
+    assert len(recording.time) < 200
+
+
+def test_a_fault_is_passed_on():
+    scene = load_scene("four_link_box").with_values({"solver.work_limit": 1500.0})
+    with pytest.raises(SimulationError):
+        record_slowly(scene)
