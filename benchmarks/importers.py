@@ -20,14 +20,16 @@ from typing import Any
 import numpy as np
 from fmpy import read_model_description
 
-sys.path[:0] = [str(common.ROOT), str(common.ROOT / "models" / "controlled_arm")]
-
-from tests.fmu.interface import unpacked
-from tests.fmu.zig import zig
-
 from chain_impact import impacts_of, load_scene, simulate
 from chain_impact.compilation.compilers import INTERFACE
 from chain_impact.export.fmu import build_fmu
+
+sys.path[:0] = [str(common.ROOT), str(common.ROOT / "models" / "controlled_arm")]
+
+import masters  # noqa: E402
+
+from tests.fmu.interface import unpacked  # noqa: E402
+from tests.fmu.zig import zig  # noqa: E402
 
 STEPS = (1e-3, 1e-2, 1e-1)  # s
 CASES = (("four_link_box", 8), ("rod_drop", 8), ("rod_drop", 16))
@@ -75,7 +77,7 @@ MASTERS = {
 
 
 def compared(found: np.ndarray, expected: np.ndarray) -> dict[str, Any]:
-    """How many impacts of a table are there, and how far the shared ones are off: times and speeds, shares."""
+    """How many impacts of a table are there, and how far those are off, forces and impulses as a share."""
     row = {"found": len(found), "expected": len(expected)}
     # of each impact that was expected, the one that was found at the same point, wall and time
     pairs = [
@@ -115,10 +117,8 @@ def measured() -> list[dict[str, Any]]:
 
 def record_one(fmu: str, master: str, count: str, step: str) -> None:
     """Print what a master of models/controlled_arm records of an FMU."""
-    from masters import MASTERS as masters
-
     time = np.arange(int(count) + 1) * float(step)
-    outputs = {"time": time, **masters[master]([fmu], time)}
+    outputs = {"time": time, **masters.MASTERS[master]([fmu], time)}
     shown = {k: np.asarray(v).tolist() for k, v in outputs.items() if k.startswith(("time", "impact"))}
     print("\n" + json.dumps(shown))
 

@@ -203,7 +203,18 @@ def fidelity() -> str:
 
 def main() -> None:
     """Fill the pages."""
-    functions = rhs, rhs_share, reference, fidelity, fmu_cost, fmu_native, importers, stability, steps, *TABLES
+    functions = (
+        rhs,
+        rhs_share,
+        reference,
+        fidelity,
+        fmu_cost,
+        fmu_native,
+        importers,
+        stability,
+        steps,
+        *TABLES,
+    )
     tables = {function.__name__: function for function in functions}
     for name in PAGES:
         page = common.ROOT / "docs" / name
