@@ -1,4 +1,4 @@
-"""Write the tables of docs/benchmarks.md and docs/stability.md: ``python benchmarks/tables.py``.
+"""Write the tables of docs/benchmarks.md, impacts.md and stability.md: ``python benchmarks/tables.py``.
 
 They come from benchmarks/results. What stands between ``<!-- name -->`` and ``<!-- end -->`` in a page is
 replaced by what the function ``name`` returns.
@@ -17,7 +17,7 @@ from stability_chart import STEPS_AT
 from table import run, table
 
 SHOWN = 1e-8  # tolerance of the stiffnesses in the table of fidelity.py
-PAGES = ("benchmarks.md", "stability.md")
+PAGES = ("benchmarks.md", "impacts.md", "stability.md")
 
 
 def span(ratio: dict) -> str:
@@ -69,6 +69,26 @@ def reference() -> str:
     return table(
         ("problem", "t [s]", "impacts", "difference of its two runs", "amplification of errors"), rows
     )
+
+
+def importers() -> str:
+    """How many impacts of a scene each importer's record holds, and how exactly."""
+    cases: dict[tuple[str, int, str], list[dict]] = {}
+    for row in common.load("importers")["results"]:
+        cases.setdefault((row["scene"], row["shown"], row["master"]), []).append(row)
+    rows = [
+        (
+            f"`{scene}`",
+            shown,
+            master,
+            *(f"{row['matched']} of {row['expected']}" for row in found),
+            *(f"{max(row[name] for row in found):.1g}" for name in ("onset", "peak_force", "impulse")),
+        )
+        for (scene, shown, master), found in cases.items()
+    ]
+    steps = [f"{1e3 * step:g} ms" for step in common.load("importers")["settings"]["steps"]]
+    head = ("scene", "shown", "importer", *steps, "onset [s]", "peak force", "impulse")
+    return run("importers", ("fmpy", "libcosimpy", "ecospy")) + "\n\n" + table(head, rows)
 
 
 def fmu_cost() -> str:
@@ -198,8 +218,20 @@ def fidelity() -> str:
 
 
 def main() -> None:
-    """Fill both pages."""
-    functions = rhs, rhs_share, reference, fidelity, fmu_cost, fmu_native, sweep, stability, steps, *TABLES
+    """Fill the pages."""
+    functions = (
+        rhs,
+        rhs_share,
+        reference,
+        fidelity,
+        fmu_cost,
+        fmu_native,
+        importers,
+        sweep,
+        stability,
+        steps,
+        *TABLES,
+    )
     tables = {function.__name__: function for function in functions}
     for name in PAGES:
         page = common.ROOT / "docs" / name

@@ -104,8 +104,6 @@ def record_fmu(
         SceneError: when the file is no FMU of a chain, a name is unknown or a value is no number.
         RunError: when the FMU reports a fault.
     """
-    import fmpy
-
     path = Path(path)
     description = read_fmu(path)
     variables = {variable.name: variable for variable in description.modelVariables}
@@ -154,6 +152,35 @@ def record_fmu(
         progress(time / stop_time)
         return True
 
+    try:
+        rows = simulated(
+            path,
+            description,
+            start_values=start_values,
+            output=outputs,
+            stop_time=stop_time,
+            output_interval=step_size,
+            step_finished=step_finished,
+        )
+    except RunError as error:
+        partial = recording(recorders[0].result()) if recorders else None
+        raise RunError(str(error), partial) from None
+    return recording(rows)
+
+
+def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
+    """Simulate any FMU with fmpy; return its rows.
+
+    Args:
+        path: the FMU.
+        description: its model description, as ``read_fmu`` gives it.
+        options: those of ``fmpy.simulate_fmu``.
+
+    Raises:
+        RunError: when it fails, with the first reason that the FMU gave.
+    """
+    import fmpy
+
     said = io.StringIO()  # what a slave in Python prints: it runs in this process
     logged: list[str] = []  # what a native FMU says to the importer
 
@@ -170,25 +197,16 @@ def record_fmu(
         ):
             fmpy.extract(str(path), folder)
             try:
-                rows = fmpy.simulate_fmu(
-                    folder,
-                    start_values=start_values,
-                    output=outputs,
-                    stop_time=stop_time,
-                    output_interval=step_size,
-                    step_finished=step_finished,
-                    model_description=description,
-                    logger=log,
-                    debug_logging=True,
+                rows: np.ndarray = fmpy.simulate_fmu(
+                    folder, model_description=description, logger=log, debug_logging=True, **options
                 )
             finally:
                 release(Path(folder), description)
     except Exception as error:  # fmpy's exceptions have no common class
         # the first that is logged: after it, an importer may go on to the next refusal
         reason = (said.getvalue().splitlines()[-1:] or logged or [str(error)])[0]
-        partial = recording(recorders[0].result()) if recorders else None
-        raise RunError(f"{path}: {reason}", partial) from None
-    return recording(rows)
+        raise RunError(f"{path}: {reason}") from None
+    return rows
 
 
 def _walls(values: Mapping[str, float]) -> dict[str, HalfPlane]:

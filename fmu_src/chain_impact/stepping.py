@@ -13,13 +13,12 @@ from typing import Any
 import numpy as np
 
 from chain_impact.compilation.work import Notify, announce
-from chain_impact.export.table import variable_row
 from chain_impact.kernel.status import OK
 from chain_impact.reading import SceneError, UnknownNameError, matching, shown
 from chain_impact.results.result import IMPACT_DTYPE
 from chain_impact.running import Instance, SimulationError, in_order
 from chain_impact.scene import Scene
-from chain_impact.variable import Variable
+from chain_impact.variable import Variable, variable_row
 from chain_impact.variables import fmu_variables, word_index
 
 STATE = struct.Struct("<8s16sqq")  # magic, the scene's digest, whether it has started, number of contacts
@@ -103,6 +102,7 @@ class Chain:
         """The contacts so far in order of onset, see ``IMPACT_DTYPE``; the end of one that lasts is NaN."""
         self._ready()
         before = self._reals.copy()
+        self._instance.observe()  # what was set acts at once
         lasting = self._instance.open_contacts()  # drops what was solved ahead, so on a copy
         self._reals[:] = before
         return in_order([*self._impacts, lasting])

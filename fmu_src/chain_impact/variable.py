@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
+import sys
 from dataclasses import dataclass
+from typing import Any
 
 from chain_impact.limits import allowed
 from chain_impact.names import Place
 
+LARGEST = sys.float_info.max
 OBSERVED = ("output", "latest")
 """Records that the kernel fills when somebody looks: their real numbers may change all the time."""
 
@@ -71,3 +75,19 @@ class Variable:
             return "one of " + ", ".join(f"{n} ({item.name})" for n, item in enumerate(self.items, 1))
         limits = {"minimum": self.minimum, "above": self.above, "maximum": self.maximum}
         return allowed(float, {"choices": None, "unit": self.unit, **limits})
+
+
+def variable_row(variable: Variable, word: int) -> list[Any]:
+    """Name, type, word, kind, lowest and highest value that can be set, and these in words."""
+    kind = variable.variability if variable.causality == "parameter" else variable.causality
+    low, high = -LARGEST, LARGEST
+    if variable.items:
+        low, high = 1, len(variable.items)
+    elif variable.above is not None:
+        low = math.nextafter(variable.above, math.inf)
+    elif variable.minimum is not None:
+        low = variable.minimum
+    if variable.maximum is not None:
+        high = variable.maximum
+    type_ = "real" if variable.type == "real" else "integer"
+    return [variable.name, type_, word, kind, low, high, variable.allowed]

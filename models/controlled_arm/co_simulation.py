@@ -36,7 +36,7 @@ def co_simulate(fmus, stop_time=STOP_TIME, step=STEP, master="fmpy"):
     """Co-simulate FMUs with one of the masters.
 
     Returns:
-        Time and all real outputs at the communication points: name → array of shape (T,).
+        Time and all outputs that are numbers at the communication points: name → array of shape (T,).
     """
     time = np.arange(round(stop_time / step) + 1) * step
     return {"time": time, **MASTERS[master](fmus, time)}

@@ -4,7 +4,7 @@ FMUs are connected where an output and an input have one name. At each communica
 to its input, then all FMUs take the next step: the order of the FMUs does not matter (Jacobi's scheme).
 
 A master takes the paths of the FMUs and the communication points, equally spaced from 0, shape (T,) [s], and
-returns all real outputs at these: name → array of shape (T,).
+returns all outputs that are numbers at these, real ones and integers: name → array of shape (T,).
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ import numpy as np
 from fmpy.fmi2 import FMU2Slave
 
 
-def references(path, causality):
-    """The value references of an FMU's reals of one causality: name → reference."""
+def references(path, causality, kind="Real"):
+    """The value references of an FMU's variables of one causality and type: name → reference."""
     variables = fmpy.read_model_description(str(path)).modelVariables
-    return {v.name: v.valueReference for v in variables if v.causality == causality and v.type == "Real"}
+    return {v.name: v.valueReference for v in variables if v.causality == causality and v.type == kind}
 
 
 def connections(fmus):
@@ -48,6 +48,7 @@ class Slave:
         description = fmpy.read_model_description(str(path))
         self.folder = fmpy.extract(str(path))
         self.inputs, self.outputs = references(path, "input"), references(path, "output")
+        self.integers = references(path, "output", "Integer")
         self.fmu = FMU2Slave(
             guid=description.guid,
             unzipDirectory=self.folder,
@@ -61,7 +62,9 @@ class Slave:
 
     def read(self):
         """The outputs: name → value."""
-        return dict(zip(self.outputs, self.fmu.getReal(list(self.outputs.values())), strict=True))
+        reals = self.fmu.getReal(list(self.outputs.values()))
+        integers = self.fmu.getInteger(list(self.integers.values()))
+        return dict(zip((*self.outputs, *self.integers), (*reals, *integers), strict=True))
 
     def write(self, signals):
         """Set those inputs that the signals, name → value, have."""
@@ -120,21 +123,24 @@ def by_libcosim(fmus, time):
     observer = CosimObserver.create_time_series(len(time))
     execution.add_observer(observer)
     series = [
-        (name, place, reference)
-        for place, of in zip(places, outputs, strict=True)
-        for name, reference in of.items()
+        (name, place, reference, kind)
+        for place, path in zip(places, fmus, strict=True)
+        for kind in ("Real", "Integer")
+        for name, reference in references(path, "output", kind).items()
     ]
-    for _, place, reference in series:
-        observer.start_time_series(place, reference, CosimVariableType.REAL)
+    for _, place, reference, kind in series:
+        observer.start_time_series(place, reference, CosimVariableType[kind.upper()])
     if not execution.step(len(time) - 1):
         raise RuntimeError("libcosim could not finish the simulation; its log has the reason")
 
-    def samples(place, reference):
+    read = {"Real": observer.time_series_real_samples, "Integer": observer.time_series_integer_samples}
+
+    def samples(place, reference, kind):
         # libcosimpy takes step 0 for no sample and leaves out one for it, so it is asked for apart
         ranges = ((0, 2), (1, len(time) - 1))
-        return np.concatenate([observer.time_series_real_samples(place, reference, *r)[2] for r in ranges])
+        return np.concatenate([read[kind](place, reference, *r)[2] for r in ranges])
 
-    return {name: samples(place, reference) for name, place, reference in series}
+    return {name: samples(*where) for name, *where in series}
 
 
 # --- Ecos --------------------------------------------------------------------------------------------------
@@ -152,17 +158,19 @@ def by_ecos(fmus, time):
         for source, sink, variable in connections(fmus):
             structure.make_real_connection(f"{names[source]}::{variable}", f"{names[sink]}::{variable}")
         series = {
-            name: f"{fmu}::{name}"
+            name: (kind, f"{fmu}::{name}")
             for fmu, path in zip(names, fmus, strict=True)
-            for name in references(path, "output")
+            for kind in ("Real", "Integer")
+            for name in references(path, "output", kind)
         }
         rows = []
         with EcosSimulation(step_size=float(time[1]), structure=structure) as simulation:
             simulation.init()
+            read = {"Real": simulation.get_real, "Integer": simulation.get_integer}
             for k in range(len(time)):
                 if k > 0:
                     simulation.step()
-                rows.append([simulation.get_real(identifier) for identifier in series.values()])
+                rows.append([read[kind](identifier) for kind, identifier in series.values()])
             simulation.terminate()
     return dict(zip(series, np.transpose(rows), strict=True))
 

@@ -294,7 +294,10 @@ def test_info_into_a_closed_pipe_is_quiet(fmu):
 
 
 def test_validate_of_a_good_fmu(run, fmu):
-    assert run("validate", fmu) == (0, f"{fmu}: no problems found\n", "")
+    code, said, errors = run("validate", fmu)
+    first, second = said.splitlines()
+    assert (code, first, errors) == (0, f"{fmu}: no problems found", "")
+    assert second.startswith(f"{fmu}: experiment default: passed, ")
 
 
 def test_validate_names_each_problem(run, here, fmu):
@@ -428,9 +431,10 @@ def test_no_bar_when_nothing_compiles(run, terminal):
 
 
 def test_a_line_instead_of_a_bar_in_a_file(run, monkeypatch, terminal):
-    compiling(monkeypatch)
     text = terminal(False)
-    _, _, errors = run("simulate", "rod_drop")
+    with monkeypatch.context() as patch:
+        compiling(patch)
+        _, _, errors = run("simulate", "rod_drop")
     assert errors == "chain-impact: compiling the kernel (about 12 s, then kept)\n"
     _, _, errors = run("build", "rod_drop")
     assert errors == ""  # of what takes a moment nothing is said

@@ -1,4 +1,5 @@
-/* An importer in C: host LIBRARY GUID RESOURCES STEP STEPS REFERENCE... prints these Reals at each step, with all bits.
+/* An importer in C: host LIBRARY GUID RESOURCES STEP STEPS REFERENCE... prints these variables at each step, with all
+   bits: Reals, and Integers if their references begin with i.
 
    It loads the binary of an FMU, as tools without Python do; for Linux and Windows. */
 #include <fmi2Functions.h>
@@ -38,7 +39,7 @@ static void need(int right, const char *what) {
 #define CALL(what) need((what) == fmi2OK, #what)
 
 int main(int count, char **arguments) {
-    enum { FIRST = 6, MOST = 100 };
+    enum { FIRST = 6, MOST = 400 };
     need(count > FIRST && count < FIRST + MOST, "arguments");
     void *library = loaded(arguments[1]);
     need(library != NULL, "load the library");
@@ -49,24 +50,36 @@ int main(int count, char **arguments) {
     FUNCTION(fmi2ExitInitializationMode, fmi2Status, fmi2Component);
     FUNCTION(fmi2DoStep, fmi2Status, fmi2Component, fmi2Real, fmi2Real, fmi2Boolean);
     FUNCTION(fmi2GetReal, fmi2Status, fmi2Component, const fmi2ValueReference[], size_t, fmi2Real[]);
+    FUNCTION(fmi2GetInteger, fmi2Status, fmi2Component, const fmi2ValueReference[], size_t, fmi2Integer[]);
     FUNCTION(fmi2Terminate, fmi2Status, fmi2Component);
     FUNCTION(fmi2FreeInstance, void, fmi2Component);
 
     fmi2CallbackFunctions callbacks = {log_message, calloc, free, NULL, NULL};
     fmi2Component one = fmi2Instantiate("host", fmi2CoSimulation, arguments[2], arguments[3], &callbacks, 0, 1);
     need(one != NULL, "instantiate");
-    double size = atof(arguments[4]), values[MOST];
+    double size = atof(arguments[4]), value;
     int steps = atoi(arguments[5]);
+    fmi2Integer whole;
     fmi2ValueReference references[MOST];
-    size_t wanted = (size_t)(count - FIRST);
-    for (size_t i = 0; i < wanted; i++) references[i] = (fmi2ValueReference)atoi(arguments[FIRST + i]);
+    int are_integers[MOST], wanted = count - FIRST;
+    for (int i = 0; i < wanted; i++) {
+        are_integers[i] = arguments[FIRST + i][0] == 'i';
+        references[i] = (fmi2ValueReference)atoi(arguments[FIRST + i] + are_integers[i]);
+    }
     CALL(fmi2SetupExperiment(one, 0, 0.0, 0.0, 1, size * steps));
     CALL(fmi2EnterInitializationMode(one));
     CALL(fmi2ExitInitializationMode(one));
     for (int k = 0; k < steps; k++) {
         CALL(fmi2DoStep(one, k * size, size, 1));
-        CALL(fmi2GetReal(one, references, wanted, values));
-        for (size_t i = 0; i < wanted; i++) printf("%.17g%c", values[i], i + 1 < wanted ? ' ' : '\n');
+        for (int i = 0; i < wanted; i++) {
+            if (are_integers[i]) {
+                CALL(fmi2GetInteger(one, references + i, 1, &whole));
+                value = whole;
+            } else {
+                CALL(fmi2GetReal(one, references + i, 1, &value));
+            }
+            printf("%.17g%c", value, i + 1 < wanted ? ' ' : '\n');
+        }
     }
     CALL(fmi2Terminate(one));
     fmi2FreeInstance(one);

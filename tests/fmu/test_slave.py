@@ -30,7 +30,7 @@ def test_another_value_makes_another_script(fmus, tmp_path):
 
 def test_only_the_files_that_are_needed(fmus):
     names = zipfile.ZipFile(fmus["rod_drop"]).namelist()
-    rest = [name for name in names if not name.startswith("resources/pythonfmu/")]
+    rest = [name for name in names if not name.startswith(("resources/pythonfmu/", "extra/"))]
     script, slave = sorted((name for name in rest if name.endswith(".py")), key=len)
     assert slave == script.replace(".py", "_slave.py")
     resources = ("instance.bin", "kernel-linux64.so", "model.json", "slavemodule.txt")

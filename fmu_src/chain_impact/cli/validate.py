@@ -1,4 +1,4 @@
-"""`chain-impact validate`: an FMU against the FMI standard."""
+"""`chain-impact validate`: an FMU against the FMI standard and its own reference results."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ from chain_impact.cli.progress import out
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
-    validate = verbs.add_parser("validate", help="check an FMU against the FMI standard")
+    validate = verbs.add_parser(
+        "validate", help="check an FMU against the FMI standard, and run its experiments"
+    )
     validate.add_argument("fmu", metavar="FMU", type=Path)
     validate.set_defaults(run=run)
 
@@ -19,11 +21,12 @@ def add(verbs: Verbs) -> None:
 def run(options: argparse.Namespace) -> int:
     """Check an FMU; the exit code is 1 if something is wrong."""
     from chain_impact.export.fmu import validate_fmu
+    from chain_impact.studies.references import check_references
 
     options.fmu.stat()  # a file that is not there is no FMU with problems
     problems = validate_fmu(options.fmu)
-    for problem in problems:
-        out.print(f"{options.fmu}: {problem}", markup=False, soft_wrap=True)
-    if not problems:
-        out.print(f"{options.fmu}: no problems found", markup=False, soft_wrap=True)
-    return 1 if problems else 0
+    # what is no valid FMU is not run
+    outcomes = [] if problems else check_references(options.fmu)
+    for line in [*(problems or ["no problems found"]), *(outcome.text for outcome in outcomes)]:
+        out.print(f"{options.fmu}: {line}", markup=False, soft_wrap=True)
+    return 0 if not problems and all(outcome.passed for outcome in outcomes) else 1

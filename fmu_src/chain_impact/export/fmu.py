@@ -14,6 +14,7 @@ from chain_impact.compilation.library import kernel_library
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.export import native_target, pythonfmu_target
 from chain_impact.export.documents import documents
+from chain_impact.export.references import reference_files
 from chain_impact.scene import Scene, load_scene
 
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)
@@ -88,8 +89,8 @@ def build_fmu(
     with tempfile.TemporaryDirectory(prefix=f".{scene.name}-", dir=directory) as scratch:
         notify("packaging the FMU")
         path = Path(scratch, f"{scene.name}.fmu")
-        files = TARGETS[target].files[fmi](scene, kernels, Path(scratch))
-        _pack(files | documents(scene, fmi), path)
+        files = TARGETS[target].files[fmi](scene, kernels, Path(scratch)) | documents(scene, fmi)
+        _pack(files | reference_files(scene, notify), path)
         notify("validating the FMU")
         problems = validate_fmu(path)
         if problems:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-import math
 import struct
-import sys
 import uuid
 import zlib
 from collections.abc import Iterable, Sequence
@@ -14,10 +12,9 @@ from typing import Any
 from chain_impact.instance import new_instance
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene import Scene
-from chain_impact.variable import Variable
+from chain_impact.variable import variable_row
 from chain_impact.variables import fmu_variables, word_index
 
-LARGEST = sys.float_info.max
 # as in compilation/c_interface/common/instance.h
 HEAD, CHECKED_FROM = struct.Struct("<8sQQ40s11q"), 24
 ROW, PLACE = struct.Struct("<ddqqiiii"), struct.Struct("<q")
@@ -40,22 +37,6 @@ def model_table(scene: Scene) -> dict[str, Any]:
         "words": {name: word_index(layout, place) for name, place in places.items()},
         "statuses": {str(status): text for status, text in STATUS_TEXT.items()},
     }
-
-
-def variable_row(variable: Variable, word: int) -> list[Any]:
-    """Name, type, word, kind, lowest and highest value that can be set, and these in words."""
-    kind = variable.variability if variable.causality == "parameter" else variable.causality
-    low, high = -LARGEST, LARGEST
-    if variable.items:
-        low, high = 1, len(variable.items)
-    elif variable.above is not None:
-        low = math.nextafter(variable.above, math.inf)
-    elif variable.minimum is not None:
-        low = variable.minimum
-    if variable.maximum is not None:
-        high = variable.maximum
-    type_ = "real" if variable.type == "real" else "integer"
-    return [variable.name, type_, word, kind, low, high, variable.allowed]
 
 
 def guid_of(contents: Iterable[bytes]) -> str:
