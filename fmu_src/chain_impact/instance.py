@@ -12,6 +12,12 @@ from chain_impact.layout import instance_dtype
 from chain_impact.scene import Scene
 
 
+LINK_PARAMETERS = (
+    *("length", "mass", "center_of_mass", "inertia"),
+    *("joint_damping", "joint_stiffness", "joint_rest_angle"),
+)
+
+
 def candidates(scene: Scene) -> list[tuple[int, int]]:
     """The pairs (point, index into ``scene.wall_names``) that can touch: listed points, existing walls."""
     there = scene.half_planes
@@ -35,7 +41,7 @@ def new_instance(scene: Scene) -> np.ndarray:
 
     model = d["model"]
     model["gravity"] = scene.gravity
-    for name in ("length", "mass", "center_of_mass", "inertia", "joint_damping"):
+    for name in LINK_PARAMETERS:
         model[name] = [getattr(link, name) for link in links]
     # the position of a wall that is not there is never looked at
     model["wall"] = [getattr(scene.box, name) or 0.0 for name in WALLS]

@@ -3,8 +3,9 @@
 import math
 
 from chain_impact.kernel.chain.damped import damping_of
-from chain_impact.kernel.chain.damping_rate import damping_bound
+from chain_impact.kernel.chain.joint_rate import joint_bound
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.springs import stiffness_of
 from chain_impact.kernel.chain.state import (
     ANGLES,
     dissipated_at,
@@ -85,8 +86,10 @@ def initialize(d, time):
 
 
 def forget_run(d):
-    """Remove what an earlier run has left: contacts, impacts, the log and all counts."""
+    """Remove what an earlier run has left: moments, contacts, impacts, the log and all counts."""
     d.touch.active_count = 0
+    for i in range(d.links):
+        d.work.moment[i] = 0.0
     for c in range(d.candidates):
         d.touch.active[c], d.touch.active_index[c] = 0, 0
         d.impulse.total[c], d.touch.number[c] = 0.0, 0
@@ -102,9 +105,9 @@ def forget_run(d):
 
 
 def derive_chain(d):
-    """Find what the recursion needs of each link, the absolute scales, and what the joints damp."""
+    """Find what the recursion needs of each link, the absolute scales, and what the joints resist."""
     model = d.model
-    model.damped = 0
+    model.damped, model.sprung = 0, 0
     model.middle = 0 if model.pinned else len(model.length) // 2  # as in `accelerations`
     model.size, model.reach = 0.0, 0.0
     for i in range(len(model.length)):
@@ -118,12 +121,15 @@ def derive_chain(d):
         model.reach += model.length[i]
         if damping_of(d, i) != 0.0:
             model.damped = 1
+        if stiffness_of(d, i) != 0.0:
+            model.sprung = 1
     total = 0.0
     for i in range(len(model.length)):
         total += model.mass[i]
     model.energy = total * model.size * model.size
     model.gravity_size = math.hypot(model.gravity[0], model.gravity[1])
-    model.damping_bound = damping_bound(d)
+    model.resisting = max(model.damped, model.sprung)
+    model.joint_bound = joint_bound(d)
 
 
 def derive_law(d):

@@ -21,7 +21,7 @@ from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.errors import impact_energy, penetration_scale
 from chain_impact.kernel.integration.last_step import SOLVER, complete, largest_turn, see_points, see_rate
 from chain_impact.kernel.integration.method import EXPLICIT
-from chain_impact.kernel.integration.switching import STABLE, damping_over
+from chain_impact.kernel.integration.switching import STABLE, joints_over
 from chain_impact.kernel.model.contact_force import elastic_force
 from chain_impact.kernel.model.energy import ledger, mechanical_energy
 from chain_impact.kernel.model.geometry import clearance
@@ -113,15 +113,15 @@ def is_long(d):
     """Whether the last step is so long that it may be right at its end by chance, and be wrong in between.
 
     That is a step in which a link has turned far, if there is a dense output to look at; an explicit one over
-    which damped motions fade more than it is stable for; and, at a loose tolerance, the first one of a run,
+    which joints make more of a motion fade or swing than it is stable for; and, at a loose tolerance, the first one of a run,
     whose size is a guess.
     """
     if d.statistics.steps == 0 and d.solver.tolerance > LOOSE:
         return True
     if d.step.dense_for == SOLVER and largest_turn(d) > LONG_TURN:
         return True
-    fades = d.model.damped and d.step.made_by == EXPLICIT
-    return fades and damping_over(d, d.step.end - d.step.start) > STABLE
+    resisted = d.model.resisting and d.step.made_by == EXPLICIT
+    return resisted and joints_over(d, d.step.end - d.step.start) > STABLE
 
 
 def interpolates(d):

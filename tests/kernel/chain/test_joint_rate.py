@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.damping_rate import damping_bound, damping_rate
+from chain_impact.kernel.chain.joint_rate import joint_bound, joint_rate
 from tests.kernel.chain.test_damped import prepared, random_chain, relative_motion
 from tests.reference import mass_matrix
 
@@ -18,7 +18,7 @@ def compared(rng, count, base):
     mobility = across @ np.linalg.solve(mass_matrix(scene, angles)[free, free], across.T)
     exact = np.abs(np.linalg.eigvals(mobility * damping)).max()
     state = np.array([0.0, 0.0, *angles])
-    return damping_rate(d, state), damping_bound(d), (damping * np.diag(mobility)).max(), exact
+    return joint_rate(d, state), joint_bound(d), (damping * np.diag(mobility)).max(), exact
 
 
 @pytest.mark.parametrize("base", ["free", "pinned"])
