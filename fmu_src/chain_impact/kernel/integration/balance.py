@@ -4,11 +4,11 @@ The exact motion keeps the ledger of energies (model/energy.py), so what a step 
 that keep the tolerance change it by about the tolerance times a scale S, or less. To first order, with the
 scales of errors.py for what the components of the state may err,
 
-    S = (√(2T) + √E₁)² + M g (s + Σ L_i) + E₂ + Σ (K δⁿ s_δ + ½ m v₀²) + dissipated and supplied energy,
+    S = (√(2T) + √E₁)² + M g (s + Σ L_i) + E₂ + Σ k |φ| + Σ (K δⁿ s_δ + ½ m v₀²) + dissipated and supplied energy,
 
 where T is the kinetic energy, E₁ twice that of the stretched chain when it moves by the longest link s and
-turns by 1 rad in a second, E₂ = M s² in a second squared, M the mass, and s_δ, v₀ and m those of the active
-contacts. A step that changes much more is rejected: there is something that its error estimate does not see,
+turns by 1 rad in a second, E₂ = M s² in a second squared, M the mass, k |φ| the moments of springs, over 1 rad, and
+s_δ, v₀ and m those of the active contacts. A step that changes much more is rejected: there is something that its error estimate does not see,
 such as a motion that fades within its first stage. Nor must the errors of all steps in a second of simulated
 time add up to much more.
 """
@@ -16,7 +16,8 @@ time add up to much more.
 import math
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import dissipated_at, supplied_at
+from chain_impact.kernel.chain.springs import stiffness_of, stretch
+from chain_impact.kernel.chain.state import ANGLES, dissipated_at, supplied_at
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.errors import impact_energy, penetration_scale
 from chain_impact.kernel.integration.last_step import SOLVER, complete, largest_turn, see_points, see_rate
@@ -143,6 +144,11 @@ def allowance(d, y):
     speed = math.sqrt(2.0 * kinetic) + d.balance.unit_motion
     scale = speed * speed + d.balance.unit_scale + impact_energy(d)
     scale += abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
+    if d.model.sprung:
+        for i in range(d.links):
+            moment = stiffness_of(d, i) * abs(stretch(d, y, i))
+            scale += moment
+            known += moment * (abs(y[ANGLES + i]) + abs(d.model.joint_rest_angle[i]))
     if not d.contact.impulsive:
         for k in range(d.touch.active_count):
             c = d.touch.active_index[k]
