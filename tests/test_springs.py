@@ -1,7 +1,5 @@
 """Joints with springs: closed forms, quadrature, beams, and what implicit steps make of them."""
 
-import itertools
-
 import mpmath
 import numpy as np
 import pytest
@@ -115,7 +113,8 @@ def textbook(scene, times):
     return solution.y[2 : n + 2].T
 
 
-@pytest.mark.parametrize(("base", "count"), itertools.product(["free", "pinned"], [2, 4]))
+@pytest.mark.parametrize("count", [2, 4])
+@pytest.mark.parametrize("base", ["free", "pinned"])
 def test_a_chain_moves_as_the_textbook_says(base, count):
     rng = np.random.default_rng([count, len(base)])
     links = [
@@ -143,7 +142,7 @@ def test_a_free_base_has_no_spring():
     results = [simulate(one) for one in (scene, without)]
     np.testing.assert_array_equal(results[0].outputs, results[1].outputs)
     momentum, spin = momenta(results[0])
-    assert np.ptp(momentum) < 1e-10
+    assert np.ptp(momentum, axis=0).max() < 1e-8
     assert np.ptp(spin) < 1e-9
 
 
@@ -214,15 +213,15 @@ def test_a_chain_swings_in_its_own_bending_modes(mode):
 
 
 def test_the_bending_modes_become_those_of_a_beam_with_more_links():
-    """The error of a chain of N links falls as 1/N²."""
+    """The error of a chain of N uniform links falls as 1/N⁴."""
     counts = (10, 20, 40)
     errors = np.array([bending_modes(count)[0][:3] / euler_bernoulli() - 1.0 for count in counts])
-    assert np.abs(errors[-1]).max() < 0.01
-    np.testing.assert_allclose(np.log2(errors[:-1] / errors[1:]), 2.0, atol=0.15)
+    assert np.abs(errors[-1]).max() < 1e-4
+    np.testing.assert_allclose(np.log2(errors[1] / errors[2]), 4.0, atol=0.2)
 
 
 def test_fifty_links_swing_as_a_beam():
-    assert measured_frequency(50, 0) == pytest.approx(euler_bernoulli()[0], rel=2e-3)
+    assert measured_frequency(50, 0) == pytest.approx(euler_bernoulli()[0], rel=1e-6)
 
 
 # --- stiff springs -----------------------------------------------------------------------------------------
