@@ -40,6 +40,7 @@ TESTED_ELSEWHERE = {
     "export/native_target.py": "fmu/test_native.py",
     "export/pythonfmu_target.py": "fmu/test_slave.py",
     "export/table.py": "fmu/test_native.py",
+    "kernel/chain/springs.py": "test_springs.py",
     "running.py": "test_simulate.py",
     "limits.py": "test_scene.py",
     "checks.py": "test_scene.py",

@@ -5,6 +5,7 @@ import math
 from chain_impact.kernel.chain.damped import damping_of
 from chain_impact.kernel.chain.joint_rate import joint_bound
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.regular import loose_links
 from chain_impact.kernel.chain.springs import stiffness_of
 from chain_impact.kernel.chain.state import (
     ANGLES,
@@ -36,6 +37,7 @@ from chain_impact.kernel.model.geometry import clearance, place_walls
 from chain_impact.kernel.model.latest import forget_impacts
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
+    MASS_MATRIX_SINGULAR,
     NOT_FINITE,
     OK,
     PARAMETER_OUT_OF_RANGE,
@@ -173,9 +175,20 @@ def derive_damping(contact):
 def check_parameters(d):
     """Check what a division or a loop relies on; the importer may have set anything. Returns a status."""
     for i in range(d.links):
-        for value in (d.model.length[i], d.model.mass[i], d.model.inertia[i]):
+        for value in (d.model.length[i], d.model.mass[i]):
             if not (value > 0.0 and math.isfinite(value)):
                 return PARAMETER_OUT_OF_RANGE
+        if not (d.model.inertia[i] >= 0.0 and math.isfinite(d.model.inertia[i])):
+            return PARAMETER_OUT_OF_RANGE
+    first, _ = loose_links(d.model)
+    if first >= 0:
+        return MASS_MATRIX_SINGULAR
+    for i in range(d.links):
+        for value in (d.model.joint_damping[i], d.model.joint_stiffness[i]):
+            if not (value >= 0.0 and math.isfinite(value)):
+                return PARAMETER_OUT_OF_RANGE
+        if not math.isfinite(d.model.joint_rest_angle[i] + d.model.center_of_mass[i]):
+            return PARAMETER_OUT_OF_RANGE
     for value in (
         d.solver.tolerance,
         d.solver.work_limit,

@@ -14,7 +14,8 @@ A moment in joint i acts on two arms that share the joint's acceleration a: as 1
 
 As M is at least the I_i alone, no eigenvalue exceeds those of diag(I)⁻¹ C, and these no sum of a row
 (Gershgorin): 2 (c_i + c_{i+1})/I_i, and for springs 2 (k_i + k_{i+1})/I_i. Both at once make λ² + λ c + k = 0 with c
-and k no more than these, hence |λ| ≤ c + √k. This bound does not change with the angles.
+and k no more than these, hence |λ| ≤ c + √k. This bound does not change with the angles. A joint that resists at a
+link without inertia makes it infinite.
 """
 
 import math
@@ -35,9 +36,16 @@ def joint_bound(d):
         if i + 1 < d.links:
             c += damping_of(d, i + 1)
             k += stiffness_of(d, i + 1)
-        damping = max(damping, 2.0 * c / d.model.inertia[i])
-        stiffness = max(stiffness, 2.0 * k / d.model.inertia[i])
+        damping = max(damping, over(2.0 * c, d.model.inertia[i]))
+        stiffness = max(stiffness, over(2.0 * k, d.model.inertia[i]))
     return damping + math.sqrt(stiffness)
+
+
+def over(resistance, inertia):
+    """A resistance over an inertia, neither of them negative; 0/0 = 0."""
+    if inertia > 0.0:
+        return resistance / inertia
+    return math.inf if resistance > 0.0 else 0.0
 
 
 def joint_rate(d, y):
