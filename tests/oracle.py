@@ -174,9 +174,10 @@ def per_step(run: Account, scale: float) -> float:
 def energy_scale(run: Account) -> float:
     """What an error of one, in the units of the error norm, changes in the ledger [J], at the most.
 
-    Kinetic: with |δv₀| ≤ s/1s + |v₀| and |δω| ≤ 1 rad/s + |ω|, Σ m |v_C| |δv_C| + I |ω| |δω|.
-    Potential: with |δx₀| ≤ s and |δθ| ≤ 1 rad, Σ m |g| |δx_C|. Dissipated: its scale in the norm. Elastic:
-    F |δg| with the scale of the penetration, and k |φ| |δφ| with |δφ| ≤ 1 rad. Supplied energy is not controlled, but follows: its size counts.
+    Kinetic: with |δv₀| ≤ s/1s + |v₀| and |δω| ≤ 1 rad/s + |ω|, Σ m |v_C| |δv_C| + I |ω| |δω|. Potential: with
+    |δx₀| ≤ s and |δθ| ≤ 1 rad, Σ m |g| |δx_C|. Dissipated: its scale in the norm. Elastic: F |δg| with the
+    scale of the penetration, and k |φ| |δφ| with |δφ| ≤ 1 rad. Supplied energy is not controlled, but
+    follows: its size counts.
 
     Motion that has more energy than there is counts as if it had just that: an explosion is no excuse of
     itself.
@@ -196,7 +197,7 @@ def energy_scale(run: Account) -> float:
 
 
 def spring_moments(run: Account) -> np.ndarray:
-    """The largest moment of each joint's spring [N·m], which is the energy that an error of 1 rad makes [J]."""
+    """The largest moment of each joint's spring [N·m]: the energy that an error of 1 rad makes [J]."""
     links = run.scene.chain.links
     stiffness = np.array([link.joint_stiffness for link in links])
     if run.scene.chain.base == "free":

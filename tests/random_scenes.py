@@ -1,10 +1,11 @@
 """Random scenes for the search for faults: anything that a user may ask for, made from one integer.
 
 ``scene(seed)`` is the same for ever, as long as nobody changes the order of the draws below. Scenes with
-walls at any angle, and those with springs in joints and links without inertia, have seeds and draws of their own. A scene is meant to cost milliseconds, whatever it is
-made of: the stop time is cut to what the links' turning, the tolerance and the method call for. Where a scene
-asks for much work, and nobody could spare the solver that, ``solver.work_limit`` ends it early (``hard``);
-everywhere else it keeps its default, so that slowness shows.
+walls at any angle, and those with springs in joints and links without inertia, have seeds and draws of their
+own. A scene is meant to cost milliseconds, whatever it is made of: the stop time is cut to what the links'
+turning, the tolerance and the method call for. Where a scene asks for much work, and nobody could spare the
+solver that, ``solver.work_limit`` ends it early (``hard``); everywhere else it keeps its default, so that
+slowness shows.
 """
 
 from __future__ import annotations
@@ -62,7 +63,7 @@ class Draw:
 
 
 def scene(seed: int) -> Scene:
-    """The scene of a seed; from SLANTED on it has walls at any angle, from SPRUNG on springs or point masses."""
+    """The scene of a seed; from SLANTED on with walls at any angle, from SPRUNG on with springs."""
     made = upright(seed)
     if seed < SLANTED:
         return made
@@ -70,7 +71,7 @@ def scene(seed: int) -> Scene:
 
 
 def sprung(scene: Scene, draw: Draw) -> Scene:
-    """The scene with springs in some joints, a few of them strained at the start, and some links without inertia.
+    """The scene with springs in some joints, a few of them strained, and some links without inertia.
 
     Springs without damping may swing for ever, however stiff they are, so the work is limited.
     """

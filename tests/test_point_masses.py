@@ -40,7 +40,7 @@ def double(angles, spins=(0.0, 0.0), **more):
 
 
 def frequencies(l1, m1, l2, m2):
-    """Those of the hanging double pendulum [rad/s]: m₁ l₁ l₂ ω⁴ − (m₁ + m₂)(l₁ + l₂) g ω² + (m₁ + m₂) g² = 0."""
+    """Those of a hanging double pendulum: m₁ l₁ l₂ ω⁴ − (m₁ + m₂)(l₁ + l₂) g ω² + (m₁ + m₂) g² = 0."""
     total = m1 + m2
     return np.sqrt(np.sort(np.roots([m1 * l1 * l2, -total * (l1 + l2) * GRAVITY, total * GRAVITY**2])))
 
@@ -83,7 +83,11 @@ def test_a_double_pendulum_swings_wide_as_its_textbook_equations_say():
 def test_accelerations_are_lagranges(base):
     """Of a rod between bobs, by the derivation in SymPy."""
     rng = np.random.default_rng(len(base))
-    links = [bob(0.6, 1.3), {"length": 0.9, "mass": 0.8}, bob(0.4, 0.7, joint_damping=0.3, joint_stiffness=2.0)]
+    links = [
+        bob(0.6, 1.3),
+        {"length": 0.9, "mass": 0.8},
+        bob(0.4, 0.7, joint_damping=0.3, joint_stiffness=2.0),
+    ]
     if base == "free":
         links[0] = {"length": 0.6, "mass": 1.3, "center_of_mass": 0.0, "inertia": 0.0}  # at the base
     angles, spins = rng.uniform(-3.0, 3.0, 3), rng.uniform(-3.0, 3.0, 3)
@@ -121,7 +125,11 @@ def test_a_bob_on_a_stiff_damped_spring_takes_implicit_steps():
     [
         ("pinned", [bob(1.0, 1.0, center_of_mass=0.0)], "link[1].inertia = 0.0 must be > 0"),
         ("free", [bob(1.0, 1.0)], "link[1].inertia = 0.0 must be > 0"),
-        ("free", [{"length": 1.0, "mass": 1.0}, bob(1.0, 1.0, center_of_mass=0.0)], "0 m of 1 m from the proximal"),
+        (
+            "free",
+            [{"length": 1.0, "mass": 1.0}, bob(1.0, 1.0, center_of_mass=0.0)],
+            "0 m of 1 m from the proximal",
+        ),
         ("free", [bob(1.0, 1.0, center_of_mass=0.5)] * 2, "link[1].inertia to link[2].inertia = 0.0"),
     ],
 )

@@ -82,11 +82,11 @@ def test_scenes_with_walls_at_any_angle_have_seeds_of_their_own():
 
 
 def test_scenes_with_springs_have_seeds_of_their_own():
-    plain, scenes = (
-        [scene(seed) for seed in range(first, first + 200)] for first in (0, SPRUNG)
-    )
+    plain, scenes = ([scene(seed) for seed in range(first, first + 200)] for first in (0, SPRUNG))
     assert not any(link.joint_stiffness or link.inertia == 0.0 for one in plain for link in one.chain.links)
-    assert all(any(link.joint_stiffness for link in one.chain.links) for one in scenes if len(one.chain.links) > 4)
+    assert all(
+        any(link.joint_stiffness for link in one.chain.links) for one in scenes if len(one.chain.links) > 4
+    )
     assert sum(any(link.inertia == 0.0 for link in one.chain.links) for one in scenes) > 30
     assert min(map(gap, scenes)) > -1e-12
 

@@ -79,7 +79,9 @@ def test_a_pendulum_with_a_spring_takes_its_time_by_quadrature():
 
         swing = float(mpmath.quad(slowness, [-mpmath.pi / 2, 0, mpmath.pi / 2]))
     link = ROD | {"joint_stiffness": stiffness}
-    scene = sprung([link], {"angles": [release]}, gravity=9.81, stop_time=2 * swing, step=swing, tolerance=1e-12)
+    scene = sprung(
+        [link], {"angles": [release]}, gravity=9.81, stop_time=2 * swing, step=swing, tolerance=1e-12
+    )
     result = simulate(scene)
     assert result.angles[:, 0] == pytest.approx([release, float(other), release], abs=1e-9)
     assert result.angular_velocities[1:, 0] == pytest.approx(0.0, abs=1e-9)
@@ -127,7 +129,10 @@ def test_a_chain_moves_as_the_textbook_says(base, count):
         }
         for _ in range(count)
     ]
-    initial = {"angles": list(rng.uniform(-1.0, 1.0, count)), "angular_velocities": list(rng.uniform(-3, 3, count))}
+    initial = {
+        "angles": list(rng.uniform(-1.0, 1.0, count)),
+        "angular_velocities": list(rng.uniform(-3, 3, count)),
+    }
     scene = sprung(links, initial, base=base, gravity=9.81, tolerance=1e-11)
     result = simulate(scene)
     np.testing.assert_allclose(result.angles, textbook(scene, result.time), rtol=0, atol=1e-8)
@@ -197,7 +202,9 @@ def measured_frequency(count, mode, amplitude=1e-4, method="auto"):
     shape = amplitude * modes[:, mode] / np.abs(modes[2:, mode]).max()
     periods = 10
     stop = 2 * np.pi / squares[mode] * periods
-    scene = sprung(beam(count), {"position": list(shape[:2]), "angles": list(shape[2:])}, base="free", stop_time=stop)
+    scene = sprung(
+        beam(count), {"position": list(shape[:2]), "angles": list(shape[2:])}, base="free", stop_time=stop
+    )
     result = simulate(scene, tolerance=1e-12, output_step=stop / 200, method=method)
     # the part of the mode in the motion is A cos ωt; its phase at the end of ten periods tells ω
     part = result.angles @ shape[2:] / (shape[2:] @ shape[2:])
@@ -254,7 +261,7 @@ def test_a_swing_that_the_tolerance_sees_has_explicit_steps():
 
 
 def test_stiff_springs_at_rest_have_implicit_steps():
-    """Without a relative rate at the start only gravity pulls at the springs, by far less than the tolerance."""
+    """A free chain that turns as one body strains them by less than the tolerance can see."""
     still = {("initial", "angular_velocities"): [1.0, 1.0]}
     result = simulate(with_values(stiffened(0.0, 1e12), still))
     assert result.statistics["implicit_steps"] > 0.5 * result.statistics["steps"]

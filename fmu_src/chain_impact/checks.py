@@ -61,7 +61,9 @@ def check_masses(chain: Chain) -> None:
         return
     if first == last:
         link = chain.links[first]
-        where = f"its centre of mass is {link.center_of_mass:g} m of {link.length:g} m from the proximal joint"
+        where = (
+            f"its centre of mass is {link.center_of_mass:g} m of {link.length:g} m from the proximal joint"
+        )
         reason = f"the link could turn about its centre of mass without moving any mass ({where})"
         raise SceneError(f"link[{first + 1}].inertia = {link.inertia} must be > 0: {reason}")
     names = f"link[{first + 1}].inertia to link[{last + 1}].inertia"

@@ -11,7 +11,6 @@ from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.layout import instance_dtype
 from chain_impact.scene import Scene
 
-
 LINK_PARAMETERS = (
     *("length", "mass", "center_of_mass", "inertia"),
     *("joint_damping", "joint_stiffness", "joint_rest_angle"),

@@ -174,21 +174,9 @@ def derive_damping(contact):
 
 def check_parameters(d):
     """Check what a division or a loop relies on; the importer may have set anything. Returns a status."""
-    for i in range(d.links):
-        for value in (d.model.length[i], d.model.mass[i]):
-            if not (value > 0.0 and math.isfinite(value)):
-                return PARAMETER_OUT_OF_RANGE
-        if not (d.model.inertia[i] >= 0.0 and math.isfinite(d.model.inertia[i])):
-            return PARAMETER_OUT_OF_RANGE
-    first, _ = loose_links(d.model)
-    if first >= 0:
-        return MASS_MATRIX_SINGULAR
-    for i in range(d.links):
-        for value in (d.model.joint_damping[i], d.model.joint_stiffness[i]):
-            if not (value >= 0.0 and math.isfinite(value)):
-                return PARAMETER_OUT_OF_RANGE
-        if not math.isfinite(d.model.joint_rest_angle[i] + d.model.center_of_mass[i]):
-            return PARAMETER_OUT_OF_RANGE
+    status = check_links(d)
+    if status != OK:
+        return status
     for value in (
         d.solver.tolerance,
         d.solver.work_limit,
@@ -203,6 +191,21 @@ def check_parameters(d):
     if not 1 <= d.solver.method <= len(SOLVER_METHODS):
         return UNKNOWN_METHOD
     return OK
+
+
+def check_links(d):
+    """Check the links and their joints, likewise."""
+    for i in range(d.links):
+        for value in (d.model.length[i], d.model.mass[i]):
+            if not (value > 0.0 and math.isfinite(value)):
+                return PARAMETER_OUT_OF_RANGE
+        for value in (d.model.inertia[i], d.model.joint_damping[i], d.model.joint_stiffness[i]):
+            if not (value >= 0.0 and math.isfinite(value)):
+                return PARAMETER_OUT_OF_RANGE
+        if not math.isfinite(d.model.joint_rest_angle[i] + d.model.center_of_mass[i]):
+            return PARAMETER_OUT_OF_RANGE
+    first, _ = loose_links(d.model)
+    return OK if first < 0 else MASS_MATRIX_SINGULAR
 
 
 def first_size(d):

@@ -36,6 +36,6 @@ STATUS_TEXT = {
     RIGID_WHILE_TOUCHING: "contact.model can change to newton_impact only while no point touches a wall",
     ENERGY_NOT_KEPT: "the energy drifts in a second of simulated time by more than 100 times what "
     "solver.tolerance allows for a step: tighten it if it is above 1e-8, or else loosen it",
-    MASS_MATRIX_SINGULAR: "links without inertia can turn about their centres of mass without moving any mass: "
-    "the inertia of one of them must be > 0",
+    MASS_MATRIX_SINGULAR: "links without inertia can turn about their centres of mass without moving any "
+    "mass: the inertia of one of them must be > 0",
 }

@@ -138,7 +138,11 @@ def test_a_spring_resists_as_a_damper_does(base):
         (*link, "joint_damping"): one.joint_damping + shift * k
         for link, one, k in zip(links, scene.chain.links, stiffness, strict=True)
     }
-    angles, impulses, aim = rng.uniform(-1.0, 1.0, 5), rng.uniform(-1.0, 1.0, (6, 2)), rng.uniform(-1.0, 1.0, 5)
+    angles, impulses, aim = (
+        rng.uniform(-1.0, 1.0, 5),
+        rng.uniform(-1.0, 1.0, (6, 2)),
+        rng.uniform(-1.0, 1.0, 5),
+    )
     answers = [
         answer(prepared(with_values(scene, changes), angles), np.zeros((6, 2, 2)), shift, impulses, aim)
         for changes in (sprung, alike)

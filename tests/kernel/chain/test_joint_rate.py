@@ -16,7 +16,9 @@ def springs(scene, rng):
     stiff[0] *= scene.chain.base == "pinned"
     links = [("chain", "links", i) for i in range(count)]
     changes = {(*link, "joint_damping"): 0.0 for link in links}
-    return with_values(scene, changes | {(*link, "joint_stiffness"): k for link, k in zip(links, stiff, strict=True)})
+    return with_values(
+        scene, changes | {(*link, "joint_stiffness"): k for link, k in zip(links, stiff, strict=True)}
+    )
 
 
 def assembled(scene, angles):
@@ -76,7 +78,10 @@ def test_the_bound_holds_for_dampers_and_springs_together(base):
         damped = random_chain(rng, count, base, 100.0)
         scene = with_values(
             springs(damped, rng),
-            {("chain", "links", i, "joint_damping"): link.joint_damping for i, link in enumerate(damped.chain.links)},
+            {
+                ("chain", "links", i, "joint_damping"): link.joint_damping
+                for i, link in enumerate(damped.chain.links)
+            },
         )
         angles = rng.uniform(-np.pi, np.pi, count)
         mass, damping, stiffness = assembled(scene, angles)

@@ -47,12 +47,17 @@ def random_links(rng, count):
     ]
 
 
-def random_scene(rng, count, *, base="free", wall=None, point=1, with_gravity=True, with_damping=True, with_springs=True):
+def random_scene(
+    rng, count, *, base="free", wall=None, point=1, with_gravity=True, with_damping=True, with_springs=True
+):
     links = random_links(rng, count)
     if with_springs:
         springs = np.random.default_rng(count)
         for link in links:
-            link |= {"joint_stiffness": springs.uniform(0.1, 20.0), "joint_rest_angle": springs.uniform(-3.0, 3.0)}
+            link |= {
+                "joint_stiffness": springs.uniform(0.1, 20.0),
+                "joint_rest_angle": springs.uniform(-3.0, 3.0),
+            }
     if not with_damping:
         links = [link | {"joint_damping": 0.0} for link in links]
     far = 1e6 if wall is None or wall.endswith("max") else -1e6
@@ -141,7 +146,16 @@ def lagrange_accelerations(scene, angles, velocities, torques, loads):
     return result
 
 
-EFFECTS = ("inertia", "gravity", "joint torques", "joint damping", "joint springs", "tip force", "contact", "all")
+EFFECTS = (
+    "inertia",
+    "gravity",
+    "joint torques",
+    "joint damping",
+    "joint springs",
+    "tip force",
+    "contact",
+    "all",
+)
 
 
 @pytest.mark.parametrize("effect", EFFECTS)

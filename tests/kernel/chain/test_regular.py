@@ -44,7 +44,10 @@ def least_eigenvalue(shapes, pinned):
 
 
 def chain_of(shapes, pinned):
-    columns = {name: [getattr(link, name) for link in links(shapes)] for name in ("length", "center_of_mass", "inertia")}
+    columns = {
+        name: [getattr(link, name) for link in links(shapes)]
+        for name in ("length", "center_of_mass", "inertia")
+    }
     return SimpleNamespace(pinned=pinned, **columns)
 
 
@@ -75,7 +78,10 @@ def test_what_it_allows_has_positive_pivots(pinned):
         allowed += 1
         table = {
             "name": "Points",
-            "chain": {"base": "pinned" if pinned else "free", "links": [vars(link) for link in links(shapes)]},
+            "chain": {
+                "base": "pinned" if pinned else "free",
+                "links": [vars(link) for link in links(shapes)],
+            },
             "contact": {"points": []},
             "initial": {"angles": [0.0] * count},
         }

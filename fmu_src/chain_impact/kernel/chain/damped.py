@@ -2,8 +2,8 @@
 
 K = Σ κ_i g_i g_iᵀ with g_i the gradient of ω_i − ω_{i−1}: each joint resists a change of its relative angular
 velocity by a moment κ_i (Δ_i − Δ_{i−1} − τ_i), with τ_i the change at which it would not resist. The base has
-a damper only if it is pinned. A spring k_i is, for a step, one more damper (integration/implicit.py): in a time s
-κ_i = s c_i + s² k_i.
+a damper only if it is pinned. A spring k_i is, for a step, one more damper (integration/implicit.py): in a
+time s κ_i = s c_i + s² k_i.
 
 A damped joint transmits a moment. What hangs from it therefore answers the motion a of the joint and β, that
 of the link before it:

@@ -1,21 +1,24 @@
 """How fast the motions are that joints make which resist: how fast dampers let them decay, springs swing.
 
-With C = Σ c_i g_i g_iᵀ, g_i the gradient of ω_i − ω_{i−1}, damped motions decay with the eigenvalues of M⁻¹ C.
-The largest is at least the rate of one joint whose damper is the only one,
+With C = Σ c_i g_i g_iᵀ, g_i the gradient of ω_i − ω_{i−1}, damped motions decay with the eigenvalues of
+M⁻¹ C. The largest is at least the rate of one joint whose damper is the only one,
 
     ρ_i = c_i g_iᵀ M⁻¹ g_i,
 
-and not much more. Likewise for springs S = Σ k_i g_i g_iᵀ and the squares of the frequencies, ω_i² = k_i g_iᵀ M⁻¹ g_i.
-A moment in joint i acts on two arms that share the joint's acceleration a: as 1 on the one outward (A, k = h/H,
-1/H, as recursion.py eliminates it), as −1 on the one inward (Ā, k̄, 1/H̄):
+and not much more. Likewise for springs S = Σ k_i g_i g_iᵀ and the squares of the frequencies,
+
+    ω_i² = k_i g_iᵀ M⁻¹ g_i.
+
+A moment in joint i acts on two arms that share the joint's acceleration a: as 1 on the one outward
+(A, k = h/H, 1/H, as recursion.py eliminates it), as −1 on the one inward (Ā, k̄, 1/H̄):
 
     α = 1/H − k·a,   ᾱ = −1/H̄ − k̄·a,   (A + Ā) a + k − k̄ = 0,
     g_iᵀ M⁻¹ g_i = α − ᾱ = 1/H + 1/H̄ + (k − k̄)·(A + Ā)⁻¹ (k − k̄).
 
 As M is at least the I_i alone, no eigenvalue exceeds those of diag(I)⁻¹ C, and these no sum of a row
-(Gershgorin): 2 (c_i + c_{i+1})/I_i, and for springs 2 (k_i + k_{i+1})/I_i. Both at once make λ² + λ c + k = 0 with c
-and k no more than these, hence |λ| ≤ c + √k. This bound does not change with the angles. A joint that resists at a
-link without inertia makes it infinite.
+(Gershgorin): 2 (c_i + c_{i+1})/I_i, and for springs 2 (k_i + k_{i+1})/I_i. Both at once make λ² + λ c + k = 0
+with c and k no more than these, hence |λ| ≤ c + √k. This bound does not change with the angles. A joint that
+resists at a link without inertia makes it infinite.
 """
 
 import math

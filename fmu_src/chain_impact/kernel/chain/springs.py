@@ -1,7 +1,7 @@
 """The torsional springs of the joints: each stores ½ k φ², φ = θ_i − θ_{i−1} − φ₀ from its rest angle φ₀.
 
-Angles of links count full turns, and so does φ. The base of a pinned chain stands at θ₀ = 0; a free base has no
-joint, and no spring.
+Angles of links count full turns, and so does φ. The base of a pinned chain stands at θ₀ = 0; a free base has
+no joint, and no spring.
 """
 
 from chain_impact.kernel.chain.state import ANGLES

@@ -4,13 +4,14 @@ The exact motion keeps the ledger of energies (model/energy.py), so what a step 
 that keep the tolerance change it by about the tolerance times a scale S, or less. To first order, with the
 scales of errors.py for what the components of the state may err,
 
-    S = (√(2T) + √E₁)² + M g (s + Σ L_i) + E₂ + Σ k |φ| + Σ (K δⁿ s_δ + ½ m v₀²) + dissipated and supplied energy,
+    S = (√(2T) + √E₁)² + M g (s + Σ L_i) + E₂ + Σ k |φ| + Σ (K δⁿ s_δ + ½ m v₀²)
+        + dissipated and supplied energy,
 
 where T is the kinetic energy, E₁ twice that of the stretched chain when it moves by the longest link s and
-turns by 1 rad in a second, E₂ = M s² in a second squared, M the mass, k |φ| the moments of springs, over 1 rad, and
-s_δ, v₀ and m those of the active contacts. A step that changes much more is rejected: there is something that its error estimate does not see,
-such as a motion that fades within its first stage. Nor must the errors of all steps in a second of simulated
-time add up to much more.
+turns by 1 rad in a second, E₂ = M s² in a second squared, M the mass, k |φ| the moments of springs, over 1
+rad, and s_δ, v₀ and m those of the active contacts. A step that changes much more is rejected: there is
+something that its error estimate does not see, such as a motion that fades within its first stage. Nor must
+the errors of all steps in a second of simulated time add up to much more.
 """
 
 import math
@@ -114,8 +115,8 @@ def is_long(d):
     """Whether the last step is so long that it may be right at its end by chance, and be wrong in between.
 
     That is a step in which a link has turned far, if there is a dense output to look at; an explicit one over
-    which joints make more of a motion fade or swing than it is stable for; and, at a loose tolerance, the first one of a run,
-    whose size is a guess.
+    which joints make more of a motion fade or swing than it is stable for; and, at a loose tolerance, the
+    first one of a run, whose size is a guess.
     """
     if d.statistics.steps == 0 and d.solver.tolerance > LOOSE:
         return True

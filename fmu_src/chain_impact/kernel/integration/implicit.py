@@ -10,8 +10,8 @@ integrated beside y, z = (y, g, ġ, p), with g̈ the acceleration of the point a
 those at g and ġ, in which the fast motions are linear but for the law of force.
 
 Joints that resist make the equations stiff, too, and need nothing beside y: their moments −C v − S q, but for
-constants, are linear in it, C = Σ c_i g_i g_iᵀ and S = Σ k_i g_i g_iᵀ with g_i the gradient of ω_i − ω_{i−1}. The
-Jacobian is
+constants, are linear in it, C = Σ c_i g_i g_iᵀ and S = Σ k_i g_i g_iᵀ with g_i the gradient of ω_i − ω_{i−1}.
+The Jacobian is
 
     ∂v̇/∂(g, ġ, v, q) = −M⁻¹ (Jᵀk, Jᵀc, C, S),   g̈ likewise with −J M⁻¹,   ∂(ẋ, ġ)/∂(v, ġ) = 1,
 
@@ -22,9 +22,9 @@ the recursion. With x_v = r_v − Δ the rows of v̇ are M Δ = hγ (Jᵀ (k x_g
     x_v = r_v − Δ,   x_ġ = r_ġ − J Δ,   x_q = r_q + hγ x_v,   x_g = r_g + hγ x_ġ,
 
 with Δ the response of the chain to impulses at the touching points and moments in the joints. The contacts'
-impedance D adds to the articulated inertia at their points. κ_i = hγ (c_i + hγ k_i) is a damper that resists, in
-its joint, a change other than that of r_v + k_i/(c_i + hγ k_i) r_q: chain/damped.py, which only chains with joints
-that resist need.
+impedance D adds to the articulated inertia at their points. κ_i = hγ (c_i + hγ k_i) is a damper that resists,
+in its joint, a change other than that of r_v + k_i/(c_i + hγ k_i) r_q: chain/damped.py, which only chains
+with joints that resist need.
 
 The coordinates of a result are moved to the g and ġ that came with it in the same way, and those of its dense
 output in between. How far they had left them counts as an error.

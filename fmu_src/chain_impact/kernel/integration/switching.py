@@ -7,10 +7,10 @@ Impacts are resolved with hρ below 1, so explicit steps beyond STIFF tell that 
 no evaluation to see. An implicit step costs a third of an explicit one: when it is shorter than
 NOT_STIFF, explicit steps get further for the same work, and more accurately.
 
-A joint with a damper or a spring has a rate of its own, in flight as in contact (chain/joint_rate.py). A spring
-swings rather than decays. As long as the tolerance can see that, it takes explicit steps with hρ below STIFF; when
-they are longer, the swing is so small that implicit steps, which let it decay, may lose it. Points that rigid walls
-hold are a matter of the explicit method alone.
+A joint with a damper or a spring has a rate of its own, in flight as in contact (chain/joint_rate.py). A
+spring swings rather than decays. As long as the tolerance can see that, it takes explicit steps with hρ below
+STIFF; when they are longer, the swing is so small that implicit steps, which let it decay, may lose it.
+Points that rigid walls hold are a matter of the explicit method alone.
 """
 
 import math

@@ -27,7 +27,7 @@ def stiffen(d, links, impedance, factors):
 
 
 def stiffen_damped(d, links, impedance, time):
-    """As ``stiffen``, with the joints' resistance for a ``time`` s [s]; its factors are in ``work.damped``."""
+    """As ``stiffen``, with the joints' resistance for a ``time`` s [s]; factors are in ``work.damped``."""
     add_impedances(d, impedance)
     factorize_damped(d, links, d.work.impedance, time, d.work.damped)
 
