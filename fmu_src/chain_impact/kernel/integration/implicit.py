@@ -206,10 +206,7 @@ def solve_stiff(d, shift, r, x):
         # D r_ġ + hγ k r_g
         own.normal[k] = own.impedance[k] * r[rate_at(d, k)] + shift * own.stiffness[k] * r[gap_at(d, k)]
     if d.model.resisting:
-        for i in range(n):
-            d.work.damped.aim[i] = relative(r, omega_at(n), i)
-        if d.model.sprung:
-            aim_springs(d, shift, r)
+        aim_joints(d, shift, r)
     respond(d, x[velocities : dissipated_at(n)])
     for j in range(coordinate_count(n)):
         x[velocities + j] = r[velocities + j] - x[velocities + j]
@@ -229,12 +226,12 @@ def relative(r, first, i):
     return r[first + i] - (r[first + i - 1] if i > 0 else 0.0)
 
 
-def aim_springs(d, shift, r):
-    """Add to the aims of the joints what their springs make of r_q."""
+def aim_joints(d, shift, r):
+    """Set the changes at which the joints do not resist: those of r_v + k_i/(c_i + hγ k_i) r_q."""
     for i in range(d.links):
+        d.work.damped.aim[i] = relative(r, omega_at(d.links), i)
         k = stiffness_of(d, i)
         if k > 0.0:
-            # k/(c + hγ k)
             share = k / (damping_of(d, i) + shift * k)
             d.work.damped.aim[i] += share * relative(r, ANGLES, i)
 

@@ -50,8 +50,6 @@ def loaded_rate(d, y, dissipated, rate):
     if d.model.resisting or d.model.driven:
         damped, supplied = joint_moments(d, y)
         dissipated += damped
-        if d.model.sprung:
-            add_spring_moments(d, y)
 
     for j in range(coordinate_count(n)):
         rate[j] = y[velocity_at(n) + j]
@@ -63,10 +61,10 @@ def loaded_rate(d, y, dissipated, rate):
 
 
 def joint_moments(d, y):
-    """Set the net joint moment on each link, but for springs; return the power [W] dissipated and supplied.
+    """Set the net joint moment on each link; return the power [W] dissipated and supplied.
 
-    The proximal joint of link i carries τ_i = u_i − c_i (ω_i − ω_{i−1}): +τ_i on link i, −τ_i on link
-    i − 1. A free base has no joint to carry τ_1.
+    The proximal joint of link i carries τ_i = u_i − c_i (ω_i − ω_{i−1}) − k_i φ_i: +τ_i on link i, −τ_i on
+    link i − 1. A free base has no joint to carry τ_1.
     """
     dissipated = 0.0
     # force on the tip
@@ -85,6 +83,8 @@ def joint_moments(d, y):
         if i > 0:
             d.work.moment[i - 1] -= torque
         before = omega
+    if d.model.sprung:
+        add_spring_moments(d, y)
     return dissipated, supplied
 
 
