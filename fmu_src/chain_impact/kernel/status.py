@@ -1,4 +1,4 @@
-"""Status codes of the kernel, with the sentence that users read."""
+"""Status codes of the kernel, with the sentence that users read, and a name for tables."""
 
 OK = 0
 STEP_TOO_SMALL = 1
@@ -38,4 +38,20 @@ STATUS_TEXT = {
     "solver.tolerance allows for a step: tighten it if it is above 1e-8, or else loosen it",
     MASS_MATRIX_SINGULAR: "links without inertia can turn about their centres of mass without moving any "
     "mass: the inertia of one of them must be > 0",
+}
+
+STATUS_NAME = {
+    OK: "ok",
+    STEP_TOO_SMALL: "step_too_small",
+    NOT_FINITE: "not_finite",
+    EVENT_STORM: "event_storm",
+    STARTS_INSIDE_WALL: "starts_inside_wall",
+    RESTITUTION_NOT_ALLOWED: "restitution_not_allowed",
+    UNKNOWN_LAW: "unknown_law",
+    UNKNOWN_METHOD: "unknown_method",
+    PARAMETER_OUT_OF_RANGE: "parameter_out_of_range",
+    TOO_MUCH_WORK: "too_much_work",
+    EXPONENT_NOT_ALLOWED: "exponent_not_allowed",
+    RIGID_WHILE_TOUCHING: "rigid_while_touching",
+    ENERGY_NOT_KEPT: "energy_not_kept",
 }
