@@ -219,10 +219,11 @@ def _slower(table: dict[str, Any]) -> Iterator[dict[str, Any]]:
 
 def _rods(table: dict[str, Any]) -> Iterator[dict[str, Any]]:
     for i, link in enumerate(table["chain"]["links"]):
-        rod = {key: link[key] for key in ("length", "mass", "joint_damping")}
+        joint = ("joint_damping", "joint_stiffness", "joint_rest_angle")
+        rod = {key: link[key] for key in ("length", "mass", *joint)}
         if set(link) - set(rod):
             yield _with_link(table, i, rod)
-        for key, simple in (("mass", 1.0), ("length", 1.0), ("joint_damping", 0.0)):
+        for key, simple in (("mass", 1.0), ("length", 1.0), *((key, 0.0) for key in joint)):
             if link[key] != simple:
                 yield _with_link(table, i, {**rod, key: simple})
 

@@ -174,9 +174,10 @@ def per_step(run: Account, scale: float) -> float:
 def energy_scale(run: Account) -> float:
     """What an error of one, in the units of the error norm, changes in the ledger [J], at the most.
 
-    Kinetic: with |δv₀| ≤ s/1s + |v₀| and |δω| ≤ 1 rad/s + |ω|, Σ m |v_C| |δv_C| + I |ω| |δω|.
-    Potential: with |δx₀| ≤ s and |δθ| ≤ 1 rad, Σ m |g| |δx_C|. Dissipated: its scale in the norm. Elastic:
-    F |δg| with the scale of the penetration. Supplied energy is not controlled, but follows: its size counts.
+    Kinetic: with |δv₀| ≤ s/1s + |v₀| and |δω| ≤ 1 rad/s + |ω|, Σ m |v_C| |δv_C| + I |ω| |δω|. Potential: with
+    |δx₀| ≤ s and |δθ| ≤ 1 rad, Σ m |g| |δx_C|. Dissipated: its scale in the norm. Elastic: F |δg| with the
+    scale of the penetration, and k |φ| |δφ| with |δφ| ≤ 1 rad. Supplied energy is not controlled, but
+    follows: its size counts.
 
     Motion that has more energy than there is counts as if it had just that: an explosion is no excuse of
     itself.
@@ -191,7 +192,19 @@ def energy_scale(run: Account) -> float:
     gravity = np.linalg.norm(run.scene.gravity)
     potential = gravity * (chain.mass * (chain.size + np.cumsum(chain.length))).sum()
     supplied = np.abs(outputs["supplied"]).max()
-    return float(kinetic + potential + supplied + dissipated_scale(run) + elastic_scale(run))
+    walls_and_springs = elastic_scale(run) + float(spring_moments(run).sum())
+    return float(kinetic + potential + supplied + dissipated_scale(run) + walls_and_springs)
+
+
+def spring_moments(run: Account) -> np.ndarray:
+    """The largest moment of each joint's spring [N·m]: the energy that an error of 1 rad makes [J]."""
+    links = run.scene.chain.links
+    stiffness = np.array([link.joint_stiffness for link in links])
+    if run.scene.chain.base == "free":
+        stiffness[0] = 0.0
+    rest = np.array([link.joint_rest_angle for link in links])
+    angles = np.diff(run.outputs["angle"], axis=1, prepend=0.0) - rest
+    return stiffness * np.abs(angles).max(axis=0)
 
 
 def dissipated_scale(run: Account) -> float:
@@ -239,6 +252,7 @@ def round_off(run: Account) -> float:
     if contact.model != "newton_impact" and len(run.impacts):
         depth = max(0.0, run.impacts["max_penetration"].max())
         terms += contact.stiffness * depth**contact.exponent * far
+    terms += (spring_moments(run) * np.abs(outputs["angle"]).max(axis=0)).sum()
     return float(4.0 * EPSILON * terms)
 
 

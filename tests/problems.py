@@ -375,6 +375,9 @@ def mirrored(scene: Scene) -> Scene:
         ("initial", "angular_velocities"): [-omega for omega in initial.angular_velocities],
         ("gravity",): (-scene.gravity[0], scene.gravity[1]),
     }
+    for i, link in enumerate(scene.chain.links):
+        rest = math.pi * (i == 0) - link.joint_rest_angle
+        changes[("chain", "links", i, "joint_rest_angle")] = rest
     if box.x_min is not None and box.x_max is not None:
         changes |= {("box", "x_min"): -box.x_max, ("box", "x_max"): -box.x_min}
     return with_values(scene, changes)
@@ -410,4 +413,7 @@ def turned(scene: Scene, angle: float) -> Scene:
         ("initial", "velocity"): turn(*initial.velocity),
         ("initial", "angles"): [theta + angle for theta in initial.angles],
     }
+    if scene.chain.base == "pinned":
+        rest = scene.chain.links[0].joint_rest_angle
+        changes |= {("chain", "links", 0, "joint_rest_angle"): rest + angle}
     return with_values(scene, changes)

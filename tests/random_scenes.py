@@ -1,25 +1,29 @@
 """Random scenes for the search for faults: anything that a user may ask for, made from one integer.
 
 ``scene(seed)`` is the same for ever, as long as nobody changes the order of the draws below. Scenes with
-walls at any angle have seeds and draws of their own. A scene is meant to cost milliseconds, whatever it is
-made of: the stop time is cut to what the links' turning, the tolerance and the method call for. Where a scene
-asks for much work, and nobody could spare the solver that, ``solver.work_limit`` ends it early (``hard``);
-everywhere else it keeps its default, so that slowness shows.
+walls at any angle, and those with springs in joints and links without inertia, have seeds and draws of their
+own. A scene is meant to cost milliseconds, whatever it is made of: the stop time is cut to what the links'
+turning, the tolerance and the method call for. Where a scene asks for much work, and nobody could spare the
+solver that, ``solver.work_limit`` ends it early (``hard``); everywhere else it keeps its default, so that
+slowness shows.
 """
 
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
+from chain_impact.kernel.chain.regular import loose_links
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.scene import SOLVER_METHODS, Scene, scene_from_dict, with_values
 from tests.problems import turned
 
-SLANTED = 10**6  # the first seed of scenes with walls at any angle
+SLANTED = 10**6  # the first seed of scenes with walls at any angle …
+SPRUNG = 2 * 10**6  # … and of those with springs or point masses
 MOST_LINKS = 10
 HARD_WORK = 5e4  # evaluations, for a scene that asks for much
 TURNS = 300.0  # rad, at most, that a link turns by, as it starts
@@ -59,9 +63,51 @@ class Draw:
 
 
 def scene(seed: int) -> Scene:
-    """The scene of a seed; from the seed SLANTED on it has walls at any angle."""
+    """The scene of a seed; from SLANTED on with walls at any angle, from SPRUNG on with springs."""
     made = upright(seed)
-    return made if seed < SLANTED else slanted(made, Draw(seed, 2))
+    if seed < SLANTED:
+        return made
+    return slanted(made, Draw(seed, 2)) if seed < SPRUNG else sprung(made, Draw(seed, 3))
+
+
+def sprung(scene: Scene, draw: Draw) -> Scene:
+    """The scene with springs in some joints, a few of them strained, and some links without inertia.
+
+    Springs without damping may swing for ever, however stiff they are, so the work is limited.
+    """
+    angles, before, size = scene.initial.angles, (0.0, *scene.initial.angles), draw.power(1e-3, 1e6)
+    links = [asdict(link) for link in scene.chain.links]
+    all_of_them, points = draw.chance(0.5), draw.chance(0.3)
+    for i, link in enumerate(links):
+        if all_of_them or draw.chance(0.6):
+            link["joint_stiffness"] = size * draw.power(0.1, 10.0)
+        link["joint_rest_angle"] = angles[i] - before[i] + draw.real(-0.5, 0.5) * draw.chance(0.3)
+        if points and draw.chance(0.7):
+            link["center_of_mass"] = link["length"] * draw.one((draw.real(0.1, 1.0), 1.0))
+            link["inertia"] = 0.0
+    first, last = loose_links(_Shapes(links, scene.chain.base == "pinned"))
+    while first >= 0:
+        links[last]["inertia"] = links[last]["mass"] * links[last]["length"] ** 2 * draw.power(1e-3, 0.1)
+        first, last = loose_links(_Shapes(links, scene.chain.base == "pinned"))
+    stop = min(1.0, scene.simulation.stop_time)
+    return with_values(
+        scene,
+        {
+            ("chain", "links"): links,
+            ("simulation", "stop_time"): stop,
+            ("solver", "work_limit"): HARD_WORK / stop,
+        },
+    )
+
+
+class _Shapes:
+    """What ``loose_links`` looks at."""
+
+    def __init__(self, links: list[dict[str, Any]], pinned: bool) -> None:
+        self.length, self.center_of_mass, self.inertia = (
+            [link[key] for link in links] for key in ("length", "center_of_mass", "inertia")
+        )
+        self.pinned = pinned
 
 
 def slanted(scene: Scene, draw: Draw) -> Scene:
@@ -148,6 +194,8 @@ def drive(scene: Scene, seed: int) -> tuple[np.ndarray, np.ndarray]:
     if scene.inputs.joint_torques:
         for i, link in enumerate(links):
             lighter = min(link.inertia, links[i - 1].inertia if i > 0 else math.inf)
+            if lighter == 0.0:
+                lighter = link.mass * link.length**2 / 12
             torque[i] = lighter * draw.power(1.0, 100.0) * draw.one((-1.0, 1.0))
     if scene.inputs.tip_force:
         force[:] = draw.direction(links[-1].mass * draw.power(1.0, 100.0))

@@ -45,6 +45,7 @@ TESTED_ELSEWHERE = {
     "export/references.py": "fmu/test_references.py",
     "export/pythonfmu_target.py": "fmu/test_slave.py",
     "export/table.py": "fmu/test_native.py",
+    "kernel/chain/springs.py": "test_springs.py",
     "running.py": "test_simulate.py",
     "studies/sweep/job.py": "studies/sweep/test_sweep.py",
     "limits.py": "test_scene.py",

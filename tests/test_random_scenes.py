@@ -15,10 +15,10 @@ from chain_impact.kernel.status import EVENT_STORM, TOO_MUCH_WORK
 from chain_impact.scene import Scene, with_values
 from tests.oracle import account, judge
 from tests.problems import default_scene, dropped_ball
-from tests.random_scenes import SLANTED, STARTS, drive, scene
+from tests.random_scenes import SLANTED, SPRUNG, STARTS, drive, scene
 from tests.search import verdict, verdicts
 
-BLOCKS, SLANTED_BLOCKS, BLOCK = 6, 2, 500  # seeds
+BLOCKS, SLANTED_BLOCKS, SPRUNG_BLOCKS, BLOCK = 6, 2, 2, 500  # seeds
 
 
 def broken(one):
@@ -29,7 +29,11 @@ def broken(one):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "first",
-    [*range(0, BLOCKS * BLOCK, BLOCK), *range(SLANTED, SLANTED + SLANTED_BLOCKS * BLOCK, BLOCK)],
+    [
+        first + BLOCK * block
+        for first, blocks in ((0, BLOCKS), (SLANTED, SLANTED_BLOCKS), (SPRUNG, SPRUNG_BLOCKS))
+        for block in range(blocks)
+    ],
     ids=lambda first: f"{first}-{first + BLOCK - 1}",
 )
 def test_random_scenes_keep_the_laws_of_physics(first):
@@ -74,6 +78,16 @@ def test_scenes_with_walls_at_any_angle_have_seeds_of_their_own():
     assert {(True, "floor"), (False, "slope_0"), (True, "slope_2")} <= boxed
     touching = [one for one in scenes if gap(one) == pytest.approx(0.0, abs=1e-14)]
     assert len(touching) > 50
+    assert min(map(gap, scenes)) > -1e-12
+
+
+def test_scenes_with_springs_have_seeds_of_their_own():
+    plain, scenes = ([scene(seed) for seed in range(first, first + 200)] for first in (0, SPRUNG))
+    assert not any(link.joint_stiffness or link.inertia == 0.0 for one in plain for link in one.chain.links)
+    assert all(
+        any(link.joint_stiffness for link in one.chain.links) for one in scenes if len(one.chain.links) > 4
+    )
+    assert sum(any(link.inertia == 0.0 for link in one.chain.links) for one in scenes) > 30
     assert min(map(gap, scenes)) > -1e-12
 
 

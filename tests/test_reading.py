@@ -36,6 +36,7 @@ def scene_dicts(draw):
 
     def link(equal):
         optional = table(center_of_mass=st.floats(0, 10), inertia=positive, joint_damping=st.floats(0, 10))
+        optional |= table(joint_stiffness=st.floats(0, 1e6), joint_rest_angle=st.floats(-10, 10))
         optional |= {"count": equal} if equal else {}
         return {"length": draw(st.floats(1e-3, 10)), "mass": draw(positive)} | optional
 

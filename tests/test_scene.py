@@ -130,6 +130,17 @@ LINK_2 = ("chain", "links", 2)
         ((*LINK_2, "length"), 0, "link[3].length = 0 must be a finite number > 0 [m]"),
         ((*LINK_2, "mass"), True, "link[3].mass = True must be a finite number > 0 [kg]"),
         ((*LINK_2, "mass"), "1", "link[3].mass = '1' must be a finite number > 0 [kg]"),
+        ((*LINK_2, "inertia"), -1.0, "link[3].inertia = -1.0 must be a finite number >= 0 [kg.m2]"),
+        (
+            (*LINK_2, "joint_stiffness"),
+            -1.0,
+            "link[3].joint_stiffness = -1.0 must be a finite number >= 0 [N.m/rad]",
+        ),
+        (
+            (*LINK_2, "joint_rest_angle"),
+            math.inf,
+            "link[3].joint_rest_angle = inf must be a finite number [rad]",
+        ),
         (("gravity", 1), math.nan, "gravity.y = nan must be a finite number [m/s2]"),
         (("box", "x_max"), math.inf, "box.x_max = inf must be a finite number [m]"),
         (("contact", "stiffness"), 10**400, f"contact.stiffness = 1{'0' * 59}... must be a finite number"),

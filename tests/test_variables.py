@@ -108,7 +108,8 @@ def test_outputs_come_last(scene):
 
 def test_parameters_of_the_four_link_box():
     expected = ["gravity.x", "gravity.y"]
-    keys = ("length", "mass", "center_of_mass", "inertia", "joint_damping")
+    keys = ("length", "mass", "center_of_mass", "inertia")
+    keys += ("joint_damping", "joint_stiffness", "joint_rest_angle")
     expected += [f"link[{i}].{key}" for i in range(1, 5) for key in keys]
     expected += [f"box.{wall}" for wall in WALLS]
     contact = ("model", "stiffness", "exponent", "restitution", "radius", "minimum_impact_speed")
@@ -171,7 +172,7 @@ def test_only_the_walls_and_points_of_the_scene():
 def test_walls_at_any_angle_have_their_own_variables():
     ramp = names(SCENES["ramp"], "parameter")
     walls = [f"wall.{wall}.{key}" for wall in ("ramp", "stop") for key in ("x", "y", "angle")]
-    assert ramp[7:13] == walls
+    assert ramp[9:15] == walls
     assert not [name for name in ramp if name.startswith("box")]
     slanted = {variable.name: variable for variable in fmu_variables(SCENES["slanted"])}
     assert slanted["wall.slope.x"].place == ("walls", "x", 0)

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
+from chain_impact.kernel.chain.regular import loose_links
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.law_file import LawError, read_law
@@ -16,6 +18,7 @@ from chain_impact.walls import direction
 if TYPE_CHECKING:
     from chain_impact.scene import Chain, Scene
 
+_MASSES = ("length", "center_of_mass", "inertia")
 START_TOLERANCE = 1e-12  # m, penetration at the start that counts as round-off
 
 
@@ -50,8 +53,27 @@ def with_angles(scene: Scene) -> Scene:
     return replace(scene, walls=tuple(walls))
 
 
+def check_masses(chain: Chain) -> None:
+    """Refuse links without inertia that could turn without moving any mass; see kernel/chain/regular.py."""
+    columns = {name: [getattr(link, name) for link in chain.links] for name in _MASSES}
+    first, last = loose_links(SimpleNamespace(pinned=chain.base == "pinned", **columns))
+    if first < 0:
+        return
+    if first == last:
+        link = chain.links[first]
+        where = (
+            f"its centre of mass is {link.center_of_mass:g} m of {link.length:g} m from the proximal joint"
+        )
+        reason = f"the link could turn about its centre of mass without moving any mass ({where})"
+        raise SceneError(f"link[{first + 1}].inertia = {link.inertia} must be > 0: {reason}")
+    names = f"link[{first + 1}].inertia to link[{last + 1}].inertia"
+    reason = "on one line, these links could turn about their centres of mass without moving any mass"
+    raise SceneError(f"{names} = 0.0, of which one must be > 0: {reason}")
+
+
 def check_together(scene: Scene) -> None:
     """Refuse what no key can tell alone."""
+    check_masses(scene.chain)
     contact, box, movable = scene.contact, scene.box, movable_points(scene.chain)
     for point in contact.points:
         if point not in movable or contact.points.count(point) > 1:

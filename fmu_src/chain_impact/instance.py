@@ -11,6 +11,11 @@ from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.layout import instance_dtype
 from chain_impact.scene import Scene
 
+LINK_PARAMETERS = (
+    *("length", "mass", "center_of_mass", "inertia"),
+    *("joint_damping", "joint_stiffness", "joint_rest_angle"),
+)
+
 
 def candidates(scene: Scene) -> list[tuple[int, int]]:
     """The pairs (point, index into ``scene.wall_names``) that can touch: listed points, existing walls."""
@@ -35,7 +40,7 @@ def new_instance(scene: Scene) -> np.ndarray:
 
     model = d["model"]
     model["gravity"] = scene.gravity
-    for name in ("length", "mass", "center_of_mass", "inertia", "joint_damping"):
+    for name in LINK_PARAMETERS:
         model[name] = [getattr(link, name) for link in links]
     # the position of a wall that is not there is never looked at
     model["wall"] = [getattr(scene.box, name) or 0.0 for name in WALLS]

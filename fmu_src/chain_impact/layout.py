@@ -50,7 +50,7 @@ def output_dtype(links: int, candidates: int) -> np.dtype:
         ("impulse", REAL, (candidates,)),  # N·s, of the wall on the point since the start
         ("kinetic", REAL),  # J
         ("potential", REAL),  # J, gravity, zero at the origin
-        ("elastic", REAL),  # J, stored in the contacts
+        ("elastic", REAL),  # J, stored in the contacts and in the springs of joints
         ("dissipated", REAL),  # J, by contacts and joint damping since the start
         ("supplied", REAL),  # J, by the inputs since the start
         ("total", REAL),  # J, kinetic + potential + elastic
@@ -70,12 +70,16 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("center_of_mass", REAL, (links,)),  # m from the proximal joint
         ("inertia", REAL, (links,)),  # kg·m² about the centre of mass
         ("joint_damping", REAL, (links,)),  # N·m·s/rad at the proximal joint
+        ("joint_stiffness", REAL, (links,)),  # N·m/rad, likewise
+        ("joint_rest_angle", REAL, (links,)),  # rad, at which the spring is slack
         ("wall", REAL, (len(WALLS),)),  # m, position of x_min, x_max, y_min, y_max
         ("pinned", INTEGER),  # 1: the base cannot move
         ("driven", INTEGER),  # 1: there are inputs
         # derived at initialization
-        ("damped", INTEGER),  # 1: some joint has damping …
-        ("damping_bound", REAL),  # 1/s, … and bounds how fast the motions that it damps decay
+        ("damped", INTEGER),  # 1: some joint has damping
+        ("sprung", INTEGER),  # 1: some joint has a spring
+        ("resisting", INTEGER),  # 1: some joint has either …
+        ("joint_bound", REAL),  # 1/s, … and bounds how fast the motions are that it makes
         ("center_of_mass_ratio", REAL, (links,)),  # centre of mass / length
         ("proximal_inertia", REAL, (links,)),  # kg·m² about the proximal …
         ("distal_inertia", REAL, (links,)),  # kg·m² … and about the distal joint
@@ -230,8 +234,8 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("change", REAL, (coordinate_count(links),)),  # 1/kg, of the coordinates' rates, by a unit impulse
         ("motion", vectors),  # of the points, for a given motion of the coordinates
         ("reach", REAL, (points,)),  # m/s², bound on what the links add to the acceleration of each point
-        ("damped", damped),  # factors of an implicit step when joints are damped, see kernel/chain/damped.py
-        ("inner", inner),  # arms from each joint inward, see kernel/chain/damping_rate.py
+        ("damped", damped),  # factors of an implicit step when joints resist, see kernel/chain/damped.py
+        ("inner", inner),  # arms from each joint inward, see kernel/chain/joint_rate.py
     )
     # per candidate; what is latched at onset holds until the contact ends, or v₀ is latched anew
     touch = _record(

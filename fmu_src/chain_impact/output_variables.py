@@ -88,7 +88,7 @@ def _energies(scene: Scene) -> Iterator[Variable]:
     texts = {
         "kinetic": "kinetic energy",
         "potential": "potential energy of gravity, zero at the origin",
-        "elastic": "energy stored in the contacts",
+        "elastic": "energy stored in the contacts and in the springs of joints",
         "dissipated": "energy lost in contacts and joint damping since the start",
         "supplied": "energy supplied by the inputs since the start",
         "total": "kinetic, potential and elastic energy",

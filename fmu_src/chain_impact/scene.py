@@ -48,8 +48,10 @@ class Link:
     length: float = quantity("m", "length", above=0.0)
     mass: float = quantity("kg", "mass", above=0.0)
     center_of_mass: float = quantity("m", "centre of mass, from the proximal joint", _MIDDLE, minimum=0.0)
-    inertia: float = quantity("kg.m2", "inertia about the centre of mass", _ROD, above=0.0)
+    inertia: float = quantity("kg.m2", "inertia about the centre of mass", _ROD, minimum=0.0)
     joint_damping: float = quantity("N.m.s/rad", "viscous damping of the proximal joint", 0.0, minimum=0.0)
+    joint_stiffness: float = quantity("N.m/rad", "stiffness of the proximal joint", 0.0, minimum=0.0)
+    joint_rest_angle: float = quantity("rad", "angle of the joint at which its spring is slack", 0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

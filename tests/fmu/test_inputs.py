@@ -4,9 +4,11 @@ import itertools
 import math
 
 import numpy as np
+import pytest
 from scipy.integrate import solve_ivp
 
 from chain_impact import load_scene, simulate
+from chain_impact.scene import with_values
 from chain_impact.variables import output_columns
 from tests.fmu.importer import Instance
 
@@ -42,10 +44,11 @@ def arm_rate(scene, torques, state):
         ]
     )
     g = -scene.gravity[1]
-    elbow = torques[1] - b.joint_damping * (w2 - w1)
+    elbow = torques[1] - b.joint_damping * (w2 - w1) - b.joint_stiffness * (t2 - t1 - b.joint_rest_angle)
+    shoulder = torques[0] - a.joint_damping * w1 - a.joint_stiffness * (t1 - a.joint_rest_angle)
     moments = np.array(
         [
-            torques[0] - a.joint_damping * w1 - elbow - coupling * s * w2**2
+            shoulder - elbow - coupling * s * w2**2
             - (a.mass * a.center_of_mass + b.mass * a.length) * g * math.cos(t1),
             elbow + coupling * s * w1**2 - b.mass * b.center_of_mass * g * math.cos(t2),
         ]
@@ -53,10 +56,19 @@ def arm_rate(scene, torques, state):
     return [w1, w2, *np.linalg.solve(inertia, moments), torques[0] * w1 + torques[1] * (w2 - w1)]
 
 
-def test_torques_do_what_the_equations_of_the_arm_say(fmus, clean):
-    values = {"box.x_max": 10.0, "solver.tolerance": 1e-11}
+SPRINGS = {
+    "link[1].joint_stiffness": 20.0,
+    "link[1].joint_rest_angle": -1.0,
+    "link[2].joint_stiffness": 8.0,
+    "link[2].joint_rest_angle": 0.5,
+}
+
+
+@pytest.mark.parametrize("springs", [{}, SPRINGS], ids=["no springs", "springs"])
+def test_torques_do_what_the_equations_of_the_arm_say(springs, fmus, clean):
+    values = {"box.x_max": 10.0, "solver.tolerance": 1e-11} | springs
     names, rows = clean(driven, fmus["pinned_arm"], TORQUES, PERIOD, 1, values)
-    scene = load_scene("pinned_arm")
+    scene = with_values(load_scene("pinned_arm"), springs)
     state = np.array([*scene.initial.angles, *scene.initial.angular_velocities, 0.0])
     chosen = ["link[1].angle", "link[2].angle", "link[1].angular_velocity", "link[2].angular_velocity"]
     columns = [names.index(name) for name in [*chosen, "energy.supplied"]]

@@ -3,8 +3,10 @@
 import math
 
 from chain_impact.kernel.chain.damped import damping_of
-from chain_impact.kernel.chain.damping_rate import damping_bound
+from chain_impact.kernel.chain.joint_rate import joint_bound
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.regular import loose_links
+from chain_impact.kernel.chain.springs import stiffness_of
 from chain_impact.kernel.chain.state import (
     ANGLES,
     dissipated_at,
@@ -35,6 +37,7 @@ from chain_impact.kernel.model.geometry import clearance, place_walls
 from chain_impact.kernel.model.latest import forget_impacts
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
+    MASS_MATRIX_SINGULAR,
     NOT_FINITE,
     OK,
     PARAMETER_OUT_OF_RANGE,
@@ -86,8 +89,10 @@ def initialize(d, time):
 
 
 def forget_run(d):
-    """Remove what an earlier run has left: contacts, impacts, the log and all counts."""
+    """Remove what an earlier run has left: moments, contacts, impacts, the log and all counts."""
     d.touch.active_count = 0
+    for i in range(d.links):
+        d.work.moment[i] = 0.0
     for c in range(d.candidates):
         d.touch.active[c], d.touch.active_index[c] = 0, 0
         d.impulse.total[c], d.touch.number[c] = 0.0, 0
@@ -103,9 +108,9 @@ def forget_run(d):
 
 
 def derive_chain(d):
-    """Find what the recursion needs of each link, the absolute scales, and what the joints damp."""
+    """Find what the recursion needs of each link, the absolute scales, and what the joints resist."""
     model = d.model
-    model.damped = 0
+    model.damped, model.sprung = 0, 0
     model.middle = 0 if model.pinned else len(model.length) // 2  # as in `accelerations`
     model.size, model.reach = 0.0, 0.0
     for i in range(len(model.length)):
@@ -119,12 +124,15 @@ def derive_chain(d):
         model.reach += model.length[i]
         if damping_of(d, i) != 0.0:
             model.damped = 1
+        if stiffness_of(d, i) != 0.0:
+            model.sprung = 1
     total = 0.0
     for i in range(len(model.length)):
         total += model.mass[i]
     model.energy = total * model.size * model.size
     model.gravity_size = math.hypot(model.gravity[0], model.gravity[1])
-    model.damping_bound = damping_bound(d)
+    model.resisting = max(model.damped, model.sprung)
+    model.joint_bound = joint_bound(d)
 
 
 def take_given(d):
@@ -177,10 +185,9 @@ def derive_damping(contact):
 
 def check_parameters(d):
     """Check what a division or a loop relies on; the importer may have set anything. Returns a status."""
-    for i in range(d.links):
-        for value in (d.model.length[i], d.model.mass[i], d.model.inertia[i]):
-            if not (value > 0.0 and math.isfinite(value)):
-                return PARAMETER_OUT_OF_RANGE
+    status = check_links(d)
+    if status != OK:
+        return status
     for value in (
         d.solver.tolerance,
         d.solver.work_limit,
@@ -195,6 +202,21 @@ def check_parameters(d):
     if not 1 <= d.solver.method <= len(SOLVER_METHODS):
         return UNKNOWN_METHOD
     return OK
+
+
+def check_links(d):
+    """Check the links and their joints, likewise."""
+    for i in range(d.links):
+        for value in (d.model.length[i], d.model.mass[i]):
+            if not (value > 0.0 and math.isfinite(value)):
+                return PARAMETER_OUT_OF_RANGE
+        for value in (d.model.inertia[i], d.model.joint_damping[i], d.model.joint_stiffness[i]):
+            if not (value >= 0.0 and math.isfinite(value)):
+                return PARAMETER_OUT_OF_RANGE
+        if not math.isfinite(d.model.joint_rest_angle[i] + d.model.center_of_mass[i]):
+            return PARAMETER_OUT_OF_RANGE
+    first, _ = loose_links(d.model)
+    return OK if first < 0 else MASS_MATRIX_SINGULAR
 
 
 def first_size(d):

@@ -50,7 +50,7 @@ def observe(d):
     for k in range(followed(d)):
         out.impulse[d.touch.active_index[k]] = interpolate_component(d.impulse, theta, k)
     out.kinetic, out.potential = mechanical_energy(d, y)
-    out.elastic = stored_energy(d)
+    out.elastic = stored_energy(d, y)
     out.dissipated = y[dissipated_at(n)]
     out.supplied = y[supplied_at(n)]
     out.total = out.kinetic + out.potential + out.elastic

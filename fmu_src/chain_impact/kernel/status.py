@@ -13,7 +13,8 @@ TOO_MUCH_WORK = 9
 EXPONENT_NOT_ALLOWED = 10
 RIGID_WHILE_TOUCHING = 11
 ENERGY_NOT_KEPT = 12
-LAST_STATUS = ENERGY_NOT_KEPT
+MASS_MATRIX_SINGULAR = 13
+LAST_STATUS = MASS_MATRIX_SINGULAR
 LOG_FULL = -1  # not a fault: collect the finished contacts and go on
 PAUSED = -2  # not a fault: go on, if that is wanted
 ONSET_DUE = -3  # not a fault: contacts begin at the time reached, which has not taken effect
@@ -36,6 +37,8 @@ STATUS_TEXT = {
     RIGID_WHILE_TOUCHING: "contact.model can change to newton_impact only while no point touches a wall",
     ENERGY_NOT_KEPT: "the energy drifts in a second of simulated time by more than 100 times what "
     "solver.tolerance allows for a step: tighten it if it is above 1e-8, or else loosen it",
+    MASS_MATRIX_SINGULAR: "links without inertia can turn about their centres of mass without moving any "
+    "mass: the inertia of one of them must be > 0",
 }
 
 STATUS_NAME = {

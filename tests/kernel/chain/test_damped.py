@@ -1,4 +1,4 @@
-"""The recursion with dampers in the joints, against a dense solution of the assembled matrix."""
+"""The recursion with joints that resist, against a dense solution of the assembled matrix."""
 
 import numpy as np
 import pytest
@@ -124,3 +124,27 @@ def test_a_free_base_has_no_damper():
     angles, impulses, aim = rng.uniform(-1.0, 1.0, 3), rng.uniform(-1.0, 1.0, (4, 2)), np.ones(3)
     answers = [answer(prepared(s, angles), np.zeros((4, 2, 2)), 1.0, impulses, aim) for s in (scene, damped)]
     np.testing.assert_array_equal(*answers)
+
+
+@pytest.mark.parametrize("base", ["free", "pinned"])
+def test_a_spring_resists_as_a_damper_does(base):
+    """κ = s c + s² k: a stiffness k is for a time s as a damping s k."""
+    rng, shift = np.random.default_rng(6), 0.3
+    scene = random_chain(rng, 5, base, 10.0)
+    links = [("chain", "links", i) for i in range(5)]
+    stiffness = rng.uniform(0.0, 50.0, 5)
+    sprung = {(*link, "joint_stiffness"): k for link, k in zip(links, stiffness, strict=True)}
+    alike = {
+        (*link, "joint_damping"): one.joint_damping + shift * k
+        for link, one, k in zip(links, scene.chain.links, stiffness, strict=True)
+    }
+    angles, impulses, aim = (
+        rng.uniform(-1.0, 1.0, 5),
+        rng.uniform(-1.0, 1.0, (6, 2)),
+        rng.uniform(-1.0, 1.0, 5),
+    )
+    answers = [
+        answer(prepared(with_values(scene, changes), angles), np.zeros((6, 2, 2)), shift, impulses, aim)
+        for changes in (sprung, alike)
+    ]
+    np.testing.assert_allclose(*answers, rtol=1e-12)

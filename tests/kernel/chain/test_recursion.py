@@ -47,8 +47,17 @@ def random_links(rng, count):
     ]
 
 
-def random_scene(rng, count, *, base="free", wall=None, point=1, with_gravity=True, with_damping=True):
+def random_scene(
+    rng, count, *, base="free", wall=None, point=1, with_gravity=True, with_damping=True, with_springs=True
+):
     links = random_links(rng, count)
+    if with_springs:
+        springs = np.random.default_rng(count)
+        for link in links:
+            link |= {
+                "joint_stiffness": springs.uniform(0.1, 20.0),
+                "joint_rest_angle": springs.uniform(-3.0, 3.0),
+            }
     if not with_damping:
         links = [link | {"joint_damping": 0.0} for link in links]
     far = 1e6 if wall is None or wall.endswith("max") else -1e6
@@ -84,8 +93,8 @@ def lagrange(count):
     n = count
     q = sympy.symbols(f"x y theta0:{n}")
     qd = sympy.symbols(f"vx vy omega0:{n}")
-    m, length, centre, inertia, damping, torque = (
-        sympy.symbols(f"{name}0:{n}") for name in ("m", "l", "c", "I", "d", "u")
+    m, length, centre, inertia, damping, stiffness, rest, torque = (
+        sympy.symbols(f"{name}0:{n}") for name in ("m", "l", "c", "I", "d", "k", "phi", "u")
     )
     gx, gy, pinned = sympy.symbols("gx gy pinned")
     load = sympy.symbols(f"f0:{2 * (n + 1)}")
@@ -103,6 +112,7 @@ def lagrange(count):
         # joint i turns link i against link i − 1, the first one against the ground, if there is a joint
         held = pinned if i == 0 else 1
         before = (0, 0) if i == 0 else (q[1 + i], qd[1 + i])
+        potential += held * stiffness[i] * (q[2 + i] - before[0] - rest[i]) ** 2 / 2
         rayleigh += held * damping[i] * (qd[2 + i] - before[1]) ** 2 / 2
         work += held * torque[i] * (q[2 + i] - before[0])
         joint = joint + length[i] * along
@@ -117,7 +127,7 @@ def lagrange(count):
             for a, b, momentum in zip(q, qd, momenta, strict=True)
         ]
     )
-    arguments = [q, qd, m, length, centre, inertia, damping, torque, (gx, gy), pinned, load]
+    arguments = [q, qd, m, length, centre, inertia, damping, stiffness, rest, torque, (gx, gy), pinned, load]
     return sympy.lambdify(arguments, matrix, cse=True), sympy.lambdify(arguments, right, cse=True)
 
 
@@ -125,7 +135,8 @@ def lagrange_accelerations(scene, angles, velocities, torques, loads):
     """q̈ = M⁻¹h, with ẍ₀ = ÿ₀ = 0 for a pinned base."""
     links = scene.chain.links
     pinned = scene.chain.base == "pinned"
-    names = ("mass", "length", "center_of_mass", "inertia", "joint_damping")
+    names = ("mass", "length", "center_of_mass", "inertia")
+    names += ("joint_damping", "joint_stiffness", "joint_rest_angle")
     columns = [[getattr(link, name) for link in links] for name in names]
     arguments = [(0.0, 0.0, *angles), velocities, *columns, torques, scene.gravity, pinned, loads.ravel()]
     matrix, right = (np.array(f(*arguments), float) for f in lagrange(len(links)))
@@ -135,7 +146,16 @@ def lagrange_accelerations(scene, angles, velocities, torques, loads):
     return result
 
 
-EFFECTS = ("inertia", "gravity", "joint torques", "joint damping", "tip force", "contact", "all")
+EFFECTS = (
+    "inertia",
+    "gravity",
+    "joint torques",
+    "joint damping",
+    "joint springs",
+    "tip force",
+    "contact",
+    "all",
+)
 
 
 @pytest.mark.parametrize("effect", EFFECTS)
@@ -147,7 +167,7 @@ def test_accelerations_are_lagranges(count, base, effect):
     point, wall = int(rng.integers(1, count + 1)), "y_min"
     scene = random_scene(
         rng, count, base=base, wall=wall, point=point,
-        with_gravity=has["gravity"], with_damping=has["joint damping"],
+        with_gravity=has["gravity"], with_damping=has["joint damping"], with_springs=has["joint springs"],
     )  # fmt: skip
     check_against_lagrange(rng, scene, point, wall, has)
 

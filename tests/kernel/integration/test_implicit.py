@@ -197,13 +197,19 @@ def test_van_der_pol_with_mu_of_a_million_takes_few_steps():
 
 @pytest.mark.parametrize("shift", [1e-6, 1e-3, 1.0])
 @pytest.mark.parametrize("damping", [0.0, 1.0, 1e4])
+@pytest.mark.parametrize("stiffness", [0.0, 10.0, 1e5])
 @pytest.mark.parametrize("turn", [0.0, 0.7])
-def test_the_stiff_part_of_the_jacobian_is_that_of_contacts_and_joint_damping(turn, damping, shift):
+def test_the_stiff_part_of_the_jacobian_is_that_of_contacts_and_joints(turn, stiffness, damping, shift):
     """(1 − hγA) x = r, with A assembled: rows of ẋ, v̇, ġ, g̈ and ṗ in the unknowns x, v, g, ġ and p."""
     changes = {("chain", "links", i, "joint_damping"): damping * (1 + i) for i in range(1, 4)}
     instance = touching(1e-4, {} if damping == 0.0 else changes, turn)
     instance.advance(0.8)
     d = Plain(instance.record)
+    # two joints get springs, and one of them loses its damper
+    if stiffness > 0.0:
+        d["model"]["joint_stiffness"][1:3] = stiffness, 0.3 * stiffness
+        d["model"]["joint_damping"][1] = 0.0
+        d["model"].sprung = d["model"].resisting = 1
     count, n = int(d["touch"]["active_count"]), 4
     assert count > 0
     locate_points(d, d["step"]["state_end"])
@@ -226,7 +232,8 @@ def test_the_stiff_part_of_the_jacobian_is_that_of_contacts_and_joint_damping(tu
         ]
     )
     across = np.hstack([np.zeros((n, 2)), np.eye(n) - np.eye(n, k=-1)])
-    joint = np.array([0.0, *(damping * (1 + i) for i in range(1, n))])
+    joint = d["model"]["joint_damping"]
+    spring = np.array([0.0, stiffness, 0.3 * stiffness, 0.0])
     forces = np.zeros((n + 2, size))
     v, gap, rate = (
         slice(n + 2, 2 * n + 4),
@@ -237,6 +244,7 @@ def test_the_stiff_part_of_the_jacobian_is_that_of_contacts_and_joint_damping(tu
     forces[:, gap] = -normals.T * d["implicit"]["stiffness"][:count]
     forces[:, rate] = -normals.T * d["implicit"]["damping"][:count]
     forces[:, v] = -across.T @ np.diag(joint) @ across
+    forces[:, : n + 2] = -across.T @ np.diag(spring) @ across
     jacobian = np.zeros((size, size))
     jacobian[v] = np.linalg.solve(mass_matrix(scene, angles), forces)
     jacobian[rate] = normals @ jacobian[v]

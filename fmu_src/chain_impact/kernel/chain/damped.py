@@ -1,8 +1,9 @@
-"""The recursion with dampers in the joints: M + Jᵀ D J + K, in O(N).
+"""The recursion with joints that resist: M + Jᵀ D J + K, in O(N).
 
 K = Σ κ_i g_i g_iᵀ with g_i the gradient of ω_i − ω_{i−1}: each joint resists a change of its relative angular
 velocity by a moment κ_i (Δ_i − Δ_{i−1} − τ_i), with τ_i the change at which it would not resist. The base has
-a damper only if it is pinned.
+a damper only if it is pinned. A spring k_i is, for a step, one more damper (integration/implicit.py): in a
+time s κ_i = s c_i + s² k_i.
 
 A damped joint transmits a moment. What hangs from it therefore answers the motion a of the joint and β, that
 of the link before it:
@@ -26,17 +27,18 @@ in which nothing cancels, however large κ is. The elimination goes from the tip
 """
 
 from chain_impact.kernel.chain.recursion import arm
+from chain_impact.kernel.chain.springs import stiffness_of
 from chain_impact.kernel.chain.state import ANGLES
 
 
 def factorize_damped(d, links, impedance, shift, factors):
-    """Eliminate M + Jᵀ D J + K, with D a symmetric 2×2 impedance at each point and κ_i = ``shift`` times c_i.
+    """Eliminate M + Jᵀ D J + K, with D a symmetric 2×2 impedance at each point and κ_i for a time s.
 
     Args:
         d: the instance.
         links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
         impedance: record with ``xx, xy, yy``, shape (N+1,): added inertia of each point [kg].
-        shift: [s].
+        shift: s [s].
         factors: record for the result, used by ``solve_damped``.
     """
     axx, axy, ayy, ex, ey, p = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -51,7 +53,7 @@ def factorize_damped(d, links, impedance, shift, factors):
         hx, hy = ux - sy, uy + sx
         # H = I + m c² + L⊥·(A' L⊥ + e') + L⊥·e' + p'
         own = inertia + p + lx * (uy + ey) - ly * (ux + ex)
-        damper = shift * damping_of(d, i)
+        damper = shift * (damping_of(d, i) + shift * stiffness_of(d, i))
         inverse = 1.0 / (own + damper)
         share = damper * inverse
         factors.gain_x[i], factors.gain_y[i], factors.inverse[i] = hx * inverse, hy * inverse, inverse

@@ -63,7 +63,7 @@ def excludes_events(d):
     measure_all(d, d.step.state_end)
     learn(d, WITH_CURVES)
     # the remainder is h⁶ φ⁽⁶⁾/46080; ten times that of the tip of a stretched chain that turns evenly, and
-    # that of a motion which fades with the rate ρ: φ⁽⁶⁾ = ρ⁴ φ̈
+    # that of a motion which fades or swings with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|
     fade = fading(d)
     error = d.model.reach * turn**2 * max(turn, fade) ** 4 / 4608.0
     clear = turn < SMALL_TURN
@@ -75,8 +75,8 @@ def excludes_events(d):
 
 
 def fading(d):
-    """How far, at most, motions have faded by joint damping in the last step: ρ h, a pure number."""
-    return (d.step.end - d.step.start) * d.model.damping_bound
+    """How far, at most, motions have faded or swung by joints that resist in the last step: ρ h, a number."""
+    return (d.step.end - d.step.start) * d.model.joint_bound
 
 
 def remains_far(d):

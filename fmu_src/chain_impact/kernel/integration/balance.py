@@ -4,24 +4,26 @@ The exact motion keeps the ledger of energies (model/energy.py), so what a step 
 that keep the tolerance change it by about the tolerance times a scale S, or less. To first order, with the
 scales of errors.py for what the components of the state may err,
 
-    S = (√(2T) + √E₁)² + M g (s + Σ L_i) + E₂ + Σ (K δⁿ s_δ + ½ m v₀²) + dissipated and supplied energy,
+    S = (√(2T) + √E₁)² + M g (s + Σ L_i) + E₂ + Σ k |φ| + Σ (K δⁿ s_δ + ½ m v₀²)
+        + dissipated and supplied energy,
 
 where T is the kinetic energy, E₁ twice that of the stretched chain when it moves by the longest link s and
-turns by 1 rad in a second, E₂ = M s² in a second squared, M the mass, and s_δ, v₀ and m those of the active
-contacts. A step that changes much more is rejected: there is something that its error estimate does not see,
-such as a motion that fades within its first stage. Nor must the errors of all steps in a second of simulated
-time add up to much more.
+turns by 1 rad in a second, E₂ = M s² in a second squared, M the mass, k |φ| the moments of springs, over 1
+rad, and s_δ, v₀ and m those of the active contacts. A step that changes much more is rejected: there is
+something that its error estimate does not see, such as a motion that fades within its first stage. Nor must
+the errors of all steps in a second of simulated time add up to much more.
 """
 
 import math
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import dissipated_at, supplied_at
+from chain_impact.kernel.chain.springs import stiffness_of, stretch
+from chain_impact.kernel.chain.state import ANGLES, dissipated_at, supplied_at
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.errors import impact_energy, penetration_scale
 from chain_impact.kernel.integration.last_step import SOLVER, complete, largest_turn, see_points, see_rate
 from chain_impact.kernel.integration.method import EXPLICIT
-from chain_impact.kernel.integration.switching import STABLE, damping_over
+from chain_impact.kernel.integration.switching import STABLE, joints_over
 from chain_impact.kernel.model.contact_force import elastic_force
 from chain_impact.kernel.model.energy import ledger, mechanical_energy
 from chain_impact.kernel.model.geometry import clearance
@@ -113,15 +115,15 @@ def is_long(d):
     """Whether the last step is so long that it may be right at its end by chance, and be wrong in between.
 
     That is a step in which a link has turned far, if there is a dense output to look at; an explicit one over
-    which damped motions fade more than it is stable for; and, at a loose tolerance, the first one of a run,
-    whose size is a guess.
+    which joints make more of a motion fade or swing than it is stable for; and, at a loose tolerance, the
+    first one of a run, whose size is a guess.
     """
     if d.statistics.steps == 0 and d.solver.tolerance > LOOSE:
         return True
     if d.step.dense_for == SOLVER and largest_turn(d) > LONG_TURN:
         return True
-    fades = d.model.damped and d.step.made_by == EXPLICIT
-    return fades and damping_over(d, d.step.end - d.step.start) > STABLE
+    resisted = d.model.resisting and d.step.made_by == EXPLICIT
+    return resisted and joints_over(d, d.step.end - d.step.start) > STABLE
 
 
 def interpolates(d):
@@ -143,6 +145,11 @@ def allowance(d, y):
     speed = math.sqrt(2.0 * kinetic) + d.balance.unit_motion
     scale = speed * speed + d.balance.unit_scale + impact_energy(d)
     scale += abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
+    if d.model.sprung:
+        for i in range(d.links):
+            moment = stiffness_of(d, i) * abs(stretch(d, y, i))
+            scale += moment
+            known += moment * (abs(y[ANGLES + i]) + abs(d.model.joint_rest_angle[i]))
     if not d.contact.impulsive:
         for k in range(d.touch.active_count):
             c = d.touch.active_index[k]

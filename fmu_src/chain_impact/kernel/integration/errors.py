@@ -4,6 +4,7 @@ import math
 
 from chain_impact.kernel.chain.damped import damping_of
 from chain_impact.kernel.chain.kinematics import move_points
+from chain_impact.kernel.chain.springs import stiffness_of
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, velocity_at
 from chain_impact.kernel.model.geometry import along_normal, clearance
 
@@ -47,20 +48,23 @@ def scaled_error(d, row):
     for k in range(d.touch.active_count):
         scale = penetration_scale(d, d.touch.active_index[k])
         worst = max(worst, abs(d.touch.gap_error[k]) / scale)
-    if d.contact.impulsive and d.touch.active_count > 0 and d.model.damped:
+    if d.contact.impulsive and d.touch.active_count > 0 and d.model.resisting:
         worst = max(worst, moment_error(d, row))
     return worst / d.solver.tolerance
 
 
 def moment_error(d, row):
-    """The largest error of a joint's damping moment, in parts of what turns the chain.
+    """The largest error of a joint's moment by its damper and spring, in parts of what turns the chain.
 
     What a rigid wall holds with is found from the moments, and its sign tells who is released.
     """
-    error, first, before, worst = d.work.error[row], omega_at(d.links), 0.0, 0.0
+    error, first, worst = d.work.error[row], omega_at(d.links), 0.0
+    turn, spin = 0.0, 0.0
     for i in range(d.links):
-        worst = max(worst, damping_of(d, i) * abs(error[first + i] - before))
-        before = error[first + i]
+        moment = stiffness_of(d, i) * abs(error[ANGLES + i] - turn)
+        moment += damping_of(d, i) * abs(error[first + i] - spin)
+        worst = max(worst, moment)
+        turn, spin = error[ANGLES + i], error[first + i]
     return worst / (d.model.energy * (1.0 + d.model.gravity_size / d.model.size))
 
 

@@ -9,27 +9,32 @@ than the penetration of a stiff wall. So the clearances g of the active contacts
 integrated beside y, z = (y, g, ġ, p), with g̈ the acceleration of the point along the normal. The forces are
 those at g and ġ, in which the fast motions are linear but for the law of force.
 
-Damped joints make the equations stiff, too, and need nothing beside y: their moments −C v are linear in it,
-C = Σ c_i g_i g_iᵀ with g_i the gradient of ω_i − ω_{i−1}. The Jacobian is
+Joints that resist make the equations stiff, too, and need nothing beside y: their moments −C v − S q, but for
+constants, are linear in it, C = Σ c_i g_i g_iᵀ and S = Σ k_i g_i g_iᵀ with g_i the gradient of ω_i − ω_{i−1}.
+The Jacobian is
 
-    ∂v̇/∂(g, ġ, v) = −M⁻¹ (Jᵀk, Jᵀc, C),   ∂g̈/∂(g, ġ, v) = −J M⁻¹ (Jᵀk, Jᵀc, C),   ∂(ẋ, ġ)/∂(v, ġ) = 1,
+    ∂v̇/∂(g, ġ, v, q) = −M⁻¹ (Jᵀk, Jᵀc, C, S),   g̈ likewise with −J M⁻¹,   ∂(ẋ, ġ)/∂(v, ġ) = 1,
 
 k = ∂F/∂δ, c = ∂F/∂δ̇, J the gradient of the clearances. Solving (1 − hγA) x = r takes no linear algebra but
-the recursion. With x_v = r_v − Δ the rows of v̇ are M Δ = hγ (Jᵀ (k x_g + c x_ġ) + C x_v), hence
+the recursion. With x_v = r_v − Δ the rows of v̇ are M Δ = hγ (Jᵀ (k x_g + c x_ġ) + C x_v + S x_q), hence
 
-    (M + Jᵀ D J + hγ C) Δ = Jᵀ (D r_ġ + hγ k r_g) + hγ C r_v,   D = hγ c + (hγ)² k,
+    (M + Jᵀ D J + K) Δ = Jᵀ (D r_ġ + hγ k r_g) + K r_v + hγ S r_q,   D = hγ c + (hγ)² k,   K = hγ C + (hγ)² S,
     x_v = r_v − Δ,   x_ġ = r_ġ − J Δ,   x_q = r_q + hγ x_v,   x_g = r_g + hγ x_ġ,
 
 with Δ the response of the chain to impulses at the touching points and moments in the joints. The contacts'
-impedance D adds to the articulated inertia at their points. hγ c_i is a damper that resists, in its joint, a
-change other than that of r: chain/damped.py, which only chains with damping need.
+impedance D adds to the articulated inertia at their points. κ_i = hγ (c_i + hγ k_i) is a damper that resists,
+in its joint, a change other than that of r_v + k_i/(c_i + hγ k_i) r_q: chain/damped.py, which only chains
+with joints that resist need.
 
 The coordinates of a result are moved to the g and ġ that came with it in the same way, and those of its dense
 output in between. How far they had left them counts as an error.
 """
 
+from chain_impact.kernel.chain.damped import damping_of
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.chain.springs import stiffness_of
 from chain_impact.kernel.chain.state import (
+    ANGLES,
     coordinate_count,
     dissipated_at,
     omega_at,
@@ -169,24 +174,24 @@ def extended_rate(d, z, rate):
 
 
 def factorize_stiff(d, shift):
-    """Eliminate M + Jᵀ D J + hγ C for hγ = ``shift`` [s]."""
+    """Eliminate M + Jᵀ D J + K for hγ = ``shift`` [s]."""
     own = d.implicit
     for k in range(d.touch.active_count):
         # D = hγ c + (hγ)² k
         own.impedance[k] = shift * (own.damping[k] + shift * own.stiffness[k])
-    if d.model.damped:
+    if d.model.resisting:
         stiffen_damped(d, own.link, own.impedance, shift)
     else:
         stiffen(d, own.link, own.impedance, d.work.factors)
 
 
 def respond(d, change):
-    """Solve (M + Jᵀ D J + hγ C) Δ = Jᵀ p + hγ C r for Δ = ``change`` and J Δ.
+    """Solve (M + Jᵀ D J + K) Δ = Jᵀ p + K r for Δ = ``change`` and J Δ.
 
     p stands in ``normal``, and then J Δ; the relative angular velocities of r in ``work.damped.aim``.
     """
     own = d.implicit
-    if d.model.damped:
+    if d.model.resisting:
         give_way_damped(d, own.link, own.normal, change)
     else:
         give_way(d, own.link, d.work.factors, own.normal, change)
@@ -200,10 +205,8 @@ def solve_stiff(d, shift, r, x):
     for k in range(d.touch.active_count):
         # D r_ġ + hγ k r_g
         own.normal[k] = own.impedance[k] * r[rate_at(d, k)] + shift * own.stiffness[k] * r[gap_at(d, k)]
-    if d.model.damped:
-        first = omega_at(n)
-        for i in range(n):
-            d.work.damped.aim[i] = r[first + i] - (r[first + i - 1] if i > 0 else 0.0)
+    if d.model.resisting:
+        aim_joints(d, shift, r)
     respond(d, x[velocities : dissipated_at(n)])
     for j in range(coordinate_count(n)):
         x[velocities + j] = r[velocities + j] - x[velocities + j]
@@ -216,6 +219,21 @@ def solve_stiff(d, shift, r, x):
         x[impulse_at(d, k)] = r[impulse_at(d, k)] - shift * slope
     for j in range(dissipated_at(n), root_at(n)):
         x[j] = r[j]
+
+
+def relative(r, first, i):
+    """Entry i of those that begin at ``first``, from the one before; the base has 0."""
+    return r[first + i] - (r[first + i - 1] if i > 0 else 0.0)
+
+
+def aim_joints(d, shift, r):
+    """Set the changes at which the joints do not resist: those of r_v + k_i/(c_i + hγ k_i) r_q."""
+    for i in range(d.links):
+        d.work.damped.aim[i] = relative(r, omega_at(d.links), i)
+        k = stiffness_of(d, i)
+        if k > 0.0:
+            share = k / (damping_of(d, i) + shift * k)
+            d.work.damped.aim[i] += share * relative(r, ANGLES, i)
 
 
 _step = linearly_implicit(extended_rate, solve_stiff)

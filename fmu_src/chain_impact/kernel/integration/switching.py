@@ -7,13 +7,15 @@ Impacts are resolved with hρ below 1, so explicit steps beyond STIFF tell that 
 no evaluation to see. An implicit step costs a third of an explicit one: when it is shorter than
 NOT_STIFF, explicit steps get further for the same work, and more accurately.
 
-A damped joint has a rate of its own, in flight as in contact (chain/damping_rate.py). Points that rigid walls
-hold are a matter of the explicit method alone.
+A joint with a damper or a spring has a rate of its own, in flight as in contact (chain/joint_rate.py). A
+spring swings rather than decays. As long as the tolerance can see that, it takes explicit steps with hρ below
+STIFF; when they are longer, the swing is so small that implicit steps, which let it decay, may lose it.
+Points that rigid walls hold are a matter of the explicit method alone.
 """
 
 import math
 
-from chain_impact.kernel.chain.damping_rate import damping_rate
+from chain_impact.kernel.chain.joint_rate import joint_rate
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.methods import AUTO, chosen
 from chain_impact.kernel.model.contact import contact_slopes
@@ -36,11 +38,11 @@ def choose_method(d):
     """Decide on the method of the next step, with the points located at its start."""
     step = d.step
     touching = d.touch.active_count > 0
-    if d.contact.impulsive and (touching or not d.model.damped):
+    if d.contact.impulsive and (touching or not d.model.resisting):
         begin_explicit(step)
     elif d.solver.method != AUTO:
         step.method = chosen(d.solver.method)
-    elif not (touching or d.model.damped):
+    elif not (touching or d.model.resisting):
         begin_explicit(step)  # nothing is stiff
     elif step.end > step.start:  # not just restarted
         z = stiffness_of(d, step.end - step.start)
@@ -59,16 +61,16 @@ def choose_method(d):
 def begin_impact(d):
     """Begin a new phase at an onset, with the explicit method, for which the step has been chosen.
 
-    But not if steps were implicit, and damping will make those of the impact so.
+    But not if steps were implicit, and joints that resist will make those of the impact so.
     """
-    if damping_over(d, IMPACT * d.step.next_size) <= STIFF:
+    if joints_over(d, IMPACT * d.step.next_size) <= STIFF:
         d.step.method = EXPLICIT
     forget_doubts(d.step)
 
 
 def begin_flight(d):
     """Begin a new phase after the last contact, likewise."""
-    z = damping_over(d, d.step.next_size)
+    z = joints_over(d, d.step.next_size)
     if z <= STIFF:
         d.step.method = EXPLICIT
     if d.step.method == EXPLICIT:
@@ -77,11 +79,11 @@ def begin_flight(d):
 
 
 def stable(d, h):
-    """A size [s] for an explicit step to begin with, h or what the joints' damping allows.
+    """A size [s] for an explicit step to begin with, h or what joints that resist allow.
 
     At rest errors do not tell: a step far too long leaves the chain where it is, but not its dense output.
     """
-    return h * min(1.0, STABLE / max(STABLE, damping_over(d, h)))
+    return h * min(1.0, STABLE / max(STABLE, joints_over(d, h)))
 
 
 def begin_explicit(step):
@@ -97,15 +99,15 @@ def forget_doubts(step):
 
 
 def stiffness_of(d, h):
-    """hρ of a step [s], with the rate of what is fastest, joints' damping or active contacts."""
+    """hρ of a step [s], with the rate of what is fastest, joints that resist or active contacts."""
     z = 0.0 if d.contact.impulsive else h * fastest_contact(d)
-    return max(z, damping_over(d, h)) if d.model.damped else z
+    return max(z, joints_over(d, h)) if d.model.resisting else z
 
 
-def damping_over(d, h):
-    """hρ of a step [s] for the joints' damping; no more than a bound if it is not stiff."""
-    z = h * d.model.damping_bound
-    return h * damping_rate(d, d.step.state_end) if z > NOT_STIFF else z
+def joints_over(d, h):
+    """hρ of a step [s] for the joints that resist; no more than a bound if they are not stiff."""
+    z = h * d.model.joint_bound
+    return h * joint_rate(d, d.step.state_end) if z > NOT_STIFF else z
 
 
 def fastest_contact(d):

@@ -1,12 +1,12 @@
 """How the chain gives way to impulses at its contacts: the solver of implicit steps and of rigid walls.
 
 With J the gradients of the clearances of the active contacts, an impedance D = diag(D_k) at their points, and
-the joints' damping C for a time s, it solves in O(N)
+the joints' resistance K = s C + s² S for a time s, of dampers C and springs S, it solves in O(N)
 
-    (M + Jᵀ D J + s C) Δ = Jᵀ p + s C r,
+    (M + Jᵀ D J + K) Δ = Jᵀ p + K r,
 
-where p are impulses along the normals and r a motion that the dampers let pass. The impedances add to the
-articulated inertia at their points, and a damper that resists with s c_i is one more term of the elimination
+where p are impulses along the normals and r a motion that the joints let pass. The impedances add to the
+articulated inertia at their points, and a joint that resists with κ_i is one more term of the elimination
 (chain/damped.py). No matrix is formed.
 """
 
@@ -27,7 +27,7 @@ def stiffen(d, links, impedance, factors):
 
 
 def stiffen_damped(d, links, impedance, time):
-    """As ``stiffen``, with the joints' damping for a ``time`` s [s]; its factors are in ``work.damped``."""
+    """As ``stiffen``, with the joints' resistance for a ``time`` s [s]; factors are in ``work.damped``."""
     add_impedances(d, impedance)
     factorize_damped(d, links, d.work.impedance, time, d.work.damped)
 

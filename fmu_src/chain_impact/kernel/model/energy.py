@@ -1,5 +1,6 @@
-"""The energy of the chain and of its contacts, and the ledger that the exact motion keeps."""
+"""The energy of the chain, its springs and its contacts, and the ledger that the exact motion keeps."""
 
+from chain_impact.kernel.chain.springs import spring_energy
 from chain_impact.kernel.chain.state import dissipated_at, omega_at, supplied_at
 from chain_impact.kernel.model.contact_force import elastic_energy
 from chain_impact.kernel.model.geometry import clearance
@@ -11,12 +12,12 @@ def ledger(d, y):
     Kinetic, potential and elastic energy, plus the dissipated one, less that supplied by the inputs.
     """
     kinetic, potential = mechanical_energy(d, y)
-    return kinetic + potential + stored_energy(d) + y[dissipated_at(d.links)] - y[supplied_at(d.links)]
+    return kinetic + potential + stored_energy(d, y) + y[dissipated_at(d.links)] - y[supplied_at(d.links)]
 
 
-def stored_energy(d):
-    """Elastic energy [J] of the active contacts, for the located points."""
-    energy = 0.0
+def stored_energy(d, y):
+    """Elastic energy [J] of the active contacts, for the located points, and of the joints' springs."""
+    energy = spring_energy(d, y) if d.model.sprung else 0.0
     for k in range(d.touch.active_count):
         gap, _ = clearance(d, d.touch.active_index[k])
         if gap < 0.0 and not d.contact.impulsive:

@@ -2,6 +2,7 @@
 
 from chain_impact.kernel.chain.kinematics import link_vectors, locate_points
 from chain_impact.kernel.chain.recursion import accelerations
+from chain_impact.kernel.chain.springs import stiffness_of, stretch
 from chain_impact.kernel.chain.state import (
     coordinate_count,
     dissipated_at,
@@ -46,7 +47,7 @@ def loaded_rate(d, y, dissipated, rate):
     """As ``state_rate``, under the present loads, which dissipate a power [W]."""
     n = d.links
     supplied = 0.0
-    if d.model.damped or d.model.driven:
+    if d.model.resisting or d.model.driven:
         damped, supplied = joint_moments(d, y)
         dissipated += damped
 
@@ -62,8 +63,8 @@ def loaded_rate(d, y, dissipated, rate):
 def joint_moments(d, y):
     """Set the net joint moment on each link; return the power [W] dissipated and supplied.
 
-    The proximal joint of link i carries τ_i = u_i − c_i (ω_i − ω_{i−1}): +τ_i on link i, −τ_i on link
-    i − 1. A free base has no joint to carry τ_1.
+    The proximal joint of link i carries τ_i = u_i − c_i (ω_i − ω_{i−1}) − k_i φ_i: +τ_i on link i, −τ_i on
+    link i − 1. A free base has no joint to carry τ_1.
     """
     dissipated = 0.0
     # force on the tip
@@ -82,4 +83,16 @@ def joint_moments(d, y):
         if i > 0:
             d.work.moment[i - 1] -= torque
         before = omega
+    if d.model.sprung:
+        add_spring_moments(d, y)
     return dissipated, supplied
+
+
+def add_spring_moments(d, y):
+    """Add the moments of the springs: −k_i φ_i on link i, and the opposite on link i − 1."""
+    for i in range(d.links):
+        # −k (θ_i − θ_{i−1} − φ₀)
+        torque = -stiffness_of(d, i) * stretch(d, y, i)
+        d.work.moment[i] += torque
+        if i > 0:
+            d.work.moment[i - 1] -= torque

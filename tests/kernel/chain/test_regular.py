@@ -1,0 +1,101 @@
+"""Which chains have a regular mass matrix in every position, against its least eigenvalue."""
+
+import itertools
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from chain_impact.instance import new_instance
+from chain_impact.kernel.chain.kinematics import link_vectors
+from chain_impact.kernel.chain.recursion import factorize, no_impedance
+from chain_impact.kernel.chain.regular import loose_links
+from chain_impact.kernel.initialize import derive_chain
+from chain_impact.scene import scene_from_dict
+from tests.plain import Plain
+
+PLACES = (0.0, 0.4, 1.0, 1.3)  # of the centre of mass, over the length
+
+
+def links(shapes):
+    return [SimpleNamespace(length=1.0, mass=1.0, center_of_mass=c, inertia=inertia) for c, inertia in shapes]
+
+
+def mass_matrix(shapes, angles):
+    """M from the velocities of the centres of mass: columns for the base and each angle."""
+    count = len(angles)
+    matrix = np.zeros((count + 2,) * 2)
+    for i, (c, inertia) in enumerate(shapes):
+        jacobian = np.zeros((2, count + 2))
+        jacobian[:, :2] = np.eye(2)
+        for j in range(i + 1):
+            jacobian[:, 2 + j] = (1.0 if j < i else c) * np.array([-np.sin(angles[j]), np.cos(angles[j])])
+        matrix += jacobian.T @ jacobian
+        matrix[2 + i, 2 + i] += inertia
+    return matrix
+
+
+def least_eigenvalue(shapes, pinned):
+    """The least one of M in all positions on one line and in a bent one."""
+    count, free = len(shapes), slice(2, None) if pinned else slice(None)
+    positions = [np.array(bends) for bends in itertools.product([0.0, np.pi], repeat=count)]
+    positions.append(1.1 * np.arange(count) ** 2)
+    return min(np.linalg.eigvalsh(mass_matrix(shapes, angles)[free, free])[0] for angles in positions)
+
+
+def chain_of(shapes, pinned):
+    columns = {
+        name: [getattr(link, name) for link in links(shapes)]
+        for name in ("length", "center_of_mass", "inertia")
+    }
+    return SimpleNamespace(pinned=pinned, **columns)
+
+
+@pytest.mark.parametrize("pinned", [False, True])
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_it_tells_every_chain_whose_mass_matrix_is_singular_somewhere(count, pinned):
+    """All chains of up to three links, each with or without inertia, with its mass at one of four places."""
+    found = set()
+    for shapes in itertools.product(itertools.product(PLACES, (0.0, 0.1)), repeat=count):
+        first, last = loose_links(chain_of(shapes, pinned))
+        singular = least_eigenvalue(shapes, pinned) < 1e-12
+        assert (first >= 0) == singular, shapes
+        found.add(singular)
+        if singular:
+            assert all(inertia == 0.0 for _, inertia in shapes[first : last + 1])
+    assert found == {False, True}
+
+
+@pytest.mark.parametrize("pinned", [False, True])
+def test_what_it_allows_has_positive_pivots(pinned):
+    rng = np.random.default_rng(3)
+    allowed = 0
+    for _ in range(300):
+        count = int(rng.integers(1, 6))
+        shapes = [(float(rng.choice(PLACES)), float(rng.choice([0.0, 0.2]))) for _ in range(count)]
+        if loose_links(chain_of(shapes, pinned))[0] >= 0:
+            continue
+        allowed += 1
+        table = {
+            "name": "Points",
+            "chain": {
+                "base": "pinned" if pinned else "free",
+                "links": [vars(link) for link in links(shapes)],
+            },
+            "contact": {"points": []},
+            "initial": {"angles": [0.0] * count},
+        }
+        d = Plain(new_instance(scene_from_dict(table, "points"))[0])
+        derive_chain(d)
+        for angles in (rng.choice([0.0, np.pi], count), rng.uniform(-3.0, 3.0, count)):
+            link_vectors(d, np.array([0.0, 0.0, *angles]))
+            no_impedance(d.work.impedance)
+            factorize(d, d.work.link, d.work.impedance, d.work.factors)
+            assert (d.work.factors.inverse > 0.0).all()
+            assert d.work.factors.inverse.max() < 1e6
+    assert allowed > 30
+
+
+def test_a_centre_of_mass_as_near_to_the_joint_as_round_off_lies_there():
+    for distance, singular in ((1e-9, True), (1e-6, False)):
+        assert (loose_links(chain_of([(distance, 0.0)], True))[0] == 0) == singular
