@@ -149,7 +149,10 @@ def variable_patterns() -> str:
 
 def _where(pattern: str, found: dict[str, set[str]]) -> str:
     names = [name for name, patterns in found.items() if pattern in patterns]
-    return "all" if len(names) == len(found) else ", ".join(names) or "none of them"
+    others = [name for name in found if name not in names]
+    if not others:
+        return "all"
+    return f"all but {others[0]}" if len(others) == 1 else ", ".join(names) or "none of them"
 
 
 def _pattern(name: str) -> str:
