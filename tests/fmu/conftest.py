@@ -18,10 +18,20 @@ from typing import Any
 import pytest
 
 from chain_impact.export.fmu import TARGETS, build_fmu
-from chain_impact.scene import model_names
 
 HERE = Path(__file__).parent
 Clean = Callable[..., Any]
+
+
+class OnDemand(dict[str, str]):
+    """The FMU of each model, built when a test first asks for it: name of the model → path."""
+
+    def __init__(self, target: str, folder: Path) -> None:
+        self.target, self.folder = target, folder
+
+    def __missing__(self, name: str) -> str:
+        self[name] = str(build_fmu(name, self.folder, target=self.target))
+        return self[name]
 
 
 @pytest.fixture(scope="session", params=TARGETS)
@@ -34,10 +44,7 @@ def target(request) -> str:
 def all_fmus(tmp_path_factory) -> dict[str, dict[str, str]]:
     """The FMUs of each model: target → name of the model → path."""
     folder = tmp_path_factory.mktemp("fmus")
-    return {
-        target: {name: str(build_fmu(name, folder / target, target=target)) for name in model_names()}
-        for target in TARGETS
-    }
+    return {target: OnDemand(target, folder / target) for target in TARGETS}
 
 
 @pytest.fixture(scope="session")
