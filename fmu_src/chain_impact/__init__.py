@@ -19,6 +19,8 @@ from chain_impact.stepping import Chain
 from chain_impact.stiffness import sphere_plane_stiffness
 from chain_impact.studies.compare import Comparison, LawRun, compare
 from chain_impact.studies.slow_motion import record_slowly
+from chain_impact.studies.sweep.sweep import sweep
+from chain_impact.studies.sweep.table import Sweep
 
 __all__ = [
     "CONTACT_LAWS",
@@ -37,6 +39,7 @@ __all__ = [
     "SceneError",
     "Signal",
     "SimulationError",
+    "Sweep",
     "UnknownNameError",
     "animate",
     "build_fmu",
@@ -49,6 +52,7 @@ __all__ = [
     "record_slowly",
     "simulate",
     "sphere_plane_stiffness",
+    "sweep",
     "validate_fmu",
     "with_law",
     "with_values",

@@ -147,10 +147,12 @@ def _impact_rows(count: int, columns: dict[str, np.ndarray]) -> np.ndarray:
 def load_kernel(library: Path) -> ctypes.CDLL:
     """Load a compiled kernel and declare its entry points (see kernel/entry.py)."""
     kernel = ctypes.CDLL(str(library))
-    pointer, real = ctypes.c_void_p, ctypes.c_double
+    pointer, real, integer = ctypes.c_void_p, ctypes.c_double, ctypes.c_int64
     kernel.initialize.argtypes = kernel.advance.argtypes = [pointer, real]
     kernel.advance_awhile.argtypes = [pointer, real]
     kernel.observe.argtypes = kernel.follow.argtypes = kernel.sound.argtypes = [pointer]
-    kernel.trajectory.argtypes = [pointer, pointer, ctypes.c_int64, pointer]
-    kernel.trajectory.restype = ctypes.c_int64
+    kernel.trajectory.argtypes = [pointer, pointer, integer, pointer]
+    runs = (pointer, pointer, pointer, integer, pointer, pointer, integer, pointer, integer, pointer)
+    kernel.run_each.argtypes = [*runs, ctypes.c_int32]
+    kernel.trajectory.restype = kernel.run_each.restype = integer
     return kernel

@@ -16,6 +16,7 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.pythonfmu_state import release
 from chain_impact.reading import SceneError, UnknownNameError
 from chain_impact.results.recording import Recording, impacts_from_outputs, recording_of
 from chain_impact.running import SimulationError
@@ -160,17 +161,20 @@ def record_fmu(
             chdir("."),
         ):
             fmpy.extract(str(path), folder)
-            rows = fmpy.simulate_fmu(
-                folder,
-                start_values=start_values,
-                output=outputs,
-                stop_time=stop_time,
-                output_interval=step_size,
-                step_finished=step_finished,
-                model_description=description,
-                logger=log,
-                debug_logging=True,
-            )
+            try:
+                rows = fmpy.simulate_fmu(
+                    folder,
+                    start_values=start_values,
+                    output=outputs,
+                    stop_time=stop_time,
+                    output_interval=step_size,
+                    step_finished=step_finished,
+                    model_description=description,
+                    logger=log,
+                    debug_logging=True,
+                )
+            finally:
+                release(Path(folder), description)
     except Exception as error:  # fmpy's exceptions have no common class
         # the first that is logged: after it, an importer may go on to the next refusal
         reason = (said.getvalue().splitlines()[-1:] or logged or [str(error)])[0]

@@ -17,7 +17,16 @@ from chain_impact.scene import with_values
 from tests.binaries import read_binary
 from tests.fmu.standard import co_simulation_functions
 
-ENTRY_POINTS = {"initialize", "advance", "advance_awhile", "observe", "sound", "follow", "trajectory"}
+ENTRY_POINTS = {
+    "initialize",
+    "advance",
+    "advance_awhile",
+    "observe",
+    "sound",
+    "follow",
+    "trajectory",
+    "run_each",
+}
 OLDEST_GLIBC = (2, 17)  # CentOS 7, of 2014
 HOST_ONLY = pytest.mark.skipif(sys.platform != "linux", reason="reads an ELF file")
 

@@ -7,6 +7,9 @@
     int32 sound(instance*)
     int32 follow(instance*)
     int64 trajectory(instance*, const double* times, int64 rows, output* out)
+    int64 run_each(instance*, const instance* start, const int64* places, int64 parameters,
+                   const double* values, const double* stops, int64 runs, const int64* looks, int64 columns,
+                   double* rows, int32 going_on)
 
 What they do, kernel/entry.py tells.
 """
@@ -41,9 +44,28 @@ def trajectory(d, times, count, out):
     return entry.trajectory(d, vector(times, count), output, matrix(out, count, len(output)))
 
 
+def run_each(  # noqa: PLR0917 - in C, arguments have no names
+    d, start, places, parameters, values, stops, runs, looks, columns, rows, going_on
+):
+    """Run again and again with other parameters; return how many runs are done."""
+    instance = words(d)
+    return entry.run_each(
+        d,
+        instance,
+        vector(start, len(instance)),
+        vector(places, parameters),
+        matrix(values, runs, parameters),
+        vector(stops, runs),
+        vector(looks, columns),
+        matrix(rows, runs, entry.PEAKS + columns),
+        going_on,
+    )
+
+
 def entry_points() -> Entries:
     """Those of the kernel."""
-    reals = types.CPointer(float64)
+    reals, indices = types.CPointer(float64), types.CPointer(int64)
+    runs = (INSTANCE, reals, indices, int64, reals, reals, int64, indices, int64, reals, int32)
     return {
         "initialize": (int32(INSTANCE, float64), initialize),
         "advance": (int32(INSTANCE, float64), entry.advance_to),
@@ -52,4 +74,5 @@ def entry_points() -> Entries:
         "sound": (int32(INSTANCE), sound),
         "follow": (int32(INSTANCE), follow),
         "trajectory": (int64(INSTANCE, reals, int64, reals), trajectory),
+        "run_each": (int64(*runs), run_each),
     }

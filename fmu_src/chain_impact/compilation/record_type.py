@@ -202,22 +202,23 @@ def words(_context: Any, record: Record) -> Any:
 
 
 def _numbers(first: types.CPointer, *counts: types.Integer) -> Any:
-    """The signature and the code of an array of doubles, from the address of the first one and its shape."""
+    """The signature and the code of an array of numbers, from the address of the first one and its shape."""
+    scalar = first.dtype
 
     def code(context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> Any:
         first, *shape = arguments
-        return _array(context, builder, types.float64, first, shape)
+        return _array(context, builder, scalar, first, shape)
 
-    return types.Array(types.float64, len(counts), "C")(first, *counts), code
+    return types.Array(scalar, len(counts), "C")(first, *counts), code
 
 
 @intrinsic
 def vector(_context: Any, first: types.CPointer, count: types.Integer) -> Any:
-    """An array of doubles for the address of the first one, shape (count,)."""
+    """An array of numbers for the address of the first one, shape (count,)."""
     return _numbers(first, count)
 
 
 @intrinsic
 def matrix(_context: Any, first: types.CPointer, rows: types.Integer, columns: types.Integer) -> Any:
-    """An array of doubles for the address of the first one, shape (rows, columns)."""
+    """An array of numbers for the address of the first one, shape (rows, columns)."""
     return _numbers(first, rows, columns)

@@ -1,11 +1,15 @@
 """What a caller can ask of an instance. The C functions for it are in compilation/entry_points.py."""
 
 from chain_impact.kernel.advance import advance, restart
+from chain_impact.kernel.events.contact_log import follow_to_now
+from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe
-from chain_impact.kernel.status import OK
+from chain_impact.kernel.status import LOG_FULL, OK, PAUSED
 from chain_impact.kernel.work_limit import work_done, work_of_a_call
 
 UNLIMITED = 1 << 62
+# the first two numbers in a row of `run_each`
+PEAK_FORCE, MAX_PENETRATION, PEAKS = 0, 1, 2
 
 
 def advance_to(d, time):
@@ -51,3 +55,63 @@ def trajectory(d, times, output, rows):
         for j in range(len(output)):
             rows[row, j] = output[j]
     return len(times)
+
+
+def run_each(d, words, start, places, values, stops, looks, rows, going_on):
+    """Run the instance from its start again and again, each time with other parameters.
+
+    Args:
+        d: the instance that does the work.
+        words: all of its words, shape (W,).
+        start: the words of an instance that is not yet initialized, from which each run begins, shape (W,).
+        places: the words that vary, as indices, shape (K,).
+        values: what they are in each run, shape (R, K).
+        stops: when each run ends, shape (R,) [s].
+        looks: the words that are wanted of the end of a run, as indices, shape (L,).
+        rows: result, shape (R, 2 + L): the largest force [N] and the largest penetration [m] of all contacts,
+            then what is looked for. After a fault the outputs are not those of the end.
+        going_on: 1 if the first run was begun in an earlier call.
+
+    Returns:
+        How many runs are done: fewer than asked for after less than a second's work. The next one has begun.
+    """
+    work = work_of_a_call(d) + (work_done(d) if going_on else 0)
+    for r in range(len(rows)):
+        if r > 0 or not going_on:
+            for j in range(len(words)):
+                words[j] = start[j]
+            for j in range(len(places)):
+                words[places[j]] = values[r, j]
+            initialize(d, 0.0)
+            rows[r, PEAK_FORCE], rows[r, MAX_PENETRATION] = 0.0, 0.0
+        if finish_run(d, stops[r], work, rows[r]) == PAUSED:
+            return r
+        work -= work_done(d)
+        for j in range(len(looks)):
+            rows[r, PEAKS + j] = words[looks[j]]
+    return len(rows)
+
+
+def finish_run(d, stop, work, row):
+    """Advance to ``stop`` [s], with the peaks in a row of ``run_each``; returns a status."""
+    room = len(d.finished.point) - d.candidates
+    status = LOG_FULL
+    while status == LOG_FULL:
+        status = advance(d, stop, room, work)
+        for k in range(d.finished.count):
+            see_peaks(row, d.finished.peak_force[k], d.finished.max_penetration[k])
+        d.finished.count = 0
+    if status == OK:
+        observe(d)
+    if status != PAUSED and d.touch.active_count > 0:
+        follow_to_now(d)
+        for k in range(d.touch.active_count):
+            c = d.touch.active_index[k]
+            see_peaks(row, d.touch.peak_force[c], d.touch.max_penetration[c])
+    return status
+
+
+def see_peaks(row, force, penetration):
+    """Keep the largest force [N] and penetration [m] in a row of ``run_each``."""
+    row[PEAK_FORCE] = max(row[PEAK_FORCE], force)
+    row[MAX_PENETRATION] = max(row[MAX_PENETRATION], penetration)

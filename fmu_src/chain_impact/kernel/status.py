@@ -1,4 +1,4 @@
-"""Status codes of the kernel, with the sentence that users read."""
+"""Status codes of the kernel, with the sentence that users read, and a name for tables."""
 
 OK = 0
 STEP_TOO_SMALL = 1
@@ -35,4 +35,20 @@ STATUS_TEXT = {
     RIGID_WHILE_TOUCHING: "contact.model can change to newton_impact only while no point touches a wall",
     ENERGY_NOT_KEPT: "the energy drifts in a second of simulated time by more than 100 times what "
     "solver.tolerance allows for a step: tighten it if it is above 1e-8, or else loosen it",
+}
+
+STATUS_NAME = {
+    OK: "ok",
+    STEP_TOO_SMALL: "step_too_small",
+    NOT_FINITE: "not_finite",
+    EVENT_STORM: "event_storm",
+    STARTS_INSIDE_WALL: "starts_inside_wall",
+    RESTITUTION_NOT_ALLOWED: "restitution_not_allowed",
+    UNKNOWN_LAW: "unknown_law",
+    UNKNOWN_METHOD: "unknown_method",
+    PARAMETER_OUT_OF_RANGE: "parameter_out_of_range",
+    TOO_MUCH_WORK: "too_much_work",
+    EXPONENT_NOT_ALLOWED: "exponent_not_allowed",
+    RIGID_WHILE_TOUCHING: "rigid_while_touching",
+    ENERGY_NOT_KEPT: "energy_not_kept",
 }

@@ -1,0 +1,139 @@
+"""Runs a second of a sweep, on one core and on two: ``python benchmarks/sweep.py [--quick]``.
+
+The default scene to 0.6 s with two impacts, tolerance 1e-6, and many restitutions. One and two threads take
+turns, so that other work on the machine hits both; CPU time is that of this process alone. It is held against
+the kernel alone, called from Python for each run, and against a loop that calls ``simulate()``.
+"""
+
+from __future__ import annotations
+
+import common  # isort: skip
+
+import argparse
+import statistics
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from chain_impact import Scene, load_scene, simulate, sweep
+from chain_impact.running import Instance
+
+STOP, TOLERANCE = 0.6, 1e-6
+NAME, FIRST, LAST = "contact.restitution", 0.6, 0.8  # all have two impacts
+RUNS, ROUNDS = 20_000, 9
+CALLS = 200  # of simulate()
+THREADS = (1, 2)
+
+
+def default_scene() -> Scene:
+    """The scene of the figures."""
+    return load_scene("four_link_box").with_values(
+        {"solver.tolerance": TOLERANCE, "simulation.stop_time": STOP, "simulation.step_size": STOP}
+    )
+
+
+def measured(call: Callable[[], object], runs: int) -> tuple[float, float]:
+    """Microseconds a run, by the clock and of CPU time."""
+    used, clock = time.process_time(), time.perf_counter()
+    call()
+    return 1e6 * (time.perf_counter() - clock) / runs, 1e6 * (time.process_time() - used) / runs
+
+
+def kernel_alone(scene: Scene, runs: int) -> Callable[[], object]:
+    """The same runs, each with two calls from Python, and nothing but the run."""
+    instance = Instance(scene)
+    values = np.linspace(FIRST, LAST, runs).tolist()
+    contact, kernel, address = instance.record["contact"], instance._kernel, instance._address
+
+    def call() -> None:
+        for value in values:
+            contact["restitution"] = value
+            kernel.initialize(address, 0.0)
+            kernel.advance(address, STOP)
+
+    return call
+
+
+def loop(scene: Scene, calls: int) -> Callable[[], object]:
+    """What one would write without a sweep."""
+
+    def call() -> None:
+        for value in np.linspace(FIRST, LAST, calls).tolist():
+            simulate(scene.with_values({NAME: value}))
+
+    return call
+
+
+def equal_to_simulate(scene: Scene, calls: int) -> bool:
+    """Whether the rows of a sweep have the bits that ``simulate()`` gives."""
+    found = sweep(scene, {NAME: f"{FIRST}:{LAST}:{calls}"}, threads=THREADS[-1])
+    for row in found.table:
+        result = simulate(scene.with_values({NAME: float(row[NAME])}))
+        same = row["energy.total"] == result.energy["total"][-1]
+        same &= row["peak_force"] == result.impacts["peak_force"].max()
+        same &= row["impact.count"] == len(result.impacts)
+        if not same or row["solver.rhs_evaluations"] != result.statistics["rhs_evaluations"]:
+            return False
+    return True
+
+
+def summary(values: list[float]) -> dict[str, float]:
+    """Median, least and largest, to four digits."""
+    parts = {"median": statistics.median(values), "least": min(values), "largest": max(values)}
+    return {name: float(f"{value:.4g}") for name, value in parts.items()}
+
+
+def main() -> None:
+    """Measure."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="two rounds")
+    rounds = 2 if parser.parse_args().quick else ROUNDS
+    started, scene = common.environment(), default_scene()
+    vary, first = {NAME: f"{FIRST}:{LAST}:{RUNS}"}, sweep(default_scene(), {NAME: f"{FIRST}:{LAST}:{RUNS}"})
+    assert set(first["impact.count"]) == {2}
+    contenders: dict[str, tuple[Callable[[], object], int]] = {
+        f"sweep, {count} thread{'s' if count > 1 else ''}": (
+            lambda count=count: sweep(scene, vary, threads=count),
+            RUNS,
+        )
+        for count in THREADS
+    }
+    contenders["kernel, called for each run"] = kernel_alone(scene, RUNS), RUNS
+    contenders["loop over simulate()"] = loop(scene, CALLS), CALLS
+    clock: dict[str, list[float]] = {name: [] for name in contenders}
+    used: dict[str, list[float]] = {name: [] for name in contenders}
+    for _ in range(rounds):
+        for name, (call, runs) in contenders.items():
+            seconds, cpu = measured(call, runs)
+            clock[name].append(seconds)
+            used[name].append(cpu)
+    one, two = list(contenders)[: len(THREADS)]
+    results = {
+        "microseconds a run": {name: summary(values) for name, values in clock.items()},
+        "CPU microseconds a run": {name: summary(values) for name, values in used.items()},
+        "runs a second and core": summary([1e6 / value for value in used[one]]),
+        "two threads over twice one": summary(
+            [a / b / 2 for a, b in zip(clock[one], clock[two], strict=True)]
+        ),
+        "CPU time, one thread over two": summary([a / b for a, b in zip(used[one], used[two], strict=True)]),
+        "simulate() over sweep, CPU time": summary(
+            [a / b for a, b in zip(used["loop over simulate()"], used[one], strict=True)]
+        ),
+        "rows equal to simulate()": equal_to_simulate(scene, CALLS),
+        "rows of two threads equal to those of one": bool(
+            sweep(scene, vary, threads=1).rows.tobytes() == first.rows.tobytes()
+        ),
+        "evaluations a run": float(f"{first['solver.rhs_evaluations'].mean():.4g}"),
+    }
+    for name, value in results.items():
+        print(f"{name}: {value}")
+    settings = {
+        "stop [s]": STOP, "tolerance": TOLERANCE, "runs": RUNS, "rounds": rounds, "varied": NAME,
+        "from": FIRST, "to": LAST,
+    }  # fmt: skip
+    common.save("sweep", started, settings, results)
+
+
+if __name__ == "__main__":
+    main()

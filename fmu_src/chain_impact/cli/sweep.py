@@ -1,0 +1,125 @@
+"""`chain-impact sweep`: a scene with varied parameters, one row of a table for each run."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from chain_impact.cli.options import (
+    UsageError,
+    Verbs,
+    add_scene,
+    add_set,
+    check_folders,
+    picture,
+    settings_of,
+)
+from chain_impact.cli.progress import err, out, progress
+from chain_impact.runs import with_settings
+from chain_impact.scene import load_scene
+
+
+def add(verbs: Verbs) -> None:
+    """Add the verb to the grammar."""
+    sweep = verbs.add_parser("sweep", help="simulate a scene many times with varied parameters, into a table")
+    add_scene(sweep, "scene")
+    sweep.add_argument(
+        "--vary",
+        action="append",
+        default=[],
+        metavar="NAME=VALUES",
+        help="vary a parameter: 0.1,0.5 or 0.1:0.9:9 (nine values) or 1e6:1e9:4:log, with --samples also "
+        "0.1:0.9 or 1e6:1e9:log; can be repeated, then all combinations are run",
+    )
+    sweep.add_argument("--samples", type=int, metavar="N", help="run N samples in place of all combinations")
+    sweep.add_argument(
+        "--sampling",
+        choices=["lhs", "sobol"],
+        default="lhs",
+        help="how samples are drawn: lhs, a Latin hypercube, or sobol; default: lhs",
+    )
+    sweep.add_argument("--seed", type=int, default=0, metavar="N", help="of the samples; default: 0")
+    add_set(sweep)
+    sweep.add_argument(
+        "--output",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="add an output to the table, as it is at the end of a run; can be repeated",
+    )
+    sweep.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="run on the workers of a dask.distributed cluster, for example tcp://127.0.0.1:8786",
+    )
+    sweep.add_argument(
+        "--threads", type=int, metavar="N", help="of this machine; default: the number of its cores"
+    )
+    sweep.add_argument(
+        "-o",
+        dest="table",
+        metavar="FILE",
+        type=Path,
+        required=True,
+        help="write the table (csv, parquet); the same command goes on after an interruption",
+    )
+    sweep.add_argument(
+        "--plot", metavar="FILE", type=picture, help="draw the main results over what varies (png, svg, pdf)"
+    )
+    sweep.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the sweep, write what was asked for, and say how many runs failed, and why."""
+    from chain_impact.studies.sweep.resume import partial_path
+    from chain_impact.studies.sweep.sweep import sweep
+
+    check_folders(options.table, options.plot)
+    scene = with_settings(load_scene(options.source), settings_of(options.set))
+    vary = variations(options.vary, settings_of(options.set))
+    if options.plot:
+        from chain_impact.studies.sweep.plot import check_picture
+
+        check_picture(len(vary), scene.name)
+    try:
+        with progress("sweeping") as (notify, advance):
+            found = sweep(
+                scene,
+                vary,
+                samples=options.samples,
+                sampling=options.sampling,
+                seed=options.seed,
+                outputs=options.output,
+                path=options.table,
+                threads=options.threads,
+                scheduler=options.scheduler,
+                notify=notify,
+                progress=advance,
+            )
+    except KeyboardInterrupt:
+        if partial_path(options.table).exists():
+            kept = f"chain-impact: what is done is kept in {partial_path(options.table)}; "
+            err.print(kept + "the same command goes on", markup=False, soft_wrap=True)
+        raise
+    out.print(f"table    {options.table}", markup=False, soft_wrap=True)
+    if options.plot:
+        found.plot(options.plot)
+        out.print(f"picture  {options.plot}", markup=False, soft_wrap=True)
+    out.print(repr(found), markup=False, soft_wrap=True)
+    return 0
+
+
+def variations(texts: Sequence[str], settings: dict[str, str]) -> dict[str, str]:
+    """Name → values of every ``--vary NAME=VALUES``."""
+    vary: dict[str, str] = {}
+    for text in texts:
+        name, equals, values = (part.strip() for part in text.partition("="))
+        if not (name and equals and values):
+            raise UsageError(f"--vary {text}: must be NAME=VALUES, for example contact.restitution=0.1:0.9:9")
+        if name in vary or name in settings:
+            raise UsageError(f"--vary {text}: {name} is given twice")
+        vary[name] = values
+    if not vary:
+        raise UsageError("--vary is missing: for example --vary contact.restitution=0.1:0.9:9")
+    return vary

@@ -1,0 +1,1 @@
+"""Many runs of one scene, each with other values of some parameters."""

@@ -1,0 +1,151 @@
+"""What all runs of a sweep have in common, and one block of them in the kernel.
+
+A run begins from a copy of the scene's instance record, with the values that vary written to their places in
+it. So a parameter is set as the FMU sets it: that one value, and nothing that a default has made of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from chain_impact.compilation.library import kernel_library
+from chain_impact.compilation.work import Notify, announce
+from chain_impact.instance import new_instance
+from chain_impact.kernel.status import OK
+from chain_impact.names import Place, nearest
+from chain_impact.reading import SceneError
+from chain_impact.running import load_kernel
+from chain_impact.scene import Scene
+from chain_impact.studies.sweep.variation import Variation
+from chain_impact.variable import Variable
+from chain_impact.variables import fmu_variables, word_index
+
+PEAKS = ("peak_force", "max_penetration")
+"""The largest of all contacts of a run [N], [m]: the first columns that the kernel fills."""
+ENDED = "time"  # s, where a run ended
+STATUS = "solver.status"
+
+
+@dataclass(frozen=True)
+class Job:
+    """What all runs of a sweep share.
+
+    Attributes:
+        scene: from which the runs differ in the values that vary only.
+        varied: the places of the parameters in the instance record, in the order of the values; the empty
+            place is the stop time.
+        kinds: ``real`` or ``enumeration``, of each.
+        outputs: names of the outputs that are wanted of the end, besides those of every sweep.
+    """
+
+    scene: Scene
+    varied: tuple[Place, ...]
+    kinds: tuple[str, ...]
+    outputs: tuple[str, ...]
+
+    @property
+    def columns(self) -> dict[str, Variable]:
+        """What is read from the record at the end of each run: name → variable."""
+        found = {v.name: v for v in fmu_variables(self.scene) if v.causality == "output"}
+        standard = [name for name in found if name.startswith(("energy.", "solver."))]
+        wanted = dict.fromkeys(["impact.count", *standard, *self.outputs])
+        return {name: found[name] for name in wanted}
+
+    @property
+    def dtype(self) -> np.dtype:
+        """The row of one run."""
+        kinds = {"integer": np.int64, "real": np.float64}
+        columns = [(name, kinds[variable.type]) for name, variable in self.columns.items()]
+        return np.dtype([*((name, np.float64) for name in (*PEAKS, ENDED)), *columns])
+
+
+def job_of(scene: Scene, variations: Sequence[Variation], outputs: Sequence[str]) -> Job:
+    """What the runs of a sweep share.
+
+    Raises:
+        SceneError: when there is no such output.
+    """
+    known = [v.name for v in fmu_variables(scene) if v.causality == "output"]
+    for name in outputs:
+        if name not in known:
+            near = nearest(name, known)
+            hint = f"the nearest is {near}" if near else "`chain-impact info` lists them"
+            raise SceneError(f"{scene.name}: {name} is no output; {hint}")
+    variables = [variation.variable for variation in variations]
+    return Job(
+        scene,
+        tuple(variable.place for variable in variables),
+        tuple(variable.type for variable in variables),
+        tuple(dict.fromkeys(outputs)),
+    )
+
+
+class Runner:
+    """Runs blocks of a job in the kernel, in one thread: it has one instance to work with."""
+
+    def __init__(self, job: Job, notify: Notify = announce) -> None:
+        """Load or compile the kernel.
+
+        Raises:
+            BuildError: when the kernel cannot be compiled.
+        """
+        scene = job.scene
+        library = kernel_library(len(scene.chain.links), notify=notify, law_file=scene.contact.law_file)
+        self._kernel = load_kernel(library)
+        self._start, self._work = new_instance(scene), new_instance(scene)
+        layout, self._job, self._dtype = self._start.dtype, job, job.dtype
+        self._columns = job.columns
+        in_record = [k for k, place in enumerate(job.varied) if place]
+        self._in_record, self._whole = in_record, [job.kinds[k] == "enumeration" for k in in_record]
+        self._places = np.array([word_index(layout, job.varied[k]) for k in in_record], np.int64)
+        looks = [("step", "time"), *(variable.place for variable in self._columns.values())]
+        self._looks = np.array([word_index(layout, place) for place in looks], np.int64)
+
+    def run(self, values: np.ndarray, wanted: Callable[[], bool] = lambda: True) -> np.ndarray | None:
+        """Run the chain once for each row of values, shape (R, K).
+
+        Args:
+            values: of the parameters.
+            wanted: asked within every second; if it says no, the rest is left.
+
+        Returns:
+            What came of it, shape (R,), or None if it was not wanted.
+        """
+        words = np.ascontiguousarray(values[:, self._in_record], np.float64)
+        for k, whole in enumerate(self._whole):
+            if whole:
+                words[:, k] = words[:, k].astype(np.int64).view(np.float64)
+        stops = np.full(len(values), self._job.scene.simulation.stop_time)
+        if () in self._job.varied:
+            stops = np.ascontiguousarray(values[:, self._job.varied.index(())], np.float64)
+        rows = np.zeros(len(values), self._dtype)
+        done, going_on = 0, 0
+        while done < len(rows):
+            if not wanted():
+                return None
+            done += self._kernel.run_each(
+                self._work.ctypes.data,
+                self._start.ctypes.data,
+                self._places.ctypes.data,
+                len(self._places),
+                words[done:].ctypes.data,
+                stops[done:].ctypes.data,
+                len(rows) - done,
+                self._looks.ctypes.data,
+                len(self._looks),
+                rows[done:].ctypes.data,
+                going_on,
+            )
+            going_on = 1
+        self._forget_unknown(rows)
+        return rows
+
+    def _forget_unknown(self, rows: np.ndarray) -> None:
+        """Set to NaN what speaks of the end, in the runs that did not get there."""
+        failed = rows[STATUS] != OK
+        for name, variable in self._columns.items():
+            if variable.place[0] == "output":
+                rows[name][failed] = np.nan

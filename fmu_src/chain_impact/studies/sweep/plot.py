@@ -1,0 +1,316 @@
+"""The picture of a sweep: its main results over what was varied.
+
+One number varied gives lines, two a map, samples a cloud of points. A choice, such as the contact law, gives
+a line for each of up to ten; more become the rows of a map. Runs that failed are crosses, or grey in a map.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
+
+from chain_impact.reading import SceneError
+from chain_impact.results.plots.style import DPI, STYLE, headline, number
+from chain_impact.results.recording import written_whole
+from chain_impact.studies.sweep.design import Design
+from chain_impact.studies.sweep.table import Sweep
+from chain_impact.studies.sweep.variation import Variation
+from chain_impact.variables import fmu_variables
+
+# P. Tol, Colour schemes, SRON/EPS/TN/09-002 (2021): "muted", for all kinds of colour vision
+COLOURS = (
+    "#332288", "#cc6677", "#117733", "#ddcc77", "#88ccee", "#882255", "#44aa99", "#999933", "#aa4499", "0.4",
+)  # fmt: skip
+MAP_COLOURS, FAILED_COLOUR = "cividis", "0.8"
+CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
+MOST_VARIED, MOST_PANELS = 6, 8
+WIDE_RANGE, MOST = 1e3, 0.95  # of most values, from which on an axis is logarithmic
+NEVER = "no run has a finite value"
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What a panel shows: a column of the table, in a unit that is easy to read."""
+
+    column: str
+    label: str
+    factor: float = 1.0
+
+    def of(self, found: Sweep) -> np.ndarray:
+        """Its values, NaN where a run failed or an impulse has no finite force, shape (R,)."""
+        values = self.factor * found[self.column].astype(float)
+        return np.where(found.failed | ~np.isfinite(values), np.nan, values)
+
+
+QUANTITIES = (
+    Quantity("peak_force", "peak force [kN]", 1e-3),
+    Quantity("max_penetration", "largest penetration [mm]", 1e3),
+    Quantity("impact.count", "impacts"),
+    Quantity("energy.dissipated", "energy dissipated [J]"),
+)
+
+
+def check_picture(varied: int, source: str) -> None:
+    """Refuse what has no picture, before any run.
+
+    Raises:
+        SceneError: when too many parameters vary.
+    """
+    if varied > MOST_VARIED:
+        raise SceneError(f"{source}: {varied} parameters vary, must be <= {MOST_VARIED} for a picture")
+
+
+def plot_sweep(found: Sweep, path: str | Path) -> None:
+    """Draw a sweep into a file; the suffix says which kind (png, svg, pdf).
+
+    Raises:
+        SceneError: when too many parameters vary.
+        OSError: when the file cannot be written.
+    """
+    check_picture(len(found.varied), found.scene.name)
+    with written_whole(Path(path)) as fresh:
+        page = Figure(layout="constrained")
+        fill(page, found)
+        page.savefig(fresh, dpi=DPI)
+
+
+@mpl.rc_context(STYLE)
+def fill(page: Figure, found: Sweep) -> None:
+    """Draw all panels on an empty page."""
+    quantities = _quantities(found)
+    varying = _varying(found.design) or list(found.design.variations[:1])
+    numbers = [one for one in varying if not one.choices]
+    choices = [one for one in varying if one.choices]
+    grid = found.design.samples is None
+    if grid and not numbers and len(varying) == 1:
+        _dots(page, found, quantities, varying[0])
+    elif grid and len(varying) == 1:
+        _lines(page, found, quantities, varying[0], None)
+    elif grid and len(numbers) == 1 and len(choices) == 1 and len(choices[0].values) <= len(COLOURS):
+        _lines(page, found, quantities, numbers[0], choices[0])
+    elif grid and len(varying) == 2:  # noqa: PLR2004
+        _maps(page, found, quantities, *(numbers + choices))
+        headline(page, title(found, ""), conditions(varying))
+        return
+    else:
+        _clouds(page, found, quantities, varying)
+    headline(page, title(found, " (×)"), conditions(varying))
+
+
+def title(found: Sweep, mark: str) -> str:
+    """What came of the runs."""
+    force = QUANTITIES[0].of(found)
+    force = force[np.isfinite(force)]
+    parts = [f"{found.scene.name}: {len(found)} run{'s' if len(found) != 1 else ''}"]
+    if force.size:
+        parts.append(f"peak force {force.min():.3g} to {force.max():.3g} kN")
+    if found.failed.any():
+        parts.append(f"{found.failed.sum()} failed{mark}")
+    return ", ".join(parts)
+
+
+def conditions(varying: list[Variation]) -> str:
+    """What was varied, and how far."""
+    parts = []
+    for one in varying:
+        ends = " to ".join(number(end) for end in dict.fromkeys((one.values.min(), one.values.max())))
+        parts.append(f"{len(one.values)} of {one.name}" if one.choices else f"{_label(one)} {ends}")
+    return "; ".join(parts)
+
+
+def _varying(design: Design) -> list[Variation]:
+    """The variations with more than one value."""
+    return [one for one in design.variations if len(np.unique(one.values)) > 1]
+
+
+def _quantities(found: Sweep) -> list[Quantity]:
+    """The main results, then the outputs that were asked for."""
+    units = {variable.name: variable.unit for variable in fmu_variables(found.scene)}
+    known = {quantity.column for quantity in QUANTITIES}
+    asked = [name for name in found.outputs if name not in known]
+    extra = [
+        Quantity(name, f"{name} at the end" + (f" [{units[name]}]" if units[name] else "")) for name in asked
+    ]
+    return [*QUANTITIES, *extra][:MOST_PANELS]
+
+
+def _panels(page: Figure, count: int, width: float = 5.0) -> list[Axes]:
+    """Empty panels, two in a row."""
+    rows = (count + 1) // 2
+    page.set_size_inches(2 * width, 0.6 + 2.7 * rows)
+    panels = list(page.subplots(rows, 2, squeeze=False).flat)
+    for unused in panels[count:]:
+        unused.remove()
+    return panels[:count]
+
+
+def _lines(
+    page: Figure, found: Sweep, quantities: list[Quantity], across: Variation, choice: Variation | None
+) -> None:
+    """One panel for each quantity, over one parameter; one colour for each choice of another."""
+    panels = _panels(page, len(quantities))
+    values = found[across.name]
+    groups = choice.shown(choice.values) if choice else [None]
+    for axes, quantity in zip(panels, quantities, strict=True):
+        shown = quantity.of(found)
+        for name, colour in zip(groups, COLOURS, strict=False):
+            own = np.full(len(found), True) if choice is None or name is None else found[choice.name] == name
+            order = np.flatnonzero(own)
+            order = order[np.argsort(values[order], kind="stable")]
+            style: dict[str, Any] = {"color": colour, "linewidth": 1.4, "label": name}
+            if len(order) <= 40:  # noqa: PLR2004 - so that single values are seen
+                style |= {"marker": "o", "markersize": 3.0}
+            if name is not None and found.failed[order].all():
+                style["label"] = f"{name} (failed)"
+            axes.plot(values[order], shown[order], **style)
+        _mark_failed(axes, values[found.failed])
+        _dress(axes, quantity, shown)
+        _across(axes, across)
+        axes.set_xlabel(_label(across))
+    if choice:
+        handles, labels = panels[0].get_legend_handles_labels()
+        page.legend(handles, labels, loc="outside right center", title=choice.name)
+
+
+def _dots(page: Figure, found: Sweep, quantities: list[Quantity], across: Variation) -> None:
+    """One panel for each quantity, with a dot in the row of each choice."""
+    names = across.shown(across.values).tolist()
+    page.set_size_inches(2.2 + 2.3 * len(quantities), 1.3 + 0.24 * len(names))
+    panels = page.subplots(1, len(quantities), sharey=True, squeeze=False)[0]
+    rows = np.arange(len(found))
+    for axes, quantity in zip(panels, quantities, strict=True):
+        axes.grid(axis="y", color="0.92")
+        axes.plot(quantity.of(found), rows, "o", color=COLOURS[0], markersize=4.0)
+        failed = rows[found.failed]
+        axes.plot(np.full(len(failed), 0.02), failed, transform=axes.get_yaxis_transform(), **CROSS)
+        axes.set_xlabel(quantity.label)
+        if quantity.column == "impact.count":
+            axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    panels[0].set_yticks(rows, names)
+    panels[0].invert_yaxis()
+
+
+def _maps(
+    page: Figure, found: Sweep, quantities: list[Quantity], first: Variation, second: Variation
+) -> None:
+    """One map for each quantity, over two parameters."""
+    x, y = _axis(first), _axis(second)
+    colours = mpl.colormaps[MAP_COLOURS].with_extremes(bad=FAILED_COLOUR)
+    grey: list[Patch] = []
+    places = [list(found.varied).index(one.name) for one in (second, first)]
+    for axes, quantity in zip(_panels(page, len(quantities), 5.4), quantities, strict=True):
+        shown = quantity.of(found).reshape(found.design.shape)
+        spare = tuple(k for k in range(shown.ndim) if k not in places)
+        shown = shown.transpose(*places, *spare).reshape(len(second.values), len(first.values))
+        shown = np.ma.masked_invalid(shown[np.ix_(y.order, x.order)])
+        axes.set_facecolor(FAILED_COLOUR)
+        if shown.count():
+            mesh = axes.pcolormesh(x.edges, y.edges, shown, cmap=colours, rasterized=True)
+            bar = page.colorbar(mesh, ax=axes, label=quantity.label)
+            if quantity.column == "impact.count":
+                bar.locator = MaxNLocator(integer=True)
+        else:
+            axes.set_title(f"{quantity.label}: {NEVER}", fontsize=9)
+        axes.set_xscale("log" if x.logarithmic else "linear")
+        axes.set_yscale("log" if y.logarithmic else "linear")
+        for axis, scale in ((axes.xaxis, x), (axes.yaxis, y)):
+            if scale.names:
+                axis.set_ticks(range(len(scale.names)), scale.names)
+        axes.set(xlabel=_label(first), ylabel=_label(second))
+        if x.names:
+            axes.tick_params(axis="x", rotation=90)
+        if np.ma.is_masked(shown):
+            grey = [Patch(facecolor=FAILED_COLOUR, label="failed, or infinite")]
+    if grey:
+        page.legend(handles=grey, loc="outside lower right")
+
+
+def _clouds(page: Figure, found: Sweep, quantities: list[Quantity], varying: list[Variation]) -> None:
+    """A panel for each quantity and parameter, a point for each run; the first choice gives the colours."""
+    coloured = next((one for one in varying if one.choices and len(one.values) <= len(COLOURS)), None)
+    across = [one for one in varying if one is not coloured] or varying
+    page.set_size_inches(1.2 + 2.6 * max(2, len(across)), 0.8 + 1.9 * len(quantities))
+    panels = page.subplots(len(quantities), len(across), sharex="col", sharey="row", squeeze=False)
+    size = np.clip(4000.0 / len(found), 1.0, 14.0)
+    for row, quantity in zip(panels, quantities, strict=True):
+        shown = quantity.of(found)
+        for axes, one in zip(row, across, strict=True):
+            values = found[one.name]
+            groups = coloured.shown(coloured.values) if coloured else [None]
+            for name, colour in zip(groups, COLOURS, strict=False):
+                own = found[coloured.name] == name if coloured else np.full(len(found), True)
+                axes.scatter(values[own], shown[own], size, color=colour, alpha=0.7, label=name, linewidths=0)
+            _mark_failed(axes, values[found.failed])
+            _across(axes, one)
+        _dress(row[0], quantity, shown)
+    for axes, one in zip(panels[-1], across, strict=True):
+        axes.set_xlabel(_label(one))
+    if coloured:
+        handles, labels = panels[0][0].get_legend_handles_labels()
+        page.legend(handles, labels, loc="outside right center", title=coloured.name, markerscale=1.5)
+
+
+@dataclass(frozen=True)
+class _Scale:
+    """An axis of a map: the order of its values, the edges of their cells, and the names of choices."""
+
+    order: np.ndarray
+    edges: np.ndarray
+    logarithmic: bool
+    names: list[str]
+
+
+def _axis(variation: Variation) -> _Scale:
+    if variation.choices:
+        names = variation.shown(variation.values).tolist()
+        return _Scale(np.arange(len(names)), np.arange(len(names) + 1) - 0.5, False, names)
+    order = np.argsort(variation.values)
+    logarithmic = _is_logarithmic(variation)
+    at = np.log(variation.values[order]) if logarithmic else variation.values[order]
+    middles = 0.5 * (at[1:] + at[:-1])
+    edges = np.array([2 * at[0] - middles[0], *middles, 2 * at[-1] - middles[-1]])
+    return _Scale(order, np.exp(edges) if logarithmic else edges, logarithmic, [])
+
+
+def _is_logarithmic(variation: Variation) -> bool:
+    low, high = variation.values.min(), variation.values.max()
+    return not variation.choices and (variation.logarithmic or bool(0.0 < low <= high / WIDE_RANGE))
+
+
+def _across(axes: Axes, variation: Variation) -> None:
+    """The horizontal axis of a panel."""
+    if _is_logarithmic(variation):
+        axes.set_xscale("log")
+    if variation.choices:
+        axes.tick_params(axis="x", rotation=90)
+
+
+def _dress(axes: Axes, quantity: Quantity, shown: np.ndarray) -> None:
+    """The vertical axis of a panel."""
+    axes.set_ylabel(quantity.label)
+    finite = shown[np.isfinite(shown)]
+    if not finite.size:
+        axes.text(0.5, 0.5, NEVER, transform=axes.transAxes, ha="center", color="0.4")
+    elif quantity.column == "impact.count":
+        axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+    elif finite.min() > 0.0 and np.divide(*np.quantile(finite, [MOST, 1.0 - MOST])) >= WIDE_RANGE:
+        axes.set_yscale("log")
+
+
+def _mark_failed(axes: Axes, values: np.ndarray) -> None:
+    """Crosses at the bottom for the runs that failed."""
+    if values.size:
+        axes.plot(values, np.full(len(values), 0.02), transform=axes.get_xaxis_transform(), **CROSS)
+
+
+def _label(variation: Variation) -> str:
+    unit = variation.variable.unit
+    return variation.name + (f" [{unit}]" if unit not in ("", "1") else "")

@@ -1,0 +1,150 @@
+"""What is kept of a sweep that is not finished, beside the file that its table will go to.
+
+The file begins with one line of JSON, which says what sweep it is. Then come blocks, in the order in which
+they were done: the number of the first run, how many runs, a checksum, and their rows as they are in memory.
+A block that was not written to its end, as of a process that was killed, is cut off when the sweep goes on.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import struct
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+
+from chain_impact.compilation.sources import fingerprint
+from chain_impact.reading import SceneError
+from chain_impact.scene import Scene, scene_to_dict
+from chain_impact.studies.sweep.design import Design
+from chain_impact.studies.sweep.job import Job
+from chain_impact.studies.sweep.pieces import Span
+
+SUFFIX = ".partial"
+FORMAT = 1  # of the file; raised when it changes
+BLOCK = struct.Struct("<qqI")  # first run, how many, checksum
+
+
+@dataclass
+class Book:
+    """What is kept of a sweep.
+
+    Attributes:
+        done: the runs that are done already.
+    """
+
+    done: list[Span] = field(default_factory=list)
+    _file: IO[bytes] | None = None
+    _empty: bool = True
+
+    def keep(self, first: int, rows: np.ndarray) -> None:
+        """Keep the rows of the runs from ``first`` on."""
+        if self._file:
+            content = rows.tobytes()
+            self._file.write(BLOCK.pack(first, len(rows), zlib.crc32(content)) + content)
+            self._empty = False
+
+    def remove(self, *, if_empty: bool = False) -> None:
+        """Remove the file: the table is written, or there is nothing in it."""
+        if self._file and (self._empty or not if_empty):
+            self._file.close()
+            Path(self._file.name).unlink(missing_ok=True)
+
+
+def partial_path(table: Path) -> Path:
+    """The file that keeps what is done until the table is whole."""
+    return table.with_name(table.name + SUFFIX)
+
+
+@contextmanager
+def kept(table: Path | None, job: Job, design: Design, rows: np.ndarray) -> Iterator[Book]:
+    """Keep what is done in a file beside the table; without a table, keep nothing.
+
+    What an earlier call has left there is filled into ``rows``.
+
+    Raises:
+        SceneError: when another sweep has left it.
+        OSError: when the file cannot be read or written.
+    """
+    if table is None:
+        yield Book()
+        return
+    path, head = partial_path(table), _head(job, design)
+    done: list[Span] = []
+    if path.exists():
+        with path.open("r+b") as file:
+            _check_head(path, file.readline(), head)
+            done = _read(file, rows)
+            file.truncate()
+    # unbuffered and at the end: a block is written at once
+    with path.open("ab", buffering=0) as file:
+        if not path.stat().st_size:
+            file.write(json.dumps(head).encode() + b"\n")
+        book = Book(done, file, not done)
+        try:
+            yield book
+        finally:
+            book.remove(if_empty=True)
+
+
+def _read(file: IO[bytes], rows: np.ndarray) -> list[Span]:
+    """Fill in the rows of all whole blocks, and stop after them."""
+    done: list[Span] = []
+    while True:
+        start = file.tell()
+        head = file.read(BLOCK.size)
+        if len(head) == BLOCK.size:
+            first, count, checksum = BLOCK.unpack(head)
+            inside = 0 <= first <= first + count <= len(rows)
+            content = file.read(count * rows.itemsize) if inside else b""
+            if inside and len(content) == count * rows.itemsize and zlib.crc32(content) == checksum:
+                rows[first : first + count] = np.frombuffer(content, rows.dtype)
+                done.append((first, first + count))
+                continue
+        file.seek(start)
+        return done
+
+
+def _head(job: Job, design: Design) -> dict[str, Any]:
+    """What a sweep is known by: all that its rows follow from."""
+    values = hashlib.sha256()
+    for variation in design.variations:
+        values.update(repr((variation.name, len(variation.values))).encode() + variation.values.tobytes())
+    if design.samples is not None:
+        values.update(repr(design.samples.shape).encode() + np.ascontiguousarray(design.samples).tobytes())
+    return {
+        "format": FORMAT,
+        "kernel": fingerprint(),
+        "scene": _scene_digest(job.scene),
+        "varied values": values.hexdigest(),
+        "outputs": list(job.outputs),
+    }
+
+
+def _scene_digest(scene: Scene) -> str:
+    digest = hashlib.sha256(json.dumps(scene_to_dict(scene), sort_keys=True).encode())
+    if scene.contact.law_file:
+        digest.update(Path(scene.contact.law_file).read_bytes())
+    return digest.hexdigest()
+
+
+def _check_head(path: Path, line: bytes, head: dict[str, Any]) -> None:
+    """Refuse the file of another sweep."""
+    try:
+        found = json.loads(line)
+        differs = [name for name in head if found[name] != head[name]]
+    except (ValueError, KeyError, TypeError):
+        raise SceneError(
+            f"{path} is not what a sweep has left: remove it, or choose another file for the table"
+        ) from None
+    if differs:
+        raise SceneError(
+            f"{path} was left by a sweep with another {differs[0]}: "
+            "remove it, or choose another file for the table"
+        )

@@ -1,0 +1,184 @@
+"""What a sweep returns: one row for each run."""
+
+from __future__ import annotations
+
+import csv
+import functools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from chain_impact.extras import require
+from chain_impact.kernel.status import OK, STATUS_NAME
+from chain_impact.reading import SceneError
+from chain_impact.results.recording import written_whole
+from chain_impact.scene import Scene
+from chain_impact.studies.sweep.design import Design
+from chain_impact.studies.sweep.job import STATUS
+
+STATUS_WORD = "status"  # the column with the status in a word
+TABLES = (".csv", ".parquet")
+CHUNK = 10_000  # rows of a CSV file that are made at once
+_STATUS_WORDS = np.array([STATUS_NAME[code] for code in sorted(STATUS_NAME)])
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Sweep:
+    """The runs of a sweep, one row each.
+
+    ``sweep["peak_force"]`` is a column, with one value for each run. The columns are the parameters that
+    vary, then:
+
+    - ``peak_force`` [N] and ``max_penetration`` [m]: the largest of all contacts; 0 without a contact, and
+      infinite for an impulse.
+    - ``time`` [s]: where the run ended: the stop time, or earlier after a fault.
+    - ``impact.count``, ``energy.kinetic`` and so on, ``solver.steps`` and so on, and the outputs that were
+      asked for: as the FMU has them at the end.
+    - ``status``: ``ok``, or what went wrong; ``solver.status`` has its number. A run that did not reach the
+      end has NaN for its energies and outputs.
+
+    Attributes:
+        scene: the scene that was varied.
+        design: which values each run has.
+        rows: what came of it, shape (R,), without the values and the word for the status.
+        outputs: the outputs that were asked for.
+    """
+
+    scene: Scene
+    design: Design
+    rows: np.ndarray
+    outputs: tuple[str, ...] = ()
+
+    @property
+    def varied(self) -> tuple[str, ...]:
+        """The names of the parameters that vary."""
+        return tuple(variation.name for variation in self.design.variations)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of all columns."""
+        return *self.varied, *(self.rows.dtype.names or ()), STATUS_WORD
+
+    def __len__(self) -> int:
+        """How many runs."""
+        return len(self.rows)
+
+    def __repr__(self) -> str:
+        """How many runs there were, and how they ended: "FourLinkBox  9 runs: 8 ok, 1 too_much_work"."""
+        codes, counts = np.unique(self.rows[STATUS], return_counts=True)
+        most_first = np.argsort(-counts, kind="stable")
+        ends = ", ".join(f"{counts[k]} {STATUS_NAME[int(codes[k])]}" for k in most_first)
+        return f"{self.scene.name}  {len(self)} run{'s' if len(self) != 1 else ''}: {ends}"
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """A column, shape (R,); choices, as a contact law, by their names."""
+        if name not in self.names:
+            raise KeyError(f"{name} is no column of the sweep; there are {', '.join(self.names)}")
+        return self._column(name, 0, len(self))
+
+    @property
+    def failed(self) -> np.ndarray:
+        """Which runs did not reach their end, shape (R,)."""
+        return np.asarray(self.rows[STATUS] != OK)
+
+    @functools.cached_property
+    def table(self) -> np.ndarray:
+        """All columns as one structured array, shape (R,)."""
+        columns = self._columns(0, len(self))
+        table = np.zeros(len(self), [(name, column.dtype) for name, column in columns.items()])
+        for name, column in columns.items():
+            table[name] = column
+        return table
+
+    def to_dataframe(self) -> Any:
+        """All columns as a pandas ``DataFrame``.
+
+        Raises:
+            MissingExtraError: when pandas is not installed.
+        """
+        return require("pandas", "pandas").DataFrame(self._columns(0, len(self)))
+
+    def save(self, path: str | Path) -> None:
+        """Write the table, as CSV or as Parquet: the suffix says which.
+
+        CSV has all digits of each number, and nothing where a number is not known.
+
+        Raises:
+            SceneError: when the suffix is another.
+            MissingExtraError: when pyarrow is not installed, for Parquet.
+            OSError: when the file cannot be written.
+        """
+        path = table_path(path)
+        with written_whole(path) as fresh:
+            if path.suffix.lower() == ".csv":
+                self._save_csv(fresh)
+            else:
+                self._save_parquet(fresh)
+
+    def plot(self, path: str | Path) -> None:
+        """Draw the main results over what was varied; the suffix says which kind (png, svg, pdf).
+
+        Raises:
+            SceneError: when too many parameters vary for a picture.
+            OSError: when the file cannot be written.
+        """
+        from chain_impact.studies.sweep.plot import plot_sweep
+
+        plot_sweep(self, path)
+
+    def _columns(self, first: int, end: int) -> dict[str, np.ndarray]:
+        return {name: self._column(name, first, end) for name in self.names}
+
+    def _column(self, name: str, first: int, end: int) -> np.ndarray:
+        """A part of a column."""
+        if name in self.varied:
+            k = self.varied.index(name)
+            return self.design.variations[k].shown(self.design.values(first, end)[:, k])
+        if name == STATUS_WORD:
+            return np.asarray(_STATUS_WORDS[self.rows[STATUS][first:end]])
+        return np.asarray(self.rows[name][first:end])
+
+    def _chunks(self) -> Iterator[dict[str, np.ndarray]]:
+        for first in range(0, len(self), CHUNK):
+            yield self._columns(first, min(first + CHUNK, len(self)))
+
+    def _save_csv(self, path: Path) -> None:
+        with path.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(self.names)
+            for columns in self._chunks():
+                cells = [_cells(column) for column in columns.values()]
+                writer.writerows(zip(*cells, strict=True))
+
+    def _save_parquet(self, path: Path) -> None:
+        arrow, parquet = require("pyarrow", "sweep"), require("pyarrow.parquet", "sweep")
+        schema = arrow.table(self._columns(0, 1)).schema
+        with parquet.ParquetWriter(path, schema) as writer:
+            for columns in self._chunks():
+                writer.write_table(arrow.table(columns))
+
+
+def table_path(path: str | Path) -> Path:
+    """The path of a table.
+
+    Raises:
+        SceneError: when its suffix is none of ``TABLES``.
+        MissingExtraError: when pyarrow is not installed, for Parquet.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in TABLES:
+        raise SceneError(f"{path} must end in {' or '.join(TABLES)}")
+    if path.suffix.lower() == ".parquet":
+        require("pyarrow", "sweep")
+    return path
+
+
+def _cells(column: np.ndarray) -> list[Any]:
+    """The values as they are written; NaN as nothing."""
+    if column.dtype.kind != "f":
+        return list(column.tolist())
+    return ["" if math.isnan(value) else value for value in column.tolist()]

@@ -1,0 +1,162 @@
+"""What one parameter is varied over: a list of values, or an interval to take samples from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from chain_impact.names import nearest
+from chain_impact.reading import SceneError
+from chain_impact.scene import Scene
+from chain_impact.variable import Variable
+from chain_impact.variables import fmu_variables
+
+Values = str | float | Sequence[float | str] | np.ndarray
+STOP_TIME = Variable(
+    name="simulation.stop_time",
+    type="real",
+    causality="parameter",
+    variability="fixed",
+    unit="s",
+    description="end of the simulation",
+    place=(),  # not in the record: the end is given with each run
+    above=0.0,
+)
+LOG = "log"
+MOST_VALUES = 10**7  # of a range
+FORMS = (
+    "a list (0.1,0.5,0.9), a range with a number of values (0.1:0.9:9, or 1e6:1e9:4:log), "
+    "or for samples an interval (0.1:0.9, or 1e6:1e9:log)"
+)
+
+
+@dataclass(frozen=True)
+class Variation:
+    """What one parameter is varied over.
+
+    Attributes:
+        variable: the parameter.
+        values: the values, numbers of choices for an enumeration; for an interval its two ends.
+        interval: whether ``values`` are the ends of an interval.
+        logarithmic: whether the values or samples are even in the logarithm.
+    """
+
+    variable: Variable
+    values: np.ndarray
+    interval: bool = False
+    logarithmic: bool = False
+
+    @property
+    def name(self) -> str:
+        """Of the parameter."""
+        return self.variable.name
+
+    @property
+    def choices(self) -> list[str]:
+        """The names of an enumeration's choices, in the order of their numbers; none of a number."""
+        return [item.name for item in self.variable.items]
+
+    def shown(self, values: np.ndarray) -> np.ndarray:
+        """The values as a reader knows them: a choice by its name."""
+        return np.array(["", *self.choices])[values.astype(int)] if self.choices else values
+
+    def at(self, parts: np.ndarray) -> np.ndarray:
+        """The values at parts of the whole, each 0 ≤ part < 1."""
+        if not self.interval:
+            return np.asarray(self.values[(parts * len(self.values)).astype(int)])
+        low, high = self.values
+        inside = low * (high / low) ** parts if self.logarithmic else low + (high - low) * parts
+        return np.asarray(np.clip(inside, min(low, high), max(low, high)))
+
+
+def sweepable(scene: Scene) -> dict[str, Variable]:
+    """What can be varied: the parameters of the scene's FMU, and the stop time. Name → variable."""
+    parameters = (variable for variable in fmu_variables(scene) if variable.causality == "parameter")
+    return {variable.name: variable for variable in (*parameters, STOP_TIME)}
+
+
+def variations_of(scene: Scene, vary: Mapping[str, Values]) -> tuple[Variation, ...]:
+    """What each parameter is varied over.
+
+    Raises:
+        SceneError: when a name is unknown, or a value is not allowed.
+    """
+    if not vary:
+        raise SceneError(f"{scene.name}: nothing is varied; give at least one parameter")
+    known = sweepable(scene)
+    found = []
+    for name, values in vary.items():
+        if name not in known:
+            near = nearest(name, known)
+            hint = f"the nearest is {near}" if near else "`chain-impact info` lists them"
+            raise SceneError(f"{scene.name}: {name} is no parameter that can be varied; {hint}")
+        variation = _read(known[name], values, scene.name)
+        _check(variation, scene.name)
+        found.append(variation)
+    return tuple(found)
+
+
+def _read(variable: Variable, values: Values, source: str) -> Variation:
+    """A variation from text, as on the command line, or from numbers and names of choices."""
+    if isinstance(values, str):
+        if ":" in values:
+            return _range(variable, values, source)
+        values = [part.strip() for part in values.split(",")]
+    given = np.atleast_1d(np.asarray(values, object))
+    if given.ndim != 1 or not given.size:
+        raise SceneError(f"{source}: {variable.name} has values of shape {given.shape}; must be {FORMS}")
+    return Variation(variable, np.array([_number(variable, value, source) for value in given]))
+
+
+def _range(variable: Variable, text: str, source: str) -> Variation:
+    """The variation for a:b, a:b:n, a:b:log or a:b:n:log."""
+    parts = text.split(":")
+    logarithmic = parts[-1].strip() == LOG
+    wrong = SceneError(f"{source}: {variable.name} = {text} must be {FORMS}")
+    if variable.items:
+        raise SceneError(f"{source}: {variable.name} = {text} must be a list of choices, {variable.allowed}")
+    try:
+        low, high, *count = parts[: len(parts) - logarithmic]
+        ends = np.array([float(low), float(high)])
+        numbers = [int(one) for one in count]
+    except ValueError:  # also where there is no second part
+        raise wrong from None
+    if len(numbers) > 1:
+        raise wrong
+    if numbers and not 2 <= numbers[0] <= MOST_VALUES:  # noqa: PLR2004
+        raise SceneError(f"{source}: {variable.name} = {text} must have 2 to {MOST_VALUES} values")
+    if logarithmic and not (ends > 0.0).all():
+        raise SceneError(f"{source}: {variable.name} = {text} must have ends > 0, to be spaced by logarithm")
+    if not numbers:
+        return Variation(variable, ends, interval=True, logarithmic=logarithmic)
+    space = np.geomspace if logarithmic else np.linspace
+    return Variation(variable, space(*ends, *numbers), logarithmic=logarithmic)
+
+
+def _number(variable: Variable, value: object, source: str) -> float:
+    """A value as a number: of a choice, which can be named, its number."""
+    names = [item.name for item in variable.items]
+    if value in names:
+        return float(names.index(str(value)) + 1)
+    try:
+        return float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        raise SceneError(f"{source}: {variable.name} = {value} must be {variable.allowed}") from None
+
+
+def _check(variation: Variation, source: str) -> None:
+    """Refuse a value out of range."""
+    variable, values = variation.variable, variation.values
+    good = np.isfinite(values)
+    for limit, keeps in (
+        (variable.minimum, np.greater_equal),
+        (variable.above, np.greater),
+        (variable.maximum, np.less_equal),
+    ):
+        good &= True if limit is None else keeps(values, limit)
+    if variable.items:
+        good &= np.isin(values, np.arange(1, len(variable.items) + 1))
+    for wrong in values[~good]:
+        raise SceneError(f"{source}: {variable.name} = {wrong:.17g} must be {variable.allowed}")

@@ -1,0 +1,89 @@
+"""`chain-impact sweep`, as it is typed."""
+
+import csv
+
+import pytest
+
+SHORT = ("--set", "simulation.stop_time=0.6", "--set", "solver.tolerance=1e-6")
+
+
+def rows(path):
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def test_a_grid(run, here):
+    code, said, _ = run(
+        "sweep", *SHORT, "--vary", "contact.restitution=0:0.8:3", "--vary", "contact.model=flores,hertz",
+        "--output", "point[4].x", "-o", "out.csv",
+    )  # fmt: skip
+    assert code == 0
+    assert said == "table    out.csv\nFourLinkBox  6 runs: 5 ok, 1 restitution_not_allowed\n"
+    found = rows(here / "out.csv")
+    assert [(row["contact.restitution"], row["contact.model"]) for row in found] == [
+        (e, law) for e in ("0.0", "0.4", "0.8") for law in ("flores", "hertz")
+    ]
+    assert {row["time"] for row in found[1:]} == {"0.6"}
+    assert float(found[1]["point[4].x"]) > 0.0
+
+
+def test_a_picture_and_parquet(run, here):
+    pytest.importorskip("pyarrow")
+    arguments = ("--vary", "contact.restitution=0.2:0.8:3", "-o", "out.parquet", "--plot", "out.svg")
+    code, said, _ = run("sweep", *SHORT, *arguments)
+    assert code == 0
+    assert said.splitlines()[:2] == ["table    out.parquet", "picture  out.svg"]
+    assert (here / "out.svg").read_text().rstrip().endswith("</svg>")
+    assert (here / "out.parquet").read_bytes()[:4] == b"PAR1"
+
+
+def test_a_picture_of_too_many_parameters_is_refused_before_any_run(run, here):
+    names = ("x", "y", "vx", "vy", "angle[1]", "angle[2]", "angle[3]")
+    vary = [part for name in names for part in ("--vary", f"initial.{name}=1")]
+    code, _, error = run("sweep", *SHORT, *vary, "-o", "out.csv", "--plot", "out.png")
+    assert (code, error) == (
+        2,
+        "chain-impact: FourLinkBox: 7 parameters vary, must be <= 6 for a picture\n",
+    )
+    assert list(here.iterdir()) == []
+
+
+def test_samples(run, here):
+    arguments = ("sweep", *SHORT, "--vary", "contact.stiffness=1e6:1e9:log", "--samples", "8")
+    for name, more in (
+        ("a", ()),
+        ("b", ("--seed", "0")),
+        ("c", ("--seed", "1")),
+        ("d", ("--sampling", "sobol")),
+    ):
+        code, said, _ = run(*arguments, *more, "-o", f"{name}.csv")
+        assert code == 0
+        assert said.endswith("FourLinkBox  8 runs: 8 ok\n")
+    a, b, c, d = ((here / f"{name}.csv").read_bytes() for name in "abcd")
+    assert a == b
+    assert len({a, c, d}) == 3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ((), "--vary is missing: for example --vary contact.restitution=0.1:0.9:9"),
+        (("--vary", "contact.restitution"), "--vary contact.restitution: must be NAME=VALUES"),
+        (("--vary", "initial.x=1", "--vary", "initial.x=2"), "--vary initial.x=2: initial.x is given twice"),
+        (("--vary", "initial.x=1", "--set", "initial.x=.7"), "--vary initial.x=1: initial.x is given twice"),
+        (("--vary", "initial.x=0:1"), "initial.x = 0:1 is an interval"),
+        (("--vary", "initial.x=0,1", "--output", "point[4].z"), "point[4].z is no output; the nearest is"),
+        (("--vary", "initial.x=0,1", "--samples", "0"), "samples = 0 must be a whole number >= 1"),
+    ],
+)
+def test_refused_in_one_line(run, here, arguments, words):
+    code, said, error = run("sweep", *SHORT, *arguments, "-o", "out.csv")
+    assert (code, said) == (2, "")
+    assert words in error
+    assert error.count("\n") == 1
+    assert list(here.iterdir()) == []
+
+
+def test_a_folder_that_is_not_there(run):
+    code, _, error = run("sweep", "--vary", "initial.x=0,1", "-o", "nowhere/out.csv")
+    assert (code, error) == (2, "chain-impact: nowhere/out.csv: No such folder\n")

@@ -1,0 +1,194 @@
+"""A sweep on a real dask scheduler with two workers gives the rows that this machine gives."""
+
+import os
+import re
+import subprocess
+import sys
+import time
+
+import pytest
+
+from chain_impact.extras import MissingExtraError
+from chain_impact.reading import SceneError
+from chain_impact.runs import RunError
+from chain_impact.scene import load_scene
+from chain_impact.studies.sweep import cluster
+from chain_impact.studies.sweep.sweep import sweep
+
+pytest.importorskip("distributed")
+
+SCENE = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "solver.tolerance": 1e-6})
+VARY = {"contact.restitution": "0.3:0.7:500", "contact.model": "flores,newton_impact"}
+pytestmark = pytest.mark.slow
+
+
+class Cluster:
+    """A scheduler and its workers, each a process."""
+
+    def __init__(self, folder):
+        self.folder, self.processes = folder, []
+        log = self.start("scheduler", "--port", "0", "--no-dashboard")
+        self.address = self.said(log, r"(tcp://127\.0\.0\.1:\d+)")
+
+    def start(self, kind, *arguments, **environment):
+        log = self.folder / f"{kind}-{len(self.processes)}.log"
+        command = [sys.executable, "-m", "dask", kind, *arguments, "--host", "127.0.0.1"]
+        with log.open("w") as file:
+            self.processes.append(
+                subprocess.Popen(
+                    command, cwd=self.folder, env=os.environ | environment, stdout=file, stderr=file
+                )
+            )
+        return log
+
+    def worker(self, **environment):
+        options = ("--nthreads", "1", "--no-dashboard", "--no-nanny", "--local-directory", str(self.folder))
+        log = self.start("worker", self.address, *options, **environment)
+        self.said(log, r"(Registered to)")
+        return self.processes[-1]
+
+    def said(self, log, pattern):
+        until = time.monotonic() + 60.0
+        while not (found := re.search(pattern, log.read_text())):
+            assert time.monotonic() < until, log.read_text()
+            time.sleep(0.05)
+        return found[1]
+
+    def end(self):
+        for process in reversed(self.processes):
+            process.kill()
+            process.wait()
+
+
+@pytest.fixture
+def scheduler(tmp_path):
+    started = Cluster(tmp_path)
+    yield started
+    started.end()
+
+
+def test_the_same_rows_as_here(scheduler, tmp_path):
+    scheduler.worker()
+    scheduler.worker()
+    told = []
+    path = tmp_path / "out.csv"
+    found = sweep(SCENE, VARY, scheduler=scheduler.address, path=path, progress=told.append)
+    assert found.rows.tobytes() == sweep(SCENE, VARY).rows.tobytes()
+    assert told[-1] == 1.0
+    assert len(told) > 4
+    assert path.read_text().count("\n") == 1001
+
+
+def test_a_lost_worker_is_replaced_by_the_others(scheduler):
+    scheduler.worker()
+    doomed = scheduler.worker()
+    vary = {"contact.restitution": "0.3:0.7:60000"}
+
+    def progress(part):
+        if part > 0.2:
+            doomed.kill()
+
+    found = sweep(SCENE, vary, scheduler=scheduler.address, progress=progress)
+    assert found.rows.tobytes() == sweep(SCENE, vary).rows.tobytes()
+    assert doomed.poll() is not None
+
+
+def test_no_workers(scheduler):
+    with pytest.raises(
+        SceneError, match=r"scheduler tcp://.*: it has no workers; start some with: dask worker"
+    ):
+        sweep(SCENE, VARY, scheduler=scheduler.address)
+
+
+def test_no_workers_left(scheduler, monkeypatch):
+    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    worker = scheduler.worker()
+    with pytest.raises(RunError, match="it has no workers left"):
+        sweep(
+            SCENE,
+            {"contact.restitution": "0.3:0.7:300000"},
+            scheduler=scheduler.address,
+            progress=lambda _: worker.kill(),
+        )
+
+
+def test_rows_that_are_lost_with_the_last_worker(scheduler, monkeypatch):
+    monkeypatch.setattr(cluster, "PATIENCE", 0.5)
+    worker, real = scheduler.worker(), cluster._result
+
+    def late(*arguments):
+        worker.kill()  # when the first piece is done, and before its rows are here
+        worker.wait()
+        time.sleep(0.5)
+        return real(*arguments)
+
+    monkeypatch.setattr(cluster, "_result", late)
+    with pytest.raises(RunError, match="it has no workers left"):
+        sweep(SCENE, {"contact.restitution": "0.3:0.7:300"}, scheduler=scheduler.address)
+
+
+def test_a_worker_without_the_package(scheduler, tmp_path):
+    package = tmp_path / "without" / "chain_impact"
+    package.mkdir(parents=True)
+    (package / "__init__.py").write_text("raise ImportError('not installed here')\n")
+    scheduler.worker(PYTHONPATH=str(package.parent))
+    with pytest.raises(SceneError, match=r"the worker tcp://.* cannot import chain-impact \(.*\); install"):
+        sweep(SCENE, VARY, scheduler=scheduler.address)
+
+
+def test_a_worker_with_another_version(scheduler, monkeypatch):
+    scheduler.worker()
+    monkeypatch.setattr(cluster, "identity", Other())
+    with pytest.raises(SceneError, match=r"must have 9\.9 \(kernel abc\) as here"):
+        sweep(SCENE, VARY, scheduler=scheduler.address)
+
+
+class Other:
+    """Another version here than on the workers, where it is found by its name."""
+
+    def __call__(self):
+        return "9.9", "abc"
+
+    def __reduce__(self):
+        return "identity"
+
+    __module__, __qualname__ = cluster.__name__, "identity"
+
+
+def test_nobody_answers(monkeypatch):
+    monkeypatch.setattr(cluster, "CONNECT", 0.5)
+    with pytest.raises(SceneError, match=r"scheduler tcp://127.0.0.1:9: no dask scheduler answers there"):
+        sweep(SCENE, VARY, scheduler="tcp://127.0.0.1:9")
+
+
+@pytest.mark.parametrize("address", ["nonsense://", "tcp:", ""])
+def test_an_address_that_is_none(address, monkeypatch):
+    monkeypatch.setattr(cluster, "CONNECT", 0.5)
+    with pytest.raises(SceneError, match="scheduler"):
+        sweep(SCENE, VARY, scheduler=address)
+
+
+def test_without_distributed_the_extra_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(MissingExtraError, match=r"^distributed.*chain-impact\[cluster\]"):
+        sweep(SCENE, VARY, scheduler="tcp://127.0.0.1:9")
+
+
+def test_a_piece_that_a_worker_cannot_do(scheduler):
+    scheduler.worker(CHAIN_IMPACT_CACHE="/dev/null/kernels")
+    with pytest.raises(
+        RunError, match=r"FourLinkBox: the cluster could not do the runs .*: NotADirectoryError"
+    ):
+        sweep(SCENE, VARY, scheduler=scheduler.address)
+
+
+def test_the_scheduler_dies(scheduler):
+    scheduler.worker()
+
+    def progress(_):
+        scheduler.processes[0].kill()
+
+    with pytest.raises(RunError, match="the connection was lost"):
+        sweep(
+            SCENE, {"contact.restitution": "0.3:0.7:300000"}, scheduler=scheduler.address, progress=progress
+        )

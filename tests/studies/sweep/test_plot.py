@@ -1,0 +1,115 @@
+"""The picture of a sweep: what is drawn is what is in the table, and nothing covers anything else."""
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.reading import SceneError
+from chain_impact.scene import load_scene
+from chain_impact.studies.sweep.plot import COLOURS, FAILED_COLOUR, QUANTITIES, fill
+from chain_impact.studies.sweep.sweep import sweep
+
+SCENE = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "solver.tolerance": 1e-6})
+TEN = [law for law in CONTACT_LAWS if law not in ("kelvin_voigt", "newton_impact")][:10]
+KINDS = {
+    "one number": ({"contact.restitution": "0.0:0.8:9"}, {}),
+    "one choice": ({"contact.model": list(CONTACT_LAWS)}, {}),
+    "number and ten choices": ({"contact.restitution": "0.1:0.8:5", "contact.model": TEN}, {}),
+    "number and all choices": ({"contact.restitution": "0:0.8:5", "contact.model": list(CONTACT_LAWS)}, {}),
+    "two numbers": ({"contact.restitution": "0.4,0.0,0.8", "contact.stiffness": "1e6:1e9:4:log"}, {}),
+    "two choices": ({"contact.model": "flores,hertz", "solver.method": "auto,explicit"}, {}),
+    "three numbers": (
+        {"initial.x": "0.5:0.6:3", "initial.y": "1.3:1.5:3", "contact.restitution": "0.4:0.8:2"},
+        {},
+    ),
+    "samples": (
+        {"contact.restitution": "0.1:0.9", "contact.stiffness": "1e6:1e9:log", "contact.model": "ye,hertz"},
+        {"samples": 30},
+    ),
+    "one value": ({"contact.restitution": [0.5]}, {}),
+    "no run that did not fail": ({"contact.restitution": [0.0], "contact.model": ["flores", "ye"]}, {}),
+}
+
+
+def drawn(found):
+    page = Figure(layout="constrained")
+    fill(page, found)
+    page.draw_without_rendering()
+    return page
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_kind_is_drawn_and_nothing_overlaps(kind, tmp_path):
+    vary, options = KINDS[kind]
+    found = sweep(SCENE, vary, **options)
+    found.plot(tmp_path / "out.png")
+    assert (tmp_path / "out.png").stat().st_size > 10_000
+    page = drawn(found)
+    renderer = FigureCanvasAgg(page).get_renderer()
+    panels = [axes.get_tightbbox(renderer) for axes in page.axes]
+    others = [page._suptitle.get_window_extent(renderer)]
+    others += [legend.get_window_extent(renderer) for legend in page.legends]
+    for k, one in enumerate(others):
+        assert not any(one.overlaps(other) for other in panels + others[k + 1 :]), kind
+        assert one.x0 >= 0.0
+        assert one.x1 <= page.bbox.x1
+    assert f"FourLinkBox: {len(found)} run" in page.get_suptitle()
+
+
+def test_lines_are_the_columns():
+    found = sweep(SCENE, {"contact.restitution": "0.8,0.4,0.0", "contact.model": "flores,hertz"})
+    page = drawn(found)
+    assert [axes.get_ylabel() for axes in page.axes] == [quantity.label for quantity in QUANTITIES]
+    for axes, quantity in zip(page.axes, QUANTITIES, strict=True):
+        for line, law in zip(axes.lines, ("flores", "hertz"), strict=False):
+            rows = found.table[found["contact.model"] == law][::-1]
+            values = np.where(rows["status"] == "ok", quantity.factor * rows[quantity.column], np.nan)
+            assert np.array_equal(line.get_xdata(), rows["contact.restitution"])
+            assert np.array_equal(line.get_ydata(), values, equal_nan=True)
+        assert axes.lines[2].get_xdata().tolist() == [0.0]  # the cross: flores with e = 0
+    assert "1 failed (×)" in page.get_suptitle()
+    labels = [text.get_text() for text in page.legends[0].get_texts()]
+    assert labels == ["flores", "hertz"]
+
+
+def test_maps_are_the_columns_with_ordered_axes():
+    vary = {"contact.stiffness": "1e9,1e7", "contact.restitution": "0.4,0.0,0.8"}
+    found = sweep(SCENE, vary)
+    panel = drawn(found).axes[0]
+    (mesh,) = panel.collections
+    shown = mesh.get_array()
+    assert panel.get_xscale() == "linear"
+    force = 1e-3 * found["peak_force"].reshape(2, 3)
+    # restitutions upward in order, stiffnesses to the right
+    assert np.array_equal(shown[[1, 2]], force[::-1][:, [0, 2]].T)
+    assert shown.mask[0].all()
+    assert mesh.get_cmap()(np.ma.masked) == pytest.approx((float(FAILED_COLOUR),) * 3 + (1.0,), abs=0.01)
+
+
+def test_a_law_of_which_every_run_failed_is_named_so():
+    page = drawn(sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.model": "hertz,kelvin_voigt"}))
+    assert [text.get_text() for text in page.legends[0].get_texts()] == ["hertz", "kelvin_voigt (failed)"]
+
+
+def test_at_most_ten_colours():
+    assert len(set(COLOURS)) == len(COLOURS) == 10
+    found = sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.model": TEN})
+    colours = {line.get_color() for line in drawn(found).axes[0].lines}
+    assert len(colours) == 10
+    more = sweep(SCENE, {"contact.restitution": "0.2:0.8:4", "contact.model": list(CONTACT_LAWS)})
+    assert drawn(more).axes[0].collections  # a map
+
+
+def test_outputs_that_were_asked_for_have_panels():
+    found = sweep(SCENE, {"contact.restitution": "0.2:0.8:4"}, outputs=["point[4].x", "impact.last_wall"])
+    labels = [axes.get_ylabel() for axes in drawn(found).axes]
+    assert labels[4:] == ["point[4].x at the end [m]", "impact.last_wall at the end"]
+
+
+def test_too_many_parameters_are_refused(tmp_path):
+    names = ("x", "y", "vx", "vy", "angle[1]", "angle[2]", "angle[3]")
+    found = sweep(SCENE, {f"initial.{name}": [1.0] for name in names})
+    with pytest.raises(SceneError, match="7 parameters vary, must be <= 6 for a picture"):
+        found.plot(tmp_path / "out.png")

@@ -1,0 +1,160 @@
+"""An interrupted sweep goes on with what is missing, and knows another sweep's file."""
+
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from chain_impact.reading import SceneError
+from chain_impact.scene import load_scene, with_values
+from chain_impact.studies.sweep import sweep as module
+from chain_impact.studies.sweep.sweep import sweep
+
+SCENE = with_values(
+    load_scene("four_link_box"), {("simulation", "stop_time"): 0.6, ("solver", "tolerance"): 1e-6}
+)
+VARY = {"contact.restitution": "0.3:0.7:400", "contact.model": "flores,hertz"}
+
+
+class StopError(Exception):
+    pass
+
+
+def stopped(path, at=0.3, vary=VARY, **options):
+    """Run a sweep until a part of it is done; returns the part."""
+    told = []
+
+    def progress(part):
+        told.append(part)
+        if part > at:
+            raise StopError
+
+    with pytest.raises(StopError):
+        sweep(SCENE, vary, path=path, threads=1, progress=progress, **options)
+    return told[-1]
+
+
+@pytest.fixture
+def spans(monkeypatch):
+    """The spans of runs that the kernel is asked for."""
+    asked = []
+    real = module.run_in_threads
+
+    def spy(job, design, spans, threads, notify):
+        asked.extend(spans)
+        return real(job, design, spans, threads, notify)
+
+    monkeypatch.setattr(module, "run_in_threads", spy)
+    return asked
+
+
+def test_what_is_done_is_not_done_again(tmp_path, spans):
+    path = tmp_path / "out.csv"
+    part = stopped(path)
+    assert not path.exists()
+    assert (tmp_path / "out.csv.partial").exists()
+    spans.clear()
+    found = sweep(SCENE, VARY, path=path)
+    assert spans == [(round(part * 800), 800)]
+    assert found.rows.tobytes() == sweep(SCENE, VARY).rows.tobytes()
+    assert [file.name for file in tmp_path.iterdir()] == ["out.csv"]
+
+
+@pytest.mark.parametrize("cut", [1, 30, 2000])
+def test_a_block_that_was_not_written_to_its_end_is_done_again(tmp_path, cut):
+    path, partial = tmp_path / "out.csv", tmp_path / "out.csv.partial"
+    stopped(path)
+    with partial.open("r+b") as file:
+        file.truncate(partial.stat().st_size - cut)
+    stopped(path, at=0.6)  # goes on after the cut
+    found = sweep(SCENE, VARY, path=path)
+    assert found.rows.tobytes() == sweep(SCENE, VARY).rows.tobytes()
+
+
+def test_a_block_with_other_bytes_is_done_again(tmp_path):
+    path, partial = tmp_path / "out.csv", tmp_path / "out.csv.partial"
+    stopped(path)
+    content = bytearray(partial.read_bytes())
+    content[-100] ^= 1
+    partial.write_bytes(content)
+    assert sweep(SCENE, VARY, path=path).rows.tobytes() == sweep(SCENE, VARY).rows.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("vary", "options", "words"),
+    [
+        ({**VARY, "contact.restitution": "0.3:0.71:400"}, {}, "another varied values"),
+        (
+            {"contact.model": "flores,hertz", "contact.restitution": "0.3:0.7:400"},
+            {},
+            "another varied values",
+        ),
+        (VARY, {"outputs": ["point[4].x"]}, "another outputs"),
+        ({**VARY, "contact.restitution": "0.3:0.7"}, {"samples": 800}, "another varied values"),
+    ],
+)
+def test_another_sweep_is_refused(tmp_path, vary, options, words):
+    path = tmp_path / "out.csv"
+    stopped(path)
+    before = (tmp_path / "out.csv.partial").read_bytes()
+    with pytest.raises(SceneError, match=rf"out.csv.partial was left by a sweep with {words}: remove it"):
+        sweep(SCENE, vary, path=path, **options)
+    assert (tmp_path / "out.csv.partial").read_bytes() == before
+
+
+def test_another_scene_or_seed_is_refused(tmp_path):
+    stopped(tmp_path / "out.csv")
+    heavier = with_values(SCENE, {("chain", "links", 0, "mass"): 1.5})
+    with pytest.raises(SceneError, match="a sweep with another scene"):
+        sweep(heavier, VARY, path=tmp_path / "out.csv")
+    vary = {"contact.restitution": "0.3:0.7"}
+    stopped(tmp_path / "samples.csv", vary=vary, samples=800)
+    with pytest.raises(SceneError, match="another varied values"):
+        sweep(SCENE, vary, path=tmp_path / "samples.csv", samples=800, seed=1)
+
+
+def test_a_file_that_is_none_of_a_sweep_is_refused(tmp_path):
+    (tmp_path / "out.csv.partial").write_bytes(b"\xffmine\n")
+    with pytest.raises(SceneError, match="is not what a sweep has left"):
+        sweep(SCENE, VARY, path=tmp_path / "out.csv")
+    assert (tmp_path / "out.csv.partial").read_bytes() == b"\xffmine\n"
+
+
+def test_nothing_is_left_where_no_run_was_done(tmp_path, monkeypatch):
+    def broken(*_):
+        raise OSError("no kernel")
+        yield
+
+    monkeypatch.setattr(module, "run_in_threads", broken)
+    with pytest.raises(OSError, match="no kernel"):
+        sweep(SCENE, VARY, path=tmp_path / "out.csv")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_ctrl_c_on_the_command_line(tmp_path):
+    command = [sys.executable, "-m", "chain_impact.cli", "sweep", "--set", "solver.tolerance=1e-6"]
+    command += ["--vary", "contact.restitution=0.3:0.7:30000", "--set", "simulation.stop_time=0.6"]
+    command += ["-o", "out.csv"]
+    partial = tmp_path / "out.csv.partial"
+    running = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    until = time.monotonic() + 60.0
+    while not (partial.exists() and partial.stat().st_size > 100_000):
+        assert time.monotonic() < until
+        time.sleep(0.01)
+    running.send_signal(signal.SIGINT)
+    _, said = running.communicate(timeout=30)
+    assert running.returncode == 130
+    assert "what is done is kept in out.csv.partial; the same command goes on" in said
+    assert not (tmp_path / "out.csv").exists()
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert "30000 runs: 30000 ok" in done.stdout
+    assert [file.name for file in tmp_path.iterdir()] == ["out.csv"]
+    energies = np.genfromtxt(
+        tmp_path / "out.csv", delimiter=",", names=True, usecols=range(5), deletechars=""
+    )
+    whole = sweep(SCENE, {"contact.restitution": "0.3:0.7:30000"})
+    assert (energies["contact.restitution"] == whole["contact.restitution"]).all()
+    assert (energies["peak_force"] == whole["peak_force"]).all()

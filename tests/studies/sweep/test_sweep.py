@@ -1,0 +1,156 @@
+"""A run of a sweep is what `simulate()` gives, bit by bit."""
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.layout import LOG_SIZE
+from chain_impact.reading import SceneError
+from chain_impact.results.recording import recording_of
+from chain_impact.running import SimulationError
+from chain_impact.runs import with_settings
+from chain_impact.scene import load_scene, with_values
+from chain_impact.simulate import simulate, with_law
+from chain_impact.studies.sweep.sweep import sweep
+from tests import random_scenes
+
+FORCES = ("peak_force", "max_penetration")
+
+
+def short(model="four_link_box", stop=0.6, tolerance=1e-6):
+    return with_values(
+        load_scene(model), {("simulation", "stop_time"): stop, ("solver", "tolerance"): tolerance}
+    )
+
+
+def check(scene, row, varied, outputs=()):
+    """Hold a row of a sweep against `simulate()`; returns the status."""
+    fault = None
+    try:
+        result = simulate(with_settings(scene, {name: repr(row[name].item()).strip("'") for name in varied}))
+    except SceneError:  # refused before it starts
+        assert row["status"] in ("restitution_not_allowed", "exponent_not_allowed", "starts_inside_wall")
+        assert row["time"] == row["impact.count"] == row["solver.steps"] == 0
+        return row["status"]
+    except SimulationError as error:
+        fault, result = error, error.result
+    if fault:
+        assert row["time"] == fault.time
+        assert row["solver.status"] == fault.status
+        assert np.isnan(row["energy.total"])
+    else:
+        assert row["time"] == result.time[-1]
+        assert row["status"] == "ok"
+        columns = recording_of(result).columns
+        for name in ("energy.kinetic", "energy.potential", "energy.elastic", "energy.total", *outputs):
+            assert row[name] == columns[name][-1], name
+    for name in FORCES:
+        assert row[name] == max(result.impacts[name], default=0.0), name
+    assert row["impact.count"] == len(result.impacts)
+    for name, count in result.statistics.items():
+        assert row[f"solver.{name}"] == count, name
+    return row["status"]
+
+
+def test_a_grid_of_laws_methods_and_restitutions():
+    scene = short(stop=0.7)
+    vary = {
+        "contact.model": list(CONTACT_LAWS),
+        "solver.method": "auto,explicit,implicit",
+        "contact.restitution": [0.0, 0.4, 1.0],
+    }
+    found = sweep(scene, vary, outputs=["point[4].x", "link[2].angular_velocity"])
+    assert len(found) == len(CONTACT_LAWS) * 9
+    statuses = {check(scene, row, vary, ("point[4].x", "link[2].angular_velocity")) for row in found.table}
+    assert {"ok", "restitution_not_allowed", "exponent_not_allowed"} <= statuses
+    bounced = (found["contact.model"] == "newton_impact") & (found["contact.restitution"] > 0.0)
+    assert np.isinf(found["peak_force"][bounced]).all()
+
+
+def test_parameters_of_every_kind():
+    scene = short()
+    vary = {
+        "gravity.y": [-9.81, 3.0],
+        "link[2].length": [0.4, 0.5],
+        "link[3].mass": [0.5, 2.0],
+        "box.x_max": [2.6, 3.0],
+        "contact.radius": [0.0, 0.02],
+        "initial.vx": [1.5, 4.0],
+        "initial.angular_velocity[4]": [-1.0, 12.0],
+        "simulation.stop_time": [0.3, 0.55],
+    }
+    found = sweep(scene, vary)
+    assert len(found) == 256
+    for row in found.table[::5]:
+        assert check(scene, row, vary) == "ok"
+    assert len(set(found["energy.total"])) > 150
+
+
+def test_walls_at_an_angle_dampers_and_inputs():
+    for model, vary in (
+        ("ramp", {"wall.ramp.angle": "-0.4:-0.2:3"}),
+        ("pinned_arm", {"link[1].joint_damping": "1e-3:1:3:log"}),
+    ):
+        scene = short(model, stop=1.5)
+        for row in sweep(scene, vary).table:
+            assert check(scene, row, vary) == "ok"
+
+
+def test_more_contacts_than_the_log_holds_and_contacts_that_last():
+    scene = short("rod_drop", stop=4.0)
+    vary = {"contact.restitution": [0.5, 0.8], "contact.model": ["zhang_sharf", "newton_impact"]}
+    found = sweep(scene, vary)
+    for row in found.table:
+        assert check(scene, row, vary) == "ok"
+    assert found["impact.count"].max() > 2 * LOG_SIZE
+
+
+def test_a_fault_is_a_row_and_the_others_go_on():
+    scene = short(stop=1.0)
+    vary = {"solver.work_limit": [5e6, 300.0, 5e6], "initial.y": [1.4, -1.0]}
+    found = sweep(scene, vary)
+    assert [check(scene, row, vary) for row in found.table] == [
+        "ok", "starts_inside_wall", "too_much_work", "starts_inside_wall", "ok", "starts_inside_wall",
+    ]  # fmt: skip
+    assert found.failed.tolist() == [False, True, True, True, False, True]
+    assert 0.0 < found["time"][2] < 1.0
+    assert found.table[[0]].tobytes() == found.table[[4]].tobytes()
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_scenes(seed):
+    scene = random_scenes.scene(seed)
+    scene = with_values(scene, {("simulation", "stop_time"): min(scene.simulation.stop_time, 0.3)})
+    mass = scene.chain.links[0].mass
+    for row in sweep(scene, {"link[1].mass": [mass, 1.1 * mass]}).table:
+        check(scene, row, ["link[1].mass"])
+
+
+def test_the_stop_time_alone():
+    found = sweep(short(), {"simulation.stop_time": [0.1, 0.5]})
+    for row in found.table:
+        assert check(short(), row, found.varied) == "ok"
+    assert found["time"].tolist() == [0.1, 0.5]
+
+
+def test_a_chain_that_can_touch_nothing():
+    scene = without_walls()
+    found = sweep(scene, {"gravity.y": [-9.81, 0.0]})
+    for row in found.table:
+        assert check(scene, row, found.varied) == "ok"
+    assert found["peak_force"].tolist() == [0.0, 0.0]
+
+
+def without_walls():
+    return with_values(short(), {("box", wall): None for wall in ("x_min", "x_max", "y_min", "y_max")})
+
+
+def test_a_law_of_ones_own():
+    def spring(penetration: float, stiffness: float) -> float:
+        return stiffness * penetration
+
+    scene = with_law(short(), spring)
+    found = sweep(scene, {"contact.model": ["hertz", "spring", "newton_impact"]})
+    for row in found.table:
+        assert check(scene, row, found.varied) == "ok"
+    assert len(set(found["peak_force"])) == 3

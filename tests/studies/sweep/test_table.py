@@ -1,0 +1,102 @@
+"""The table of a sweep: columns by name, CSV and Parquet with all digits."""
+
+import csv
+import sys
+
+import numpy as np
+import pytest
+
+from chain_impact.extras import MissingExtraError
+from chain_impact.reading import SceneError
+from chain_impact.scene import load_scene, with_values
+from chain_impact.studies.sweep.sweep import sweep
+from chain_impact.studies.sweep.table import CHUNK
+
+SCENE = with_values(
+    load_scene("four_link_box"), {("simulation", "stop_time"): 0.6, ("solver", "tolerance"): 1e-6}
+)
+VARY = {"contact.restitution": [0.0, 0.5], "contact.model": "flores,newton_impact"}
+
+
+@pytest.fixture(scope="module")
+def found():
+    return sweep(SCENE, VARY, outputs=["point[4].x", "impact.last_wall"])
+
+
+def test_columns(found):
+    assert repr(found) == "FourLinkBox  4 runs: 3 ok, 1 restitution_not_allowed"
+    assert found.varied == ("contact.restitution", "contact.model")
+    assert len(found) == 4
+    assert found["contact.model"].tolist() == ["flores", "newton_impact"] * 2
+    assert found["status"].tolist() == ["restitution_not_allowed", "ok", "ok", "ok"]
+    assert found.failed.tolist() == [True, False, False, False]
+    assert np.isnan(found["point[4].x"]).tolist() == [True, False, False, False]
+    assert found["impact.last_wall"].dtype == np.int64
+    assert found.table.dtype.names == found.names
+    with pytest.raises(KeyError, match=r"^'peak is no column of the sweep; there are contact"):
+        found["peak"]
+
+
+def test_csv_has_all_digits(found, tmp_path):
+    found.save(tmp_path / "out.csv")
+    with (tmp_path / "out.csv").open(newline="", encoding="utf-8") as file:
+        head, *rows = csv.reader(file)
+    assert tuple(head) == found.names
+    assert len(rows) == 4
+    for row, expected in zip(rows, found.table, strict=True):
+        for name, cell in zip(head, row, strict=True):
+            value = str(expected[name])
+            assert cell == ("" if value == "nan" else value), name
+
+
+def test_parquet_is_the_same_table(found, tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    found.save(tmp_path / "out.parquet")
+    table = parquet.read_table(tmp_path / "out.parquet")
+    assert tuple(table.column_names) == found.names
+    for name in found.names:
+        assert np.array_equal(table[name].to_numpy(), found[name], equal_nan=found[name].dtype.kind == "f"), (
+            name
+        )
+
+
+def test_long_tables_are_written_in_chunks(tmp_path):
+    parquet = pytest.importorskip("pyarrow.parquet")
+    runs = CHUNK + 10
+    found = sweep(SCENE, {"initial.x": f"0.5:0.6:{runs}"})
+    found.save(tmp_path / "out.csv")
+    assert (tmp_path / "out.csv").read_text().count("\n") == runs + 1
+    found.save(tmp_path / "out.parquet")
+    assert (parquet.read_table(tmp_path / "out.parquet")["initial.x"].to_numpy() == found["initial.x"]).all()
+
+
+def test_data_frame(found):
+    pytest.importorskip("pandas")
+    frame = found.to_dataframe()
+    assert list(frame.columns) == list(found.names)
+    assert frame.groupby("contact.model")["solver.steps"].max()["flores"] == found["solver.steps"][2]
+
+
+@pytest.mark.parametrize(
+    ("error", "name", "words"),
+    [
+        (SceneError, "out.xlsx", "out.xlsx must end in .csv or .parquet"),
+        (MissingExtraError, "out.parquet", r"^pyarrow.*pip install 'chain-impact\[sweep\]'"),
+    ],
+)
+def test_refused_before_any_run(error, name, words, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(error, match=words):
+        sweep(SCENE, VARY, path=tmp_path / name, progress=lambda _: pytest.fail("it ran"))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_data_frame_needs_pandas(found, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(MissingExtraError, match=r"^pandas.*pip install 'chain-impact\[pandas\]'"):
+        found.to_dataframe()
+
+
+def test_a_folder_that_is_not_there(tmp_path):
+    with pytest.raises(FileNotFoundError):
+        sweep(SCENE, VARY, path=tmp_path / "nowhere" / "out.csv")

@@ -1,0 +1,91 @@
+"""What a parameter can be varied over, in text and in numbers; and what is refused, in one sentence."""
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.reading import SceneError
+from chain_impact.scene import load_scene
+from chain_impact.studies.sweep.variation import sweepable, variations_of
+
+SCENE = load_scene("four_link_box")
+
+
+def one(name, values):
+    (variation,) = variations_of(SCENE, {name: values})
+    return variation
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("0.5", [0.5]),
+        ("0.1, 0.5,0.2", [0.1, 0.5, 0.2]),
+        ("0.1:0.9:5", [0.1, 0.3, 0.5, 0.7, 0.9]),
+        ("0.9:0.1:3", [0.9, 0.5, 0.1]),
+        ("0.001:1:4:log", [0.001, 0.01, 0.1, 1.0]),
+        ([0.1, 0.5], [0.1, 0.5]),
+        (np.linspace(0.0, 1.0, 3), [0.0, 0.5, 1.0]),
+        (0.3, [0.3]),
+    ],
+)
+def test_values(text, values):
+    variation = one("contact.restitution", text)
+    assert not variation.interval
+    assert variation.values == pytest.approx(values, rel=1e-15)
+    assert variation.values[[0, -1]].tolist() == [values[0], values[-1]]
+
+
+def test_choices_by_name_and_by_number():
+    for values in ("flores,hertz", "10,1", ["flores", "hertz"], [10, "hertz"]):
+        variation = one("contact.model", values)
+        assert variation.values.tolist() == [CONTACT_LAWS["flores"].number, CONTACT_LAWS["hertz"].number]
+        assert variation.shown(variation.values).tolist() == ["flores", "hertz"]
+
+
+def test_intervals():
+    parts = np.array([0.0, 0.5, 1.0 - 1e-16])
+    assert one("contact.restitution", "0.2:0.4").at(parts) == pytest.approx([0.2, 0.3, 0.4])
+    assert one("contact.stiffness", "1e6:1e8:log").at(parts) == pytest.approx([1e6, 1e7, 1e8])
+    assert one("contact.model", "flores,hertz").at(np.array([0.0, 0.49, 0.5])).tolist() == [10, 10, 1]
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "words"),
+    [
+        ("contact.restitutio", "0.1", "no parameter that can be varied; the nearest is contact.restitution"),
+        ("point[4].x", "0.1", "no parameter that can be varied"),
+        ("contact.restitution", "0.5,1.5", "= 1.5 must be a finite number >= 0 and <= 1"),
+        ("contact.restitution", "nan", "= nan must be a finite number"),
+        ("contact.restitution", "0.5,half", "= half must be a finite number"),
+        ("contact.stiffness", "0:1e8:3", r"= 0 must be a finite number > 0 \[N/m"),
+        ("contact.stiffness", "0:1e8:3:log", "must have ends > 0"),
+        ("contact.stiffness", "1:2:1", "must have 2 to 10000000 values"),
+        ("contact.stiffness", "1:2:3:4", "must be a list"),
+        ("contact.stiffness", "1:two", "must be a list"),
+        ("contact.stiffness", "1:log", "must be a list"),
+        ("contact.stiffness", [], "must be a list"),
+        ("contact.model", "1:3:3", "must be a list of choices"),
+        ("contact.model", "florez", "must be one of 1"),
+        ("contact.model", "19", "= 19 must be one of 1"),
+        ("contact.model", "1.5", "= 1.5 must be one of 1"),
+        ("simulation.stop_time", "0,1", "= 0 must be a finite number > 0"),
+    ],
+)
+def test_refused(name, values, words):
+    with pytest.raises(
+        SceneError, match=f"^FourLinkBox: {name.replace('[', '.').replace(']', '.')}.*{words}"
+    ):
+        one(name, values)
+
+
+def test_nothing_is_varied():
+    with pytest.raises(SceneError, match="nothing is varied"):
+        variations_of(SCENE, {})
+
+
+def test_all_parameters_and_the_stop_time_can_be_varied():
+    known = sweepable(SCENE)
+    assert {"gravity.x", "link[4].mass", "solver.method", "initial.angle[1]", "box.y_max"} <= known.keys()
+    assert "simulation.stop_time" in known
+    assert "solver.steps" not in known
