@@ -149,7 +149,10 @@ def variable_patterns() -> str:
 
 def _where(pattern: str, found: dict[str, set[str]]) -> str:
     names = [name for name, patterns in found.items() if pattern in patterns]
-    return "all" if len(names) == len(found) else ", ".join(names) or "none of them"
+    others = [name for name in found if name not in names]
+    if not others:
+        return "all"
+    return f"all but {others[0]}" if len(others) == 1 else ", ".join(names) or "none of them"
 
 
 def _pattern(name: str) -> str:
@@ -171,20 +174,6 @@ def _generic(description: str) -> str:
 
 def _choices(variable: Variable) -> str:
     return ", ".join(f"{number} = {item.name}" for number, item in enumerate(variable.items, 1))
-
-
-def variable_lists() -> str:
-    """All variables of each model, folded."""
-    return "\n\n".join(_variable_list(load_scene(name)) for name in model_names())
-
-
-def _variable_list(scene: Scene) -> str:
-    rows = [
-        (code(v.name), v.causality, v.variability, code(v.unit), v.description) for v in fmu_variables(scene)
-    ]
-    text = table(("name", "causality", "variability", "unit", "meaning"), rows)
-    summary = f"<summary>{scene.name}: {len(rows)} variables</summary>"
-    return f'<details markdown="1">\n{summary}\n\n{text}\n\n</details>'
 
 
 def units() -> str:

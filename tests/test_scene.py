@@ -72,17 +72,13 @@ def test_points_are_sorted_so_that_equal_scenes_are_equal():
 
 def test_models_are_found_by_name_folder_and_file(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert model_names() == ["controlled_arm", "four_link_box", "pinned_arm", "ramp", "rod_drop"]
+    assert {"controlled_arm", "four_link_box", "pinned_arm", "ramp", "rod_drop"} < set(model_names())
+    assert model_names() == sorted(model_names())
     for name in model_names():
         folder = models_folder() / name
         assert load_scene(name) == load_scene(folder) == load_scene(folder / "scene.toml")
-    assert [load_scene(name).name for name in model_names()] == [
-        "ControlledArm",
-        "FourLinkBox",
-        "PinnedArm",
-        "Ramp",
-        "RodDrop",
-    ]
+        # double_pendulum_wall is DoublePendulumWall
+        assert load_scene(name).name == name.title().replace("_", "")
 
 
 def test_an_output_folder_of_the_same_name_does_not_hide_a_model(tmp_path, monkeypatch):
@@ -473,8 +469,6 @@ def test_a_message_is_one_line_even_for_a_file_name_of_two():
 def test_what_is_no_scene_file_is_refused_with_the_models(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "empty").mkdir()
-    with pytest.raises(
-        SceneError, match="a model: controlled_arm, four_link_box, pinned_arm, ramp, rod_drop"
-    ) as caught:
+    with pytest.raises(SceneError, match="a model: " + ", ".join(model_names())) as caught:
         load_scene(name)
     assert str(caught.value).startswith(f"{name}: cannot be read (")

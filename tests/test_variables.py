@@ -212,6 +212,8 @@ def test_each_parameter_sets_its_place_and_nothing_else(scene):
             value = stored = 0.999 * before.view(view)[word].item() + 1e-4
         if variable.name in ("box.x_min", "box.y_min"):  # the start must not come to lie in the wall
             value = stored = -1.0
+        elif variable.name == "contact.exponent":  # no less than 1
+            value = stored = 1.25
         after = new_instance(with_values(scene, {path: value}))
         assert after.view(view)[word] == stored
         changed = np.flatnonzero(after.view(np.int64) != before.view(np.int64))

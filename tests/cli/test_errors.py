@@ -9,6 +9,7 @@ from matplotlib import pyplot
 
 from chain_impact.cli import report
 from chain_impact.extras import MissingExtraError
+from chain_impact.scene import model_names
 
 
 @pytest.fixture
@@ -129,8 +130,7 @@ def test_an_unknown_kind_of_picture_is_refused_before_anything_runs(refused, mon
 
 @pytest.mark.parametrize("verb", ["build", "simulate", "info"])
 def test_an_unknown_scene(refused, verb):
-    models = "controlled_arm, four_link_box, pinned_arm, ramp, rod_drop"
-    pattern = f"no_scene: cannot be read .*; must be a scene file, .* model: {models}"
+    pattern = f"no_scene: cannot be read .*; must be a scene file, .* model: {', '.join(model_names())}"
     refused(2, pattern, verb, "no_scene")
 
 

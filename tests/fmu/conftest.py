@@ -18,7 +18,6 @@ from typing import Any
 import pytest
 
 from chain_impact.export.fmu import build_fmu
-from chain_impact.scene import model_names
 
 HERE = Path(__file__).parent
 Clean = Callable[..., Any]
@@ -30,6 +29,17 @@ KINDS = {
     "fmi3": {"target": "native", "fmi": 3},
 }
 """The kinds of FMU → how to build one. The first two are for FMI 2.0."""
+
+
+class OnDemand(dict[str, str]):
+    """The FMU of each model, built when a test first asks for it: name of the model → path."""
+
+    def __init__(self, kind: str, folder: Path) -> None:
+        self.kind, self.folder = kind, folder
+
+    def __missing__(self, name: str) -> str:
+        self[name] = str(build_fmu(name, self.folder, **KINDS[self.kind]))
+        return self[name]
 
 
 @pytest.fixture(scope="session", params=KINDS)
@@ -54,10 +64,7 @@ def strict(request, all_fmus) -> dict[str, str]:
 def all_fmus(tmp_path_factory) -> dict[str, dict[str, str]]:
     """The FMUs of each model: kind → name of the model → path."""
     folder = tmp_path_factory.mktemp("fmus")
-    return {
-        kind: {name: str(build_fmu(name, folder / kind, **options)) for name in model_names()}
-        for kind, options in KINDS.items()
-    }
+    return {kind: OnDemand(kind, folder / kind) for kind in KINDS}
 
 
 @pytest.fixture(scope="session")

@@ -8,11 +8,10 @@ import pytest
 from chain_impact.results.plots.over_time import TOLD, point_groups
 from chain_impact.results.plots.style import GREY
 from chain_impact.results.recording import Impact
-from chain_impact.scene import model_names
-from tests.results.plots.pictures import drawn, recorded, swing, texts
+from tests.results.plots.pictures import MODELS, drawn, recorded, swing, texts
 
 
-@pytest.mark.parametrize("model", model_names())
+@pytest.mark.parametrize("model", MODELS)
 def test_every_impact_is_in_the_picture(model):
     recording = recorded(model)
     *_, energy, speeds = drawn(recording)
@@ -23,7 +22,7 @@ def test_every_impact_is_in_the_picture(model):
     assert [path[0, 0] for path in lines.get_segments()] == [impact.time for impact in recording.impacts]
 
 
-@pytest.mark.parametrize("model", model_names())
+@pytest.mark.parametrize("model", MODELS)
 def test_a_number_stands_near_its_impact_and_counts_in_time(model):
     recording = recorded(model)
     *_, speeds = drawn(recording)

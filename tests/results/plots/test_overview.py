@@ -10,11 +10,10 @@ from matplotlib.figure import Figure
 
 from chain_impact.results.plots import plot
 from chain_impact.results.recording import Recording
-from chain_impact.scene import model_names
-from tests.results.plots.pictures import boxes, crowd, drawn, recorded, swing
+from tests.results.plots.pictures import MODELS, boxes, crowd, drawn, recorded, swing
 
 BEGINNINGS = {".png": b"\x89PNG\r\n\x1a\n", ".svg": b"<?xml", ".pdf": b"%PDF"}
-PICTURES = [*model_names(), "sixty impacts"]
+PICTURES = [*MODELS, "sixty impacts"]
 COLOURS = 10  # the most that a picture tells apart
 
 

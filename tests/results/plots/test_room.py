@@ -4,8 +4,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
-from chain_impact.scene import model_names
-from tests.results.plots.pictures import drawn, recorded, swing
+from tests.results.plots.pictures import MODELS, drawn, recorded, swing
 
 
 def wall_lines(axes):
@@ -14,7 +13,7 @@ def wall_lines(axes):
     return [np.array(line.get_xydata()) for line in lines]
 
 
-@pytest.mark.parametrize("model", model_names())
+@pytest.mark.parametrize("model", MODELS)
 def test_the_motion_is_in_view_from_start_to_end_and_fills_it(model):
     recording = recorded(model)
     _, motion, *_ = drawn(recording)
@@ -27,7 +26,7 @@ def test_the_motion_is_in_view_from_start_to_end_and_fills_it(model):
     assert spans[axis] > 0.7 * (high - low)[axis]
 
 
-@pytest.mark.parametrize("model", model_names())
+@pytest.mark.parametrize("model", MODELS)
 def test_every_wall_near_the_motion_is_a_line_at_its_place(model):
     recording = recorded(model)
     _, motion, *_ = drawn(recording)

@@ -1,0 +1,80 @@
+"""Problems of others, published and recomputed: ``python benchmarks/validation.py`` fills docs/validation.md.
+
+The problems, the second solutions and what was published are in tests/validation.py, which tests check, too.
+Nothing is timed: the cost of a run is its steps and evaluations.
+"""
+
+from __future__ import annotations
+
+import common  # isort: skip
+
+import re
+import sys
+
+sys.path.insert(0, str(common.ROOT))
+
+from table import run, table
+
+from tests.validation import PROBLEMS, Figure, Problem
+
+PAGE = common.ROOT / "docs" / "validation.md"
+DEFAULT, TIGHT = 1e-8, 1e-12  # tolerances
+SOURCES = {
+    "double_pendulum_wall": "Potra et al. 2006; Solfec",
+    "simple_pendulum": "IFToMM library, A01",
+    "bouncing_ball": "Siconos",
+    "elastic_ball": "SimBenchmark",
+    "sphere_on_wall": "Chung & Ooi 2011, tests 2 and 3",
+    "elastic_floor": "code_aster, SDND108 A",
+    "clattering_rod": "Goyal et al. 1998",
+}
+
+
+def rows(problem: Problem, tight: Problem) -> list[dict[str, str]]:
+    """The rows of one problem, run at both tolerances."""
+    link = f"[{problem.model}](models/{problem.model}.md)"
+    cost = f"{problem.steps} / {problem.evaluations}"
+    return [
+        {
+            "problem": "" if row else link,
+            "source": "" if row else SOURCES[problem.model],
+            "quantity": figure.quantity,
+            "published": published(figure),
+            "second solution": f"{figure.independent:.12g}",
+            "ours": f"{figure.ours:.12g}",
+            "deviation": deviation(figure),
+            "deviation at 10⁻¹²": deviation(exact),
+            "steps / evaluations": "" if row else cost,
+        }
+        for row, (figure, exact) in enumerate(zip(problem.figures, tight.figures, strict=True))
+    ]
+
+
+def published(figure: Figure) -> str:
+    """What the source says; bold where it is inaccurate."""
+    if figure.published is None:
+        return "equation"
+    text = f"{float(figure.published):.12g}"
+    return f"**{text}**" if figure.inaccurate else text
+
+
+def deviation(figure: Figure) -> str:
+    """Ours from the second solution."""
+    return f"{abs(figure.ours - figure.independent):.0e}"
+
+
+def main() -> None:
+    """Run all problems, keep the figures, and fill the table."""
+    started = common.environment(("scipy",))
+    results = [row for function in PROBLEMS.values() for row in rows(function(DEFAULT), function(TIGHT))]
+    common.save("validation", started, {"tolerances": [DEFAULT, TIGHT]}, results)
+    text = run("validation") + "\n\n" + table(results[0], (row.values() for row in results))
+    page = PAGE.read_text(encoding="utf-8")
+    start, end = "<!-- validation -->", "<!-- end -->"
+    filled = re.sub(f"(?<={start}\n).*?(?={end})", lambda _: f"\n{text}\n\n", page, flags=re.DOTALL)
+    PAGE.write_text(filled, encoding="utf-8")
+    print(f"filled {PAGE.relative_to(common.ROOT)}")
+
+
+if __name__ == "__main__":
+    main()

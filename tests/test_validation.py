@@ -1,0 +1,37 @@
+"""Problems of others: our results against a second solution, and both against what was published."""
+
+from decimal import Decimal
+
+import pytest
+
+from chain_impact.scene import model_names
+from tests.validation import PROBLEMS
+
+TIGHT = 1e-12
+
+
+@pytest.fixture(scope="module", params=PROBLEMS)
+def problem(request):
+    return PROBLEMS[request.param](TIGHT)
+
+
+def test_every_problem_is_a_model(problem):
+    assert problem.model in model_names()
+    assert len(problem.figures) >= 4
+
+
+def test_our_result_is_that_of_the_second_solution(problem):
+    for figure in problem.figures:
+        assert figure.ours == pytest.approx(figure.independent, rel=0, abs=figure.held), figure.quantity
+
+
+def test_the_published_figures_differ_from_the_second_solution_as_documented(problem):
+    for figure in problem.figures:
+        if figure.published is None:
+            continue
+        off = abs(float(figure.published) - figure.independent)
+        assert off <= figure.published_error, figure.quantity
+        # one that is called inaccurate is off by more than its last digit, and by more than our result is
+        last_digit = 10.0 ** Decimal(figure.published).as_tuple().exponent
+        ours = abs(figure.ours - figure.independent)
+        assert figure.inaccurate == (off > 1.01 * last_digit and off > 10 * ours), figure.quantity
