@@ -55,10 +55,13 @@ def test_the_columns_of_an_fmu_are_its_outputs(fmus):
     assert list(record_fmu(fmus["pinned_arm"], {}).columns) == outputs
 
 
-def test_the_columns_of_a_scene_are_the_outputs_that_change_all_the_time():
+def test_the_columns_of_a_scene_are_the_outputs_that_change_all_the_time_and_the_impacts():
     scene = load_scene("pinned_arm")
     outputs = [v.name for v in fmu_variables(scene) if v.causality == "output" and v.place[0] == "output"]
-    assert list(record_scene(scene, {}).columns) == outputs
+    impacts = {v.name for v in fmu_variables(scene) if v.place[0] == "latest"}
+    names = list(record_scene(scene, {}).columns)
+    assert names[: len(outputs)] == outputs
+    assert {*names[len(outputs) :]} == {"impact.count", *impacts}
 
 
 def test_walls_and_start_are_those_that_were_set(record):

@@ -61,6 +61,7 @@ def draw(path, columns, parameters):
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
+    from chain_impact import impacts_of
     from chain_impact.results.plots import draw_chain, draw_walls
     from chain_impact.results.plots.style import (
         BLUE,
@@ -76,6 +77,7 @@ def draw(path, columns, parameters):
     from chain_impact.walls import half_planes
 
     time, force = columns["time"], columns["contact[2].x_max.force"]
+    peak = impacts_of(columns)["peak_force"].max()  # may lie between two communication points
     recording = Recording(
         "ControlledArm", time, columns, [], half_planes({"x_max": parameters["box.x_max"]}, {})
     )
@@ -83,7 +85,7 @@ def draw(path, columns, parameters):
         figure = Figure(figsize=(10, 6), dpi=DPI, layout="constrained")
         headline(
             figure,
-            f"The wall stops the arm with {max(force):.0f} N at most, then holds it with {force[-1]:.0f} N",
+            f"The wall stops the arm with {peak:.0f} N at most, then holds it with {force[-1]:.0f} N",
             "two FMUs, arm and controller  ·  targets of the joints lie behind the wall  ·  restitution e = "
             f"{parameters['contact.restitution']:g}  ·  communication step {time[1]:g} s",
         )
