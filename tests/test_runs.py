@@ -101,6 +101,13 @@ def test_an_unknown_name_is_refused_and_the_nearest_is_named(record):
         record({"contact.stifness": "1e9"})
 
 
+def test_an_input_is_no_parameter(record):
+    with pytest.raises(
+        SceneError, match=r"joint\[2\]\.torque is no parameter; it is an input: give it over time"
+    ):
+        record({"joint[2].torque": "5"})
+
+
 def test_an_output_cannot_be_set(record):
     with pytest.raises(SceneError, match=r"point\[0\]\.x is no parameter"):
         record({"point[0].x": "1"})

@@ -17,6 +17,7 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.names import input_key
 from chain_impact.pythonfmu_state import release
 from chain_impact.reading import SceneError, UnknownNameError
 from chain_impact.results.impacts import impact_columns
@@ -223,8 +224,14 @@ def value_of(text: Any) -> Any:
 
 def _known(name: str, parameters: Mapping[str, Any], source: str) -> Any:
     if name not in parameters:
-        raise UnknownNameError(source, name, [*parameters, *EXPERIMENT], "no parameter")
+        raise UnknownNameError(source, name, [*parameters, *EXPERIMENT], "no parameter", _hint(name))
     return parameters[name]
+
+
+def _hint(name: str) -> str | None:
+    if input_key(name):
+        return "it is an input: give it over time with fmpy, simulate_fmu(…, input=…)"
+    return None
 
 
 def _positive(name: str, value: Any, source: str) -> float:
