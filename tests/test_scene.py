@@ -278,7 +278,7 @@ def test_a_wall_has_an_angle_or_a_normal_and_keeps_the_angle():
         ([{"point": [0.0, 0.0], "angle": 0.0}], "walls[1].name is missing"),
         ([{"name": "ramp", "angle": 0.0}], "wall.ramp.point is missing (a point on the wall)"),
         ({}, "walls is one table, must be a list of tables: write [[walls]]"),
-            (7, "walls = 7 must be a list"),
+        (7, "walls = 7 must be a list"),
         ([RAMP | {"angel": 0.0}], "wall.ramp.angel is unknown; the nearest key is"),
     ],
 )
