@@ -176,10 +176,10 @@ class Chain:
         """
         given = {values: value} if isinstance(values, str) else values
         words = [self._checked(name, value) for name, value in given.items()]
-        for word, whole, value in words:
+        for word, whole, number in words:
             memory = self._integers if whole else self._reals
-            if memory[word] != value:
-                memory[word] = value
+            if memory[word] != number:
+                memory[word] = number
                 self._observed = False
                 if self._stepped:
                     self._integers[self._changed_word] = 1  # the solver starts anew from this point in time

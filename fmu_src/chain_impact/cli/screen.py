@@ -79,8 +79,8 @@ def law_table(comparison: Comparison) -> Iterator[RenderableType]:
         table.add_row(*map(escape, _row(run)))
     yield table
     yield (
-        "Columns e′ to lost describe the first impact. 'differs at' is the first impact with another point or "
-        f"wall than under {comparison.reference}: its number and time."
+        "Columns e′ to lost describe the first impact. 'differs at' is the first impact with another point "
+        f"or wall than under {comparison.reference}: its number and time."
     )
     for number, line in enumerate(advice(comparison)):
         yield escape(f"{'' if number else 'advice':9}{line}")
