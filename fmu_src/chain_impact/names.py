@@ -55,6 +55,14 @@ def input_key(name: str) -> str | None:
     return "tip_force" if name in ("tip.force.x", "tip.force.y") else None
 
 
+def parameter_hint(name: str, links: int) -> str | None:
+    """What to do about a name that is no parameter of a chain of some links, if it is known."""
+    if input_key(name):
+        return f'it is an input: give it over time in Python, simulate(scene, inputs={{"{name}": 1.0}})'
+    link = re.match(r"link\[(\d+)\]\.", name)
+    return f"links count from 1 to {links}" if link and not 1 <= int(link[1]) <= links else None
+
+
 def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | None:
     """The name that is most like another, if one is alike by a ratio of 0 to 1."""
     return next(iter(get_close_matches(name, list(names), n=1, cutoff=at_least)), None)

@@ -8,7 +8,6 @@ parameters of the FMU. All values are in SI units, angles in radians from +x.
 import functools
 import operator
 import os
-import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import Field, asdict, dataclass, fields, is_dataclass, replace
@@ -22,7 +21,7 @@ from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.model.latest import LATEST
 from chain_impact.limits import Derived, quantity
-from chain_impact.names import Place, input_key, name_of, place_in_file
+from chain_impact.names import Place, name_of, parameter_hint, place_in_file
 from chain_impact.reading import Reader, SceneError, UnknownNameError, keys_of, shown
 from chain_impact.walls import HalfPlane, half_planes
 
@@ -362,18 +361,10 @@ def _place_and_value(scene: Scene, change: str | Place, given: Any) -> tuple[Pla
     if change not in names:
         names = _keys() | _names(scene)
     if change not in names:
-        raise UnknownNameError(scene.name, change, names, "no parameter", _hint(scene, change))
+        raise UnknownNameError(
+            scene.name, change, names, "no parameter", parameter_hint(change, len(scene.chain.links))
+        )
     return names[change], _chosen(scene, change, given)
-
-
-def _hint(scene: Scene, name: str) -> str | None:
-    """What to do about a name that is no parameter, if more can be said than the nearest one."""
-    if input_key(name):
-        return f'it is an input: give it over time in Python, simulate(scene, inputs={{"{name}": 1.0}})'
-    count = len(scene.chain.links)
-    if (link := re.match(r"link\[(\d+)\]\.", name)) and not 1 <= int(link[1]) <= count:
-        return f"links count from 1 to {count}"
-    return None
 
 
 @functools.cache
