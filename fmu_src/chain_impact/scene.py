@@ -343,14 +343,11 @@ def _with_independent(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
     try:
         for name, data in tables.items():
             table = type(getattr(scene, name))
-            scene = replace(scene, **{name: Reader(table, functools.partial(_label_in, name)).read(data)})
+            reader = Reader(table, lambda path, name=name: name_of((name, *path)))
+            scene = replace(scene, **{name: reader.read(data)})
     except SceneError as error:
         raise SceneError(f"{scene.name}: {error}") from None
     return scene
-
-
-def _label_in(table: str, path: Place) -> str:
-    return name_of((table, *path))
 
 
 def _place_and_value(scene: Scene, change: str | Place, given: Any) -> tuple[Place, Any]:
