@@ -343,7 +343,7 @@ def _with_independent(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
     try:
         for name, data in tables.items():
             table = type(getattr(scene, name))
-            reader = Reader(table, lambda path, name=name: name_of((name, *path)))
+            reader = Reader(table, lambda path: name_of((name, *path)))  # noqa: B023 - used in this round only
             scene = replace(scene, **{name: reader.read(data)})
     except SceneError as error:
         raise SceneError(f"{scene.name}: {error}") from None
