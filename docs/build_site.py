@@ -51,6 +51,8 @@ def main() -> int:
     zensical = [sys.executable, "-m", "zensical", *command]
     code = subprocess.run(zensical, cwd=DOCS.parent, check=False).returncode
     finish()
+    if code == 0 and command[0] == "build":
+        print(f"{SITE.relative_to(DOCS.parent)}/index.html")
     return code
 
 

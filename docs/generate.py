@@ -20,7 +20,7 @@ from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.laws.registry import ContactLaw
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.limits import Derived, allowed, without_none
-from chain_impact.scene import WALLS, Scene, load_scene, model_names, scene_keys, with_values
+from chain_impact.scene import WALLS, load_scene, model_names, scene_keys, with_values
 from chain_impact.units import UNITS
 from chain_impact.variable import Variable
 from chain_impact.variables import fmu_variables
@@ -277,7 +277,6 @@ TABLES = {
     for function in (
         scene_reference,
         variable_patterns,
-        variable_lists,
         units,
         walls,
         statuses,

@@ -2,7 +2,7 @@
 
 import pytest
 
-from chain_impact.names import name_of, nearest, place_in_file
+from chain_impact.names import input_key, name_of, nearest, parameter_hint, place_in_file
 
 
 @pytest.mark.parametrize(
@@ -35,3 +35,14 @@ def test_only_what_is_alike_is_near():
     assert nearest("contact.stifness", names) == "contact.stiffness"
     assert nearest("mass", names) is None
     assert nearest("mass", names, at_least=0.0) in names
+
+
+def test_the_key_that_makes_an_input():
+    assert input_key("joint[12].torque") == "joint_torques"
+    assert input_key("tip.force.y") == "tip_force"
+    assert [input_key(name) for name in ("tip.force.z", "joint[1].torques", "joint.torque")] == [None] * 3
+
+
+def test_a_link_that_there_is_needs_no_hint():
+    assert [parameter_hint(f"link[{i}].massa", 3) for i in (1, 3)] == [None, None]
+    assert [parameter_hint(f"link[{i}].mass", 3) for i in (0, 4)] == ["links count from 1 to 3"] * 2

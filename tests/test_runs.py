@@ -55,10 +55,13 @@ def test_the_columns_of_an_fmu_are_its_outputs(fmus):
     assert list(record_fmu(fmus["pinned_arm"], {}).columns) == outputs
 
 
-def test_the_columns_of_a_scene_are_the_outputs_that_change_all_the_time():
+def test_the_columns_of_a_scene_are_the_outputs_that_change_all_the_time_and_the_impacts():
     scene = load_scene("pinned_arm")
     outputs = [v.name for v in fmu_variables(scene) if v.causality == "output" and v.place[0] == "output"]
-    assert list(record_scene(scene, {}).columns) == outputs
+    impacts = {v.name for v in fmu_variables(scene) if v.place[0] == "latest"}
+    names = list(record_scene(scene, {}).columns)
+    assert names[: len(outputs)] == outputs
+    assert {*names[len(outputs) :]} == {"impact.count", *impacts}
 
 
 def test_walls_and_start_are_those_that_were_set(record):
@@ -96,6 +99,13 @@ def test_a_choice_that_is_not_there_is_refused(record, choice):
 def test_an_unknown_name_is_refused_and_the_nearest_is_named(record):
     with pytest.raises(SceneError, match=r"contact\.stifness is no parameter.*contact\.stiffness"):
         record({"contact.stifness": "1e9"})
+
+
+def test_an_input_is_no_parameter(record):
+    with pytest.raises(
+        SceneError, match=r"joint\[2\]\.torque is no parameter; it is an input: give it over time"
+    ):
+        record({"joint[2].torque": "5"})
 
 
 def test_an_output_cannot_be_set(record):

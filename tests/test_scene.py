@@ -145,14 +145,25 @@ LINK_2 = ("chain", "links", 2)
         (("chain", "base"), "hinged", 'chain.base = \'hinged\' must be one of "free", "pinned"'),
         (("solver", "method"), 1, 'solver.method = 1 must be one of "auto", "explicit"'),
         (("inputs", "tip_force"), 1, "inputs.tip_force = 1 must be true or false"),
-        (("name",), "4 links", "name = '4 links' must be a C identifier"),
-        (("name",), "Größe", "name = 'Größe' must be a C identifier"),
+        (("name",), "4 links", "name = '4 links' must be letters, digits and _, not beginning with a digit"),
+        (("name",), "Größe", "name = 'Größe' must be letters, digits and _"),
         (("name",), None, "name is missing (model name)"),
         (("description",), "bell\a", r"description = 'bell\x07' must be text without control characters"),
         (("contact",), [], "contact = [] must be a table"),
         (("chain", "links"), [], "chain.links has 0 entries, must have 1 to 1000"),
         (("chain", "links", 1), 7, "link[2] = 7 must be a table"),
-        (("initial", "angles"), [1.0], "initial.angles = [1.0] must be a list, expected length 4 "),
+        (("initial", "angles"), [1.0], "initial.angles has 1 value, must have 4, one for each link"),
+        (("initial", "angles"), 1.0, "initial.angles = 1.0 must be a list, expected length 4 "),
+        (
+            ("walls",),
+            {"x_max": 1.0},
+            "walls is one table, must be a list of tables: write [[walls]]; x_max belongs in [box]",
+        ),
+        (
+            ("chain", "links"),
+            {"mass": 1.0},
+            "chain.links is one table, must be a list of tables: write [[chain.links]]",
+        ),
         (("gravity",), 9.81, "gravity = 9.81 must be a list, expected length 2 (acceleration of gravity)"),
         (("contact", "points"), [1, 5], "contact.points holds 5, must hold 0 to 4 with a free base, each"),
         (("contact", "points"), [-1], "contact.points holds -1, must hold 0 to 4 with a free base, each"),
@@ -177,10 +188,17 @@ def test_a_bad_value_is_refused_by_key_value_and_what_is_allowed(path, value, me
         (("simulation", "gravity"), "gravity"),
         (("contcat",), "contact"),
         (("chain", "links", 3, "lenght"), "chain.links[].length"),
+        (("initial", "angle"), "initial.angles"),  # not wall.angle
+        (("contacts",), "contact"),  # not outputs.contacts
     ],
 )
 def test_an_unknown_key_names_the_nearest(path, known):
     assert refused((path, 1.0)).endswith(f"{path[-1]} is unknown; the nearest key is {known}")
+
+
+def test_of_a_key_like_no_other_the_keys_of_its_table_are_named():
+    message = refused((("simulation", "duration"), 1.0))
+    assert message == "simulation.duration is unknown; the keys here are stop_time, step_size"
 
 
 def test_no_rebound_is_refused_by_the_laws_that_divide_by_restitution():
@@ -260,10 +278,14 @@ def test_a_wall_has_an_angle_or_a_normal_and_keeps_the_angle():
             [RAMP | {"angle": 0.0, "name": "y_min"}],
             "walls[1].name = 'y_min' must be none of x_min, x_max, y_",
         ),
-        ([RAMP | {"angle": 0.0, "name": "my wall"}], "walls[1].name = 'my wall' must be a C identifier"),
+        (
+            [RAMP | {"angle": 0.0, "name": "my wall"}],
+            "walls[1].name = 'my wall' must be letters, digits and _",
+        ),
         ([{"point": [0.0, 0.0], "angle": 0.0}], "walls[1].name is missing"),
         ([{"name": "ramp", "angle": 0.0}], "wall.ramp.point is missing (a point on the wall)"),
-        ({}, "walls = {} must be a list"),
+        ({}, "walls is one table, must be a list of tables: write [[walls]]"),
+        (7, "walls = 7 must be a list"),
         ([RAMP | {"angel": 0.0}], "wall.ramp.angel is unknown; the nearest key is"),
     ],
 )
@@ -397,7 +419,9 @@ def test_every_value_has_a_name_by_which_it_can_be_set(model):
     [
         ("contact.restitutoin", "the nearest is contact.restitution"),
         ("chain.links[1].mass", "the nearest is link[1].mass"),
-        ("link[5].mass", "the nearest is link["),
+        ("link[5].mass", "links count from 1 to 4"),
+        ("link[0].mass", "links count from 1 to 4"),
+        ("joint[1].torque", "it is an input: give it over time in Python, simulate(scene, inputs={"),
         ("initial.angles[1]", "the nearest is initial.angle"),
         ("?", "`chain-impact info` lists the names"),
     ],
@@ -448,7 +472,7 @@ def test_an_error_in_a_file_also_says_what_stands_there(line, message):
         (b"\xff\xfe", "can't decode byte 0xff in position 0"),
         (b"a = " + b"[" * 100_000, "recursion"),
         (b"a = " + b"9" * 10_000, "digits"),
-        (b"name = 0x" + b"f" * 10_000, "name = <int> must be a C identifier"),
+        (b"name = 0x" + b"f" * 10_000, "name = <int> must be letters, digits and _"),
         (b"", "name is missing"),
         (b"name = 'A'", "chain.links is missing"),
     ],

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chain_impact import simulate
+from chain_impact import load_scene, simulate
 from chain_impact.kernel import status
 from chain_impact.running import SimulationError
-from chain_impact.scene import SOLVER_METHODS, SceneError
+from chain_impact.scene import SOLVER_METHODS, SceneError, models_folder
 from chain_impact.simulate import check_size
 from tests.problems import ball, default_scene, dropped_ball, rod, tumbling_chain
 
@@ -195,3 +195,10 @@ def test_an_infinite_output_step_leaves_the_start_and_the_end():
     whole, ends = simulate(default_scene(), 0.6), simulate(default_scene(), 0.6, math.inf)
     assert ends.time.tolist() == [0.0, 0.6]
     assert ends.outputs[-1].tobytes() == whole.outputs[-1].tobytes()
+
+
+def test_a_scene_can_be_named(tmp_path):
+    file = models_folder() / "rod_drop" / "scene.toml"
+    expected = simulate(load_scene("rod_drop"), 0.4)
+    for source in ("rod_drop", file, str(file)):
+        assert simulate(source, 0.4).impacts.tobytes() == expected.impacts.tobytes()

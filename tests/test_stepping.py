@@ -201,6 +201,23 @@ def test_what_cannot_be_set_is_refused_and_nothing_changes(arm, values, message)
     assert chain.save() == state
 
 
+def test_one_value_is_set_by_name_and_value(arm):
+    chain = Chain(arm)
+    chain.set(TORQUE, 2.0)
+    assert chain.get(TORQUE) == 2.0
+    assert "= None must be" in refusal(chain.set, TORQUE)
+
+
+@pytest.mark.parametrize(
+    ("name", "key"), [("tip.force.x", "tip_force"), ("joint[2].torque", "joint_torques")]
+)
+def test_an_input_that_is_not_there_is_told_how_to_make_it(name, key):
+    chain = Chain(load_scene("four_link_box"))
+    hint = f"FourLinkBox: {name} is no variable; [inputs] {key} = true in the scene makes this input"
+    assert refusal(chain.get, name) == hint
+    assert refusal(chain.set, name, 1.0) == hint
+
+
 def test_an_unknown_name_is_refused(arm):
     chain = Chain(arm)
     with pytest.raises(KeyError, match=r"point\[9\]\.x is no variable; the nearest is point"):

@@ -6,6 +6,7 @@ else has its dotted key: ``simulation.stop_time``, ``contact.points``. Links cou
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
@@ -45,6 +46,21 @@ def place_in_file(path: Place) -> str:
         return f"entry {last + 1} of {place_in_file(tuple(head))}"
     tables = [k for k, step in enumerate(head) if isinstance(step, int)]
     return f"{last} in [[{_dotted(tuple(head[: tables[0]]))}]]" if tables else _dotted(path)
+
+
+def input_key(name: str) -> str | None:
+    """The key of `[inputs]` that makes the input of a name; None if it is not the name of one."""
+    if re.fullmatch(r"joint\[\d+\]\.torque", name):
+        return "joint_torques"
+    return "tip_force" if name in ("tip.force.x", "tip.force.y") else None
+
+
+def parameter_hint(name: str, links: int) -> str | None:
+    """What to do about a name that is no parameter of a chain of some links, if it is known."""
+    if input_key(name):
+        return f'it is an input: give it over time in Python, simulate(scene, inputs={{"{name}": 1.0}})'
+    link = re.match(r"link\[(\d+)\]\.", name)
+    return f"links count from 1 to {links}" if link and not 1 <= int(link[1]) <= links else None
 
 
 def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | None:

@@ -11,6 +11,7 @@ from typing import Any, get_args, get_origin
 from chain_impact.limits import Derived, allowed, extended, keeps, without_none
 from chain_impact.names import Place, nearest
 
+ALIKE = 0.7  # from this ratio on, a name may be meant for another
 _SHOWN = 60  # characters of a value that a message shows
 
 
@@ -27,16 +28,27 @@ class UnknownNameError(SceneError, KeyError):
 
     __str__ = Exception.__str__  # that of KeyError adds quotes
 
-    def __init__(self, source: str, name: object, names: Iterable[str], what: str) -> None:
-        """Say that ``name`` is no ``what``: "no parameter", of the ``names`` that there are."""
-        near = nearest(name, names) if isinstance(name, str) else None
-        hint = f"the nearest is {near}" if near else "`chain-impact info` lists the names"
+    def __init__(
+        self, source: str, name: object, names: Iterable[str], what: str, hint: str | None = None
+    ) -> None:
+        """Say that ``name`` is no ``what``: "no parameter"; and the ``hint`` or the nearest of ``names``."""
+        if hint is None:
+            near = nearest(name, names) if isinstance(name, str) else None
+            hint = f"the nearest is {near}" if near else "`chain-impact info` lists the names"
         text = name if isinstance(name, str) else shown(name)
         super().__init__(f"{source}: {text} is {what}; {hint}")
 
 
-def matching(source: str, name: str, names: Iterable[str], what: str) -> list[str]:
+def matching(
+    source: str,
+    name: str,
+    names: Iterable[str],
+    what: str,
+    hint: Callable[[str], str | None] = lambda _: None,
+) -> list[str]:
     """The names that are ``name``, or like it if it has a ``*``, which stands for any text.
+
+    If there are none, ``hint`` can say more on the name than which is the nearest.
 
     Raises:
         UnknownNameError: when there are none.
@@ -46,7 +58,7 @@ def matching(source: str, name: str, names: Iterable[str], what: str) -> list[st
         first, *parts = name.split("*")
         found = [one for one in names if one.startswith(first) and _has(one, len(first), parts)]
     if not found:
-        raise UnknownNameError(source, name, names, what)
+        raise UnknownNameError(source, name, names, what, hint(name) if isinstance(name, str) else None)
     return found
 
 
@@ -86,7 +98,7 @@ class Reader:
             raise self._refusal(path, data, "a table")
         for name in data:
             if name not in table.__dataclass_fields__:
-                raise SceneError(self._unknown(path, name))
+                raise SceneError(self._unknown(table, path, name))
         values: dict[str, Any] = {}
         for entry in fields(table):
             where, scope = (*path, entry.name), {**known, **values}
@@ -121,6 +133,11 @@ class Reader:
     ) -> Any:
         item, *rest = get_args(kind)
         length = len(known["chain"].links) if rule["per_link"] else None if ... in rest else 1 + len(rest)
+        if isinstance(value, Mapping) and is_dataclass(item):
+            raise SceneError(self._one_table(item, value, path))
+        if rule["per_link"] and isinstance(value, list | tuple) and len(value) != length:
+            needed = f"has {len(value)} value{'s' * (len(value) != 1)}, must have {length}, one for each link"
+            raise SceneError(f"{self.label(path)} {needed} ({rule['description']})")
         if not isinstance(value, list | tuple) or length not in (None, len(value)):
             expected = "" if length is None else f", expected length {length} ({rule['description']})"
             raise self._refusal(path, value, f"a list{expected}")
@@ -133,12 +150,30 @@ class Reader:
         where = self.label(path) if path else "scene"
         return SceneError(f"{where} = {shown(value)} must be {needed}")
 
-    def _unknown(self, path: Place, name: Any) -> str:
-        """Name the known key most like `name`, in whatever table: it is easy to be in the wrong one."""
+    def _unknown(self, table: Any, path: Place, name: Any) -> str:
+        """Name the key most like `name`: of the same table, else of another one; else all of this table."""
         name = shown(name).strip("'")
-        keys = {key.rpartition(".")[2]: key for key, _ in reversed(list(keys_of(self.root)))}
-        near = keys[nearest(name, keys, at_least=0.0) or next(iter(keys))]
-        return f"{self.label((*path, name))} is unknown; the nearest key is {near}"
+        what = f"{self.label((*path, name))} is unknown"
+        here = [entry.name for entry in fields(table)]
+        prefix = "".join("[]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(".")
+        if near := nearest(name, here, at_least=ALIKE):
+            return f"{what}; the nearest key is {prefix}{'.' * bool(prefix)}{near}"
+        if near := nearest(name, self._keys(), at_least=ALIKE):
+            return f"{what}; the nearest key is {self._keys()[near]}"
+        return f"{what}; the keys here are {', '.join(here)}"
+
+    def _one_table(self, item: Any, value: Mapping[Any, Any], path: Place) -> str:
+        """Say that one table stands where there has to be a list of them, and what else belongs elsewhere."""
+        name = self.label(path)
+        moved = [
+            self._keys()[key] for key in value if key not in item.__dataclass_fields__ and key in self._keys()
+        ]
+        others = "".join(f"; {key.rpartition('.')[2]} belongs in [{key.rpartition('.')[0]}]" for key in moved)
+        return f"{name} is one table, must be a list of tables: write [[{name}]]{others}"
+
+    def _keys(self) -> dict[str, str]:
+        """The last part of every key → the whole key, of equal ones the first."""
+        return {key.rpartition(".")[2]: key for key, _ in reversed(list(keys_of(self.root)))}
 
 
 def _convert(kind: Any, value: Any) -> Any:

@@ -7,6 +7,7 @@ import tempfile
 import tomllib
 from collections.abc import Callable, Mapping
 from contextlib import chdir, redirect_stderr
+from dataclasses import replace
 from numbers import Integral, Real
 from pathlib import Path
 from types import MappingProxyType
@@ -16,9 +17,12 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.names import input_key
 from chain_impact.pythonfmu_state import release
 from chain_impact.reading import SceneError, UnknownNameError
+from chain_impact.results.impacts import impact_columns
 from chain_impact.results.recording import Recording, impacts_from_outputs, recording_of
+from chain_impact.results.result import Result
 from chain_impact.running import SimulationError
 from chain_impact.scene import Scene
 from chain_impact.simulate import check_size, simulate
@@ -55,10 +59,16 @@ def record_scene(
     """
     scene = with_settings(scene, settings)
     try:
-        return recording_of(simulate(scene, notify=notify, progress=progress))
+        return _with_impacts(simulate(scene, notify=notify, progress=progress))
     except SimulationError as error:
-        partial = recording_of(error.result) if error.result else None
+        partial = _with_impacts(error.result) if error.result else None
         raise RunError(f"{scene.name}: {error}", partial) from None
+
+
+def _with_impacts(result: Result) -> Recording:
+    """The recording of a simulated scene with its impacts in columns, too, as that of an FMU has them."""
+    recording = recording_of(result)
+    return replace(recording, columns={**recording.columns, **impact_columns(result)})
 
 
 def with_settings(scene: Scene, settings: Mapping[str, Any]) -> Scene:
@@ -240,8 +250,14 @@ def value_of(text: Any) -> Any:
 
 def _known(name: str, parameters: Mapping[str, Any], source: str) -> Any:
     if name not in parameters:
-        raise UnknownNameError(source, name, [*parameters, *EXPERIMENT], "no parameter")
+        raise UnknownNameError(source, name, [*parameters, *EXPERIMENT], "no parameter", _hint(name))
     return parameters[name]
+
+
+def _hint(name: str) -> str | None:
+    if input_key(name):
+        return "it is an input: give it over time with fmpy, simulate_fmu(…, input=…)"
+    return None
 
 
 def _positive(name: str, value: Any, source: str) -> float:

@@ -21,14 +21,14 @@ from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.model.latest import LATEST
 from chain_impact.limits import Derived, quantity
-from chain_impact.names import Place, name_of, place_in_file
+from chain_impact.names import Place, name_of, parameter_hint, place_in_file
 from chain_impact.reading import Reader, SceneError, UnknownNameError, keys_of, shown
 from chain_impact.walls import HalfPlane, half_planes
 
 SCENE_FILE = "scene.toml"
 MAX_LINKS = 1000
 
-_IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "a C identifier")
+_IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "letters, digits and _, not beginning with a digit")
 _XML_TEXT = (r"[^\x00-\x08\x0B\x0C\x0E-\x1F\uD800-\uDFFF\uFFFE\uFFFF]*", "text without control characters")
 _PYTHON_FILE = (r"|[^\x00]*\.py", "the path of a Python file, from the folder of the scene")
 
@@ -40,17 +40,23 @@ _ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links))
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Link:
-    """One rigid link, from its proximal joint (towards the base) to its distal one; in a file several."""
+    """One rigid link, from its joint nearer to the base to the other one; in a file several."""
 
     count: int | None = quantity(
         "", "number of equal links, 1 if missing", None, minimum=1, maximum=MAX_LINKS, file_only=True
     )
     length: float = quantity("m", "length", above=0.0)
     mass: float = quantity("kg", "mass", above=0.0)
-    center_of_mass: float = quantity("m", "centre of mass, from the proximal joint", _MIDDLE, minimum=0.0)
+    center_of_mass: float = quantity(
+        "m", "centre of mass, from the joint nearer to the base", _MIDDLE, minimum=0.0
+    )
     inertia: float = quantity("kg.m2", "inertia about the centre of mass", _ROD, minimum=0.0)
-    joint_damping: float = quantity("N.m.s/rad", "viscous damping of the proximal joint", 0.0, minimum=0.0)
-    joint_stiffness: float = quantity("N.m/rad", "stiffness of the proximal joint", 0.0, minimum=0.0)
+    joint_damping: float = quantity(
+        "N.m.s/rad", "viscous damping of the joint nearer to the base", 0.0, minimum=0.0
+    )
+    joint_stiffness: float = quantity(
+        "N.m/rad", "stiffness of the joint nearer to the base", 0.0, minimum=0.0
+    )
     joint_rest_angle: float = quantity("rad", "angle of the joint at which its spring is slack", 0.0)
 
 
@@ -98,9 +104,11 @@ class Contact:
     stiffness: float = quantity("N/m^exponent", "contact stiffness", 1e8, above=0.0)
     exponent: float = quantity("1", "exponent of penetration, 3/2 for Hertz", 1.5, minimum=1.0, maximum=3.0)
     restitution: float = quantity("1", "prescribed restitution", 0.7, minimum=0.0, maximum=1.0)
-    radius: float = quantity("m", "radius of every candidate point", 0.0, minimum=0.0)
+    radius: float = quantity("m", "radius of every point that may touch", 0.0, minimum=0.0)
     points: tuple[int, ...] = quantity("", "points that may touch, base (0) to tip (N)", _MOVABLE)
-    minimum_impact_speed: float = quantity("m/s", "floor of the latched impact speed", 1e-3, above=0.0)
+    minimum_impact_speed: float = quantity(
+        "m/s", "slower impacts are treated as having this speed", 1e-3, above=0.0
+    )
 
     def __post_init__(self) -> None:
         """Sort the points: their order means nothing, so equal sets make equal scenes."""
@@ -236,6 +244,11 @@ def load_scene(source: str | os.PathLike[str]) -> Scene:
     return parse_scene(text, str(path))
 
 
+def scene_of(source: Scene | str | os.PathLike[str]) -> Scene:
+    """The scene itself, or the one that `load_scene` makes of its source."""
+    return source if isinstance(source, Scene) else load_scene(source)
+
+
 def parse_scene(text: str, source: str) -> Scene:
     """Return the scene that the TOML `text` describes; errors (SceneError) name it `source`."""
     try:
@@ -334,14 +347,11 @@ def _with_independent(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
     try:
         for name, data in tables.items():
             table = type(getattr(scene, name))
-            scene = replace(scene, **{name: Reader(table, functools.partial(_label_in, name)).read(data)})
+            reader = Reader(table, lambda path: name_of((name, *path)))  # noqa: B023 - used in this round only
+            scene = replace(scene, **{name: reader.read(data)})
     except SceneError as error:
         raise SceneError(f"{scene.name}: {error}") from None
     return scene
-
-
-def _label_in(table: str, path: Place) -> str:
-    return name_of((table, *path))
 
 
 def _place_and_value(scene: Scene, change: str | Place, given: Any) -> tuple[Place, Any]:
@@ -352,7 +362,9 @@ def _place_and_value(scene: Scene, change: str | Place, given: Any) -> tuple[Pla
     if change not in names:
         names = _keys() | _names(scene)
     if change not in names:
-        raise UnknownNameError(scene.name, change, names, "no parameter")
+        raise UnknownNameError(
+            scene.name, change, names, "no parameter", parameter_hint(change, len(scene.chain.links))
+        )
     return names[change], _chosen(scene, change, given)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import os
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Literal
@@ -19,7 +20,7 @@ from chain_impact.layout import output_dtype
 from chain_impact.reading import SceneError
 from chain_impact.results.result import Result
 from chain_impact.running import Instance, SimulationError, in_order
-from chain_impact.scene import Scene
+from chain_impact.scene import Scene, scene_of
 from chain_impact.signals import Signal, drive
 from chain_impact.variables import WORD, output_words
 
@@ -29,7 +30,7 @@ CHUNK_ROWS, CHUNK_BYTES = 5000, 8_000_000  # that the kernel fills at once, at m
 
 
 def simulate(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     stop_time: float | None = None,
     output_step: float | None = None,
     method: str | None = None,
@@ -55,10 +56,10 @@ def simulate(
     The first sample acts before its time, too, and the last one until the end. A row of the result has the
     accelerations and forces that the inputs until then cause, as an importer sees them that reads the FMU
     after each step. Functions are called before the simulation begins, in order of time: they cannot depend
-    on its state. For a controller, connect one to the FMU.
+    on its state. For a controller, step a ``Chain``, or connect one to the FMU.
 
     Args:
-        scene: what to simulate.
+        scene: what to simulate: a scene, or what ``load_scene`` takes.
         stop_time: end [s]; the scene's by default.
         output_step: distance of the rows of the result [s]; the scene's communication step by default. It
             changes neither the solution nor its cost, but for inputs that are functions or lines. With
@@ -80,6 +81,7 @@ def simulate(
         SimulationError: when the solver cannot go on; it holds the result up to there.
         BuildError: when the kernel cannot be compiled.
     """
+    scene = scene_of(scene)
     settings = {
         "simulation.stop_time": stop_time,
         "simulation.step_size": None if output_step == math.inf else output_step,

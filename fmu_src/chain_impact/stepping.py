@@ -14,6 +14,7 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.kernel.status import OK
+from chain_impact.names import input_key
 from chain_impact.reading import SceneError, UnknownNameError, matching, shown
 from chain_impact.results.result import IMPACT_DTYPE
 from chain_impact.running import Instance, SimulationError, in_order
@@ -162,8 +163,10 @@ class Chain:
             return int(values[0]) if look.whole.size else float(values[0])
         return values
 
-    def set(self, values: Mapping[str, Any]) -> None:
-        """Set variables by name: ``{"joint[2].torque": 0.5}``. If one is refused, none is set.
+    def set(self, values: Mapping[str, Any] | str, value: Any = None) -> None:
+        """Set variables by name: ``{"joint[2].torque": 0.5}``, or one: ``set("joint[2].torque", 0.5)``.
+
+        If one is refused, none is set.
 
         A contact law or a solver method can be given by its name, or by its number.
 
@@ -171,11 +174,12 @@ class Chain:
             UnknownNameError: when there is no variable of that name.
             SceneError: when it cannot be set at this time, or not to that value.
         """
-        words = [self._checked(name, value) for name, value in values.items()]
-        for word, whole, value in words:
+        given = {values: value} if isinstance(values, str) else values
+        words = [self._checked(name, value) for name, value in given.items()]
+        for word, whole, number in words:
             memory = self._integers if whole else self._reals
-            if memory[word] != value:
-                memory[word] = value
+            if memory[word] != number:
+                memory[word] = number
                 self._observed = False
                 if self._stepped:
                     self._integers[self._changed_word] = 1  # the solver starts anew from this point in time
@@ -235,7 +239,9 @@ class Chain:
     def _look(self, key: str | tuple[str, ...]) -> _Look:
         names = (key,) if isinstance(key, str) else key
         found = [
-            one for name in names for one in matching(self.scene.name, name, self._places, "no variable")
+            one
+            for name in names
+            for one in matching(self.scene.name, name, self._places, "no variable", self._hint)
         ]
         places = [self._places[name] for name in found]
         look = _Look(
@@ -250,7 +256,7 @@ class Chain:
         """The word of a variable, whether it holds an integer, and the value for it."""
         place = self._places.get(name)
         if place is None:
-            raise UnknownNameError(self.scene.name, name, self._places, "no variable")
+            raise UnknownNameError(self.scene.name, name, self._places, "no variable", self._hint(name))
         if place.kind == "output" or (place.kind == "fixed" and self._stepped):
             what = "an output" if place.kind == "output" else "a fixed parameter"
             late = "" if place.kind == "output" else " after the first step"
@@ -263,6 +269,13 @@ class Chain:
         if not kept or isinstance(value, bool):
             raise SceneError(f"{self.scene.name}: {name} = {shown(value)} must be {place.allowed}")
         return place.word, place.whole, number
+
+    def _hint(self, name: str) -> str | None:
+        """Of an input that the scene has not asked for: the key that makes it."""
+        key = input_key(name)
+        if key is None or getattr(self.scene.inputs, key):
+            return None
+        return f"[inputs] {key} = true in the scene makes this input"
 
     @cached_property
     def _digest(self) -> bytes:

@@ -8,6 +8,7 @@ candidate and no input that is not in it.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
@@ -67,6 +68,13 @@ def output_columns(scene: Scene, outputs: np.ndarray) -> dict[str, np.ndarray]:
     return columns
 
 
+def elsewhere(name: str) -> str | None:
+    """Where to find what the FMU tells in outputs, but a result does not tell over time."""
+    if re.match(r"(impact|solver)\b", name):
+        return "impacts are in result.impacts, counts of the solver in result.statistics"
+    return None
+
+
 def output_words(scene: Scene, wanted: str | Iterable[str]) -> dict[str, int]:
     """The outputs of some names or patterns: name → index into a row of ``Result.outputs``.
 
@@ -76,7 +84,7 @@ def output_words(scene: Scene, wanted: str | Iterable[str]) -> dict[str, int]:
     layout = output_dtype(len(scene.chain.links), candidate_count(scene))
     words = {variable.name: word_index(layout, variable.place[1:]) for variable in output_variables(scene)}
     names = (wanted,) if isinstance(wanted, str) else wanted
-    chosen = [one for name in names for one in matching(scene.name, name, words, "no output")]
+    chosen = [one for name in names for one in matching(scene.name, name, words, "no output", elsewhere)]
     return {name: words[name] for name in chosen}
 
 

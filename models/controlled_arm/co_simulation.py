@@ -76,6 +76,8 @@ def draw(path, columns, parameters):
     from chain_impact.walls import half_planes
 
     time, force = columns["time"], columns["contact[2].x_max.force"]
+    # the largest force may lie between two communication points
+    peak = max(column.max() for name, column in columns.items() if name.endswith(".peak_force"))
     recording = Recording(
         "ControlledArm", time, columns, [], half_planes({"x_max": parameters["box.x_max"]}, {})
     )
@@ -83,7 +85,7 @@ def draw(path, columns, parameters):
         figure = Figure(figsize=(10, 6), dpi=DPI, layout="constrained")
         headline(
             figure,
-            f"The wall stops the arm with {max(force):.0f} N at most, then holds it with {force[-1]:.0f} N",
+            f"The wall stops the arm with {peak:.0f} N at most, then holds it with {force[-1]:.0f} N",
             "two FMUs, arm and controller  ·  targets of the joints lie behind the wall  ·  restitution e = "
             f"{parameters['contact.restitution']:g}  ·  communication step {time[1]:g} s",
         )

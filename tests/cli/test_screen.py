@@ -8,7 +8,8 @@ from rich.console import Console
 
 from chain_impact import CONTACT_LAWS, compare
 from chain_impact.cli.report import show
-from chain_impact.cli.screen import law_table, plain_lines, table_of, variable_table
+from chain_impact.cli.screen import law_table, plain_lines, summary, table_of, variable_table
+from chain_impact.runs import record_scene
 from chain_impact.variables import fmu_variables
 from tests.problems import default_scene
 
@@ -26,6 +27,20 @@ def test_an_impulse_and_a_law_without_a_result_have_a_row():
     assert first.split()[2:5] == ["∞", "0.000", "0.000"]
     assert second.split()[1:3] == ["–", "–"]
     assert second.endswith("  –  cannot start")
+
+
+def test_the_columns_and_what_differs_are_explained():
+    *_, note, _, _, _ = law_table(compare(default_scene()))
+    assert note == (
+        "Columns e′ to lost describe the first impact. 'differs at' is the first impact with another point "
+        "or wall than under zhang_sharf: its number and time."
+    )
+
+
+def test_without_impacts_there_is_no_table_of_them():
+    head, *lines = summary(record_scene(default_scene(), {"simulation.stop_time": 0.1}))
+    assert head.endswith("0 impacts")
+    assert [line.split()[0] for line in lines] == ["energy", "balance"]
 
 
 def test_the_columns_are_aligned():

@@ -7,6 +7,7 @@ from chain_impact import load_scene, simulate
 from chain_impact.reading import SceneError
 from chain_impact.results.csv_file import read_csv
 from chain_impact.results.recording import recording_of
+from chain_impact.runs import record_scene
 
 HEAD = "time,point[0].x,point[0].y,point[1].x,point[1].y"
 ROWS = "0,0,0,1,0\n0.1,0,0,1,0.1\n"
@@ -25,10 +26,21 @@ def test_a_table_is_what_it_was_written_from(tmp_path, scene):
     np.testing.assert_array_equal(read.time, written.time)
     np.testing.assert_array_equal(read.points, written.points)
     assert read.name == "box"
-    # without columns impact.*, the impacts come from the forces
+    # without columns impact.*, the impacts are estimated from the forces
     assert [(i.point, i.wall) for i in read.impacts] == [(i.point, i.wall) for i in written.impacts]
     np.testing.assert_allclose([i.time for i in read.impacts], [i.time for i in written.impacts], atol=1e-4)
     np.testing.assert_allclose([i.speed for i in read.impacts], [i.speed for i in written.impacts], rtol=0.15)
+
+
+@pytest.mark.parametrize("settings", [{}, {"outputs.impacts": 0}, {"contact.model": "newton_impact"}])
+def test_the_table_of_a_scene_has_its_impacts_exactly(tmp_path, scene, settings):
+    written = record_scene(scene, settings)
+    assert len(written.impacts) > 10
+    written.save_csv(tmp_path / "box.csv")
+    read = read_csv(tmp_path / "box.csv", scene.half_planes, scene.wall_names)
+    assert read.impacts == written.impacts
+    assert [i.peak_force for i in read.impacts] == [i.peak_force for i in written.impacts]
+    np.testing.assert_array_equal([i.end for i in read.impacts], [i.end for i in written.impacts])
 
 
 def test_impacts_that_a_table_lists_are_taken(tmp_path, scene):

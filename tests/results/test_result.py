@@ -88,6 +88,13 @@ def test_an_output_that_is_not_there_is_refused_before_anything_runs():
     assert "no output" in refusal(lambda: simulate(default_scene(), output="wall*"))
 
 
+@pytest.mark.parametrize("name", ["impact.count", "impact[1].time", "solver.steps", "impact*"])
+def test_what_is_not_told_over_time_is_found_elsewhere(result, name):
+    where = "impacts are in result.impacts, counts of the solver in result.statistics"
+    assert refusal(lambda: result[name]).endswith(where)
+    assert refusal(lambda: simulate(default_scene(), output=name)).endswith(where)
+
+
 # --- what it says ----------------------------------------------------------------------------------------
 
 

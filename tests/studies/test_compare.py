@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from chain_impact import CONTACT_LAWS, SceneError, compare, simulate, with_law
-from chain_impact.scene import with_values
+from chain_impact import CONTACT_LAWS, SceneError, compare, load_scene, simulate, with_law
+from chain_impact.scene import models_folder, with_values
 from chain_impact.studies.compare import advice, free_impact, realised_restitution
 from tests.problems import ball, default_scene, flat_rod, of_law, own_law, struck_ball
 from tests.reference import exact_damping_factor, point_impact
@@ -193,6 +193,9 @@ def test_a_restitution_that_a_law_does_not_allow_is_no_number(box):
 
 def test_advice_is_the_exact_law_with_the_registrys_reason(box):
     first, near, unfit = advice(box)
+    assert first.endswith(
+        f"Here {box['zhang_sharf'].restitution:.4g}, because other forces act during the contact."
+    )
     assert first.startswith(f"for e = 0.7: zhang_sharf. {CONTACT_LAWS['zhang_sharf'].limits}")
     assert "hu_guo" in near
     assert {"hertz", "gharib_hurmuzlu"} <= set(unfit.partition(": ")[2].split(", "))
@@ -229,3 +232,12 @@ def test_without_rebound_rigid_walls_are_what_is_left():
     lost = 0.5 * impact["effective_mass"] * impact["impact_speed"] ** 2
     assert rigid.energy_lost == pytest.approx(lost, rel=1e-9)
     assert advice(comparison)[0].startswith("for e = 0: newton_impact")
+
+
+def test_a_scene_can_be_named(tmp_path):
+    file = tmp_path / "drop.toml"
+    text = (models_folder() / "rod_drop" / "scene.toml").read_text(encoding="utf-8")
+    file.write_text(text.replace("stop_time = 2.0", "stop_time = 0.35"), encoding="utf-8")
+    named = compare(file)
+    assert named.scene == load_scene(file)
+    assert named.first_impact["onset"] == compare(str(file)).first_impact["onset"]

@@ -22,6 +22,24 @@ def test_it_is_the_same_simulation():
     assert done[-1] == 1.0
 
 
+def test_inputs_act_as_in_simulate():
+    scene = load_scene("pinned_arm")
+    inputs = {"joint[1].torque": 2.0, "joint[2].torque": ([0.0, 0.10005, 0.3], [1.0, -1.0, 0.5])}
+    close, even = record_slowly(scene, inputs=inputs), recording_of(simulate(scene, inputs=inputs))
+    assert close.impacts == even.impacts
+    assert close.impacts != record_slowly(scene).impacts
+    for name in ("point[2].x", "energy.total", "energy.supplied"):
+        assert close.columns[name][-1] == even.columns[name][-1]
+
+
+def test_a_function_is_held_between_communication_points():
+    scene = load_scene("pinned_arm").with_values({"simulation.step_size": 0.01})
+    inputs = {"joint[1].torque": lambda t: 5.0 * np.sin(10.0 * t)}
+    close, even = record_slowly(scene, inputs=inputs), recording_of(simulate(scene, inputs=inputs))
+    assert close.impacts == even.impacts
+    assert close.columns["energy.total"][-1] == even.columns["energy.total"][-1]
+
+
 def test_each_contact_has_the_rows_that_its_peak_needs():
     """Also the weak ones, which are not shown slowly; against the peak that the kernel has found."""
     scene = load_scene("ramp")

@@ -59,7 +59,8 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
     if listed < count:
         impacts += f", {listed} listed: an FMU shows only the latest in a communication step"
     yield f"\n[bold]{escape(recording.name)}[/]  0 … {recording.time[-1]:g} s, {impacts}"
-    yield table
+    if recording.impacts:
+        yield table
     yield from energy_lines(recording.columns)
 
 
@@ -77,8 +78,9 @@ def law_table(comparison: Comparison) -> Iterator[RenderableType]:
     for run in comparison.runs:
         table.add_row(*map(escape, _row(run)))
     yield table
-    yield "e′ … lost: of the first impact. differs at: the first impact elsewhere than with " + (
-        f"{comparison.reference}, and its time, s"
+    yield (
+        "Columns e′ to lost describe the first impact. 'differs at' is the first impact with another point "
+        f"or wall than under {comparison.reference}: its number and time."
     )
     for number, line in enumerate(advice(comparison)):
         yield escape(f"{'' if number else 'advice':9}{line}")

@@ -15,7 +15,7 @@ from chain_impact.compilation.work import Notify, announce
 from chain_impact.export import native_target, pythonfmu_target
 from chain_impact.export.documents import documents
 from chain_impact.export.references import reference_files
-from chain_impact.scene import Scene, load_scene
+from chain_impact.scene import Scene, scene_of
 
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 
@@ -70,7 +70,7 @@ def build_fmu(
         SceneError: when the source is no valid scene.
         BuildError: when the kernel cannot be compiled or the FMU is not valid.
     """
-    scene = source if isinstance(source, Scene) else load_scene(source)
+    scene = scene_of(source)
     if fmi not in VERSIONS:
         raise BuildError(f"fmi = {fmi!r} must be one of {', '.join(map(str, VERSIONS))}")
     if target not in TARGETS:

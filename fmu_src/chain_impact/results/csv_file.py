@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from chain_impact.results.animation.contacts import force_columns, impacts_from_
 from chain_impact.results.recording import Recording, impacts_from_outputs
 from chain_impact.walls import HalfPlane
 
+PEAK_FORCE = re.compile(r"impact\[\d+\]\.peak_force")
 NEEDED = ("time", "point[0].x", "point[0].y", "point[1].x", "point[1].y")
 
 
@@ -26,8 +28,8 @@ def read_csv(
         wall_names: names of the walls by their numbers in the columns ``impact.*``.
 
     Returns:
-        The recording, named as the file is. Its impacts come from the columns ``impact.*`` if they are there,
-        else from the forces.
+        The recording, named as the file is. Its impacts come from the columns ``impact.*`` if they are there;
+        else they are estimated from the forces.
 
     Raises:
         SceneError: when the file is no such table, or has a wall that is not among ``walls``.
@@ -51,9 +53,9 @@ def read_csv(
         raise SceneError(
             f"{path}: {rows.shape[0]} rows of {rows.shape[1]} numbers; must be at least 2 of {len(names)}"
         )
-    # the peak force of an impulse at a rigid wall is infinite
-    finite = np.isfinite(rows) | np.array([name.endswith(".peak_force") for name in names])
-    for row in np.flatnonzero(~finite.all(axis=1))[:1]:
+    # of an impulse of a rigid wall the force is infinite
+    impulses = np.isposinf(rows) & [PEAK_FORCE.fullmatch(name) is not None for name in names]
+    for row in np.flatnonzero(~(np.isfinite(rows) | impulses).all(axis=1))[:1]:
         raise SceneError(f"{path}: line {row + 2} has a number that is not finite")
     columns = dict(zip(names, rows.T.copy(), strict=True))
     time = columns.pop("time")

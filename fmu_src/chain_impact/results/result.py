@@ -13,7 +13,7 @@ import numpy as np
 from chain_impact.reading import UnknownNameError, matching
 from chain_impact.results import summary, tables
 from chain_impact.scene import Scene
-from chain_impact.variables import output_columns, output_variables
+from chain_impact.variables import elsewhere, output_columns, output_variables
 
 if TYPE_CHECKING:
     import pandas
@@ -74,7 +74,7 @@ class Result:
             return self.time
         if name in self.columns:
             return self.columns[name]
-        found = matching(self.scene.name, name, self.columns, "no output of this result")
+        found = matching(self.scene.name, name, self.columns, "no output of this result", elsewhere)
         return {one: self.columns[one] for one in found}
 
     @property

@@ -28,9 +28,9 @@ def energy_lines(columns: Mapping[str, np.ndarray]) -> Iterator[str]:
     total, dissipated = columns["energy.total"], columns["energy.dissipated"]
     supplied = columns.get("energy.supplied", 0.0 * total)
     balance = total + dissipated - supplied
-    parts = [f"{total[-1]:.6g} J left", f"{dissipated[-1]:.6g} J dissipated"]
-    parts += [f"{-supplied[-1]:.6g} J supplied"] if supplied.any() else []
-    yield f"energy   {total[0]:.6g} J at the start = {' + '.join(parts)}"
+    given = f" + {supplied[-1]:.6g} J supplied" if supplied.any() else ""
+    rest = f"{total[-1]:.6g} J left + {dissipated[-1]:.6g} J dissipated"
+    yield f"energy   {total[0]:.6g} J at the start{given} = {rest}"
     yield f"balance  off by at most {abs(balance - balance[0]).max():.1e} J"
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import os
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -17,7 +18,7 @@ from chain_impact.reading import SceneError
 from chain_impact.results.recording import written_whole
 from chain_impact.results.result import Result
 from chain_impact.running import Instance, SimulationError
-from chain_impact.scene import Contact, Scene, scene_from_dict, with_values
+from chain_impact.scene import Contact, Scene, scene_from_dict, scene_of, with_values
 from chain_impact.simulate import simulate
 
 EXACT = "zhang_sharf"
@@ -135,7 +136,9 @@ def _cell(value: object) -> object:
     return "" if value is None or (isinstance(value, float) and math.isnan(value)) else value
 
 
-def compare(scene: Scene, notify: Notify = announce, progress: Advance = lambda _: None) -> Comparison:
+def compare(
+    scene: Scene | str | os.PathLike[str], notify: Notify = announce, progress: Advance = lambda _: None
+) -> Comparison:
     """Simulate a scene with each law of the registry, and with its own law if it has one.
 
     A law that needs another exponent than the scene's is run with that, and with the stiffness that makes
@@ -143,7 +146,7 @@ def compare(scene: Scene, notify: Notify = announce, progress: Advance = lambda 
     fails, is listed with the reason.
 
     Args:
-        scene: the scene; its contact model does not matter.
+        scene: a scene, or what ``load_scene`` takes; its contact model does not matter.
         notify: called with a sentence before the kernel is compiled.
         progress: called with the fraction done.
 
@@ -151,6 +154,7 @@ def compare(scene: Scene, notify: Notify = announce, progress: Advance = lambda 
         SceneError: when there is no impact.
         BuildError: when the kernel cannot be compiled.
     """
+    scene = scene_of(scene)
     laws = law_names(scene)
     at_home = [law for law in laws if needed_exponent(law, scene) == scene.contact.exponent]
     found: dict[str, LawRun] = {}
@@ -336,16 +340,19 @@ def advice(comparison: Comparison) -> list[str]:
     ended = [run for run in comparison.runs if math.isfinite(run.restitution)]
     if not ended:
         return [f"for e = {e:g}: none, as no law finished its first impact"]
+    why = ""
     best = next((run for run in ended if run.law == EXACT and _in_range(run.law, e)), None)
     if best:
         reason = CONTACT_LAWS[EXACT].limits
+        if f"{best.restitution:.4g}" != f"{e:.4g}":
+            why = ", because other forces act during the contact"
     else:
         best = min(ended, key=lambda run: abs(run.restitution - e))
         reason = "Of the laws that ran, its first impact comes nearest to the prescribed restitution."
     near = [run.law for run in ended if _in_range(run.law, e) and abs(run.restitution - e) <= NEAR * e]
     others = [law for law in near if law != best.law]
     unfit = [run.law for run in ended if run.law not in (best.law, *near)]
-    lines = [f"for e = {e:g}: {best.law}. {reason} Realised in the first impact: {best.restitution:.4g}."]
+    lines = [f"for e = {e:g}: {best.law}. {reason} Here {best.restitution:.4g}{why}."]
     if others:
         lines.append(f"within {100 * NEAR:g} % of e too, by their range and here: {', '.join(others)}")
     if unfit:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from chain_impact.results.recording import Recording, recording_of
 from chain_impact.results.result import Result
 from chain_impact.running import Instance
 from chain_impact.scene import Scene
+from chain_impact.signals import Signal, drive
 from chain_impact.simulate import simulate
 
 MOST_ROWS = 40_000
@@ -30,22 +31,26 @@ def record_slowly(
     impact_time: float = IMPACT_TIME,
     notify: Notify = announce,
     progress: Callable[[float], None] = lambda _: None,
+    *,
+    inputs: Mapping[str, Signal] | None = None,
 ) -> Recording:
     """Simulate a scene twice: to find the impacts, and with rows that are close in time around them.
 
     The rows do not change the solution, so both times it is the same.
 
     Args:
-        scene: what to simulate; its inputs are zero.
+        scene: what to simulate.
         impact_time: what each impact takes on the screen [s], 0 for no slow motion.
         notify: called with a sentence before a kernel is compiled.
         progress: called with the fraction done.
+        inputs: as for ``simulate``, held between the scene's communication points.
 
     Raises:
+        SceneError: when an input cannot be one.
         SimulationError: when the solver cannot go on; it holds the result up to there, with even rows.
         BuildError: when the kernel cannot be compiled.
     """
-    result = simulate(scene, notify=notify, progress=lambda done: progress(done / 2))
+    result = simulate(scene, inputs=inputs, notify=notify, progress=lambda done: progress(done / 2))
     stop = float(result.time[-1])
     onsets, speeds = result.impacts["onset"], result.impacts["impact_speed"]
     # an impact takes 2.9 δ/v by Hertz, π δ/v at a linear spring, and longer with losses; then the chain stays
@@ -56,12 +61,20 @@ def record_slowly(
     )
     shown, _ = frame_times(0.0, stop, spans, impact_time, MOST_ROWS)
     others = (onsets[:, None] + (ends - onsets)[:, None] * WITHIN).ravel()[:MOST_ROWS]
-    times = np.union1d(shown, others.clip(0.0, stop))
+    driven = drive(scene, inputs or {}, "hold", result.time)
+    switches = driven.times[
+        driven.changes[:-1] - 1
+    ]  # the values of a row act from the time of the row before
+    times = np.union1d(np.union1d(shown, others.clip(0.0, stop)), switches)
+    rows = np.searchsorted(driven.times, times)
+    changed = (driven.values[rows[1:]] != driven.values[rows[:-1]]).any(axis=1)
+    ends_held = np.append(1 + np.flatnonzero(changed), len(times))
 
-    instance = Instance(scene, notify)
+    instance = Instance(scene, notify, driven)
     outputs, done = np.zeros(len(times), instance.record.dtype["output"]), 0
     while done < len(times) and instance.status == OK:
-        end = done + CHUNK
+        end = min(done + CHUNK, ends_held[np.searchsorted(ends_held, done, side="right")])
+        driven.set(instance.record["inputs"], rows[done])
         done += instance.trajectory(times[done:end], outputs[done:end])
         instance.collect()
         progress(0.5 + done / len(times) / 2)

@@ -100,7 +100,7 @@ def gonthier(e):
     allows_zero=False,
 )
 def zhang_sharf(e):
-    """Exact for all e: the realised restitution is the prescribed one."""
+    """Exact for one contact on its own, for all e."""
     if e >= 1.0:
         return 0.0
     u = 1.0 - e

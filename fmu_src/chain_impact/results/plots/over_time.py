@@ -34,7 +34,9 @@ def draw_clock(axes: Axes, recording: Recording) -> None:
     start, end = recording.time[0], max(recording.time[-1], recording.time[0] + 1e-9)
     axes.imshow(np.linspace([0.0], [1.0], 256).T, TIME_COLOURS, aspect="auto", extent=(start, end, 0, 1))
     margin = 0.015 * (end - start)
-    axes.set(xlabel="time [s], and its colours in the motion", yticks=[], xlim=(start - margin, end + margin))
+    axes.set(
+        xlabel="time [s]; the same colours as in the motion", yticks=[], xlim=(start - margin, end + margin)
+    )
     axes.spines[:].set_visible(False)
 
 
