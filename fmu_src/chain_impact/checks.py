@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from chain_impact.kernel.chain.regular import loose_links
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
@@ -112,3 +113,11 @@ def check_start(scene: Scene) -> None:
             if depth > START_TOLERANCE:
                 place = f"point {point} at ({x:.6g}, {y:.6g}) m is {depth:.6g} m deep in"
                 raise SceneError(f"initial: {place} the wall {name}; must be outside")
+
+
+def has_counts(data: Any) -> bool:
+    """Whether an entry for a link stands for several, so that entries are not numbered as links are."""
+    chain = data.get("chain") if isinstance(data, Mapping) else None
+    links = chain.get("links") if isinstance(chain, Mapping) else None
+    tables = links if isinstance(links, list | tuple) else []
+    return any(isinstance(table, Mapping) and "count" in table for table in tables)

@@ -15,7 +15,7 @@ from numbers import Integral
 from pathlib import Path
 from typing import Any
 
-from chain_impact.checks import check_start, check_together, movable_points, with_angles, with_law_path
+from chain_impact import checks
 from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
@@ -34,7 +34,7 @@ _PYTHON_FILE = (r"|[^\x00]*\.py", "the path of a Python file, from the folder of
 
 _MIDDLE = Derived("length / 2", lambda link: link["length"] / 2)
 _ROD = Derived("mass * length^2 / 12", lambda link: link["mass"] * link["length"] * link["length"] / 12)
-_MOVABLE = Derived("all that move", lambda known: tuple(movable_points(known["chain"])))
+_MOVABLE = Derived("all that move", lambda known: tuple(checks.movable_points(known["chain"])))
 _ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links))
 
 
@@ -269,8 +269,7 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
     tables = walls if isinstance(walls, list | tuple) else []
     given = [table.get("name") if isinstance(table, Mapping) else None for table in tables]
     names = [name if isinstance(name, str) and name.isidentifier() else None for name in given]
-
-    counted = _has_counts(data)
+    counted = checks.has_counts(data)
 
     def label(path: Place) -> str:
         match path:
@@ -281,20 +280,12 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
 
     try:
         scene: Scene = Reader(Scene, label).read(data)
-        scene = with_angles(with_law_path(scene, Path(source).parent))
-        check_together(scene)
-        check_start(scene)
+        scene = checks.with_angles(checks.with_law_path(scene, Path(source).parent))
+        checks.check_together(scene)
+        checks.check_start(scene)
     except SceneError as error:
         raise SceneError(f"{source}: {error}") from None
     return scene
-
-
-def _has_counts(data: Any) -> bool:
-    """Whether an entry for a link stands for several, so that entries are not numbered as links are."""
-    chain = data.get("chain") if isinstance(data, Mapping) else None
-    links = chain.get("links") if isinstance(chain, Mapping) else None
-    tables = links if isinstance(links, list | tuple) else []
-    return any(isinstance(table, Mapping) and "count" in table for table in tables)
 
 
 def scene_to_dict(scene: Scene) -> dict[str, Any]:

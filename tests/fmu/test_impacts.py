@@ -6,6 +6,7 @@ import pytest
 
 from chain_impact import impacts_of, load_scene, simulate
 from chain_impact.export.fmu import build_fmu
+from tests.fmu.conftest import KINDS
 
 EXACT = {"onset": 1e-9, "impact_speed": 1e-9, "end": 1e-9}  # s, m/s
 SHARES = ("peak_force", "max_penetration", "impulse")
@@ -37,7 +38,7 @@ def test_the_dropped_rod_is_complete_if_enough_are_shown(fmus, target, tmp_path)
     """It comes to rest by ever more impacts: in a step of 100 ms there are more than 8."""
     scene = load_scene("rod_drop").with_values({"outputs.impacts": 16})
     expected = simulate(scene).impacts
-    same(impacts_of(recorded(build_fmu(scene, tmp_path, target=target), 0.1)), expected)
+    same(impacts_of(recorded(build_fmu(scene, tmp_path, **KINDS[target]), 0.1)), expected)
 
     record = recorded(fmus["rod_drop"], 0.1)
     some = impacts_of(record)
