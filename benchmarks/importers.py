@@ -18,16 +18,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from fmpy import read_model_description
+from fmpy import read_model_description, simulate_fmu
 
 from chain_impact import impacts_of, load_scene, simulate
-from chain_impact.compilation.compilers import INTERFACE
+from chain_impact.compilation.compilers import INCLUDES
 from chain_impact.export.fmu import build_fmu
 
 sys.path[:0] = [str(common.ROOT), str(common.ROOT / "models" / "controlled_arm")]
 
 import masters  # noqa: E402
 
+from tests.fmu.conftest import KINDS  # noqa: E402
 from tests.fmu.interface import unpacked  # noqa: E402
 from tests.fmu.zig import zig  # noqa: E402
 
@@ -56,7 +57,8 @@ def in_c(fmu: Path, count: int, step: float) -> Record:
     letters = {"Real": "", "Integer": "i"}
     with tempfile.TemporaryDirectory() as scratch:
         folder, place = Path(scratch), unpacked(str(fmu), str(Path(scratch, "fmu")))
-        zig(folder, "-I", INTERFACE, common.ROOT / "tests" / "fmu" / "host.c", "-ldl", "-o", folder / "host")
+        headers = [one for include in INCLUDES for one in ("-I", include)]
+        zig(folder, *headers, common.ROOT / "tests" / "fmu" / "host.c", "-ldl", "-o", folder / "host")
         library = place / "binaries" / "linux64" / f"{description.modelName}.so"
         command = [folder / "host", library, description.guid, f"file://{place}/resources", repr(step), count]
         command += [f"{letters[v.type]}{v.valueReference}" for v in wanted]
@@ -66,12 +68,33 @@ def in_c(fmu: Path, count: int, step: float) -> Record:
     return times | dict(zip([v.name for v in wanted], rows.T, strict=True))
 
 
+def in_fmi_3(events: bool) -> Callable[[Path, int, float], Record]:
+    """FMPy with an FMU for FMI 3.0, with event mode or without."""
+
+    def record(fmu: Path, count: int, step: float) -> Record:
+        variables = read_model_description(str(fmu)).modelVariables
+        wanted = [v.name for v in variables if v.name.startswith("impact") and not v.dimensions]
+        rows = simulate_fmu(
+            str(fmu),
+            output=wanted,
+            output_interval=step,
+            stop_time=count * step,
+            early_return_allowed=events,
+            use_event_mode=events,
+        )
+        return {name: rows[name] for name in ("time", *wanted)}
+
+    return record
+
+
 MASTERS = {
     "FMPy, FMI 2.0, pythonfmu": ("pythonfmu", by_process("fmpy")),
     "FMPy, FMI 2.0, native": ("native", by_process("fmpy")),
     "libcosim, FMI 2.0, native": ("native", by_process("libcosim")),
     "Ecos, FMI 2.0, native": ("native", by_process("ecos")),
     "C, FMI 2.0, native": ("native", in_c),
+    "FMPy, FMI 3.0": ("fmi3", in_fmi_3(events=False)),
+    "FMPy, FMI 3.0, event mode": ("fmi3", in_fmi_3(events=True)),
 }
 """What runs which kind of FMU."""
 
@@ -103,12 +126,12 @@ def measured() -> list[dict[str, Any]]:
             scene = load_scene(name).with_values({"outputs.impacts": shown})
             stop, expected = scene.simulation.stop_time, simulate(scene).impacts
             fmus = {
-                target: build_fmu(scene, Path(folder, name, str(shown), target), target=target)
-                for target in ("pythonfmu", "native")
+                kind: build_fmu(scene, Path(folder, name, str(shown), kind), **options)
+                for kind, options in KINDS.items()
             }
-            for master, (target, record) in MASTERS.items():
+            for master, (kind, record) in MASTERS.items():
                 for step in STEPS:
-                    found = impacts_of(record(fmus[target], round(stop / step), step))
+                    found = impacts_of(record(fmus[kind], round(stop / step), step))
                     row = {"scene": name, "shown": shown, "master": master, "step": step}
                     rows.append(row | compared(found, expected))
                     print(rows[-1], flush=True)
