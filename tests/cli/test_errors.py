@@ -191,7 +191,7 @@ def test_validate_of_a_broken_fmu(run, broken):
 def test_the_fmu_of_something_else(refused, run, here, fmu):
     with zipfile.ZipFile(fmu) as old, zipfile.ZipFile("tank.fmu", "w") as new:
         for name in old.namelist():
-            new.writestr(name, old.read(name).replace(b'"point[', b'"tank['))
+            new.writestr(name, old.read(name).replace(b'"link[', b'"tank['))
     refused(2, r"tank\.fmu: not the FMU of a chain", "simulate", "tank.fmu")
     assert run("info", "tank.fmu")[0] == 0
 

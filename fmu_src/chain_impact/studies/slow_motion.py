@@ -62,9 +62,8 @@ def record_slowly(
     shown, _ = frame_times(0.0, stop, spans, impact_time, MOST_ROWS)
     others = (onsets[:, None] + (ends - onsets)[:, None] * WITHIN).ravel()[:MOST_ROWS]
     driven = drive(scene, inputs or {}, "hold", result.time)
-    switches = driven.times[
-        driven.changes[:-1] - 1
-    ]  # the values of a row act from the time of the row before
+    # the values of a row act from the time of the row before
+    switches = driven.times[driven.changes[:-1] - 1]
     times = np.union1d(np.union1d(shown, others.clip(0.0, stop)), switches)
     rows = np.searchsorted(driven.times, times)
     changed = (driven.values[rows[1:]] != driven.values[rows[:-1]]).any(axis=1)
@@ -74,7 +73,7 @@ def record_slowly(
     outputs, done = np.zeros(len(times), instance.record.dtype["output"]), 0
     while done < len(times) and instance.status == OK:
         end = min(done + CHUNK, ends_held[np.searchsorted(ends_held, done, side="right")])
-        driven.set(instance.record["inputs"], rows[done])
+        driven.set(instance.record["given"], rows[done])
         done += instance.trajectory(times[done:end], outputs[done:end])
         instance.collect()
         progress(0.5 + done / len(times) / 2)
