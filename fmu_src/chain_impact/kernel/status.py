@@ -55,4 +55,5 @@ STATUS_NAME = {
     EXPONENT_NOT_ALLOWED: "exponent_not_allowed",
     RIGID_WHILE_TOUCHING: "rigid_while_touching",
     ENERGY_NOT_KEPT: "energy_not_kept",
+    MASS_MATRIX_SINGULAR: "mass_matrix_singular",
 }

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.status import STATUS_NAME, STATUS_TEXT
 from chain_impact.layout import LOG_SIZE
 from chain_impact.reading import SceneError
 from chain_impact.results.recording import recording_of
@@ -154,3 +155,11 @@ def test_a_law_of_ones_own():
     for row in found.table:
         assert check(scene, row, found.varied) == "ok"
     assert len(set(found["peak_force"])) == 3
+
+
+def test_a_mass_matrix_that_is_singular_is_a_row():
+    """The sweep has a word for every status of the kernel."""
+    assert STATUS_NAME.keys() == STATUS_TEXT.keys()
+    swept = sweep(load_scene("rod_drop"), {"link[1].inertia": [0.0, 0.1], "link[1].center_of_mass": [0.0]})
+    assert swept["status"].tolist() == ["mass_matrix_singular", "ok"]
+    assert "1 mass_matrix_singular" in repr(swept)
