@@ -24,12 +24,15 @@ from typing import Any
 from numba import float64, int32, int64, types
 
 from chain_impact.compilation import functions  # noqa: F401 - so that numba takes the kernel's functions
-from chain_impact.compilation.record_type import INSTANCE, matrix, vector, words
+from chain_impact.compilation.record_type import INSTANCE, TANGENT, matrix, vector
 from chain_impact.kernel import entry
 from chain_impact.kernel.advance import advance_to_onset, let_happen
 from chain_impact.kernel.events.contact_log import follow_to_now
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.soundness import sound
+from chain_impact.kernel.tangent import entry as tangent_entry
+from chain_impact.kernel.tangent.blocks import words
+from chain_impact.kernel.tangent.directions import DIRECTIONS
 
 Entries = dict[str, tuple[Any, Callable[..., Any]]]
 """C functions: name → (signature, function)."""
@@ -80,4 +83,40 @@ def entry_points() -> Entries:
         "follow": (int32(INSTANCE), follow),
         "trajectory": (int64(INSTANCE, reals, int64, reals), trajectory),
         "run_each": (int64(*runs), run_each),
+    }
+
+
+def initialize_with(d, first, count, time):
+    """Set an instance and those of dual numbers to their start; return a status."""
+    return tangent_entry.initialize_with(d, first, count, time)
+
+
+def trajectory_with(  # noqa: PLR0917
+    d, first, count, times, rows, looks, columns, values, slopes
+):
+    """Fill rows of outputs and of their derivatives; return how many."""
+    return tangent_entry.trajectory_with(
+        d,
+        first,
+        count,
+        vector(times, rows),
+        vector(looks, columns),
+        matrix(values, rows, columns),
+        matrix(slopes, rows, columns * count * DIRECTIONS),
+    )
+
+
+def follow_with(d, first, count):
+    """Follow the contacts up to the communication point."""
+    return tangent_entry.follow_with(d, first, count)
+
+
+def derivative_entry_points() -> Entries:
+    """Those of a kernel that carries derivatives beside the run."""
+    reals, indices = types.CPointer(float64), types.CPointer(int64)
+    trajectory = (INSTANCE, TANGENT, int64, reals, int64, indices, int64, reals, reals)
+    return {
+        "initialize_with": (int32(INSTANCE, TANGENT, int64, float64), initialize_with),
+        "trajectory_with": (int64(*trajectory), trajectory_with),
+        "follow_with": (int32(INSTANCE, TANGENT, int64), follow_with),
     }
