@@ -13,7 +13,13 @@
                    const double* values, const double* stops, int64 runs, const int64* looks, int64 columns,
                    double* rows, int32 going_on)
 
-What they do, kernel/entry.py and kernel/advance.py tell.
+What they do, kernel/entry.py and kernel/advance.py tell. A kernel that carries derivatives beside the run has
+these, too (kernel/tangent/entry.py), for ``count`` instances of dual numbers from ``first`` on:
+
+    int32 initialize_with(instance*, tangent* first, int64 count, double time)
+    int64 trajectory_with(instance*, tangent* first, int64 count, const double* times, int64 rows,
+                          const int64* looks, int64 columns, double* values, double* slopes)
+    int32 follow_with(instance*, tangent* first, int64 count)
 """
 
 from __future__ import annotations
@@ -68,24 +74,6 @@ def run_each(  # noqa: PLR0917 - in C, arguments have no names
     )
 
 
-def entry_points() -> Entries:
-    """Those of the kernel."""
-    reals, indices = types.CPointer(float64), types.CPointer(int64)
-    runs = (INSTANCE, reals, indices, int64, reals, reals, int64, indices, int64, reals, int32)
-    return {
-        "initialize": (int32(INSTANCE, float64), initialize),
-        "advance": (int32(INSTANCE, float64), entry.advance_to),
-        "advance_awhile": (int32(INSTANCE, float64), entry.advance_awhile),
-        "advance_to_onset": (int32(INSTANCE, float64), advance_to_onset),
-        "let_happen": (int32(INSTANCE), let_happen),
-        "observe": (int32(INSTANCE), entry.observe_now),
-        "sound": (int32(INSTANCE), sound),
-        "follow": (int32(INSTANCE), follow),
-        "trajectory": (int64(INSTANCE, reals, int64, reals), trajectory),
-        "run_each": (int64(*runs), run_each),
-    }
-
-
 def initialize_with(d, first, count, time):
     """Set an instance and those of dual numbers to their start; return a status."""
     return tangent_entry.initialize_with(d, first, count, time)
@@ -111,12 +99,27 @@ def follow_with(d, first, count):
     return tangent_entry.follow_with(d, first, count)
 
 
-def derivative_entry_points() -> Entries:
-    """Those of a kernel that carries derivatives beside the run."""
+def entry_points(derivatives: bool = False) -> Entries:
+    """Those of the kernel; with ``derivatives``, of one that carries them beside the run."""
     reals, indices = types.CPointer(float64), types.CPointer(int64)
-    trajectory = (INSTANCE, TANGENT, int64, reals, int64, indices, int64, reals, reals)
-    return {
-        "initialize_with": (int32(INSTANCE, TANGENT, int64, float64), initialize_with),
-        "trajectory_with": (int64(*trajectory), trajectory_with),
-        "follow_with": (int32(INSTANCE, TANGENT, int64), follow_with),
+    runs = (INSTANCE, reals, indices, int64, reals, reals, int64, indices, int64, reals, int32)
+    entries: Entries = {
+        "initialize": (int32(INSTANCE, float64), initialize),
+        "advance": (int32(INSTANCE, float64), entry.advance_to),
+        "advance_awhile": (int32(INSTANCE, float64), entry.advance_awhile),
+        "advance_to_onset": (int32(INSTANCE, float64), advance_to_onset),
+        "let_happen": (int32(INSTANCE), let_happen),
+        "observe": (int32(INSTANCE), entry.observe_now),
+        "sound": (int32(INSTANCE), sound),
+        "follow": (int32(INSTANCE), follow),
+        "trajectory": (int64(INSTANCE, reals, int64, reals), trajectory),
+        "run_each": (int64(*runs), run_each),
     }
+    if derivatives:
+        looks = (reals, int64, indices, int64, reals, reals)
+        entries |= {
+            "initialize_with": (int32(INSTANCE, TANGENT, int64, float64), initialize_with),
+            "trajectory_with": (int64(INSTANCE, TANGENT, int64, *looks), trajectory_with),
+            "follow_with": (int32(INSTANCE, TANGENT, int64), follow_with),
+        }
+    return entries

@@ -12,7 +12,7 @@ from chain_impact.kernel.status import LOG_FULL, OK, PAUSED
 from chain_impact.kernel.tangent.blocks import block, words
 from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.kernel.tangent.replay import replay
-from chain_impact.kernel.tangent.start import start
+from chain_impact.kernel.tangent.start import start, start_anew
 from chain_impact.kernel.work_limit import work_done, work_of_a_call
 
 
@@ -26,7 +26,9 @@ def initialize_with(d, first, count, time):
 
 def advance_with(d, first, count, time, room, work):
     """Bring d and the others to ``time`` [s]; returns a status, as ``advance`` does."""
-    status = renew(d)
+    changed, status = d.given.changed, renew(d)
+    for b in range(count if status == OK and changed else 0):
+        start_anew(d, block(first, b))
     while status == OK and d.step.end < time:
         if d.finished.count >= room:
             return LOG_FULL

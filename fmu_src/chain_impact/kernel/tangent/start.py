@@ -1,13 +1,15 @@
 """How an instance of dual numbers begins: the derivatives of what follows from the parameters."""
 
-from chain_impact.kernel.chain.kinematics import zero
+from chain_impact.kernel.events.contact_log import follow_to_now
+from chain_impact.kernel.events.impulses import judge
 from chain_impact.kernel.initialize import derive_chain, forget_run, set_initial_state, take_given
 from chain_impact.kernel.integration.last_step import stand
 from chain_impact.kernel.integration.switching import begin_explicit
 from chain_impact.kernel.laws.contact_laws import ANY, LAW_COUNT, RATE_EXPONENTS, damping_factor
 from chain_impact.kernel.model.contact import clear_loads
+from chain_impact.kernel.model.contact_force import foresee_depth, latch_damping
 from chain_impact.kernel.model.geometry import place_walls
-from chain_impact.kernel.tangent.directions import carried, value
+from chain_impact.kernel.tangent.directions import carried
 
 # The distance of the e from which the slope of a law's factor f(e) is found, and six times that slope's
 # coefficients
@@ -19,7 +21,7 @@ def start(d, t):
     """Set t to the start of d, which is initialized; t has the parameters, and their derivatives."""
     derive_chain(t)
     forget_run(t)
-    take_given(t)
+    take_given_of(d, t)
     derive_law_of(d, t)
     place_walls(t)
     set_initial_state(t, t.work.y)
@@ -27,6 +29,36 @@ def start(d, t):
     clear_loads(t)
     begin_explicit(t.step)
     t.impact.last_time = d.step.time
+
+
+def start_anew(d, t):
+    """Start t anew from the communication point, as d has just done because something was set."""
+    t.step.time = d.step.time
+    follow_to_now(t)
+    stand(t, d.step.time, t.step.state_end)
+    take_given_of(d, t)
+    derive_law_of(d, t)
+    for k in range(t.touch.active_count):
+        if not t.contact.impulsive:
+            foresee_depth(t, t.touch.active_index[k])
+            latch_damping(t, t.touch.active_index[k])
+    if t.contact.impulsive and t.touch.active_count > 0:
+        judge(t)
+        stand(t, d.step.time, t.step.state_end)
+    clear_loads(t)
+
+
+def take_given_of(d, t):
+    """Let what was given to d hold for t, with the derivatives that t has of it."""
+    given, own = d.given, t.given
+    own.law = given.law
+    own.stiffness = carried(given.stiffness, 1.0, own.stiffness)
+    own.restitution = carried(given.restitution, 1.0, own.restitution)
+    for i in range(d.links):
+        own.joint_torque[i] = carried(given.joint_torque[i], 1.0, own.joint_torque[i])
+    for j in range(2):
+        own.tip_force[j] = carried(given.tip_force[j], 1.0, own.tip_force[j])
+    take_given(t)
 
 
 def derive_law_of(d, t):
