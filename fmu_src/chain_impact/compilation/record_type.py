@@ -32,7 +32,7 @@ from numba.extending import (
 
 from chain_impact.compilation.dual_numbers import DUAL
 from chain_impact.kernel.tangent import blocks
-from chain_impact.kernel.tangent.directions import dual_dtype
+from chain_impact.kernel.tangent.directions import dual_dtype, tangent_dtype
 from chain_impact.layout import REAL, instance_dtype
 
 LINKS, CANDIDATES = "chain_links", "chain_candidates"  # the functions that tell N and C for an instance
@@ -117,7 +117,7 @@ def _table(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
 
 
 LAYOUTS = [instance_dtype(*sample) for sample in SAMPLES]
-TABLES = {"instance": _table(LAYOUTS), "tangent": _table([dual_dtype(layout) for layout in LAYOUTS])}
+TABLES = {"instance": _table(LAYOUTS), "tangent": _table([tangent_dtype(layout) for layout in LAYOUTS])}
 
 
 class Record(types.Type):

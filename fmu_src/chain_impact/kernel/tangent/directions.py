@@ -22,6 +22,23 @@ def dual_dtype(dtype):
     return dtype
 
 
+# how far the derivatives can be trusted, see kernel/tangent/trust.py
+TRUST = np.dtype(
+    [
+        ("reason", np.int64),  # 0: everywhere so far
+        ("time", np.float64),  # s, from when on they cannot
+        ("point", np.int64),  # of the impact that begins then
+        ("wall", np.int64),
+    ]
+)
+
+
+def tangent_dtype(instance):
+    """The layout of an instance of dual numbers that goes with one of the layout ``instance``."""
+    dual = dual_dtype(instance)
+    return np.dtype([*((name, dual[name]) for name in dual.names), ("trust", TRUST)])
+
+
 def value(number):
     """The value of a dual number."""
     return number.value

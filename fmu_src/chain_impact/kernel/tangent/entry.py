@@ -3,6 +3,8 @@
 The functions are those of kernel/entry.py and kernel/advance.py with derivatives beside.
 """
 
+import math
+
 from chain_impact.kernel.advance import go_on, look_at, renew
 from chain_impact.kernel.entry import UNLIMITED
 from chain_impact.kernel.events.contact_log import follow_to_now
@@ -13,6 +15,7 @@ from chain_impact.kernel.tangent.blocks import block, words
 from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.kernel.tangent.replay import replay
 from chain_impact.kernel.tangent.start import start, start_anew
+from chain_impact.kernel.tangent.trust import trusted
 from chain_impact.kernel.work_limit import work_done, work_of_a_call
 
 
@@ -76,10 +79,11 @@ def see(d, first, count, looks, values, slopes):
     for b in range(count):
         t = block(first, b)
         observe(t)
-        seen = words(t.output)
+        seen, known = words(t.output), trusted(t)
         for j in range(len(looks)):
             for k in range(DIRECTIONS):
-                slopes[(j * count + b) * DIRECTIONS + k] = seen[looks[j] * (1 + DIRECTIONS) + 1 + k]
+                slope = seen[looks[j] * (1 + DIRECTIONS) + 1 + k]
+                slopes[(j * count + b) * DIRECTIONS + k] = slope if known else math.nan
 
 
 def follow_with(d, first, count):

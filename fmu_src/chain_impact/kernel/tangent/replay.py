@@ -32,6 +32,7 @@ from chain_impact.kernel.integration.last_step import (
 from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.model.geometry import along_normal, clearance
 from chain_impact.kernel.tangent.directions import carried, value
+from chain_impact.kernel.tangent.trust import judge_onsets
 
 
 def replay(d, t):
@@ -91,6 +92,7 @@ def move_end(t):
         if kind == ONSET or kind == RELATCH or (kind == END and c != t.step.regularized):
             see_rate(t)
             see_points(t)
+            judge_onsets(t)
             move_along(t, delay(t, c, kind))
             return
 

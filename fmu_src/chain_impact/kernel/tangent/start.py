@@ -10,6 +10,7 @@ from chain_impact.kernel.model.contact import clear_loads
 from chain_impact.kernel.model.contact_force import foresee_depth, latch_damping
 from chain_impact.kernel.model.geometry import place_walls
 from chain_impact.kernel.tangent.directions import carried
+from chain_impact.kernel.tangent.trust import TRUSTED
 
 # The distance of the e from which the slope of a law's factor f(e) is found, and six times that slope's
 # coefficients
@@ -29,6 +30,7 @@ def start(d, t):
     clear_loads(t)
     begin_explicit(t.step)
     t.impact.last_time = d.step.time
+    t.trust.reason = TRUSTED
 
 
 def start_anew(d, t):

@@ -1,0 +1,300 @@
+"""Runs that carry the derivatives of all they give with respect to some parameters.
+
+Beside the instance lie instances of dual numbers, each with the derivatives in a few directions
+(kernel/tangent/). A derivative with respect to a parameter is for all other parameters of the FMU held; its
+unit is that of the quantity over that of the parameter. Where it does not exist, or cannot be trusted, it is
+NaN, and a sentence says from which impact on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from chain_impact.compilation.work import Notify, announce
+from chain_impact.instance import new_instance
+from chain_impact.kernel.status import OK
+from chain_impact.kernel.tangent.directions import DIRECTIONS, tangent_dtype
+from chain_impact.kernel.tangent.trust import REASONS, TRUSTED
+from chain_impact.names import Place
+from chain_impact.reading import SceneError, matching
+from chain_impact.results.result import IMPACT_DTYPE
+from chain_impact.running import Instance, SimulationError
+from chain_impact.scene import Scene
+from chain_impact.signals import Drive, drive
+from chain_impact.variables import differentiable, output_words, word_index
+
+IMPACT_QUANTITIES = tuple(name for name in IMPACT_DTYPE.names or () if name not in ("point", "wall"))
+"""The quantities of an impact that have derivatives."""
+AT_ONSET = ("onset", "impact_speed", "effective_mass")  # those that are known from its onset on
+
+
+class DifferentiatedInstance(Instance):
+    """An initialized instance with derivatives beside.
+
+    ``trajectory`` is as that of an ``Instance``, but looks at some outputs only. What is collected of impacts
+    has its derivatives in ``impact_slopes``, in the order in which it was collected.
+    """
+
+    _derivatives = True
+
+    def __init__(
+        self,
+        scene: Scene,
+        parameters: Sequence[str],
+        looks: Sequence[int],
+        notify: Notify = announce,
+        driven: Drive | None = None,
+    ) -> None:
+        """As ``Instance``, for P parameters by name and W outputs by their numbers in a row of outputs.
+
+        Raises:
+            UnknownNameError: when there is no parameter of a name.
+            SimulationError: when the scene cannot start.
+        """
+        if not parameters:
+            raise SceneError(f"{scene.name}: no parameters are named of which derivatives are wanted")
+        self._count = len(parameters)
+        self._wall_names = scene.wall_names
+        self._looks = np.array(looks, np.int64)
+        self._tangents = seeded(new_instance(scene), places_of(scene, parameters))
+        self.impact_slopes: list[np.ndarray] = []
+        super().__init__(scene, notify, driven)
+
+    def initialize(self) -> None:
+        """Set all to their start.
+
+        Raises:
+            SimulationError: when the scene cannot start.
+        """
+        self.impact_slopes = []
+        if self._kernel.initialize_with(self._address, *self._beside, 0.0) != OK:
+            raise SimulationError(self.status, 0.0, None)
+
+    def restart(self, places: Sequence[Place], values: np.ndarray) -> None:
+        """Set all to their start, with other values of some parameters.
+
+        Raises:
+            SimulationError: when it cannot start.
+        """
+        for place, value in zip(places, values, strict=True):
+            self.words[word_index(self._block.dtype, place)] = value
+            field: Any = self._tangents
+            for step in place[:-1]:
+                field = field[step] if isinstance(step, str) else field[:, step]
+            last = place[-1]
+            (field[last] if isinstance(last, str) else field[:, last])["value"] = value
+        self.initialize()
+
+    def follow_trajectory(self, times: np.ndarray, values: np.ndarray, slopes: np.ndarray) -> int:
+        """Advance to each of the times [s], filling a row of outputs and one of derivatives for each.
+
+        Args:
+            times: shape (T,).
+            values: result, shape (T, W).
+            slopes: result, shape (T, W, ``directions``), of which the first P are those asked for.
+
+        Returns:
+            How many rows are filled.
+        """
+        looks = (self._looks.ctypes.data, len(self._looks))
+        places = (values.ctypes.data, slopes.ctypes.data)
+        filled: int = self._kernel.trajectory_with(
+            self._address, *self._beside, times.ctypes.data, len(times), *looks, *places
+        )
+        return filled
+
+    @property
+    def directions(self) -> int:
+        """How many derivatives are carried: P or a few more."""
+        return len(self._tangents) * DIRECTIONS
+
+    @property
+    def _beside(self) -> tuple[int, int]:
+        return self._tangents.ctypes.data, len(self._tangents)
+
+    def collect(self) -> np.ndarray:
+        """Take the finished contacts out of the log, and their derivatives."""
+        rows = super().collect()
+        log = self._tangents["finished"]
+        self._keep_slopes(rows, {name: log[name]["slope"][:, : len(rows)] for name in IMPACT_QUANTITIES})
+        log["count"] = 0
+        return rows
+
+    def open_contacts(self) -> np.ndarray:
+        """The contacts that have not ended yet; drops what was solved ahead."""
+        self._kernel.follow_with(self._address, *self._beside)
+        rows = self._open_rows()
+        active = self.record["touch"]["active"] == 1
+        touch, impulse = self._tangents["touch"], self._tangents["impulse"]
+        slopes = {name: touch[name]["slope"] for name in ("onset", "peak_force", "max_penetration", "effective_mass")}
+        slopes["impact_speed"] = touch["onset_speed"]["slope"]
+        slopes["impulse"] = impulse["total"]["slope"] - impulse["onset"]["slope"]
+        slopes |= {name: np.full_like(touch["onset"]["slope"], np.nan) for name in ("end", "separation_speed")}
+        self._keep_slopes(rows, {name: slope[:, active] for name, slope in slopes.items()})
+        return rows
+
+    def _keep_slopes(self, rows: np.ndarray, slopes: Mapping[str, np.ndarray]) -> None:
+        """Keep the derivatives of some impacts, of shape (B, I, DIRECTIONS) for each quantity."""
+        kept = np.zeros(len(rows), [(name, np.float64, (self._count,)) for name in IMPACT_QUANTITIES])
+        trust = self._tangents["trust"][0]
+        distrusted = np.inf if trust["reason"] == TRUSTED else trust["time"]
+        for name in IMPACT_QUANTITIES:
+            together = np.moveaxis(slopes[name], 0, 1).reshape(len(rows), -1)
+            kept[name] = together[:, : self._count]
+            until = rows["onset"] if name in AT_ONSET else np.where(np.isnan(rows["end"]), self.time, rows["end"])
+            kept[name][(until >= distrusted) | ~np.isfinite(rows[name])] = np.nan
+        self.impact_slopes.append(kept)
+
+    @property
+    def limits(self) -> tuple[str, ...]:
+        """From when on derivatives are NaN, and why."""
+        trust = self._tangents["trust"][0]
+        if trust["reason"] == TRUSTED:
+            return ()
+        wall = self._wall_names[trust["wall"]]
+        impact = f"the impact of point {trust['point']} at {wall}"
+        reason = REASONS[int(trust["reason"])]
+        return (f"there are no derivatives from t = {trust['time']:.9g} s on, {impact}: {reason}",)
+
+
+def places_of(scene: Scene, names: Sequence[str]) -> list[Place]:
+    """The places in the instance record of parameters and inputs of which derivatives are wanted.
+
+    Raises:
+        UnknownNameError: when there is none of a name.
+    """
+    places = differentiable(scene)
+    return [places[matching(scene.name, name, places, "no parameter with derivatives")[0]] for name in names]
+
+
+def seeded(block: np.ndarray, places: Sequence[Place]) -> np.ndarray:
+    """The instances of dual numbers that go with an instance, each parameter in a direction of its own."""
+    count = max(1, -(-len(places) // DIRECTIONS))
+    tangents = np.zeros(count, tangent_dtype(block.dtype))
+    copy_values(block, tangents)
+    for number, place in enumerate(places):
+        field: Any = tangents[number // DIRECTIONS]
+        for step in place:
+            field = field[step]
+        field["slope"][number % DIRECTIONS] = 1.0
+    return tangents
+
+
+def copy_values(source: np.ndarray, target: np.ndarray) -> None:
+    """Copy the values of a record to each of some records of dual numbers."""
+    for name in source.dtype.names or ():
+        part = target[name]
+        if source.dtype[name].names:
+            copy_values(source[name], part)
+        else:
+            (part["value"] if part.dtype.names else part)[...] = source[name]
+
+
+@dataclass(frozen=True)
+class Differentiated:
+    """What a run gave, with derivatives with respect to its P parameters.
+
+    Attributes:
+        values: the outputs, shape (T, W); after a fault NaN.
+        slopes: their derivatives, shape (T, W, P).
+        impacts: one row for each contact in order of onset, as ``Result.impacts``.
+        impact_slopes: derivatives of the impacts' quantities: name → shape (I, P).
+        status: 0 when all is well, see ``chain_impact.kernel.status``.
+        limits: sentences: from which impact on derivatives are NaN, and why.
+    """
+
+    values: np.ndarray
+    slopes: np.ndarray
+    impacts: np.ndarray
+    impact_slopes: dict[str, np.ndarray]
+    status: int
+    limits: tuple[str, ...]
+
+
+class DifferentiatedRun:
+    """Runs of one scene again and again, with other values of some parameters."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        parameters: Sequence[str],
+        outputs: Sequence[str],
+        inputs: Mapping[str, Any] | None = None,
+        notify: Notify = announce,
+    ) -> None:
+        """Make ready for the derivatives of some outputs with respect to some parameters, all by name.
+
+        Args:
+            scene: what runs.
+            parameters: of the FMU, P of them: real ones and inputs.
+            outputs: of the FMU, W of them.
+            inputs: name of an input → its signal over time, as ``simulate`` takes it.
+            notify: called with a sentence before a kernel is compiled.
+
+        Raises:
+            UnknownNameError: when there is none of a name.
+            SceneError: when a signal cannot be one.
+            SimulationError: when the scene cannot start.
+        """
+        self._scene, self._inputs = scene, dict(inputs or {})
+        self._places = places_of(scene, parameters)
+        self._count, self._width = len(parameters), len(outputs)
+        words = output_words(scene, outputs)
+        self._instance = DifferentiatedInstance(scene, parameters, [words[name] for name in outputs], notify)
+
+    def run(self, values: np.ndarray, times: np.ndarray) -> Differentiated:
+        """Run with some values of the parameters.
+
+        Args:
+            values: of the parameters, shape (P,).
+            times: when the outputs are wanted, increasing, shape (T,) [s].
+        """
+        instance = self._instance
+        times = np.ascontiguousarray(times, float)
+        driven = drive(self._scene, self._inputs, "hold", times) if self._inputs else None
+        grid = times if driven is None else driven.times
+        found = np.full((len(grid), self._width), np.nan)
+        slopes = np.full((len(grid), self._width, instance.directions), np.nan)
+        impacts: list[np.ndarray] = []
+        try:
+            if driven:
+                driven.set(instance.record["given"], 0)
+            instance.restart(self._places, values)
+        except SimulationError:
+            return self._told(found, slopes, impacts)
+        done, ends = 0, np.array([len(grid)]) if driven is None else driven.changes
+        while done < len(grid) and instance.status == OK:
+            end = ends[np.searchsorted(ends, done, side="right")]
+            if driven:
+                driven.set(instance.record["given"], done)
+            done += instance.follow_trajectory(grid[done:end], found[done:end], slopes[done:end])
+            impacts.append(instance.collect())
+        impacts.append(instance.open_contacts())
+        asked = slice(None) if driven is None else driven.asked
+        return self._told(found[asked], slopes[asked], impacts)
+
+    def _told(self, found: np.ndarray, slopes: np.ndarray, impacts: list[np.ndarray]) -> Differentiated:
+        rows, impact_slopes = sorted_impacts(impacts, self._instance.impact_slopes, self._count)
+        return Differentiated(
+            values=found,
+            slopes=slopes[:, :, : self._count],
+            impacts=rows,
+            impact_slopes=impact_slopes,
+            status=self._instance.status,
+            limits=self._instance.limits,
+        )
+
+
+def sorted_impacts(
+    parts: Sequence[np.ndarray], slopes: Sequence[np.ndarray], count: int
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """Contacts in order of onset, and their derivatives: name → shape (I, P)."""
+    if not parts:
+        return np.zeros(0, IMPACT_DTYPE), {name: np.zeros((0, count)) for name in IMPACT_QUANTITIES}
+    rows, together = np.concatenate(parts), np.concatenate(slopes)
+    order = np.argsort(rows, order=["onset", "point", "wall"])
+    return rows[order], {name: together[name][order] for name in IMPACT_QUANTITIES}
