@@ -145,10 +145,11 @@ class Instance:
         return {name: int(counts[name]) for name in counts.dtype.names or ()}
 
 
-def in_order(parts: Sequence[np.ndarray]) -> np.ndarray:
-    """Contacts in order of onset."""
-    found = [part for part in parts if len(part)]
-    return np.sort(np.concatenate(found), order=["onset", "point", "wall"]) if found else parts[0]
+def in_order(parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """The order of contacts by onset, and the contacts in it."""
+    found = np.concatenate(parts)
+    order = np.argsort(found, order=["onset", "point", "wall"])
+    return order, found[order]
 
 
 def _impact_rows(count: int, columns: dict[str, np.ndarray]) -> np.ndarray:

@@ -22,21 +22,23 @@ from chain_impact.kernel.tangent.trust import REASONS, TRUSTED
 from chain_impact.names import Place
 from chain_impact.reading import SceneError, matching
 from chain_impact.results.result import IMPACT_DTYPE
-from chain_impact.running import Instance, SimulationError
+from chain_impact.running import Instance, SimulationError, in_order
 from chain_impact.scene import Scene
 from chain_impact.signals import Drive, drive
 from chain_impact.variables import differentiable, output_words, word_index
 
 IMPACT_QUANTITIES = tuple(name for name in IMPACT_DTYPE.names or () if name not in ("point", "wall"))
 """The quantities of an impact that have derivatives."""
+ROWS_AT_ONCE = 5000  # of derivatives, that the kernel fills in one call
 AT_ONSET = ("onset", "impact_speed", "effective_mass")  # those that are known from its onset on
 
 
 class DifferentiatedInstance(Instance):
     """An initialized instance with derivatives beside.
 
-    ``trajectory`` is as that of an ``Instance``, but looks at some outputs only. What is collected of impacts
-    has its derivatives in ``impact_slopes``, in the order in which it was collected.
+    Attributes:
+        scene: what runs.
+        parameters: the names of the P parameters.
     """
 
     _derivatives = True
@@ -57,11 +59,10 @@ class DifferentiatedInstance(Instance):
         """
         if not parameters:
             raise SceneError(f"{scene.name}: no parameters are named of which derivatives are wanted")
-        self._count = len(parameters)
-        self._wall_names = scene.wall_names
+        self.scene, self.parameters = scene, tuple(parameters)
         self._looks = np.array(looks, np.int64)
         self._tangents = seeded(new_instance(scene), places_of(scene, parameters))
-        self.impact_slopes: list[np.ndarray] = []
+        self._impact_slopes: list[np.ndarray] = []
         super().__init__(scene, notify, driven)
 
     def initialize(self) -> None:
@@ -70,7 +71,7 @@ class DifferentiatedInstance(Instance):
         Raises:
             SimulationError: when the scene cannot start.
         """
-        self.impact_slopes = []
+        self._impact_slopes = []
         if self._kernel.initialize_with(self._address, *self._beside, 0.0) != OK:
             raise SimulationError(self.status, 0.0, None)
 
@@ -95,20 +96,23 @@ class DifferentiatedInstance(Instance):
         Args:
             times: shape (T,).
             values: result, shape (T, W).
-            slopes: result, shape (T, W, ``directions``), of which the first P are those asked for.
+            slopes: result, shape (T, W, P).
 
         Returns:
             How many rows are filled.
         """
+        found = np.zeros((min(len(times), ROWS_AT_ONCE), len(self._looks), self._directions))
+        times = times[: len(found)]
         looks = (self._looks.ctypes.data, len(self._looks))
-        places = (values.ctypes.data, slopes.ctypes.data)
+        places = (values.ctypes.data, found.ctypes.data)
         filled: int = self._kernel.trajectory_with(
             self._address, *self._beside, times.ctypes.data, len(times), *looks, *places
         )
+        slopes[:filled] = found[:filled, :, : len(self.parameters)]
         return filled
 
     @property
-    def directions(self) -> int:
+    def _directions(self) -> int:
         """How many derivatives are carried: P or a few more."""
         return len(self._tangents) * DIRECTIONS
 
@@ -139,15 +143,22 @@ class DifferentiatedInstance(Instance):
 
     def _keep_slopes(self, rows: np.ndarray, slopes: Mapping[str, np.ndarray]) -> None:
         """Keep the derivatives of some impacts, of shape (B, I, DIRECTIONS) for each quantity."""
-        kept = np.zeros(len(rows), [(name, np.float64, (self._count,)) for name in IMPACT_QUANTITIES])
+        kept = np.zeros(len(rows), [(name, np.float64, (len(self.parameters),)) for name in IMPACT_QUANTITIES])
         trust = self._tangents["trust"][0]
         distrusted = np.inf if trust["reason"] == TRUSTED else trust["time"]
         for name in IMPACT_QUANTITIES:
-            together = np.moveaxis(slopes[name], 0, 1).reshape(len(rows), -1)
-            kept[name] = together[:, : self._count]
+            together = np.moveaxis(slopes[name], 0, 1).reshape(len(rows), self._directions)
+            kept[name] = together[:, : len(self.parameters)]
             until = rows["onset"] if name in AT_ONSET else np.where(np.isnan(rows["end"]), self.time, rows["end"])
             kept[name][(until >= distrusted) | ~np.isfinite(rows[name])] = np.nan
-        self.impact_slopes.append(kept)
+        self._impact_slopes.append(kept)
+
+    def slopes_of_impacts(self, order: np.ndarray) -> dict[str, np.ndarray]:
+        """The derivatives of all impacts that were collected, in an order of them: name → shape (I, P)."""
+        if not self._impact_slopes:
+            return {name: np.zeros((0, len(self.parameters))) for name in IMPACT_QUANTITIES}
+        together = np.concatenate(self._impact_slopes)[order]
+        return {name: together[name] for name in IMPACT_QUANTITIES}
 
     @property
     def limits(self) -> tuple[str, ...]:
@@ -155,7 +166,7 @@ class DifferentiatedInstance(Instance):
         trust = self._tangents["trust"][0]
         if trust["reason"] == TRUSTED:
             return ()
-        wall = self._wall_names[trust["wall"]]
+        wall = self.scene.wall_names[trust["wall"]]
         impact = f"the impact of point {trust['point']} at {wall}"
         reason = REASONS[int(trust["reason"])]
         return (f"there are no derivatives from t = {trust['time']:.9g} s on, {impact}: {reason}",)
@@ -258,7 +269,7 @@ class DifferentiatedRun:
         driven = drive(self._scene, self._inputs, "hold", times) if self._inputs else None
         grid = times if driven is None else driven.times
         found = np.full((len(grid), self._width), np.nan)
-        slopes = np.full((len(grid), self._width, instance.directions), np.nan)
+        slopes = np.full((len(grid), self._width, self._count), np.nan)
         impacts: list[np.ndarray] = []
         try:
             if driven:
@@ -278,23 +289,12 @@ class DifferentiatedRun:
         return self._told(found[asked], slopes[asked], impacts)
 
     def _told(self, found: np.ndarray, slopes: np.ndarray, impacts: list[np.ndarray]) -> Differentiated:
-        rows, impact_slopes = sorted_impacts(impacts, self._instance.impact_slopes, self._count)
+        order, rows = in_order([np.zeros(0, IMPACT_DTYPE), *impacts])
         return Differentiated(
             values=found,
-            slopes=slopes[:, :, : self._count],
+            slopes=slopes,
             impacts=rows,
-            impact_slopes=impact_slopes,
+            impact_slopes=self._instance.slopes_of_impacts(order),
             status=self._instance.status,
             limits=self._instance.limits,
         )
-
-
-def sorted_impacts(
-    parts: Sequence[np.ndarray], slopes: Sequence[np.ndarray], count: int
-) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Contacts in order of onset, and their derivatives: name → shape (I, P)."""
-    if not parts:
-        return np.zeros(0, IMPACT_DTYPE), {name: np.zeros((0, count)) for name in IMPACT_QUANTITIES}
-    rows, together = np.concatenate(parts), np.concatenate(slopes)
-    order = np.argsort(rows, order=["onset", "point", "wall"])
-    return rows[order], {name: together[name][order] for name in IMPACT_QUANTITIES}
