@@ -115,7 +115,7 @@ def second_accumulation(arm: Arm, start: float, y: Vector) -> float:
     angle, rate = (y[1], y[3]) if math.cos(y[1]) > 0 else (math.pi - y[1], -y[3])
 
     def up(top: float, low: float) -> float:
-        """Time between the angle ``low`` and the highest one: ∫ dθ/√(c (sin θ_top − sin θ)), θ = θ_top − s²."""
+        """Time [s] between an angle and the highest one: ∫ dθ/√(c (sin θ_top − sin θ)), θ = θ_top − s²."""
 
         def integrand(s: float) -> float:
             # sin a − sin b = 2 cos((a + b)/2) sin((a − b)/2)

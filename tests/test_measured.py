@@ -1,4 +1,7 @@
-"""Measured motions: how well the models follow them, and what the files of measured values hold."""
+"""Measured motions: how well the models follow them, what the files of measured values hold, their charts."""
+
+import importlib.util
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -36,7 +39,7 @@ def test_the_golf_ball_bounces_as_heard():
     onsets, heard = simulate("golf_ball").impacts["onset"], heard_impacts()
     assert len(onsets) == len(heard) == 9
     early = heard - onsets
-    # what docs/models/golf_ball.md says: each drop differs from the mean of the four by more in its last impacts
+    # what docs/models/golf_ball.md says
     assert early[0] == pytest.approx(0.0, abs=1e-5)
     assert early[[1, 2, 8]] == pytest.approx([0.0015, 0.0037, 0.066], abs=1e-3)
     assert (np.diff(early) > 0).all()
@@ -51,3 +54,12 @@ def test_heights_of_the_golf_ball_follow_from_the_measured_times():
     tops = height[(time > heard[0]) & (height > 0)]
     assert tops == pytest.approx(9.81 * flights**2 / 8, abs=2e-5)
     assert time[(time > heard[0]) & (height > 0)] == pytest.approx((heard[1:] + heard[:-1]) / 2, abs=2e-5)
+
+
+def test_the_charts_are_drawn(tmp_path):
+    path = Path(__file__).parents[1] / "docs" / "measured.py"
+    spec = importlib.util.spec_from_file_location("measured_charts", path)
+    charts = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(charts)
+    charts.draw(tmp_path)
+    assert {file.stem for file in tmp_path.iterdir()} == set(MODELS)

@@ -150,7 +150,9 @@ def test_energy_is_conserved_in_the_reference(model):
 def test_every_model_has_its_files():
     for model in model_names():
         files = {file.name for file in (models_folder() / model).iterdir() if file.is_file()}
-        assert files == {SCENE_FILE, "reference.csv"} | CO_SIMULATED.get(model, set()) | MEASURED.get(model, set())
+        assert files == {SCENE_FILE, "reference.csv"} | CO_SIMULATED.get(model, set()) | MEASURED.get(
+            model, set()
+        )
         assert (DOCS / f"{model}.md").is_file()
 
 
