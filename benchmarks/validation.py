@@ -28,6 +28,7 @@ SOURCES = {
     "elastic_floor": "code_aster, SDND108 A",
     "clattering_rod": "Goyal et al. 1998",
     "falling_arm": "Brogliato 2016",
+    "steel_bar": "Stoianovici & Hurmuzlu 1996; Euler–Bernoulli",
     "golf_ball": "Cantarini 2023, laboratory course",
     "triple_pendulum": "Kaheman et al. 2023",
 }

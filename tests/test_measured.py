@@ -57,9 +57,9 @@ def test_heights_of_the_golf_ball_follow_from_the_measured_times():
 
 
 def test_the_charts_are_drawn(tmp_path):
-    path = Path(__file__).parents[1] / "docs" / "measured.py"
-    spec = importlib.util.spec_from_file_location("measured_charts", path)
+    path = Path(__file__).parents[1] / "docs" / "gallery.py"
+    spec = importlib.util.spec_from_file_location("gallery", path)
     charts = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(charts)
     charts.draw(tmp_path)
-    assert {file.stem for file in tmp_path.iterdir()} == set(MODELS)
+    assert {file.stem for file in tmp_path.iterdir()} == {*MODELS, "steel_bar"}

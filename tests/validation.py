@@ -18,6 +18,7 @@ from scipy.special import ellipj, ellipk, gamma
 from chain_impact import load_scene
 from chain_impact.scene import Scene, with_values
 from tests.accumulation import Arm, first_accumulation, second_accumulation
+from tests.beam import Bar, impulse
 from tests.figures import Figure, Problem, problem, run
 from tests.measured import golf_ball, triple_pendulum
 from tests.textbook import Chain
@@ -310,6 +311,26 @@ def falling_arm(tolerance: float) -> Problem:
     return problem(model, result, figures)
 
 
+# --- a bar that bends ----------------------------------------------------------------------------------
+
+
+def steel_bar(tolerance: float) -> Problem:
+    """What is left of the restitution of a slender bar that vibrates: 20 links, and an Euler–Bernoulli beam."""
+    model, shown = "steel_bar", (0.2, 0.3, 0.4)
+    result, scene = run(model, tolerance), load_scene(model)
+    times = np.linspace(0.0, scene.simulation.stop_time, 2)
+    figures = []
+    for length in shown:
+        bar = Bar(length)
+        _, exact = bar.impact(times)
+        ours = impulse(bar.chain(scene, 20, tolerance))
+        quantity = f"restitution of a bar of {length} m without its vibration"
+        # a chain of 20 links is not quite a beam
+        figures.append(Figure(quantity, None, bar.restitution(exact), bar.restitution(ours), 2e-4))
+    figures.append(Figure("impulse on the bar of 0.4 m [N·s]", None, exact, impulse(result), 1e-5))
+    return problem(model, result, figures)
+
+
 PROBLEMS: dict[str, Callable[[float], Problem]] = {
     function.__name__: function
     for function in (
@@ -321,6 +342,7 @@ PROBLEMS: dict[str, Callable[[float], Problem]] = {
         elastic_floor,
         clattering_rod,
         falling_arm,
+        steel_bar,
         golf_ball,
         triple_pendulum,
     )
