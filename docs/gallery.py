@@ -96,7 +96,7 @@ def steel_bar(page: Figure) -> None:
     lengths.legend(loc="lower left")
     headline(
         page,
-        f"A bar of 0.4 m touches {len(result.impacts)} times, and its vibration takes a quarter of the rebound",
+        f"A bar of 0.4 m touches {len(result.impacts)} times; its vibration takes a quarter of the rebound",
         "steel bar, 12 mm thick, drops flat at 0.5 m/s on an elastic support under one end",
     )
 

@@ -315,7 +315,7 @@ def falling_arm(tolerance: float) -> Problem:
 
 
 def steel_bar(tolerance: float) -> Problem:
-    """What is left of the restitution of a slender bar that vibrates: 20 links, and an Euler–Bernoulli beam."""
+    """What is left of the restitution of a bar that vibrates: 20 links, and an Euler–Bernoulli beam."""
     model, shown = "steel_bar", (0.2, 0.3, 0.4)
     result, scene = run(model, tolerance), load_scene(model)
     times = np.linspace(0.0, scene.simulation.stop_time, 2)
