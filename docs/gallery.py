@@ -85,7 +85,7 @@ def steel_bar(page: Figure) -> None:
     force.plot(1e3 * result.time, result["contact[0].y_min.force"], color=BLUE, linewidth=1.4)
     touching = theory > 0
     force.plot(1e3 * (times + first)[touching], theory[touching], ".", color=BLACK, markersize=4)
-    force.set(xlabel="time, ms", ylabel="force, N", xlim=(0, 2.5), ylim=(0, None))
+    force.set(xlabel="time, ms", ylabel="force, N", xlim=(0, 3), ylim=(0, None))
     some = np.linspace(0.1, 0.5, 33)
     found = [bar.restitution(impulse(bar.chain(scene, 20, 1e-8))) for bar in map(Bar, some)]
     lengths.plot(some, found, color=BLUE, linewidth=1.4, label="chain of 20 links")

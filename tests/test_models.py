@@ -41,7 +41,7 @@ INDEPENDENT = {
     "rod_drop": (1.4, 1e-9),
     "simple_pendulum": (4.0, 1e-9),
     "sphere_on_wall": (0.012, 1e-9),
-    "steel_bar": (0.0004, 1e-9),
+    "steel_bar": (0.0008, 1e-9),
     "triple_pendulum": (5.0, 1e-9),
 }
 # until the end, of positions [m] and angles [rad], and of their rates: during contact 1e-8 s are 1e-4 m/s
