@@ -14,6 +14,7 @@ import cmath
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import SimpleNamespace
 from typing import Any
 
@@ -135,18 +136,6 @@ def runge_kutta(
     return y + h * np.tensordot(DOP853.B, stages[:12], 1), stages
 
 
-def solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """x with A x = b in each lane, by Gauss's elimination: A is positive definite and needs no pivots."""
-    a, b, size = matrix.copy(), right.copy(), right.shape[1]
-    for k in range(size - 1):
-        ratio = a[:, k + 1 :, k] / a[:, k, k, None]
-        a[:, k + 1 :, k:] -= ratio[:, :, None] * a[:, k, None, k:]
-        b[:, k + 1 :] -= ratio * b[:, k, None]
-    for k in reversed(range(size)):
-        b[:, k] = (b[:, k] - (a[:, k, k + 1 :] * b[:, k + 1 :]).sum(1)) / a[:, k, k]
-    return b
-
-
 def power(base: np.ndarray, exponent: np.ndarray) -> np.ndarray:
     """Base^exponent in each lane; for an exponent that is not whole as if the base were positive."""
     if exponent[0].real == round(exponent[0].real) and not exponent.imag.any():
@@ -157,6 +146,46 @@ def power(base: np.ndarray, exponent: np.ndarray) -> np.ndarray:
 
 
 # --- the chain -------------------------------------------------------------------------------------------
+
+
+class Place:
+    """Directions, positions and velocities in a state, and clearances of the candidates and their rates."""
+
+    def __init__(self, chain: ComplexChain, y: np.ndarray) -> None:
+        self.chain, self.y = chain, y
+        self.angle, self.omega = y[:, 2 : chain.v.start], y[:, chain.v.start + 2 : chain.v.stop]
+        self.along = np.empty((*self.angle.shape, 2), complex)  # e_i …
+        self.across = np.empty_like(self.along)  # … and e_i⊥
+        self.along[..., 0] = self.across[..., 1] = np.cos(self.angle)
+        self.along[..., 1] = np.sin(self.angle)
+        self.across[..., 0] = -self.along[..., 1]
+
+    @cached_property
+    def position(self) -> np.ndarray:
+        return chained(self.y[:, :2], self.along * self.chain.length[..., None])
+
+    @cached_property
+    def velocity(self) -> np.ndarray:
+        base = self.y[:, self.chain.v.start : self.chain.v.start + 2]
+        return chained(base, self.across * (self.chain.length * self.omega)[..., None])
+
+    @cached_property
+    def gap(self) -> np.ndarray:
+        chain = self.chain
+        return (chain.normal * self.position[:, chain.points]).sum(2) - chain.offset
+
+    @cached_property
+    def gap_rate(self) -> np.ndarray:
+        return (self.chain.normal * self.velocity[:, self.chain.points]).sum(2)
+
+
+def chained(base: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """Base, and base and parts up to each link: of all points, shape (lanes, N+1, 2)."""
+    result = np.empty((len(base), parts.shape[1] + 1, 2), complex)
+    result[:, 0] = base
+    np.cumsum(parts, 1, out=result[:, 1:])
+    result[:, 1:] += base[:, None]
+    return result
 
 
 @dataclass
@@ -203,6 +232,7 @@ class ComplexChain:
         self.sizes = np.array([abs(self.base[name]) or 1.0 for name in self.parameters])
         self.links = len(scene.chain.links)
         self.pinned = scene.chain.base == "pinned"
+        self.recent: list[tuple[np.ndarray, Place]] = []
         self._places()
         self._bodies()
         self._walls()
@@ -238,6 +268,7 @@ class ComplexChain:
         for k in range(n):
             arm[:, :k, k] = self.length[:, :k]
             arm[:, k, k] = self.centre[:, k]
+        self.total = self.mass.sum(1)
         self.b = (arm * self.mass[:, None]).sum(2)
         self.c = np.einsum("lik,lk,ljk->lij", arm, self.mass, arm)
         self.damper, self.spring = self.values("link[{}].joint_damping"), self.values("link[{}].joint_stiffness")
@@ -299,47 +330,40 @@ class ComplexChain:
 
     # --- motion ------------------------------------------------------------------------------------------
 
-    def locate(self, y: np.ndarray) -> SimpleNamespace:
-        """Positions and velocities of the points, clearances of the candidates and their rates."""
-        angle, omega = y[:, 2 : self.v.start], y[:, self.v.start + 2 : self.v.stop]
-        along = np.stack([np.cos(angle), np.sin(angle)], 2)  # e_i …
-        across = np.stack([-along[..., 1], along[..., 0]], 2)  # … and e_i⊥
-        position = self.chained(y[:, :2], along * self.length[..., None])
-        velocity = self.chained(
-            y[:, self.v.start : self.v.start + 2], across * (self.length * omega)[..., None]
-        )
-        gap = (self.normal * position[:, self.points]).sum(2) - self.offset
-        gap_rate = (self.normal * velocity[:, self.points]).sum(2)
-        return SimpleNamespace(**{k: v for k, v in locals().items() if k not in ("self", "y")})
+    def locate(self, y: np.ndarray) -> Place:
+        """Where the chain is in a state, and how it moves. The last two are kept."""
+        for state, place in self.recent:
+            if state is y:
+                return place
+        place = Place(self, y)
+        self.recent = [(y, place), *self.recent[:1]]
+        return place
 
-    @staticmethod
-    def chained(base: np.ndarray, parts: np.ndarray) -> np.ndarray:
-        """Base, and base and parts up to each link: of all points, shape (lanes, N+1, 2)."""
-        return np.concatenate([base[:, None], base[:, None] + np.cumsum(parts, 1)], 1)
-
-    def mass_matrix(self, place: SimpleNamespace) -> np.ndarray:
+    def mass_matrix(self, place: Place) -> np.ndarray:
         along, n = place.along, self.links
         matrix = np.zeros((self.lanes, n + 2, n + 2), complex)
-        matrix[:, 0, 0] = matrix[:, 1, 1] = self.mass.sum(1)
+        matrix[:, 0, 0] = matrix[:, 1, 1] = self.total
         matrix[:, :2, 2:] = np.swapaxes(self.b[..., None] * place.across, 1, 2)
         matrix[:, 2:, :2] = self.b[..., None] * place.across
         matrix[:, 2:, 2:] = self.c * (along @ np.swapaxes(along, 1, 2))
         matrix[:, range(2, n + 2), range(2, n + 2)] += self.inertia
         return matrix
 
-    def answer(self, place: SimpleNamespace, forces: np.ndarray) -> np.ndarray:
+    def answer(self, place: Place, forces: np.ndarray) -> np.ndarray:
         """M⁻¹ f of the coordinates that are free."""
         first, result = 2 if self.pinned else 0, np.zeros_like(forces)
-        result[:, first:] = solve(self.mass_matrix(place)[:, first:, first:], forces[:, first:])
+        result[:, first:] = np.linalg.solve(
+            self.mass_matrix(place)[:, first:, first:], forces[:, first:, None]
+        )[..., 0]
         return result
 
-    def spread(self, place: SimpleNamespace, loads: np.ndarray) -> np.ndarray:
+    def spread(self, place: Place, loads: np.ndarray) -> np.ndarray:
         """The generalized force Jᵀf of forces on the points, shape (lanes, N+1, 2)."""
         beyond = np.cumsum(loads[:, ::-1], 1)[:, ::-1]  # on a point and all beyond it
         turning = self.length * (place.across * beyond[:, 1:]).sum(2)
         return np.concatenate([beyond[:, 0], turning], 1)
 
-    def gradient(self, place: SimpleNamespace, c: int) -> np.ndarray:
+    def gradient(self, place: Place, c: int) -> np.ndarray:
         """J of the clearance of candidate c."""
         loads = np.zeros((self.lanes, self.links + 1, 2), complex)
         loads[:, self.points[c]] = self.normal[:, c]
@@ -350,38 +374,49 @@ class ComplexChain:
         place = self.locate(y)
         loads = np.zeros((self.lanes, self.links + 1, 2), complex)
         loads[:, -1] += self.tip
-        place.force, place.elastic = [], []
-        for touch in touches:
-            force, elastic = self.force(y, place, touch)
+        pairs = [self.force(y, place, touch) for touch in touches]
+        for touch, (force, _) in zip(touches, pairs, strict=True):
             c = touch.candidate
             loads[:, self.points[c]] += self.normal[:, c] * force[:, None]
-            place.force.append(force)
-            place.elastic.append(elastic)
         omega, along, across = place.omega, place.along, place.across
         forces = self.spread(place, loads)
         # Σ_j c_ij sin(θ_i−θ_j) ω_j² and −Σ b_i ω_i² e_i, to the other side
-        outward = np.einsum("lij,lj,ljk->lik", self.c, omega**2, along)
+        square = (omega**2)[..., None]
+        outward = self.c @ (square * along) + self.b[..., None] * self.gravity[:, None]
         forces[:, 2:] += (across * outward).sum(2)
-        forces[:, :2] += ((self.b * omega**2)[..., None] * along).sum(1)
-        forces[:, :2] += self.mass.sum(1)[:, None] * self.gravity
-        forces[:, 2:] += self.b * (across * self.gravity[:, None]).sum(2)
-        bent = np.diff(place.angle, axis=1, prepend=0.0) - self.rest
-        turned = np.diff(omega, axis=1, prepend=0.0)
+        forces[:, :2] += (self.b[..., None] * square * along).sum(1)
+        forces[:, :2] += self.total[:, None] * self.gravity
+        bent, turned = self.relative(place.angle) - self.rest, self.relative(omega)
         moment = self.torque - self.damper * turned - self.spring * bent
         forces[:, 2:] += moment
         forces[:, 2:-1] -= moment[:, 1:]
-        place.acceleration = self.answer(place, forces)
-        place.loss = (self.damper * turned**2).sum(1)
-        for touch, force, elastic in zip(touches, place.force, place.elastic, strict=True):
-            place.loss = place.loss - (force - elastic) * place.gap_rate[:, touch.candidate]
-        place.supply = (self.torque * turned).sum(1) + (self.tip * place.velocity[:, -1]).sum(1)
-        place.spring_energy = (0.5 * self.spring * bent**2).sum(1)
-        return place
+        loss = (self.damper * turned**2).sum(1)
+        for touch, (force, elastic) in zip(touches, pairs, strict=True):
+            loss = loss - (force - elastic) * place.gap_rate[:, touch.candidate]
+        supply = (self.torque * turned).sum(1)
+        if self.tip.any():
+            supply = supply + (self.tip * place.velocity[:, -1]).sum(1)
+        return SimpleNamespace(
+            place=place,
+            acceleration=self.answer(place, forces),
+            pairs=pairs,
+            loss=loss,
+            supply=supply,
+            spring_energy=(0.5 * self.spring * bent**2).sum(1),
+        )
 
-    def point_accelerations(self, place: SimpleNamespace) -> np.ndarray:
-        turning = place.across * (self.length * place.acceleration[:, 2:])[..., None]
+    @staticmethod
+    def relative(values: np.ndarray) -> np.ndarray:
+        """What each link has more than the one before it."""
+        result = values.copy()
+        result[:, 1:] -= values[:, :-1]
+        return result
+
+    def point_accelerations(self, look: SimpleNamespace) -> np.ndarray:
+        place = look.place
+        turning = place.across * (self.length * look.acceleration[:, 2:])[..., None]
         inward = place.along * (self.length * place.omega**2)[..., None]
-        return self.chained(place.acceleration[:, :2], turning - inward)
+        return chained(look.acceleration[:, :2], turning - inward)
 
     def rate(self, y: np.ndarray, touches: Sequence[Touch]) -> np.ndarray:
         """dy/ds."""
@@ -390,12 +425,12 @@ class ComplexChain:
         m, tempo = self.m, self.tempo(y, touches)
         result[:, self.q], result[:, self.v] = y[:, self.v], look.acceleration
         result[:, self.time], result[:, self.dissipated], result[:, self.supplied] = 1.0, look.loss, look.supply
-        for touch, force in zip(touches, look.force, strict=True):
+        for touch, (force, _) in zip(touches, look.pairs, strict=True):
             result[:, self.impulse + touch.candidate] = force
         result *= tempo[:, None]
         for touch in touches:
             others = self.tempo(y, touches, without=touch)
-            approach = -look.gap_rate[:, touch.candidate]
+            approach = -look.place.gap_rate[:, touch.candidate]
             result[:, self.root + touch.candidate] = approach / (m * touch.scale) * others
         return result
 
@@ -420,7 +455,7 @@ class ComplexChain:
     def damping(self, touch: Touch) -> np.ndarray:
         return touch.damping if touch.damped else 0.0 * touch.damping
 
-    def force(self, y: np.ndarray, place: SimpleNamespace, touch: Touch) -> tuple[np.ndarray, np.ndarray]:
+    def force(self, y: np.ndarray, place: Place, touch: Touch) -> tuple[np.ndarray, np.ndarray]:
         """F = K δⁿ + d δᵖ δ̇, or 0 where it is cut off, and K δⁿ."""
         elastic = self.stiffness * self.depth_power(y, touch, self.exponent)
         if not touch.pushes:
@@ -438,7 +473,7 @@ class ComplexChain:
         """Ḟ δ^(1−p), which is zero at a peak of the force and neither at onset nor end."""
         look, c, d = self.look(y, touches), touch.candidate, self.damping(touch)
         n, p = self.exponent, self.rate_exponent
-        approach = -look.gap_rate[:, c]
+        approach = -look.place.gap_rate[:, c]
         point = self.point_accelerations(look)[:, self.points[c]]
         sinking = -(self.normal[:, c] * point).sum(1)
         if not p.any():

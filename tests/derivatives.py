@@ -16,7 +16,7 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from chain_impact.scene import Scene
-from tests.complex_chain import TINY, ComplexChain, Touch, runge_kutta
+from tests.complex_chain import TINY, ComplexChain, Place, Touch, runge_kutta
 
 FIELDS = (
     "onset",
@@ -342,34 +342,34 @@ class _Run:
         acceleration = chain.point_accelerations(look)
         for k in range(chain.links + 1):
             for j, axis in enumerate("xy"):
-                values[f"point[{k}].{axis}"] = look.position[:, k, j]
-                values[f"point[{k}].v{axis}"] = look.velocity[:, k, j]
+                values[f"point[{k}].{axis}"] = look.place.position[:, k, j]
+                values[f"point[{k}].v{axis}"] = look.place.velocity[:, k, j]
                 values[f"point[{k}].a{axis}"] = acceleration[:, k, j]
         for i in range(chain.links):
-            values[f"link[{i + 1}].angle"] = look.angle[:, i]
-            values[f"link[{i + 1}].angular_velocity"] = look.omega[:, i]
+            values[f"link[{i + 1}].angle"] = look.place.angle[:, i]
+            values[f"link[{i + 1}].angular_velocity"] = look.place.omega[:, i]
             values[f"link[{i + 1}].angular_acceleration"] = look.acceleration[:, 2 + i]
         names = chain.scene.wall_names
         elastic, zero = look.spring_energy, np.zeros(chain.lanes, complex)
         active = {touch.candidate: i for i, touch in enumerate(self.touches)}
         for c, (point, wall) in enumerate(zip(chain.points, chain.walls, strict=True)):
             name, i = f"contact[{point}].{names[wall]}", active.get(c)
-            values[f"{name}.force"] = zero if i is None else look.force[i]
-            values[f"{name}.penetration"] = zero if i is None else -look.gap[:, c]
-            values[f"{name}.penetration_rate"] = zero if i is None else -look.gap_rate[:, c]
+            values[f"{name}.force"] = zero if i is None else look.pairs[i][0]
+            values[f"{name}.penetration"] = zero if i is None else -look.place.gap[:, c]
+            values[f"{name}.penetration_rate"] = zero if i is None else -look.place.gap_rate[:, c]
             values[f"{name}.impulse"] = y[:, chain.impulse + c]
             if i is not None:
                 # K δⁿ⁺¹/(n+1)
-                elastic = elastic - look.elastic[i] * look.gap[:, c] / (chain.exponent + 1.0)
-        values |= self.energies(look, elastic)
+                elastic = elastic - look.pairs[i][1] * look.place.gap[:, c] / (chain.exponent + 1.0)
+        values |= self.energies(look.place, elastic)
         return {name: value.copy() for name, value in values.items()}
 
-    def energies(self, look: Any, elastic: np.ndarray) -> dict[str, np.ndarray]:
+    def energies(self, place: Place, elastic: np.ndarray) -> dict[str, np.ndarray]:
         chain, v = self.chain, self.y[:, self.chain.v]
-        momentum = (chain.mass_matrix(look) @ v[..., None])[..., 0]
+        momentum = (chain.mass_matrix(place) @ v[..., None])[..., 0]
         kinetic = 0.5 * (v * momentum).sum(1)
         # Σ m x_C: of the base, and b_i e_i
-        moment = chain.mass.sum(1)[:, None] * look.position[:, 0] + (chain.b[..., None] * look.along).sum(1)
+        moment = chain.total[:, None] * place.position[:, 0] + (chain.b[..., None] * place.along).sum(1)
         potential = -(chain.gravity * moment).sum(1)
         return {
             "energy.kinetic": kinetic,
