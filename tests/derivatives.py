@@ -16,7 +16,7 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from chain_impact.scene import Scene
-from tests.complex_chain import TINY, ComplexChain, Place, Touch, runge_kutta
+from tests.complex_chain import TINY, ComplexChain, Place, Touch, combine, runge_kutta
 
 FIELDS = (
     "onset",
@@ -103,14 +103,15 @@ class _Run:
         ]
         log.sort(key=lambda one: one[0].onset[0].real)
         candidate = np.array([touch.candidate for touch, _ in log], int)
-        table = {name: np.array([row[name] for _, row in log]).reshape(len(log), -1) for name in FIELDS}
+        shape = len(log), self.chain.lanes
+        table = {name: np.array([row[name] for _, row in log], complex).reshape(shape) for name in FIELDS}
         columns = {name: np.array([row[name] for row in rows]) for name in rows[0]}
         return Derivatives(
             values={name: column[:, 0].real for name, column in columns.items()},
             slopes={name: self.slopes(column) for name, column in columns.items()},
             points=self.chain.points[candidate],
             walls=self.chain.walls[candidate],
-            impacts={name: column[:, 0].real if log else np.zeros(0) for name, column in table.items()},
+            impacts={name: column[:, 0].real for name, column in table.items()},
             impact_slopes={name: self.slopes(column) for name, column in table.items()},
             steps=self.steps,
         )
@@ -164,7 +165,7 @@ class _Run:
 
     def error(self, after: np.ndarray, stages: np.ndarray, size: float) -> float:
         """Of a step, over the tolerance: the larger of that of the values and that of the derivatives."""
-        fifth, third = (size * np.tensordot(e, stages, 1) for e in (DOP853.E5, DOP853.E3))
+        fifth, third = (size * combine(e, stages) for e in (DOP853.E5, DOP853.E3))
         scale = 0.3 + np.maximum(np.abs(self.y.real), np.abs(after.real))[0]
         slope = np.maximum((np.abs(after.imag) / scale).max(1), 1e-3 * TINY)[:, None]
         errors = []
@@ -250,19 +251,21 @@ class _Run:
         crossed = np.flatnonzero(path * end[0].real <= 0.0)
         h = np.full((len(start), 1), size * (part[crossed[-1]] if len(crossed) else part[0]), complex)
         settled = 0
-        for _ in range(30):
+        for _ in range(12):
             y, _ = self.step(h, stages[0])
             change = (function(y) / self.along(function, y, self.rate(y), size))[:, None]
             h = h - change
             settled = settled + 1 if np.abs(change.real).max() < 1e-13 * size else 0
             if settled == 3:
                 break
-        assert settled and -1e-9 * size < h[0].real < size * (1.0 + 1e-9), "Newton's method got lost"
+        # near round-off of a clearance it settles no further
+        assert np.abs(change.real).max() < 1e-7 * size, "Newton's method got lost"
+        assert -1e-9 * size < h[0].real < size * (1.0 + 1e-9), "an event outside of the step"
         y, _ = self.step(h, stages[0])
         return h, y
 
     def y_end(self, stages: np.ndarray, size: float) -> np.ndarray:
-        return self.y + size * np.tensordot(DOP853.B, stages[:12], 1)
+        return self.y + size * combine(DOP853.B, stages)
 
     def handle(self, event: Event) -> None:
         """Change the equations, at the state where the event is."""
