@@ -82,7 +82,6 @@ def viscoelastic_rebound(damping: np.ndarray) -> np.ndarray:
 def viscoelastic_factor(e: complex) -> complex:
     """f(e) of Kuwabara & Kono 1987: the damping whose unit impact has the restitution e."""
 
-
     def missing(damping: float) -> float:
         return viscoelastic_rebound(np.array([complex(damping)]))[0].real - e.real
 
@@ -148,9 +147,9 @@ def power(base: np.ndarray, exponent: np.ndarray) -> np.ndarray:
     """Base^exponent in each lane; for an exponent that is not whole as if the base were positive."""
     if exponent[0].real == round(exponent[0].real) and not exponent.imag.any():
         return base ** round(exponent[0].real)
-    if base[0] == 0.0:
-        return 0.0 * base
-    return np.exp(exponent * np.log(np.where(base.real < 0.0, -base, base)))
+    none = base == 0.0
+    positive = np.where(none, 1.0, np.where(base.real < 0.0, -base, base))
+    return np.where(none, 0.0, np.exp(exponent * np.log(positive)))
 
 
 # --- the chain -------------------------------------------------------------------------------------------
@@ -279,7 +278,10 @@ class ComplexChain:
         self.total = self.mass.sum(1)
         self.b = (arm * self.mass[:, None]).sum(2)
         self.c = np.einsum("lik,lk,ljk->lij", arm, self.mass, arm)
-        self.damper, self.spring = self.values("link[{}].joint_damping"), self.values("link[{}].joint_stiffness")
+        self.damper, self.spring = (
+            self.values("link[{}].joint_damping"),
+            self.values("link[{}].joint_stiffness"),
+        )
         self.rest, self.torque = self.values("link[{}].joint_rest_angle"), self.values("joint[{}].torque")
         if not self.pinned:
             self.damper[:, 0] = self.spring[:, 0] = self.torque[:, 0] = 0.0
@@ -322,7 +324,11 @@ class ComplexChain:
         made = {e: factor(complex(e)) for e in set(self.restitution)}
         self.factor = np.array([made[e] for e in self.restitution])
         n, p = self.exponent, self.rate_exponent
-        smooth = [m for m in (1, 2, 4) if not (m * n).imag.any() and not (m * n[0]).real % 1 and not (m * p[0]).real % 1]
+        smooth = [
+            m
+            for m in (1, 2, 4)
+            if not (m * n).imag.any() and not (m * n[0]).real % 1 and not (m * p[0]).real % 1
+        ]
         # in the eighth root, δⁿ of any n has derivatives up to the order of the method
         self.m = smooth[0] if smooth else 8
 
@@ -432,7 +438,11 @@ class ComplexChain:
         result = np.zeros_like(y)
         m, tempo = self.m, self.tempo(y, touches)
         result[:, self.q], result[:, self.v] = y[:, self.v], look.acceleration
-        result[:, self.time], result[:, self.dissipated], result[:, self.supplied] = 1.0, look.loss, look.supply
+        result[:, self.time], result[:, self.dissipated], result[:, self.supplied] = (
+            1.0,
+            look.loss,
+            look.supply,
+        )
         for touch, (force, _) in zip(touches, look.pairs, strict=True):
             result[:, self.impulse + touch.candidate] = force
         result *= tempo[:, None]

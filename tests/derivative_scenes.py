@@ -45,7 +45,13 @@ def struck_twice(law: str, restitution: float = 0.7, stiffness: float = 1e7) -> 
     scene = table(
         [
             {"length": 0.5, "mass": 1.0},
-            {"length": 0.4, "mass": 0.7, "joint_damping": 0.01, "joint_stiffness": 1.0, "joint_rest_angle": 0.2},
+            {
+                "length": 0.4,
+                "mass": 0.7,
+                "joint_damping": 0.01,
+                "joint_stiffness": 1.0,
+                "joint_rest_angle": 0.2,
+            },
         ],
         box={"x_min": -1.0, "y_min": 0.0},
         contact={"stiffness": stiffness, "restitution": restitution, **of_law(law)},
@@ -81,11 +87,17 @@ def sprung_chain(law: str = "zhang_sharf", **solver: Any) -> Case:
     scene = table(
         [
             {"length": 0.4, "mass": 1.0, "center_of_mass": 0.15},
-            {"length": 0.3, "mass": 0.6, "joint_damping": 0.05, "joint_stiffness": 2.0, "joint_rest_angle": 0.3},
+            {
+                "length": 0.3,
+                "mass": 0.6,
+                "joint_damping": 0.05,
+                "joint_stiffness": 2.0,
+                "joint_rest_angle": 0.3,
+            },
             {"length": 0.35, "mass": 0.8, "joint_damping": 0.02, "joint_stiffness": 3.0, "inertia": 0.02},
         ],
         box={"y_min": 0.0},
-        walls=[{"name": "slope", "point": [1.52, 0.0], "angle": 2.2}],
+        walls=[{"name": "slope", "point": [1.58, 0.0], "angle": 2.2}],
         contact={"stiffness": 3e6, "restitution": 0.6, "radius": 0.02, **of_law(law)},
         inputs={"joint_torques": True, "tip_force": True},
         initial={
@@ -98,15 +110,27 @@ def sprung_chain(law: str = "zhang_sharf", **solver: Any) -> Case:
         solver=solver,
     )
     inputs = {"joint[2].torque": 0.4, "joint[3].torque": -0.3, "tip.force.x": 1.5, "tip.force.y": 0.5}
-    return Case(scene, all_parameters(scene, inputs), (0.1, 0.202, 0.3), inputs)
+    return Case(scene, all_parameters(scene, inputs), (0.1, 0.216, 0.3), inputs)
 
 
 def pinned_chain(law: str = "hunt_crossley", **solver: Any) -> Case:
     """Two links on a pinned base that swing against a wall, driven at the base."""
     scene = table(
         [
-            {"length": 0.5, "mass": 1.0, "joint_damping": 0.1, "joint_stiffness": 1.0, "joint_rest_angle": -1.0},
-            {"length": 0.4, "mass": 0.5, "joint_damping": 0.02, "joint_stiffness": 1.0, "joint_rest_angle": 0.1},
+            {
+                "length": 0.5,
+                "mass": 1.0,
+                "joint_damping": 0.1,
+                "joint_stiffness": 1.0,
+                "joint_rest_angle": -1.0,
+            },
+            {
+                "length": 0.4,
+                "mass": 0.5,
+                "joint_damping": 0.02,
+                "joint_stiffness": 1.0,
+                "joint_rest_angle": 0.1,
+            },
         ],
         base="pinned",
         box={"x_max": 0.6},
@@ -123,7 +147,10 @@ def pinned_chain(law: str = "hunt_crossley", **solver: Any) -> Case:
 def pressed_tip(law: str = "zhang_sharf", **solver: Any) -> Case:
     """Two links whose tip is pressed onto the floor and stays there: v₀ is latched anew several times."""
     scene = table(
-        [{"length": 0.5, "mass": 0.8, "joint_damping": 0.05}, {"length": 0.4, "mass": 0.5, "joint_damping": 0.02}],
+        [
+            {"length": 0.5, "mass": 0.8, "joint_damping": 0.05},
+            {"length": 0.4, "mass": 0.5, "joint_damping": 0.02},
+        ],
         base="pinned",
         box={"y_min": -0.5},
         contact={"stiffness": 2e4, "restitution": 0.4, "points": [2], **of_law(law)},
@@ -133,7 +160,7 @@ def pressed_tip(law: str = "zhang_sharf", **solver: Any) -> Case:
         solver=solver,
     )
     inputs = {"tip.force.y": -30.0, "joint[2].torque": 1.0}
-    left_out = ("gravity.x", "box.x_min", "initial.x")
+    left_out = ("gravity.x", "contact.radius")
     parameters = tuple(name for name in all_parameters(scene, inputs) if name not in left_out)
     return Case(scene, parameters, (0.02, 0.06, 0.12), inputs)
 
@@ -180,7 +207,7 @@ def off(found: np.ndarray, right: np.ndarray, values: np.ndarray, unit: float) -
     if not kept.any():
         return 0.0
     largest = max(np.abs(right[kept]).max(), 1e-3 * np.abs(values[kept]).max() / unit)
-    return float(np.abs(found - right)[kept].max() / largest)
+    return float(np.abs(found - right)[kept].max() / largest) if largest else 0.0
 
 
 def run(case: Case, changes: Mapping[str, float], tolerance: float = 1e-13) -> tuple[np.ndarray, np.ndarray]:
@@ -206,7 +233,7 @@ def differences(case: Case, parameter: str) -> tuple[np.ndarray, np.ndarray]:
         with np.errstate(invalid="ignore"):  # the peak of a rigid impact is infinite
             return [(a - b) / (2.0 * size) for a, b in zip(above, below, strict=True)]
 
-    made = [slopes(unit * size) for size in (2e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4, 6.25e-5)]
+    made = [slopes(unit * size) for size in (5e-4, 2.5e-4, 1.25e-4, 6.25e-5, 3.125e-5)]
     best = []
     for sizes in zip(*made, strict=True):
         tried = [(4.0 * fine - coarse) / 3.0 for coarse, fine in itertools.pairwise(sizes)]

@@ -203,7 +203,10 @@ class _Run:
                 turn = Event("turn", touch, lambda y, c=c: -chain.locate(y).gap_rate[:, c], not touch.damped)
                 found.append(turn)
             fast = Event(
-                "fast", touch, lambda y, t=touch: -chain.locate(y).gap_rate[:, t.candidate] - RELATCH * t.speed, True
+                "fast",
+                touch,
+                lambda y, t=touch: -chain.locate(y).gap_rate[:, t.candidate] - RELATCH * t.speed,
+                True,
             )
             found.append(fast)
         return found
@@ -225,9 +228,7 @@ class _Run:
                 found.append((event, *self.land(event.function, size, stages, start, end)))
         return min(found, key=lambda one: one[1][0].real) if found else None
 
-    def was_apart(
-        self, event: Event, start: np.ndarray, sign: float, first: np.ndarray, size: float
-    ) -> bool:
+    def was_apart(self, event: Event, start: np.ndarray, sign: float, first: np.ndarray, size: float) -> bool:
         if abs(start[0].real) > 1e-12 or event.kind == "output":
             return bool(start[0].real * sign < 0.0)
         return bool(self.along(event.function, self.y, first, size)[0] * sign < 0.0)
@@ -245,7 +246,10 @@ class _Run:
         The slope of Newton's method is real. It is off by no more than the differences that it is made of,
         so each round takes some digits of the imaginary part, too.
         """
-        ends = [self.along(function, y, f, size)[0] for y, f in ((self.y, stages[0]), (self.y_end(stages, size), stages[12]))]
+        ends = [
+            self.along(function, y, f, size)[0]
+            for y, f in ((self.y, stages[0]), (self.y_end(stages, size), stages[12]))
+        ]
         part = np.linspace(0.0, 1.0, 401)[1:]
         path = _hermite(start[0].real, end[0].real, ends[0] * size, ends[1] * size, part)
         crossed = np.flatnonzero(path * end[0].real <= 0.0)
@@ -310,9 +314,7 @@ class _Run:
             if (top := self.top(depth_rate, after, size, first)) is not None:
                 touch.depths.append(chain.depth_power(top, touch, 1.0))
 
-    def top(
-        self, function: Callable, after: np.ndarray, size: Any, first: np.ndarray
-    ) -> np.ndarray | None:
+    def top(self, function: Callable, after: np.ndarray, size: Any, first: np.ndarray) -> np.ndarray | None:
         """The state within the step where a function falls through zero, if it does."""
         start, end = function(self.y), function(after)
         if not start[0].real > 0.0 > end[0].real:
