@@ -200,7 +200,7 @@ def size_of(case: Case, parameter: str) -> float:
 def off(found: np.ndarray, right: np.ndarray, values: np.ndarray, unit: float) -> float:
     """The error of slopes by a parameter of a size, over the largest of them.
 
-    The slopes of what hardly depends on the parameter are instead compared with a thousandth of value over parameter.
+    Those of what hardly depends on the parameter are compared with a thousandth of value over parameter.
     """
     kept = ~np.isnan(right)
     assert np.array_equal(kept, ~np.isnan(found))
@@ -211,7 +211,7 @@ def off(found: np.ndarray, right: np.ndarray, values: np.ndarray, unit: float) -
 
 
 def run(case: Case, changes: Mapping[str, float], tolerance: float = 1e-13) -> tuple[np.ndarray, np.ndarray]:
-    """The state at the times of a case, shape (T, W), and the impacts, shape (fields, I), of a changed scene."""
+    """The states at the times of a case, (T, W), and the impacts, (fields, I), with other values."""
     scene = case.scene.with_values({k: v for k, v in changes.items() if k not in case.inputs})
     inputs = {name: changes.get(name, value) for name, value in case.inputs.items()}
     result = simulate(scene, tolerance=tolerance, inputs=inputs)

@@ -139,7 +139,7 @@ class _Run:
                 after, stages = self.step(size, first)
                 stages[12] = self.rate(after)
                 error = self.error(after, stages, size)
-                if error <= 1.0 and not self.dips(after, stages, size):
+                if error <= 1.0 and not self.dips(after, size):
                     break
                 size *= 0.5 if error <= 1.0 else max(0.2, 0.9 * error ** (-1 / 8))
             self.steps += 1
@@ -174,7 +174,7 @@ class _Run:
             errors.append(five**2 / np.hypot(five, 0.1 * three) if five else 0.0)
         return max(errors) / self.tolerance
 
-    def dips(self, after: np.ndarray, stages: np.ndarray, size: float) -> bool:
+    def dips(self, after: np.ndarray, size: float) -> bool:
         """Whether a point that is apart at both ends of a step may have touched in between."""
         places = [self.chain.locate(y) for y in (self.y, after)]
         span = size * max(abs(self.chain.tempo(y, self.touches)[0]) for y in (self.y, after))

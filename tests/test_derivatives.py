@@ -1,4 +1,4 @@
-"""The oracle of derivatives: its values against the kernel, its derivatives against differences and closed forms."""
+"""The oracle of derivatives: values against the kernel, derivatives against differences and closed forms."""
 
 import math
 
@@ -33,12 +33,12 @@ OF_ALL_KINDS = {
 CASES = OF_ALL_KINDS | {law: struck_twice(law) for law in CONTACT_LAWS}
 # the kernel finds f(e) to 1e-10 only, and with noise in what a difference of it tells
 ROUGH = {"kuwabara_kono": 1e-5}
-# where these forces begin or end runs are not as smooth in their parameters
-STEEP = {"kelvin_voigt": 1e-5, "tsuji": 1e-5, "jankowski": 1e-5}
+# where these forces begin or end, or two contacts overlap, runs are not as smooth in their parameters
+STEEP = {"sprung": 5e-5, "kelvin_voigt": 1e-5, "tsuji": 1e-5, "jankowski": 1e-5}
 
 
 def slopes_of(case):
-    """Derivatives of the state at the case's times, shape (T, W, P), of the impacts, shape (F, I, P); values."""
+    """Slopes of the states (T, W, P), of the impacts (F, I, P), and the values of both."""
     right = exact(case)
     states = np.stack([right.slopes[name] for name in state_names(case.scene)], 1)
     values = np.stack([right.values[name] for name in state_names(case.scene)], 1)
@@ -184,7 +184,7 @@ def test_a_rigid_floor():
     np.testing.assert_allclose(right.slopes["point[0].vy"][0], [speed, by_height, by_gravity], rtol=1e-12)
 
 
-# --- conserved quantities ------------------------------------------------------------------------------------
+# --- conserved quantities --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["sprung", "pinned", "pressed", "tsuji", "kelvin_voigt", "newton_impact"])
