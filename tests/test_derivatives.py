@@ -7,6 +7,7 @@ import pytest
 
 from chain_impact import simulate
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from tests import invariance
 from tests.derivative_scenes import (
     Case,
     differences,
@@ -197,3 +198,31 @@ def test_the_ledger_does_not_depend_on_when_it_is_read(name):
     largest = np.abs(ledger).max((0, 1))
     moved = np.abs(found - found[0]).max(0)
     assert (moved <= 1e-9 * (largest + 1e-6)).all(), dict(zip(case.parameters, moved / largest, strict=True))
+
+
+@pytest.mark.parametrize("unit", invariance.UNITS)
+@pytest.mark.parametrize("name", OF_ALL_KINDS)
+def test_units_are_of_no_consequence(name, unit):
+    """Σ a_p p ∂y/∂p = a_y y − t ẏ: all parameters at once."""
+    case = OF_ALL_KINDS[name]
+    right, of = exact(case), invariance.UNITS[unit]
+    values = {parameter: case.value(parameter) for parameter in case.parameters}
+    weight = invariance.weights(values, of, case.scene.contact.exponent)
+    slopes = {output: right.slopes[output] for output in state_names(case.scene)}
+    assert invariance.state_residual(right.values, slopes, np.array(case.times), weight, of) < 1e-10
+    assert invariance.impact_residual(right.impacts, right.impact_slopes, weight, of) < 1e-10
+
+
+@pytest.mark.parametrize("axis", "xy")
+@pytest.mark.parametrize("name", OF_ALL_KINDS)
+def test_the_origin_is_of_no_consequence(name, axis):
+    case = OF_ALL_KINDS[name]
+    right = exact(case)
+    moved = invariance.shifted(case.parameters, axis)
+    for output in state_names(case.scene):
+        along = 1.0 if output == f"point[0].{axis}" else 0.0
+        largest = np.abs(right.slopes[output]).max()
+        assert np.abs(right.slopes[output] @ moved - along).max() <= 1e-11 * largest, output
+    for field, slopes in right.impact_slopes.items():
+        largest = np.nanmax(np.abs(slopes), initial=0.0)
+        assert (np.abs(slopes @ moved)[~np.isnan(slopes).any(1)] <= 1e-11 * largest).all(), field
