@@ -71,8 +71,7 @@ def struck_twice(law: str, restitution: float = 0.7, stiffness: float = 1e7) -> 
         },
         simulation={"stop_time": 0.3, "step_size": 2e-4},
     )
-    parameters = ("contact.stiffness", "contact.restitution", "link[2].mass", "initial.angle[2]", "box.y_min")
-    return Case(scene, parameters, (0.1, 0.2022, 0.3))
+    return Case(scene, all_parameters(scene, {}), (0.1, 0.2022, 0.3))
 
 
 def all_parameters(scene: Scene, inputs: Mapping[str, float]) -> tuple[str, ...]:

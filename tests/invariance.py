@@ -8,7 +8,7 @@ For time, y also moves on: Σ a_p p ∂y/∂p + t ẏ = a_y y.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -49,6 +49,12 @@ _FIELDS = {
 }
 RATES = {"x": "vx", "y": "vy", "vx": "ax", "vy": "ay", "angle": "angular_velocity"}
 RATES |= {"angular_velocity": "angular_acceleration"}
+
+
+def applicable(laws: Iterable[str]) -> list[tuple[str, str]]:
+    """The pairs of law and unit for which the relation holds."""
+    # the restitution of Kuwabara and Kono is that at 1 m/s, a speed that is no parameter
+    return [(law, unit) for law in laws for unit in UNITS if law != "kuwabara_kono" or unit == "mass"]
 
 
 def weights(values: Mapping[str, float], unit: int, exponent: float) -> np.ndarray:

@@ -32,6 +32,7 @@ OF_ALL_KINDS = {
     "rigid": pinned_chain("newton_impact"),
 }
 CASES = OF_ALL_KINDS | {law: struck_twice(law) for law in CONTACT_LAWS}
+OF_EACH_LAW = ("contact.stiffness", "contact.restitution", "link[2].mass", "initial.angle[2]", "box.y_min")
 # the kernel finds f(e) to 1e-10 only, and with noise in what a difference of it tells
 ROUGH = {"kuwabara_kono": 1e-5}
 # where these forces begin or end, or two contacts overlap, runs are not as smooth in their parameters
@@ -76,7 +77,9 @@ def test_derivatives_are_those_of_differences(name):
     case = CASES[name]
     states, impacts, values, rows = slopes_of(case)
     for k, parameter in enumerate(case.parameters):
-        if parameter.endswith("joint_stiffness") and case.scene.values[parameter] == 0.0:
+        if name in CONTACT_LAWS and parameter not in OF_EACH_LAW:
+            continue
+        if parameter.endswith(("joint_stiffness", "radius")) and case.value(parameter) == 0.0:
             continue  # it cannot be negative
         by_state, by_impact = differences(case, parameter)
         unit = size_of(case, parameter)
@@ -99,6 +102,7 @@ def test_the_exponent():
     assert max(off(*one, 1.5) for one in zip(by_impact, impacts[..., 0], rows, strict=True)) < 1e-6
 
 
+@pytest.mark.slow
 def test_the_oracle_converges():
     """With the tolerance, through six impacts, which make an error of the start 5000 times as large."""
     case = six_impacts()
@@ -200,11 +204,10 @@ def test_the_ledger_does_not_depend_on_when_it_is_read(name):
     assert (moved <= 1e-9 * (largest + 1e-6)).all(), dict(zip(case.parameters, moved / largest, strict=True))
 
 
-@pytest.mark.parametrize("unit", invariance.UNITS)
-@pytest.mark.parametrize("name", OF_ALL_KINDS)
+@pytest.mark.parametrize(("name", "unit"), invariance.applicable(CASES))
 def test_units_are_of_no_consequence(name, unit):
     """Σ a_p p ∂y/∂p = a_y y − t ẏ: all parameters at once."""
-    case = OF_ALL_KINDS[name]
+    case = CASES[name]
     right, of = exact(case), invariance.UNITS[unit]
     values = {parameter: case.value(parameter) for parameter in case.parameters}
     weight = invariance.weights(values, of, case.scene.contact.exponent)

@@ -8,6 +8,7 @@ from chain_impact.sensitivities import DifferentiatedRun
 
 from chain_impact import simulate
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from tests import invariance
 from tests.derivative_scenes import (
     Case,
     exact,
@@ -42,7 +43,9 @@ IMPLICIT = {
 
 def outputs_of(case):
     supplied = ["energy.supplied"] if case.inputs else []
-    return [*state_names(case.scene), *ENERGIES, *supplied]
+    links = range(1, len(case.scene.chain.links) + 1)
+    rates = ["point[0].ax", "point[0].ay", *(f"link[{i}].angular_acceleration" for i in links)]
+    return [*state_names(case.scene), *ENERGIES, *supplied, *rates]
 
 
 @cache
@@ -50,7 +53,7 @@ def found(case, tolerance=1e-12, start=False):
     """The product's answer at the case's times, and at 0 before them."""
     scene = case.scene.with_values({"solver.tolerance": tolerance})
     run = DifferentiatedRun(scene, case.parameters, outputs_of(case), inputs=case.inputs)
-    values = [case.inputs.get(name, scene.values.get(name)) for name in case.parameters]
+    values = [case.value(name) for name in case.parameters]
     times = np.array([0.0, *case.times] if start else case.times)
     return run.run(np.array(values), times)
 
@@ -216,6 +219,20 @@ def test_impulses_account_for_the_momentum(law):
     error = np.abs(momentum - momentum[0] - given).max((0, 1))
     largest = np.maximum(np.abs(given).max((0, 1)), np.abs(momentum).max((0, 1)))
     assert (error <= 1e-8 * largest).all(), worst(error / largest, names)
+
+
+@pytest.mark.parametrize(("name", "unit"), invariance.applicable(name for name in CASES if name != "six"))
+def test_units_are_of_no_consequence(name, unit):
+    """Σ a_p p ∂y/∂p = a_y y − t ẏ: all parameters at once, and no oracle."""
+    case = CASES[name]
+    answer, of = found(case), invariance.UNITS[unit]
+    columns = list(outputs_of(case))
+    values = {parameter: case.value(parameter) for parameter in case.parameters}
+    weight = invariance.weights(values, of, case.scene.contact.exponent)
+    slopes = {output: answer.slopes[:, columns.index(output)] for output in state_names(case.scene)}
+    outputs = {output: answer.values[:, w] for w, output in enumerate(columns)}
+    assert invariance.state_residual(outputs, slopes, np.array(case.times), weight, of) < EXACT
+    assert invariance.impact_residual(answer.impacts, answer.impact_slopes, weight, of) < EXACT
 
 
 def test_before_any_impact_the_wall_has_no_say():
