@@ -29,6 +29,7 @@ FIELDS = (
     "impulse",
 )
 LONGEST = 0.02  # s, of a step in flight
+NEAR, SHORT = 1e-4, 2e-3  # m, s: a point that comes so near a wall is followed in steps so short
 FIRST = 0.02  # of a contact's own variable, which comes to about 2 at its end
 RELATCH = 2.0  # times v₀, at which it is latched anew
 
@@ -179,10 +180,12 @@ class _Run:
         places = [self.chain.locate(y) for y in (self.y, after)]
         span = size * max(abs(self.chain.tempo(y, self.touches)[0]) for y in (self.y, after))
         (gap, slope), (end, end_slope) = ((p.gap[0].real, p.gap_rate[0].real * span) for p in places)
-        part = np.linspace(0.0, 1.0, 21)[:, None]
-        path = _hermite(gap, end, slope, end_slope, part)
-        apart = (gap > 0.0) & (end > 0.0)
-        return bool((apart & (path.min(0) < 0.0)).any())
+        part = np.linspace(0.0, 1.0, 201)[:, None]
+        lowest = _hermite(gap, end, slope, end_slope, part).min(0)
+        turned = (gap > 0.0) & (end > 0.0) & (slope < 0.0) & (end_slope > 0.0)
+        # the cubic of a short step is exact enough to tell a touch from a miss
+        near = lowest < (NEAR if span > SHORT else 0.0)
+        return bool((turned & near).any())
 
     # --- events ------------------------------------------------------------------------------------------
 

@@ -1,5 +1,6 @@
 """Derivatives beside a run against the oracle: every law, every kind of parameter, and what is conserved."""
 
+import math
 from functools import cache
 
 import numpy as np
@@ -22,6 +23,7 @@ from tests.derivative_scenes import (
     struck_twice,
 )
 from tests.derivatives import FIELDS
+from tests.problems import ball, flat_rod, rod
 
 ENERGIES = ("energy.total", "energy.dissipated")
 EXACT = 1e-8  # the error to reach at the tolerance 1e-12
@@ -240,6 +242,50 @@ def test_before_any_impact_the_wall_has_no_say():
     slopes = found(case).slopes[0]
     for name in ("contact.stiffness", "contact.restitution", "box.y_min"):
         assert (slopes[:, case.parameters.index(name)] == 0.0).all()
+
+
+# --- where there is no derivative ---------------------------------------------------------------------------
+
+
+def slow_touch():
+    """A ball that arrives slower than contact.minimum_impact_speed, which is then its v₀."""
+    scene = ball(1e-4, 5e-4, stiffness=1e6, stop_time=0.3)
+    return Case(scene, ("contact.stiffness", "contact.restitution", "initial.vy"), (0.1, 0.3))
+
+
+def grazing():
+    """A rod that turns about its centre and touches the floor with its end for 10⁻⁷ m: 1/ġ is 300 s/m."""
+    scene = rod(0.5, 0.5 - math.sin(0.5) / 2 - 1e-7, 0.0, -10.0, stiffness=1e5, stop_time=0.3)
+    return Case(scene, ("contact.stiffness", "initial.y", "initial.angular_velocity[1]"), (0.05, 0.3))
+
+
+@pytest.mark.parametrize("make", [slow_touch, grazing])
+def test_a_derivative_is_right_or_not_there(make):
+    """From an impact on at which it cannot be trusted it is NaN, and a sentence says why."""
+    case = make()
+    answer, right = found(case), exact(case)
+    assert len(right.points) == 1
+    names = state_names(case.scene)
+    slopes = np.stack([right.slopes[name] for name in names], 1)
+    given = answer.slopes[:, : len(names)]
+    assert not np.isnan(given[0]).any()
+    missing = np.isnan(given[1])
+    assert missing.any() == bool(answer.limits)
+    largest = np.maximum(
+        np.abs(slopes[1]).max(0), 1e-3 / np.array([size_of(case, p) for p in case.parameters])
+    )
+    assert ((np.abs(given[1] - slopes[1]) <= 1e-6 * largest) | missing).all()
+
+
+def test_simultaneous_rigid_impacts_have_no_derivative():
+    scene = flat_rod(model="newton_impact").with_values({"solver.tolerance": 1e-10})
+    run = DifferentiatedRun(scene, ["contact.restitution", "initial.y"], ["point[0].vy", "link[1].angle"])
+    answer = run.run(np.array([scene.contact.restitution, scene.initial.position[1]]), np.array([5e-4, 0.01]))
+    assert np.isfinite(answer.values).all()
+    assert np.isfinite(answer.slopes[0]).all()
+    assert np.isnan(answer.slopes[1]).all()
+    assert len(answer.limits) == 1
+    assert "impact" in answer.limits[0]
 
 
 # --- simulate() ---------------------------------------------------------------------------------------------
