@@ -16,7 +16,8 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from chain_impact.scene import Scene
-from tests.complex_chain import TINY, ComplexChain, Place, Touch, combine, runge_kutta
+from tests.complex_chain import ComplexChain, Place, Touch
+from tests.complex_step import TINY, combine, runge_kutta
 
 FIELDS = (
     "onset",
@@ -261,14 +262,13 @@ class _Run:
         for _ in range(12):
             y, _ = self.step(h, stages[0])
             change = (function(y) / self.along(function, y, self.rate(y), size))[:, None]
-            h = h - change
             settled = settled + 1 if np.abs(change.real).max() < 1e-13 * size else 0
             if settled == 3:
                 break
+            h = h - change
         # near round-off of a clearance it settles no further
         assert np.abs(change.real).max() < 1e-7 * size, "Newton's method got lost"
         assert -1e-9 * size < h[0].real < size * (1.0 + 1e-9), "an event outside of the step"
-        y, _ = self.step(h, stages[0])
         return h, y
 
     def y_end(self, stages: np.ndarray, size: float) -> np.ndarray:
