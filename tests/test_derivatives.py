@@ -23,7 +23,7 @@ from tests.derivative_scenes import (
     struck_twice,
 )
 from tests.derivatives import FIELDS, differentiate
-from tests.problems import GRAVITY, ball
+from tests.problems import GRAVITY, ball, of_law
 
 OF_ALL_KINDS = {
     "sprung": sprung_chain(),
@@ -149,6 +149,22 @@ def test_hertz():
         found = right.impact_slopes[field][0] * sizes / right.impacts[field][0]
         np.testing.assert_allclose(found, power, atol=1e-12, err_msg=field)
     np.testing.assert_allclose(by_duration[0] * sizes / duration, (-2 / 5, 2 / 5, -1 / 5), atol=1e-11)
+
+
+@pytest.mark.parametrize("law", [law for law in CONTACT_LAWS if law != "newton_impact"])
+def test_stiffness_scales_a_free_impact(law):
+    """Whatever the damping: T and δ ∝ K^(−1/(n+1)), F ∝ K^(1/(n+1)), and no effect on the rebound."""
+    scene = ball(1e-3, 2.0, **({"stiffness": 1e7} | of_law(law)))
+    right = differentiate(scene, ["contact.stiffness"], [0.02])
+    power = 1.0 / (scene.contact.exponent + 1.0)
+    by_stiffness = {field: slopes[0, 0] * 1e7 for field, slopes in right.impact_slopes.items()}
+    value = {field: values[0] for field, values in right.impacts.items()}
+    duration = value["end"] - value["onset"]
+    assert by_stiffness["end"] / duration == pytest.approx(-power, abs=1e-10)
+    assert by_stiffness["max_penetration"] / value["max_penetration"] == pytest.approx(-power, abs=1e-10)
+    assert by_stiffness["peak_force"] / value["peak_force"] == pytest.approx(power, abs=1e-10)
+    assert by_stiffness["separation_speed"] == pytest.approx(0.0, abs=1e-10)
+    assert by_stiffness["impulse"] == pytest.approx(0.0, abs=1e-10)
 
 
 @pytest.mark.parametrize("exponent", [1.0, 1.3, 1.5, 2.0])
