@@ -218,8 +218,8 @@ class Result:
     ) -> Figure | None:
         """Draw how outputs, and the speeds of impacts, change when each parameter grows by 1 %.
 
-        That is, to first order, the derivative times 1 % of the parameter, or times 0.01 of its unit where its
-        value is zero.
+        That is, to first order, the derivative times 1 % of the parameter, or times 0.01 of its unit where
+        the value is zero.
 
         Args:
             path: as for ``plot``.

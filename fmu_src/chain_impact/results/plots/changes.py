@@ -93,6 +93,8 @@ def message(recording: Recording, relative: np.ndarray) -> str:
     lost = np.flatnonzero((relative > 1.0).any(axis=1))
     row = int(lost[0]) if lost.size else int(relative.max(axis=1, initial=0.0).argmax())
     name = list(found.parameters)[int(relative[row].argmax())]
+    if not relative.any():
+        return f"{recording.name}: {', '.join(found.parameters)} changes nothing in {recording.time[-1]:g} s"
     what = f"{recording.name}: {found.step_text(name)} of {name} changes the"
     if lost.size:
         return f"{what} motion entirely from {recording.time[row]:.3g} s on"
