@@ -34,10 +34,10 @@ KINDS = {
     "an initial angle": tuple(f"initial.angle[{i}]" for i in range(1, 5)),
     "gravity": ("gravity.y",),
 }
-CONDITIONS = "default scene; one parameter + 1 %, to first order; of masses, rates and angles the one that matters most"
+CONDITIONS = "default scene; + 1 %, to first order; of masses, rates and angles the one that matters most"
 COLOURS = dict(zip(KINDS, (*PALETTE, BLACK), strict=True))
 LEAST = 1e-6  # m, where the axis begins
-DARK = 30.0  # %, from which numbers are white
+DARK, WHOLE = 30.0, 100.0  # %, from which numbers are white, and have three digits
 
 
 def by_kind(changes: np.ndarray, result: Result) -> dict[str, np.ndarray]:
@@ -60,8 +60,9 @@ def message(result: Result) -> str:
     """How unlike the parameters are at the end."""
     ends = {kind: size[-1] for kind, size in moved(result).items()}
     most, least = max(ends, key=ends.get), min(ends, key=ends.get)
-    ratio = number(ends[most] / ends[least], 2)
-    return f"After {len(result.impacts)} impacts 1 % of {most} moves the tip {ratio} times as far as 1 % of {least}"
+    ratio = float(f"{ends[most] / ends[least]:.2g}")
+    moves = f"1 % of {most} moves the tip {ratio:.0f} times as far as 1 % of {least}"
+    return f"After {len(result.impacts)} impacts {moves}"
 
 
 def draw_motion(axes: Axes, result: Result) -> list[Annotation]:
@@ -71,7 +72,7 @@ def draw_motion(axes: Axes, result: Result) -> list[Annotation]:
         axes.plot(result.time, size, color=COLOURS[kind], linewidth=1.5)
         ends.append((result.time[-1], size[-1], kind, COLOURS[kind]))
     mark_impacts(axes, recording_of(result))
-    axes.set(yscale="log", ylim=(LEAST, 3.0), xlabel="time [s]", ylabel=f"how far point {TIP} moves [m]")
+    axes.set(yscale="log", ylim=(LEAST, 5.0), xlabel="time [s]", ylabel=f"how far point {TIP} moves [m]")
     axes.margins(x=0.0)
     return label_curves(axes, ends, fontsize=8)
 
@@ -83,7 +84,7 @@ def draw_forces(axes: Axes, result: Result) -> None:
     axes.imshow(table, "Blues", aspect="auto", norm=LogNorm(1e-2, 1e3))
     for (row, column), share in np.ndenumerate(table):
         look = {"ha": "center", "va": "center", "fontsize": 8, "color": "white" if share > DARK else BLACK}
-        axes.text(column, row, f"{share:.0f}" if share >= 10.0 else number(share, 2), **look)
+        axes.text(column, row, number(share, 2 if share < WHOLE else 3), **look)
     names = [f"{k + 1}\n{hit['onset']:.2f} s" for k, hit in enumerate(result.impacts)]
     axes.set_xticks(range(len(names)), names)
     axes.set_yticks(range(len(KINDS)), list(KINDS))

@@ -105,7 +105,7 @@ class Compilers:
     """Stand in for numba and zig."""
 
     def __init__(self):
-        self.lowered, self.linked = [], []
+        self.lowered, self.linked, self.processors = [], [], []
 
     def lower(self, module, law=None, derivatives=False):
         self.lowered.append(law)
@@ -113,6 +113,7 @@ class Compilers:
 
     def link(self, module, library, platform, links, law=None, *, cpu=None):
         self.linked.append((platform, links, law is not None))
+        self.processors.append(cpu)
         library.write_text(module)
 
 
@@ -144,6 +145,7 @@ def test_a_kernel_with_derivatives_is_another_one(stand_in):
     assert kernel_library(3, derivatives=True) == other
     assert kernel_library(3) == plain
     assert len(stand_in.lowered) == len(stand_in.linked) == 2
+    assert stand_in.processors == [None, compilers.wide_cpu()]
 
 
 def test_each_platform_has_its_library(stand_in):
@@ -190,7 +192,7 @@ def test_without_a_compiler_one_sentence_says_what_to_install(
 
 
 def test_a_compiler_that_fails_leaves_nothing_behind(stand_in, monkeypatch, tmp_path):
-    def fails(module, library, *_):
+    def fails(module, library, *_, **__):
         library.write_text("half")
         raise BuildError("no luck")
 
