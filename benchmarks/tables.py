@@ -1,4 +1,4 @@
-"""Write the tables of docs/benchmarks.md, impacts.md, sensitivities.md and stability.md: ``python benchmarks/tables.py``.
+"""Write the tables of benchmarks into pages of the docs: ``python benchmarks/tables.py``.
 
 They come from benchmarks/results. What stands between ``<!-- name -->`` and ``<!-- end -->`` in a page is
 replaced by what the function ``name`` returns.

@@ -31,6 +31,11 @@ FUNCTIONS = {
     "negated": (lambda x, y: -x + y, Y - X),
     "root": (lambda x, y: math.sqrt(x + y), sympy.sqrt(X + Y)),
     "logarithm": (lambda x, y: math.log(x * y), sympy.log(X * Y)),
+    "exponential": (
+        lambda x, y: math.exp(x * y) - math.expm1(y - x),
+        sympy.exp(X * Y) - sympy.exp(Y - X) + 1,
+    ),
+    "logarithm of more than 1": (lambda x, y: math.log1p(x * y), sympy.log(1 + X * Y)),
     "cosine": (lambda x, y: math.cos(x - y), sympy.cos(X - Y)),
     "sine": (lambda x, y: math.sin(x * y), sympy.sin(X * Y)),
     "hypotenuse": (lambda x, y: math.hypot(y, x), sympy.sqrt(X**2 + Y**2)),

@@ -11,9 +11,11 @@ import pytest
 from chain_impact.kernel.chain import sincos
 from chain_impact.kernel.chain.state import root_at, time_at
 from chain_impact.kernel.integration import dense
-from chain_impact.kernel.laws import user_law
+from chain_impact.kernel.laws import contact_laws, user_law
 from chain_impact.kernel.model import contact_force
 from chain_impact.kernel.tangent import rules
+from tests.complex_laws import viscoelastic_factor
+from tests.complex_step import TINY
 from tests.kernel.tangent.dual import Dual
 
 DEPTH, EXPONENT = [0.3, -1.0, 2.0], [0.7, 0.2, 0.0]  # slopes
@@ -90,6 +92,32 @@ def test_the_force_of_a_user_at_no_depth(monkeypatch):
     )
     assert found.value == 5.0
     assert found.slope.tolist() == [0.0]
+
+
+@pytest.mark.parametrize("e", [0.2, 0.6, 0.95, 0.99999])
+def test_the_factor_of_kuwabara_and_kono(e):
+    found = rules.kuwabara_kono(Dual(e, [2.0]))
+    assert found.value == contact_laws.kuwabara_kono(e)
+    right = viscoelastic_factor(complex(e, TINY)).imag / TINY
+    np.testing.assert_allclose(found.slope, [2.0 * right], rtol=3e-5 if e > 0.999 else 1e-7)
+
+
+def test_a_constant_of_a_joint_that_is_zero_may_vary():
+    assert not rules.resists(Dual(0.0, [0.0, 0.0]))
+    assert rules.resists(Dual(0.0, [0.0, 1.0]))
+    assert rules.resists(Dual(0.1, [0.0, 0.0]))
+
+
+@pytest.mark.parametrize(
+    ("approach_only", "beyond", "pulls", "leaves"), [(0, 0, 0, 0), (0, 1, 1, 1), (1, 1, 0, 1)]
+)
+def test_the_side_of_a_kink_decides_not_the_force(approach_only, beyond, pulls, leaves):
+    """Up to the very kink the force goes on as it is, whatever its sign."""
+    contact = SimpleNamespace(approach_only=approach_only)
+    t = SimpleNamespace(contact=contact, replay=SimpleNamespace(beyond=[1 - beyond, beyond]))
+    for number in (Dual(-1.0, [1.0]), Dual(1.0, [1.0])):
+        assert bool(rules.pulls(t, 1, number)) == pulls
+        assert bool(rules.leaves(t, 1, number)) == leaves
 
 
 COUNT = 10  # numbers in the state of a chain of one link
