@@ -1,0 +1,154 @@
+"""The search with a growing horizon: first the data around the first impact, at last all.
+
+After some impacts the motion depends so strongly on the parameters that the sum of squares of all data has many
+minima; that of the data until a little after the first impact has one. So the horizon grows, and each search
+starts where the last one ended (Bock, Kostina & Schlöder, GAMM-Mitteilungen 30 (2007) 376, on why fits from
+one start over the whole time fail).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from chain_impact.reading import SceneError
+from chain_impact.studies.fit.levenberg_marquardt import Search, minimize
+from chain_impact.studies.fit.problem import Evaluation, Problem
+
+ROWS = 3  # in the first horizon, for each parameter
+FAR = 0.01  # of the size of a column: a model so far away is not followed beyond
+GROWTH = 1.1  # of the horizon, at least
+ROUGH, FINE = 0.1, 1e-3  # standard errors of the parameters: a step that is small enough
+ROUGH_STEPS, FINE_STEPS = 10, 100
+LEAST_SIGMA = 1e-12  # of the size of a column, so that a model can be exact
+SETTLED, ROUNDS = 0.01, 20  # relative change of an estimated standard deviation
+
+
+@dataclass(frozen=True)
+class Found:
+    """Where the search ended.
+
+    Attributes:
+        search: the last one, with all data.
+        sigma: standard deviation of each value, given or estimated, shape (M,).
+        horizons: until when [s] data were used, one after the other.
+    """
+
+    search: Search
+    sigma: np.ndarray
+    horizons: tuple[float, ...]
+
+
+def search(problem: Problem) -> Found:
+    """Fit the free parameters.
+
+    Raises:
+        SceneError: when the model has nothing to compare with the data.
+    """
+    whole = problem.evaluate(problem.start)
+    _check(problem, whole)
+    sigma = _first_sigma(problem)
+    horizons = [_first_horizon(problem, whole)]
+    while horizons[-1] < math.inf:
+        found, sigma = _one(problem, whole, sigma, horizons[-1], ROUGH, ROUGH_STEPS)
+        whole = problem.evaluate(found.best.place)
+        horizons.append(_next_horizon(problem, whole, horizons[-1]))
+    for _ in range(ROUNDS):
+        before = sigma
+        found, sigma = _one(problem, whole, before, math.inf, FINE, FINE_STEPS)
+        whole = found.best
+        if len(problem.names) == 1 or np.allclose(sigma, before, rtol=SETTLED, atol=0.0):
+            break
+    ends = (*horizons[:-1], max(problem.end(k) for k in range(len(problem.data))))
+    return Found(found, sigma, ends)
+
+
+def _one(
+    problem: Problem, whole: Evaluation, sigma: np.ndarray, horizon: float, enough: float, most: int
+) -> tuple[Search, np.ndarray]:
+    """The search with the data until a horizon, and the standard deviations that follow."""
+    found = minimize(
+        lambda place: problem.evaluate(place, horizon),
+        problem.until(whole, horizon),
+        sigma,
+        (problem.low, problem.high),
+        problem.longest,
+        enough,
+        most,
+    )
+    return found, estimate_sigma(problem, found.best, sigma)
+
+
+def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.ndarray:
+    """Standard deviations, of columns for which none is given from their residuals, shape (M,).
+
+    A column of n residuals r has σ² = Σ r²/(n − h), with h the part of the parameters that it determines: the
+    sum of its leverages.
+    """
+    rows = np.flatnonzero(at.usable)
+    leverage = np.zeros(len(sigma))
+    left, singular, _ = np.linalg.svd(at.slopes[rows] / sigma[rows, None], full_matrices=False)
+    rank = singular > 1e-12 * max(singular.max(initial=0.0), 1e-300)
+    leverage[rows] = (left[:, rank] ** 2).sum(axis=1)
+    found = sigma.copy()
+    for name, group, least in _estimated(problem):
+        used = rows[problem.group[rows] == group]
+        freedom = len(used) - leverage[used].sum()
+        if freedom > 0.0:
+            squares = (at.residuals[used] ** 2).sum()
+            found[problem.group == group] = max(least, math.sqrt(squares / freedom))
+    return found
+
+
+def _first_sigma(problem: Problem) -> np.ndarray:
+    """What is given, and a hundredth of the size of the columns for which nothing is given."""
+    sigma = problem.sigma.copy()
+    for name, group, least in _estimated(problem):
+        sigma[problem.group == group] = 0.01 / LEAST_SIGMA * least
+    return sigma
+
+
+def _estimated(problem: Problem) -> list[tuple[str, int, float]]:
+    """Name, number and least standard deviation of the columns for which none is given."""
+    found = []
+    for group, name in enumerate(problem.names):
+        mine = problem.group == group
+        if np.isnan(problem.sigma[mine]).any():
+            found.append((name, group, LEAST_SIGMA * float(problem.size[mine][0])))
+    return found
+
+
+def _check(problem: Problem, whole: Evaluation) -> None:
+    """Refuse data with which nothing can be done."""
+    for name, group, _ in _estimated(problem):
+        mine = problem.group == group
+        sources = ", ".join(one.source for one in problem.data)
+        if not np.isnan(problem.sigma[mine]).all():
+            raise SceneError(f"{sources}: some values of {name} have a sigma and others none; give all or none")
+        if mine.sum() < 2:  # noqa: PLR2004
+            raise SceneError(
+                f"{sources}: {name} has one value only, from which its sigma cannot be estimated; give it: "
+                f"--sigma {name}=2%, or a column sigma({name})"
+            )
+    if not whole.there.any():
+        fault = problem.fault(whole) or "none of the measured impacts is there"
+        raise SceneError(f"{problem.scenes[0].name}: no value of the model to compare with the data: {fault}")
+
+
+def _first_horizon(problem: Problem, whole: Evaluation) -> float:
+    """Until when [s] the first data reach that can determine the parameters; infinite for all data."""
+    times = np.sort(problem.order[np.isfinite(problem.order)])
+    rows = ROWS * len(problem.parameters)
+    return _next_horizon(problem, whole, float(times[rows - 1]) / GROWTH) if rows <= len(times) else math.inf
+
+
+def _next_horizon(problem: Problem, whole: Evaluation, horizon: float) -> float:
+    """As far as the model follows the data roughly, and farther than before; infinite for all data."""
+    far = ~(np.abs(whole.residuals) <= FAR * problem.size)
+    order = problem.order
+    last = float(np.nanmax(order))
+    reached = float(np.min(order[far], initial=math.inf, where=np.isfinite(order[far])))
+    found = max(GROWTH * horizon, reached)
+    return found if found < last else math.inf
