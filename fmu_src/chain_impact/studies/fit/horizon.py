@@ -9,6 +9,7 @@ one start over the whole time fail).
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,7 +42,7 @@ class Found:
     horizons: tuple[float, ...]
 
 
-def search(problem: Problem) -> Found:
+def search(problem: Problem, progress: Callable[[float], None] = lambda _: None) -> Found:
     """Fit the free parameters.
 
     Raises:
@@ -50,19 +51,20 @@ def search(problem: Problem) -> Found:
     whole = problem.evaluate(problem.start)
     _check(problem, whole)
     sigma = _first_sigma(problem)
+    end = max(problem.end(k) for k in range(len(problem.data)))
     horizons = [_first_horizon(problem, whole)]
     while horizons[-1] < math.inf:
         found, sigma = _one(problem, whole, sigma, horizons[-1], ROUGH, ROUGH_STEPS)
         whole = problem.evaluate(found.best.place)
         horizons.append(_next_horizon(problem, whole, horizons[-1]))
+        progress(min(1.0, horizons[-2] / end))
     for _ in range(ROUNDS):
         before = sigma
         found, sigma = _one(problem, whole, before, math.inf, FINE, FINE_STEPS)
         whole = found.best
         if len(problem.names) == 1 or np.allclose(sigma, before, rtol=SETTLED, atol=0.0):
             break
-    ends = (*horizons[:-1], max(problem.end(k) for k in range(len(problem.data))))
-    return Found(found, sigma, ends)
+    return Found(found, sigma, (*horizons[:-1], end))
 
 
 def _one(
@@ -93,7 +95,7 @@ def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.nd
     rank = singular > 1e-12 * max(singular.max(initial=0.0), 1e-300)
     leverage[rows] = (left[:, rank] ** 2).sum(axis=1)
     found = sigma.copy()
-    for name, group, least in _estimated(problem):
+    for group, least in _estimated(problem):
         used = rows[problem.group[rows] == group]
         freedom = len(used) - leverage[used].sum()
         if freedom > 0.0:
@@ -105,25 +107,21 @@ def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.nd
 def _first_sigma(problem: Problem) -> np.ndarray:
     """What is given, and a hundredth of the size of the columns for which nothing is given."""
     sigma = problem.sigma.copy()
-    for name, group, least in _estimated(problem):
+    for group, least in _estimated(problem):
         sigma[problem.group == group] = 0.01 / LEAST_SIGMA * least
     return sigma
 
 
-def _estimated(problem: Problem) -> list[tuple[str, int, float]]:
-    """Name, number and least standard deviation of the columns for which none is given."""
-    found = []
-    for group, name in enumerate(problem.names):
-        mine = problem.group == group
-        if np.isnan(problem.sigma[mine]).any():
-            found.append((name, group, LEAST_SIGMA * float(problem.size[mine][0])))
-    return found
+def _estimated(problem: Problem) -> list[tuple[int, float]]:
+    """Number and least standard deviation of the columns for which none is given."""
+    groups = [problem.names.index(name) for name in problem.estimated]
+    return [(group, LEAST_SIGMA * float(problem.size[problem.group == group][0])) for group in groups]
 
 
 def _check(problem: Problem, whole: Evaluation) -> None:
     """Refuse data with which nothing can be done."""
-    for name, group, _ in _estimated(problem):
-        mine = problem.group == group
+    for name in problem.estimated:
+        mine = problem.group == problem.names.index(name)
         sources = ", ".join(one.source for one in problem.data)
         if not np.isnan(problem.sigma[mine]).all():
             raise SceneError(f"{sources}: some values of {name} have a sigma and others none; give all or none")

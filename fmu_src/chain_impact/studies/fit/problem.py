@@ -87,15 +87,21 @@ class Problem:
         self.longest = np.array([one.longest for one in self.parameters])
         self.size = self._sizes()
         self.evaluations = 0
-        self._mine = [
+        self._own = [
             [p for p, one in enumerate(self.parameters) if one.run in (None, k)] for k in range(len(self.data))
         ]
         self._runs = [
             DifferentiatedRun(scene, [self.parameters[p].name for p in mine], one.outputs, notify=notify)
-            for scene, one, mine in zip(self.scenes, self.data, self._mine, strict=True)
+            for scene, one, mine in zip(self.scenes, self.data, self._own, strict=True)
         ]
         ends = np.cumsum([0, *map(len, self.data)])
         self._parts = [slice(*pair) for pair in zip(ends[:-1], ends[1:], strict=True)]
+
+    @property
+    def estimated(self) -> tuple[str, ...]:
+        """The columns for which no standard deviation is given."""
+        unknown = set(self.group[np.isnan(self.sigma)].tolist())
+        return tuple(name for k, name in enumerate(self.names) if k in unknown)
 
     @property
     def start(self) -> np.ndarray:
@@ -117,13 +123,21 @@ class Problem:
         """The values of the parameters at a place on the scale of the search."""
         return np.array([one.value(at) for one, at in zip(self.parameters, place.tolist(), strict=True)])
 
+    def scale(self, values: np.ndarray) -> np.ndarray:
+        """Derivatives of the values of the parameters by their places on the scale of the search, shape (P,)."""
+        return np.array([one.slope(at) for one, at in zip(self.parameters, values.tolist(), strict=True)])
+
+    def own(self, k: int) -> list[int]:
+        """The indices of the parameters on which the model of a data set depends."""
+        return self._own[k]
+
     def evaluate(self, place: np.ndarray, horizon: float = math.inf) -> Evaluation:
         """Run the models until a horizon [s], and compare."""
         values = self.values(place)
-        scale = np.array([one.slope(at) for one, at in zip(self.parameters, values, strict=True)])
+        scale = self.scale(values)
         found, slopes = np.full(len(self.value), np.nan), np.zeros((len(self.value), len(place)))
         runs = []
-        for k, (mine, part) in enumerate(zip(self._mine, self._parts, strict=True)):
+        for k, (mine, part) in enumerate(zip(self._own, self._parts, strict=True)):
             done = self._run(k, values[mine], horizon)
             found[part], slopes[part, mine] = _select(self.data[k], done)
             runs.append(done)

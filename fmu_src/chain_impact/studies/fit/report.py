@@ -1,0 +1,116 @@
+"""A fit as text."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from chain_impact.results.plots.style import number
+from chain_impact.results.summary import plural
+from chain_impact.studies.fit.result import Fit
+from chain_impact.studies.fit.unknown import size_of
+
+HIGH = 0.9  # a correlation that is worth a word
+
+
+def report(fit: Fit) -> Iterator[str]:
+    """The lines of a text with all that a fit says."""
+    yield heading(fit)
+    yield ""
+    yield from aligned(("parameter", "start", "value", "standard error", "95 % interval"), _parameters(fit))
+    yield ""
+    yield from aligned(("measured", "values", "σ", "rms residual"), _columns(fit))
+    yield ""
+    yield _quality(fit)
+    yield from _correlations(fit)
+    yield from fit.unknown
+    yield from fit.notes
+    if fit.ranking:
+        yield ""
+        yield from aligned(("law", "ΔAIC", "χ²", *fit.values, ""), _laws(fit))
+
+
+def heading(fit: Fit) -> str:
+    """Which scene, law and data."""
+    sets = f"{plural(len(fit.data), 'data set')}, " if len(fit.data) > 1 else ""
+    return (
+        f"{fit.scene.name}  {fit.scene.contact.model}, {sets}{int(fit.used.sum())} values, "
+        f"{plural(len(fit.parameters), 'free parameter')}"
+    )
+
+
+def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    """The lines of a table; its columns are as wide as they need to be."""
+    widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
+    for row in (head, *rows):
+        yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+
+
+def _parameters(fit: Fit) -> list[Sequence[str]]:
+    rows = []
+    for one in fit.parameters:
+        value, error = fit.values[one.label], fit.standard_errors[one.label]
+        unit = "" if one.unit in ("", "1") or one.unit.startswith("N/m^") else f" {one.unit}"
+        low, high = fit.intervals[one.label]
+        place = error / value if one.logarithmic else error
+        rows.append(
+            (
+                one.label,
+                number(one.start, 6),
+                f"{rounded(value, error)}{unit}",
+                size_of(one, value, place),
+                f"{rounded(low, error)} … {rounded(high, error)}",
+            )
+        )
+    return rows
+
+
+def rounded(value: float, error: float) -> str:
+    """A number with the digits that its standard error leaves, and one more."""
+    if not (math.isfinite(error) and error > 0.0 and value):
+        return number(value, 4)
+    digits = 2 + math.floor(math.log10(abs(value))) - math.floor(math.log10(error))
+    return number(value, min(max(digits, 2), 15))
+
+
+def _columns(fit: Fit) -> list[Sequence[str]]:
+    rows = []
+    for name, mine in fit.columns.items():
+        used = mine & fit.used
+        sigma = np.unique(fit.sigma[mine])
+        told = number(sigma[0], 3) if len(sigma) == 1 else f"{number(sigma[0], 3)} … {number(sigma[-1], 3)}"
+        how = "estimated" if name in fit.estimated else "given"
+        rms = math.sqrt(float((fit.residuals[used] ** 2).mean())) if used.any() else math.nan
+        rows.append((name, str(int(used.sum())), f"{told} {how}", number(rms, 3)))
+    return rows
+
+
+def _quality(fit: Fit) -> str:
+    state = "converged" if fit.converged else "not converged"
+    horizons = ", ".join(f"{end:.3g}" for end in fit.horizons)
+    text = f"{state} after {fit.runs} runs with derivatives; data until {horizons} s"
+    if len(fit.estimated) < len(fit.columns):
+        text += f"; χ² per degree of freedom {fit.reduced_chi_squared:.3g}"
+    return text
+
+
+def _correlations(fit: Fit) -> Iterator[str]:
+    names = list(fit.values)
+    for i, first in enumerate(names):
+        for j, second in enumerate(names[:i]):
+            if abs(fit.correlation[i, j]) > HIGH:
+                yield f"The estimates of {second} and {first} have a correlation of {fit.correlation[i, j]:.3f}."
+
+
+def _laws(fit: Fit) -> list[Sequence[str]]:
+    best = fit.aic
+    rows: list[Sequence[str]] = []
+    for one in fit.ranking:
+        if one.fit is None:
+            rows.append((one.law, "–", "–", *("–" for _ in fit.values), one.note))
+            continue
+        values = (rounded(value, one.fit.standard_errors[name]) for name, value in one.fit.values.items())
+        rows.append((one.law, f"{one.fit.aic - best:.1f}", f"{one.fit.chi_squared:.4g}", *values, one.note))
+    return rows
