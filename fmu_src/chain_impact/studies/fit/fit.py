@@ -199,7 +199,7 @@ def _notes(problem: Problem, result: Fit, at: Evaluation, found: Found) -> list[
     notes += _left_out(problem, at)
     for p, one in enumerate(problem.parameters):
         for end, bound in (("lower", problem.low[p]), ("upper", problem.high[p])):
-            if abs(at.place[p] - bound) <= AT_BOUND * max(1.0, abs(bound)):
+            if math.isfinite(bound) and abs(at.place[p] - bound) <= AT_BOUND * max(1.0, abs(bound)):
                 notes.append(
                     f"{one.label} is at its {end} bound, {one.value(float(bound)):.6g}: "
                     "its standard error and interval do not hold."

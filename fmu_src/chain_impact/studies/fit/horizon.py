@@ -64,7 +64,7 @@ def search(problem: Problem, progress: Callable[[float], None] = lambda _: None)
         whole = found.best
         if len(problem.names) == 1 or np.allclose(sigma, before, rtol=SETTLED, atol=0.0):
             break
-    return Found(found, sigma, (*horizons[:-1], end))
+    return Found(found, sigma, (*horizons[:-1], float(np.nanmax(problem.order, initial=0.0)) or end))
 
 
 def _one(
@@ -143,8 +143,11 @@ def _first_horizon(problem: Problem, whole: Evaluation) -> float:
 
 
 def _next_horizon(problem: Problem, whole: Evaluation, horizon: float) -> float:
-    """As far as the model follows the data roughly, and farther than before; infinite for all data."""
-    far = ~(np.abs(whole.residuals) <= FAR * problem.size)
+    """As far as the model follows the data roughly, and farther than before; infinite for all data.
+
+    It follows them as long as outputs over time are near, or times of impacts if no outputs were measured.
+    """
+    far = problem.followed & ~(np.abs(whole.residuals) <= FAR * problem.size)
     order = problem.order
     last = float(np.nanmax(order))
     reached = float(np.min(order[far], initial=math.inf, where=np.isfinite(order[far])))

@@ -43,7 +43,8 @@ def rank(fit: FitOne, scenes: Sequence[Scene], progress: Advance) -> Fit:
     noted = tuple(_noted(one, most) for one in ranked)
     best = noted[0].fit
     assert best is not None
-    return replace(best, ranking=noted)
+    started = found[0].fit or best  # the others began where it ended
+    return replace(best, parameters=started.parameters, ranking=noted)
 
 
 def _fit_law(fit: FitOne, scenes: Sequence[Scene], first: Fit | None, law: str, progress: Advance) -> LawFit:

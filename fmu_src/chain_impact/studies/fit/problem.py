@@ -113,11 +113,24 @@ class Problem:
         beyond = self.order > horizon
         return replace(evaluation, residuals=np.where(beyond, np.nan, evaluation.residuals))
 
+    @property
+    def followed(self) -> np.ndarray:
+        """The values that show whether the model moves as measured, shape (M,): outputs, else times of impacts."""
+        outputs = np.concatenate([~one.of_impact for one in self.data])
+        if outputs.any():
+            return outputs
+        return np.array([self.names[group] in ("onset", "end") for group in self.group])
+
     def end(self, k: int) -> float:
-        """Until when [s] the model of a data set runs, to have all that was measured."""
-        stop = self.scenes[k].simulation.stop_time if self.data[k].of_impact.any() else 0.0
-        known = self.data[k].order
-        return max(stop, float(np.nanmax(known, initial=0.0)))
+        """Until when [s] the model of a data set runs, to have all that was measured.
+
+        An impact of which no time was measured can be anywhere until the scene's stop time.
+        """
+        data = self.data[k]
+        last = float(np.nanmax(data.order, initial=0.0))
+        if np.isnan(data.order).any():
+            last = max(last, self.scenes[k].simulation.stop_time)
+        return LATE * last if data.of_impact.any() else last
 
     def values(self, place: np.ndarray) -> np.ndarray:
         """The values of the parameters at a place on the scale of the search."""

@@ -29,7 +29,8 @@ def report(fit: Fit) -> Iterator[str]:
     yield from fit.notes
     if fit.ranking:
         yield ""
-        yield from aligned(("law", "ΔAIC", "χ²", *fit.values, ""), _laws(fit))
+        yield from aligned(("law", "ΔAIC", "rms residual", *fit.values, ""), _laws(fit))
+        yield "The rms residual is in standard deviations σ of the best fit."
 
 
 def heading(fit: Fit) -> str:
@@ -112,5 +113,6 @@ def _laws(fit: Fit) -> list[Sequence[str]]:
             rows.append((one.law, "–", "–", *("–" for _ in fit.values), one.note))
             continue
         values = (rounded(value, one.fit.standard_errors[name]) for name, value in one.fit.values.items())
-        rows.append((one.law, f"{one.fit.aic - best:.1f}", f"{one.fit.chi_squared:.4g}", *values, one.note))
+        rms = math.sqrt(float(np.nanmean((one.fit.residuals / fit.sigma) ** 2)))
+        rows.append((one.law, f"{one.fit.aic - best:.1f}", number(rms, 3), *values, one.note))
     return rows

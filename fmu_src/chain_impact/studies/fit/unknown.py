@@ -22,9 +22,9 @@ BETTER = 0.5  # of the present standard error, what a measurement must reach to 
 MEASURED = 0.02  # of its value, the standard deviation of a measurement that is proposed
 TRIED = 8  # impacts of each run
 PROPOSED = {
-    "peak_force": "the peak force",
-    "duration": "the duration",
-    "separation_speed": "the separation speed",
+    "peak_force": "peak force",
+    "duration": "duration",
+    "separation_speed": "separation speed",
 }
 
 
@@ -101,18 +101,17 @@ def _proposals(
             tried.append(words)
             if error < BETTER * present and not is_unknown(one, values[p], error):
                 of = f"impact {impact + 1}" + (f" of data set {run + 1}" if len(at.runs) > 1 else "")
-                useful.append((error, f"{words} of {of}"))
+                useful.append((error, f"the {words} of {of}"))
     if useful:
         (error, best), *others = sorted(useful)
         yield (
-            f"{best[0].upper()}{best[1:]}, measured to {100 * MEASURED:g} %, would bring it to "
+            f"T{best[1:]}, measured to {100 * MEASURED:g} %, would bring it to "
             f"{size_of(one, values[p], error)}"
             + "".join(f"; {what}, to {size_of(one, values[p], error)}" for error, what in others)
             + "."
         )
     elif tried:
-        names = " or ".join([", ".join(tried[:-1]), tried[-1]] if len(tried) > 1 else tried)
-        yield f"Neither {names} of one impact, measured to {100 * MEASURED:g} %, would determine it."
+        yield f"No {' or '.join(tried)} of an impact, measured to {100 * MEASURED:g} %, would determine it."
 
 
 def _impacts(
