@@ -68,6 +68,25 @@ def test_a_grid_of_laws_methods_and_restitutions():
     assert np.isinf(found["peak_force"][bounced]).all()
 
 
+def test_impulses_are_followed_for_the_columns_that_have_them():
+    scene = short()
+    vary = {"contact.restitution": [0.5, 0.7, 0.9]}
+    on_floor = [f"contact[{point}].y_min.impulse" for point in (2, 4)]
+    with_contacts = sweep(scene, vary, outputs=on_floor)
+    with_impacts = sweep(scene, vary, outputs=["impact[1].impulse"])
+    for row in with_contacts.table:
+        check(scene, row, vary, on_floor)
+    last, second = with_impacts["impact[1].impulse"], with_impacts["impact.count"] == 2
+    assert (last > 0.0).all()
+    assert (with_contacts[on_floor[0]] > 0.0).all()
+    assert second.any()
+    np.testing.assert_array_equal(last[second], with_contacts[on_floor[1]][second])
+    plain = sweep(scene, vary)
+    for found in (with_contacts, with_impacts):
+        for name in plain.names:
+            np.testing.assert_array_equal(found[name], plain[name])
+
+
 def test_parameters_of_every_kind():
     scene = short()
     vary = {

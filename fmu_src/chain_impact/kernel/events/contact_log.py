@@ -27,25 +27,25 @@ def follow_contacts(d):
         c = touch.active_index[k]
         _, gap_rate = clearance(d, c)
         force_rate = rate_of_force(d, c)
-        peak, depth, elsewhere = peaks(d, c, d.step.end, SOLVER)
+        peak, depth, elsewhere = peaks(d, c, force_rate, d.step.end, SOLVER)
         touch.peak_force[c], touch.max_penetration[c] = peak, depth
         touch.force_rate[c], touch.speed[c] = force_rate, -gap_rate
         if elsewhere:
             locate_points(d, d.step.state_end)
 
 
-def peaks(d, c, time, reader):
+def peaks(d, c, force_rate, time, reader):
     """The largest force [N] and penetration [m] of candidate c until a ``time`` [s] in the last step.
 
     The points have to be located and accelerated there; a third value is true when they are no longer.
-    ``reader`` is who needs it, OUTPUTS or the SOLVER.
+    ``force_rate`` is that of these points [N/s], and ``reader`` who needs it, OUTPUTS or the SOLVER.
     """
     touch = d.touch
     gap, gap_rate = clearance(d, c)
     force, _ = contact_force(d, c, gap, gap_rate)
     peak, depth = max(touch.peak_force[c], force), max(touch.max_penetration[c], -gap)
     # both have a maximum inside the step when their rate falls through zero
-    force_peaked = touch.force_rate[c] > 0.0 and rate_of_force(d, c) <= 0.0
+    force_peaked = touch.force_rate[c] > 0.0 and force_rate <= 0.0
     depth_peaked = touch.speed[c] > 0.0 and gap_rate >= 0.0
     if force_peaked or depth_peaked:
         complete(d, reader)
@@ -112,7 +112,7 @@ def note_active(d):
         _, gap_rate = clearance(d, c)
         peak, depth = max(d.touch.peak_force[c], d.output.force[c]), 0.0
         if not d.contact.impulsive:
-            peak, depth, elsewhere = peaks(d, c, time, OUTPUTS)
+            peak, depth, elsewhere = peaks(d, c, rate_of_force(d, c), time, OUTPUTS)
             if elsewhere:
                 interpolate(d.step, theta, d.work.y)
                 locate_points(d, d.work.y)
