@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -22,6 +22,7 @@ from chain_impact.studies.fit.table import Source
 from chain_impact.studies.fit.uncertainty import Information, information, largest_usual, quantile
 from chain_impact.studies.fit.unknown import unknown
 
+ALIKE = 2.0  # correlation of neighbours times √n, which chance exceeds in 2 % of all cases
 AT_BOUND = 1e-6  # of a range or of a factor, from a bound
 
 
@@ -211,7 +212,24 @@ def _notes(problem: Problem, result: Fit, at: Evaluation, found: Found) -> list[
             f"χ² is {result.chi_squared:.4g} for {result.freedom} degrees of freedom: the model does not follow "
             "the data within their σ, so the standard errors are too small."
         )
-    return notes
+    return [*notes, *_not_random(result)]
+
+
+def _not_random(result: Fit) -> Iterator[str]:
+    """Columns in which residuals are like their neighbours: the lag-1 correlation r has √n r > ALIKE.
+
+    Of independent residuals √n r has about the standard normal distribution (R. L. Anderson, Annals of
+    Mathematical Statistics 13 (1942) 1).
+    """
+    for name, mine in result.columns.items():
+        residuals = (result.residuals / result.sigma)[mine & result.used]
+        squares = float(residuals @ residuals)
+        alike = float(residuals[1:] @ residuals[:-1]) / squares if squares > 0.0 else 0.0
+        if math.sqrt(len(residuals)) * alike > ALIKE:
+            yield (
+                f"Residuals of {name} are like their neighbours (correlation {alike:.2f}), so they are not only "
+                "noise: the model leaves something out, and the standard errors are too small."
+            )
 
 
 def _left_out(problem: Problem, at: Evaluation) -> list[str]:

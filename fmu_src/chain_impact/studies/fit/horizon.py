@@ -18,7 +18,7 @@ from chain_impact.reading import SceneError
 from chain_impact.studies.fit.levenberg_marquardt import Search, minimize
 from chain_impact.studies.fit.problem import Evaluation, Problem
 
-ROWS = 3  # in the first horizon, for each parameter
+ROWS = 3  # values in the first horizon, for each parameter, but no more than a third of all if that is enough
 FAR = 0.01  # of the size of a column: a model so far away is not followed beyond
 GROWTH = 1.1  # of the horizon, at least
 ROUGH, FINE = 0.1, 1e-3  # standard errors of the parameters: a step that is small enough
@@ -138,7 +138,8 @@ def _check(problem: Problem, whole: Evaluation) -> None:
 def _first_horizon(problem: Problem, whole: Evaluation) -> float:
     """Until when [s] the first data reach that can determine the parameters; infinite for all data."""
     times = np.sort(problem.order[np.isfinite(problem.order)])
-    rows = ROWS * len(problem.parameters)
+    least = len(problem.parameters)
+    rows = max(least, min(ROWS * least, len(times) // ROWS))
     return _next_horizon(problem, whole, float(times[rows - 1]) / GROWTH) if rows <= len(times) else math.inf
 
 

@@ -8,6 +8,7 @@ IMM-REP-1999-05, Technical University of Denmark (1999).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -15,8 +16,9 @@ import numpy as np
 
 from chain_impact.studies.fit.problem import Evaluation
 
-FIRST_DAMPING, MOST_DAMPING = 1e-3, 1e10
-LEAST_CURVATURE = 1e-12  # of the largest, of a parameter without effect
+FIRST_DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-10, 1e10
+NEAR = 0.05  # standard errors from the least sum of squares, where round-off may hide any gain
+TINY = 1e-300
 ROUND_OFF = 1e-20  # of the squares of residuals in standard deviations: nothing is left to be fitted
 
 
@@ -26,7 +28,7 @@ class Search:
 
     Attributes:
         best: the model there.
-        converged: whether no step within the bounds makes the sum of squares smaller.
+        converged: whether it is where no step within the bounds makes the sum of squares much smaller.
         steps: how many there were.
     """
 
@@ -52,8 +54,8 @@ def minimize(
         sigma: standard deviations of the values, shape (M,).
         bounds: the lowest and the highest place, each of shape (P,).
         longest: largest change of the place in one step, shape (P,).
-        enough: the search has converged when a step promises to move the parameters by less than so many
-            of their standard errors.
+        enough: the search has converged when the least sum of squares is no farther than so many standard
+            errors of the parameters, as the derivatives tell it.
         most: steps, at most.
     """
     best, damping, growth = first, FIRST_DAMPING, 2.0
@@ -65,15 +67,21 @@ def minimize(
         held = (best.place <= bounds[0]) & (gradient > 0.0) | (best.place >= bounds[1]) & (gradient < 0.0)
         free = np.flatnonzero(~held & (np.diag(curvature) > 0.0))
         variance = cost / max(1, rows.sum() - len(free))
+        undamped = _step(gradient, curvature, free, LEAST_DAMPING)
+        distance = math.sqrt(max(0.0, -gradient @ undamped) / max(variance, TINY))  # in standard errors
+        if len(free) and (distance <= enough or cost <= ROUND_OFF * rows.sum()):
+            return Search(best, True, steps)
         while len(free):
             step = _step(gradient, curvature, free, damping)
-            step = np.clip(best.place + np.clip(step, -longest, longest), *bounds) - best.place
+            step *= 1.0 / max(1.0, float((np.abs(step) / longest).max()))
+            step = np.clip(best.place + step, *bounds) - best.place
             promised = -(2.0 * gradient @ step + step @ curvature @ step)
-            if promised <= enough**2 * variance or cost <= ROUND_OFF * rows.sum():
-                return Search(best, True, steps)
-            trial = evaluate(best.place + step)
-            after = trial.residuals[rows] / sigma[rows]
-            gain = (cost - after @ after) / promised  # NaN if a row is lost
+            if promised > 0.0:  # it may not be where a bound cuts the step
+                trial = evaluate(best.place + step)
+                after = trial.residuals[rows] / sigma[rows]
+                gain = (cost - after @ after) / promised  # NaN if a row is lost
+            else:
+                gain = math.nan
             if gain > 0.0:
                 damping *= max(1.0 / 3.0, 1.0 - (2.0 * gain - 1.0) ** 3)
                 growth, best = 2.0, trial
@@ -81,7 +89,7 @@ def minimize(
             damping *= growth
             growth *= 2.0
             if damping > MOST_DAMPING:
-                return Search(best, False, steps)
+                return Search(best, distance <= NEAR, steps)
         else:
             return Search(best, False, steps)  # nothing depends on what may move
     return Search(best, False, most)
