@@ -27,6 +27,10 @@ SOURCES = {
     "sphere_on_wall": "Chung & Ooi 2011, tests 2 and 3",
     "elastic_floor": "code_aster, SDND108 A",
     "clattering_rod": "Goyal et al. 1998",
+    "falling_arm": "Brogliato 2016",
+    "steel_bar": "Stoianovici & Hurmuzlu 1996; Euler–Bernoulli",
+    "golf_ball": "Cantarini 2023, laboratory course",
+    "triple_pendulum": "Kaheman et al. 2023",
 }
 
 
@@ -51,10 +55,12 @@ def rows(problem: Problem, tight: Problem) -> list[dict[str, str]]:
 
 
 def published(figure: Figure) -> str:
-    """What the source says; bold where it is inaccurate."""
+    """What the source says or measured; bold where it is inaccurate."""
     if figure.published is None:
         return "equation"
     text = f"{float(figure.published):.12g}"
+    if figure.measured:
+        return f"{text} (measured)"
     return f"**{text}**" if figure.inaccurate else text
 
 

@@ -117,8 +117,9 @@ def test_links_lead_to_files(page):
 def test_other_commands_are_known_or_scripts_of_the_repository(page):
     for line in "\n".join(blocks(page, "sh")).splitlines():
         for command in line.partition("  #")[0].split(" && "):
-            script = re.match(r"(?:\.venv/bin/)?python ([\w/]+\.py)\b", command)
-            assert (ROOT / script[1]).is_file() if script else KNOWN.match(command), command
+            script = re.match(r"(?:\.venv/bin/)?python (?:([\w/]+)\.py|-m (tests\.\w+))\b", command)
+            file = (script[1] or script[2].replace(".", "/")) + ".py" if script else None
+            assert (ROOT / file).is_file() if file else KNOWN.match(command), command
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,6 @@
 """The models: their reference results, checked by an integration that shares nothing with the kernel.
 
-``python tests/test_models.py`` writes the reference results anew: every output of a model at a
+``python -m tests.test_models`` writes the reference results anew: every output of a model at a
 tolerance of 1e-12, each 0.02 s or more often, in models/<model>/reference.csv. Where a controller drives a
 model, the inputs that it has set in a co-simulation are written before, to models/<model>/inputs.csv.
 """
@@ -23,7 +23,7 @@ from tests.textbook import Chain
 
 DOCS = Path(__file__).parents[1] / "docs" / "models"
 STEP = 0.02  # s, between two rows of a reference
-STEPS = {"sphere_on_wall": 6e-5}  # s, where all is over in a few milliseconds
+STEPS = {"sphere_on_wall": 6e-5, "steel_bar": 1e-4}  # s, where all is over in a few milliseconds
 # until when [s] the two integrations are compared, and within what [m, rad, s]: the four-link chain
 # amplifies an error of its start 2e4 times until 2 s; the rod comes to rest by ever more impacts
 INDEPENDENT = {
@@ -33,12 +33,16 @@ INDEPENDENT = {
     "double_pendulum_wall": (2.5, 1e-9),
     "elastic_ball": (4.0, 1e-9),
     "elastic_floor": (4.0, 1e-9),
+    "falling_arm": (0.45, 1e-9),
     "four_link_box": (2.0, 1e-6),
+    "golf_ball": (4.0, 1e-9),
     "pinned_arm": (2.0, 1e-9),
     "ramp": (1.5, 1e-9),
     "rod_drop": (1.4, 1e-9),
     "simple_pendulum": (4.0, 1e-9),
     "sphere_on_wall": (0.012, 1e-9),
+    "steel_bar": (0.0008, 1e-9),
+    "triple_pendulum": (5.0, 1e-9),
 }
 # until the end, of positions [m] and angles [rad], and of their rates: during contact 1e-8 s are 1e-4 m/s
 REGRESSION_ERROR = {
@@ -48,17 +52,22 @@ REGRESSION_ERROR = {
     "double_pendulum_wall": (1e-6, 1e-5),
     "elastic_ball": (1e-8, 1e-7),
     "elastic_floor": (1e-6, 1e-5),
+    "falling_arm": (1e-7, 1e-6),
     "four_link_box": (1e-3, 1e-2),
+    "golf_ball": (1e-9, 1e-8),
     "pinned_arm": (1e-7, 1e-6),
     "ramp": (1e-6, 1e-5),
     "rod_drop": (1e-6, 1e-3),
     "simple_pendulum": (1e-6, 1e-5),
     "sphere_on_wall": (1e-9, 1e-6),
+    "steel_bar": (1e-8, 1e-3),
+    "triple_pendulum": (1e-6, 1e-5),
 }
 # of the energy at all times [J]: during a long soft contact, rows between steps err by the interpolation
 BALANCE_ERROR = {"elastic_floor": 2e-8}
 
 CO_SIMULATED = {"controlled_arm": {"inputs.csv", "controller.py", "co_simulation.py", "masters.py"}}
+MEASURED = {"golf_ball": {"measured.csv"}, "triple_pendulum": {"measured.csv", "measured.LICENSE"}}
 
 
 def compute_reference(model):
@@ -143,7 +152,9 @@ def test_energy_is_conserved_in_the_reference(model):
 def test_every_model_has_its_files():
     for model in model_names():
         files = {file.name for file in (models_folder() / model).iterdir() if file.is_file()}
-        assert files == {SCENE_FILE, "reference.csv"} | CO_SIMULATED.get(model, set())
+        assert files == {SCENE_FILE, "reference.csv"} | CO_SIMULATED.get(model, set()) | MEASURED.get(
+            model, set()
+        )
         assert (DOCS / f"{model}.md").is_file()
 
 

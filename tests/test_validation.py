@@ -31,6 +31,9 @@ def test_the_published_figures_differ_from_the_second_solution_as_documented(pro
             continue
         off = abs(float(figure.published) - figure.independent)
         assert off <= figure.published_error, figure.quantity
+        if figure.measured:  # it differs by what the model leaves out, and by the error of the measurement
+            assert not figure.inaccurate
+            continue
         # one that is called inaccurate is off by more than its last digit, and by more than our result is
         last_digit = 10.0 ** Decimal(figure.published).as_tuple().exponent
         ours = abs(figure.ours - figure.independent)

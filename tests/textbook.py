@@ -84,7 +84,9 @@ class Chain:
             mass[2 + i, 2 + i] += link.inertia
             force += link.mass * jacobian.T @ (np.array(self.scene.gravity) - bias)
             if i > 0 or self.free.start:
-                torque = link.joint_damping * (y[n + 4 + i] - (y[n + 3 + i] if i else 0.0))
+                bend = y[2 + i] - (y[1 + i] if i else 0.0) - link.joint_rest_angle
+                torque = link.joint_stiffness * bend
+                torque += link.joint_damping * (y[n + 4 + i] - (y[n + 3 + i] if i else 0.0))
                 torque -= self.torques[self.sample, i]
                 force[2 + i] -= torque
                 force[1 + i] += torque if i else 0.0

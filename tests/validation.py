@@ -1,6 +1,7 @@
 """Problems of others: what they published, a second solution that shares nothing with the kernel, and ours.
 
-Each function of ``PROBLEMS`` runs one model and returns its ``Figure``s. Published figures are facts of the
+Each function of ``PROBLEMS`` runs one model and returns its ``Figure``s. Those with measured data are in
+``tests.measured``. Published figures are facts of the
 sources that docs/validation.md names. The second solutions are closed forms, root searches in closed forms,
 and the chain of ``tests.textbook`` with scipy at 1e-12. Units are SI throughout.
 """
@@ -8,62 +9,19 @@ and the chain of ``tests.textbook`` with scipy at 1e-12. Units are SI throughout
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ellipj, ellipk, gamma
 
-from chain_impact import Result, load_scene, simulate
+from chain_impact import load_scene
 from chain_impact.scene import Scene, with_values
+from tests.accumulation import Arm, first_accumulation, second_accumulation
+from tests.beam import Bar, impulse
+from tests.figures import Figure, Problem, problem, run
+from tests.measured import golf_ball, triple_pendulum
 from tests.textbook import Chain
-
-
-@dataclass(frozen=True)
-class Figure:
-    """One quantity of a problem.
-
-    Attributes:
-        quantity: what it is, with its unit.
-        published: what the source says, in its digits; None where it gives an equation only.
-        independent: the second solution.
-        ours: the simulation.
-        held: how far ``ours`` may be from ``independent`` at a tolerance of 1e-12.
-        published_error: how far the published figure is from the second solution, at the most.
-        inaccurate: the published figure is off by more than its last digit.
-    """
-
-    quantity: str
-    published: str | None
-    independent: float
-    ours: float
-    held: float
-    published_error: float = 0.0
-    inaccurate: bool = False
-
-
-@dataclass(frozen=True)
-class Problem:
-    """A model, its figures, and what its run cost."""
-
-    model: str
-    figures: list[Figure]
-    steps: int
-    evaluations: int
-
-
-def run(model: str, tolerance: float, scene: Scene | None = None, **changes: Any) -> Result:
-    """A model, or a scene made of it, simulated at a tolerance."""
-    return simulate(scene or load_scene(model), tolerance=tolerance, **changes)
-
-
-def problem(model: str, result: Result, figures: Sequence[Figure]) -> Problem:
-    """The figures with the cost of a run."""
-    cost = result.statistics
-    return Problem(model, list(figures), cost["steps"], cost["rhs_evaluations"])
-
 
 # --- double pendulum at a wall -------------------------------------------------------------------------
 
@@ -328,6 +286,51 @@ def clatter(scene: Scene, impacts: int) -> list[tuple[int, float, float]]:
     return found
 
 
+# --- two accumulations of impacts ----------------------------------------------------------------------
+
+
+def falling_arm(tolerance: float) -> Problem:
+    """When the elbow and then the tip of an arm rest on the floor, after infinitely many impacts each."""
+    model = "falling_arm"
+    result = run(model, tolerance)
+    arm = Arm(load_scene(model))
+    elbow, point, state = first_accumulation(arm)
+    assert point == 1
+    impacts = result.impacts
+    rests = [impacts["onset"][impacts["point"] == k][-1] for k in (1, 2)]
+    there = run(model, tolerance, stop_time=elbow)
+    rate = there.angular_velocities[-1, 1]
+    tip = second_accumulation(arm, elbow, state)
+    figures = [
+        # an accumulation is cut short where bounces are too low to be told from rest
+        Figure("time of rest of the elbow [s]", None, elbow, rests[0], 2e-7),
+        Figure("angle of link 2 then [rad]", None, state[1], there.angles[-1, 1], 1e-10),
+        Figure("angular velocity of link 2 then [rad/s]", None, state[3], rate, 1e-8),
+        Figure("time of rest of the tip [s]", None, tip, rests[1], 2e-7),
+    ]
+    return problem(model, result, figures)
+
+
+# --- a bar that bends ----------------------------------------------------------------------------------
+
+
+def steel_bar(tolerance: float) -> Problem:
+    """What is left of the restitution of a bar that vibrates: 20 links, and an Euler–Bernoulli beam."""
+    model, shown = "steel_bar", (0.2, 0.3, 0.4)
+    result, scene = run(model, tolerance), load_scene(model)
+    times = np.linspace(0.0, scene.simulation.stop_time, 2)
+    figures = []
+    for length in shown:
+        bar = Bar(length)
+        _, exact = bar.impact(times)
+        ours = impulse(bar.chain(scene, 20, tolerance))
+        quantity = f"restitution of a bar of {length} m without its vibration"
+        # a chain of 20 links is not quite a beam
+        figures.append(Figure(quantity, None, bar.restitution(exact), bar.restitution(ours), 2e-4))
+    figures.append(Figure("impulse on the bar of 0.4 m [N·s]", None, exact, impulse(result), 1e-5))
+    return problem(model, result, figures)
+
+
 PROBLEMS: dict[str, Callable[[float], Problem]] = {
     function.__name__: function
     for function in (
@@ -338,5 +341,9 @@ PROBLEMS: dict[str, Callable[[float], Problem]] = {
         sphere_on_wall,
         elastic_floor,
         clattering_rod,
+        falling_arm,
+        steel_bar,
+        golf_ball,
+        triple_pendulum,
     )
 }

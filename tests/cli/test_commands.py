@@ -1,24 +1,19 @@
 """The command line: what each command does, and what it says when that goes wrong on the way."""
 
 import csv
-import io
-import pickle
 import re
 import subprocess
 import sys
-import time
 import zipfile
 from importlib.metadata import version
 
 import matplotlib as mpl
 import pytest
 from matplotlib import pyplot
-from rich.console import Console
 
 from chain_impact import CONTACT_LAWS, load_scene, running
-from chain_impact.cli import commands, progress, report
+from chain_impact.cli import report
 from chain_impact.compilation.errors import BuildError
-from chain_impact.compilation.work import Work
 from chain_impact.runs import record_fmu
 from chain_impact.scene import models_folder
 from chain_impact.variables import fmu_variables
@@ -332,19 +327,6 @@ def test_quiet_prints_nothing(run, here, verb):
     assert run("info", "rod_drop")[1] != ""
 
 
-def test_quiet_still_says_what_is_wrong(run, monkeypatch, terminal):
-    text = terminal(False)
-    assert run("simulate", "no_scene", "-q")[:2] == (2, "")
-    assert text.getvalue().startswith("chain-impact: no_scene: cannot be read")
-
-
-def test_quiet_says_nothing_of_compiling(run, monkeypatch, terminal):
-    compiling(monkeypatch)
-    text = terminal(True)
-    assert run("simulate", "rod_drop", "-q") == (0, "", "")
-    assert text.getvalue() == ""
-
-
 def test_version(run):
     assert run("--version") == (0, f"chain-impact {version('chain-impact')}\n", "")
 
@@ -370,98 +352,3 @@ def test_the_module_can_be_run(here):
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 2
     assert re.fullmatch(r"chain-impact: FourLinkBox: a is no parameter.*\n", done.stderr)
-
-
-# --- the progress bar ------------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def terminal(monkeypatch):
-    """What is printed for the eyes of a terminal's user on standard error."""
-
-    def terminal(is_one):
-        text = io.StringIO()
-        console = Console(file=text, force_terminal=is_one, width=100)
-        for module in (commands, progress):
-            monkeypatch.setattr(module, "err", console)
-        return text
-
-    return terminal
-
-
-def compiling(monkeypatch):
-    """Let the cached kernel look as if it had to be compiled."""
-    cached = running.kernel_library
-
-    def kernel_library(*arguments, notify, **_):
-        notify(Work("compiling the kernel", 12.0))
-        return cached(*arguments)
-
-    monkeypatch.setattr(running, "kernel_library", kernel_library)
-
-
-def test_a_bar_shows_on_a_terminal_while_something_compiles(run, monkeypatch, terminal):
-    compiling(monkeypatch)
-    text = terminal(True)
-    assert run("simulate", "rod_drop")[0] == 0
-    assert "compiling the kernel" in text.getvalue()
-    assert text.getvalue().endswith("\x1b[2K")  # and is wiped out
-
-
-def test_a_sentence_about_work_goes_to_another_process():
-    work = pickle.loads(pickle.dumps(Work("compiling", 12.0)))
-    assert (work, work.seconds) == ("compiling", 12.0)
-
-
-def test_the_bar_returns_to_the_simulation_after_a_second_compilation(monkeypatch, terminal):
-    monkeypatch.setattr(progress, "BRIEF", 0.0)
-    text = terminal(True)
-    with progress.progress() as (notify, advance):
-        advance(0.1)
-        notify(Work("linking", 3.0))
-        advance(0.5)
-        time.sleep(0.2)
-    assert "simulating" in text.getvalue().split("linking")[-1]
-
-
-def test_no_bar_when_nothing_compiles(run, terminal):
-    text = terminal(True)
-    run("simulate", "rod_drop")
-    assert text.getvalue() == ""
-
-
-def test_a_line_instead_of_a_bar_in_a_file(run, monkeypatch, terminal):
-    text = terminal(False)
-    with monkeypatch.context() as patch:
-        compiling(patch)
-        _, _, errors = run("simulate", "rod_drop")
-    assert errors == "chain-impact: compiling the kernel (about 12 s, then kept)\n"
-    _, _, errors = run("build", "rod_drop")
-    assert errors == ""  # of what takes a moment nothing is said
-    assert text.getvalue() == ""
-
-
-def test_the_bar_moves_as_long_as_it_compiles(monkeypatch, terminal):
-    text = terminal(True)
-    with progress.progress() as (notify, _):
-        notify(Work("compiling the kernel", 0.8))
-        time.sleep(0.6)
-    shown = re.findall("━+", re.sub(r"\x1b\[38;[\d;]*m━+|\x1b\[0m", "", text.getvalue()))
-    assert "of about 1 s" in text.getvalue()
-    assert len({len(bar) for bar in shown}) >= 2
-
-
-def test_the_bar_says_what_is_being_done(run, terminal):
-    text = terminal(True)
-    run("build", "rod_drop")
-    assert "packaging the FMU" in text.getvalue()
-    assert "validating the FMU" in text.getvalue()
-
-
-def test_a_fault_below_the_bar_is_still_one_line(run, monkeypatch, terminal):
-    compiling(monkeypatch)
-    text = terminal(True)
-    assert run("simulate", "--set", LITTLE_WORK)[0] == 3
-    assert (
-        text.getvalue().split("\x1b[2K")[-1].startswith("chain-impact: FourLinkBox: the simulation stopped")
-    )

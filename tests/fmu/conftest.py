@@ -128,3 +128,9 @@ def clean(clean_python) -> Clean:
 def run(clean) -> Clean:
     """Run a function in a clean process that has interface.py."""
     return lambda function, *arguments: clean(function, *arguments, module="interface")
+
+
+@pytest.fixture(scope="session")
+def fmi3(all_fmus) -> dict[str, str]:
+    """The FMU of each model."""
+    return all_fmus["fmi3"]

@@ -8,7 +8,7 @@ import zipfile
 from collections.abc import Callable
 from ctypes import CFUNCTYPE, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from xml.etree import ElementTree
 
 OK, WARNING, DISCARD, ERROR, FATAL = range(5)
@@ -43,11 +43,26 @@ def unpacked(fmu: str, folder: str | None = None) -> Path:
     return place
 
 
-class Library:
+class Messages:
+    """What an FMU has logged, the text last."""
+
+    def __init__(self) -> None:
+        """Nothing yet."""
+        self.messages: list[tuple[Any, ...]] = []
+
+    def said(self) -> list[str]:
+        """The texts since the last look."""
+        texts = [text for *_, text in self.messages]
+        self.messages.clear()
+        return texts
+
+
+class Library(Messages):
     """The binary of an FMU, what its model description says, and callbacks that count."""
 
     def __init__(self, fmu: str, folder: str | None = None, mode: int = ctypes.RTLD_LOCAL) -> None:
         """Unzip and load it."""
+        super().__init__()  # messages: instance, status, category, text
         self.folder = unpacked(fmu, folder)
         root = ElementTree.parse(self.folder / "modelDescription.xml").getroot()
         fmi3 = root.get("fmiVersion") == "3.0"
@@ -71,7 +86,6 @@ class Library:
         else:
             self.c.fmi2Instantiate.restype = c_void_p
             self.c.fmi2GetVersion.restype = self.c.fmi2GetTypesPlatform.restype = c_char_p
-        self.messages: list[tuple[str, int, str, str]] = []  # instance, status, category, text
         self.blocks: dict[int, Any] = {}
         self.left = -1  # so many more blocks of memory can be had; any number if negative
         self.callbacks = Callbacks(Logger(self._log), Allocate(self._allocate), Free(self._free))
@@ -97,12 +111,6 @@ class Library:
         if address is not None:
             del self.blocks[address]  # an error, if it was not had from here
 
-    def said(self) -> list[str]:
-        """The texts since the last look."""
-        texts = [text for *_, text in self.messages]
-        self.messages.clear()
-        return texts
-
     def instantiate(self, **changes: Any) -> int | None:
         """Call fmi2Instantiate, with some other arguments than the usual ones."""
         usual = {
@@ -118,14 +126,96 @@ class Library:
         return self.c.fmi2Instantiate(*values)
 
 
-class Component:
-    """An instance; each function returns the status."""
+class States(NamedTuple):
+    """Names of the functions that keep a state and go back to it."""
 
-    def __init__(self, library: Library, **changes: Any) -> None:
+    get: str
+    set: str
+    free: str
+    size: str
+    serialize: str
+    deserialize: str
+
+
+class Instance:
+    """An instance by one of the standards, which says how a function of it is called."""
+
+    STATES: States
+
+    def __init__(self, library: Any, **changes: Any) -> None:
         """Instantiate."""
         self.library = library
         self.address = c_void_p(library.instantiate(**changes))
         assert self.address.value, library.said()
+
+    def call(self, name: str, *arguments: Any) -> int:
+        """Call a function of the standard."""
+        raise NotImplementedError
+
+    def state(self) -> c_void_p:
+        """Keep the present state."""
+        state = c_void_p()
+        assert self.call(self.STATES.get, byref(state)) == OK
+        return state
+
+    def serialized(self) -> bytes:
+        """The present state as bytes."""
+        state, size = self.state(), c_size_t()
+        assert self.call(self.STATES.size, state, byref(size)) == OK
+        data = ctypes.create_string_buffer(size.value)
+        assert self.call(self.STATES.serialize, state, data, size) == OK
+        assert self.call(self.STATES.free, byref(state)) == OK
+        return data.raw
+
+    def restore(self, data: bytes) -> int:
+        """Go back to a state in bytes."""
+        state = c_void_p()
+        status = self.call(self.STATES.deserialize, data, c_size_t(len(data)), byref(state))
+        if status == OK:
+            status = self.call(self.STATES.set, state)
+            assert self.call(self.STATES.free, byref(state)) == OK
+        return status
+
+
+def state_calls(names: States) -> dict[str, Callable[[Any], int]]:
+    """The functions for states, with arguments that are right where they can be called."""
+    size = c_size_t()
+
+    def with_state(function: Callable[[Any, c_void_p], int]) -> Callable[[Any], int]:
+        def call(one: Any) -> int:
+            state = one.state()
+            try:
+                return function(one, state)
+            finally:
+                one.call(names.free, byref(state))
+
+        return call
+
+    def serialize(one: Any, state: c_void_p) -> int:
+        one.call(names.size, state, byref(size))
+        return one.call(names.serialize, state, ctypes.create_string_buffer(size.value), size)
+
+    return {
+        names.get: with_state(lambda *_: OK),
+        names.set: with_state(lambda one, state: one.call(names.set, state)),
+        names.free: lambda one: one.call(names.free, byref(c_void_p())),
+        names.size: with_state(lambda one, state: one.call(names.size, state, byref(size))),
+        names.serialize: with_state(serialize),
+        names.deserialize: lambda one: one.restore(one.serialized()),
+    }
+
+
+class Component(Instance):
+    """An instance; each function returns the status."""
+
+    STATES = States(
+        "fmi2GetFMUstate",
+        "fmi2SetFMUstate",
+        "fmi2FreeFMUstate",
+        "fmi2SerializedFMUstateSize",
+        "fmi2SerializeFMUstate",
+        "fmi2DeSerializeFMUstate",
+    )
 
     def call(self, name: str, *arguments: Any) -> int:
         """Call a function of the standard."""
@@ -194,30 +284,6 @@ class Component:
         assert self.call("fmi2GetReal", references, c_size_t(len(names)), values) == OK
         return list(values)
 
-    def state(self) -> c_void_p:
-        """Call fmi2GetFMUstate."""
-        state = c_void_p()
-        assert self.call("fmi2GetFMUstate", byref(state)) == OK
-        return state
-
-    def serialized(self) -> bytes:
-        """The present state as bytes."""
-        state, size = self.state(), c_size_t()
-        assert self.call("fmi2SerializedFMUstateSize", state, byref(size)) == OK
-        data = ctypes.create_string_buffer(size.value)
-        assert self.call("fmi2SerializeFMUstate", state, data, size) == OK
-        assert self.call("fmi2FreeFMUstate", byref(state)) == OK
-        return data.raw
-
-    def restore(self, data: bytes) -> int:
-        """Go back to a state in bytes."""
-        state = c_void_p()
-        status = self.call("fmi2DeSerializeFMUstate", data, c_size_t(len(data)), byref(state))
-        if status == OK:
-            status = self.call("fmi2SetFMUstate", state)
-            assert self.call("fmi2FreeFMUstate", byref(state)) == OK
-        return status
-
     def free(self) -> None:
         """Call fmi2FreeInstance."""
         self.library.c.fmi2FreeInstance(self.address)
@@ -225,7 +291,7 @@ class Component:
 
 def calls() -> dict[str, Callable[[Component], int]]:
     """Each function that an instance has, with arguments that are right where it can be called."""
-    cell, whole, text, size = c_double(), c_int(), c_char_p(), c_size_t()
+    cell, whole, text = c_double(), c_int(), c_char_p()
     reference = c_uint()
 
     def variable(function: str, name: str, value: Any) -> Callable[[Component], int]:
@@ -234,20 +300,6 @@ def calls() -> dict[str, Callable[[Component], int]]:
             return one.call(function, byref(reference), c_size_t(1), byref(value))
 
         return call
-
-    def with_state(function: Callable[[Component, c_void_p], int]) -> Callable[[Component], int]:
-        def call(one: Component) -> int:
-            state = one.state()
-            try:
-                return function(one, state)
-            finally:
-                one.call("fmi2FreeFMUstate", byref(state))
-
-        return call
-
-    def serialize(one: Component, state: c_void_p) -> int:
-        one.call("fmi2SerializedFMUstateSize", state, byref(size))
-        return one.call("fmi2SerializeFMUstate", state, ctypes.create_string_buffer(size.value), size)
 
     def nothing(function: str, *rest: Any) -> Callable[[Component], int]:
         return lambda one: one.call(function, None, c_size_t(0), *rest)
@@ -270,14 +322,7 @@ def calls() -> dict[str, Callable[[Component], int]]:
         "fmi2SetInteger": variable("fmi2SetInteger", "contact.model", c_int(1)),
         "fmi2SetBoolean": nothing("fmi2SetBoolean", None),
         "fmi2SetString": nothing("fmi2SetString", None),
-        "fmi2GetFMUstate": with_state(lambda *_: OK),
-        "fmi2SetFMUstate": with_state(lambda one, state: one.call("fmi2SetFMUstate", state)),
-        "fmi2FreeFMUstate": lambda one: one.call("fmi2FreeFMUstate", byref(c_void_p())),
-        "fmi2SerializedFMUstateSize": with_state(
-            lambda one, state: one.call("fmi2SerializedFMUstateSize", state, byref(size))
-        ),
-        "fmi2SerializeFMUstate": with_state(serialize),
-        "fmi2DeSerializeFMUstate": lambda one: one.restore(one.serialized()),
+        **state_calls(Component.STATES),
         "fmi2GetDirectionalDerivative": nothing(
             "fmi2GetDirectionalDerivative", None, c_size_t(0), None, None
         ),

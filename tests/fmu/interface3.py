@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import ctypes
-import tempfile
-import zipfile
 from collections.abc import Callable
 from ctypes import CFUNCTYPE, byref, c_bool, c_char_p, c_double, c_int, c_int64, c_size_t, c_uint32, c_void_p
-from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-OK, WARNING, DISCARD, ERROR, FATAL = range(5)
+# by its own name, as the clean process finds it
+from interface import ERROR, OK, Instance, Messages, States, state_calls, unpacked
+
 PHASES = ("instantiated", "initialization mode", "event mode", "step mode", "step failed", "terminated")
 LogMessage = CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
 TYPES = (
@@ -23,14 +22,13 @@ TYPES = (
 )
 
 
-class Library:
+class Library(Messages):
     """The binary of an FMU and what its model description says."""
 
     def __init__(self, fmu: str) -> None:
         """Unzip and load it."""
-        self.folder = Path(tempfile.mkdtemp())
-        with zipfile.ZipFile(fmu) as archive:
-            archive.extractall(self.folder)
+        super().__init__()  # messages: status, category, text
+        self.folder = unpacked(fmu)
         root = ElementTree.parse(self.folder / "modelDescription.xml").getroot()
         self.token = root.get("instantiationToken").encode()
         self.categories = [category.get("name") for category in root.iter("Category")]
@@ -41,17 +39,10 @@ class Library:
         for kind in ("CoSimulation", "ModelExchange", "ScheduledExecution"):
             getattr(self.c, f"fmi3Instantiate{kind}").restype = c_void_p
         self.c.fmi3GetVersion.restype = c_char_p
-        self.messages: list[tuple[int, str, str]] = []  # status, category, text
         self.log = LogMessage(self._log)
 
     def _log(self, _environment: Any, status: int, category: bytes, text: bytes) -> None:
         self.messages.append((status, category.decode(), text.decode()))
-
-    def said(self) -> list[str]:
-        """The texts since the last look."""
-        texts = [text for *_, text in self.messages]
-        self.messages.clear()
-        return texts
 
     def instantiate(self, **changes: Any) -> int | None:
         """Call fmi3InstantiateCoSimulation, with some other arguments than the usual ones."""
@@ -75,14 +66,17 @@ class Library:
         )
 
 
-class Component:
+class Component(Instance):
     """An instance; each function returns the status, or what it has to tell."""
 
-    def __init__(self, library: Library, **changes: Any) -> None:
-        """Instantiate."""
-        self.library = library
-        self.address = c_void_p(library.instantiate(**changes))
-        assert self.address.value, library.said()
+    STATES = States(
+        "GetFMUState",
+        "SetFMUState",
+        "FreeFMUState",
+        "SerializedFMUStateSize",
+        "SerializeFMUState",
+        "DeserializeFMUState",
+    )
 
     def call(self, name: str, *arguments: Any) -> int:
         """Call a function of the standard."""
@@ -157,30 +151,6 @@ class Component:
         status = self.call(f"Get{kind}", references, c_size_t(len(names)), values, c_size_t(length))
         return list(values)[:length] if status == OK else status
 
-    def state(self) -> c_void_p:
-        """Call fmi3GetFMUState."""
-        state = c_void_p()
-        assert self.call("GetFMUState", byref(state)) == OK
-        return state
-
-    def serialized(self) -> bytes:
-        """The present state as bytes."""
-        state, size = self.state(), c_size_t()
-        assert self.call("SerializedFMUStateSize", state, byref(size)) == OK
-        data = ctypes.create_string_buffer(size.value)
-        assert self.call("SerializeFMUState", state, data, size) == OK
-        assert self.call("FreeFMUState", byref(state)) == OK
-        return data.raw
-
-    def restore(self, data: bytes) -> int:
-        """Go back to a state in bytes."""
-        state = c_void_p()
-        status = self.call("DeserializeFMUState", data, c_size_t(len(data)), byref(state))
-        if status == OK:
-            status = self.call("SetFMUState", state)
-            assert self.call("FreeFMUState", byref(state)) == OK
-        return status
-
     def free(self) -> None:
         """Call fmi3FreeInstance."""
         self.library.c.fmi3FreeInstance(self.address)
@@ -188,24 +158,10 @@ class Component:
 
 def calls() -> dict[str, Callable[[Component], int]]:
     """Each function that an instance has, with arguments that are right where it can be called."""
-    none, size = c_size_t(0), c_size_t()
+    none = c_size_t(0)
 
     def plain(name: str, *arguments: Any) -> Callable[[Component], int]:
         return lambda one: one.call(name, *arguments)
-
-    def with_state(function: Callable[[Component, c_void_p], int]) -> Callable[[Component], int]:
-        def call(one: Component) -> int:
-            state = one.state()
-            try:
-                return function(one, state)
-            finally:
-                one.call("FreeFMUState", byref(state))
-
-        return call
-
-    def serialize(one: Component, state: c_void_p) -> int:
-        one.call("SerializedFMUStateSize", state, byref(size))
-        return one.call("SerializeFMUState", state, ctypes.create_string_buffer(size.value), size)
 
     def value(one: Component, name: str, kind: str) -> int:
         found = one.get(name, kind=kind)
@@ -218,14 +174,7 @@ def calls() -> dict[str, Callable[[Component], int]]:
         "EnterStepMode": plain("EnterStepMode"),
         "UpdateDiscreteStates": lambda one: one.update()[0],
         "DoStep": lambda one: one.step(0.0, 0.1)[0],
-        "GetFMUState": with_state(lambda *_: OK),
-        "SetFMUState": with_state(lambda one, state: one.call("SetFMUState", state)),
-        "FreeFMUState": plain("FreeFMUState", byref(c_void_p())),
-        "SerializedFMUStateSize": with_state(
-            lambda one, state: one.call("SerializedFMUStateSize", state, byref(size))
-        ),
-        "SerializeFMUState": with_state(serialize),
-        "DeserializeFMUState": lambda one: one.restore(one.serialized()),
+        **state_calls(Component.STATES),
     }
     for name in ("ExitInitializationMode", "Terminate", "Reset"):
         found[name] = plain(name)

@@ -12,7 +12,8 @@ from chain_impact.scene import model_names
 from chain_impact.walls import half_planes
 from tests.test_models import inputs_of
 
-MODELS = [name for name in model_names() if name != "simple_pendulum"]  # those with impacts
+WITHOUT_IMPACTS = {"simple_pendulum", "triple_pendulum"}
+MODELS = [name for name in model_names() if name not in WITHOUT_IMPACTS]
 
 
 @functools.cache

@@ -1,0 +1,117 @@
+"""Draw simulations beside what was measured, or what another theory says: ``python docs/gallery.py``.
+
+The measured values are those of models/<model>/measured.csv; docs/models has the pages.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.figure import Figure
+
+from chain_impact import load_scene, simulate
+from chain_impact.results.plots.style import BLACK, BLUE, DPI, PALETTE, STYLE, VERMILLION, headline
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from tests.beam import Bar, impulse
+from tests.measured import heard_impacts, measured
+
+IMAGES = Path(__file__).parent / "images"
+SIZE = (8.5, 4.6)
+
+
+def triple_pendulum(page: Figure) -> None:
+    """Angles above, their differences below."""
+    columns, result = measured("triple_pendulum"), simulate("triple_pendulum")
+    time = columns["time"]
+    above, below = page.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    off = []
+    for link, colour in zip((1, 2, 3), PALETTE, strict=False):
+        angle = columns[f"link[{link}].angle"]
+        off.append(1000 * (result.angles[:, link - 1] - angle))
+        above.plot(result.time, result.angles[:, link - 1] + np.pi / 2, color=colour, linewidth=1.4)
+        above.plot(time[::8], angle[::8] + np.pi / 2, ".", color=BLACK, markersize=3)
+        above.annotate(
+            f"link {link}",
+            (time[-1], angle[-1] + np.pi / 2),
+            xytext=(6, 0),
+            textcoords="offset points",
+            color=colour,
+            va="center",
+        )
+        below.plot(time, off[-1], color=colour, linewidth=1.2)
+    above.plot([], [], ".", color=BLACK, label="measured")
+    above.legend(loc="upper right")
+    above.set(ylabel="angle from the vertical, rad")
+    below.set(xlabel="time, s", ylabel="difference,\nmrad", xlim=(0, time[-1]))
+    below.grid(visible=True)
+    headline(
+        page,
+        f"In 5 s the simulated angles come {np.abs(off).max():.0f} mrad away from the measured ones",
+        "triple pendulum of Kaheman et al. 2023, with the parameters that its authors estimated",
+    )
+
+
+def golf_ball(page: Figure) -> None:
+    """Height over time, and how much later each impact was heard than the simulation has it."""
+    heard, result = heard_impacts(), simulate("golf_ball")
+    late = 1000 * (heard - result.impacts["onset"])
+    height, delay = page.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    height.plot(result.time, result["point[0].y"], color=BLUE, linewidth=1.4)
+    height.plot(heard, 0 * heard, "v", color=VERMILLION, markersize=6, clip_on=False, label="heard")
+    height.set(ylabel="height, m", ylim=(0, 0.85))
+    height.legend(loc="upper right")
+    delay.plot(heard, late, "v", color=VERMILLION, markersize=5, clip_on=False)
+    delay.set(xlabel="time, s", ylabel="delay, ms", xlim=(0, result.time[-1]), ylim=(0, 80))
+    delay.grid(visible=True)
+    headline(
+        page,
+        f"The ninth impact is heard {late[-1]:.0f} ms later than the heights of first bounces predict",
+        "dropped from 0.8 m, mean of four drops; rigid floor, restitution 0.893 at all impacts",
+    )
+
+
+def steel_bar(page: Figure) -> None:
+    """Force over time, and the restitution of bars of several lengths."""
+    scene, result = load_scene("steel_bar"), simulate("steel_bar", output_step=4e-6)
+    times = np.linspace(0.0, scene.simulation.stop_time, 201)
+    force, lengths = page.subplots(1, 2, width_ratios=(3, 2))
+    theory, _ = Bar(0.4).impact(times)
+    first = result.impacts["onset"][0]
+    force.plot(1e3 * result.time, result["contact[0].y_min.force"], color=BLUE, linewidth=1.4)
+    touching = theory > 0
+    force.plot(1e3 * (times + first)[touching], theory[touching], ".", color=BLACK, markersize=4)
+    force.set(xlabel="time, ms", ylabel="force, N", xlim=(0, 3), ylim=(0, None))
+    some = np.linspace(0.1, 0.5, 33)
+    found = [bar.restitution(impulse(bar.chain(scene, 20, 1e-8))) for bar in map(Bar, some)]
+    lengths.plot(some, found, color=BLUE, linewidth=1.4, label="chain of 20 links")
+    few = (0.3, 0.4, 0.5)
+    exact = [bar.restitution(bar.impact(times)[1]) for bar in map(Bar, few)]
+    lengths.plot(few, exact, ".", color=BLACK, markersize=7, label="Euler–Bernoulli beam")
+    lengths.set(xlabel="length of the bar, m", ylabel="restitution without vibration", ylim=(0, 1.02))
+    lengths.legend(loc="lower left")
+    headline(
+        page,
+        f"A bar of 0.4 m touches {len(result.impacts)} times; its vibration takes a quarter of the rebound",
+        "steel bar, 12 mm thick, drops flat at 0.5 m/s on an elastic support under one end",
+    )
+
+
+CHARTS = {"golf_ball": golf_ball, "steel_bar": steel_bar, "triple_pendulum": triple_pendulum}
+
+
+def draw(folder: Path) -> None:
+    """All charts, each as <model>.png."""
+    for model, fill in CHARTS.items():
+        with mpl.rc_context(STYLE):
+            page = Figure(figsize=SIZE, dpi=DPI, layout="constrained")
+            fill(page)
+            page.savefig(folder / f"{model}.png", dpi="figure")
+
+
+if __name__ == "__main__":
+    draw(Path(sys.argv[1]) if len(sys.argv) > 1 else IMAGES)
