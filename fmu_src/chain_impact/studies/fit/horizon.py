@@ -19,7 +19,8 @@ from chain_impact.studies.fit.levenberg_marquardt import Search, minimize
 from chain_impact.studies.fit.problem import Evaluation, Problem
 
 ROWS = 3  # values in the first horizon, for each parameter, but no more than a third of all if that is enough
-FAR = 0.01  # of the size of a column: a model so far away is not followed beyond
+FAR = (0.01, 0.0025)  # of the size of a column: a model so far away is not followed beyond; the second is a
+# second trial, when the search with the first did not converge
 GROWTH = 1.1  # of the horizon, at least
 ROUGH, FINE = 0.1, 1e-3  # standard errors of the parameters: a step that is small enough
 ROUGH_STEPS, FINE_STEPS = 10, 100
@@ -48,23 +49,32 @@ def search(problem: Problem, progress: Callable[[float], None] = lambda _: None)
     Raises:
         SceneError: when the model has nothing to compare with the data.
     """
-    whole = problem.evaluate(problem.start)
-    _check(problem, whole)
-    sigma = _first_sigma(problem)
-    end = max(problem.end(k) for k in range(len(problem.data)))
-    horizons = [_first_horizon(problem, whole)]
+    start = problem.evaluate(problem.start)
+    _check(problem, start)
+    for far in FAR:
+        found = _search(problem, start, far, progress)
+        if found.search.converged:
+            break
+    return found
+
+
+def _search(problem: Problem, start: Evaluation, far: float, progress: Callable[[float], None]) -> Found:
+    """The search with horizons that end where the model is as far from the data as this."""
+    whole, sigma = start, _first_sigma(problem)
+    last = float(np.nanmax(problem.order, initial=0.0))
+    horizons = [_first_horizon(problem, whole, far)]
     while horizons[-1] < math.inf:
         found, sigma = _one(problem, whole, sigma, horizons[-1], ROUGH, ROUGH_STEPS)
         whole = problem.evaluate(found.best.place)
-        horizons.append(_next_horizon(problem, whole, horizons[-1]))
-        progress(min(1.0, horizons[-2] / end))
+        horizons.append(_next_horizon(problem, whole, horizons[-1], far))
+        progress(min(1.0, horizons[-2] / last))
     for _ in range(ROUNDS):
         before = sigma
         found, sigma = _one(problem, whole, before, math.inf, FINE, FINE_STEPS)
         whole = found.best
         if len(problem.names) == 1 or np.allclose(sigma, before, rtol=SETTLED, atol=0.0):
             break
-    return Found(found, sigma, (*horizons[:-1], float(np.nanmax(problem.order, initial=0.0)) or end))
+    return Found(found, sigma, (*horizons[:-1], last))
 
 
 def _one(
@@ -135,22 +145,22 @@ def _check(problem: Problem, whole: Evaluation) -> None:
         raise SceneError(f"{problem.scenes[0].name}: no value of the model to compare with the data: {fault}")
 
 
-def _first_horizon(problem: Problem, whole: Evaluation) -> float:
+def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
     """Until when [s] the first data reach that can determine the parameters; infinite for all data."""
     times = np.sort(problem.order[np.isfinite(problem.order)])
     least = len(problem.parameters)
     rows = max(least, min(ROWS * least, len(times) // ROWS))
-    return _next_horizon(problem, whole, float(times[rows - 1]) / GROWTH) if rows <= len(times) else math.inf
+    return _next_horizon(problem, whole, float(times[rows - 1]) / GROWTH, far) if rows <= len(times) else math.inf
 
 
-def _next_horizon(problem: Problem, whole: Evaluation, horizon: float) -> float:
+def _next_horizon(problem: Problem, whole: Evaluation, horizon: float, far: float) -> float:
     """As far as the model follows the data roughly, and farther than before; infinite for all data.
 
     It follows them as long as outputs over time are near, or times of impacts if no outputs were measured.
     """
-    far = problem.followed & ~(np.abs(whole.residuals) <= FAR * problem.size)
+    away = problem.followed & ~(np.abs(whole.residuals) <= far * problem.size)
     order = problem.order
     last = float(np.nanmax(order))
-    reached = float(np.min(order[far], initial=math.inf, where=np.isfinite(order[far])))
+    reached = float(np.min(order[away], initial=math.inf, where=np.isfinite(order[away])))
     found = max(GROWTH * horizon, reached)
     return found if found < last else math.inf
