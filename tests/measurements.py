@@ -12,7 +12,9 @@ NOISE = 1e-3  # m
 
 def scene(**starts):
     """The four-link box; K, e and rate start where they are told to."""
-    values = dict(zip(FREE, (starts.get(name, true) for name, true in zip("Kew", TRUE, strict=True)), strict=True))
+    values = dict(
+        zip(FREE, (starts.get(name, true) for name, true in zip("Kew", TRUE, strict=True)), strict=True)
+    )
     return load_scene("four_link_box").with_values(values)
 
 

@@ -29,7 +29,11 @@ class Differentiated:
 
 class DifferentiatedRun:
     def __init__(
-        self, scene: Scene, parameters: Sequence[str], outputs: Sequence[str], inputs: object = None,
+        self,
+        scene: Scene,
+        parameters: Sequence[str],
+        outputs: Sequence[str],
+        inputs: object = None,
         notify: Notify = announce,
     ) -> None:
         scene = scene.with_values({"solver.tolerance": 1e-10})
@@ -42,8 +46,9 @@ class DifferentiatedRun:
         layout = self._start.dtype
         self._places = [word_index(layout, known[name].place) for name in parameters]
         self._extra = [
-            word_index(layout, ("contact", known[name].place[1])) if known[name].place[0] == "given"
-            and name.startswith("contact.") else None
+            word_index(layout, ("contact", known[name].place[1]))
+            if known[name].place[0] == "given" and name.startswith("contact.")
+            else None
             for name in parameters
         ]
         self._words = list(output_words(scene, outputs).values()) if outputs else []
@@ -93,6 +98,7 @@ class DifferentiatedRun:
                 yb, ib, h = y, impacts, h / 2
             slopes[:, :, p] = (ya - yb) / (2 * h)
             n = min(len(impacts), len(ia), len(ib))
-            for name in names:
-                impact_slopes[name][:n, p] = (ia[name][:n] - ib[name][:n]) / (2 * h)
+            with np.errstate(invalid="ignore"):
+                for name in names:
+                    impact_slopes[name][:n, p] = (ia[name][:n] - ib[name][:n]) / (2 * h)
         return Differentiated(y, slopes, impacts, impact_slopes, status)

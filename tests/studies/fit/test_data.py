@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from tests.refusal import refusal
 
 from chain_impact import load_scene
 from chain_impact.studies.fit.data import QUANTITIES, read_measurements, standard_deviation
+from tests.refusal import refusal
 
 SCENE = load_scene("four_link_box")
 MOTION = {"time": [0.1, 0.2, 0.3], "point[4].x": [1.0, None, 3.0], "point[4].y": [4.0, 5.0, None]}

@@ -4,8 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from tests.measurements import FREE, NOISE, TIP, TRUE, impacts, motion, scene
-from tests.refusal import refusal
 
 from chain_impact.compilation.work import announce
 from chain_impact.studies.fit import horizon
@@ -13,6 +11,8 @@ from chain_impact.studies.fit.data import read_measurements
 from chain_impact.studies.fit.horizon import estimate_sigma, search
 from chain_impact.studies.fit.parameters import parameters_of
 from chain_impact.studies.fit.problem import Problem
+from tests.measurements import FREE, NOISE, TIP, TRUE, impacts, motion, scene
+from tests.refusal import refusal
 
 
 def problem(tables, start, sigma=None, free=FREE):

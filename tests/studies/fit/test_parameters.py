@@ -3,10 +3,10 @@
 import math
 
 import pytest
-from tests.refusal import refusal
 
 from chain_impact import load_scene
 from chain_impact.studies.fit.parameters import parameters_of
+from tests.refusal import refusal
 
 SCENE = load_scene("four_link_box")
 

@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 import pytest
-from tests.measurements import FREE, TRUE, impacts, motion, scene
 
 from chain_impact.compilation.work import announce
 from chain_impact.studies.fit.data import read_measurements
 from chain_impact.studies.fit.parameters import parameters_of
 from chain_impact.studies.fit.problem import Problem
+from tests.measurements import FREE, TRUE, impacts, motion, scene
 
 QUANTITIES = ("onset", "peak_force", "duration", "separation_speed")
 

@@ -38,7 +38,12 @@ def test_what_does_not_change_stays_as_it_is(name):
 def test_the_text_holds_the_scene(name):
     path, scene = scene_path(name), load_scene(name)
     changed = scene.with_values(
-        {"link[1].mass": 1.2345, "gravity.y": -9.7, "contact.restitution": 0.321, "link[1].joint_damping": 0.1}
+        {
+            "link[1].mass": 1.2345,
+            "gravity.y": -9.7,
+            "contact.restitution": 0.321,
+            "link[1].joint_damping": 0.1,
+        }
     )
     text = updated(path.read_text(encoding="utf-8"), changed, str(path))
     assert parse_scene(text, str(path)) == changed
@@ -48,7 +53,9 @@ def test_the_text_holds_the_scene(name):
 def test_only_values_change_and_comments_keep_their_column():
     scene = parse_scene(TEXT, "ball.toml")
     text = updated(TEXT, scene.with_values({"contact.restitution": 0.625, "initial.y": 1.5}), "ball.toml")
-    assert text == TEXT.replace("0.5       # a guess", "0.625     # a guess").replace("[0.0, 1.0]", "[0.0, 1.5]")
+    assert text == TEXT.replace("0.5       # a guess", "0.625     # a guess").replace(
+        "[0.0, 1.0]", "[0.0, 1.5]"
+    )
 
 
 def test_a_default_that_would_follow_is_written():

@@ -3,9 +3,9 @@
 import math
 
 import pytest
-from tests.refusal import refusal
 
 from chain_impact.studies.fit.table import read_table
+from tests.refusal import refusal
 
 
 @pytest.fixture

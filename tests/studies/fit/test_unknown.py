@@ -3,9 +3,9 @@
 import re
 
 import pytest
-from tests.measurements import FREE, NOISE, TIP, impacts, motion, scene
 
 from chain_impact import fit, load_scene, simulate
+from tests.measurements import FREE, NOISE, TIP, impacts, motion, scene
 
 SIGMA = dict.fromkeys(TIP, NOISE)
 

@@ -237,10 +237,14 @@ class _Book:
             there = list(self._scene.half_planes)
             if cell not in there:
                 known = ", ".join(there) or "none"
-                raise SceneError(f"{table.where(row, name)} = {shown(cell)} must be a wall of the scene: {known}")
+                raise SceneError(
+                    f"{table.where(row, name)} = {shown(cell)} must be a wall of the scene: {known}"
+                )
             return self._scene.wall_names.index(cell)
         points = self._scene.contact.points
-        allowed = f"one of the points {', '.join(map(str, points))}" if name == POINT else "a whole number >= 1"
+        allowed = (
+            f"one of the points {', '.join(map(str, points))}" if name == POINT else "a whole number >= 1"
+        )
         number = table.number(row, name)
         if number != int(number) or (number not in points if name == POINT else number < 1):
             raise SceneError(f"{table.where(row, name)} = {shown(cell)} must be {allowed}")
@@ -275,7 +279,9 @@ def standard_deviation(name: str, given: float | str, value: float) -> float:
     except ValueError:
         number = -math.inf
     if number <= 0.0 or math.isinf(number):
-        raise SceneError(f"sigma of {name} = {shown(given)} must be a number > 0, or percent of each value: 2%")
+        raise SceneError(
+            f"sigma of {name} = {shown(given)} must be a number > 0, or percent of each value: 2%"
+        )
     return number / 100.0 * abs(value) if text.endswith(PERCENT) else number
 
 

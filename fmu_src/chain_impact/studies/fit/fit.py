@@ -19,7 +19,7 @@ from chain_impact.studies.fit.parameters import Bounds, Parameter, parameters_of
 from chain_impact.studies.fit.problem import Evaluation, Problem
 from chain_impact.studies.fit.result import Fit
 from chain_impact.studies.fit.table import Source
-from chain_impact.studies.fit.uncertainty import Information, information, largest_usual, quantile
+from chain_impact.studies.fit.uncertainty import information, largest_usual, quantile
 from chain_impact.studies.fit.unknown import unknown
 
 ALIKE = 2.0  # correlation of neighbours times √n, which chance exceeds in 2 % of all cases
@@ -155,7 +155,9 @@ def _check_sigma(scene: Scene, sigma: Iterable[str], measured: Sequence[Measurem
     names = {name for one in measured for name in one.quantity}
     for name in sigma:
         if name not in names:
-            raise SceneError(f"{scene.name}: sigma of {name}: no such column was measured, but {', '.join(sorted(names))}")
+            raise SceneError(
+                f"{scene.name}: sigma of {name}: no such column was measured, but {', '.join(sorted(names))}"
+            )
 
 
 def _interval(parameter: Parameter, place: float, half: float) -> tuple[float, float]:
@@ -242,5 +244,7 @@ def _left_out(problem: Problem, at: Evaluation) -> list[str]:
         notes.append(f"{missing} of {count} values were left out: {why}.")
     if blind:
         limits = [limit for run in at.runs for limit in run.limits] or ["a derivative does not exist"]
-        notes.append(f"{blind} of {count} values were left out, for want of a derivative: {'; '.join(limits)}.")
+        notes.append(
+            f"{blind} of {count} values were left out, for want of a derivative: {'; '.join(limits)}."
+        )
     return notes

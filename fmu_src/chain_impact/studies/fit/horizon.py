@@ -134,7 +134,9 @@ def _check(problem: Problem, whole: Evaluation) -> None:
         mine = problem.group == problem.names.index(name)
         sources = ", ".join(one.source for one in problem.data)
         if not np.isnan(problem.sigma[mine]).all():
-            raise SceneError(f"{sources}: some values of {name} have a sigma and others none; give all or none")
+            raise SceneError(
+                f"{sources}: some values of {name} have a sigma and others none; give all or none"
+            )
         if mine.sum() < 2:  # noqa: PLR2004
             raise SceneError(
                 f"{sources}: {name} has one value only, from which its sigma cannot be estimated; give it: "
@@ -150,7 +152,11 @@ def _first_horizon(problem: Problem, whole: Evaluation, far: float) -> float:
     times = np.sort(problem.order[np.isfinite(problem.order)])
     least = len(problem.parameters)
     rows = max(least, min(ROWS * least, len(times) // ROWS))
-    return _next_horizon(problem, whole, float(times[rows - 1]) / GROWTH, far) if rows <= len(times) else math.inf
+    return (
+        _next_horizon(problem, whole, float(times[rows - 1]) / GROWTH, far)
+        if rows <= len(times)
+        else math.inf
+    )
 
 
 def _next_horizon(problem: Problem, whole: Evaluation, horizon: float, far: float) -> float:

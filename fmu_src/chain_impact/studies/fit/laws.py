@@ -70,7 +70,11 @@ def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
 
 def _place(one: LawFit, most: int) -> tuple[bool, bool, float]:
     """What the laws are ordered by: those that could use all values, then the criterion."""
-    return one.fit is None, one.fit is not None and one.fit.used.sum() < most, one.fit.aic if one.fit else math.nan
+    return (
+        one.fit is None,
+        one.fit is not None and one.fit.used.sum() < most,
+        one.fit.aic if one.fit else math.nan,
+    )
 
 
 def _noted(one: LawFit, most: int) -> LawFit:

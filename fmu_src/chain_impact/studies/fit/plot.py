@@ -118,7 +118,9 @@ def _panel(page: Figure, place: SubplotSpec, fit: Fit, name: str, results: list[
     if over_impacts:
         rest.xaxis.set_major_locator(MaxNLocator(integer=True))
     if len(parts) <= len(PALETTE):
-        values.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, borderaxespad=0.2, handlelength=1.4)
+        values.legend(
+            loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, borderaxespad=0.2, handlelength=1.4
+        )
 
 
 def _curve(values: Axes, rest: Axes, result: Result, name: str, colour: str) -> None:

@@ -82,13 +82,15 @@ class Problem:
         self.group = np.array([self.names.index(name) for name in quantities])
         self.order = np.concatenate([one.order for one in data])
         self.low, self.high = (
-            np.array([one.coordinate(getattr(one, end)) for one in self.parameters]) for end in ("low", "high")
+            np.array([one.coordinate(getattr(one, end)) for one in self.parameters])
+            for end in ("low", "high")
         )
         self.longest = np.array([one.longest for one in self.parameters])
         self.size = self._sizes()
         self.evaluations = 0
         self._own = [
-            [p for p, one in enumerate(self.parameters) if one.run in (None, k)] for k in range(len(self.data))
+            [p for p, one in enumerate(self.parameters) if one.run in (None, k)]
+            for k in range(len(self.data))
         ]
         self._runs = [
             DifferentiatedRun(scene, [self.parameters[p].name for p in mine], one.outputs, notify=notify)

@@ -101,5 +101,7 @@ def _checked(source: str, names: tuple[str, ...], rows: list[list[Any]], lines: 
         raise SceneError(f"{source}: must be a table with a head line and at least one row")
     for line, row in zip(lines, rows, strict=True):
         if len(row) != len(names):
-            raise SceneError(f"{source}: {line} has {len(row)} cells, must have {len(names)} as the head line")
+            raise SceneError(
+                f"{source}: {line} has {len(row)} cells, must have {len(names)} as the head line"
+            )
     return Table(source, names, rows, lines)

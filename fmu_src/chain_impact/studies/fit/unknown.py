@@ -67,7 +67,9 @@ def _sentence(
     else:
         how = size_of(one, values[p], errors[p])
         told = f"{one.label} is not determined by these data: its standard error is {how}."
-    return " ".join([told, *_together(problem, known, values, p, weak), *_proposals(problem, at, known, values, p)])
+    return " ".join(
+        [told, *_together(problem, known, values, p, weak), *_proposals(problem, at, known, values, p)]
+    )
 
 
 def _together(
@@ -114,9 +116,7 @@ def _proposals(
         yield f"No {' or '.join(tried)} of an impact, measured to {100 * MEASURED:g} %, would determine it."
 
 
-def _impacts(
-    problem: Problem, at: Evaluation, name: str
-) -> Iterator[tuple[int, int, float, np.ndarray]]:
+def _impacts(problem: Problem, at: Evaluation, name: str) -> Iterator[tuple[int, int, float, np.ndarray]]:
     """Data set, impact, value and derivatives on the scale of the search of a quantity of the first impacts."""
     for k, run in enumerate(at.runs):
         for impact in range(min(TRIED, len(run.impacts))):
