@@ -104,9 +104,11 @@ def test_refusals():
     def said(**changes):
         return refusal(read, {name: cells for name, cells in (MOTION | changes).items() if cells})
 
-    assert said(**{"point[4].z": [1, 2, 3]}).startswith(
-        "data: column point[4].z is no output that changes over time, and no quantity of an impact; the nearest"
+    wrong = said(**{"point[4].z": [1, 2, 3]})
+    assert wrong.startswith(
+        "data: column point[4].z is no output that changes over time, and no quantity of an"
     )
+    assert "; the nearest is point[4]." in wrong
     assert "impacts have onset, end" in said(camera=[1, 2, 3])
     assert said(time=[]).startswith("data: the column time is missing; it says to which of the outputs")
     assert said(onset=[1, 2, 3]).startswith("data: the column impact or point or wall is missing")

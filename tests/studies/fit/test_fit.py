@@ -60,8 +60,7 @@ def test_an_estimated_standard_deviation_widens_the_intervals():
     given, estimated = fit(scene(), columns, FREE, sigma=SIGMA), fit(scene(), columns, FREE)
     assert estimated.estimated == TIP
     assert estimated.reduced_chi_squared == pytest.approx(1.0, rel=0.02)
-    width = {one: np.log(one.intervals[FREE[0]]).ptp() if hasattr(np.ndarray, "ptp") else
-             np.ptp(np.log(one.intervals[FREE[0]])) for one in (given, estimated)}  # fmt: skip
+    width = {one: np.ptp(np.log(one.intervals[FREE[0]])) for one in (given, estimated)}
     error = {one: one.standard_errors[FREE[0]] / one.values[FREE[0]] for one in (given, estimated)}
     assert width[estimated] / error[estimated] > 1.02 * width[given] / error[given]
 
@@ -77,9 +76,13 @@ def test_several_data_sets_share_what_is_free():
         noise = 1e-4 * np.random.default_rng(k).standard_normal((61, 2))
         tables.append({"time": result.time} | {n: result[n] + noise[:, i] for i, n in enumerate(TIP)})
     found = fit(
-        scene(e=0.6), tables, ["contact.restitution"], free_each=["initial.vx"], set_each={"initial.y": heights},
+        scene(e=0.6),
+        tables,
+        ["contact.restitution"],
+        free_each=["initial.vx"],
+        set_each={"initial.y": heights},
         sigma=dict.fromkeys(TIP, 1e-4),
-    )  # fmt: skip
+    )
     assert found.converged
     names = ["contact.restitution", *(f"initial.vx of data set {k}" for k in (1, 2, 3))]
     assert list(found.values) == names

@@ -79,7 +79,7 @@ def test_impacts_alone():
 
 
 def test_refusals():
-    columns, result = motion(0.6, count=10)
+    columns, _ = motion(0.6, count=10)
     one = {"impact": [1], "peak_force": [2e4]}
     assert refusal(search, problem([columns, one], scene())) == (
         "data+data: peak_force has one value only, from which its sigma cannot be estimated; give it: "

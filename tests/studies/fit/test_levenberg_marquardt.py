@@ -7,7 +7,7 @@ from chain_impact.studies.fit.levenberg_marquardt import minimize
 from chain_impact.studies.fit.problem import Evaluation
 
 
-def search(function, start, low=-np.inf, high=np.inf, longest=np.inf, sigma=None, most=200):
+def search(function, start, *, low=-np.inf, high=np.inf, longest=np.inf, sigma=None, most=200):
     """Minimize a function that gives residuals and slopes."""
     calls = []
 
@@ -20,7 +20,8 @@ def search(function, start, low=-np.inf, high=np.inf, longest=np.inf, sigma=None
     count = len(function(start)[0])
     bounds = np.broadcast_to(low, start.shape), np.broadcast_to(high, start.shape)
     sigma = np.ones(count) if sigma is None else np.asarray(sigma, float)
-    found = minimize(evaluate, evaluate(start), sigma, bounds, np.full(len(start), longest), 1e-6, most)
+    longest = np.full(len(start), longest)
+    found = minimize(evaluate, evaluate(start), sigma, bounds=bounds, longest=longest, enough=1e-6, most=most)
     return found, calls
 
 

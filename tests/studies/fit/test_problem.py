@@ -35,7 +35,7 @@ def test_the_true_parameters_leave_nothing(both):
 
 
 def test_slopes_are_those_of_the_residuals(both):
-    place = both.start + [0.1, -0.02, 0.01]
+    place = both.start + np.array([0.1, -0.02, 0.01])
     found = both.evaluate(place)
     for p, h in enumerate((1e-4, 1e-5, 1e-5)):
         step = h * np.eye(3)[p]
@@ -79,7 +79,7 @@ def test_each_data_set_has_its_own_parameters():
 
 
 def test_a_contact_that_lasts_has_no_peak_yet():
-    columns, result = motion(0.5005, count=5, noise=0.0)  # the first impact is from 0.4994 to 0.5016 s
+    columns, _ = motion(0.5005, count=5, noise=0.0)  # the first impact is from 0.4994 to 0.5016 s
     table = {"impact": [1, 1], "onset": [0.5, None], "peak_force": [None, 1e4]}
     found = problem([[columns, table]], [scene().with_values({"simulation.stop_time": 0.5005})])
     run = found.evaluate(found.start)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -30,7 +31,7 @@ class ImpactRow:
     """Which impact of the run a row is about.
 
     Attributes:
-        number: from 1, in order of onset; of all impacts, or if ``alike`` of those at the same point and wall.
+        number: from 1, in order of onset; of all impacts, or if ``alike`` of those at its point and wall.
         point: 0…N; None if it is not said.
         wall: index into ``scene.wall_names``; None if it is not said.
         alike: whether only impacts at the same point and wall are counted.
@@ -111,15 +112,15 @@ def read_measurements(
     Args:
         sources: a table, or several of the same run.
         scene: its outputs are the columns.
-        sigma: column → standard deviation of its values, in their unit, or in percent of each value: ``"2%"``.
+        sigma: column → standard deviation of its values, in their unit, or in percent of each: ``"2%"``.
         columns: names or patterns of the columns to be used; all by default.
 
     Raises:
         SceneError: when a table cannot be used.
         OSError: when a file cannot be read.
     """
-    single = isinstance(sources, str | Mapping) or not isinstance(sources, Iterable)
-    tables = [read_table(source) for source in ([sources] if single else sources)]  # type: ignore[list-item]
+    several = [sources] if isinstance(sources, str | Path | Mapping) else sources
+    tables = [read_table(source) for source in several]
     book = _Book(scene, sigma)
     for table in tables:
         book.read(table, columns)

@@ -197,7 +197,8 @@ def _notes(problem: Problem, result: Fit, at: Evaluation, found: Found) -> list[
     notes = []
     if not result.converged:
         notes.append(
-            f"The search did not converge in {found.search.steps} steps: start nearer, or free fewer parameters."
+            f"The search did not converge in {found.search.steps} steps: "
+            "start nearer, or free fewer parameters."
         )
     notes += _left_out(problem, at)
     for p, one in enumerate(problem.parameters):
@@ -211,8 +212,8 @@ def _notes(problem: Problem, result: Fit, at: Evaluation, found: Found) -> list[
             notes.append(f"{one.label} is an input: the fitted scene does not hold it.")
     if not result.estimated and result.freedom > 0 and result.chi_squared > largest_usual(result.freedom):
         notes.append(
-            f"χ² is {result.chi_squared:.4g} for {result.freedom} degrees of freedom: the model does not follow "
-            "the data within their σ, so the standard errors are too small."
+            f"χ² is {result.chi_squared:.4g} for {result.freedom} degrees of freedom: the model does not "
+            "follow the data within their σ, so the standard errors are too small."
         )
     return [*notes, *_not_random(result)]
 
@@ -229,8 +230,8 @@ def _not_random(result: Fit) -> Iterator[str]:
         alike = float(residuals[1:] @ residuals[:-1]) / squares if squares > 0.0 else 0.0
         if math.sqrt(len(residuals)) * alike > ALIKE:
             yield (
-                f"Residuals of {name} are like their neighbours (correlation {alike:.2f}), so they are not only "
-                "noise: the model leaves something out, and the standard errors are too small."
+                f"Residuals of {name} are like their neighbours (correlation {alike:.2f}), so they are not "
+                "only noise: the model leaves something out, and the standard errors are too small."
             )
 
 

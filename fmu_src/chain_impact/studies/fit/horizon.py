@@ -1,9 +1,8 @@
 """The search with a growing horizon: first the data around the first impact, at last all.
 
-After some impacts the motion depends so strongly on the parameters that the sum of squares of all data has many
-minima; that of the data until a little after the first impact has one. So the horizon grows, and each search
-starts where the last one ended (Bock, Kostina & Schlöder, GAMM-Mitteilungen 30 (2007) 376, on why fits from
-one start over the whole time fail).
+After some impacts the motion depends so strongly on the parameters that the sum of squares of all data has
+many minima; that of the data until a little after the first impact has one. So the horizon grows, as far as
+the model already follows the data, and each search starts where the last one ended.
 """
 
 from __future__ import annotations
@@ -64,13 +63,13 @@ def _search(problem: Problem, start: Evaluation, far: float, progress: Callable[
     last = float(np.nanmax(problem.order, initial=0.0))
     horizons = [_first_horizon(problem, whole, far)]
     while horizons[-1] < math.inf:
-        found, sigma = _one(problem, whole, sigma, horizons[-1], ROUGH, ROUGH_STEPS)
+        found, sigma = _one(problem, whole, sigma, horizons[-1], enough=ROUGH, most=ROUGH_STEPS)
         whole = problem.evaluate(found.best.place)
         horizons.append(_next_horizon(problem, whole, horizons[-1], far))
         progress(min(1.0, horizons[-2] / last))
     for _ in range(ROUNDS):
         before = sigma
-        found, sigma = _one(problem, whole, before, math.inf, FINE, FINE_STEPS)
+        found, sigma = _one(problem, whole, before, math.inf, enough=FINE, most=FINE_STEPS)
         whole = found.best
         if len(problem.names) == 1 or np.allclose(sigma, before, rtol=SETTLED, atol=0.0):
             break
@@ -78,17 +77,17 @@ def _search(problem: Problem, start: Evaluation, far: float, progress: Callable[
 
 
 def _one(
-    problem: Problem, whole: Evaluation, sigma: np.ndarray, horizon: float, enough: float, most: int
+    problem: Problem, whole: Evaluation, sigma: np.ndarray, horizon: float, *, enough: float, most: int
 ) -> tuple[Search, np.ndarray]:
     """The search with the data until a horizon, and the standard deviations that follow."""
     found = minimize(
         lambda place: problem.evaluate(place, horizon),
         problem.until(whole, horizon),
         sigma,
-        (problem.low, problem.high),
-        problem.longest,
-        enough,
-        most,
+        bounds=(problem.low, problem.high),
+        longest=problem.longest,
+        enough=enough,
+        most=most,
     )
     return found, estimate_sigma(problem, found.best, sigma)
 

@@ -35,7 +35,7 @@ def rank(fit: FitOne, scenes: Sequence[Scene], progress: Advance) -> Fit:
     found: list[LawFit] = []
     for k, law in enumerate(laws):
         first = found[0].fit if found else None
-        found.append(_fit_law(fit, scenes, first, law, lambda part, k=k: progress((k + part) / len(laws))))
+        found.append(_fit_law(fit, scenes, first, law, _part(progress, k, len(laws))))
     if not any(one.fit for one in found):
         raise SceneError(f"{scenes[0].name}: no contact law can be fitted: {found[0].note}")
     most = max(int(one.fit.used.sum()) for one in found if one.fit)
@@ -62,19 +62,22 @@ def _fit_law(fit: FitOne, scenes: Sequence[Scene], first: Fit | None, law: str, 
     return LawFit(law, None, note)
 
 
+def _part(progress: Advance, k: int, count: int) -> Advance:
+    """The progress of one law of several."""
+    return lambda part: progress((k + part) / count)
+
+
 def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
     """The scene with another law."""
-    impacts = first.models[0].impacts if first else ()
-    return scene.with_values(law_values(scene, law, impacts[0] if len(impacts) else None))
+    impact = first.models[0].impacts[0] if first and len(first.models[0].impacts) else None
+    return scene.with_values(law_values(scene, law, impact))
 
 
 def _place(one: LawFit, most: int) -> tuple[bool, bool, float]:
     """What the laws are ordered by: those that could use all values, then the criterion."""
-    return (
-        one.fit is None,
-        one.fit is not None and one.fit.used.sum() < most,
-        one.fit.aic if one.fit else math.nan,
-    )
+    if one.fit is None:
+        return True, True, math.inf
+    return False, bool(one.fit.used.sum() < most), one.fit.aic
 
 
 def _noted(one: LawFit, most: int) -> LawFit:

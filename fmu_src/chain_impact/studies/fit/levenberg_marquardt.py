@@ -1,8 +1,8 @@
 """Least squares by Levenberg and Marquardt, for rows that come and go.
 
-The rows of a chain with impacts change from one set of parameters to another: an impact may not be there, or a
-derivative not exist. So two sets are compared by the rows that can be fitted at the first of them. Scaled as
-by D. W. Marquardt, J. Soc. Indust. Appl. Math. 11 (1963) 431; damping after H. B. Nielsen, report
+The rows of a chain with impacts change from one set of parameters to another: an impact may not be there, or
+a derivative not exist. So two sets are compared by the rows that can be fitted at the first of them. Scaled
+as by D. W. Marquardt, J. Soc. Indust. Appl. Math. 11 (1963) 431; damping after H. B. Nielsen, report
 IMM-REP-1999-05, Technical University of Denmark (1999).
 """
 
@@ -41,6 +41,7 @@ def minimize(
     evaluate: Callable[[np.ndarray], Evaluation],
     first: Evaluation,
     sigma: np.ndarray,
+    *,
     bounds: tuple[np.ndarray, np.ndarray],
     longest: np.ndarray,
     enough: float,

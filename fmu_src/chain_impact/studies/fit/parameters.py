@@ -139,7 +139,7 @@ def _ends(variable: Variable, bounds: str | tuple[float | None, float | None]) -
     """The lower and the upper bound."""
     parts = bounds.split(":") if isinstance(bounds, str) else list(bounds)
     try:
-        low, high = (sign * math.inf if part in ("", None) else float(part)  # type: ignore[arg-type]
+        low, high = (sign * math.inf if part in ("", None) else float(part)
                      for sign, part in zip((-1, 1), parts, strict=True))  # fmt: skip
     except (TypeError, ValueError):
         raise SceneError(

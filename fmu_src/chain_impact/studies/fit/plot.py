@@ -1,6 +1,6 @@
 """The picture of a fit: each measured column with the model, and below it the residuals.
 
-Outputs are drawn over time, with a line at each impact of the model; quantities of impacts over their numbers.
+Outputs are drawn over time, with a line at each impact of the model; quantities of impacts over numbers.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ def fill(page: Figure, fit: Fit) -> None:
     results = [_model(fit, k) for k in range(len(fit.data))]
     grid = page.add_gridspec(down, across)
     for k, name in enumerate(names):
-        _panel(page, grid[k // across, k % across], fit, name, results)
+        _panel(grid[k // across, k % across], fit, name, results)
     headline(page, *_words(fit, int(LETTERS * page.get_size_inches()[0]), len(names)))
 
 
@@ -89,9 +89,10 @@ def _model(fit: Fit, k: int) -> Result:
     return simulate(scene, stop_time=stop, output_step=stop / POINTS, output=data.outputs, inputs=inputs)
 
 
-def _panel(page: Figure, place: SubplotSpec, fit: Fit, name: str, results: list[Result]) -> None:
+def _panel(place: SubplotSpec, fit: Fit, name: str, results: list[Result]) -> None:
     """One column: data and model, and below the residuals in standard deviations."""
-    values, rest = place.subgridspec(2, 1, height_ratios=(3, 1)).subplots(sharex=True)
+    axes: Any = place.subgridspec(2, 1, height_ratios=(3, 1)).subplots(sharex=True)
+    values, rest = axes
     parts = _columns(fit, name)
     over_impacts = name in QUANTITIES
     several = len(fit.data) > 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -39,12 +40,13 @@ class Evaluation:
     @property
     def there(self) -> np.ndarray:
         """Of which values the model has one, too, shape (M,)."""
-        return np.isfinite(self.residuals)
+        return np.asarray(np.isfinite(self.residuals))
 
     @property
     def usable(self) -> np.ndarray:
         """Which values can be fitted: those with derivatives, shape (M,)."""
-        return self.there & np.isfinite(self.slopes).all(axis=1)
+        found: np.ndarray = self.there & np.isfinite(self.slopes).all(axis=1)
+        return found
 
 
 class Problem:
@@ -97,7 +99,7 @@ class Problem:
             for scene, one, mine in zip(self.scenes, self.data, self._own, strict=True)
         ]
         ends = np.cumsum([0, *map(len, self.data)])
-        self._parts = [slice(*pair) for pair in zip(ends[:-1], ends[1:], strict=True)]
+        self._parts = [slice(*pair) for pair in pairwise(ends.tolist())]
 
     @property
     def estimated(self) -> tuple[str, ...]:
@@ -117,7 +119,7 @@ class Problem:
 
     @property
     def followed(self) -> np.ndarray:
-        """The values that show whether the model moves as measured, shape (M,): outputs, else times of impacts."""
+        """The values that show if the model moves as measured, shape (M,): outputs, else times of impacts."""
         outputs = np.concatenate([~one.of_impact for one in self.data])
         if outputs.any():
             return outputs
@@ -139,7 +141,7 @@ class Problem:
         return np.array([one.value(at) for one, at in zip(self.parameters, place.tolist(), strict=True)])
 
     def scale(self, values: np.ndarray) -> np.ndarray:
-        """Derivatives of the values of the parameters by their places on the scale of the search, shape (P,)."""
+        """Derivatives of the values by the places on the scale of the search, shape (P,)."""
         return np.array([one.slope(at) for one, at in zip(self.parameters, values.tolist(), strict=True)])
 
     def own(self, k: int) -> list[int]:

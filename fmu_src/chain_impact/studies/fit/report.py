@@ -50,7 +50,7 @@ def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]
 
 
 def _parameters(fit: Fit) -> list[Sequence[str]]:
-    rows = []
+    rows: list[Sequence[str]] = []
     for one in fit.parameters:
         value, error = fit.values[one.label], fit.standard_errors[one.label]
         unit = "" if one.unit in ("", "1") or one.unit.startswith("N/m^") else f" {one.unit}"
@@ -77,7 +77,7 @@ def rounded(value: float, error: float) -> str:
 
 
 def _columns(fit: Fit) -> list[Sequence[str]]:
-    rows = []
+    rows: list[Sequence[str]] = []
     for name, mine in fit.columns.items():
         used = mine & fit.used
         sigma = np.unique(fit.sigma[mine])
@@ -102,7 +102,8 @@ def _correlations(fit: Fit) -> Iterator[str]:
     for i, first in enumerate(names):
         for j, second in enumerate(names[:i]):
             if abs(fit.correlation[i, j]) > HIGH:
-                yield f"The estimates of {second} and {first} have a correlation of {fit.correlation[i, j]:.3f}."
+                how = f"a correlation of {fit.correlation[i, j]:.3f}"
+                yield f"The estimates of {second} and {first} have {how}."
 
 
 def _laws(fit: Fit) -> list[Sequence[str]]:

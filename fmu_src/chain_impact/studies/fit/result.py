@@ -81,7 +81,7 @@ class Fit:
     @property
     def used(self) -> np.ndarray:
         """Which values were fitted, shape (M,)."""
-        return np.isfinite(self.residuals)
+        return np.asarray(np.isfinite(self.residuals))
 
     @property
     def chi_squared(self) -> float:
@@ -95,7 +95,7 @@ class Fit:
 
     @property
     def reduced_chi_squared(self) -> float:
-        """χ² for each degree of freedom: about 1 if the model is right and all σ are given; NaN without any."""
+        """χ² for each degree of freedom: about 1 if the model is right and all σ are given."""
         return self.chi_squared / self.freedom if self.freedom > 0 else math.nan
 
     @property

@@ -13,7 +13,7 @@ from chain_impact.reading import SceneError, shown
 
 Source = str | Path | Mapping[str, Sequence[Any]]
 """A CSV file, or name of a column → its cells."""
-EMPTY = ("", "nan", "NaN", "NAN", "None")
+EMPTY = ("", "nan", "NaN", "NAN", "None", "<NA>")
 
 
 @dataclass(frozen=True)
@@ -42,8 +42,7 @@ class Table:
             return None
         value = self.rows[row][self.names.index(name)]
         value = value.strip() if isinstance(value, str) else value
-        empty = value is None or (value in EMPTY if isinstance(value, str) else value != value)
-        return None if empty else value
+        return None if str(value) in EMPTY else value
 
     def number(self, row: int, name: str) -> float:
         """A cell as a number, NaN if it is empty.

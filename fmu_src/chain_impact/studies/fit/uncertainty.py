@@ -25,12 +25,14 @@ class Information:
 
     @property
     def covariance(self) -> np.ndarray:
-        """Of the parameters on the scale of the search, shape (P, P); infinite where nothing determines them."""
+        """Of the parameters on the scale of the search, shape (P, P); infinite of what is not determined."""
         size = np.sqrt(np.diag(self.matrix))
         scale = np.divide(1.0, size, out=np.zeros(len(size)), where=size > 0.0)
         values, vectors = np.linalg.eigh(self.matrix * np.outer(scale, scale))
         sound = values > SINGULAR**2 * max(values.max(initial=0.0), 1.0)
-        inverse = (vectors[:, sound] / values[sound]) @ vectors[:, sound].T * np.outer(scale, scale)
+        inverse: np.ndarray = (
+            (vectors[:, sound] / values[sound]) @ vectors[:, sound].T * np.outer(scale, scale)
+        )
         lost = (np.abs(vectors[:, ~sound]) > SINGULAR**0.5).any(axis=1) | (size == 0.0)
         inverse[lost, :] = inverse[:, lost] = math.nan
         inverse[np.diag_indices_from(inverse)] = np.where(lost, math.inf, np.diag(inverse))
@@ -39,7 +41,7 @@ class Information:
     @property
     def errors(self) -> np.ndarray:
         """Standard errors of the parameters on the scale of the search, shape (P,)."""
-        return np.sqrt(np.diag(self.covariance))
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     def with_value(self, slopes: np.ndarray, sigma: float) -> Information:
         """What it would be with one more measured value, of some derivatives, shape (P,)."""
