@@ -1,9 +1,9 @@
-"""Fits of stiffness, restitution and one rate to 200 samples of the tip: ``python benchmarks/fit.py [--quick]``.
+"""Fits of stiffness, restitution and one rate to the path of the tip: ``python benchmarks/fit.py [--quick]``.
 
-The default scene until 1.2 s, six impacts; both coordinates of the tip with normal errors of 1 mm. Searches start
-from 3 times or a third of the stiffness, 0.2 beside the restitution and 10 % beside the rate. Measured are the
-time of a fit, how many of 50 starts converge to the least sum of squares, with the growing horizon and with all
-data at once, and how often intervals of 95 % hold the true value in 500 repetitions of the measurement.
+The default scene until 1.2 s, six impacts; 200 samples of both coordinates with normal errors of 1 mm. Searches
+start from 3 times or a third of the stiffness, 0.2 beside the restitution and 10 % beside the rate. Measured
+are the time of a fit, how many of 50 starts converge to the least sum of squares, with the growing horizon and
+with all data at once, and how often intervals of 95 % hold the true value in 500 repetitions.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ def at_once(start: Scene, data: dict[str, np.ndarray]) -> bool:
 
 
 def by_scipy(start: Scene, data: dict[str, np.ndarray]) -> bool:
-    """Whether ``scipy.optimize.least_squares`` finds it with all data, with the same derivatives and scales."""
+    """Whether ``scipy.optimize.least_squares`` finds it with all data, with the same derivatives."""
     problem = Problem(
         [start], [read_measurements(data, start, SIGMA)], parameters_of([start], NAMES, (), {}), announce
     )
@@ -109,7 +109,7 @@ def by_scipy(start: Scene, data: dict[str, np.ndarray]) -> bool:
 
 
 def timed(call: Callable[[], Fit]) -> tuple[Fit, float]:
-    """what comes of a call, and the milliseconds of CPU time that it took."""
+    """What comes of a call, and the milliseconds of CPU time that it took."""
     began = time.process_time()
     found = call()
     return found, 1e3 * (time.process_time() - began)

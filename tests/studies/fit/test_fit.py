@@ -118,7 +118,9 @@ def test_residuals_that_are_no_noise_are_said():
     columns[TIP[1]] += 5e-3 * np.sin(40.0 * columns["time"])
     found = fit(scene(), columns, ["initial.vy"])
     (said,) = found.notes
-    assert said.startswith("Residuals of point[4].y are like their neighbours (correlation 0.9")
+    assert said.startswith(
+        "Neighbouring residuals are correlated, so they are not only noise: point[4].y (0.9"
+    )
 
 
 def test_an_input_can_be_free():
@@ -148,7 +150,7 @@ def test_measured_impacts_of_a_golf_ball():
     assert found.values["contact.restitution"] == pytest.approx(other.x[0], abs=1e-8)
     error = math.sqrt(2.0 * other.cost / 8.0 / (other.jac.T @ other.jac)[0, 0])
     assert found.standard_errors["contact.restitution"] == pytest.approx(error, rel=1e-4)
-    assert "like their neighbours" in found.notes[0]
+    assert "Neighbouring residuals are correlated" in found.notes[0]
 
 
 def test_refusals():

@@ -23,7 +23,6 @@ from chain_impact.studies.fit.uncertainty import information, largest_usual, qua
 from chain_impact.studies.fit.unknown import unknown
 
 ALIKE = 2.0  # correlation of neighbours times √n, which chance exceeds in 2 % of all cases
-AT_BOUND = 1e-6  # of a range or of a factor, from a bound
 
 
 def fit(
@@ -201,13 +200,13 @@ def _notes(problem: Problem, result: Fit, at: Evaluation, found: Found) -> list[
             "start nearer, or free fewer parameters."
         )
     notes += _left_out(problem, at)
-    for p, one in enumerate(problem.parameters):
-        for end, bound in (("lower", problem.low[p]), ("upper", problem.high[p])):
-            if math.isfinite(bound) and abs(at.place[p] - bound) <= AT_BOUND * max(1.0, abs(bound)):
-                notes.append(
-                    f"{one.label} is at its {end} bound, {one.value(float(bound)):.6g}: "
-                    "its standard error and interval do not hold."
-                )
+    for p, which in problem.bounds_reached(at.place).items():
+        one = problem.parameters[p]
+        notes.append(
+            f"{one.label} is at its {which} bound, {one.value(float(at.place[p])):.6g}: "
+            "its standard error and interval do not hold."
+        )
+    for one in problem.parameters:
         if one.name not in problem.scenes[0].values:
             notes.append(f"{one.label} is an input: the fitted scene does not hold it.")
     if not result.estimated and result.freedom > 0 and result.chi_squared > largest_usual(result.freedom):
@@ -224,15 +223,18 @@ def _not_random(result: Fit) -> Iterator[str]:
     Of independent residuals √n r has about the standard normal distribution (R. L. Anderson, Annals of
     Mathematical Statistics 13 (1942) 1).
     """
+    found = []
     for name, mine in result.columns.items():
         residuals = (result.residuals / result.sigma)[mine & result.used]
         squares = float(residuals @ residuals)
         alike = float(residuals[1:] @ residuals[:-1]) / squares if squares > 0.0 else 0.0
         if math.sqrt(len(residuals)) * alike > ALIKE:
-            yield (
-                f"Residuals of {name} are like their neighbours (correlation {alike:.2f}), so they are not "
-                "only noise: the model leaves something out, and the standard errors are too small."
-            )
+            found.append(f"{name} ({alike:.2f})")
+    if found:
+        yield (
+            f"Neighbouring residuals are correlated, so they are not only noise: {', '.join(found)}. The "
+            "model leaves something out, and the standard errors are too small."
+        )
 
 
 def _left_out(problem: Problem, at: Evaluation) -> list[str]:

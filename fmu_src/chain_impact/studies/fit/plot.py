@@ -30,7 +30,7 @@ from chain_impact.studies.fit.unknown import size_of
 from chain_impact.variables import fmu_variables
 
 MOST_PANELS = 8  # columns that are shown
-LETTERS = 9.5  # of the headline, in an inch
+LETTERS, SMALLER = 9.5, 1.3  # of the headline, in an inch; and how many times as many in the line below it
 POINTS = 1500  # of the model's curve
 WIDTH, HEIGHT = 5.2, 2.9  # inches, of a panel
 USUAL = 2.0  # standard deviations, the band of the residuals
@@ -129,7 +129,8 @@ def _curve(values: Axes, rest: Axes, result: Result, name: str, colour: str) -> 
     for axes in (values, rest):
         onsets = result.impacts["onset"]
         axes.vlines(onsets, 0.0, 1.0, GREY, linewidth=0.6, zorder=0, transform=axes.get_xaxis_transform())
-    label = "model; lines: its impacts" if colour == INK else None
+    words = "model; lines: its impacts" if len(result.impacts) else "model"
+    label = words if colour == INK else None
     values.plot(result.time, result[name], color=colour, linewidth=0.9, label=label, zorder=4)
 
 
@@ -169,9 +170,14 @@ def _words(fit: Fit, room: int, shown: int) -> tuple[str, str]:
     first = 1
     while first < len(told) and len("; ".join(told[: first + 1])) <= room:
         first += 1
-    parts = [fit.scene.name, fit.scene.contact.model, plural(int(fit.used.sum()), "value"), *told[first:]]
-    if len(fit.estimated) < len(fit.columns):
-        parts.insert(3, f"χ² per degree of freedom {number(fit.reduced_chi_squared, 3)}")
+    parts = [fit.scene.name, *filter(None, [fit.law]), plural(int(fit.used.sum()), "value")]
     if shown < len(fit.columns):
-        parts.insert(3, f"{shown} of {len(fit.columns)} columns")
+        parts.append(f"{shown} of {len(fit.columns)} columns")
+    if len(fit.estimated) < len(fit.columns):
+        parts.append(f"χ² per degree of freedom {number(fit.reduced_chi_squared, 3)}")
+    rest = told[first:]
+    while rest and len("; ".join(parts)) + len(rest[0]) <= SMALLER * room:
+        parts.append(rest.pop(0))
+    if rest:
+        parts.append(plural(len(rest), "more parameter"))
     return "; ".join(told[:first]), "; ".join(parts)

@@ -37,7 +37,7 @@ def heading(fit: Fit) -> str:
     """Which scene, law and data."""
     sets = f"{plural(len(fit.data), 'data set')}, " if len(fit.data) > 1 else ""
     return (
-        f"{fit.scene.name}  {fit.scene.contact.model}, {sets}{int(fit.used.sum())} values, "
+        f"{fit.scene.name}  {f'{fit.law}, ' if fit.law else ''}{sets}{int(fit.used.sum())} values, "
         f"{plural(len(fit.parameters), 'free parameter')}"
     )
 

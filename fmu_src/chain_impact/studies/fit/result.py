@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from chain_impact.instance import candidate_count
 from chain_impact.scene import Scene
 from chain_impact.sensitivities import Differentiated
 from chain_impact.studies.fit.data import Measurements
@@ -106,6 +107,11 @@ class Fit:
         fit with more (Burnham & Anderson, Sociological Methods & Research 33 (2004) 261).
         """
         return self.deviance + 2.0 * (len(self.parameters) + len(self.estimated))
+
+    @property
+    def law(self) -> str:
+        """The contact law; empty if nothing can touch."""
+        return self.scene.contact.model if candidate_count(self.scene) else ""
 
     @cached_property
     def columns(self) -> dict[str, np.ndarray]:

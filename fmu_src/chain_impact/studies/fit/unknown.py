@@ -64,7 +64,8 @@ class _Adviser:
         self._own = [problem.own(k) for k in range(len(at.runs))]
         self._values, self._errors = problem.values(at.place), known.errors
         self._scale = problem.scale(self._values)
-        self._weak = [p for p in range(len(self._errors)) if self._is_unknown(p, self._errors[p])]
+        free = [p for p in range(len(self._errors)) if p not in problem.bounds_reached(at.place)]
+        self._weak = [p for p in free if self._is_unknown(p, self._errors[p])]
 
     def sentences(self) -> Iterator[str]:
         """One for each parameter that is not determined, or several."""
