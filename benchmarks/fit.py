@@ -1,9 +1,9 @@
 """Fits of stiffness, restitution and one rate to the path of the tip: ``python benchmarks/fit.py [--quick]``.
 
-The default scene until 1.2 s, six impacts; 200 samples of both coordinates with normal errors of 1 mm. Searches
-start from 3 times or a third of the stiffness, 0.2 beside the restitution and 10 % beside the rate. Measured
-are the time of a fit, how many of 50 starts converge to the least sum of squares, with the growing horizon and
-with all data at once, and how often intervals of 95 % hold the true value in 500 repetitions.
+The default scene until 1.2 s, six impacts; 200 samples of both coordinates with normal errors of 1 mm.
+Searches start from 3 times or a third of the stiffness, 0.2 beside the restitution and 10 % beside the rate.
+Measured are the time of a fit, how many of 50 starts converge to the least sum of squares, with the growing
+horizon and with all data at once, and how often intervals of 95 % hold the true value in 500 repetitions.
 """
 
 from __future__ import annotations

@@ -97,7 +97,11 @@ def test_standard_deviations():
 def test_chosen_columns():
     table = MOTION | {"speed of the camera": [1, 2, 3]}
     assert read(table, columns=["point[4].*"]).outputs == ("point[4].x", "point[4].y")
-    assert refusal(read, table, None, ["camera"]).startswith("data: camera is no column; it has point[4].x")
+    both = read([table, {"impact": [1], "onset": [0.1]}], columns=["onset", "point[4].y"])
+    assert set(both.quantity) == {"onset", "point[4].y"}
+    assert refusal(read, table, None, ["camera"]).startswith(
+        "data: camera is no column; there are point[4].x"
+    )
 
 
 def test_refusals():
@@ -121,7 +125,9 @@ def test_refusals():
     assert refusal(read, {"time": [0.1], "point[4].x": [None]}) == (
         "data: no value was measured: all cells are empty"
     )
-    assert refusal(read, {"time": [0.1]}).startswith("data: it has no column of an output or of impacts")
+    assert refusal(read, {"time": [0.1]}).startswith(
+        "data: it has no column with values, of an output such as"
+    )
 
 
 @pytest.mark.parametrize(

@@ -23,6 +23,8 @@ def test_positive_parameters_are_sought_as_logarithms():
     assert stiffness.coordinate(1e8) == pytest.approx(math.log(1e8))
     assert stiffness.value(stiffness.coordinate(1e8)) == pytest.approx(1e8)
     assert stiffness.slope(1e8) == 1e8
+    assert (stiffness.low, stiffness.high) == (0.0, math.inf)
+    assert stiffness.ends == pytest.approx((0.0, math.log(1e16)))
     assert not e.logarithmic
     assert (e.low, e.high, e.start, e.longest) == (0.0, 1.0, 0.7, pytest.approx(0.2))
     assert (rate.low, rate.high, rate.longest) == (-math.inf, math.inf, math.inf)

@@ -2,19 +2,11 @@
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 from chain_impact import fit, load_scene, simulate
-from chain_impact.studies.fit.plot import fill
 from tests.measurements import FREE, NOISE, TIP, impacts, motion, scene
 
 SIGMA = dict.fromkeys(TIP, NOISE) | {"onset": 1e-4}
-
-
-def drawn(found):
-    page = Figure(layout="constrained")
-    fill(page, found)
-    return page
 
 
 @pytest.fixture(scope="module")
@@ -24,7 +16,7 @@ def found():
 
 
 def test_data_model_residuals_and_impacts(found):
-    axes = drawn(found).axes
+    axes = found.plot().axes
     assert [one.get_ylabel().split(" ")[0] for one in axes[::2]] == [*TIP, "onset"]
     values, rest = axes[:2]
     curve, points = values.get_lines()
@@ -41,7 +33,7 @@ def test_data_model_residuals_and_impacts(found):
 
 
 def test_the_headline_has_what_was_found(found):
-    page = drawn(found)
+    page = found.plot()
     assert page.get_suptitle().startswith("contact.stiffness ")
     told = "\n".join(text.get_text() for text in page.texts)
     assert all(name in told for name in FREE)
@@ -60,7 +52,7 @@ def test_several_data_sets_and_an_input():
         result = simulate(arm, stop_time=0.3, output_step=0.01, inputs={"joint[1].torque": torque})
         tables.append({"time": result.time, "link[1].angle": result["link[1].angle"]})
     found = fit(arm, tables, [], free_each=["joint[1].torque"], sigma={"link[1].angle": 1e-4})
-    values, _ = drawn(found).axes
+    values, _ = found.plot().axes
     assert [text.get_text() for text in values.get_legend().get_texts()] == ["data set 1", "data set 2"]
     for (curve, points), table in zip(zip(*[iter(values.get_lines())] * 2, strict=True), tables, strict=True):
         assert np.interp(table["time"], *curve.get_data()) == pytest.approx(points.get_ydata(), abs=1e-4)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -121,10 +120,15 @@ def read_measurements(
     """
     several = [sources] if isinstance(sources, str | Path | Mapping) else sources
     tables = [read_table(source) for source in several]
+    source = "+".join(table.source for table in tables)
+    there = [name for table in tables for name in _value_columns(table)]
+    hint = f"there are {', '.join(there)}"
+    patterns = there if columns is None else columns
+    chosen = {one for name in patterns for one in matching(source, name, there, "no column", lambda _: hint)}
     book = _Book(scene, sigma)
     for table in tables:
-        book.read(table, columns)
-    return book.measurements("+".join(table.source for table in tables))
+        book.read(table, chosen)
+    return book.measurements(source)
 
 
 class _Book:
@@ -139,9 +143,9 @@ class _Book:
         # name, value, sigma, time or row of an impact, whether it is of an impact
         self._found: list[tuple[str, float, float, float, bool]] = []
 
-    def read(self, table: Table, columns: Sequence[str] | None) -> None:
-        """Add the values of a table."""
-        samples, quantities = self._columns(table, columns)
+    def read(self, table: Table, chosen: Set[str]) -> None:
+        """Add the values of a table in some columns."""
+        samples, quantities = self._columns(table, chosen)
         before = -math.inf
         for row in range(len(table.rows)):
             if any(table.cell(row, name) is not None for name in WHICH):
@@ -171,21 +175,18 @@ class _Book:
             of_impact=of_impact,
         )
 
-    def _columns(self, table: Table, wanted: Sequence[str] | None) -> tuple[list[str], list[str]]:
+    def _columns(self, table: Table, chosen: Set[str]) -> tuple[list[str], list[str]]:
         """The columns of outputs, and those of quantities of impacts."""
-        names = [name for name in table.names if name not in (TIME, *WHICH)]
-        values = [name for name in names if not _is_sigma(name)]
-        if wanted is not None:
-            chosen = {one for name in wanted for one in _like(table, name, values)}
-            values = [name for name in values if name in chosen]
+        there = _value_columns(table)
+        values = [name for name in there if name in chosen]
         for name in values:
             if name not in self._outputs and name not in QUANTITIES:
                 raise SceneError(f"{table.source}: column {name} {self._hint(name)}")
             if name in self._outputs and name in self._seen:
                 raise SceneError(f"{table.source}: column {name} is also in {self._seen[name]}")
             self._seen[name] = table.source
-        for name in names:
-            if _is_sigma(name) and wanted is None and name[6:-1] not in values:
+        for name in table.names:
+            if _is_sigma(name) and name[6:-1] not in there:
                 raise SceneError(f"{table.source}: column {name} has no column {name[6:-1]} beside it")
         samples = [name for name in values if name in self._outputs]
         for needed, columns, kinds in (
@@ -197,8 +198,11 @@ class _Book:
                     f"{table.source}: the column {' or '.join(needed)} is missing; "
                     f"it says to which of the {kinds} the values in {columns[0]} belong"
                 )
-        if not values:
-            raise SceneError(f"{table.source}: it has no column of an output or of impacts: {self._hint('')}")
+        if not there:
+            raise SceneError(
+                f"{table.source}: it has no column with values, of an output such as {self._outputs[0]} or "
+                f"of impacts: {', '.join(QUANTITIES)}"
+            )
         return samples, [name for name in values if name in QUANTITIES]
 
     def _hint(self, name: str) -> str:
@@ -290,6 +294,6 @@ def _is_sigma(name: str) -> bool:
     return name.startswith("sigma(") and name.endswith(")")
 
 
-def _like(table: Table, name: str, names: Sequence[str]) -> list[Any]:
-    """The columns of a name or a pattern."""
-    return matching(table.source, name, names, "no column", lambda _: f"it has {', '.join(names)}")
+def _value_columns(table: Table) -> list[str]:
+    """The columns that are no time, no impact's place, and no standard deviation."""
+    return [name for name in table.names if name not in (TIME, *WHICH) and not _is_sigma(name)]

@@ -194,7 +194,7 @@ def _deviance(problem: Problem, at: Evaluation, rows: np.ndarray) -> float:
 def _notes(problem: Problem, result: Fit, at: Evaluation, found: Found) -> list[str]:
     """What has to be said beside the numbers."""
     notes = []
-    if not result.converged:
+    if not result.converged and np.isfinite(list(result.standard_errors.values())).any():
         notes.append(
             f"The search did not converge in {found.search.steps} steps: "
             "start nearer, or free fewer parameters."

@@ -12,6 +12,7 @@ from chain_impact.scene import Scene
 from chain_impact.studies.compare import law_names, law_values, needed_exponent
 from chain_impact.studies.fit.result import Fit, LawFit
 
+DIGITS = 1  # of the criterion: laws that differ by less stay in order, the scene's own first
 Advance = Callable[[float], None]
 FitOne = Callable[[Sequence[Scene], Advance], Fit]
 
@@ -77,7 +78,7 @@ def _place(one: LawFit, most: int) -> tuple[bool, bool, float]:
     """What the laws are ordered by: those that could use all values, then the criterion."""
     if one.fit is None:
         return True, True, math.inf
-    return False, bool(one.fit.used.sum() < most), one.fit.aic
+    return False, bool(one.fit.used.sum() < most), round(one.fit.aic, DIGITS)
 
 
 def _noted(one: LawFit, most: int) -> LawFit:
@@ -88,4 +89,4 @@ def _noted(one: LawFit, most: int) -> LawFit:
     parts = [one.note] if one.note else []
     parts += [f"{left} values fewer than others: not comparable"] if left else []
     parts += [] if one.fit.converged else ["did not converge"]
-    return replace(one, note="; ".join(parts))
+    return replace(one, note="; ".join(parts), fewer=left)

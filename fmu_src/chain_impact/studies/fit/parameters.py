@@ -15,7 +15,7 @@ from chain_impact.variable import Variable
 from chain_impact.variables import fmu_variables
 
 Bounds = Mapping[str, str | tuple[float | None, float | None]]
-WIDEST = 1e8  # from the start to a bound, as a factor, of a positive parameter without bounds
+WIDEST = 1e8  # from the start to the end of a search, as a factor
 
 LONGEST_FACTOR = 1.0  # a step of a logarithm
 LONGEST_PART = 0.2  # of the range, a step between two bounds
@@ -53,6 +53,16 @@ class Parameter:
         if self.logarithmic:
             return LONGEST_FACTOR
         return LONGEST_PART * (self.high - self.low)
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The ends of the search on its scale: the bounds, and of a logarithm not very far from the start."""
+        if not self.logarithmic:
+            return self.low, self.high
+        return (
+            self.coordinate(max(self.low, self.start / WIDEST)),
+            self.coordinate(min(self.high, self.start * WIDEST)),
+        )
 
     def coordinate(self, value: float) -> float:
         """The place of a value on the scale of the search."""
@@ -130,8 +140,6 @@ def _parameter(
                 f"{scene.name}: {variable.name} = {start:g}, where the search starts, must be within its "
                 f"bounds, {low:g} to {high:g}"
             )
-    if logarithmic:
-        low, high = max(low, start / WIDEST), min(high, start * WIDEST)
     return Parameter(variable.name, variable.unit, start, low, high, logarithmic, run)
 
 

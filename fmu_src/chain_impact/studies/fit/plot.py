@@ -58,9 +58,14 @@ def plot_fit(fit: Fit, path: str | Path) -> None:
         OSError: when the file cannot be written.
     """
     with written_whole(Path(path)) as fresh:
-        page = Figure(dpi=DPI, layout="constrained")
-        fill(page, fit)
-        page.savefig(fresh, dpi="figure")
+        figure(fit).savefig(fresh, dpi=DPI)
+
+
+def figure(fit: Fit) -> Figure:
+    """A fit as a figure."""
+    page = Figure(layout="constrained")
+    fill(page, fit)
+    return page
 
 
 @mpl.rc_context(STYLE)

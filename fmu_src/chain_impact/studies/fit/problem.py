@@ -84,10 +84,7 @@ class Problem:
         self.names = tuple(dict.fromkeys(quantities))
         self.group = np.array([self.names.index(name) for name in quantities])
         self.order = np.concatenate([one.order for one in data])
-        self.low, self.high = (
-            np.array([one.coordinate(getattr(one, end)) for one in self.parameters])
-            for end in ("low", "high")
-        )
+        self.low, self.high = np.array([one.ends for one in self.parameters]).T
         self.longest = np.array([one.longest for one in self.parameters])
         self.size = self._sizes()
         self.evaluations = 0

@@ -13,6 +13,7 @@ from chain_impact.studies.fit.result import Fit
 from chain_impact.studies.fit.unknown import size_of
 
 HIGH = 0.9  # a correlation that is worth a word
+EQUAL = 2.0  # of Akaike's criterion, a difference that says nothing
 
 
 def report(fit: Fit) -> Iterator[str]:
@@ -31,6 +32,11 @@ def report(fit: Fit) -> Iterator[str]:
         yield ""
         yield from aligned(("law", "ΔAIC", "rms residual", *fit.values, ""), _laws(fit))
         yield "The rms residual is in standard deviations σ of the best fit."
+        equal = sum(
+            one.fit is not None and not one.fewer and one.fit.aic < fit.aic + EQUAL for one in fit.ranking
+        )
+        if equal > 1:
+            yield f"{equal} laws fit equally well, with ΔAIC < {EQUAL:g}: these data cannot tell them apart."
 
 
 def heading(fit: Fit) -> str:

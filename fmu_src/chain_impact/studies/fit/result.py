@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from chain_impact.scene import Scene
 from chain_impact.sensitivities import Differentiated
 from chain_impact.studies.fit.data import Measurements
 from chain_impact.studies.fit.parameters import Parameter
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True)
@@ -24,11 +28,13 @@ class LawFit:
         law: its id.
         fit: what was found; None if nothing was.
         note: why there is none, or what is particular.
+        fewer: how many values fewer than others it could use; if any, its criterion cannot be compared.
     """
 
     law: str
     fit: Fit | None
     note: str = ""
+    fewer: int = 0
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -125,15 +131,22 @@ class Fit:
 
         return "\n".join(report(self))
 
-    def plot(self, path: str | Path) -> None:
-        """Draw data, model, residuals and impacts; the suffix says which kind (png, svg, pdf).
+    def plot(self, path: str | Path | None = None) -> Figure | None:
+        """Draw data, model, residuals and impacts.
+
+        Args:
+            path: a file, whose suffix says which kind: png, svg or pdf; without it the figure is returned,
+                which a notebook shows.
 
         Raises:
             OSError: when the file cannot be written.
         """
-        from chain_impact.studies.fit.plot import plot_fit
+        from chain_impact.studies.fit.plot import figure, plot_fit
 
+        if path is None:
+            return figure(self)
         plot_fit(self, path)
+        return None
 
     def save(self, path: str | Path, like: str | Path | None = None) -> None:
         """Write the fitted scene as TOML, with the comments and the order of the scene file that it is like.
