@@ -15,7 +15,7 @@ from chain_impact.studies.fit.parameters import Parameter
 from chain_impact.studies.fit.problem import Evaluation, Problem, quantity
 from chain_impact.studies.fit.uncertainty import Information
 
-UNKNOWN = 0.5  # of its value, the standard error of what is not determined
+UNKNOWN = 0.3  # of its value, the standard error of what is not determined
 UNKNOWN_PART = 0.125  # of the range between two bounds: then the 95 % interval is half of it
 BETTER = 0.5  # of the present standard error, what a measurement must reach to be worth a word
 MEASURED = 0.02  # of its value, the standard deviation of a measurement that is proposed
