@@ -134,6 +134,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("start", REAL),  # s
         ("end", REAL),  # s, start + size, or the event that cut the step short
         ("size", REAL),  # s, of the variable that the step runs in, see kernel/integration/sundman.py
+        ("kept", REAL),  # the fraction of `size` at which it ends
         ("next_size", REAL),  # … proposed, likewise
         ("flight_size", REAL),  # s, of the last step before the first of the present contacts
         ("state", REAL, (state,)),  # y at `start`

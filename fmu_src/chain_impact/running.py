@@ -40,6 +40,8 @@ class SimulationError(RuntimeError):
 class Instance:
     """An initialized instance and the kernel that works on it."""
 
+    _derivatives = False  # whether the kernel has to carry them
+
     def __init__(self, scene: Scene, notify: Notify = announce, driven: Drive | None = None) -> None:
         """Load or compile the kernel and set the instance to its start, with the first of the inputs, if any.
 
@@ -51,7 +53,7 @@ class Instance:
         if driven:
             driven.set(self.record["given"], 0)
         links, law_file = len(scene.chain.links), scene.contact.law_file
-        library = kernel_library(links, notify=notify, law_file=law_file)
+        library = kernel_library(links, notify=notify, law_file=law_file, derivatives=self._derivatives)
         self._kernel = load_kernel(library)
         self._address = self._block.ctypes.data
         self.initialize()
@@ -104,6 +106,10 @@ class Instance:
     def open_contacts(self) -> np.ndarray:
         """The contacts that have not ended yet, with their peaks so far; drops what was solved ahead."""
         self._kernel.follow(self._address)
+        return self._open_rows()
+
+    def _open_rows(self) -> np.ndarray:
+        """The contacts that have been followed up to the present time and last."""
         touch, candidate = self.record["touch"], self.record["candidate"]
         if not touch["active_count"]:
             return np.zeros(0, IMPACT_DTYPE)
@@ -139,10 +145,11 @@ class Instance:
         return {name: int(counts[name]) for name in counts.dtype.names or ()}
 
 
-def in_order(parts: Sequence[np.ndarray]) -> np.ndarray:
-    """Contacts in order of onset."""
-    found = [part for part in parts if len(part)]
-    return np.sort(np.concatenate(found), order=["onset", "point", "wall"]) if found else parts[0]
+def in_order(parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """The order of contacts by onset, and the contacts in it."""
+    found = np.concatenate(parts)
+    order = np.argsort(found, order=["onset", "point", "wall"])
+    return order, found[order]
 
 
 def _impact_rows(count: int, columns: dict[str, np.ndarray]) -> np.ndarray:
@@ -164,4 +171,10 @@ def load_kernel(library: Path) -> ctypes.CDLL:
     runs = (pointer, pointer, pointer, integer, pointer, pointer, integer, pointer, integer, pointer)
     kernel.run_each.argtypes = [*runs, ctypes.c_int32]
     kernel.trajectory.restype = kernel.run_each.restype = integer
+    if hasattr(kernel, "trajectory_with"):
+        kernel.initialize_with.argtypes = [pointer, pointer, integer, real]
+        looks = (pointer, integer, pointer, integer, pointer, pointer)
+        kernel.trajectory_with.argtypes = [pointer, pointer, integer, *looks]
+        kernel.trajectory_with.restype = integer
+        kernel.follow_with.argtypes = [pointer, pointer, integer]
     return kernel

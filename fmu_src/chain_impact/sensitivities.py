@@ -1,104 +1,300 @@
-"""Stand-in for derivatives beside the run: central differences of ordinary runs, behind the agreed names."""
+"""Runs that carry the derivatives of all they give with respect to some parameters.
+
+Beside the instance lie instances of dual numbers, each with the derivatives in a few directions
+(kernel/tangent/). A derivative with respect to a parameter is for all other parameters of the FMU held; its
+unit is that of the quantity over that of the parameter. Where it does not exist, or cannot be trusted, it is
+NaN, and a sentence says from which impact on.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.instance import new_instance
 from chain_impact.kernel.status import OK
-from chain_impact.reading import UnknownNameError
+from chain_impact.kernel.tangent.directions import DIRECTIONS, tangent_dtype
+from chain_impact.kernel.tangent.trust import REASONS, TRUSTED
+from chain_impact.names import Place
+from chain_impact.reading import SceneError, matching
 from chain_impact.results.result import IMPACT_DTYPE
 from chain_impact.running import Instance, SimulationError, in_order
 from chain_impact.scene import Scene
-from chain_impact.variables import fmu_variables, output_words, word_index
+from chain_impact.signals import Drive, drive
+from chain_impact.variables import differentiable, output_words, word_index
+
+IMPACT_QUANTITIES = tuple(name for name in IMPACT_DTYPE.names or () if name not in ("point", "wall"))
+"""The quantities of an impact that have derivatives."""
+ROWS_AT_ONCE = 5000  # of derivatives, that the kernel fills in one call
+AT_ONSET = ("onset", "impact_speed", "effective_mass")  # those that are known from its onset on
+
+
+class DifferentiatedInstance(Instance):
+    """An initialized instance with derivatives beside.
+
+    Attributes:
+        scene: what runs.
+        parameters: the names of the P parameters.
+    """
+
+    _derivatives = True
+
+    def __init__(
+        self,
+        scene: Scene,
+        parameters: Sequence[str],
+        looks: Sequence[int],
+        notify: Notify = announce,
+        driven: Drive | None = None,
+    ) -> None:
+        """As ``Instance``, for P parameters by name and W outputs by their numbers in a row of outputs.
+
+        Raises:
+            UnknownNameError: when there is no parameter of a name.
+            SimulationError: when the scene cannot start.
+        """
+        if not parameters:
+            raise SceneError(f"{scene.name}: no parameters are named of which derivatives are wanted")
+        self.scene, self.parameters = scene, tuple(parameters)
+        self._looks = np.array(looks, np.int64)
+        self._tangents = seeded(new_instance(scene), places_of(scene, parameters))
+        self._impact_slopes: list[np.ndarray] = []
+        super().__init__(scene, notify, driven)
+
+    def initialize(self) -> None:
+        """Set all to their start.
+
+        Raises:
+            SimulationError: when the scene cannot start.
+        """
+        self._impact_slopes = []
+        if self._kernel.initialize_with(self._address, *self._beside, 0.0) != OK:
+            raise SimulationError(self.status, 0.0, None)
+
+    def restart(self, places: Sequence[Place], values: np.ndarray) -> None:
+        """Set all to their start, with other values of some parameters.
+
+        Raises:
+            SimulationError: when it cannot start.
+        """
+        for place, value in zip(places, values, strict=True):
+            self.words[word_index(self._block.dtype, place)] = value
+            field: Any = self._tangents
+            for step in place[:-1]:
+                field = field[step] if isinstance(step, str) else field[:, step]
+            last = place[-1]
+            (field[last] if isinstance(last, str) else field[:, last])["value"] = value
+        self.initialize()
+
+    def follow_trajectory(self, times: np.ndarray, values: np.ndarray, slopes: np.ndarray) -> int:
+        """Advance to each of the times [s], filling a row of outputs and one of derivatives for each.
+
+        Args:
+            times: shape (T,).
+            values: result, shape (T, W).
+            slopes: result, shape (T, W, P).
+
+        Returns:
+            How many rows are filled.
+        """
+        found = np.zeros((min(len(times), ROWS_AT_ONCE), len(self._looks), self._directions))
+        times = times[: len(found)]
+        looks = (self._looks.ctypes.data, len(self._looks))
+        places = (values.ctypes.data, found.ctypes.data)
+        filled: int = self._kernel.trajectory_with(
+            self._address, *self._beside, times.ctypes.data, len(times), *looks, *places
+        )
+        slopes[:filled] = found[:filled, :, : len(self.parameters)]
+        return filled
+
+    @property
+    def _directions(self) -> int:
+        """How many derivatives are carried: P or a few more."""
+        return len(self._tangents) * DIRECTIONS
+
+    @property
+    def _beside(self) -> tuple[int, int]:
+        return self._tangents.ctypes.data, len(self._tangents)
+
+    def collect(self) -> np.ndarray:
+        """Take the finished contacts out of the log, and their derivatives."""
+        rows = super().collect()
+        log = self._tangents["finished"]
+        self._keep_slopes(rows, {name: log[name]["slope"][:, : len(rows)] for name in IMPACT_QUANTITIES})
+        log["count"] = 0
+        return rows
+
+    def open_contacts(self) -> np.ndarray:
+        """The contacts that have not ended yet; drops what was solved ahead."""
+        self._kernel.follow_with(self._address, *self._beside)
+        rows = self._open_rows()
+        active = self.record["touch"]["active"] == 1
+        touch, impulse = self._tangents["touch"], self._tangents["impulse"]
+        slopes = {name: touch[name]["slope"] for name in ("onset", "peak_force", "max_penetration", "effective_mass")}
+        slopes["impact_speed"] = touch["onset_speed"]["slope"]
+        slopes["impulse"] = impulse["total"]["slope"] - impulse["onset"]["slope"]
+        slopes |= {name: np.full_like(touch["onset"]["slope"], np.nan) for name in ("end", "separation_speed")}
+        self._keep_slopes(rows, {name: slope[:, active] for name, slope in slopes.items()})
+        return rows
+
+    def _keep_slopes(self, rows: np.ndarray, slopes: Mapping[str, np.ndarray]) -> None:
+        """Keep the derivatives of some impacts, of shape (B, I, DIRECTIONS) for each quantity."""
+        kept = np.zeros(len(rows), [(name, np.float64, (len(self.parameters),)) for name in IMPACT_QUANTITIES])
+        trust = self._tangents["trust"][0]
+        distrusted = np.inf if trust["reason"] == TRUSTED else trust["time"]
+        for name in IMPACT_QUANTITIES:
+            together = np.moveaxis(slopes[name], 0, 1).reshape(len(rows), self._directions)
+            kept[name] = together[:, : len(self.parameters)]
+            until = rows["onset"] if name in AT_ONSET else np.where(np.isnan(rows["end"]), self.time, rows["end"])
+            kept[name][(until >= distrusted) | ~np.isfinite(rows[name])] = np.nan
+        self._impact_slopes.append(kept)
+
+    def slopes_of_impacts(self, order: np.ndarray) -> dict[str, np.ndarray]:
+        """The derivatives of all impacts that were collected, in an order of them: name → shape (I, P)."""
+        if not self._impact_slopes:
+            return {name: np.zeros((0, len(self.parameters))) for name in IMPACT_QUANTITIES}
+        together = np.concatenate(self._impact_slopes)[order]
+        return {name: together[name] for name in IMPACT_QUANTITIES}
+
+    @property
+    def limits(self) -> tuple[str, ...]:
+        """From when on derivatives are NaN, and why."""
+        trust = self._tangents["trust"][0]
+        if trust["reason"] == TRUSTED:
+            return ()
+        wall = self.scene.wall_names[trust["wall"]]
+        impact = f"the impact of point {trust['point']} at {wall}"
+        reason = REASONS[int(trust["reason"])]
+        return (f"there are no derivatives from t = {trust['time']:.9g} s on, {impact}: {reason}",)
+
+
+def places_of(scene: Scene, names: Sequence[str]) -> list[Place]:
+    """The places in the instance record of parameters and inputs of which derivatives are wanted.
+
+    Raises:
+        UnknownNameError: when there is none of a name.
+    """
+    places = differentiable(scene)
+    return [places[matching(scene.name, name, places, "no parameter with derivatives")[0]] for name in names]
+
+
+def seeded(block: np.ndarray, places: Sequence[Place]) -> np.ndarray:
+    """The instances of dual numbers that go with an instance, each parameter in a direction of its own."""
+    count = max(1, -(-len(places) // DIRECTIONS))
+    tangents = np.zeros(count, tangent_dtype(block.dtype))
+    copy_values(block, tangents)
+    for number, place in enumerate(places):
+        field: Any = tangents[number // DIRECTIONS]
+        for step in place:
+            field = field[step]
+        field["slope"][number % DIRECTIONS] = 1.0
+    return tangents
+
+
+def copy_values(source: np.ndarray, target: np.ndarray) -> None:
+    """Copy the values of a record to each of some records of dual numbers."""
+    for name in source.dtype.names or ():
+        part = target[name]
+        if source.dtype[name].names:
+            copy_values(source[name], part)
+        else:
+            (part["value"] if part.dtype.names else part)[...] = source[name]
 
 
 @dataclass(frozen=True)
 class Differentiated:
+    """What a run gave, with derivatives with respect to its P parameters.
+
+    Attributes:
+        values: the outputs, shape (T, W); after a fault NaN.
+        slopes: their derivatives, shape (T, W, P).
+        impacts: one row for each contact in order of onset, as ``Result.impacts``.
+        impact_slopes: derivatives of the impacts' quantities: name → shape (I, P).
+        status: 0 when all is well, see ``chain_impact.kernel.status``.
+        limits: sentences: from which impact on derivatives are NaN, and why.
+    """
+
     values: np.ndarray
     slopes: np.ndarray
     impacts: np.ndarray
     impact_slopes: dict[str, np.ndarray]
     status: int
-    limits: tuple[str, ...] = field(default=())
+    limits: tuple[str, ...]
 
 
 class DifferentiatedRun:
+    """Runs of one scene again and again, with other values of some parameters."""
+
     def __init__(
         self,
         scene: Scene,
         parameters: Sequence[str],
         outputs: Sequence[str],
-        inputs: object = None,
+        inputs: Mapping[str, Any] | None = None,
         notify: Notify = announce,
     ) -> None:
-        scene = scene.with_values({"solver.tolerance": 1e-10})
-        known = {v.name: v for v in fmu_variables(scene) if v.causality in ("parameter", "input")}
-        for name in parameters:
-            if name not in known:
-                raise UnknownNameError(scene.name, name, known, "no parameter")
-        self._instance = Instance(scene, notify)
-        self._start = new_instance(scene)
-        layout = self._start.dtype
-        self._places = [word_index(layout, known[name].place) for name in parameters]
-        self._extra = [
-            word_index(layout, ("contact", known[name].place[1]))
-            if known[name].place[0] == "given" and name.startswith("contact.")
-            else None
-            for name in parameters
-        ]
-        self._words = list(output_words(scene, outputs).values()) if outputs else []
-        self._rows = np.zeros(0, layout["output"])
+        """Make ready for the derivatives of some outputs with respect to some parameters, all by name.
 
-    def _plain(self, values: np.ndarray, times: np.ndarray):
-        words = self._instance.words
-        words[:] = self._start.view(np.float64)
-        for place, extra, value in zip(self._places, self._extra, values, strict=True):
-            words[place] = value
-            if extra is not None:
-                words[extra] = value
-        found = np.full((len(times), len(self._words)), np.nan)
-        try:
-            self._instance.initialize()
-        except SimulationError as error:
-            return found, np.zeros(0, IMPACT_DTYPE), error.status
-        if len(self._rows) != len(times):
-            self._rows = np.zeros(len(times), self._start.dtype["output"])
-        impacts, done = [], 0
-        while done < len(times) and self._instance.status == OK:
-            end = min(done + 50, len(times))
-            n = self._instance.trajectory(times[done:end], self._rows[done:end])
-            done += n
-            impacts.append(self._instance.collect())
-        impacts.append(self._instance.open_contacts())
-        found[:done] = self._rows.view(np.float64).reshape(len(times), -1)[:done, self._words]
-        return found, in_order(impacts), self._instance.status
+        Args:
+            scene: what runs.
+            parameters: of the FMU, P of them: real ones and inputs.
+            outputs: of the FMU, W of them.
+            inputs: name of an input → its signal over time, as ``simulate`` takes it.
+            notify: called with a sentence before a kernel is compiled.
+
+        Raises:
+            UnknownNameError: when there is none of a name.
+            SceneError: when a signal cannot be one.
+            SimulationError: when the scene cannot start.
+        """
+        self._scene, self._inputs = scene, dict(inputs or {})
+        self._places = places_of(scene, parameters)
+        self._count, self._width = len(parameters), len(outputs)
+        words = output_words(scene, outputs)
+        self._instance = DifferentiatedInstance(scene, parameters, [words[name] for name in outputs], notify)
 
     def run(self, values: np.ndarray, times: np.ndarray) -> Differentiated:
-        values, times = np.asarray(values, float), np.ascontiguousarray(times, float)
-        y, impacts, status = self._plain(values, times)
-        slopes = np.zeros((*y.shape, len(values)))
-        names = [n for n in IMPACT_DTYPE.names if n not in ("point", "wall")]
-        impact_slopes = {n: np.full((len(impacts), len(values)), np.nan) for n in names}
-        for p, value in enumerate(values):
-            h = 1e-6 * (abs(value) if value else 1.0)
-            ends = []
-            for sign in (1, -1):
-                changed = values.copy()
-                changed[p] += sign * h
-                ends.append(self._plain(changed, times))
-            (ya, ia, sa), (yb, ib, sb) = ends
-            if sa != OK:
-                ya, ia, h = y, impacts, h / 2
-            elif sb != OK:
-                yb, ib, h = y, impacts, h / 2
-            slopes[:, :, p] = (ya - yb) / (2 * h)
-            n = min(len(impacts), len(ia), len(ib))
-            with np.errstate(invalid="ignore"):
-                for name in names:
-                    impact_slopes[name][:n, p] = (ia[name][:n] - ib[name][:n]) / (2 * h)
-        return Differentiated(y, slopes, impacts, impact_slopes, status)
+        """Run with some values of the parameters.
+
+        Args:
+            values: of the parameters, shape (P,).
+            times: when the outputs are wanted, increasing, shape (T,) [s].
+        """
+        instance = self._instance
+        times = np.ascontiguousarray(times, float)
+        driven = drive(self._scene, self._inputs, "hold", times) if self._inputs else None
+        grid = times if driven is None else driven.times
+        found = np.full((len(grid), self._width), np.nan)
+        slopes = np.full((len(grid), self._width, self._count), np.nan)
+        impacts: list[np.ndarray] = []
+        try:
+            if driven:
+                driven.set(instance.record["given"], 0)
+            instance.restart(self._places, values)
+        except SimulationError:
+            return self._told(found, slopes, impacts)
+        done, ends = 0, np.array([len(grid)]) if driven is None else driven.changes
+        while done < len(grid) and instance.status == OK:
+            end = ends[np.searchsorted(ends, done, side="right")]
+            if driven:
+                driven.set(instance.record["given"], done)
+            done += instance.follow_trajectory(grid[done:end], found[done:end], slopes[done:end])
+            impacts.append(instance.collect())
+        impacts.append(instance.open_contacts())
+        asked = slice(None) if driven is None else driven.asked
+        return self._told(found[asked], slopes[asked], impacts)
+
+    def _told(self, found: np.ndarray, slopes: np.ndarray, impacts: list[np.ndarray]) -> Differentiated:
+        order, rows = in_order([np.zeros(0, IMPACT_DTYPE), *impacts])
+        return Differentiated(
+            values=found,
+            slopes=slopes,
+            impacts=rows,
+            impact_slopes=self._instance.slopes_of_impacts(order),
+            status=self._instance.status,
+            limits=self._instance.limits,
+        )

@@ -19,8 +19,10 @@ from chain_impact.law_file import LawError, source_of
 from chain_impact.layout import output_dtype
 from chain_impact.reading import SceneError
 from chain_impact.results.result import Result
+from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.running import Instance, SimulationError, in_order
 from chain_impact.scene import Scene, scene_of
+from chain_impact.sensitivities import DifferentiatedInstance
 from chain_impact.signals import Signal, drive
 from chain_impact.variables import WORD, output_words
 
@@ -39,6 +41,7 @@ def simulate(
     output: str | Iterable[str] | None = None,
     inputs: Mapping[str, Signal] | None = None,
     interpolation: Literal["hold", "linear"] = "hold",
+    sensitivities: Iterable[str] = (),
     notify: Notify = announce,
     progress: Callable[[float], None] = lambda _: None,
 ) -> Result:
@@ -73,6 +76,9 @@ def simulate(
             a number, a function of the time [s], or a pair (times [s], values), each of shape (T,), times
             increasing. An input that is not named is zero.
         interpolation: of inputs between samples and communication points.
+        sensitivities: parameters and inputs by their names in the FMU: the result then has the derivatives of
+            its outputs and impacts with respect to each of them, for ``Result.sensitivity``. The motion is
+            the same, bit for bit. That with respect to an input is for a constant added to it.
         notify: called with a sentence before a kernel is compiled; by default that is said on standard error.
         progress: called with the fraction done.
 
@@ -94,28 +100,37 @@ def simulate(
     step = stop if output_step == math.inf else scene.simulation.step_size
     words = None if output is None else output_words(scene, output)
     layout = output_dtype(len(scene.chain.links), candidate_count(scene))
-    check_size(scene.name, stop, step, layout.itemsize // WORD if words is None else len(words))
+    names = (sensitivities,) if isinstance(sensitivities, str) else tuple(dict.fromkeys(sensitivities))
+    columns = layout.itemsize // WORD if words is None else len(words)
+    check_size(scene.name, stop, step, columns * (1 + len(names)))
     driven = drive(scene, inputs or {}, interpolation, _times(stop, step))
-    instance = Instance(scene, notify, driven)
-    rows = _Rows(len(driven.times), layout, words)
+    instance: Instance
+    rows: _Rows
+    if names:
+        looks = list(range(columns)) if words is None else list(words.values())
+        instance = DifferentiatedInstance(scene, names, looks, notify, driven)
+        rows = _RowsWithSlopes(len(driven.times), layout, words, len(names))
+    else:
+        instance = Instance(scene, notify, driven)
+        rows = _Rows(len(driven.times), layout, words)
     done, impacts, ends = 0, [], driven.changes
     while done < len(driven.times) and instance.status == OK:
         # in chunks, for the progress bar's sake, in which the inputs are constant
         end = min(done + rows.at_once, ends[np.searchsorted(ends, done, side="right")])
         driven.set(instance.record["given"], done)
-        filled = instance.trajectory(driven.times[done:end], rows.room(done, end))
-        rows.keep(done, filled)
-        done += filled
+        done += rows.fill(instance, driven.times[done:end], done)
         impacts.append(instance.collect())
         progress(done / len(driven.times))
     impacts.append(instance.open_contacts())
     asked = slice(done) if driven.asked.all() else np.flatnonzero(driven.asked[:done])
+    order, found = in_order(impacts)
     result = Result(
         scene=scene,
         time=driven.times[asked],
         outputs=rows.kept[asked],
-        impacts=in_order(impacts),
+        impacts=found,
         statistics=instance.statistics,
+        sensitivities=rows.sensitivities(instance, asked, order),
     )
     if instance.status != OK:
         raise SimulationError(instance.status, instance.time, result)
@@ -165,15 +180,49 @@ class _Rows:
             named = np.dtype([(name, np.float64) for name in words])
             self.kept = self._numbers.view(named)[:, 0] if words else np.zeros(count, named)
 
-    def room(self, start: int, end: int) -> np.ndarray:
-        """Where the kernel shall write some rows."""
-        return self.kept[start:end] if self._words is None else self._scratch
+    def fill(self, instance: Instance, times: np.ndarray, start: int) -> int:
+        """Advance to each of the times [s], keeping a row from ``start`` on for each; return how many."""
+        if self._words is None:
+            return instance.trajectory(times, self.kept[start : start + len(times)])
+        count = instance.trajectory(times, self._scratch)
+        written = self._scratch[:count].view(np.float64).reshape(count, -1)
+        self._numbers[start : start + count] = written[:, self._words]
+        return count
 
-    def keep(self, start: int, count: int) -> None:
-        """Keep the first rows of what the kernel wrote."""
-        if self._words is not None:
-            written = self._scratch[:count].view(np.float64).reshape(count, -1)
-            self._numbers[start : start + count] = written[:, self._words]
+    def sensitivities(
+        self, _instance: Instance, _asked: slice | np.ndarray, _order: np.ndarray
+    ) -> Sensitivities | None:
+        """The derivatives that were kept."""
+        return None
+
+
+class _RowsWithSlopes(_Rows):
+    """As ``_Rows``, with the derivatives of each number in P directions."""
+
+    def __init__(self, count: int, layout: np.dtype, words: Mapping[str, int] | None, directions: int) -> None:
+        super().__init__(count, layout, words)
+        self._numbers = self.kept.view(np.float64).reshape(count, -1) if words is None else self._numbers
+        self._slopes = np.zeros((count, self._numbers.shape[1], directions))
+
+    def fill(self, instance: Instance, times: np.ndarray, start: int) -> int:
+        """As that of ``_Rows``."""
+        assert isinstance(instance, DifferentiatedInstance)
+        place = slice(start, start + len(times))
+        return instance.follow_trajectory(times, self._numbers[place], self._slopes[place])
+
+    def sensitivities(self, instance: Instance, asked: slice | np.ndarray, order: np.ndarray) -> Sensitivities:
+        """The derivatives of some rows, and of the impacts in an ``order``."""
+        assert isinstance(instance, DifferentiatedInstance)
+        scene = instance.scene
+        names = output_words(scene, "*") if self._words is None else self.kept.dtype.names or ()
+        return Sensitivities(
+            source=scene.name,
+            parameters=instance.parameters,
+            columns=names if isinstance(names, dict) else {name: j for j, name in enumerate(names)},
+            slopes=self._slopes[asked],
+            impact_slopes=instance.slopes_of_impacts(order),
+            limits=instance.limits,
+        )
 
 
 def with_law(scene: Scene, law: Callable[..., float]) -> Scene:

@@ -106,7 +106,7 @@ class Chain:
         self._instance.observe()  # what was set acts at once
         lasting = self._instance.open_contacts()  # drops what was solved ahead, so on a copy
         self._reals[:] = before
-        return in_order([*self._impacts, lasting])
+        return in_order([*self._impacts, lasting])[1]
 
     def step(self, duration: float) -> None:
         """Go on for a duration > 0 [s].

@@ -54,6 +54,13 @@ def input_places(scene: Scene) -> dict[str, Place]:
     return {variable.name: variable.place for variable in _inputs(scene)}
 
 
+def differentiable(scene: Scene) -> dict[str, Place]:
+    """The parameters and inputs of which there are derivatives, and the place of each in the instance record."""
+    left_out = ("solver", "contact.model", "contact.minimum_impact_speed")
+    known = (*_parameters(scene), *_inputs(scene))
+    return {v.name: v.place for v in known if not v.name.startswith(left_out)}
+
+
 def output_variables(scene: Scene) -> list[Variable]:
     """The outputs that change all the time: those of ``Result.outputs``."""
     return [variable for variable in all_outputs(scene) if variable.place[0] == "output"]

@@ -35,6 +35,8 @@ PORTABLE_CPU = "x86-64-v2"
 BAD_LAW = 3  # exit code of lower.py; what is wrong stands on standard error
 # For every x86 processor since 2009 and every 64-bit ARM, so that results are bit-equal on all of a kind.
 CPUS = {"x86_64": "x86_64_v2", "aarch64": "generic"}
+# Where it is there, twice as many numbers in a vector: dual numbers are such vectors. Values are the same bits.
+WIDE_CPU, WIDE_FLAGS = "x86_64_v3", {"avx2", "bmi2", "fma"}
 # Twice as much as usual is inlined, which makes steps of four links up to 4 % faster. ARM's instruction that
 # multiplies and adds is not used: it rounds once where the two of x86 round twice.
 FLAGS = ("-O2", "-mllvm", "-inline-threshold=500", "-ffp-contract=off", "-Wno-everything")
@@ -101,8 +103,8 @@ def require_compilers(purpose: str) -> None:
         raise BuildError(f"{purpose} needs a compiler: pip install '{EXTRA}' ({', '.join(missing)} missing)")
 
 
-def lower(module: Path, law: Path | None = None) -> None:
-    """Write the kernel, or a user's law, in LLVM's language.
+def lower(module: Path, law: Path | None = None, derivatives: bool = False) -> None:
+    """Write the kernel, one that carries derivatives, or a user's law, in LLVM's language.
 
     Raises:
         LawError: when the law cannot be compiled.
@@ -110,14 +112,21 @@ def lower(module: Path, law: Path | None = None) -> None:
     """
     # numba takes the features of this machine unless told otherwise, and orders by hash
     settings = {"NUMBA_CPU_NAME": PORTABLE_CPU, "NUMBA_CPU_FEATURES": "", "PYTHONHASHSEED": "0"}
-    files = [str(path) for path in (module, law) if path]
-    done = _run("-c", LOWER, str(PACKAGE.parent), fingerprint(), *files, **settings)
+    what = ["law", str(law)] if law else ["derivatives" if derivatives else "kernel"]
+    done = _run("-c", LOWER, str(PACKAGE.parent), fingerprint(), str(module), *what, **settings)
     if done.returncode == BAD_LAW:
         raise LawError(done.stderr.splitlines()[-1])
     _check(done)
 
 
-def link(module: str, library: Path, platform: str, links: int | None, law: Path | None = None) -> None:
+def link(
+    module: str,
+    library: Path,
+    platform: str,
+    links: int | None,
+    law: Path | None = None,
+    cpu: str | None = None,
+) -> None:
     """Make the library of a lowered kernel.
 
     Args:
@@ -126,6 +135,7 @@ def link(module: str, library: Path, platform: str, links: int | None, law: Path
         platform: of ``ZIG_TARGETS``.
         links: the number of links that it is for; None for any.
         law: the user's law in LLVM's language, if there is one.
+        cpu: zig's name of the processor that it is for; by default that of ``CPUS``.
 
     Raises:
         BuildError: when the compiler fails.
@@ -133,7 +143,16 @@ def link(module: str, library: Path, platform: str, links: int | None, law: Path
     kernel = library.with_name("kernel.ll")
     kernel.write_text(_DECLARED_ABOVE.sub("", module) + prelude(links, law is not None))
     prepare_zig(platform)
-    _zig(platform, library, kernel, *([law] if law else []), *interface_sources())
+    _zig(platform, library, kernel, *([law] if law else []), *interface_sources(), cpu=cpu)
+
+
+def wide_cpu() -> str | None:
+    """``WIDE_CPU`` if this machine has one."""
+    try:
+        flags = Path("/proc/cpuinfo").read_text(encoding="ascii", errors="replace").partition("flags")[2]
+    except OSError:
+        return None
+    return WIDE_CPU if set(flags.partition("\n")[0].split()) >= WIDE_FLAGS else None
 
 
 def zig_is_prepared(platform: str) -> bool:
@@ -163,12 +182,12 @@ def interface_sources() -> list[Path]:
     return sorted(INTERFACE.rglob("*.c"))
 
 
-def _zig(platform: str, library: Path, *inputs: Path) -> None:
+def _zig(platform: str, library: Path, *inputs: Path, cpu: str | None = None) -> None:
     """Make a library with zig's C compiler, in a cache that no other program uses."""
     stubs = library.with_name("stubs.c")
     stubs.write_text("".join(map(STUB.format, PYTHON_SYMBOLS)))
     target, _ = ZIG_TARGETS[platform]
-    options = ["cc", "-target", target, f"-mcpu={CPUS[target.partition('-')[0]]}", *FLAGS]
+    options = ["cc", "-target", target, f"-mcpu={cpu or CPUS[target.partition('-')[0]]}", *FLAGS]
     options += ["-fvisibility=hidden", "-shared", "-s"]
     if "linux" in target:
         # what it calls must not be found in another library that the same process has loaded

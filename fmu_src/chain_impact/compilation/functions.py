@@ -11,7 +11,11 @@ from numba.core.imputils import lower_constant
 from numba.extending import models, register_model, typeof_impl
 
 import chain_impact.kernel
+from chain_impact.compilation.dual_numbers import DUAL, Dual
+from chain_impact.compilation.record_type import TANGENT
 from chain_impact.kernel.laws import user_law
+from chain_impact.kernel.tangent import blocks, directions
+from chain_impact.kernel.tangent.rules import RULES
 
 # error_model="numpy": a division by zero gives inf, which the step control rejects, instead of raising. So
 # the compiled kernel needs nothing of Python. Strict IEEE arithmetic (no fastmath) keeps results bit-equal on
@@ -25,6 +29,8 @@ EXTERNAL: dict[Any, types.Type] = {
     user_law.present: types.ExternalFunction(LAW_PRESENT, int64()),
     user_law.force: types.ExternalFunction(LAW_FORCE, float64(*[float64] * len(user_law.ARGUMENTS))),
 }
+# what dual_numbers.py and record_type.py have made numba know
+BUILT_IN = {directions.value, directions.carried, directions.varies, blocks.block, blocks.words}
 
 
 @cache
@@ -34,7 +40,30 @@ def compiled(function: FunctionType) -> Any:
 
 
 class Function(types.Dispatcher):
-    """The type of a function of the kernel."""
+    """The type of a function of the kernel; where its arguments carry derivatives, of what gives them."""
+
+    def __init__(self, function: FunctionType) -> None:
+        self._rule = RULES.get(function)
+        super().__init__(compiled(function))
+
+    def _for(self, arguments: Any) -> types.Dispatcher:
+        """The dispatcher that takes these arguments."""
+        if self._rule and any(carries_derivatives(one) for one in arguments):
+            return types.Dispatcher(compiled(self._rule))
+        return types.Dispatcher(self.dispatcher)
+
+    def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
+        """The signature for some arguments."""
+        return self._for(args).get_call_type(context, args, kws)
+
+    def get_overload(self, sig: Any) -> Any:
+        """The compiled code for a signature."""
+        return self._for(sig.args).get_overload(sig)
+
+
+def carries_derivatives(kind: types.Type) -> bool:
+    """Whether a number, an array or an instance is one of dual numbers."""
+    return isinstance(kind, Dual) or getattr(kind, "dtype", None) == DUAL or getattr(kind, "what", "") == TANGENT.what
 
 
 register_model(Function)(models.OpaqueModel)
@@ -42,9 +71,9 @@ register_model(Function)(models.OpaqueModel)
 
 @typeof_impl.register(FunctionType)
 def _type_of_function(function: FunctionType, _context: object) -> types.Type | None:
-    if not f"{function.__module__}.".startswith(tuple(MODULES)):
+    if function in BUILT_IN or not f"{function.__module__}.".startswith(tuple(MODULES)):
         return None  # numba knows some functions by themselves
-    return EXTERNAL[function] if function in EXTERNAL else Function(compiled(function))
+    return EXTERNAL[function] if function in EXTERNAL else Function(function)
 
 
 @lower_constant(Function)

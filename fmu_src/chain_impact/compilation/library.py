@@ -8,15 +8,23 @@ from pathlib import Path
 from chain_impact.compilation import cache, compilers, ready
 from chain_impact.compilation.compilers import HOST
 from chain_impact.compilation.errors import BuildError
+from chain_impact.compilation.ready import KERNEL
 from chain_impact.compilation.work import Notify, Work, announce
 from chain_impact.law_file import LawError, UserLaw, read_law
 
-LOWERING, LINKING = 12.0, 3.0  # s
+DERIVATIVES = "derivatives"
+LOWERING, LINKING = {KERNEL: 12.0, DERIVATIVES: 40.0}, {KERNEL: 3.0, DERIVATIVES: 10.0}  # s
 # s, in which zig makes its own libraries
 FIRST_LINKING = {"linux64": 5.0, "win64": 60.0, "darwin64": 5.0, "aarch64-linux": 15.0, "aarch64-darwin": 5.0}
 
 
-def kernel_library(links: int, platform: str = HOST, notify: Notify = announce, law_file: str = "") -> Path:
+def kernel_library(
+    links: int,
+    platform: str = HOST,
+    notify: Notify = announce,
+    law_file: str = "",
+    derivatives: bool = False,
+) -> Path:
     """Return the shared library for chains of N ``links``.
 
     Args:
@@ -24,35 +32,40 @@ def kernel_library(links: int, platform: str = HOST, notify: Notify = announce, 
         platform: of ``compilers.ZIG_TARGETS``.
         notify: called with a sentence, a ``Work``, before work that takes seconds.
         law_file: the file of a user's law that the kernel shall have, if any.
+        derivatives: whether it shall carry derivatives beside the run; it is for processors like this one then.
 
     Raises:
         BuildError: when the user's law or a compiler fails, or there is no compiler and no ready kernel.
     """
     exact = ready.exact(links)
     law = _law(law_file) if law_file else None
-    name = ready.library_name(exact, platform, _law_name(law) if law else "")
+    cpu = compilers.wide_cpu() if derivatives and platform == HOST else None
+    what = DERIVATIVES if derivatives else KERNEL
+    name = ready.library_name(exact, platform, _law_name(law) if law else "", f"{what}-wide" if cpu else what)
     found = ready.find(name) or cache.find(name)
     if found:
         return found
     compilers.require_compilers(_purpose(platform, law_file))
     law_module = _lowered_law(law, law_file, notify) if law else None
-    module = _lowered_kernel(notify)
+    module = _lowered_kernel(what, notify)
 
     def link(library: Path) -> None:
-        seconds = LINKING if compilers.zig_is_prepared(platform) else FIRST_LINKING[platform]
+        seconds = LINKING[what] if compilers.zig_is_prepared(platform) else FIRST_LINKING[platform]
         notify(Work(f"linking the kernel for {platform}", seconds))
-        compilers.link(module, library, platform, exact, law_module)
+        compilers.link(module, library, platform, exact, law_module, cpu)
 
     return cache.made(name, link, notify)
 
 
-def _lowered_kernel(notify: Notify) -> str:
-    """The kernel in LLVM's language, free of sizes."""
+def _lowered_kernel(what: str, notify: Notify) -> str:
+    """A kernel in LLVM's language, free of sizes."""
 
     def lower(module: Path) -> None:
-        notify(Work("compiling the kernel", LOWERING))
-        compilers.lower(module)
+        notify(Work("compiling the kernel", LOWERING[what]))
+        compilers.lower(module, derivatives=what == DERIVATIVES)
 
+    if what == DERIVATIVES:
+        return cache.made(f"{DERIVATIVES}.ll", lower, notify).read_text()
     return ready.module() or cache.made(ready.LOWERED, lower, notify).read_text()
 
 

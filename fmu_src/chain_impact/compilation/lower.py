@@ -1,4 +1,6 @@
-"""Lower the kernel, or a user's law, to LLVM's intermediate language: lower.py FINGERPRINT FILE [LAW].
+"""Lower a kernel, or a user's law, to LLVM's intermediate language: lower.py FINGERPRINT FILE WHAT [LAW].
+
+WHAT is `kernel`, `derivatives`, a kernel that carries them beside the run, or `law`.
 
 It is run in a process of its own, because it changes how numba compiles, and because numba reads the
 processor to compile for when it is imported.
@@ -47,12 +49,15 @@ def lowered(entries: Entries) -> str:
 
 
 def main() -> None:
-    """Write the module of the kernel, or of the law in the file LAW, to FILE."""
-    expected = sys.argv[1]
-    path, *laws = map(Path, sys.argv[2:])
+    """Write the module of WHAT, which may be the law in the file LAW, to FILE."""
+    expected, file, what, *laws = sys.argv[1:]
+    path = Path(file)
     collect_only()
     try:
-        entries = law_entry(read_law(laws[0])) if laws else entry_points()
+        if what == "law":
+            entries = law_entry(read_law(Path(laws[0])))
+        else:
+            entries = entry_points(derivatives=what == "derivatives")
     except LawError as error:
         print(" ".join(str(error).split()), file=sys.stderr)
         sys.exit(BAD_LAW)

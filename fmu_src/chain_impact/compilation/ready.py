@@ -17,6 +17,7 @@ from chain_impact.compilation import cache, compilers
 from chain_impact.compilation.sources import PACKAGE, fingerprint
 
 FOLDER = PACKAGE / "ready"
+KERNEL = "kernel"
 LOWERED, MODULE = "kernel.ll", "kernel.ll.xz"  # the lowered kernel: in the cache, and packed in a wheel
 MADE_FROM = "sources.txt"  # the fingerprint of the sources that they are made from
 LARGEST_EXACT = 10
@@ -33,10 +34,10 @@ def exact(links: int) -> int | None:
     return links if links <= LARGEST_EXACT else None
 
 
-def library_name(links: int | None, platform: str, law: str = "") -> str:
+def library_name(links: int | None, platform: str, law: str = "", what: str = KERNEL) -> str:
     """The file name of a kernel for a number of links, or for any; with a user's law, if that has a name."""
     suffix = compilers.ZIG_TARGETS[platform][1]
-    return "-".join(filter(None, ("kernel", "any" if links is None else str(links), law, platform))) + suffix
+    return "-".join(filter(None, (what, "any" if links is None else str(links), law, platform))) + suffix
 
 
 def find(name: str) -> Path | None:

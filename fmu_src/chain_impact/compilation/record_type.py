@@ -4,7 +4,8 @@ numba's own record types have all sizes in them. Code for this type asks for two
 candidates, by calling functions that are defined when a kernel is linked (compilers.py): as constants, or as
 numbers that the instance holds. All sizes and offsets are a + bN + cC, worked out from the layout.
 
-A value is the address of the instance. Which record or field of it is meant, the type tells.
+A value is the address of the instance. Which record or field of it is meant, the type tells; and whether its
+reals are plain numbers or dual ones, which carry derivatives (dual_numbers.py).
 """
 
 from __future__ import annotations
@@ -21,13 +22,18 @@ from numba.core.typing.templates import AttributeTemplate
 from numba.extending import (
     infer_getattr,
     intrinsic,
+    lower_builtin,
     lower_getattr_generic,
     lower_setattr_generic,
     models,
     register_model,
+    type_callable,
 )
 
-from chain_impact.layout import instance_dtype
+from chain_impact.compilation.dual_numbers import DUAL
+from chain_impact.kernel.tangent import blocks
+from chain_impact.kernel.tangent.directions import dual_dtype, tangent_dtype
+from chain_impact.layout import REAL, instance_dtype
 
 LINKS, CANDIDATES = "chain_links", "chain_candidates"  # the functions that tell N and C for an instance
 WORD = 8  # bytes of every scalar
@@ -62,14 +68,14 @@ class Field:
         offset: bytes from the start of the instance.
         size: bytes.
         fields: the parts of a record; none for a number or an array.
-        dtype: of a number or of the entries of an array.
+        kind: numba's type of a number or of the entries of an array.
         shape: of an array.
     """
 
     offset: Affine
     size: Affine
     fields: Sequence[str]
-    dtype: np.dtype
+    kind: types.Type
     shape: Sequence[Affine]
 
 
@@ -82,41 +88,57 @@ def _affine(numbers: Sequence[int]) -> Affine:
     return Affine(first - b * links - c * candidates, b, c)
 
 
-def _table() -> dict[Path, Field]:
-    """Every part of the instance, by its path."""
+def _kind(dtype: np.dtype) -> types.Type:
+    """numba's type of a number, or of the entries of an array."""
+    return DUAL if dtype == dual_dtype(np.dtype(REAL)) else from_dtype(dtype)
+
+
+def _table(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
+    """Every part of the instance, by its path, for its layouts with the sizes of ``SAMPLES``."""
     table: dict[Path, Field] = {}
 
     def add(path: Path, dtypes: Sequence[Any], offsets: Sequence[int]) -> None:
         one = dtypes[0]
+        kind = _kind(one.base)
+        fields = () if kind == DUAL else one.names or ()
         table[path] = Field(
             offset=_affine(offsets),
             size=_affine([dtype.itemsize for dtype in dtypes]),
-            fields=one.names or (),
-            dtype=one.base,
+            fields=fields,
+            kind=kind,
             shape=[_affine(sizes) for sizes in zip(*(dtype.shape for dtype in dtypes), strict=True)],
         )
-        for name in one.names or ():
+        for name in fields:
             inner, starts, *_ = zip(*(dtype.fields[name] for dtype in dtypes), strict=True)
             add((*path, name), inner, [sum(pair) for pair in zip(offsets, starts, strict=True)])
 
-    layouts = [instance_dtype(*sample) for sample in SAMPLES]
     add((), layouts, [0] * len(layouts))
     return table
 
 
-TABLE = _table()
+LAYOUTS = [instance_dtype(*sample) for sample in SAMPLES]
+TABLES = {"instance": _table(LAYOUTS), "tangent": _table([tangent_dtype(layout) for layout in LAYOUTS])}
 
 
 class Record(types.Type):
-    """An instance, or a record in it."""
+    """An instance, or a record in it.
 
-    def __init__(self, path: Path = ()) -> None:
-        self.path = path
-        super().__init__(name=".".join(("instance", *path)))
+    Attributes:
+        what: of ``TABLES``: an instance of plain numbers, or of dual ones.
+        path: of the record.
+    """
+
+    def __init__(self, what: str, path: Path = ()) -> None:
+        self.what, self.path = what, path
+        super().__init__(name=".".join((what, *path)))
+
+    def field(self, *names: str) -> Field:
+        """A part of it; KeyError when there is none."""
+        return TABLES[self.what][*self.path, *names]
 
 
 register_model(Record)(models.OpaqueModel)
-INSTANCE = Record()
+INSTANCE, TANGENT = Record("instance"), Record("tangent")
 
 
 @infer_getattr
@@ -127,13 +149,13 @@ class _Fields(AttributeTemplate):
 
     def generic_resolve(self, record: Record, name: str) -> types.Type | None:
         """The type of one."""
-        field = TABLE.get((*record.path, name))
-        if field is None:
+        try:
+            field = record.field(name)
+        except KeyError:
             return None
         if field.fields:
-            return Record((*record.path, name))
-        scalar = from_dtype(field.dtype)
-        return types.Array(scalar, len(field.shape), "C") if field.shape else scalar
+            return Record(record.what, (*record.path, name))
+        return types.Array(field.kind, len(field.shape), "C") if field.shape else field.kind
 
 
 def _counter(builder: ir.IRBuilder, name: str) -> ir.Function:
@@ -143,13 +165,13 @@ def _counter(builder: ir.IRBuilder, name: str) -> ir.Function:
 
 def _place(context: Any, builder: ir.IRBuilder, instance: ir.Value, field: Field) -> ir.Value:
     """The address of a field, as that of numbers."""
-    kind = context.get_data_type(from_dtype(field.dtype) if not field.fields else types.float64).as_pointer()
+    kind = context.get_data_type(types.float64 if field.fields else field.kind).as_pointer()
     return cgutils.pointer_add(builder, instance, field.offset.built(builder, instance), kind)
 
 
 @lower_getattr_generic(Record)
 def _get_field(context: Any, builder: ir.IRBuilder, record: Record, instance: ir.Value, name: str) -> Any:
-    field = TABLE[(*record.path, name)]
+    field = record.field(name)
     if field.fields:
         return instance
     if record.path == () and name in {"links", "candidates"}:
@@ -157,8 +179,8 @@ def _get_field(context: Any, builder: ir.IRBuilder, record: Record, instance: ir
     place = _place(context, builder, instance, field)
     if field.shape:
         shape = [size.built(builder, instance) for size in field.shape]
-        return _array(context, builder, from_dtype(field.dtype), place, shape)
-    return builder.load(place)
+        return _array(context, builder, field.kind, place, shape)
+    return context.unpack_value(builder, field.kind, place)
 
 
 def _array(
@@ -167,14 +189,15 @@ def _array(
     """An array without gaps that does not own its memory, from the address of its first entry."""
     array = cgutils.create_struct_proxy(types.Array(scalar, len(shape), "C"))(context, builder)
     strides: list[ir.Value] = []
-    step: ir.Value = cgutils.intp_t(WORD)
+    word = cgutils.intp_t(context.get_abi_sizeof(context.get_data_type(scalar)))
+    step: ir.Value = word
     for size in reversed(shape):
         strides.insert(0, step)
         step = builder.mul(step, size)
     array.meminfo = cgutils.get_null_value(array.meminfo.type)
     array.parent = cgutils.get_null_value(array.parent.type)
-    array.nitems = builder.udiv(step, cgutils.intp_t(WORD))
-    array.itemsize, array.data = cgutils.intp_t(WORD), first
+    array.nitems = builder.udiv(step, word)
+    array.itemsize, array.data = word, first
     array.shape, array.strides = cgutils.pack_array(builder, shape), cgutils.pack_array(builder, strides)
     return array._getvalue()
 
@@ -183,22 +206,41 @@ def _array(
 def _set_field(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any, name: str) -> None:
     record, given = signature.args
     instance, value = arguments
-    field = TABLE[(*record.path, name)]
-    value = context.cast(builder, value, given, from_dtype(field.dtype))
-    builder.store(value, _place(context, builder, instance, field))
+    field = record.field(name)
+    value = context.cast(builder, value, given, field.kind)
+    context.pack_value(builder, field.kind, value, _place(context, builder, instance, field))
 
 
-@intrinsic
-def words(_context: Any, record: Record) -> Any:
-    """All of a record as an array of doubles, shape (its size,)."""
-    whole = TABLE[record.path]
+@type_callable(blocks.block)
+def _type_of_block(_context: Any) -> Any:
+    def typer(first: types.Type, _number: types.Type) -> types.Type | None:
+        return first if isinstance(first, Record) else None
 
-    def code(context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> Any:
-        (instance,) = arguments
-        size = builder.udiv(whole.size.built(builder, instance), cgutils.intp_t(WORD))
-        return _array(context, builder, types.float64, _place(context, builder, instance, whole), [size])
+    return typer
 
-    return types.Array(types.float64, 1, "C")(record), code
+
+@lower_builtin(blocks.block, Record, types.Integer)
+def _block(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
+    first, number = arguments
+    size = signature.args[0].field().size.built(builder, first)
+    number = context.cast(builder, number, signature.args[1], types.int64)
+    return cgutils.pointer_add(builder, first, builder.mul(size, number), first.type)
+
+
+@type_callable(blocks.words)
+def _type_of_words(_context: Any) -> Any:
+    def typer(record: types.Type) -> types.Type | None:
+        return types.Array(types.float64, 1, "C") if isinstance(record, Record) else None
+
+    return typer
+
+
+@lower_builtin(blocks.words, Record)
+def _words(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
+    (instance,) = arguments
+    whole = signature.args[0].field()
+    size = builder.udiv(whole.size.built(builder, instance), cgutils.intp_t(WORD))
+    return _array(context, builder, types.float64, _place(context, builder, instance, whole), [size])
 
 
 def _numbers(first: types.CPointer, *counts: types.Integer) -> Any:

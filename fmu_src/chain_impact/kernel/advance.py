@@ -247,6 +247,21 @@ def ends_well(d, theta):
 
 def begin(d):
     """Let what happened at the end of the last step take effect; returns the number of events."""
+    events = let_events_act(d)
+    if events > 0 and d.contact.impulsive:
+        d.step.next_size = min(
+            d.step.next_size, step_size.in_flight(d, d.step.state_end, d.work.rate_start)
+        )
+    if events > 0 or d.balance.breaks != d.step.breaks:
+        take_stock(d)
+    choose_method(d)
+    choose_variable(d, events > 0)
+    start_in_variable(d)
+    return events
+
+
+def let_events_act(d):
+    """Let them take effect, and set the rate from there; returns their number."""
     events = 0
     for c in range(d.candidates):
         events += d.touch.event[c] != 0
@@ -266,12 +281,10 @@ def begin(d):
             keep_forces(d)
             d.statistics.rhs_evaluations += 1
         stand_impulses(d)
-    if events > 0 and d.contact.impulsive:
-        d.step.next_size = min(d.step.next_size, step_size.in_flight(d, d.step.state_end, rate))
-    if events > 0 or d.balance.breaks != d.step.breaks:
-        take_stock(d)
-    choose_method(d)
-    choose_variable(d, events > 0)
-    regularize(d, d.step.state_end, rate, d.work.stage[0])
-    note_end(d, 0)
     return events
+
+
+def start_in_variable(d):
+    """Set the first stage of a step from the rate there, in the variable that it runs in."""
+    regularize(d, d.step.state_end, d.work.rate_start, d.work.stage[0])
+    note_end(d, 0)

@@ -62,17 +62,8 @@ def initialize(d, time):
     if d.statistics.status != OK:
         return d.statistics.status
     place_walls(d)
-    n = d.links
-    y = d.work.y
-    for j in range(2):
-        y[j] = d.initial.position[j]
-        y[velocity_at(n) + j] = d.initial.velocity[j]
-    for i in range(n):
-        y[ANGLES + i] = d.initial.angle[i]
-        y[omega_at(n) + i] = d.initial.angular_velocity[i]
-    y[dissipated_at(n)] = 0.0
-    y[supplied_at(n)] = 0.0
-    stand(d, time, y)
+    set_initial_state(d, d.work.y)
+    stand(d, time, d.work.y)
     clear_loads(d)
     d.step.next_size = first_size(d)
     if chosen(d.solver.method) != IMPLICIT:
@@ -86,6 +77,19 @@ def initialize(d, time):
     begin_explicit(d.step)
     d.statistics.status = check_start(d)
     return d.statistics.status
+
+
+def set_initial_state(d, y):
+    """Set y to the state that the initial values describe."""
+    n = d.links
+    for j in range(2):
+        y[j] = d.initial.position[j]
+        y[velocity_at(n) + j] = d.initial.velocity[j]
+    for i in range(n):
+        y[ANGLES + i] = d.initial.angle[i]
+        y[omega_at(n) + i] = d.initial.angular_velocity[i]
+    y[dissipated_at(n)] = 0.0
+    y[supplied_at(n)] = 0.0
 
 
 def forget_run(d):

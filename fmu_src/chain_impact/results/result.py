@@ -12,6 +12,7 @@ import numpy as np
 
 from chain_impact.reading import UnknownNameError, matching
 from chain_impact.results import summary, tables
+from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.scene import Scene
 from chain_impact.variables import elsewhere, output_columns, output_variables
 
@@ -56,6 +57,7 @@ class Result:
             ``layout.output_dtype``, or those that ``simulate(output=…)`` asked for, by their names.
         impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``.
         statistics: steps, rejected_steps, rhs_evaluations, implicit_steps, status.
+        sensitivities: the derivatives that ``simulate(sensitivities=…)`` asked for, if any.
     """
 
     scene: Scene
@@ -63,6 +65,7 @@ class Result:
     outputs: np.ndarray
     impacts: np.ndarray
     statistics: dict[str, int]
+    sensitivities: Sensitivities | None = None
 
     def __getitem__(self, name: str) -> Any:
         """An output over time by its name, shape (T,), or a dict of those that are like a pattern.
@@ -119,6 +122,48 @@ class Result:
             if name != "supplied" or self.scene.inputs.joint_torques or self.scene.inputs.tip_force:
                 ledger[name] = self[f"energy.{name}"]
         return ledger
+
+    def sensitivity(self, quantity: str, parameter: str) -> np.ndarray:
+        """The derivative of an output with respect to a parameter, for all other parameters held.
+
+        Args:
+            quantity: an output by its name in the FMU: ``"point[4].x"``.
+            parameter: one of those given to ``simulate(sensitivities=…)``: ``"contact.stiffness"``.
+
+        Returns:
+            Shape (T,), in the unit of the output over that of the parameter. NaN where the derivative does
+            not exist or cannot be trusted; ``sensitivity_limits`` says why. The method: see
+            ``chain_impact.kernel.tangent.replay``.
+
+        Raises:
+            UnknownNameError: when the result has no derivatives of that name.
+        """
+        return self._derivatives.of_output(quantity, parameter)
+
+    def impact_sensitivity(self, quantity: str, parameter: str) -> np.ndarray:
+        """As ``sensitivity``, of a quantity of the impacts, shape (len(impacts),).
+
+        Args:
+            quantity: onset, end, impact_speed, separation_speed, peak_force, max_penetration, effective_mass
+                or impulse.
+            parameter: one of those given to ``simulate(sensitivities=…)``.
+
+        Raises:
+            UnknownNameError: when the result has no derivatives of that name.
+        """
+        return self._derivatives.of_impacts(quantity, parameter)
+
+    @property
+    def sensitivity_limits(self) -> tuple[str, ...]:
+        """Sentences: from which impact on derivatives are NaN, and why; none if they all can be trusted."""
+        return self.sensitivities.limits if self.sensitivities else ()
+
+    @property
+    def _derivatives(self) -> Sensitivities:
+        if self.sensitivities is None:
+            hint = "simulate(scene, sensitivities=[…]) makes them"
+            raise UnknownNameError(self.scene.name, "sensitivity", (), "not in this result", hint)
+        return self.sensitivities
 
     def to_dataframe(self) -> pandas.DataFrame:
         """The outputs as a table of pandas: the time as index, a column for each name.

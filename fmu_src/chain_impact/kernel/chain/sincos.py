@@ -6,6 +6,8 @@ do not depend on its C library. Their errors are below 2e-16, see tests/kernel/c
 
 import math
 
+from chain_impact.kernel.inlining import inlined
+
 LARGEST = 1e6  # rad; beyond it the reduction loses digits
 TWO_OVER_PI = 0.6366197723675814
 # π/2 in two parts, the first of 33 bits, so that any multiple by k < 2²⁰ is exact (after Cody & Waite 1980)
@@ -28,10 +30,8 @@ def polar(radius, y, first, horizontal, vertical):
 
     All arrays are as long as ``radius``, shape (N,), or longer.
     """
-    count, total = len(radius), 0.0
-    for i in range(count):
-        total += abs(y[first + i])
-    if not total < LARGEST:
+    count = len(radius)
+    if not in_reach(y, first, count):
         for i in range(count):
             horizontal[i] = radius[i] * math.cos(y[first + i])
             vertical[i] = radius[i] * math.sin(y[first + i])
@@ -41,18 +41,32 @@ def polar(radius, y, first, horizontal, vertical):
         vertical[i] = y[first + i]
     # … so it turns this into vector instructions
     for i in range(count):
-        angle = vertical[i]
-        # angle = k π/2 + r
-        k = (angle * TWO_OVER_PI + ROUND) - ROUND
-        r = (angle - k * HALF_PI_1) - k * HALF_PI_2
-        # the quarter turns k mod 4, from −2 to 2
-        turns = k - 4.0 * ((0.25 * k + ROUND) - ROUND)
-        t = r * r
-        t2 = t * t
-        s = r + r * t * ((S[0] + t * S[1]) + t2 * ((S[2] + t * S[3]) + t2 * (S[4] + t * S[5])))
-        c = 1.0 - (0.5 * t - t2 * ((C[0] + t * C[1]) + t2 * ((C[2] + t * C[3]) + t2 * (C[4] + t * C[5]))))
-        # p = cos(turns π/2) and q = sin(turns π/2) are polynomials in turns, exact in floating point
-        u = turns * turns
-        p, q = 1.0 - u * (7.0 - u) * (1.0 / 6.0), turns * (4.0 - u) * (1.0 / 3.0)
-        horizontal[i] = radius[i] * (p * c - q * s)
-        vertical[i] = radius[i] * (p * s + q * c)
+        cosine, sine = cosine_and_sine(vertical[i])
+        horizontal[i] = radius[i] * cosine
+        vertical[i] = radius[i] * sine
+
+
+def in_reach(y, first, count):
+    """Whether the angles in y, from index ``first`` on, are small enough for ``cosine_and_sine``."""
+    total = 0.0
+    for i in range(count):
+        total += abs(y[first + i])
+    return total < LARGEST
+
+
+@inlined
+def cosine_and_sine(angle):
+    """cos φ and sin φ of an angle below LARGEST."""
+    # φ = k π/2 + r
+    k = (angle * TWO_OVER_PI + ROUND) - ROUND
+    r = (angle - k * HALF_PI_1) - k * HALF_PI_2
+    # the quarter turns k mod 4, from −2 to 2
+    turns = k - 4.0 * ((0.25 * k + ROUND) - ROUND)
+    t = r * r
+    t2 = t * t
+    s = r + r * t * ((S[0] + t * S[1]) + t2 * ((S[2] + t * S[3]) + t2 * (S[4] + t * S[5])))
+    c = 1.0 - (0.5 * t - t2 * ((C[0] + t * C[1]) + t2 * ((C[2] + t * C[3]) + t2 * (C[4] + t * C[5]))))
+    # p = cos(turns π/2) and q = sin(turns π/2) are polynomials in turns, exact in floating point
+    u = turns * turns
+    p, q = 1.0 - u * (7.0 - u) * (1.0 / 6.0), turns * (4.0 - u) * (1.0 / 3.0)
+    return p * c - q * s, p * s + q * c

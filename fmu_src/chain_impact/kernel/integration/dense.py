@@ -29,10 +29,15 @@ def interpolate_component(step, theta, j):
 
 def fraction(d, time):
     """The fraction θ of the last step at which it is that time [s]."""
+    elapsed = time - d.step.start
+    if d.step.regularized < 0:
+        return elapsed / d.step.size
+    return regularized_fraction(d, elapsed)
+
+
+def regularized_fraction(d, elapsed):
+    """The fraction θ of the last step, a regularized one, at which some time [s] has elapsed in it."""
     step, root, clock = d.step, root_at(d.links), time_at(d.links)
-    elapsed = time - step.start
-    if step.regularized < 0:
-        return elapsed / step.size
     at_end = step.state[root] + step.dense[0, root]
     if elapsed >= step.dense[0, clock] and at_end >= 0.0:
         return 1.0

@@ -86,12 +86,8 @@ def attempt(d, h):
     Returns:
         The error relative to the tolerance: at most 1 for a step to accept; not finite when f was not.
     """
-    _stages(d, h)
+    make(d, h)
     d.statistics.rhs_evaluations += STEP_EVALUATIONS
-    _step_end(d.work.stage, d.step.state_end, h, d.work.y)
-    active = followed(d)
-    if active > 0:
-        _step_end(d.impulse.stage, d.impulse.state_end[:active], h, d.impulse.tried[:active])
     if runs_back(d, d.work.y):
         return HALVE
     _errors(d.work.stage, h, d.work.error[0], d.work.error[1])
@@ -109,6 +105,15 @@ def attempt(d, h):
     ratio = error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3)
     # the error of a step is of order 9; in flight the difference is kept as a margin
     return error_5 * ratio * (1.0 if d.step.regularized == NO_CONTACT else math.sqrt(ratio))
+
+
+def make(d, h):
+    """Make a step of size h from ``step.state_end``, without an estimate of its error."""
+    _stages(d, h)
+    _step_end(d.work.stage, d.step.state_end, h, d.work.y)
+    active = followed(d)
+    if active > 0:
+        _step_end(d.impulse.stage, d.impulse.state_end[:active], h, d.impulse.tried[:active])
 
 
 def dense_output(d, h):

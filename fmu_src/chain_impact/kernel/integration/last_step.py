@@ -55,7 +55,7 @@ def accept(d, h):
         step.state_end[j] = y[j]
     append_impulses(d)
     step.start = step.end
-    step.size = h
+    step.size, step.kept = h, 1.0
     step.end = step.start + y[time_at(d.links)]
     step.made_by = step.method
     step.dense_for = NOBODY
@@ -82,6 +82,7 @@ def cut(d, theta):
     complete(d, SOLVER)
     interpolate(step, theta, step.state_end)
     cut_impulses(d, theta)
+    step.kept = theta
     step.end = step.start + step.state_end[time_at(d.links)]
     break_off(d)
 

@@ -72,7 +72,7 @@ def law_force(d, c, depth, rate):
     spring = power(depth, contact.exponent)
     elastic = contact.stiffness * spring
     if contact.law == USER_LAW and user_law.present():
-        force = user_law.force(
+        force = user_force(
             depth,
             rate,
             d.touch.impact_speed[c],
@@ -84,6 +84,11 @@ def law_force(d, c, depth, rate):
         # not max(), in which a NaN would be lost
         return 0.0 if force < 0.0 else force, elastic
     return max(0.0, elastic + damping_slope(d, c, depth, rate, spring) * rate), elastic
+
+
+def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
+    """The force of a user's law, before it is cut off at 0."""
+    return user_law.force(depth, rate, speed, mass, stiffness, exponent, restitution)
 
 
 def may_jump(contact):

@@ -1,0 +1,381 @@
+"""Dual numbers as a numba type: a value and, beside it, its derivatives in several directions.
+
+A function of the kernel that is compiled for them gives, beside its values, their exact derivatives: those
+are carried through each operation by the chain rule. The values are the same, bit for bit, as without.
+Comparisons look at values alone. The derivatives of one number are one vector, so that the processor works
+on several at once.
+
+Source: W. K. Clifford 1873, Preliminary sketch of biquaternions, Proc London Math Soc 4:381; for derivatives
+A. Griewank and A. Walther 2008, Evaluating Derivatives, SIAM, chapter 3.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import boolean, float64, types
+from numba.core import cgutils
+from numba.core.typeconv import Conversion
+from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+from numba.extending import lower_builtin, lower_cast, models, register_model
+
+from chain_impact.kernel.tangent import directions
+from chain_impact.kernel.tangent.directions import DIRECTIONS, dual_dtype
+
+VECTOR = ir.VectorType(ir.DoubleType(), DIRECTIONS)
+
+
+class Dual(types.Type):
+    """The type of a dual number."""
+
+    def __init__(self) -> None:
+        super().__init__(name=f"dual{DIRECTIONS}")
+
+    def can_convert_from(self, _context: Any, other: types.Type) -> Conversion | None:
+        """A number is one without derivatives."""
+        return Conversion.promote if isinstance(other, types.Number | types.Boolean) else None
+
+    def unify(self, _context: Any, other: types.Type) -> types.Type | None:
+        """Of a variable that is a number in some places."""
+        return self if isinstance(other, types.Number | types.Boolean) else None
+
+
+DUAL = Dual()
+
+
+@register_model(Dual)
+class _Model(models.PrimitiveModel):
+    """In memory and in registers alike: the value, then the derivatives, without a gap."""
+
+    def __init__(self, manager: Any, kind: Dual) -> None:
+        super().__init__(manager, kind, ir.LiteralStructType([ir.DoubleType(), VECTOR], packed=True))
+
+
+BYTES = dual_dtype(np.dtype(np.float64)).itemsize
+
+
+# ---- in LLVM's language -----------------------------------------------------------------------------------
+
+
+def _made(builder: ir.IRBuilder, value: ir.Value, slopes: ir.Value) -> ir.Value:
+    kind = ir.LiteralStructType([ir.DoubleType(), VECTOR], packed=True)
+    dual = builder.insert_value(ir.Constant(kind, ir.Undefined), value, 0)
+    return builder.insert_value(dual, slopes, 1)
+
+
+def _parts(builder: ir.IRBuilder, dual: ir.Value) -> tuple[ir.Value, ir.Value]:
+    return builder.extract_value(dual, 0), builder.extract_value(dual, 1)
+
+
+def _all(builder: ir.IRBuilder, number: ir.Value) -> ir.Value:
+    """A vector with the number in each place."""
+    one = builder.insert_element(ir.Constant(VECTOR, ir.Undefined), number, cgutils.int32_t(0))
+    places = ir.Constant(ir.VectorType(cgutils.int32_t, DIRECTIONS), [0] * DIRECTIONS)
+    return builder.shuffle_vector(one, ir.Constant(VECTOR, ir.Undefined), places)
+
+
+def _times(builder: ir.IRBuilder, number: ir.Value, slopes: ir.Value) -> ir.Value:
+    return builder.fmul(_all(builder, number), slopes)
+
+
+def _none() -> ir.Value:
+    return ir.Constant(VECTOR, [0.0] * DIRECTIONS)
+
+
+def _cast(context: Any, builder: ir.IRBuilder, given: types.Type, _to: types.Type, value: ir.Value) -> Any:
+    return _made(builder, context.cast(builder, value, given, float64), _none())
+
+
+for _kind in (types.Float, types.Integer, types.Boolean, types.IntegerLiteral):
+    lower_cast(_kind, Dual)(_cast)
+
+
+# ---- typing -----------------------------------------------------------------------------------------------
+
+
+def _declare(function: Any, result: types.Type, number: types.Type = float64) -> None:
+    """Let numba take a function of numbers for dual numbers, too, and plain ones as ``number``."""
+
+    class _Template(AbstractTemplate):
+        key = function
+
+        def generic(self, arguments: Sequence[types.Type], keywords: Any) -> Any:
+            plain = (types.Number, types.Boolean)
+            if keywords or not any(isinstance(one, Dual) for one in arguments):
+                return None
+            if not all(isinstance(one, (Dual, *plain)) for one in arguments):
+                return None
+            return signature(result, *(one if isinstance(one, Dual) else number for one in arguments))
+
+    infer_global(function)(_Template)
+
+
+Code = Callable[..., ir.Value]
+
+
+def _lower(function: Any, code: Code, *kinds: types.Type) -> None:
+    """Let a function of arguments of some kinds be ``code(context, builder, *arguments)``."""
+
+    def lowered(context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> ir.Value:
+        return code(context, builder, *arguments)
+
+    lower_builtin(function, *kinds)(lowered)
+
+
+def _of_numbers(context: Any, builder: ir.IRBuilder, function: Any, *numbers: ir.Value) -> ir.Value:
+    """The function of plain numbers."""
+    typed = context.typing_context.resolve_function_type(function, (float64,) * len(numbers), {})
+    return context.get_function(function, typed)(builder, numbers)
+
+
+# ---- arithmetic -------------------------------------------------------------------------------------------
+
+_ARITHMETIC = {
+    operator.add: (operator.iadd, "fadd"),
+    operator.sub: (operator.isub, "fsub"),
+    operator.mul: (operator.imul, "fmul"),
+    operator.truediv: (operator.itruediv, "fdiv"),
+}
+
+
+def _sum(operation: str) -> tuple[Code, Code, Code]:
+    """x ± y for two dual numbers, for a dual and a plain one, and the other way round."""
+
+    def both(_context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.Value:
+        (a, da), (b, db) = _parts(builder, x), _parts(builder, y)
+        act = getattr(builder, operation)
+        return _made(builder, act(a, b), act(da, db))
+
+    def first(_context: Any, builder: ir.IRBuilder, x: ir.Value, b: ir.Value) -> ir.Value:
+        a, da = _parts(builder, x)
+        return _made(builder, getattr(builder, operation)(a, b), da)
+
+    def second(_context: Any, builder: ir.IRBuilder, a: ir.Value, y: ir.Value) -> ir.Value:
+        b, db = _parts(builder, y)
+        act = getattr(builder, operation)
+        return _made(builder, act(a, b), db if operation == "fadd" else builder.fneg(db))
+
+    return both, first, second
+
+
+def _product() -> tuple[Code, Code, Code]:
+    def both(_context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.Value:
+        (a, da), (b, db) = _parts(builder, x), _parts(builder, y)
+        # (a b)′ = b a′ + a b′
+        slopes = builder.fadd(_times(builder, b, da), _times(builder, a, db))
+        return _made(builder, builder.fmul(a, b), slopes)
+
+    def first(_context: Any, builder: ir.IRBuilder, x: ir.Value, b: ir.Value) -> ir.Value:
+        a, da = _parts(builder, x)
+        return _made(builder, builder.fmul(a, b), _times(builder, b, da))
+
+    def second(context: Any, builder: ir.IRBuilder, a: ir.Value, y: ir.Value) -> ir.Value:
+        b, db = _parts(builder, y)
+        return _made(builder, builder.fmul(a, b), _times(builder, a, db))
+
+    return both, first, second
+
+
+def _quotient() -> tuple[Code, Code, Code]:
+    one = ir.Constant(ir.DoubleType(), 1.0)
+
+    def both(_context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.Value:
+        (a, da), (b, db) = _parts(builder, x), _parts(builder, y)
+        quotient = builder.fdiv(a, b)
+        # (a/b)′ = (a′ − (a/b) b′)/b
+        slopes = builder.fsub(da, _times(builder, quotient, db))
+        return _made(builder, quotient, _times(builder, builder.fdiv(one, b), slopes))
+
+    def first(_context: Any, builder: ir.IRBuilder, x: ir.Value, b: ir.Value) -> ir.Value:
+        a, da = _parts(builder, x)
+        return _made(builder, builder.fdiv(a, b), _times(builder, builder.fdiv(one, b), da))
+
+    def second(_context: Any, builder: ir.IRBuilder, a: ir.Value, y: ir.Value) -> ir.Value:
+        b, db = _parts(builder, y)
+        quotient = builder.fdiv(a, b)
+        slope = builder.fneg(builder.fdiv(quotient, b))
+        return _made(builder, quotient, _times(builder, slope, db))
+
+    return both, first, second
+
+
+_CODES = {
+    operator.add: _sum("fadd"),
+    operator.sub: _sum("fsub"),
+    operator.mul: _product(),
+    operator.truediv: _quotient(),
+}
+_KINDS = ((Dual, Dual), (Dual, types.Float), (types.Float, Dual))
+
+for _function, _codes in _CODES.items():
+    for _one in (_function, _ARITHMETIC[_function][0]):
+        _declare(_one, DUAL)
+        for _kinds, _code in zip(_KINDS, _codes, strict=True):
+            _lower(_one, _code, *_kinds)
+
+
+def _power_of_number(context: Any, builder: ir.IRBuilder, x: ir.Value, b: ir.Value) -> ir.Value:
+    a, da = _parts(builder, x)
+    # (aᵇ)′ = b aᵇ⁻¹ a′
+    below = _of_numbers(context, builder, operator.pow, a, builder.fsub(b, ir.Constant(b.type, 1.0)))
+    value = _of_numbers(context, builder, operator.pow, a, b)
+    return _made(builder, value, _times(builder, builder.fmul(b, below), da))
+
+
+def _power(context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.Value:
+    (a, _), (b, db) = _parts(builder, x), _parts(builder, y)
+    value, slopes = _parts(builder, _power_of_number(context, builder, x, b))
+    # … + aᵇ ln a b′
+    slope = builder.fmul(value, _of_numbers(context, builder, math.log, a))
+    return _made(builder, value, builder.fadd(slopes, _times(builder, slope, db)))
+
+
+_declare(operator.pow, DUAL)
+_lower(operator.pow, _power, Dual, Dual)
+_lower(operator.pow, _power_of_number, Dual, types.Float)
+
+
+# ---- comparisons, extremes and functions ------------------------------------------------------------------
+
+for _function, _relation in (
+    (operator.lt, "<"),
+    (operator.le, "<="),
+    (operator.gt, ">"),
+    (operator.ge, ">="),
+    (operator.eq, "=="),
+    (operator.ne, "!="),
+):
+    _declare(_function, boolean)
+
+    def _compared(
+        _context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value, relation: str = _relation
+    ) -> ir.Value:
+        a, b = (builder.extract_value(one, 0) if one.type != ir.DoubleType() else one for one in (x, y))
+        compare = builder.fcmp_unordered if relation == "!=" else builder.fcmp_ordered
+        return compare(relation, a, b)
+
+    for _kinds in _KINDS:
+        _lower(_function, _compared, *_kinds)
+
+
+
+def _extreme(relation: str) -> Any:
+    def lowered(_context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> ir.Value:
+        best, *others = arguments
+        for one in others:
+            # as Python, which keeps the first of equal ones
+            a, b = (builder.extract_value(number, 0) for number in (one, best))
+            best = builder.select(builder.fcmp_ordered(relation, a, b), one, best)
+        return best
+
+    return lowered
+
+
+for _function, _relation in ((max, ">"), (min, "<")):
+    _declare(_function, DUAL, DUAL)
+    lower_builtin(_function, types.VarArg(Dual))(_extreme(_relation))
+
+
+def _chain(function: Any, slope: Code) -> None:
+    """A function f of one number: f(x)′ = f′(a) a′, for ``slope(context, builder, a, f(a))``."""
+
+    def code(context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
+        a, da = _parts(builder, x)
+        value = _of_numbers(context, builder, function, a)
+        return _made(builder, value, _times(builder, slope(context, builder, a, value), da))
+
+    _declare(function, DUAL)
+    _lower(function, code, Dual)
+
+
+def _root_slope(_context: Any, builder: ir.IRBuilder, _a: ir.Value, root: ir.Value) -> ir.Value:
+    """½/√a, and 0 at 0: there the kernel has the root of a gap that stays 0."""
+    slope = builder.fdiv(ir.Constant(root.type, 0.5), root)
+    zero = ir.Constant(root.type, 0.0)
+    return builder.select(builder.fcmp_ordered(">", root, zero), slope, zero)
+
+
+def _sign(_context: Any, builder: ir.IRBuilder, a: ir.Value, _value: ir.Value) -> ir.Value:
+    one, zero = ir.Constant(a.type, 1.0), ir.Constant(a.type, 0.0)
+    return builder.select(builder.fcmp_ordered("<", a, zero), ir.Constant(a.type, -1.0), one)
+
+
+_chain(math.sqrt, _root_slope)
+_chain(math.log, lambda _context, builder, a, _value: builder.fdiv(ir.Constant(a.type, 1.0), a))
+_chain(math.cos, lambda context, builder, a, _value: builder.fneg(_of_numbers(context, builder, math.sin, a)))
+_chain(math.sin, lambda context, builder, a, _value: _of_numbers(context, builder, math.cos, a))
+_chain(abs, _sign)
+
+
+def _negated(_context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
+    a, da = _parts(builder, x)
+    return _made(builder, builder.fneg(a), builder.fneg(da))
+
+
+_declare(operator.neg, DUAL)
+_lower(operator.neg, _negated, Dual)
+
+
+def _finite(context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
+    return _of_numbers(context, builder, math.isfinite, builder.extract_value(x, 0))
+
+
+_declare(math.isfinite, boolean)
+_lower(math.isfinite, _finite, Dual)
+
+
+def _hypot(context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.Value:
+    (a, da), (b, db) = _parts(builder, x), _parts(builder, y)
+    length = _of_numbers(context, builder, math.hypot, a, b)
+    # (a a′ + b b′)/√(a² + b²)
+    slopes = builder.fadd(_times(builder, a, da), _times(builder, b, db))
+    inverse = builder.fdiv(ir.Constant(length.type, 1.0), length)
+    return _made(builder, length, _times(builder, inverse, slopes))
+
+
+_declare(math.hypot, DUAL)
+_lower(math.hypot, _hypot, Dual, Dual)
+
+
+def _truth(_context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
+    a = builder.extract_value(x, 0)
+    return builder.fcmp_unordered("!=", a, ir.Constant(a.type, 0.0))
+
+
+_declare(bool, boolean)
+_lower(bool, _truth, Dual)
+
+
+# ---- what the kernel asks of a dual number (kernel/tangent/directions.py) ---------------------------------
+
+
+def _value(_context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
+    return builder.extract_value(x, 0)
+
+
+def _carried(
+    _context: Any, builder: ir.IRBuilder, number: ir.Value, slope: ir.Value, argument: ir.Value
+) -> ir.Value:
+    return _made(builder, number, _times(builder, slope, builder.extract_value(argument, 1)))
+
+
+def _varies(_context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
+    slopes = builder.extract_value(x, 1)
+    some: ir.Value = ir.Constant(ir.IntType(1), 0)
+    for direction in range(DIRECTIONS):
+        one = builder.extract_element(slopes, cgutils.int32_t(direction))
+        some = builder.or_(some, builder.fcmp_unordered("!=", one, ir.Constant(one.type, 0.0)))
+    return some
+
+
+_declare(directions.value, float64)
+_lower(directions.value, _value, Dual)
+_declare(directions.carried, DUAL)
+_lower(directions.carried, _carried, types.Float, types.Float, Dual)
+_declare(directions.varies, boolean)
+_lower(directions.varies, _varies, Dual)

@@ -1,0 +1,1 @@
+"""Derivatives beside the run."""

@@ -1,0 +1,54 @@
+"""Dual numbers, as far as the kernel knows them: a value with its derivatives in several directions.
+
+An instance whose reals are dual numbers, of the same layout otherwise, is called t where d is the instance
+itself. The kernel's functions work on either. Compiled, dual numbers are those of
+compilation/dual_numbers.py.
+"""
+
+import numpy as np
+
+DIRECTIONS = 4  # that one instance of dual numbers carries; more take several instances
+
+
+def dual_dtype(dtype):
+    """The layout of an instance, or of a part of it, with a dual number for each real."""
+    if dtype.subdtype:
+        item, shape = dtype.subdtype
+        return np.dtype((dual_dtype(item), shape))
+    if dtype.names:
+        return np.dtype([(name, dual_dtype(dtype[name])) for name in dtype.names])
+    if dtype == np.float64:
+        return np.dtype([("value", np.float64), ("slope", np.float64, (DIRECTIONS,))])
+    return dtype
+
+
+# how far the derivatives can be trusted, see kernel/tangent/trust.py
+TRUST = np.dtype(
+    [
+        ("reason", np.int64),  # 0: everywhere so far
+        ("time", np.float64),  # s, from when on they cannot
+        ("point", np.int64),  # of the impact that begins then
+        ("wall", np.int64),
+    ]
+)
+
+
+def tangent_dtype(instance):
+    """The layout of an instance of dual numbers that goes with one of the layout ``instance``."""
+    dual = dual_dtype(instance)
+    return np.dtype([*((name, dual[name]) for name in dual.names), ("trust", TRUST)])
+
+
+def value(number):
+    """The value of a dual number."""
+    return number.value
+
+
+def carried(number, slope, argument):
+    """A value with the derivatives of a dual number times a slope."""
+    return argument.carried(number, slope)
+
+
+def varies(number):
+    """Whether a dual number has any derivative that is not zero."""
+    return number.varies()

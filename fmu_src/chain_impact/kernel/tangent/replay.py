@@ -1,0 +1,120 @@
+"""Derivatives beside the run: each step of d is made once more by t, in dual numbers.
+
+t is an instance of the same layout as d whose reals carry their derivatives in some directions of the
+parameters. Its values are those of d. After each step that d has accepted, t makes the same step with the
+same functions, which then differentiate the step. What d tries and rejects, and how it searches for events,
+is none of t's business: the size of the step, its method and its events are those of d. They are choices of
+the discretization, and have no derivatives.
+
+An event ends a step where a function φ of the state passes through zero, at a moment that depends on the
+parameters, too. With φ′ the derivatives of φ where the step ends for d, that moment moves by −φ′/φ̇, and the
+state there by ẏ times that. The time of the state is part of it, so nothing else has to be known of an event:
+what it changes of the state is differentiated as all else is.
+
+Source: for sensitivities through events, e.g. Galán, Feehery & Barton 1999, Appl Numer Math 31:17.
+"""
+
+from chain_impact.kernel.advance import let_events_act, start_in_variable
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.state import root_at, time_at
+from chain_impact.kernel.events.exclusion import RELATCH_RATIO
+from chain_impact.kernel.events.kinds import END, ONSET, RELATCH
+from chain_impact.kernel.integration import explicit, implicit
+from chain_impact.kernel.integration.impulse import followed
+from chain_impact.kernel.integration.last_step import (
+    accept,
+    break_off,
+    choose_variable,
+    cut,
+    see_points,
+    see_rate,
+)
+from chain_impact.kernel.integration.method import IMPLICIT
+from chain_impact.kernel.model.geometry import along_normal, clearance
+from chain_impact.kernel.tangent.directions import carried, value
+from chain_impact.kernel.tangent.trust import judge_onsets
+
+
+def replay(d, t):
+    """Make the last step of d in dual numbers, from where t stands: the end of the step before."""
+    let_events_act(t)
+    t.step.method = d.step.made_by
+    choose_variable(t, True)
+    start_in_variable(t)
+    lands = ends_regularized(d)
+    h = d.step.size * d.step.kept if lands else d.step.size
+    if t.step.method == IMPLICIT:
+        repeat_implicit(t, h)
+    else:
+        explicit.make(t, h)
+        if t.touch.active_count > 0:
+            locate_points(t, t.work.y)
+    accept(t, h)
+    if d.step.kept < 1.0 and not lands:
+        cut(t, d.step.kept)
+    take_values(d, t)
+    if lands:
+        break_off(t)
+    for c in range(d.candidates):
+        t.touch.event[c] = d.touch.event[c]
+    move_end(t)
+
+
+def ends_regularized(d):
+    """Whether the last step ends where the regularized contact does.
+
+    d has taken that step beyond it, where the slope of the force has a kink, and has cut it.
+    """
+    return d.step.regularized >= 0 and d.touch.event[d.step.regularized] == END
+
+
+def repeat_implicit(t, h):
+    """Make an implicit step, of which the Jacobian has no derivatives: the method has its order with any."""
+    implicit.prepare(t, h)
+    for k in range(t.touch.active_count):
+        t.implicit.stiffness[k] = value(t.implicit.stiffness[k])
+        t.implicit.damping[k] = value(t.implicit.damping[k])
+    implicit.attempt(t, h)
+
+
+def take_values(d, t):
+    """Let the values of t at the end of the last step be those of d, whatever the round-off."""
+    for j in range(len(d.step.state_end)):
+        t.step.state_end[j] = carried(d.step.state_end[j], 1.0, t.step.state_end[j])
+    t.step.end = carried(d.step.end, 1.0, t.step.end)
+
+
+def move_end(t):
+    """Move the end of the last step with the event that ends it."""
+    for c in range(t.candidates):
+        kind = t.touch.event[c]
+        # where a regularized contact ends its time stands still: moving along it changes nothing
+        if kind == ONSET or kind == RELATCH or (kind == END and c != t.step.regularized):
+            see_rate(t)
+            see_points(t)
+            judge_onsets(t)
+            move_along(t, delay(t, c, kind))
+            return
+
+
+def delay(t, c, kind):
+    """−φ′/φ̇ of an event of candidate c: how its moment moves [s], a dual number of value 0."""
+    gap, gap_rate = clearance(t, c)
+    if kind == RELATCH:
+        # φ = −ġ − 2 v₀
+        change, rate = -gap_rate - RELATCH_RATIO * t.touch.impact_speed[c], -along_normal(t, c, t.work.acceleration)
+    else:
+        change, rate = gap, gap_rate
+    return carried(0.0, -1.0 / value(rate), change)
+
+
+def move_along(t, time):
+    """Move the end of the last step along the motion by a time [s] that has derivatives alone."""
+    y, rate = t.step.state_end, t.work.rate_end
+    for j in range(root_at(t.links)):
+        y[j] += value(rate[j]) * time
+    y[time_at(t.links)] += time
+    t.step.end += time
+    for k in range(followed(t)):
+        t.impulse.state_end[k] += value(t.touch.force_end[t.touch.active_index[k]]) * time
+    break_off(t)

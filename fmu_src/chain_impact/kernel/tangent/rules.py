@@ -1,0 +1,100 @@
+"""Functions whose derivatives do not follow from how they are worked out.
+
+Each has the name of the function that it stands for, and gives the same value. It takes its place wherever
+an argument carries derivatives.
+"""
+
+import math
+
+from chain_impact.kernel.chain import sincos
+from chain_impact.kernel.chain.state import root_at, time_at
+from chain_impact.kernel.integration import dense
+from chain_impact.kernel.laws import user_law
+from chain_impact.kernel.model import contact_force
+from chain_impact.kernel.tangent.directions import carried, value, varies
+
+DIFFERENCE = 1e-3  # of an argument of a user's law, for its slopes
+
+def power(depth, exponent):
+    """δ^n: the special exponents hide that n may vary, and the slope at δ = 0 is infinite for n < 1."""
+    base, n = value(depth), value(exponent)
+    result = contact_force.power(base, n)
+    # (δⁿ)′ = n δⁿ⁻¹ δ′ + δⁿ ln δ n′
+    slope = n * result / base if base > 0.0 else (1.0 if n == 1.0 else 0.0)
+    total = carried(result, slope, depth)
+    if base > 0.0 and varies(exponent):
+        total += carried(0.0, result * math.log(base), exponent)
+    return total
+
+
+def polar(radius, y, first, horizontal, vertical):
+    """r cos φ and r sin φ: the reduction of the angle hides how they vary."""
+    near = sincos.in_reach(y, first, len(radius))
+    for i in range(len(radius)):
+        phi = y[first + i]
+        if near:
+            cosine, sine = sincos.cosine_and_sine(value(phi))
+        else:
+            cosine, sine = math.cos(value(phi)), math.sin(value(phi))
+        horizontal[i] = radius[i] * carried(cosine, -sine, phi)
+        vertical[i] = radius[i] * carried(sine, cosine, phi)
+
+
+def fraction(t, time):
+    """The fraction of the last step at a time: one step of Newton's method from its value has all slopes.
+
+    The search for the value ends where that is exact, which says nothing of its slopes.
+    """
+    step, clock = t.step, time_at(t.links)
+    elapsed = time - step.start
+    if step.regularized < 0:
+        return elapsed / step.size
+    theta = value(dense.regularized_fraction(t, elapsed))
+    rate = value(step.size) * dense.time_rate(value(dense.interpolate_component(step, theta, root_at(t.links))))
+    error = dense.interpolate_component(step, theta, clock) - elapsed
+    # θ = θ₀ − (t(θ₀) − t)/ṫ; where a contact begins or ends time stands still, and θ does not vary
+    return carried(theta, -1.0 / rate if rate > 0.0 else 0.0, error)
+
+
+def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
+    """A user's law, of which only values are known: by differences of the law alone."""
+    at = (value(depth), value(rate), value(speed), value(mass), value(stiffness), value(exponent), value(restitution))
+    total = carried(user_law.force(*at), slope_along(0, DIFFERENCE * at[0], at), depth)
+    total += carried(0.0, slope_along(1, DIFFERENCE * (abs(at[1]) + at[2]), at), rate)
+    total += carried(0.0, slope_along(2, DIFFERENCE * at[2], at), speed)
+    total += carried(0.0, slope_along(3, DIFFERENCE * at[3], at), mass)
+    total += carried(0.0, slope_along(4, DIFFERENCE * at[4], at), stiffness)
+    total += carried(0.0, slope_along(5, DIFFERENCE * at[5], at), exponent)
+    return total + carried(0.0, slope_along(6, DIFFERENCE * at[6], at), restitution)
+
+
+def slope_along(argument, h, at):
+    """The slope of the user's law along one of its arguments, by central differences of order 4."""
+    if h == 0.0:
+        return 0.0
+    # (8 (F₁ − F₋₁) − (F₂ − F₋₂))/(12 h)
+    near = moved(argument, h, at) - moved(argument, -h, at)
+    far = moved(argument, 2.0 * h, at) - moved(argument, -2.0 * h, at)
+    return (8.0 * near - far) / (12.0 * h)
+
+
+def moved(argument, by, at):
+    """The user's law with one of its arguments moved."""
+    return user_law.force(
+        at[0] + by * (argument == 0),
+        at[1] + by * (argument == 1),
+        at[2] + by * (argument == 2),
+        at[3] + by * (argument == 3),
+        at[4] + by * (argument == 4),
+        at[5] + by * (argument == 5),
+        at[6] + by * (argument == 6),
+    )
+
+
+RULES = {
+    contact_force.power: power,
+    contact_force.user_force: user_force,
+    dense.fraction: fraction,
+    sincos.polar: polar,
+}
+"""Function of the kernel → what gives its value and derivatives."""

@@ -1,0 +1,85 @@
+"""How an instance of dual numbers begins: the derivatives of what follows from the parameters."""
+
+from chain_impact.kernel.events.contact_log import follow_to_now
+from chain_impact.kernel.events.impulses import judge
+from chain_impact.kernel.initialize import derive_chain, forget_run, set_initial_state, take_given
+from chain_impact.kernel.integration.last_step import stand
+from chain_impact.kernel.integration.switching import begin_explicit
+from chain_impact.kernel.laws.contact_laws import ANY, LAW_COUNT, RATE_EXPONENTS, damping_factor
+from chain_impact.kernel.model.contact import clear_loads
+from chain_impact.kernel.model.contact_force import foresee_depth, latch_damping
+from chain_impact.kernel.model.geometry import place_walls
+from chain_impact.kernel.tangent.directions import carried
+from chain_impact.kernel.tangent.trust import TRUSTED
+
+# The distance of the e from which the slope of a law's factor f(e) is found, and six times that slope's
+# coefficients
+DIFFERENCE = 1e-3
+FORWARD = (-147.0, 360.0, -450.0, 400.0, -225.0, 72.0, -10.0)
+
+
+def start(d, t):
+    """Set t to the start of d, which is initialized; t has the parameters, and their derivatives."""
+    derive_chain(t)
+    forget_run(t)
+    take_given_of(d, t)
+    derive_law_of(d, t)
+    place_walls(t)
+    set_initial_state(t, t.work.y)
+    stand(t, d.step.time, t.work.y)
+    clear_loads(t)
+    begin_explicit(t.step)
+    t.impact.last_time = d.step.time
+    t.trust.reason = TRUSTED
+
+
+def start_anew(d, t):
+    """Start t anew from the communication point, as d has just done because something was set."""
+    t.step.time = d.step.time
+    follow_to_now(t)
+    stand(t, d.step.time, t.step.state_end)
+    take_given_of(d, t)
+    derive_law_of(d, t)
+    for k in range(t.touch.active_count):
+        if not t.contact.impulsive:
+            foresee_depth(t, t.touch.active_index[k])
+            latch_damping(t, t.touch.active_index[k])
+    if t.contact.impulsive and t.touch.active_count > 0:
+        judge(t)
+        stand(t, d.step.time, t.step.state_end)
+    clear_loads(t)
+
+
+def take_given_of(d, t):
+    """Let what was given to d hold for t, with the derivatives that t has of it."""
+    given, own = d.given, t.given
+    own.law = given.law
+    own.stiffness = carried(given.stiffness, 1.0, own.stiffness)
+    own.restitution = carried(given.restitution, 1.0, own.restitution)
+    for i in range(d.links):
+        own.joint_torque[i] = carried(given.joint_torque[i], 1.0, own.joint_torque[i])
+    for j in range(2):
+        own.tip_force[j] = carried(given.tip_force[j], 1.0, own.tip_force[j])
+    take_given(t)
+
+
+def derive_law_of(d, t):
+    """Find what the law of d makes of the restitution of t."""
+    own, contact = t.contact, d.contact
+    own.impulsive, own.approach_only = contact.impulsive, contact.approach_only
+    own.rate_exponent, own.damping_factor = contact.rate_exponent, contact.damping_factor
+    if contact.law <= LAW_COUNT:
+        if RATE_EXPONENTS[contact.law - 1] == ANY:
+            own.rate_exponent = own.exponent
+        slope = factor_slope(contact.law, contact.restitution)
+        own.damping_factor = carried(contact.damping_factor, slope, own.restitution)
+
+
+def factor_slope(law, e):
+    """f′(e) of the law of a number, by differences of order 6 toward the middle of the range of e."""
+    h = DIFFERENCE if e < 0.5 else -DIFFERENCE
+    # f′ = Σ c_k f(e + k h)/(60 h)
+    total = 0.0
+    for k in range(len(FORWARD)):
+        total += FORWARD[k] * damping_factor(law, e + k * h)
+    return total / (60.0 * h)
