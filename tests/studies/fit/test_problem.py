@@ -6,10 +6,14 @@ import numpy as np
 import pytest
 
 from chain_impact.compilation.work import announce
+from chain_impact.kernel.status import MASS_MATRIX_SINGULAR
+from chain_impact.running import SimulationError
+from chain_impact.studies.fit import problem as module
 from chain_impact.studies.fit.data import read_measurements
 from chain_impact.studies.fit.parameters import parameters_of
 from chain_impact.studies.fit.problem import Problem
 from tests.measurements import FREE, TRUE, impacts, motion, scene
+from tests.refusal import refusal
 
 QUANTITIES = ("onset", "peak_force", "duration", "separation_speed")
 
@@ -94,3 +98,24 @@ def test_a_run_that_fails_says_why():
     found = failing.evaluate(failing.start)
     assert not found.there.all()
     assert "data: the simulation stopped:" in failing.fault(found)
+
+
+def test_a_run_leaves_nothing_behind(both):
+    """Not even one that ended in a contact, or failed."""
+    first = both.evaluate(both.start)
+    both.evaluate(both.start, 0.5)
+    both.evaluate(both.start * [1.0, 3.0, 1.0])  # e = 2.1 is refused
+    again = both.evaluate(both.start)
+    np.testing.assert_array_equal(again.residuals, first.residuals)
+    np.testing.assert_array_equal(again.slopes, first.slopes)
+
+
+def test_a_scene_that_cannot_start_is_refused(monkeypatch):
+    def refuse(*_, **__):
+        raise SimulationError(MASS_MATRIX_SINGULAR, 0.0, None)
+
+    monkeypatch.setattr(module, "DifferentiatedRun", refuse)
+    columns, _ = motion(0.3, count=5)
+    assert refusal(problem, [columns], [scene()]).startswith(
+        "FourLinkBox: the simulation stopped at t = 0 s:"
+    )

@@ -22,6 +22,7 @@ from chain_impact.studies.fit.table import Source
 from chain_impact.studies.fit.uncertainty import information, largest_usual, quantile
 from chain_impact.studies.fit.unknown import unknown
 
+VISIBLE = 0.01  # mean square of residuals in standard deviations; smaller ones do not matter
 ALIKE = 2.0  # correlation of neighbours times √n, which chance exceeds in 2 % of all cases
 
 
@@ -228,7 +229,8 @@ def _not_random(result: Fit) -> Iterator[str]:
         residuals = (result.residuals / result.sigma)[mine & result.used]
         squares = float(residuals @ residuals)
         alike = float(residuals[1:] @ residuals[:-1]) / squares if squares > 0.0 else 0.0
-        if math.sqrt(len(residuals)) * alike > ALIKE:
+        visible = squares > VISIBLE * len(residuals)
+        if visible and math.sqrt(len(residuals)) * alike > ALIKE:
             found.append(f"{name} ({alike:.2f})")
     if found:
         yield (

@@ -23,7 +23,7 @@ FAR = (0.01, 0.0025)  # of the size of a column: a model so far away is not foll
 GROWTH = 1.1  # of the horizon, at least
 ROUGH, FINE = 0.1, 1e-3  # standard errors of the parameters: a step that is small enough
 ROUGH_STEPS, FINE_STEPS = 10, 100
-LEAST_SIGMA = 1e-12  # of the size of a column, so that a model can be exact
+LEAST_SIGMA = 1e-8  # of the size of a column: less is no noise, but the tolerance of the solver
 SETTLED, ROUNDS = 0.01, 20  # relative change of an estimated standard deviation
 
 

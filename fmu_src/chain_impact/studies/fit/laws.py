@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from chain_impact.reading import SceneError
-from chain_impact.running import SimulationError
 from chain_impact.scene import Scene
 from chain_impact.studies.compare import law_names, law_values, needed_exponent
 from chain_impact.studies.fit.result import Fit, LawFit
@@ -54,7 +53,7 @@ def _fit_law(fit: FitOne, scenes: Sequence[Scene], first: Fit | None, law: str, 
     for origin in (first.scenes, scenes) if first else (scenes,):
         try:
             found = fit([_with_law(scene, law, first) for scene in origin], progress)
-        except (SceneError, SimulationError) as error:
+        except SceneError as error:
             note = str(error).removeprefix(f"{scenes[0].name}: ")
             continue
         if found.converged or origin is scenes:

@@ -19,7 +19,7 @@ from chain_impact.studies.fit.problem import Evaluation
 FIRST_DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-10, 1e10
 NEAR = 0.05  # standard errors from the least sum of squares, where round-off may hide any gain
 TINY = 1e-300
-ROUND_OFF = 1e-20  # of the squares of residuals in standard deviations: nothing is left to be fitted
+ROUND_OFF = 1e-6  # the mean square of residuals in standard deviations: nothing is left to be fitted
 
 
 @dataclass(frozen=True)

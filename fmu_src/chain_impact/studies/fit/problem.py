@@ -11,6 +11,8 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify
 from chain_impact.kernel.status import OK, STATUS_TEXT
+from chain_impact.reading import SceneError
+from chain_impact.running import SimulationError
 from chain_impact.scene import Scene
 from chain_impact.sensitivities import Differentiated, DifferentiatedRun
 from chain_impact.studies.fit.data import DURATION, QUANTITIES, Measurements
@@ -75,6 +77,7 @@ class Problem:
         """Prepare a run for each data set.
 
         Raises:
+            SceneError: when a scene cannot start.
             BuildError: when the kernel cannot be compiled.
         """
         self.scenes, self.data, self.parameters = tuple(scenes), tuple(data), tuple(parameters)
@@ -92,10 +95,13 @@ class Problem:
             [p for p, one in enumerate(self.parameters) if one.run in (None, k)]
             for k in range(len(self.data))
         ]
-        self._runs = [
-            DifferentiatedRun(scene, [self.parameters[p].name for p in mine], one.outputs, notify=notify)
-            for scene, one, mine in zip(self.scenes, self.data, self._own, strict=True)
-        ]
+        try:
+            self._runs = [
+                DifferentiatedRun(scene, [self.parameters[p].name for p in own], one.outputs, notify=notify)
+                for scene, one, own in zip(self.scenes, self.data, self._own, strict=True)
+            ]
+        except SimulationError as error:
+            raise SceneError(f"{self.scenes[0].name}: {error}") from None
         ends = np.cumsum([0, *map(len, self.data)])
         self._parts = [slice(*pair) for pair in pairwise(ends.tolist())]
 

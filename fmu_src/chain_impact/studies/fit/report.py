@@ -121,5 +121,5 @@ def _laws(fit: Fit) -> list[Sequence[str]]:
             continue
         values = (rounded(value, one.fit.standard_errors[name]) for name, value in one.fit.values.items())
         rms = math.sqrt(float(np.nanmean((one.fit.residuals / fit.sigma) ** 2)))
-        rows.append((one.law, f"{one.fit.aic - best:.1f}", number(rms, 3), *values, one.note))
+        rows.append((one.law, f"{max(0.0, one.fit.aic - best):.1f}", number(rms, 3), *values, one.note))
     return rows
