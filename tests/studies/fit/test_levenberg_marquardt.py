@@ -53,7 +53,7 @@ def test_weights():
 
 
 def test_rosenbrock():
-    found, _ = search(rosenbrock, [-1.2, 1.0])
+    found, _ = search(rosenbrock, [-1.2, 1.0], sigma=[1e-6, 1e-6])
     assert found.converged
     np.testing.assert_allclose(found.best.place, [1.0, 1.0], atol=1e-6)
 
