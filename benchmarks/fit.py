@@ -18,14 +18,9 @@ from collections.abc import Callable
 from itertools import product
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from chain_impact import Fit, Scene, fit, load_scene, simulate
-from chain_impact.compilation.work import announce
 from chain_impact.studies.fit import horizon
-from chain_impact.studies.fit.data import read_measurements
-from chain_impact.studies.fit.parameters import parameters_of
-from chain_impact.studies.fit.problem import Problem
 
 STOP, SAMPLES, NOISE = 1.2, 200, 1e-3  # s, rows, m
 NAMES = ("contact.stiffness", "contact.restitution", "initial.angular_velocity[3]")
@@ -87,27 +82,6 @@ def at_once(start: Scene, data: dict[str, np.ndarray]) -> bool:
         horizon._first_horizon = grow
 
 
-def by_scipy(start: Scene, data: dict[str, np.ndarray]) -> bool:
-    """Whether ``scipy.optimize.least_squares`` finds it with all data, with the same derivatives."""
-    problem = Problem(
-        [start], [read_measurements(data, start, SIGMA)], parameters_of([start], NAMES, (), {}), announce
-    )
-    kept: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
-
-    def both(place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        if place.tobytes() not in kept:
-            kept.clear()
-            at = problem.evaluate(place)
-            kept[place.tobytes()] = at.residuals / NOISE, at.slopes / NOISE
-        return kept[place.tobytes()]
-
-    found = least_squares(
-        lambda place: both(place)[0], problem.start, lambda place: both(place)[1],
-        bounds=(problem.low, problem.high), x_scale="jac", max_nfev=200,
-    )  # fmt: skip
-    return bool(2.0 * found.cost < RIGHT * (2 * SAMPLES - len(NAMES)))
-
-
 def timed(call: Callable[[], Fit]) -> tuple[Fit, float]:
     """What comes of a call, and the milliseconds of CPU time that it took."""
     began = time.process_time()
@@ -122,14 +96,13 @@ def main() -> None:
     quick = parser.parse_args().quick
     count, repetitions = (8, 20) if quick else (STARTS, REPETITIONS)
     started = common.environment()
-    found, clock, once, scipys = [], [], 0, 0
+    found, clock, once = [], [], 0
     for seed, start in enumerate(starts(count)):
         data = measured(seed)
         one, milliseconds = timed(lambda start=start, data=data: fit(start, data, NAMES, sigma=SIGMA))
         found.append(one)
         clock.append(milliseconds)
         once += at_once(start, data)
-        scipys += by_scipy(start, data)
     held = dict.fromkeys(NAMES, 0)
     for seed in range(repetitions):
         one = fit(true_scene(), measured(1000 + seed), NAMES)  # σ is estimated, too
@@ -146,7 +119,6 @@ def main() -> None:
         "converged": {
             "growing horizon": sum(map(is_right, found)),
             "all data at once": once,
-            "scipy least_squares, all data at once": scipys,
             "of": count,
         },
         "part of the intervals of 95 % that hold the true value": {

@@ -26,8 +26,8 @@ def test_positive_parameters_are_sought_as_logarithms():
     assert (stiffness.low, stiffness.high) == (0.0, math.inf)
     assert stiffness.ends == pytest.approx((0.0, math.log(1e16)))
     assert not e.logarithmic
-    assert (e.low, e.high, e.start, e.longest) == (0.0, 1.0, 0.7, pytest.approx(0.2))
-    assert (rate.low, rate.high, rate.longest) == (-math.inf, math.inf, math.inf)
+    assert (e.low, e.high, e.start, e.ends) == (0.0, 1.0, 0.7, (0.0, 1.0))
+    assert rate.ends == (-math.inf, math.inf)
     assert (damping.low, damping.high, damping.slope(0.0)) == (0.0, math.inf, 1.0)
 
 

@@ -14,14 +14,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from chain_impact.reading import SceneError
-from chain_impact.studies.fit.levenberg_marquardt import Search, minimize
+from chain_impact.studies.fit.least_squares import Search, minimize
 from chain_impact.studies.fit.problem import Evaluation, Problem
 
 ROWS = 3  # values in the first horizon, for each parameter, but no more than a third of all if that is enough
-FAR = (0.01, 0.0025)  # of the size of a column: a model so far away is not followed beyond; the second is a
-# second trial, when the search with the first did not converge
+FAR = (0.01, 0.0025)  # of the size of a column: a model so far away is not followed; first and second trial
+WORSE, EXACT = 4.0, 1e-6  # growth of the mean square that asks for a second trial, unless it is as small
+MANY = 20  # values, from which on a mean square says something
 GROWTH = 1.1  # of the horizon, at least
-ROUGH, FINE = 0.1, 1e-3  # standard errors of the parameters: a step that is small enough
+ROUGH, FINE = 1e-2, 1e-9  # relative change of the sum of squares that is small enough
 ROUGH_STEPS, FINE_STEPS = 10, 100
 LEAST_SIGMA = 1e-8  # of the size of a column: less is no noise, but the tolerance of the solver
 SETTLED, ROUNDS = 0.01, 20  # relative change of an estimated standard deviation
@@ -35,11 +36,13 @@ class Found:
         search: the last one, with all data.
         sigma: standard deviation of each value, given or estimated, shape (M,).
         horizons: until when [s] data were used, one after the other.
+        worse: mean square of the residuals, over the least of those with fewer data.
     """
 
     search: Search
     sigma: np.ndarray
     horizons: tuple[float, ...]
+    worse: float
 
 
 def search(problem: Problem, progress: Callable[[float], None] = lambda _: None) -> Found:
@@ -50,11 +53,11 @@ def search(problem: Problem, progress: Callable[[float], None] = lambda _: None)
     """
     start = problem.evaluate(problem.start)
     _check(problem, start)
-    for far in FAR:
-        found = _search(problem, start, far, progress)
-        if found.search.converged:
-            break
-    return found
+    first = _search(problem, start, FAR[0], progress)
+    if first.search.converged and first.worse < WORSE:
+        return first
+    second = _search(problem, start, FAR[1], progress)
+    return min(first, second, key=lambda found: _squares(found.search.best, first.sigma))
 
 
 def _search(problem: Problem, start: Evaluation, far: float, progress: Callable[[float], None]) -> Found:
@@ -62,18 +65,29 @@ def _search(problem: Problem, start: Evaluation, far: float, progress: Callable[
     whole, sigma = start, _first_sigma(problem)
     last = float(np.nanmax(problem.order, initial=0.0))
     horizons = [_first_horizon(problem, whole, far)]
+    best = math.inf
     while horizons[-1] < math.inf:
         found, sigma = _one(problem, whole, sigma, horizons[-1], enough=ROUGH, most=ROUGH_STEPS)
+        if found.best.usable.sum() >= MANY:
+            best = min(best, _squares(found.best, sigma))
         whole = problem.evaluate(found.best.place)
         horizons.append(_next_horizon(problem, whole, horizons[-1], far))
         progress(min(1.0, horizons[-2] / last))
+    early = sigma
     for _ in range(ROUNDS):
-        before = sigma
-        found, sigma = _one(problem, whole, before, math.inf, enough=FINE, most=FINE_STEPS)
+        present = sigma
+        found, sigma = _one(problem, whole, present, math.inf, enough=FINE, most=FINE_STEPS)
         whole = found.best
-        if len(problem.names) == 1 or np.allclose(sigma, before, rtol=SETTLED, atol=0.0):
+        if len(problem.names) == 1 or np.allclose(sigma, present, rtol=SETTLED, atol=0.0):
             break
-    return Found(found, sigma, (*horizons[:-1], last))
+    worse = _squares(whole, early) / max(best, EXACT)
+    return Found(found, sigma, (*horizons[:-1], last), worse)
+
+
+def _squares(at: Evaluation, sigma: np.ndarray) -> float:
+    """The mean square of the residuals in standard deviations; infinite if there is none."""
+    rows = at.usable
+    return float(np.mean((at.residuals[rows] / sigma[rows]) ** 2)) if rows.any() else math.inf
 
 
 def _one(
@@ -85,7 +99,6 @@ def _one(
         problem.until(whole, horizon),
         sigma,
         bounds=(problem.low, problem.high),
-        longest=problem.longest,
         enough=enough,
         most=most,
     )

@@ -17,9 +17,6 @@ from chain_impact.variables import fmu_variables
 Bounds = Mapping[str, str | tuple[float | None, float | None]]
 WIDEST = 1e8  # from the start to the end of a search, as a factor
 
-LONGEST_FACTOR = 1.0  # a step of a logarithm
-LONGEST_PART = 0.2  # of the range, a step between two bounds
-
 
 @dataclass(frozen=True)
 class Parameter:
@@ -46,13 +43,6 @@ class Parameter:
     def label(self) -> str:
         """Its name, and of which data set it is, counted from 1."""
         return self.name if self.run is None else f"{self.name} of data set {self.run + 1}"
-
-    @property
-    def longest(self) -> float:
-        """The largest change on the scale of the search in one step."""
-        if self.logarithmic:
-            return LONGEST_FACTOR
-        return LONGEST_PART * (self.high - self.low)
 
     @property
     def ends(self) -> tuple[float, float]:

@@ -61,7 +61,6 @@ class Problem:
         value, sigma: of all values, shape (M,); the standard deviation is NaN where it is to be estimated.
         order: when each was measured, shape (M,) [s]; NaN for an impact of which no time is known.
         size: of the column of each value, shape (M,): its range, or its largest value if that is more.
-        longest: largest change of each parameter in one step of the search, shape (P,).
         group: index of each value into ``names``, shape (M,).
         names: of the columns.
         evaluations: how many runs with derivatives there were.
@@ -88,7 +87,6 @@ class Problem:
         self.group = np.array([self.names.index(name) for name in quantities])
         self.order = np.concatenate([one.order for one in data])
         self.low, self.high = np.array([one.ends for one in self.parameters]).T
-        self.longest = np.array([one.longest for one in self.parameters])
         self.size = self._sizes()
         self.evaluations = 0
         self._own = [

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from chain_impact.studies.fit.levenberg_marquardt import minimize
+from chain_impact.studies.fit.least_squares import minimize
 from chain_impact.studies.fit.problem import Evaluation
 
 
-def search(function, start, *, low=-np.inf, high=np.inf, longest=np.inf, sigma=None, most=200):
+def search(function, start, *, low=-np.inf, high=np.inf, sigma=None, most=200):
     """Minimize a function that gives residuals and slopes."""
     calls = []
 
@@ -20,8 +20,7 @@ def search(function, start, *, low=-np.inf, high=np.inf, longest=np.inf, sigma=N
     count = len(function(start)[0])
     bounds = np.broadcast_to(low, start.shape), np.broadcast_to(high, start.shape)
     sigma = np.ones(count) if sigma is None else np.asarray(sigma, float)
-    longest = np.full(len(start), longest)
-    found = minimize(evaluate, evaluate(start), sigma, bounds=bounds, longest=longest, enough=1e-6, most=most)
+    found = minimize(evaluate, evaluate(start), sigma, bounds=bounds, enough=1e-12, most=most)
     return found, calls
 
 
@@ -62,15 +61,8 @@ def test_bounds_hold_and_others_move_on():
     found, calls = search(line, [0.0, 0.0], low=[-1.0, -1.0], high=[3.0, 1.5])
     assert found.converged
     assert all((place >= -1.0).all() and (place <= [3.0, 1.5]).all() for place in calls)
-    assert found.best.place[1] == 1.5
+    assert found.best.place[1] == pytest.approx(1.5)
     assert found.best.place[0] == pytest.approx((VALUES - 1.5 * LINE[:, 1]).mean())
-
-
-def test_no_step_is_longer_than_allowed():
-    _, calls = search(line, [100.0, 0.0], longest=0.7)
-    steps = np.abs(np.diff([calls[0], *calls[1:]], axis=0))
-    assert len(calls) > 100
-    assert steps.max() < 0.7 + 1e-12
 
 
 def test_a_parameter_without_effect_stays():
@@ -90,13 +82,13 @@ def test_rows_that_are_not_there_do_not_count_and_none_may_be_lost():
     assert 0.9 < found.best.place[1] <= 1.0
 
 
-def test_rows_without_derivatives_are_compared_but_not_fitted():
+def test_rows_without_derivatives_are_not_fitted():
     def blind(place):
         residuals, slopes = line(place)
         return np.append(residuals, 1e3), np.vstack([slopes, [[np.nan, np.nan]]])
 
     found, _ = search(blind, [0.0, 0.0])
-    np.testing.assert_allclose(found.best.place, np.linalg.lstsq(LINE, VALUES)[0], atol=1e-7)
+    np.testing.assert_allclose(found.best.place, np.linalg.lstsq(LINE, VALUES)[0], atol=1e-6)
 
 
 def test_nothing_to_fit_does_not_converge():
