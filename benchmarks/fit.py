@@ -97,6 +97,7 @@ def main() -> None:
     count, repetitions = (8, 20) if quick else (STARTS, REPETITIONS)
     started = common.environment()
     found, clock, once = [], [], 0
+    fit(true_scene(), measured(0), NAMES)  # loads the kernel and SciPy
     for seed, start in enumerate(starts(count)):
         data = measured(seed)
         one, milliseconds = timed(lambda start=start, data=data: fit(start, data, NAMES, sigma=SIGMA))
