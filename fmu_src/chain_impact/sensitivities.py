@@ -134,22 +134,31 @@ class DifferentiatedInstance(Instance):
         rows = self._open_rows()
         active = self.record["touch"]["active"] == 1
         touch, impulse = self._tangents["touch"], self._tangents["impulse"]
-        slopes = {name: touch[name]["slope"] for name in ("onset", "peak_force", "max_penetration", "effective_mass")}
+        slopes = {
+            name: touch[name]["slope"]
+            for name in ("onset", "peak_force", "max_penetration", "effective_mass")
+        }
         slopes["impact_speed"] = touch["onset_speed"]["slope"]
         slopes["impulse"] = impulse["total"]["slope"] - impulse["onset"]["slope"]
-        slopes |= {name: np.full_like(touch["onset"]["slope"], np.nan) for name in ("end", "separation_speed")}
+        slopes |= {
+            name: np.full_like(touch["onset"]["slope"], np.nan) for name in ("end", "separation_speed")
+        }
         self._keep_slopes(rows, {name: slope[:, active] for name, slope in slopes.items()})
         return rows
 
     def _keep_slopes(self, rows: np.ndarray, slopes: Mapping[str, np.ndarray]) -> None:
         """Keep the derivatives of some impacts, of shape (B, I, DIRECTIONS) for each quantity."""
-        kept = np.zeros(len(rows), [(name, np.float64, (len(self.parameters),)) for name in IMPACT_QUANTITIES])
+        kept = np.zeros(
+            len(rows), [(name, np.float64, (len(self.parameters),)) for name in IMPACT_QUANTITIES]
+        )
         trust = self._tangents["trust"][0]
         distrusted = np.inf if trust["reason"] == TRUSTED else trust["time"]
         for name in IMPACT_QUANTITIES:
             together = np.moveaxis(slopes[name], 0, 1).reshape(len(rows), self._directions)
             kept[name] = together[:, : len(self.parameters)]
-            until = rows["onset"] if name in AT_ONSET else np.where(np.isnan(rows["end"]), self.time, rows["end"])
+            until = (
+                rows["onset"] if name in AT_ONSET else np.where(np.isnan(rows["end"]), self.time, rows["end"])
+            )
             kept[name][(until >= distrusted) | ~np.isfinite(rows[name])] = np.nan
         self._impact_slopes.append(kept)
 

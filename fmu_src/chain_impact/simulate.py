@@ -199,7 +199,9 @@ class _Rows:
 class _RowsWithSlopes(_Rows):
     """As ``_Rows``, with the derivatives of each number in P directions."""
 
-    def __init__(self, count: int, layout: np.dtype, words: Mapping[str, int] | None, directions: int) -> None:
+    def __init__(
+        self, count: int, layout: np.dtype, words: Mapping[str, int] | None, directions: int
+    ) -> None:
         super().__init__(count, layout, words)
         self._numbers = self.kept.view(np.float64).reshape(count, -1) if words is None else self._numbers
         self._slopes = np.zeros((count, self._numbers.shape[1], directions))
@@ -210,7 +212,9 @@ class _RowsWithSlopes(_Rows):
         place = slice(start, start + len(times))
         return instance.follow_trajectory(times, self._numbers[place], self._slopes[place])
 
-    def sensitivities(self, instance: Instance, asked: slice | np.ndarray, order: np.ndarray) -> Sensitivities:
+    def sensitivities(
+        self, instance: Instance, asked: slice | np.ndarray, order: np.ndarray
+    ) -> Sensitivities:
         """The derivatives of some rows, and of the impacts in an ``order``."""
         assert isinstance(instance, DifferentiatedInstance)
         scene = instance.scene

@@ -55,7 +55,7 @@ def input_places(scene: Scene) -> dict[str, Place]:
 
 
 def differentiable(scene: Scene) -> dict[str, Place]:
-    """The parameters and inputs of which there are derivatives, and the place of each in the instance record."""
+    """The parameters and inputs with respect to which there are derivatives, and their places."""
     left_out = ("solver", "contact.model", "contact.minimum_impact_speed")
     known = (*_parameters(scene), *_inputs(scene))
     return {v.name: v.place for v in known if not v.name.startswith(left_out)}

@@ -35,7 +35,7 @@ PORTABLE_CPU = "x86-64-v2"
 BAD_LAW = 3  # exit code of lower.py; what is wrong stands on standard error
 # For every x86 processor since 2009 and every 64-bit ARM, so that results are bit-equal on all of a kind.
 CPUS = {"x86_64": "x86_64_v2", "aarch64": "generic"}
-# Where it is there, twice as many numbers in a vector: dual numbers are such vectors. Values are the same bits.
+# Where it is there, twice as many numbers fit a vector, and dual numbers are vectors. Values are bit-equal.
 WIDE_CPU, WIDE_FLAGS = "x86_64_v3", {"avx2", "bmi2", "fma"}
 # Twice as much as usual is inlined, which makes steps of four links up to 4 % faster. ARM's instruction that
 # multiplies and adds is not used: it rounds once where the two of x86 round twice.
@@ -125,6 +125,7 @@ def link(
     platform: str,
     links: int | None,
     law: Path | None = None,
+    *,
     cpu: str | None = None,
 ) -> None:
     """Make the library of a lowered kernel.

@@ -144,7 +144,7 @@ _ARITHMETIC = {
 
 
 def _sum(operation: str) -> tuple[Code, Code, Code]:
-    """x ± y for two dual numbers, for a dual and a plain one, and the other way round."""
+    """The sum or difference of two dual numbers, for a dual and a plain one, and the other way round."""
 
     def both(_context: Any, builder: ir.IRBuilder, x: ir.Value, y: ir.Value) -> ir.Value:
         (a, da), (b, db) = _parts(builder, x), _parts(builder, y)
@@ -174,7 +174,7 @@ def _product() -> tuple[Code, Code, Code]:
         a, da = _parts(builder, x)
         return _made(builder, builder.fmul(a, b), _times(builder, b, da))
 
-    def second(context: Any, builder: ir.IRBuilder, a: ir.Value, y: ir.Value) -> ir.Value:
+    def second(_context: Any, builder: ir.IRBuilder, a: ir.Value, y: ir.Value) -> ir.Value:
         b, db = _parts(builder, y)
         return _made(builder, builder.fmul(a, b), _times(builder, a, db))
 
@@ -261,7 +261,6 @@ for _function, _relation in (
 
     for _kinds in _KINDS:
         _lower(_function, _compared, *_kinds)
-
 
 
 def _extreme(relation: str) -> Any:

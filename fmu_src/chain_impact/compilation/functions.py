@@ -29,8 +29,9 @@ EXTERNAL: dict[Any, types.Type] = {
     user_law.present: types.ExternalFunction(LAW_PRESENT, int64()),
     user_law.force: types.ExternalFunction(LAW_FORCE, float64(*[float64] * len(user_law.ARGUMENTS))),
 }
+_RULES: dict[Any, Any] = RULES
 # what dual_numbers.py and record_type.py have made numba know
-BUILT_IN = {directions.value, directions.carried, directions.varies, blocks.block, blocks.words}
+BUILT_IN: set[Any] = {directions.value, directions.carried, directions.varies, blocks.block, blocks.words}
 
 
 @cache
@@ -43,7 +44,7 @@ class Function(types.Dispatcher):
     """The type of a function of the kernel; where its arguments carry derivatives, of what gives them."""
 
     def __init__(self, function: FunctionType) -> None:
-        self._rule = RULES.get(function)
+        self._rule = _RULES.get(function)
         super().__init__(compiled(function))
 
     def _for(self, arguments: Any) -> types.Dispatcher:
@@ -63,7 +64,11 @@ class Function(types.Dispatcher):
 
 def carries_derivatives(kind: types.Type) -> bool:
     """Whether a number, an array or an instance is one of dual numbers."""
-    return isinstance(kind, Dual) or getattr(kind, "dtype", None) == DUAL or getattr(kind, "what", "") == TANGENT.what
+    return (
+        isinstance(kind, Dual)
+        or getattr(kind, "dtype", None) == DUAL
+        or getattr(kind, "what", "") == TANGENT.what
+    )
 
 
 register_model(Function)(models.OpaqueModel)

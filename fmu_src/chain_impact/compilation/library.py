@@ -32,7 +32,7 @@ def kernel_library(
         platform: of ``compilers.ZIG_TARGETS``.
         notify: called with a sentence, a ``Work``, before work that takes seconds.
         law_file: the file of a user's law that the kernel shall have, if any.
-        derivatives: whether it shall carry derivatives beside the run; it is for processors like this one then.
+        derivatives: whether it shall carry derivatives; it is for processors like this one then.
 
     Raises:
         BuildError: when the user's law or a compiler fails, or there is no compiler and no ready kernel.
@@ -52,7 +52,7 @@ def kernel_library(
     def link(library: Path) -> None:
         seconds = LINKING[what] if compilers.zig_is_prepared(platform) else FIRST_LINKING[platform]
         notify(Work(f"linking the kernel for {platform}", seconds))
-        compilers.link(module, library, platform, exact, law_module, cpu)
+        compilers.link(module, library, platform, exact, law_module, cpu=cpu)
 
     return cache.made(name, link, notify)
 

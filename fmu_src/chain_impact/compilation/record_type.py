@@ -89,7 +89,7 @@ def _affine(numbers: Sequence[int]) -> Affine:
 
 
 def _kind(dtype: np.dtype) -> types.Type:
-    """numba's type of a number, or of the entries of an array."""
+    """Numba's type of a number, or of the entries of an array."""
     return DUAL if dtype == dual_dtype(np.dtype(REAL)) else from_dtype(dtype)
 
 

@@ -249,9 +249,7 @@ def begin(d):
     """Let what happened at the end of the last step take effect; returns the number of events."""
     events = let_events_act(d)
     if events > 0 and d.contact.impulsive:
-        d.step.next_size = min(
-            d.step.next_size, step_size.in_flight(d, d.step.state_end, d.work.rate_start)
-        )
+        d.step.next_size = min(d.step.next_size, step_size.in_flight(d, d.step.state_end, d.work.rate_start))
     if events > 0 or d.balance.breaks != d.step.breaks:
         take_stock(d)
     choose_method(d)

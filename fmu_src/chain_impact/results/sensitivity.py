@@ -37,7 +37,9 @@ class Sensitivities:
 
     def of_impacts(self, quantity: str, parameter: str) -> np.ndarray:
         """The derivative of a quantity of the impacts, shape (I,)."""
-        (name,) = matching(self.source, quantity, self.impact_slopes, "no quantity of impacts with derivatives")
+        (name,) = matching(
+            self.source, quantity, self.impact_slopes, "no quantity of impacts with derivatives"
+        )
         return self.impact_slopes[name][:, self._number(parameter)]
 
     def _number(self, parameter: str) -> int:

@@ -56,7 +56,7 @@ def in_reach(y, first, count):
 
 @inlined
 def cosine_and_sine(angle):
-    """cos φ and sin φ of an angle below LARGEST."""
+    """The cosine and sine of an angle below LARGEST."""
     # φ = k π/2 + r
     k = (angle * TWO_OVER_PI + ROUND) - ROUND
     r = (angle - k * HALF_PI_1) - k * HALF_PI_2

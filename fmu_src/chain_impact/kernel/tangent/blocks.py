@@ -1,4 +1,4 @@
-"""Several instances of dual numbers, one after the other: together they carry as many directions as asked for."""
+"""Several instances of dual numbers, one after the other: together they carry all directions asked for."""
 
 
 def block(first, number):

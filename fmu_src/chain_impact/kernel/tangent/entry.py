@@ -1,4 +1,4 @@
-"""What a caller can ask of an instance d and of those of dual numbers that go with it, ``count`` from ``first``.
+"""What a caller can ask of an instance d and of its instances of dual numbers, ``count`` from ``first``.
 
 The functions are those of kernel/entry.py and kernel/advance.py with derivatives beside.
 """
@@ -6,7 +6,6 @@ The functions are those of kernel/entry.py and kernel/advance.py with derivative
 import math
 
 from chain_impact.kernel.advance import go_on, look_at, renew
-from chain_impact.kernel.entry import UNLIMITED
 from chain_impact.kernel.events.contact_log import follow_to_now
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe

@@ -89,7 +89,7 @@ def move_end(t):
     for c in range(t.candidates):
         kind = t.touch.event[c]
         # where a regularized contact ends its time stands still: moving along it changes nothing
-        if kind == ONSET or kind == RELATCH or (kind == END and c != t.step.regularized):
+        if kind in (ONSET, RELATCH) or (kind == END and c != t.step.regularized):
             see_rate(t)
             see_points(t)
             judge_onsets(t)
@@ -102,7 +102,10 @@ def delay(t, c, kind):
     gap, gap_rate = clearance(t, c)
     if kind == RELATCH:
         # φ = −ġ − 2 v₀
-        change, rate = -gap_rate - RELATCH_RATIO * t.touch.impact_speed[c], -along_normal(t, c, t.work.acceleration)
+        change, rate = (
+            -gap_rate - RELATCH_RATIO * t.touch.impact_speed[c],
+            -along_normal(t, c, t.work.acceleration),
+        )
     else:
         change, rate = gap, gap_rate
     return carried(0.0, -1.0 / value(rate), change)

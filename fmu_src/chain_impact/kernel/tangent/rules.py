@@ -15,6 +15,7 @@ from chain_impact.kernel.tangent.directions import carried, value, varies
 
 DIFFERENCE = 1e-3  # of an argument of a user's law, for its slopes
 
+
 def power(depth, exponent):
     """δ^n: the special exponents hide that n may vary, and the slope at δ = 0 is infinite for n < 1."""
     base, n = value(depth), value(exponent)
@@ -28,7 +29,7 @@ def power(depth, exponent):
 
 
 def polar(radius, y, first, horizontal, vertical):
-    """r cos φ and r sin φ: the reduction of the angle hides how they vary."""
+    """Horizontal r cos φ, vertical r sin φ: the reduction of the angle hides how they vary."""
     near = sincos.in_reach(y, first, len(radius))
     for i in range(len(radius)):
         phi = y[first + i]
@@ -50,7 +51,9 @@ def fraction(t, time):
     if step.regularized < 0:
         return elapsed / step.size
     theta = value(dense.regularized_fraction(t, elapsed))
-    rate = value(step.size) * dense.time_rate(value(dense.interpolate_component(step, theta, root_at(t.links))))
+    rate = value(step.size) * dense.time_rate(
+        value(dense.interpolate_component(step, theta, root_at(t.links)))
+    )
     error = dense.interpolate_component(step, theta, clock) - elapsed
     # θ = θ₀ − (t(θ₀) − t)/ṫ; where a contact begins or ends time stands still, and θ does not vary
     return carried(theta, -1.0 / rate if rate > 0.0 else 0.0, error)
@@ -58,7 +61,15 @@ def fraction(t, time):
 
 def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
     """A user's law, of which only values are known: by differences of the law alone."""
-    at = (value(depth), value(rate), value(speed), value(mass), value(stiffness), value(exponent), value(restitution))
+    at = (
+        value(depth),
+        value(rate),
+        value(speed),
+        value(mass),
+        value(stiffness),
+        value(exponent),
+        value(restitution),
+    )
     total = carried(user_law.force(*at), slope_along(0, DIFFERENCE * at[0], at), depth)
     total += carried(0.0, slope_along(1, DIFFERENCE * (abs(at[1]) + at[2]), at), rate)
     total += carried(0.0, slope_along(2, DIFFERENCE * at[2], at), speed)

@@ -4,14 +4,14 @@ import math
 
 from chain_impact.kernel.events.kinds import ONSET
 from chain_impact.kernel.model.contact_force import may_jump
-from chain_impact.kernel.model.geometry import along_normal, clearance
+from chain_impact.kernel.model.geometry import clearance
 from chain_impact.kernel.tangent.directions import value
 
 TRUSTED, GRAZING, AT_FLOOR, SIMULTANEOUS = 0, 1, 2, 3
 
 REASONS = {
     GRAZING: "its point arrives so slowly that the tolerance leaves open whether it arrives at all",
-    AT_FLOOR: "its approach speed is below contact.minimum_impact_speed, which stands for it in the contact law",
+    AT_FLOOR: "its approach speed is below contact.minimum_impact_speed, which the contact law takes instead",
     SIMULTANEOUS: "several points arrive at one moment, and what follows depends on which is first",
 }
 """Why derivatives end at an impact."""
