@@ -1,0 +1,403 @@
+"""The chain in complex numbers: a value and, in its imaginary part, its derivative by a parameter.
+
+A model of its own for ``tests.derivatives``, which shares nothing with the kernel: the mass matrix and the
+forces of a chain after Lagrange, written down for all links at once, and the contact laws after
+docs/contact_laws.md. Every array has the lane as its first axis: in lane i the i-th parameter has an
+imaginary part. All lanes have the same real parts. Units are SI throughout.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from chain_impact.instance import candidates
+from chain_impact.scene import WALLS, Scene
+from tests.complex_laws import FAMILY, WITH_MASS
+from tests.complex_step import TINY, power
+
+
+class Place:
+    """Directions, positions and velocities in a state, and clearances of the candidates and their rates."""
+
+    def __init__(self, chain: ComplexChain, y: np.ndarray) -> None:
+        self.chain, self.y = chain, y
+        self.angle, self.omega = y[:, 2 : chain.v.start], y[:, chain.v.start + 2 : chain.v.stop]
+        self.along = np.empty((*self.angle.shape, 2), complex)  # e_i …
+        self.across = np.empty_like(self.along)  # … and e_i⊥
+        self.along[..., 0] = self.across[..., 1] = np.cos(self.angle)
+        self.along[..., 1] = np.sin(self.angle)
+        self.across[..., 0] = -self.along[..., 1]
+
+    @cached_property
+    def position(self) -> np.ndarray:
+        return chained(self.y[:, :2], self.along * self.chain.length[..., None])
+
+    @cached_property
+    def velocity(self) -> np.ndarray:
+        base = self.y[:, self.chain.v.start : self.chain.v.start + 2]
+        return chained(base, self.across * (self.chain.length * self.omega)[..., None])
+
+    @cached_property
+    def gap(self) -> np.ndarray:
+        chain = self.chain
+        return (chain.normal * self.position[:, chain.points]).sum(2) - chain.offset
+
+    @cached_property
+    def gap_rate(self) -> np.ndarray:
+        return (self.chain.normal * self.velocity[:, self.chain.points]).sum(2)
+
+
+def chained(base: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """Base, and base and parts up to each link: of all points, shape (lanes, N+1, 2)."""
+    result = np.empty((len(base), parts.shape[1] + 1, 2), complex)
+    result[:, 0] = base
+    np.cumsum(parts, 1, out=result[:, 1:])
+    result[:, 1:] += base[:, None]
+    return result
+
+
+@dataclass
+class Touch:
+    """A contact that lasts: what is latched at its onset, and its largest force and penetration so far."""
+
+    candidate: int
+    onset: np.ndarray  # s
+    onset_speed: np.ndarray  # m/s
+    speed: np.ndarray  # m/s, v₀
+    mass: np.ndarray  # kg
+    impulse: np.ndarray  # N·s, of the candidate at the onset
+    scale: float  # m, of the penetration: not a function of the parameters
+    damping: np.ndarray = field(init=False)  # N·s/m^(p+1), d
+    pushes: bool = True  # the force is not cut off
+    damped: bool = True  # δ̇ > 0, or the law damps on the way back, too
+    forces: list[np.ndarray] = field(default_factory=list)  # N, at each of its peaks
+    depths: list[np.ndarray] = field(default_factory=list)  # m, likewise
+
+
+class ComplexChain:
+    """The equations of a scene with some parameters perturbed, one in each lane.
+
+    The state of a lane is q = (x₀, y₀, θ), q̇, time, dissipated and supplied energy, the impulse of each
+    candidate, and z of each candidate: the root z = (δ/δ*)^(1/m) of its penetration, while it lasts. With
+    dt/ds = τ Π z^(m−1) the motion is smooth in s, also where contacts begin and end, if m n and m p are
+    whole.
+
+    Args:
+        scene: the chain, its walls and its law.
+        parameters: their names in the FMU.
+        inputs: constant values of inputs, by name.
+    """
+
+    def __init__(
+        self, scene: Scene, parameters: Sequence[str], inputs: Mapping[str, float] | None = None
+    ) -> None:
+        self.scene, self.parameters = scene, list(parameters)
+        self.base = {k: v for k, v in scene.values.items() if isinstance(v, float | int)} | dict(inputs or {})
+        unknown = set(parameters) - set(self.base)
+        assert not unknown, f"no parameters: {unknown}"
+        self.lanes = max(1, len(self.parameters))
+        # to be relative to a parameter's size makes the imaginary parts of all lanes alike
+        self.sizes = np.array([abs(self.base[name]) or 1.0 for name in self.parameters])
+        self.links = len(scene.chain.links)
+        self.pinned = scene.chain.base == "pinned"
+        self.recent: list[tuple[np.ndarray, Place]] = []
+        self._places()
+        self._bodies()
+        self._walls()
+        self._law()
+
+    def value(self, name: str, otherwise: float = 0.0) -> np.ndarray:
+        """A parameter in each lane, shape (lanes,)."""
+        value = np.full(self.lanes, self.base.get(name, otherwise), complex)
+        for lane, parameter in enumerate(self.parameters):
+            if parameter == name:
+                value[lane] += 1j * TINY * self.sizes[lane]
+        return value
+
+    def values(self, form: str) -> np.ndarray:
+        """A parameter of each link in each lane, shape (lanes, N)."""
+        return np.stack([self.value(form.format(i + 1)) for i in range(self.links)], 1)
+
+    def _places(self) -> None:
+        """Where things are in the state."""
+        n, count = self.links + 2, len(candidates(self.scene))
+        self.q, self.v = slice(0, n), slice(n, 2 * n)
+        self.time, self.dissipated, self.supplied = 2 * n, 2 * n + 1, 2 * n + 2
+        self.impulse, self.root = 2 * n + 3, 2 * n + 3 + count
+        self.size = self.root + count
+
+    def _bodies(self) -> None:
+        """T = ½m|ẋ₀|² + Σ b_i ω_i (ẋ₀·e_i⊥) + ½Σ c_ij cos(θ_i−θ_j) ω_i ω_j, with each link's own inertia."""
+        self.mass, self.length = self.values("link[{}].mass"), self.values("link[{}].length")
+        self.centre, self.inertia = self.values("link[{}].center_of_mass"), self.values("link[{}].inertia")
+        n = self.links
+        # arm of link i that carries the mass k: its length, or up to its own centre of mass
+        arm = np.zeros((self.lanes, n, n), complex)
+        for k in range(n):
+            arm[:, :k, k] = self.length[:, :k]
+            arm[:, k, k] = self.centre[:, k]
+        self.total = self.mass.sum(1)
+        self.b = (arm * self.mass[:, None]).sum(2)
+        self.c = np.einsum("lik,lk,ljk->lij", arm, self.mass, arm)
+        self.damper, self.spring = (
+            self.values("link[{}].joint_damping"),
+            self.values("link[{}].joint_stiffness"),
+        )
+        self.rest, self.torque = self.values("link[{}].joint_rest_angle"), self.values("joint[{}].torque")
+        if not self.pinned:
+            self.damper[:, 0] = self.spring[:, 0] = self.torque[:, 0] = 0.0
+        self.gravity = np.stack([self.value("gravity.x"), self.value("gravity.y")], 1)
+        self.tip = np.stack([self.value("tip.force.x"), self.value("tip.force.y")], 1)
+
+    def _walls(self) -> None:
+        """Points, names, normals and offsets n·x of the walls of all candidates."""
+        found = candidates(self.scene)
+        self.points = np.array([point for point, _ in found], int)
+        self.walls = np.array([wall for _, wall in found], int)
+        self.normal = np.zeros((self.lanes, len(found), 2), complex)
+        self.offset = np.zeros((self.lanes, len(found)), complex)
+        for c, wall in enumerate(self.walls):
+            name = self.scene.wall_names[wall]
+            if wall < len(WALLS):
+                sign = 1.0 - 2.0 * (wall % 2)
+                self.normal[:, c, wall // 2] = sign
+                self.offset[:, c] = sign * self.value(f"box.{name}")
+            else:
+                angle = self.value(f"wall.{name}.angle")
+                self.normal[:, c] = np.stack([-np.sin(angle), np.cos(angle)], 1)
+                place = np.stack([self.value(f"wall.{name}.x"), self.value(f"wall.{name}.y")], 1)
+                self.offset[:, c] = (self.normal[:, c] * place).sum(1)
+        self.offset += self.value("contact.radius")[:, None]
+
+    def _law(self) -> None:
+        self.law = self.scene.contact.model
+        self.stiffness, self.exponent = self.value("contact.stiffness"), self.value("contact.exponent")
+        self.restitution = self.value("contact.restitution")
+        self.slowest = self.value("contact.minimum_impact_speed")
+        self.rigid, self.approach_only = self.law == "newton_impact", self.law == "jankowski"
+        self.rate_exponent, self.mass_power, factor = self.exponent, 0.0, lambda e: 0.0 * e
+        if self.law in FAMILY:
+            factor = FAMILY[self.law]
+        elif not self.rigid:
+            factor, p, self.mass_power = WITH_MASS[self.law]
+            self.rate_exponent = np.full(self.lanes, p, complex)
+        # lanes differ in the restitution of at most one of them
+        made = {e: factor(complex(e)) for e in set(self.restitution)}
+        self.factor = np.array([made[e] for e in self.restitution])
+        n, p = self.exponent, self.rate_exponent
+        smooth = [
+            m
+            for m in (1, 2, 4)
+            if not (m * n).imag.any() and not (m * n[0]).real % 1 and not (m * p[0]).real % 1
+        ]
+        # in the eighth root, δⁿ of any n has derivatives up to the order of the method
+        self.m = smooth[0] if smooth else 8
+
+    def start(self) -> np.ndarray:
+        """The state at time 0, shape (lanes, size)."""
+        y = np.zeros((self.lanes, self.size), complex)
+        y[:, 0], y[:, 1] = self.value("initial.x"), self.value("initial.y")
+        y[:, 2 : self.v.start] = self.values("initial.angle[{}]")
+        y[:, self.v.start + 2 : self.v.stop] = self.values("initial.angular_velocity[{}]")
+        if not self.pinned:
+            y[:, self.v.start], y[:, self.v.start + 1] = self.value("initial.vx"), self.value("initial.vy")
+        return y
+
+    # --- motion ------------------------------------------------------------------------------------------
+
+    def locate(self, y: np.ndarray) -> Place:
+        """Where the chain is in a state, and how it moves. The last two are kept."""
+        for state, place in self.recent:
+            if state is y:
+                return place
+        place = Place(self, y)
+        self.recent = [(y, place), *self.recent[:1]]
+        return place
+
+    def mass_matrix(self, place: Place) -> np.ndarray:
+        along, n = place.along, self.links
+        matrix = np.zeros((self.lanes, n + 2, n + 2), complex)
+        matrix[:, 0, 0] = matrix[:, 1, 1] = self.total
+        matrix[:, :2, 2:] = np.swapaxes(self.b[..., None] * place.across, 1, 2)
+        matrix[:, 2:, :2] = self.b[..., None] * place.across
+        matrix[:, 2:, 2:] = self.c * (along @ np.swapaxes(along, 1, 2))
+        matrix[:, range(2, n + 2), range(2, n + 2)] += self.inertia
+        return matrix
+
+    def answer(self, place: Place, forces: np.ndarray) -> np.ndarray:
+        """M⁻¹ f of the coordinates that are free."""
+        first, result = 2 if self.pinned else 0, np.zeros_like(forces)
+        result[:, first:] = np.linalg.solve(
+            self.mass_matrix(place)[:, first:, first:], forces[:, first:, None]
+        )[..., 0]
+        return result
+
+    def spread(self, place: Place, loads: np.ndarray) -> np.ndarray:
+        """The generalized force Jᵀf of forces on the points, shape (lanes, N+1, 2)."""
+        beyond = np.cumsum(loads[:, ::-1], 1)[:, ::-1]  # on a point and all beyond it
+        turning = self.length * (place.across * beyond[:, 1:]).sum(2)
+        return np.concatenate([beyond[:, 0], turning], 1)
+
+    def gradient(self, place: Place, c: int) -> np.ndarray:
+        """J of the clearance of candidate c."""
+        loads = np.zeros((self.lanes, self.links + 1, 2), complex)
+        loads[:, self.points[c]] = self.normal[:, c]
+        return self.spread(place, loads)
+
+    def look(self, y: np.ndarray, touches: Sequence[Touch]) -> SimpleNamespace:
+        """All that follows from a state: accelerations, forces, powers."""
+        place = self.locate(y)
+        loads = np.zeros((self.lanes, self.links + 1, 2), complex)
+        loads[:, -1] += self.tip
+        pairs = [self.force(y, place, touch) for touch in touches]
+        for touch, (force, _) in zip(touches, pairs, strict=True):
+            c = touch.candidate
+            loads[:, self.points[c]] += self.normal[:, c] * force[:, None]
+        omega, along, across = place.omega, place.along, place.across
+        forces = self.spread(place, loads)
+        # Σ_j c_ij sin(θ_i−θ_j) ω_j² and −Σ b_i ω_i² e_i, to the other side
+        square = (omega**2)[..., None]
+        outward = self.c @ (square * along) + self.b[..., None] * self.gravity[:, None]
+        forces[:, 2:] += (across * outward).sum(2)
+        forces[:, :2] += (self.b[..., None] * square * along).sum(1)
+        forces[:, :2] += self.total[:, None] * self.gravity
+        bent, turned = self.relative(place.angle) - self.rest, self.relative(omega)
+        moment = self.torque - self.damper * turned - self.spring * bent
+        forces[:, 2:] += moment
+        forces[:, 2:-1] -= moment[:, 1:]
+        loss = (self.damper * turned**2).sum(1)
+        for touch, (force, elastic) in zip(touches, pairs, strict=True):
+            loss = loss - (force - elastic) * place.gap_rate[:, touch.candidate]
+        supply = (self.torque * turned).sum(1)
+        if self.tip.any():
+            supply = supply + (self.tip * place.velocity[:, -1]).sum(1)
+        return SimpleNamespace(
+            place=place,
+            acceleration=self.answer(place, forces),
+            pairs=pairs,
+            loss=loss,
+            supply=supply,
+            spring_energy=(0.5 * self.spring * bent**2).sum(1),
+        )
+
+    @staticmethod
+    def relative(values: np.ndarray) -> np.ndarray:
+        """What each link has more than the one before it."""
+        result = values.copy()
+        result[:, 1:] -= values[:, :-1]
+        return result
+
+    def point_accelerations(self, look: SimpleNamespace) -> np.ndarray:
+        place = look.place
+        turning = place.across * (self.length * look.acceleration[:, 2:])[..., None]
+        inward = place.along * (self.length * place.omega**2)[..., None]
+        return chained(look.acceleration[:, :2], turning - inward)
+
+    def rate(self, y: np.ndarray, touches: Sequence[Touch]) -> np.ndarray:
+        """dy/ds."""
+        look = self.look(y, touches)
+        result = np.zeros_like(y)
+        m, tempo = self.m, self.tempo(y, touches)
+        result[:, self.q], result[:, self.v] = y[:, self.v], look.acceleration
+        result[:, self.time], result[:, self.dissipated], result[:, self.supplied] = (
+            1.0,
+            look.loss,
+            look.supply,
+        )
+        for touch, (force, _) in zip(touches, look.pairs, strict=True):
+            result[:, self.impulse + touch.candidate] = force
+        result *= tempo[:, None]
+        for touch in touches:
+            others = self.tempo(y, touches, without=touch)
+            approach = -look.place.gap_rate[:, touch.candidate]
+            result[:, self.root + touch.candidate] = approach / (m * touch.scale) * others
+        return result
+
+    def tempo(self, y: np.ndarray, touches: Sequence[Touch], without: Touch | None = None) -> np.ndarray:
+        """dt/ds = τ Π z^(m−1), τ = m δ*/v₀ of the first contact; 1 in flight."""
+        if not touches:
+            return np.ones(self.lanes, complex)
+        tempo = np.full(self.lanes, self.m * touches[0].scale / touches[0].speed[0].real, complex)
+        for touch in touches:
+            if touch is not without:
+                tempo = tempo * y[:, self.root + touch.candidate] ** (self.m - 1)
+        return tempo
+
+    # --- contacts ----------------------------------------------------------------------------------------
+
+    def depth_power(self, y: np.ndarray, touch: Touch, exponent: Any) -> np.ndarray:
+        """δ^exponent, from the root of the penetration."""
+        exponent = exponent + np.zeros(self.lanes, complex)
+        root = y[:, self.root + touch.candidate]
+        return np.exp(exponent * math.log(touch.scale)) * power(root, self.m * exponent)
+
+    def damping(self, touch: Touch) -> np.ndarray:
+        return touch.damping if touch.damped else 0.0 * touch.damping
+
+    def force(self, y: np.ndarray, place: Place, touch: Touch) -> tuple[np.ndarray, np.ndarray]:
+        """F = K δⁿ + d δᵖ δ̇, or 0 where it is cut off, and K δⁿ."""
+        elastic = self.stiffness * self.depth_power(y, touch, self.exponent)
+        if not touch.pushes:
+            return 0.0 * elastic, elastic
+        approach = -place.gap_rate[:, touch.candidate]
+        damped = self.damping(touch) * self.depth_power(y, touch, self.rate_exponent) * approach
+        return elastic + damped, elastic
+
+    def push(self, y: np.ndarray, touch: Touch) -> np.ndarray:
+        """F/δᵖ, whose sign tells whether the force is cut off."""
+        spring = self.stiffness * self.depth_power(y, touch, self.exponent - self.rate_exponent)
+        return spring - self.damping(touch) * self.locate(y).gap_rate[:, touch.candidate]
+
+    def force_rate(self, y: np.ndarray, touches: Sequence[Touch], touch: Touch) -> np.ndarray:
+        """Ḟ δ^(1−p), which is zero at a peak of the force and neither at onset nor end."""
+        look, c, d = self.look(y, touches), touch.candidate, self.damping(touch)
+        n, p = self.exponent, self.rate_exponent
+        approach = -look.place.gap_rate[:, c]
+        point = self.point_accelerations(look)[:, self.points[c]]
+        sinking = -(self.normal[:, c] * point).sum(1)
+        if not p.any():
+            return self.stiffness * approach + d * sinking
+        spring = n * self.stiffness * self.depth_power(y, touch, n - p)
+        return (spring + p * d * approach) * approach + d * self.depth_power(y, touch, 1.0) * sinking
+
+    def begin(self, y: np.ndarray, c: int) -> Touch:
+        """The contact of candidate c whose clearance falls through zero in the state y."""
+        place = self.locate(y)
+        gradient = self.gradient(place, c)
+        mass = 1.0 / (gradient * self.answer(place, gradient)).sum(1)
+        arrival = -place.gap_rate[:, c]
+        speed = arrival if arrival[0].real > self.slowest[0].real else self.slowest
+        n, k = self.exponent[0].real, self.stiffness[0].real
+        # K δ*ⁿ⁺¹/(n+1) = ½ m v₀²
+        scale = ((n + 1.0) * mass[0].real * speed[0].real ** 2 / (2.0 * k)) ** (1.0 / (n + 1.0))
+        impulse = y[:, self.impulse + c].copy()
+        touch = Touch(c, y[:, self.time].copy(), arrival, speed, mass, impulse, scale)
+        self.latch(touch)
+        y[:, self.root + c] = 0.0
+        return touch
+
+    def latch(self, touch: Touch) -> None:
+        """d = λ K/v₀ of the Hunt–Crossley family, else f K^(1−s) m^s."""
+        if self.mass_power == 0.0:
+            touch.damping = self.factor * self.stiffness / touch.speed
+        else:
+            touch.damping = self.factor * self.stiffness * (touch.mass / self.stiffness) ** self.mass_power
+
+    def bounce(self, y: np.ndarray, c: int) -> tuple[np.ndarray, Touch]:
+        """The state after a rigid impact of candidate c: q̇⁺ = q̇ − M⁻¹Jᵀ m (1+e) J q̇."""
+        place, touch = self.locate(y), self.begin(y, c)
+        assert touch.onset_speed[0].real > self.slowest[0].real, "a point comes to rest at a rigid wall"
+        impulse = touch.mass * (1.0 + self.restitution) * touch.onset_speed
+        after = y.copy()
+        after[:, self.v] += self.answer(place, self.gradient(place, c)) * impulse[:, None]
+        after[:, self.impulse + c] += impulse
+        loss = 0.5 * touch.mass * (1.0 - self.restitution**2) * touch.onset_speed**2
+        after[:, self.dissipated] += loss
+        return after, touch

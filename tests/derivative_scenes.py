@@ -1,0 +1,248 @@
+"""Scenes whose derivatives are known, and differences of runs as a second witness."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from chain_impact import simulate
+from chain_impact.scene import Scene, scene_from_dict
+from tests.derivatives import FIELDS, Derivatives, differentiate
+from tests.problems import default_scene, of_law
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene with constant inputs, parameters to differentiate by, and times to look at [s]."""
+
+    scene: Scene
+    parameters: tuple[str, ...]
+    times: tuple[float, ...]
+    inputs: Mapping[str, float] = field(default_factory=dict)
+
+    def value(self, parameter: str) -> float:
+        """The value of a parameter or of an input."""
+        return float(self.inputs.get(parameter, self.scene.values.get(parameter, 0.0)))
+
+    def __hash__(self) -> int:
+        return hash((self.scene, self.parameters, self.times, tuple(self.inputs.items())))
+
+
+@cache
+def _exact(case: Case, tolerance: float) -> Derivatives:
+    return differentiate(case.scene, case.parameters, case.times, case.inputs, tolerance)
+
+
+def exact(case: Case, tolerance: float = 1e-12) -> Derivatives:
+    """The oracle's answer, which does not depend on how the kernel is to solve the scene."""
+    return _exact(replace(case, scene=case.scene.with_values({"solver.method": "auto"})), tolerance)
+
+
+def table(links: Sequence[Mapping[str, float]], **tables: Any) -> Scene:
+    data = {"name": "Case", "chain": {"base": tables.pop("base", "free"), "links": links}, **tables}
+    return scene_from_dict(data, "case")
+
+
+def struck_twice(law: str, restitution: float = 0.7, stiffness: float = 1e7) -> Case:
+    """Two links that fall onto the floor: three impacts at two points until 0.3 s; at 0.2022 s one lasts."""
+    scene = table(
+        [
+            {"length": 0.5, "mass": 1.0},
+            {
+                "length": 0.4,
+                "mass": 0.7,
+                "joint_damping": 0.01,
+                "joint_stiffness": 1.0,
+                "joint_rest_angle": 0.2,
+            },
+        ],
+        box={"x_min": -1.0, "y_min": 0.0},
+        contact={"stiffness": stiffness, "restitution": restitution, **of_law(law)},
+        initial={
+            "position": [0.0, 0.25],
+            "angles": [0.4, -0.3],
+            "velocity": [-0.5, -1.0],
+            "angular_velocities": [1.0, 2.0],
+        },
+        simulation={"stop_time": 0.3, "step_size": 2e-4},
+    )
+    return Case(scene, all_parameters(scene, {}), (0.1, 0.2022, 0.3))
+
+
+def all_parameters(scene: Scene, inputs: Mapping[str, float]) -> tuple[str, ...]:
+    """All numbers that a motion depends on, but the exponent and what belongs to the solver."""
+    tables = ("gravity", "link", "box", "wall", "initial", "contact")
+    left_out = ("contact.exponent", "contact.minimum_impact_speed")
+    pinned = scene.chain.base == "pinned"
+    names = [
+        name
+        for name, value in scene.values.items()
+        if isinstance(value, float) and name.split("[")[0].split(".")[0] in tables and name not in left_out
+    ]
+    of_base = [f"link[1].{key}" for key in ("joint_damping", "joint_stiffness", "joint_rest_angle")]
+    idle = ("initial.vx", "initial.vy") if pinned else tuple(of_base)
+    return (*(name for name in names if name not in idle), *inputs)
+
+
+def sprung_chain(law: str = "zhang_sharf", **solver: Any) -> Case:
+    """Three unlike links with springs and dampers in the joints, driven, between a floor and a slope."""
+    scene = table(
+        [
+            {"length": 0.4, "mass": 1.0, "center_of_mass": 0.15},
+            {
+                "length": 0.3,
+                "mass": 0.6,
+                "joint_damping": 0.05,
+                "joint_stiffness": 2.0,
+                "joint_rest_angle": 0.3,
+            },
+            {"length": 0.35, "mass": 0.8, "joint_damping": 0.02, "joint_stiffness": 3.0, "inertia": 0.02},
+        ],
+        box={"y_min": 0.0},
+        walls=[{"name": "slope", "point": [1.58, 0.0], "angle": 2.2}],
+        contact={"stiffness": 3e6, "restitution": 0.6, "radius": 0.02, **of_law(law)},
+        inputs={"joint_torques": True, "tip_force": True},
+        initial={
+            "position": [0.0, 0.3],
+            "angles": [0.5, -0.2, 0.4],
+            "velocity": [1.5, -0.5],
+            "angular_velocities": [-1.0, 1.0, 2.0],
+        },
+        simulation={"stop_time": 0.3, "step_size": 2e-3},
+        solver=solver,
+    )
+    inputs = {"joint[2].torque": 0.4, "joint[3].torque": -0.3, "tip.force.x": 1.5, "tip.force.y": 0.5}
+    return Case(scene, all_parameters(scene, inputs), (0.1, 0.216, 0.3), inputs)
+
+
+def pinned_chain(law: str = "hunt_crossley", **solver: Any) -> Case:
+    """Two links on a pinned base that swing against a wall, driven at the base."""
+    scene = table(
+        [
+            {
+                "length": 0.5,
+                "mass": 1.0,
+                "joint_damping": 0.1,
+                "joint_stiffness": 1.0,
+                "joint_rest_angle": -1.0,
+            },
+            {
+                "length": 0.4,
+                "mass": 0.5,
+                "joint_damping": 0.02,
+                "joint_stiffness": 1.0,
+                "joint_rest_angle": 0.1,
+            },
+        ],
+        base="pinned",
+        box={"x_max": 0.6},
+        contact={"stiffness": 1e6, "restitution": 0.75, "radius": 0.01, **of_law(law)},
+        inputs={"joint_torques": True},
+        initial={"position": [0.0, 0.0], "angles": [-1.8, -1.2], "angular_velocities": [3.0, 2.0]},
+        simulation={"stop_time": 1.0, "step_size": 2e-2},
+        solver=solver,
+    )
+    inputs = {"joint[1].torque": 5.0, "joint[2].torque": 0.2}
+    return Case(scene, all_parameters(scene, inputs), (0.3, 0.7, 1.0), inputs)
+
+
+def pressed_tip(law: str = "zhang_sharf", **solver: Any) -> Case:
+    """Two links whose tip is pressed onto the floor and stays there: v₀ is latched anew several times."""
+    scene = table(
+        [
+            {"length": 0.5, "mass": 0.8, "joint_damping": 0.05},
+            {"length": 0.4, "mass": 0.5, "joint_damping": 0.02},
+        ],
+        base="pinned",
+        box={"y_min": -0.5},
+        contact={"stiffness": 2e4, "restitution": 0.4, "points": [2], **of_law(law)},
+        inputs={"joint_torques": True, "tip_force": True},
+        initial={"position": [0.0, 0.0], "angles": [-0.3, -1.07], "angular_velocities": [0.0, -0.2]},
+        simulation={"stop_time": 0.12, "step_size": 2e-3},
+        solver=solver,
+    )
+    inputs = {"tip.force.y": -30.0, "joint[2].torque": 1.0}
+    left_out = ("gravity.x", "contact.radius")
+    parameters = tuple(name for name in all_parameters(scene, inputs) if name not in left_out)
+    return Case(scene, parameters, (0.02, 0.06, 0.12), inputs)
+
+
+def six_impacts() -> Case:
+    """The default scene until 1.2 s: six impacts of five points."""
+    scene = default_scene().with_values({"simulation.stop_time": 1.2, "simulation.step_size": 0.1})
+    parameters = (
+        "contact.stiffness",
+        "contact.restitution",
+        "link[2].mass",
+        "link[3].length",
+        "link[1].center_of_mass",
+        "link[4].inertia",
+        "link[3].joint_damping",
+        "initial.angle[3]",
+        "initial.angular_velocity[2]",
+        "initial.vx",
+        "gravity.y",
+        "box.y_min",
+    )
+    return Case(scene, parameters, (0.3, 0.6, 0.9, 1.2))
+
+
+def state_names(scene: Scene) -> list[str]:
+    """The outputs that are the state: of the base and of the links."""
+    links = range(1, len(scene.chain.links) + 1)
+    base = [f"point[0].{name}" for name in ("x", "y", "vx", "vy")]
+    return [*base, *(f"link[{i}].{name}" for i in links for name in ("angle", "angular_velocity"))]
+
+
+def size_of(case: Case, parameter: str) -> float:
+    """The size of a parameter, 1 for one that is zero."""
+    return abs(case.value(parameter)) or 1.0
+
+
+def off(found: np.ndarray, right: np.ndarray, values: np.ndarray, unit: float) -> float:
+    """The error of slopes by a parameter of a size, over the largest of them.
+
+    Those of what hardly depends on the parameter are compared with a thousandth of value over parameter.
+    """
+    kept = ~np.isnan(right)
+    assert np.array_equal(kept, ~np.isnan(found))
+    if not kept.any():
+        return 0.0
+    largest = max(np.abs(right[kept]).max(), 1e-3 * np.abs(values[kept]).max() / unit)
+    return float(np.abs(found - right)[kept].max() / largest) if largest else 0.0
+
+
+def run(case: Case, changes: Mapping[str, float], tolerance: float = 1e-13) -> tuple[np.ndarray, np.ndarray]:
+    """The states at the times of a case, (T, W), and the impacts, (fields, I), with other values."""
+    scene = case.scene.with_values({k: v for k, v in changes.items() if k not in case.inputs})
+    inputs = {name: changes.get(name, value) for name, value in case.inputs.items()}
+    result = simulate(scene, tolerance=tolerance, inputs=inputs)
+    rows = np.searchsorted(result.time, np.array(case.times) - 1e-9)
+    states = np.stack([result[name][rows] for name in state_names(scene)], 1)
+    return states, np.array([result.impacts[name] for name in FIELDS])
+
+
+def differences(case: Case, parameter: str) -> tuple[np.ndarray, np.ndarray]:
+    """Derivatives of ``run`` by central differences: of all sizes tried, those that agree best.
+
+    Each is extrapolated once (L. F. Richardson 1911, *Phil Trans R Soc A* 210:307).
+    """
+    at, unit = case.value(parameter), size_of(case, parameter)
+
+    def slopes(size: float) -> list[np.ndarray]:
+        above, below = (run(case, {parameter: at + sign * size}) for sign in (1.0, -1.0))
+        with np.errstate(invalid="ignore"):  # the peak of a rigid impact is infinite
+            return [(a - b) / (2.0 * size) for a, b in zip(above, below, strict=True)]
+
+    made = [slopes(unit * size) for size in (5e-4, 2.5e-4, 1.25e-4, 6.25e-5, 3.125e-5)]
+    best = []
+    for sizes in zip(*made, strict=True):
+        tried = [(4.0 * fine - coarse) / 3.0 for coarse, fine in itertools.pairwise(sizes)]
+        gaps = [np.nanmax(np.abs(a - b), initial=0.0) for a, b in itertools.pairwise(tried)]
+        best.append(tried[int(np.argmin(gaps)) + 1])
+    return best[0], best[1]
