@@ -103,6 +103,41 @@ def test_bounds_are_kept_and_said():
     assert any("the model does not follow the data within their σ" in note for note in found.notes)
 
 
+def test_a_value_that_nears_a_bound_is_on_it():
+    """Negative damping would fit best: the search nears 0 without an end, the fit is at 0."""
+    arm = load_scene("triple_pendulum")
+    truth = simulate(arm.with_values({"link[1].joint_damping": 0.0}), stop_time=1.0, output_step=0.01)
+    columns = {"time": truth.time, "link[1].angle": truth["link[1].angle"] * (1.0 + 0.01 * truth.time)}
+    found = fit(arm, columns, ["link[1].joint_damping", "link[1].mass"], sigma={"link[1].angle": 1e-3})
+    assert found.values["link[1].joint_damping"] == 0.0
+    assert found.scene.values["link[1].joint_damping"] == 0.0
+    assert found.parameters[0].low == 0.0
+    assert any(note.startswith("link[1].joint_damping is at its lower bound, 0:") for note in found.notes)
+    assert not found.unknown
+
+
+def test_a_small_value_is_not_taken_for_its_bound():
+    """In SI units a damping is small: 1e-7 is far from 0, when the data tell it to a percent."""
+    arm = load_scene("triple_pendulum")
+    true = {f"link[{k}].joint_damping": 1e-7 for k in (1, 2, 3)}
+    scaled = {
+        f"link[{k}].{what}": 1e-4 * arm.values[f"link[{k}].{what}"]
+        for k in (1, 2, 3)
+        for what in ("mass", "inertia")
+    }
+    light = arm.with_values(scaled | true)
+    result = simulate(light, stop_time=2.0, output_step=0.01)
+    columns = {"time": result.time, "link[1].angle": result["link[1].angle"]}
+    found = fit(
+        light.with_values({"link[1].joint_damping": 2e-7}),
+        columns,
+        ["link[1].joint_damping"],
+        sigma={"link[1].angle": 1e-4},
+    )
+    assert found.values["link[1].joint_damping"] == pytest.approx(1e-7, rel=0.02)
+    assert not found.notes
+
+
 def test_impacts_that_are_not_there_are_left_out_and_said():
     columns, result = motion(0.7)
     table = impacts(result, ["onset"]) | {"wall": ["y_min", "x_max"]}
@@ -163,8 +198,8 @@ def test_refusals():
         lambda: fit(START, columns, FREE, sigma={"point[4].z": 1.0})
     )
     few = {"time": [0.1], "point[4].x": [2.3]}
-    assert "1 values can be fitted, must be at least 3, as many as parameters are free" in refusal(
-        lambda: fit(START, few, FREE, sigma=SIGMA_X)
+    assert refusal(lambda: fit(START, few, FREE, sigma=SIGMA_X)) == (
+        "FourLinkBox: 1 value can be fitted, must be at least 3, as many as parameters are free"
     )
 
 

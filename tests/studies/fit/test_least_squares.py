@@ -71,6 +71,17 @@ def test_a_parameter_without_effect_stays():
     assert found.best.place == pytest.approx([2.0, 5.0])
 
 
+def test_a_parameter_without_effect_costs_no_steps():
+    def valley(place):
+        residuals, slopes = rosenbrock(place[:2])
+        return residuals, np.hstack([slopes, np.zeros((2, 1))])
+
+    found, calls = search(valley, [-1.2, 1.0, 7.0], sigma=[1e-6, 1e-6])
+    alone, others = search(rosenbrock, [-1.2, 1.0], sigma=[1e-6, 1e-6])
+    assert found.best.place.tolist() == [*alone.best.place, 7.0]
+    assert len(calls) == len(others)
+
+
 def test_rows_that_are_not_there_do_not_count_and_none_may_be_lost():
     def gap(place):
         residuals, slopes = line(place)

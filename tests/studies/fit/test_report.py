@@ -1,5 +1,7 @@
 """What a fit says when it is printed."""
 
+from dataclasses import replace
+
 import pytest
 
 from chain_impact import fit
@@ -30,6 +32,12 @@ def test_a_fit_is_printed_whole(lines):
     assert "estimated" in by_name[TIP[1]]
     assert by_name["peak_force"].count("…") == 1
     assert "χ² per degree of freedom" in by_name["converged"]
+
+
+def test_many_horizons_are_not_listed():
+    found = fit(scene(), motion(0.5)[0], FREE[2:])
+    text = repr(replace(found, horizons=tuple(range(1, 13))))
+    assert "data until 1, 2, …, 11, 12 s" in text
 
 
 def test_high_correlations_are_told():

@@ -45,7 +45,7 @@ def test_refusals(csv):
     )
     assert refusal(read_table({"x": [math.inf]}).number, 0, "x").startswith("data: row 0: x = inf must be")
     assert refusal(read_table, csv("time,x\n0.1\n")) == (
-        f"{path}: line 2 has 1 cells, must have 2 as the head line"
+        f"{path}: line 2 has 1 cell, must have 2 as the head line"
     )
     assert refusal(read_table, csv("time,,x\n")) == f"{path}: column 2 of the head line has no name"
     assert refusal(read_table, csv("time,x,x\n")) == f"{path}: column 3 of the head line x is there twice"

@@ -1,5 +1,6 @@
 """What the data cannot tell, and which measurement would: each word is checked by doing it."""
 
+import math
 import re
 
 import pytest
@@ -47,6 +48,8 @@ def test_masses_are_known_up_to_a_factor():
     found = fit(arm, columns, names, sigma=sigma)
     assert len(found.unknown) == len(names)
     assert "link[1].mass is not determined by these data: its standard error is infinite." in found.unknown[0]
-    assert "Together with link[" in found.unknown[0]
+    assert "It acts together with link[" in found.unknown[0]
+    assert found.intervals["link[1].mass"] == (0.0, math.inf)
+    assert "0 … ∞" in repr(found)
     held = fit(arm, columns, names[1:], sigma=sigma)
     assert held.unknown == ()

@@ -208,7 +208,10 @@ class _Book:
     def _hint(self, name: str) -> str:
         near = nearest(name, [*self._outputs, *QUANTITIES])
         hint = f"the nearest is {near}" if near else f"impacts have {', '.join(QUANTITIES)}"
-        return f"is no output that changes over time, and no quantity of an impact; {hint}"
+        return (
+            f"is no output that changes over time, and no quantity of an impact; {hint}; "
+            "to leave it out, choose columns with --columns"
+        )
 
     def _add_sample(self, table: Table, row: int, names: list[str], before: float) -> float:
         """Add the outputs at a time; return it."""

@@ -12,6 +12,7 @@ import numpy as np
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.extras import require
 from chain_impact.reading import SceneError
+from chain_impact.results.summary import plural
 from chain_impact.scene import Scene, scene_of
 from chain_impact.studies.fit.data import Measurements, read_measurements, standard_deviation
 from chain_impact.studies.fit.horizon import Found, search
@@ -23,6 +24,7 @@ from chain_impact.studies.fit.uncertainty import information, largest_usual, qua
 from chain_impact.studies.fit.unknown import unknown
 
 VISIBLE = 0.01  # mean square of residuals in standard deviations; smaller ones do not matter
+LARGEST = 700.0  # whose exponential is a number
 ALIKE = 2.0  # correlation of neighbours times √n, which chance exceeds in 2 % of all cases
 
 
@@ -89,13 +91,16 @@ def fit(
 def _fit(problem: Problem, progress: Callable[[float], None]) -> Fit:
     """The fit of one contact law."""
     found = search(problem, progress)
-    at, rows = found.search.best, found.search.best.usable
+    at = _on_bounds(problem, found)
+    rows = at.usable
     if rows.sum() < len(problem.parameters):
-        raise SceneError(
-            f"{problem.scenes[0].name}: {rows.sum()} values can be fitted, must be at least "
-            f"{len(problem.parameters)}, as many as parameters are free; {' '.join(_left_out(problem, at))}"
+        few = (
+            f"{problem.scenes[0].name}: {plural(int(rows.sum()), 'value')} can be fitted, must be at least "
+            f"{len(problem.parameters)}, as many as parameters are free"
         )
+        raise SceneError("; ".join([few, *_left_out(problem, at)]))
     known = information(at.slopes[rows], found.sigma[rows])
+    reached = problem.bounds_reached(at.place, known.alone)
     values, covariance, errors = problem.values(at.place), known.covariance, known.errors
     labels = [parameter.label for parameter in problem.parameters]
     width = quantile(max(1.0, rows.sum() - len(labels)), bool(problem.estimated))
@@ -121,10 +126,27 @@ def _fit(problem: Problem, progress: Callable[[float], None]) -> Fit:
         converged=found.search.converged,
         runs=problem.evaluations,
         horizons=found.horizons,
-        unknown=tuple(unknown(problem, at, known)),
+        unknown=tuple(unknown(problem, at, known, reached)),
         models=at.runs,
     )
-    return replace(result, notes=tuple(_notes(problem, result, at, found)))
+    return replace(result, notes=tuple(_notes(problem, result, at, found, reached)))
+
+
+def _on_bounds(problem: Problem, found: Found) -> Evaluation:
+    """The model where the search ended, with the parameters that come near a bound on it.
+
+    The search stays within the bounds, and nears them without an end.
+    """
+    at = found.search.best
+    alone = information(at.slopes[at.usable], found.sigma[at.usable]).alone
+    reached = problem.bounds_reached(at.place, alone)
+    if not reached:
+        return at
+    place = at.place.copy()
+    for p, which in reached.items():
+        place[p] = problem.low[p] if which == "lower" else problem.high[p]
+    there = problem.evaluate(place)
+    return there if np.array_equal(there.usable, at.usable) else at
 
 
 def _runs(data: Source | Sequence[Source | Sequence[Source]]) -> list[Source | Sequence[Source]]:
@@ -142,7 +164,8 @@ def _scenes(scene: Scene, count: int, set_each: Mapping[str, Sequence[float]]) -
     for name, values in set_each.items():
         if len(values) != count:
             raise SceneError(
-                f"{scene.name}: {name} has {len(values)} values, must have {count}, one for each data set"
+                f"{scene.name}: {name} has {plural(len(values), 'value')}, must have {count}, "
+                "one for each data set"
             )
     return [
         scene.with_values({name: values[k] for name, values in set_each.items()}) if set_each else scene
@@ -162,9 +185,10 @@ def _check_sigma(scene: Scene, sigma: Iterable[str], measured: Sequence[Measurem
 
 def _interval(parameter: Parameter, place: float, half: float) -> tuple[float, float]:
     """The ends of an interval on the scale of the search, as values within the bounds."""
-    ends = (parameter.value(min(max(end, -700.0), 700.0)) if parameter.logarithmic else end
-            for end in (place - half, place + half))  # fmt: skip
-    low, high = (min(max(end, parameter.low), parameter.high) for end in ends)
+    ends = np.array([place - half, place + half])
+    if parameter.logarithmic:
+        ends[np.abs(ends) > LARGEST] *= math.inf
+    low, high = (min(max(parameter.value(end), parameter.low), parameter.high) for end in ends.tolist())
     return low, high
 
 
@@ -192,7 +216,9 @@ def _deviance(problem: Problem, at: Evaluation, rows: np.ndarray) -> float:
     return float(total)
 
 
-def _notes(problem: Problem, result: Fit, at: Evaluation, found: Found) -> list[str]:
+def _notes(
+    problem: Problem, result: Fit, at: Evaluation, found: Found, reached: Mapping[int, str]
+) -> list[str]:
     """What has to be said beside the numbers."""
     notes = []
     if not result.converged and np.isfinite(list(result.standard_errors.values())).any():
@@ -201,7 +227,7 @@ def _notes(problem: Problem, result: Fit, at: Evaluation, found: Found) -> list[
             "start nearer, or free fewer parameters."
         )
     notes += _left_out(problem, at)
-    for p, which in problem.bounds_reached(at.place).items():
+    for p, which in reached.items():
         one = problem.parameters[p]
         notes.append(
             f"{one.label} is at its {which} bound, {one.value(float(at.place[p])):.6g}: "

@@ -19,7 +19,7 @@ from chain_impact.studies.fit.problem import Evaluation, Problem
 
 ROWS = 3  # values in the first horizon, for each parameter, but no more than a third of all if that is enough
 FAR = (0.01, 0.0025)  # of the size of a column: a model so far away is not followed; first and second trial
-WORSE, EXACT = 4.0, 1e-6  # growth of the mean square that asks for a second trial, unless it is as small
+WORSE, EXACT = 1.2, 1e-6  # growth of the mean square that asks for a second trial, unless it is as small
 MANY = 20  # values, from which on a mean square says something
 GROWTH = 1.1  # of the horizon, at least
 ROUGH, FINE = 1e-2, 1e-9  # relative change of the sum of squares that is small enough

@@ -53,14 +53,17 @@ def minimize(
         most: steps, at most.
     """
     rows = first.usable
-    if not first.slopes[rows].any():
-        return Search(first, False, 0)  # nothing depends on the parameters
-    kept = {first.place.tobytes(): first}
+    moved = first.slopes[rows].any(axis=0)  # SciPy takes many steps along what has no effect
+    if not moved.any():
+        return Search(first, False, 0)
+    kept = {first.place[moved].tobytes(): first}
 
     def model(place: np.ndarray) -> Evaluation:
         key = place.tobytes()
         if key not in kept:
-            kept[key] = evaluate(place)
+            whole = first.place.copy()
+            whole[moved] = place
+            kept[key] = evaluate(whole)
         return kept[key]
 
     def residuals(place: np.ndarray) -> np.ndarray:
@@ -71,9 +74,9 @@ def minimize(
 
     found = require("scipy.optimize", "fit").least_squares(
         residuals,
-        first.place,
-        lambda place: model(place).slopes[rows] / sigma[rows, None],
-        bounds=bounds,
+        first.place[moved],
+        lambda place: model(place).slopes[np.ix_(rows, moved)] / sigma[rows, None],
+        bounds=[ends[moved] for ends in bounds],
         x_scale="jac",
         ftol=enough,
         xtol=EXACT,

@@ -12,7 +12,7 @@ from chain_impact.names import nearest
 from chain_impact.reading import SceneError, UnknownNameError, shown
 from chain_impact.scene import Scene
 from chain_impact.variable import Variable
-from chain_impact.variables import fmu_variables
+from chain_impact.variables import differentiable, fmu_variables
 
 Bounds = Mapping[str, str | tuple[float | None, float | None]]
 WIDEST = 1e8  # from the start to the end of a search, as a factor
@@ -62,7 +62,7 @@ class Parameter:
 
     def value(self, coordinate: float) -> float:
         """The value at a place on the scale of the search."""
-        return math.exp(coordinate) if self.logarithmic else coordinate
+        return min(max(math.exp(coordinate), self.low), self.high) if self.logarithmic else coordinate
 
     def slope(self, value: float) -> float:
         """Derivative of the value by its place on the scale."""
@@ -84,7 +84,8 @@ def parameters_of(
         SceneError: when a name is unknown, is given twice, or a bound is not allowed.
     """
     scene = scenes[0]
-    known = {v.name: v for v in fmu_variables(scene) if _can_be_free(v)}
+    places = differentiable(scene)
+    known = {v.name: v for v in fmu_variables(scene) if v.name in places}
     names = [*free, *free_each]
     if not names:
         raise SceneError(f"{scene.name}: no parameter is free; name at least one")
@@ -104,13 +105,6 @@ def parameters_of(
         for k, one in enumerate(scenes)
     ]
     return (*shared, *each)
-
-
-def _can_be_free(variable: Variable) -> bool:
-    """Whether it is a number on which the motion depends."""
-    apart = ("solver.", "contact.minimum_impact_speed")
-    real = variable.type == "real" and variable.causality in ("parameter", "input")
-    return real and not variable.name.startswith(apart)
 
 
 def _parameter(

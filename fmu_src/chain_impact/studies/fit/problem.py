@@ -19,7 +19,7 @@ from chain_impact.studies.fit.data import DURATION, QUANTITIES, Measurements
 from chain_impact.studies.fit.parameters import Parameter
 
 SMALLEST = 1e-300  # so that a column of zeros has a size
-AT_BOUND = 1e-6  # of a bound, on the scale of the search
+AT_BOUND = 0.01  # standard errors, so near is at a bound
 LATE = 1.25  # how much later than measured an impact of the model may be, as a factor of its time
 
 
@@ -163,14 +163,16 @@ class Problem:
         self.evaluations += 1
         return self.until(Evaluation(place, found - self.value, slopes * scale, tuple(runs)), horizon)
 
-    def bounds_reached(self, place: np.ndarray) -> dict[int, str]:
-        """The parameters that are at a bound → which, lower or upper."""
-        found = {}
-        for p, at in enumerate(place.tolist()):
-            for which, bound in (("lower", self.low[p]), ("upper", self.high[p])):
-                if math.isfinite(bound) and abs(at - bound) <= AT_BOUND * max(1.0, abs(bound)):
-                    found[p] = which
-        return found
+    def bounds_reached(self, place: np.ndarray, errors: np.ndarray) -> dict[int, str]:
+        """The parameters that are at a bound → which, lower or upper.
+
+        Args:
+            place: on the scale of the search, shape (P,).
+            errors: standard error of each with all others held, shape (P,).
+        """
+        near = np.where(np.isfinite(errors), AT_BOUND * errors, 0.0)
+        lower, upper = place - self.low <= near, self.high - place <= near
+        return {int(p): "lower" if lower[p] else "upper" for p in np.flatnonzero(lower | upper)}
 
     def fault(self, evaluation: Evaluation) -> str:
         """Why a model did not reach the end; empty if all did."""

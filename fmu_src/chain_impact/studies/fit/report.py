@@ -13,6 +13,7 @@ from chain_impact.studies.fit.result import Fit
 from chain_impact.studies.fit.unknown import size_of
 
 HIGH = 0.9  # a correlation that is worth a word
+MANY = 8  # horizons, more are not listed
 EQUAL = 2.0  # of Akaike's criterion, a difference that says nothing
 
 
@@ -68,7 +69,7 @@ def _parameters(fit: Fit) -> list[Sequence[str]]:
                 number(one.start, 6),
                 f"{rounded(value, error)}{unit}",
                 size_of(one, value, place),
-                f"{rounded(low, error)} … {rounded(high, error)}",
+                " … ".join(rounded(end, error).replace("inf", "∞") for end in (low, high)),
             )
         )
     return rows
@@ -96,8 +97,10 @@ def _columns(fit: Fit) -> list[Sequence[str]]:
 
 def _quality(fit: Fit) -> str:
     state = "converged" if fit.converged else "not converged"
-    horizons = ", ".join(f"{end:.3g}" for end in fit.horizons)
-    text = f"{state} after {fit.runs} runs with derivatives; data until {horizons} s"
+    ends = [f"{end:.3g}" for end in fit.horizons]
+    if len(ends) > MANY:
+        ends[2:-2] = ["…"]
+    text = f"{state} after {fit.runs} runs with derivatives; data until {', '.join(ends)} s"
     if len(fit.estimated) < len(fit.columns):
         text += f"; χ² per degree of freedom {fit.reduced_chi_squared:.3g}"
     return text

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from chain_impact.reading import SceneError, shown
+from chain_impact.results.summary import plural
 
 Source = str | Path | Mapping[str, Sequence[Any]]
 """A CSV file, or name of a column → its cells."""
@@ -101,6 +102,6 @@ def _checked(source: str, names: tuple[str, ...], rows: list[list[Any]], lines: 
     for line, row in zip(lines, rows, strict=True):
         if len(row) != len(names):
             raise SceneError(
-                f"{source}: {line} has {len(row)} cells, must have {len(names)} as the head line"
+                f"{source}: {line} has {plural(len(row), 'cell')}, must have {len(names)} as the head line"
             )
     return Table(source, names, rows, lines)

@@ -43,6 +43,12 @@ class Information:
         """Standard errors of the parameters on the scale of the search, shape (P,)."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
+    @property
+    def alone(self) -> np.ndarray:
+        """Standard errors with all other parameters held, shape (P,); infinite of what has no effect."""
+        with np.errstate(divide="ignore"):
+            return np.asarray(1.0 / np.sqrt(np.diag(self.matrix)))
+
     def with_value(self, slopes: np.ndarray, sigma: float) -> Information:
         """What it would be with one more measured value, of some derivatives, shape (P,)."""
         return Information(self.matrix + np.outer(slopes, slopes) / sigma**2)

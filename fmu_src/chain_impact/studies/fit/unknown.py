@@ -7,7 +7,7 @@ computed anew, from the derivatives of that quantity.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
@@ -29,9 +29,9 @@ PROPOSED = {
 }
 
 
-def unknown(problem: Problem, at: Evaluation, known: Information) -> list[str]:
-    """What the data cannot tell: sentences, none if they determine all parameters."""
-    return list(_Adviser(problem, at, known).sentences())
+def unknown(problem: Problem, at: Evaluation, known: Information, reached: Collection[int] = ()) -> list[str]:
+    """What the data cannot tell: sentences, none if they determine all parameters but those at bounds."""
+    return list(_Adviser(problem, at, known, reached).sentences())
 
 
 def is_unknown(parameter: Parameter, value: float, error: float) -> bool:
@@ -49,9 +49,11 @@ def size_of(parameter: Parameter, value: float, error: float) -> str:
     """A standard error in words: in percent of what must be positive, else in its unit."""
     if not math.isfinite(error):
         return "infinite"
-    if parameter.logarithmic or (parameter.low == 0.0 and value > 0.0 and not math.isfinite(parameter.high)):
-        part = error if parameter.logarithmic else error / value
-        return f"{100.0 * part:.2g} %" if part < HUGE else f"a factor of {math.exp(min(part, 700.0)):.1g}"
+    if parameter.logarithmic and error > HUGE:
+        return f"a factor of {math.exp(min(error, 700.0)):.1g}"
+    positive = parameter.low == 0.0 and not math.isfinite(parameter.high) and error < HUGE * value
+    if parameter.logarithmic or positive:
+        return f"{100.0 * (error if parameter.logarithmic else error / value):.2g} %"
     unit = "" if parameter.unit in ("", "1") else f" {parameter.unit}"
     return f"{error:.2g}{unit}"
 
@@ -59,12 +61,14 @@ def size_of(parameter: Parameter, value: float, error: float) -> str:
 class _Adviser:
     """Looks for what would determine a parameter that the data do not."""
 
-    def __init__(self, problem: Problem, at: Evaluation, known: Information) -> None:
+    def __init__(
+        self, problem: Problem, at: Evaluation, known: Information, reached: Collection[int]
+    ) -> None:
         self._parameters, self._known, self._runs = problem.parameters, known, at.runs
         self._own = [problem.own(k) for k in range(len(at.runs))]
         self._values, self._errors = problem.values(at.place), known.errors
         self._scale = problem.scale(self._values)
-        free = [p for p in range(len(self._errors)) if p not in problem.bounds_reached(at.place)]
+        free = (p for p in range(len(self._errors)) if p not in reached)
         self._weak = [p for p in free if self._is_unknown(p, self._errors[p])]
 
     def sentences(self) -> Iterator[str]:
@@ -94,7 +98,7 @@ class _Adviser:
         error, other = min(found, default=(math.inf, -1))
         if error < BETTER * self._errors[p] and not self._is_unknown(p, error):
             label = self._parameters[other].label
-            yield f"Together with {label} only: with that held, it would be {self._size(p, error)}."
+            yield f"It acts together with {label}: with that held, it would be {self._size(p, error)}."
 
     def _proposals(self, p: int) -> Iterator[str]:
         """What one more measured quantity of an impact would do."""
