@@ -124,9 +124,10 @@ def test_other_commands_are_known_or_scripts_of_the_repository(page):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A folder with build/FourLinkBox.fmu, as the README's first command leaves it, and a native one."""
+    """A folder with build/FourLinkBox.fmu, as the README's first command leaves it, a native one, and the models."""
     folder = tmp_path_factory.mktemp("reader")
     (folder / "docs" / "images").mkdir(parents=True)
+    (folder / "models").symlink_to(ROOT / "models")
     for arguments in ((), ("--target", "native", "-o", "build/native"), ("--fmi", "3", "-o", "build/fmi3")):
         code, _, errors = run(folder, "-m", "chain_impact.cli", "build", *arguments)
         assert code == 0, errors

@@ -63,6 +63,7 @@ class Problem:
         size: of the column of each value, shape (M,): its range, or its largest value if that is more.
         group: index of each value into ``names``, shape (M,).
         names: of the columns.
+        own: of each data set, the indices of the parameters on which its model depends.
         evaluations: how many runs with derivatives there were.
     """
 
@@ -89,14 +90,14 @@ class Problem:
         self.low, self.high = np.array([one.ends for one in self.parameters]).T
         self.size = self._sizes()
         self.evaluations = 0
-        self._own = [
+        self.own = [
             [p for p, one in enumerate(self.parameters) if one.run in (None, k)]
             for k in range(len(self.data))
         ]
         try:
             self._runs = [
                 DifferentiatedRun(scene, [self.parameters[p].name for p in own], one.outputs, notify=notify)
-                for scene, one, own in zip(self.scenes, self.data, self._own, strict=True)
+                for scene, one, own in zip(self.scenes, self.data, self.own, strict=True)
             ]
         except SimulationError as error:
             raise SceneError(f"{self.scenes[0].name}: {error}") from None
@@ -146,17 +147,13 @@ class Problem:
         """Derivatives of the values by the places on the scale of the search, shape (P,)."""
         return np.array([one.slope(at) for one, at in zip(self.parameters, values.tolist(), strict=True)])
 
-    def own(self, k: int) -> list[int]:
-        """The indices of the parameters on which the model of a data set depends."""
-        return self._own[k]
-
     def evaluate(self, place: np.ndarray, horizon: float = math.inf) -> Evaluation:
         """Run the models until a horizon [s], and compare."""
         values = self.values(place)
         scale = self.scale(values)
         found, slopes = np.full(len(self.value), np.nan), np.zeros((len(self.value), len(place)))
         runs = []
-        for k, (mine, part) in enumerate(zip(self._own, self._parts, strict=True)):
+        for k, (mine, part) in enumerate(zip(self.own, self._parts, strict=True)):
             done = self._run(k, values[mine], horizon)
             found[part], slopes[part, mine] = _select(self.data[k], done)
             runs.append(done)

@@ -65,7 +65,7 @@ class _Adviser:
         self, problem: Problem, at: Evaluation, known: Information, reached: Collection[int]
     ) -> None:
         self._parameters, self._known, self._runs = problem.parameters, known, at.runs
-        self._own = [problem.own(k) for k in range(len(at.runs))]
+        self._own = problem.own
         self._values, self._errors = problem.values(at.place), known.errors
         self._scale = problem.scale(self._values)
         free = (p for p in range(len(self._errors)) if p not in reached)
