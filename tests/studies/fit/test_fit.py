@@ -144,7 +144,8 @@ def test_impacts_that_are_not_there_are_left_out_and_said():
     found = fit(scene(), [[columns, table]], FREE, sigma=SIGMA | {"onset": 1e-4})
     assert found.used.tolist() == [True] * 401 + [False]
     assert found.notes == (
-        "1 of 402 values were left out: the model has no such impact, or its contact lasts to the end.",
+        "1 of 402 values were left out, of onset: "
+        "the model has no such impact, or its contact lasts to the end.",
     )
 
 

@@ -272,7 +272,8 @@ def _left_out(problem: Problem, at: Evaluation) -> list[str]:
     if missing:
         fault = problem.fault(at)
         why = fault or "the model has no such impact, or its contact lasts to the end"
-        notes.append(f"{missing} of {count} values were left out: {why}.")
+        columns = ", ".join(problem.names[group] for group in np.unique(problem.group[~at.there]))
+        notes.append(f"{missing} of {count} values were left out, of {columns}: {why}.")
     if blind:
         limits = [limit for run in at.runs for limit in run.limits] or ["a derivative does not exist"]
         notes.append(

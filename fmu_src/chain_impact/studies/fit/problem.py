@@ -19,7 +19,8 @@ from chain_impact.studies.fit.data import DURATION, QUANTITIES, Measurements
 from chain_impact.studies.fit.parameters import Parameter
 
 SMALLEST = 1e-300  # so that a column of zeros has a size
-AT_BOUND = 0.01  # standard errors, so near is at a bound
+AT_BOUND = 0.01  # standard errors from a bound are at the bound, and so is
+AT_BOUND_PART = 1e-9  # of the distance between both bounds
 LATE = 1.25  # how much later than measured an impact of the model may be, as a factor of its time
 
 
@@ -167,7 +168,8 @@ class Problem:
             place: on the scale of the search, shape (P,).
             errors: standard error of each with all others held, shape (P,).
         """
-        near = np.where(np.isfinite(errors), AT_BOUND * errors, 0.0)
+        known = np.stack([AT_BOUND * errors, AT_BOUND_PART * (self.high - self.low)])
+        near = np.where(np.isfinite(known), known, 0.0).max(axis=0)
         lower, upper = place - self.low <= near, self.high - place <= near
         return {int(p): "lower" if lower[p] else "upper" for p in np.flatnonzero(lower | upper)}
 

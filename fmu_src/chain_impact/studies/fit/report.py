@@ -80,7 +80,7 @@ def rounded(value: float, error: float) -> str:
     if not (math.isfinite(error) and error > 0.0 and value):
         return number(value, 4)
     digits = 2 + math.floor(math.log10(abs(value))) - math.floor(math.log10(error))
-    return number(value, min(max(digits, 2), 15))
+    return number(value, min(max(digits, 2), 10))
 
 
 def _columns(fit: Fit) -> list[Sequence[str]]:
