@@ -208,7 +208,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse")),
         ("own", REAL, (links,)),  # kg·m², H
         ("damper", REAL, (links,)),  # kg·m², κ
-        ("aim", REAL, (links,)),  # rad/s, τ
+        ("impulse", REAL, (links,)),  # N·m·s, μ
         ("base", REAL, (3,)),  # 1/kg, A⁻¹ of the base: xx, xy, yy
     )
     inner = _record(

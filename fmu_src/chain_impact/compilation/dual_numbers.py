@@ -305,7 +305,15 @@ def _sign(_context: Any, builder: ir.IRBuilder, a: ir.Value, _value: ir.Value) -
 
 
 _chain(math.sqrt, _root_slope)
+_chain(math.exp, lambda _context, _builder, _a, value: value)
+_chain(math.expm1, lambda _context, builder, _a, value: builder.fadd(value, ir.Constant(value.type, 1.0)))
 _chain(math.log, lambda _context, builder, a, _value: builder.fdiv(ir.Constant(a.type, 1.0), a))
+_chain(
+    math.log1p,
+    lambda _context, builder, a, _value: builder.fdiv(
+        ir.Constant(a.type, 1.0), builder.fadd(a, ir.Constant(a.type, 1.0))
+    ),
+)
 _chain(math.cos, lambda context, builder, a, _value: builder.fneg(_of_numbers(context, builder, math.sin, a)))
 _chain(math.sin, lambda context, builder, a, _value: _of_numbers(context, builder, math.cos, a))
 _chain(abs, _sign)

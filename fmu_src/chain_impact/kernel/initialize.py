@@ -6,7 +6,7 @@ from chain_impact.kernel.chain.damped import damping_of
 from chain_impact.kernel.chain.joint_rate import joint_bound
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.regular import loose_links
-from chain_impact.kernel.chain.springs import stiffness_of
+from chain_impact.kernel.chain.springs import resists, stiffness_of
 from chain_impact.kernel.chain.state import (
     ANGLES,
     dissipated_at,
@@ -126,9 +126,9 @@ def derive_chain(d):
         model.distal_inertia[i] = model.inertia[i] + model.mass[i] * rest * rest
         model.size = max(model.size, model.length[i])
         model.reach += model.length[i]
-        if damping_of(d, i) != 0.0:
+        if resists(damping_of(d, i)):
             model.damped = 1
-        if stiffness_of(d, i) != 0.0:
+        if resists(stiffness_of(d, i)):
             model.sprung = 1
     total = 0.0
     for i in range(len(model.length)):

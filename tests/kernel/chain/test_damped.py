@@ -44,13 +44,13 @@ def relative_motion(count):
 
 
 def answer(d, impedance, shift, impulses, aim):
-    """What the recursion finds, shape (N+2,)."""
+    """What the recursion finds, shape (N+2,), for the changes ``aim`` at which the joints do not resist."""
     work, count = d.work, len(aim)
     found = np.full(count + 2, np.nan)
     set_impedances(work.impedance, impedance)
     factorize_damped(d, work.link, work.impedance, shift, work.damped)
     work.load.x[:], work.load.y[:] = impulses.T
-    solve_damped(d, work.link, work.damped, work.load, aim, found)
+    solve_damped(d, work.link, work.damped, work.load, work.damped.damper * aim, found)
     return found
 
 

@@ -1,8 +1,8 @@
 """The recursion with joints that resist: M + Jᵀ D J + K, in O(N).
 
 K = Σ κ_i g_i g_iᵀ with g_i the gradient of ω_i − ω_{i−1}: each joint resists a change of its relative angular
-velocity by a moment κ_i (Δ_i − Δ_{i−1} − τ_i), with τ_i the change at which it would not resist. The base has
-a damper only if it is pinned. A spring k_i is, for a step, one more damper (integration/implicit.py): in a
+velocity by κ_i (Δ_i − Δ_{i−1}) − μ_i, with μ_i an impulse in the joint. The base has a damper only if it is
+pinned. A spring k_i is, for a step, one more damper (integration/implicit.py): in a
 time s κ_i = s c_i + s² k_i.
 
 A damped joint transmits a moment. What hangs from it therefore answers the motion a of the joint and β, that
@@ -15,13 +15,13 @@ and is eliminated, Δ_i = α. With L, m c, x⊥ as in recursion.py and primes fo
 the β:
 
     h = m c⊥ + A' L⊥ + e',   H = I + m c² + L⊥·A' L⊥ + 2 L⊥·e' + p',   s = L⊥·b' + t',
-    Z = ½ a·(A' + m 1) a + α h·a + ½ H α² − s α − b'·a + ½ κ (α − β − τ)²,
-    α = (s + κ τ − h·a + κ β)/(H + κ).
+    Z = ½ a·(A' + m 1) a + α h·a + ½ H α² − s α − b'·a + ½ κ (α − β)² − μ (α − β),
+    α = (s + μ − h·a + κ β)/(H + κ).
 
 What is left has the coefficients, with σ = κ/(H + κ) between 0 and 1,
 
     A = A' + m 1 − h hᵀ/(H + κ),   e = σ h,   p = σ H,
-    b = b' − h (s + κ τ)/(H + κ),  t = σ (s − H τ),
+    b = b' − h (s + μ)/(H + κ),    t = σ s − (1 − σ) μ,
 
 in which nothing cancels, however large κ is. The elimination goes from the tip to the base, whose β is 0.
 """
@@ -75,15 +75,15 @@ def damping_of(d, i):
     return d.model.joint_damping[i] if i > 0 or d.model.pinned else 0.0
 
 
-def solve_damped(d, links, factors, load, aim, change):
-    """Solve (M + Jᵀ D J + K) Δ = Jᵀ load + Σ κ_i τ_i g_i.
+def solve_damped(d, links, factors, load, impulse, change):
+    """Solve (M + Jᵀ D J + K) Δ = Jᵀ load + Σ μ_i g_i.
 
     Args:
         d: the instance.
         links: as for ``factorize_damped``.
         factors: its result.
         load: record with ``x, y``, shape (N+1,): impulse on each point [N·s].
-        aim: τ_i, shape (N,) [rad/s].
+        impulse: μ_i in each joint, shape (N,) [N·m·s].
         change: result Δ, shape (N+2,): the change of the base's velocity [m/s] and of the angular velocities
             [rad/s].
     """
@@ -96,12 +96,12 @@ def solve_damped(d, links, factors, load, aim, change):
         damper, inverse = factors.damper[i], factors.inverse[i]
         # s = L⊥·b' + t'
         s = links.x[i] * by - links.y[i] * bx + t
-        moment = s + damper * aim[i]
+        moment = s + impulse[i]
         change[ANGLES + i] = moment * inverse
-        # b = b' − h (s + κ τ)/(H + κ),  t = σ (s − H τ)
+        # b = b' − h (s + μ)/(H + κ),  t = σ s − (1 − σ) μ
         bx -= factors.gain_x[i] * moment
         by -= factors.gain_y[i] * moment
-        t = damper * inverse * (s - factors.own[i] * aim[i])
+        t = inverse * (damper * s - factors.own[i] * impulse[i])
     bx += load.x[0]
     by += load.y[0]
     x = factors.base[0] * bx + factors.base[1] * by
@@ -109,7 +109,7 @@ def solve_damped(d, links, factors, load, aim, change):
     change[0], change[1] = x, y
     before = 0.0
     for i in range(n):
-        # α = (s + κ τ − h·a + κ β)/(H + κ)
+        # α = (s + μ − h·a + κ β)/(H + κ)
         share = factors.damper[i] * factors.inverse[i]
         a = change[ANGLES + i] - factors.gain_x[i] * x - factors.gain_y[i] * y + share * before
         change[ANGLES + i] = a

@@ -12,6 +12,11 @@ def stiffness_of(d, i):
     return d.model.joint_stiffness[i] if i > 0 or d.model.pinned else 0.0
 
 
+def resists(constant):
+    """Whether a joint with this damping or stiffness needs any of what follows from it."""
+    return constant != 0.0
+
+
 def stretch(d, y, i):
     """φ_i [rad], the angle of the joint of link i from that at which its spring is slack."""
     before = y[ANGLES + i - 1] if i > 0 else 0.0

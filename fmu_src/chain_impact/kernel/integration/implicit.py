@@ -22,15 +22,13 @@ the recursion. With x_v = r_v − Δ the rows of v̇ are M Δ = hγ (Jᵀ (k x_g
     x_v = r_v − Δ,   x_ġ = r_ġ − J Δ,   x_q = r_q + hγ x_v,   x_g = r_g + hγ x_ġ,
 
 with Δ the response of the chain to impulses at the touching points and moments in the joints. The contacts'
-impedance D adds to the articulated inertia at their points. κ_i = hγ (c_i + hγ k_i) is a damper that resists,
-in its joint, a change other than that of r_v + k_i/(c_i + hγ k_i) r_q: chain/damped.py, which only chains
-with joints that resist need.
+impedance D adds to the articulated inertia at their points. κ_i = hγ (c_i + hγ k_i) is a damper in its joint,
+which K r_v + hγ S r_q gives an impulse: chain/damped.py, which only chains with joints that resist need.
 
 The coordinates of a result are moved to the g and ġ that came with it in the same way, and those of its dense
 output in between. How far they had left them counts as an error.
 """
 
-from chain_impact.kernel.chain.damped import damping_of
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.springs import stiffness_of
 from chain_impact.kernel.chain.state import (
@@ -188,7 +186,7 @@ def factorize_stiff(d, shift):
 def respond(d, change):
     """Solve (M + Jᵀ D J + K) Δ = Jᵀ p + K r for Δ = ``change`` and J Δ.
 
-    p stands in ``normal``, and then J Δ; the relative angular velocities of r in ``work.damped.aim``.
+    p stands in ``normal``, and then J Δ; the impulses K r in the joints in ``work.damped.impulse``.
     """
     own = d.implicit
     if d.model.resisting:
@@ -206,7 +204,7 @@ def solve_stiff(d, shift, r, x):
         # D r_ġ + hγ k r_g
         own.normal[k] = own.impedance[k] * r[rate_at(d, k)] + shift * own.stiffness[k] * r[gap_at(d, k)]
     if d.model.resisting:
-        aim_joints(d, shift, r)
+        load_joints(d, shift, r)
     respond(d, x[velocities : dissipated_at(n)])
     for j in range(coordinate_count(n)):
         x[velocities + j] = r[velocities + j] - x[velocities + j]
@@ -226,14 +224,12 @@ def relative(r, first, i):
     return r[first + i] - (r[first + i - 1] if i > 0 else 0.0)
 
 
-def aim_joints(d, shift, r):
-    """Set the changes at which the joints do not resist: those of r_v + k_i/(c_i + hγ k_i) r_q."""
+def load_joints(d, shift, r):
+    """Set the impulses in the joints: K r_v + hγ S r_q."""
+    damped = d.work.damped
     for i in range(d.links):
-        d.work.damped.aim[i] = relative(r, omega_at(d.links), i)
-        k = stiffness_of(d, i)
-        if k > 0.0:
-            share = k / (damping_of(d, i) + shift * k)
-            d.work.damped.aim[i] += share * relative(r, ANGLES, i)
+        turning, turned = relative(r, omega_at(d.links), i), relative(r, ANGLES, i)
+        damped.impulse[i] = damped.damper[i] * turning + shift * stiffness_of(d, i) * turned
 
 
 _step = linearly_implicit(extended_rate, solve_stiff)
@@ -297,7 +293,7 @@ def meet(d, derivative, change):
         gap, gap_rate = clearance(d, d.touch.active_index[k])
         own.normal[k] = own.impedance[k] * (own.normal[k] - (gap_rate if derivative else gap))
     for i in range(n):
-        d.work.damped.aim[i] = 0.0
+        d.work.damped.impulse[i] = 0.0
     respond(d, change)
     return derivative * velocity_at(n)
 

@@ -5,7 +5,7 @@ the joints' resistance K = s C + s² S for a time s, of dampers C and springs S,
 
     (M + Jᵀ D J + K) Δ = Jᵀ p + K r,
 
-where p are impulses along the normals and r a motion that the joints let pass. The impedances add to the
+where p are impulses along the normals and K r those in the joints. The impedances add to the
 articulated inertia at their points, and a joint that resists with κ_i is one more term of the elimination
 (chain/damped.py). No matrix is formed.
 """
@@ -56,9 +56,9 @@ def give_way(d, links, factors, impulse, change):
 
 
 def give_way_damped(d, links, impulse, change):
-    """As ``give_way``, after ``stiffen_damped``; the relative rates of r are in ``work.damped.aim``."""
+    """As ``give_way``, after ``stiffen_damped``; the impulses in the joints are in ``work.damped.impulse``."""
     load_contacts(d, impulse)
-    solve_damped(d, links, d.work.damped, d.work.load, d.work.damped.aim, change)
+    solve_damped(d, links, d.work.damped, d.work.load, d.work.damped.impulse, change)
     move_points(links, change, d.work.motion)
 
 

@@ -68,6 +68,17 @@ def latch_damping(d, c):
 
 def law_force(d, c, depth, rate):
     """Force of candidate c at a penetration δ ≥ 0 [m] and its rate [m/s], and its elastic part K δⁿ [N]."""
+    force, elastic = uncut_force(d, c, depth, rate)
+    return 0.0 if pulls(d, c, force) else force, elastic
+
+
+def pulls(_d, _c, force):
+    """Whether a force would pull candidate c to the wall. False for one that is NaN, which goes on as it is."""
+    return force < 0.0
+
+
+def uncut_force(d, c, depth, rate):
+    """As ``law_force``, but it may pull."""
     contact = d.contact
     spring = power(depth, contact.exponent)
     elastic = contact.stiffness * spring
@@ -81,9 +92,8 @@ def law_force(d, c, depth, rate):
             contact.exponent,
             contact.restitution,
         )
-        # not max(), in which a NaN would be lost
-        return 0.0 if force < 0.0 else force, elastic
-    return max(0.0, elastic + damping_slope(d, c, depth, rate, spring) * rate), elastic
+        return force, elastic
+    return elastic + damping_slope(d, c, depth, rate, spring) * rate, elastic
 
 
 def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
@@ -99,10 +109,15 @@ def may_jump(contact):
 def damping_slope(d, c, depth, rate, spring):
     """∂F/∂δ̇ = d δᵖ [N·s/m] of candidate c where the force is not cut off, for spring = δⁿ."""
     contact = d.contact
-    if contact.approach_only and rate < 0.0:
+    if contact.approach_only and leaves(d, c, rate):
         return 0.0
     same = contact.rate_exponent == contact.exponent
     return d.touch.damping[c] * (spring if same else power(depth, contact.rate_exponent))
+
+
+def leaves(_d, _c, rate):
+    """Whether the penetration of candidate c falls, at a rate δ̇ [m/s]."""
+    return rate < 0.0
 
 
 def law_slopes(d, c, depth, rate):

@@ -12,7 +12,7 @@ from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import LOG_FULL, OK, PAUSED
 from chain_impact.kernel.tangent.blocks import block, words
 from chain_impact.kernel.tangent.directions import DIRECTIONS
-from chain_impact.kernel.tangent.replay import replay
+from chain_impact.kernel.tangent.replay import catch_up, replay
 from chain_impact.kernel.tangent.start import start, start_anew
 from chain_impact.kernel.tangent.trust import trusted
 from chain_impact.kernel.work_limit import work_done, work_of_a_call
@@ -31,6 +31,8 @@ def advance_with(d, first, count, time, room, work):
     changed, status = d.given.changed, renew(d)
     for b in range(count if status == OK and changed else 0):
         start_anew(d, block(first, b))
+    for b in range(count if status == OK else 0):
+        catch_up(d, block(first, b), time)
     while status == OK and d.step.end < time:
         if d.finished.count >= room:
             return LOG_FULL
@@ -38,7 +40,7 @@ def advance_with(d, first, count, time, room, work):
             return PAUSED
         status = go_on(d)
         for b in range(count if status == OK else 0):
-            replay(d, block(first, b))
+            replay(d, block(first, b), time)
     if status == OK:
         look_at(d, time)
         for b in range(count):

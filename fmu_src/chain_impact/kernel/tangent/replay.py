@@ -22,36 +22,57 @@ from chain_impact.kernel.events.kinds import END, ONSET, RELATCH
 from chain_impact.kernel.integration import explicit, implicit
 from chain_impact.kernel.integration.impulse import followed
 from chain_impact.kernel.integration.last_step import (
+    SOLVER,
     accept,
     break_off,
     choose_variable,
+    complete,
     cut,
     see_points,
     see_rate,
+    take_back,
 )
 from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.model.geometry import along_normal, clearance
 from chain_impact.kernel.tangent.directions import carried, value
+from chain_impact.kernel.tangent.kinks import first_kink, forget_sides
 from chain_impact.kernel.tangent.trust import judge_onsets
 
 
-def replay(d, t):
-    """Make the last step of d in dual numbers, from where t stands: the end of the step before."""
+def replay(d, t, time):
+    """Make the last step of d in dual numbers, as far as needed to know t at a ``time`` [s]."""
+    forget_sides(t)
+    t.replay.done = 0.0
+    catch_up(d, t, time)
+
+
+def catch_up(d, t, time):
+    """Go on with the last step of d until t knows a ``time`` [s] or has made all of it."""
+    while t.replay.done < 1.0 and t.step.end < time:
+        make_part(d, t)
+
+
+def make_part(d, t):
+    """Make the last step of d from where t stands, up to its end or to the next kink of a force."""
     let_events_act(t)
     t.step.method = d.step.made_by
     choose_variable(t, True)
     start_in_variable(t)
     lands = ends_regularized(d)
-    h = d.step.size * d.step.kept if lands else d.step.size
-    if t.step.method == IMPLICIT:
-        repeat_implicit(t, h)
-    else:
-        explicit.make(t, h)
-        if t.touch.active_count > 0:
-            locate_points(t, t.work.y)
-    accept(t, h)
-    if d.step.kept < 1.0 and not lands:
-        cut(t, d.step.kept)
+    size, kept = (d.step.size * d.step.kept, 1.0) if lands else (d.step.size, d.step.kept)
+    rest = 1.0 - t.replay.done
+    make(t, rest * size)
+    until = (kept - t.replay.done) / rest
+    theta, c = first_kink(t, until)
+    if c >= 0:
+        take_back(t)
+        make(t, theta * rest * size)
+        pass_kink(t, c)
+        t.replay.done += theta * rest
+        return
+    if until < 1.0:
+        cut(t, until)
+    t.replay.done = 1.0
     take_values(d, t)
     if lands:
         break_off(t)
@@ -60,21 +81,33 @@ def replay(d, t):
     move_end(t)
 
 
+def pass_kink(t, c):
+    """Let contact c be on the other side of its kink from the end of the last step on."""
+    # all that is known of the step is worked out with the force in it
+    complete(t, SOLVER)
+    let_events_act(t)
+    t.replay.beyond[c] = 1 - t.replay.beyond[c]
+    break_off(t)
+
+
+def make(t, h):
+    """Make a step of size h as d did, without its error control."""
+    if t.step.method == IMPLICIT:
+        implicit.prepare(t, h)
+        implicit.attempt(t, h)
+    else:
+        explicit.make(t, h)
+        if t.touch.active_count > 0:
+            locate_points(t, t.work.y)
+    accept(t, h)
+
+
 def ends_regularized(d):
     """Whether the last step ends where the regularized contact does.
 
     d has taken that step beyond it, where the slope of the force has a kink, and has cut it.
     """
     return d.step.regularized >= 0 and d.touch.event[d.step.regularized] == END
-
-
-def repeat_implicit(t, h):
-    """Make an implicit step, of which the Jacobian has no derivatives: the method has its order with any."""
-    implicit.prepare(t, h)
-    for k in range(t.touch.active_count):
-        t.implicit.stiffness[k] = value(t.implicit.stiffness[k])
-        t.implicit.damping[k] = value(t.implicit.damping[k])
-    implicit.attempt(t, h)
 
 
 def take_values(d, t):

@@ -6,14 +6,15 @@ an argument carries derivatives.
 
 import math
 
-from chain_impact.kernel.chain import sincos
+from chain_impact.kernel.chain import sincos, springs
 from chain_impact.kernel.chain.state import root_at, time_at
 from chain_impact.kernel.integration import dense
-from chain_impact.kernel.laws import user_law
+from chain_impact.kernel.laws import contact_laws, user_law
 from chain_impact.kernel.model import contact_force
 from chain_impact.kernel.tangent.directions import carried, value, varies
 
 DIFFERENCE = 1e-3  # of an argument of a user's law, for its slopes
+REBOUND_DIFFERENCE = 0.03  # likewise, of a damping for the slope of its rebound
 
 
 def power(depth, exponent):
@@ -39,6 +40,21 @@ def polar(radius, y, first, horizontal, vertical):
             cosine, sine = math.cos(value(phi)), math.sin(value(phi))
         horizontal[i] = radius[i] * carried(cosine, -sine, phi)
         vertical[i] = radius[i] * carried(sine, cosine, phi)
+
+
+def pulls(t, c, _force):
+    """Between two kinks the force is on one side (kinks.py)."""
+    return t.replay.beyond[c] and not t.contact.approach_only
+
+
+def leaves(t, c, _rate):
+    """Between two kinks damping acts or does not, likewise."""
+    return t.replay.beyond[c]
+
+
+def resists(constant):
+    """A constant that varies counts even where its value is 0."""
+    return value(constant) != 0.0 or varies(constant)
 
 
 def fraction(t, time):
@@ -79,6 +95,24 @@ def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
     return total + carried(0.0, slope_along(6, DIFFERENCE * at[6], at), restitution)
 
 
+def kuwabara_kono(e):
+    """f(e), the root of e′(f) = e, has the slope 1/(de′/df): by central differences of order 6."""
+    f = contact_laws.kuwabara_kono(value(e))
+    h = REBOUND_DIFFERENCE * f
+    # e′ = 1 − 1.153449 f near f = 0
+    slope = -1.153449
+    if f > 1e-3:
+        # (45 (R₁ − R₋₁) − 9 (R₂ − R₋₂) + (R₃ − R₋₃))/(60 h)
+        rise = 45.0 * rebound_change(f, h) - 9.0 * rebound_change(f, 2.0 * h) + rebound_change(f, 3.0 * h)
+        slope = rise / (60.0 * h)
+    return carried(f, 1.0 / slope, e)
+
+
+def rebound_change(f, h):
+    """e′(f + h) − e′(f − h)."""
+    return contact_laws.viscoelastic_rebound(f + h) - contact_laws.viscoelastic_rebound(f - h)
+
+
 def slope_along(argument, h, at):
     """The slope of the user's law along one of its arguments, by central differences of order 4."""
     if h == 0.0:
@@ -104,8 +138,12 @@ def moved(argument, by, at):
 
 RULES = {
     contact_force.power: power,
+    contact_force.leaves: leaves,
+    contact_force.pulls: pulls,
     contact_force.user_force: user_force,
+    contact_laws.kuwabara_kono: kuwabara_kono,
     dense.fraction: fraction,
     sincos.polar: polar,
+    springs.resists: resists,
 }
 """Function of the kernel → what gives its value and derivatives."""

@@ -10,12 +10,8 @@ from chain_impact.kernel.model.contact import clear_loads
 from chain_impact.kernel.model.contact_force import foresee_depth, latch_damping
 from chain_impact.kernel.model.geometry import place_walls
 from chain_impact.kernel.tangent.directions import carried
+from chain_impact.kernel.tangent.kinks import take_sides
 from chain_impact.kernel.tangent.trust import TRUSTED
-
-# The distance of the e from which the slope of a law's factor f(e) is found, and six times that slope's
-# coefficients
-DIFFERENCE = 1e-3
-FORWARD = (-147.0, 360.0, -450.0, 400.0, -225.0, 72.0, -10.0)
 
 
 def start(d, t):
@@ -30,12 +26,12 @@ def start(d, t):
     clear_loads(t)
     begin_explicit(t.step)
     t.impact.last_time = d.step.time
-    t.trust.reason = TRUSTED
+    t.trust.reason, t.replay.done = TRUSTED, 1.0
 
 
 def start_anew(d, t):
     """Start t anew from the communication point, as d has just done because something was set."""
-    t.step.time = d.step.time
+    t.step.time, t.replay.done = d.step.time, 1.0
     follow_to_now(t)
     stand(t, d.step.time, t.step.state_end)
     take_given_of(d, t)
@@ -44,6 +40,7 @@ def start_anew(d, t):
         if not t.contact.impulsive:
             foresee_depth(t, t.touch.active_index[k])
             latch_damping(t, t.touch.active_index[k])
+    take_sides(t)
     if t.contact.impulsive and t.touch.active_count > 0:
         judge(t)
         stand(t, d.step.time, t.step.state_end)
@@ -71,15 +68,5 @@ def derive_law_of(d, t):
     if contact.law <= LAW_COUNT:
         if RATE_EXPONENTS[contact.law - 1] == ANY:
             own.rate_exponent = own.exponent
-        slope = factor_slope(contact.law, contact.restitution)
-        own.damping_factor = carried(contact.damping_factor, slope, own.restitution)
-
-
-def factor_slope(law, e):
-    """f′(e) of the law of a number, by differences of order 6 toward the middle of the range of e."""
-    h = DIFFERENCE if e < 0.5 else -DIFFERENCE
-    # f′ = Σ c_k f(e + k h)/(60 h)
-    total = 0.0
-    for k in range(len(FORWARD)):
-        total += FORWARD[k] * damping_factor(law, e + k * h)
-    return total / (60.0 * h)
+        factor = damping_factor(contact.law, own.restitution)
+        own.damping_factor = carried(contact.damping_factor, 1.0, factor)
