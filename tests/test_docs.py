@@ -124,7 +124,7 @@ def test_other_commands_are_known_or_scripts_of_the_repository(page):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A folder with build/FourLinkBox.fmu, as the README's first command leaves it, a native one, and the models."""
+    """A folder with the models and FMUs; the first command of the README makes build/FourLinkBox.fmu."""
     folder = tmp_path_factory.mktemp("reader")
     (folder / "docs" / "images").mkdir(parents=True)
     (folder / "models").symlink_to(ROOT / "models")

@@ -31,7 +31,7 @@ def test_a_fit_is_printed_whole(lines):
     assert "0.001 given" in by_name[TIP[0]]
     assert "estimated" in by_name[TIP[1]]
     assert by_name["peak_force"].count("…") == 1
-    assert "χ² per degree of freedom" in by_name["converged"]
+    assert "χ² per degree of freedom" in by_name["converged;"]
 
 
 def test_many_horizons_are_not_listed():

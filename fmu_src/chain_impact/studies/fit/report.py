@@ -100,7 +100,7 @@ def _quality(fit: Fit) -> str:
     ends = [f"{end:.3g}" for end in fit.horizons]
     if len(ends) > MANY:
         ends[2:-2] = ["…"]
-    text = f"{state} after {fit.runs} runs with derivatives; data until {', '.join(ends)} s"
+    text = f"{state}; data until {', '.join(ends)} s"
     if len(fit.estimated) < len(fit.columns):
         text += f"; χ² per degree of freedom {fit.reduced_chi_squared:.3g}"
     return text
