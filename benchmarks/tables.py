@@ -162,6 +162,24 @@ def derivatives() -> str:
     return run("sensitivities", ()) + "\n\n" + sensitivities.show(common.load("sensitivities")["results"])
 
 
+def fits() -> str:
+    """Time of a fit, and how many searches and intervals are right."""
+    found = common.load("fit")["results"]
+    clock, converged = found["milliseconds of a fit"], found["converged"]
+    cost = f"{span(clock)} ms of CPU time, {found['runs with derivatives, median']:g} runs with derivatives"
+    held = found["part of the intervals of 95 % that hold the true value"]
+    rows = [("a fit", cost)]
+    rows += [
+        (f"converged: {name}", f"**{count}** of {converged['of']} starts")
+        for name, count in converged.items()
+        if name != "of"
+    ]
+    rows += [
+        (f"intervals that hold the true {name}", f"**{100 * part:.1f} %**") for name, part in held.items()
+    ]
+    return run("fit") + "\n\n" + table(("", ""), rows)
+
+
 def stability() -> str:
     """How many cells of each outcome."""
     record = common.load("stability")
@@ -235,6 +253,7 @@ def main() -> None:
         importers,
         sweep,
         derivatives,
+        fits,
         stability,
         steps,
         *TABLES,

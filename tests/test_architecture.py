@@ -22,6 +22,7 @@ TESTED_ELSEWHERE = {
     "cli/build.py": "cli/test_commands.py",
     "cli/cache.py": "cli/test_commands.py",
     "cli/compare.py": "cli/test_commands.py",
+    "cli/fit.py": "cli/test_fit_command.py",
     "cli/info.py": "cli/test_commands.py",
     "cli/options.py": "cli/test_commands.py",
     "cli/report.py": "cli/test_commands.py",

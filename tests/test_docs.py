@@ -124,9 +124,10 @@ def test_other_commands_are_known_or_scripts_of_the_repository(page):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """A folder with build/FourLinkBox.fmu, as the README's first command leaves it, and a native one."""
+    """A folder with the models and FMUs; the first command of the README makes build/FourLinkBox.fmu."""
     folder = tmp_path_factory.mktemp("reader")
     (folder / "docs" / "images").mkdir(parents=True)
+    (folder / "models").symlink_to(ROOT / "models")
     for arguments in ((), ("--target", "native", "-o", "build/native"), ("--fmi", "3", "-o", "build/fmi3")):
         code, _, errors = run(folder, "-m", "chain_impact.cli", "build", *arguments)
         assert code == 0, errors
@@ -190,7 +191,7 @@ def test_a_notebook_is_committed_without_outputs(notebook):
 
 
 def test_there_are_notebooks():
-    assert len(NOTEBOOKS) >= 4
+    assert len(NOTEBOOKS) >= 5
 
 
 def test_the_fields_of_the_symbol_table_exist():

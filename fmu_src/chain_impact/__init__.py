@@ -18,6 +18,8 @@ from chain_impact.simulate import simulate, with_law
 from chain_impact.stepping import Chain
 from chain_impact.stiffness import sphere_plane_stiffness
 from chain_impact.studies.compare import Comparison, LawRun, compare
+from chain_impact.studies.fit.fit import fit
+from chain_impact.studies.fit.result import Fit, LawFit
 from chain_impact.studies.slow_motion import record_slowly
 from chain_impact.studies.sweep.sweep import sweep
 from chain_impact.studies.sweep.table import Sweep
@@ -30,6 +32,8 @@ __all__ = [
     "Chain",
     "Comparison",
     "ContactLaw",
+    "Fit",
+    "LawFit",
     "LawRun",
     "MissingExtraError",
     "Recording",
@@ -44,6 +48,7 @@ __all__ = [
     "animate",
     "build_fmu",
     "compare",
+    "fit",
     "impacts_of",
     "load_scene",
     "model_names",

@@ -231,17 +231,23 @@ def load_scene(source: str | os.PathLike[str]) -> Scene:
     Raises SceneError when there is no such file, it cannot be read, or it does not hold a valid scene.
     """
     try:
-        path = Path(source)
-        if path.is_dir() and (path / SCENE_FILE).exists():
-            path = path / SCENE_FILE
-        elif not path.is_file() and str(source) in model_names():
-            path = models_folder() / source / SCENE_FILE
+        path = scene_path(source)
         text = path.read_bytes().decode()
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else error
         wanted = f"a scene file, a folder with {SCENE_FILE}, or a model: {', '.join(model_names())}"
         raise SceneError(f"{source}: cannot be read ({reason}); must be {wanted}") from None
     return parse_scene(text, str(path))
+
+
+def scene_path(source: str | os.PathLike[str]) -> Path:
+    """The scene file that `load_scene` reads."""
+    path = Path(source)
+    if path.is_dir() and (path / SCENE_FILE).exists():
+        return path / SCENE_FILE
+    if not path.is_file() and str(source) in model_names():
+        return models_folder() / source / SCENE_FILE
+    return path
 
 
 def scene_of(source: Scene | str | os.PathLike[str]) -> Scene:

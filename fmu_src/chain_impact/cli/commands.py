@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from typing import NoReturn
 
-from chain_impact.cli import animate, build, cache, compare, info, simulate, sweep, validate
+from chain_impact.cli import animate, build, cache, compare, fit, info, simulate, sweep, validate
 from chain_impact.cli.options import UsageError
 from chain_impact.cli.progress import err, out
 from chain_impact.compilation.errors import BuildError
@@ -16,7 +16,7 @@ from chain_impact.reading import SceneError
 from chain_impact.results.animation import AnimationError
 from chain_impact.runs import RunError
 
-VERBS = (build, simulate, animate, compare, sweep, info, validate, cache)
+VERBS = (build, simulate, animate, compare, sweep, fit, info, validate, cache)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -1,0 +1,135 @@
+"""`chain-impact fit`: parameters of a scene from measurements, and a scene that has them."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from chain_impact.cli.options import UsageError, Verbs, add_set, check_folders, picture, settings_of
+from chain_impact.cli.progress import out, progress
+from chain_impact.runs import with_settings
+from chain_impact.scene import load_scene, scene_path
+
+
+def add(verbs: Verbs) -> None:
+    """Add the verb to the grammar."""
+    fit = verbs.add_parser("fit", help="estimate parameters of a scene from measurements")
+    fit.add_argument(
+        "source", metavar="SCENE", help="scene: a file, a folder with scene.toml, or a model's name"
+    )
+    fit.add_argument(
+        "data",
+        nargs="+",
+        metavar="DATA",
+        help="a CSV file for each data set, or several of the same run: motion.csv,impacts.csv",
+    )
+    fit.add_argument(
+        "--free",
+        action="append",
+        default=[],
+        metavar="NAMES",
+        help="fit these parameters: contact.stiffness,contact.restitution; can be repeated",
+    )
+    fit.add_argument(
+        "--free-each",
+        action="append",
+        default=[],
+        metavar="NAMES",
+        help="fit these for each data set on its own, as initial.vx; can be repeated",
+    )
+    fit.add_argument(
+        "--set-each",
+        action="append",
+        default=[],
+        metavar="NAME=VALUES",
+        help="a value that is known for each data set, as initial.y=0.8,0.6; can be repeated",
+    )
+    fit.add_argument(
+        "--sigma",
+        action="append",
+        default=[],
+        metavar="COLUMN=SIGMA",
+        help="standard deviation of a column, in its unit or in percent of each value: peak_force=2%%; "
+        "default: estimated from the residuals; can be repeated",
+    )
+    fit.add_argument(
+        "--bounds",
+        action="append",
+        default=[],
+        metavar="NAME=LOW:HIGH",
+        help="search between these values only; can be repeated",
+    )
+    fit.add_argument(
+        "--columns", metavar="NAMES", help="use these columns only, * for any text: point[4].*; default: all"
+    )
+    fit.add_argument("--laws", action="store_true", help="fit every contact law, and rank them")
+    add_set(fit)
+    fit.add_argument(
+        "--plot", metavar="FILE", type=picture, help="draw data, model and residuals (png, svg, pdf)"
+    )
+    fit.add_argument("-o", dest="scene", metavar="FILE", type=Path, help="write the fitted scene (toml)")
+    fit.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Fit, print what was found, and write what was asked for."""
+    from chain_impact.studies.fit.fit import fit
+
+    check_folders(options.scene, options.plot)
+    scene = with_settings(load_scene(options.source), settings_of(options.set))
+    with progress("fitting") as (notify, advance):
+        found = fit(
+            scene,
+            [names(text) for text in options.data],
+            [name for text in options.free for name in names(text)],
+            free_each=[name for text in options.free_each for name in names(text)],
+            set_each={name: numbers(name, text) for name, text in pairs("--set-each", options.set_each)},
+            sigma=dict(pairs("--sigma", options.sigma)),
+            bounds=dict(pairs("--bounds", options.bounds)),
+            columns=names(options.columns) if options.columns else None,
+            laws=options.laws,
+            notify=notify,
+            progress=advance,
+        )
+    if options.scene:
+        found.save(options.scene, scene_path(options.source))
+        out.print(f"scene    {options.scene}", markup=False, soft_wrap=True)
+    if options.plot:
+        found.plot(options.plot)
+        out.print(f"picture  {options.plot}", markup=False, soft_wrap=True)
+    out.print(repr(found), markup=False, soft_wrap=True)
+    return 0
+
+
+def names(text: str) -> list[str]:
+    """The parts of a text between commas."""
+    return [part.strip() for part in text.split(",") if part.strip()]
+
+
+def pairs(option: str, texts: Sequence[str]) -> list[tuple[str, str]]:
+    """Name and value of every ``NAME=VALUE`` of an option."""
+    found: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not (name and equals and value):
+            raise UsageError(f"{option} {text}: must be NAME=VALUE, for example {EXAMPLES[option]}")
+        if name in found:
+            raise UsageError(f"{option} {text}: {name} is given twice")
+        found[name] = value
+    return list(found.items())
+
+
+EXAMPLES = {
+    "--set-each": "initial.y=0.8,0.6",
+    "--sigma": "point[4].x=1e-3",
+    "--bounds": "contact.restitution=0.3:0.9",
+}
+
+
+def numbers(name: str, text: str) -> list[float]:
+    """The numbers between commas."""
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise UsageError(f"--set-each {name}={text}: must be numbers, one for each data set") from None

@@ -1,0 +1,302 @@
+"""Measurements of one run: values of outputs over time, and of impacts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence, Set
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from chain_impact.names import nearest
+from chain_impact.reading import SceneError, matching, shown
+from chain_impact.results.result import IMPACT_DTYPE
+from chain_impact.scene import Scene
+from chain_impact.studies.fit.table import Source, Table, read_table
+from chain_impact.variables import output_words
+
+TIME, IMPACT, POINT, WALL, DURATION = "time", "impact", "point", "wall", "duration"
+WHICH = (IMPACT, POINT, WALL)
+"""The columns that tell which impact a row is about."""
+QUANTITIES = (*(name for name in IMPACT_DTYPE.names or () if name not in WHICH), DURATION)
+"""What can be measured of an impact: the fields of ``Result.impacts``, and the duration, end − onset [s]."""
+SIGMA = "sigma({})"
+PERCENT = "%"
+
+
+@dataclass(frozen=True)
+class ImpactRow:
+    """Which impact of the run a row is about.
+
+    Attributes:
+        number: from 1, in order of onset; of all impacts, or if ``alike`` of those at its point and wall.
+        point: 0…N; None if it is not said.
+        wall: index into ``scene.wall_names``; None if it is not said.
+        alike: whether only impacts at the same point and wall are counted.
+        order: the measured onset, or else the end [s]; NaN if neither is measured.
+    """
+
+    number: int
+    point: int | None
+    wall: int | None
+    alike: bool
+    order: float
+
+    def find(self, impacts: np.ndarray) -> int | None:
+        """The row of ``Result.impacts`` that is meant; None if there is none, or it is at another place."""
+        same = np.ones(len(impacts), bool)
+        for name, value in ((POINT, self.point), (WALL, self.wall)):
+            if value is not None:
+                same &= impacts[name] == value
+        if self.alike:
+            rows = np.flatnonzero(same)
+            return int(rows[self.number - 1]) if self.number <= len(rows) else None
+        row = self.number - 1
+        return row if row < len(impacts) and same[row] else None
+
+
+@dataclass(frozen=True)
+class Measurements:
+    """What was measured in one run, as M single values.
+
+    Attributes:
+        source: the files.
+        times: at which outputs were measured, shape (T,) [s].
+        outputs: names of the W outputs that were measured.
+        impacts: the impacts that were measured.
+        quantity: name of each value's output or of its quantity of an impact, shape (M,).
+        value: shape (M,).
+        sigma: its standard deviation, shape (M,); NaN where it is to be estimated.
+        row, column: index into times and outputs, or into impacts and ``QUANTITIES``, shape (M,).
+        of_impact: which of the values belong to an impact, shape (M,).
+    """
+
+    source: str
+    times: np.ndarray
+    outputs: tuple[str, ...]
+    impacts: tuple[ImpactRow, ...]
+    quantity: tuple[str, ...]
+    value: np.ndarray
+    sigma: np.ndarray
+    row: np.ndarray
+    column: np.ndarray
+    of_impact: np.ndarray
+
+    def __len__(self) -> int:
+        """How many values."""
+        return len(self.value)
+
+    @property
+    def order(self) -> np.ndarray:
+        """When each value was measured, shape (M,) [s]; NaN for an impact of which no time is known."""
+        onsets = np.array([impact.order for impact in self.impacts])
+        found = np.zeros(len(self))
+        found[~self.of_impact] = self.times[self.row[~self.of_impact]]
+        found[self.of_impact] = onsets[self.row[self.of_impact]]
+        return found
+
+
+def read_measurements(
+    sources: Source | Sequence[Source],
+    scene: Scene,
+    sigma: Mapping[str, float | str],
+    columns: Sequence[str] | None = None,
+) -> Measurements:
+    """Read the tables of one run.
+
+    A row with a cell in ``impact``, ``point`` or ``wall`` is about an impact, any other about the outputs at
+    a ``time``. Empty cells were not measured.
+
+    Args:
+        sources: a table, or several of the same run.
+        scene: its outputs are the columns.
+        sigma: column → standard deviation of its values, in their unit, or in percent of each: ``"2%"``.
+        columns: names or patterns of the columns to be used; all by default.
+
+    Raises:
+        SceneError: when a table cannot be used.
+        OSError: when a file cannot be read.
+    """
+    several = [sources] if isinstance(sources, str | Path | Mapping) else sources
+    tables = [read_table(source) for source in several]
+    source = "+".join(table.source for table in tables)
+    there = [name for table in tables for name in _value_columns(table)]
+    hint = f"there are {', '.join(there)}"
+    patterns = there if columns is None else columns
+    chosen = {one for name in patterns for one in matching(source, name, there, "no column", lambda _: hint)}
+    book = _Book(scene, sigma)
+    for table in tables:
+        book.read(table, chosen)
+    return book.measurements(source)
+
+
+class _Book:
+    """Collects the values of tables."""
+
+    def __init__(self, scene: Scene, sigma: Mapping[str, float | str]) -> None:
+        self._scene, self._sigma = scene, sigma
+        self._outputs = list(output_words(scene, "*"))
+        self._seen: dict[str, str] = {}
+        self._impacts: list[ImpactRow] = []
+        self._counts: dict[tuple[int | None, int | None], int] = {}
+        # name, value, sigma, time or row of an impact, whether it is of an impact
+        self._found: list[tuple[str, float, float, float, bool]] = []
+
+    def read(self, table: Table, chosen: Set[str]) -> None:
+        """Add the values of a table in some columns."""
+        samples, quantities = self._columns(table, chosen)
+        before = -math.inf
+        for row in range(len(table.rows)):
+            if any(table.cell(row, name) is not None for name in WHICH):
+                self._add_impact(table, row, quantities)
+            else:
+                before = self._add_sample(table, row, samples, before)
+
+    def measurements(self, source: str) -> Measurements:
+        """All that was read."""
+        if not self._found:
+            raise SceneError(f"{source}: no value was measured: all cells are empty")
+        names, values, sigmas, places, kinds = zip(*self._found, strict=True)
+        of_impact, place = np.array(kinds), np.array(places)
+        times = np.unique(place[~of_impact])
+        outputs = tuple(dict.fromkeys(name for name, kind in zip(names, kinds, strict=True) if not kind))
+        index = {name: k for k, name in enumerate(outputs)} | {name: k for k, name in enumerate(QUANTITIES)}
+        return Measurements(
+            source,
+            times,
+            outputs,
+            tuple(self._impacts),
+            names,
+            np.array(values),
+            np.array(sigmas),
+            row=np.where(of_impact, place, np.searchsorted(times, place)).astype(int),
+            column=np.array([index[name] for name in names]),
+            of_impact=of_impact,
+        )
+
+    def _columns(self, table: Table, chosen: Set[str]) -> tuple[list[str], list[str]]:
+        """The columns of outputs, and those of quantities of impacts."""
+        there = _value_columns(table)
+        values = [name for name in there if name in chosen]
+        for name in values:
+            if name not in self._outputs and name not in QUANTITIES:
+                raise SceneError(f"{table.source}: column {name} {self._hint(name)}")
+            if name in self._outputs and name in self._seen:
+                raise SceneError(f"{table.source}: column {name} is also in {self._seen[name]}")
+            self._seen[name] = table.source
+        for name in table.names:
+            if _is_sigma(name) and name[6:-1] not in there:
+                raise SceneError(f"{table.source}: column {name} has no column {name[6:-1]} beside it")
+        samples = [name for name in values if name in self._outputs]
+        for needed, columns, kinds in (
+            ((TIME,), samples, "outputs"),
+            (WHICH, [name for name in values if name in QUANTITIES], "impacts"),
+        ):
+            if columns and not any(name in table.names for name in needed):
+                raise SceneError(
+                    f"{table.source}: the column {' or '.join(needed)} is missing; "
+                    f"it says to which of the {kinds} the values in {columns[0]} belong"
+                )
+        if not there:
+            raise SceneError(
+                f"{table.source}: it has no column with values, of an output such as {self._outputs[0]} or "
+                f"of impacts: {', '.join(QUANTITIES)}"
+            )
+        return samples, [name for name in values if name in QUANTITIES]
+
+    def _hint(self, name: str) -> str:
+        near = nearest(name, [*self._outputs, *QUANTITIES])
+        hint = f"the nearest is {near}" if near else f"impacts have {', '.join(QUANTITIES)}"
+        return (
+            f"is no output that changes over time, and no quantity of an impact; {hint}; "
+            "to leave it out, choose columns with --columns"
+        )
+
+    def _add_sample(self, table: Table, row: int, names: list[str], before: float) -> float:
+        """Add the outputs at a time; return it."""
+        time = table.number(row, TIME)
+        if not (time >= 0.0 and time > before):
+            later = f" and > {before:g}, that of the row before" if before >= 0.0 else ""
+            raise SceneError(f"{table.where(row, TIME)} = {time:g} must be a time >= 0 [s]{later}")
+        for name in names:
+            self._add(table, row, name, time, False)
+        return time
+
+    def _add_impact(self, table: Table, row: int, names: list[str]) -> None:
+        """Add what was measured of an impact."""
+        number, point, wall = (self._which(table, row, name) for name in WHICH)
+        alike = number is None
+        if number is None:
+            number = self._counts[point, wall] = self._counts.get((point, wall), 0) + 1
+        measured = {name: table.number(row, name) for name in names}
+        onset = measured.get("onset", math.nan)
+        order = measured.get("end", math.nan) if math.isnan(onset) else onset
+        self._impacts.append(ImpactRow(number, point, wall, alike, order))
+        for name in names:
+            self._add(table, row, name, len(self._impacts) - 1.0, True)
+
+    def _which(self, table: Table, row: int, name: str) -> int | None:
+        """The number, the point or the wall of a row about an impact."""
+        cell = table.cell(row, name)
+        if cell is None:
+            return None
+        if name == WALL:
+            there = list(self._scene.half_planes)
+            if cell not in there:
+                known = ", ".join(there) or "none"
+                raise SceneError(
+                    f"{table.where(row, name)} = {shown(cell)} must be a wall of the scene: {known}"
+                )
+            return self._scene.wall_names.index(cell)
+        points = self._scene.contact.points
+        allowed = (
+            f"one of the points {', '.join(map(str, points))}" if name == POINT else "a whole number >= 1"
+        )
+        number = table.number(row, name)
+        if number != int(number) or (number not in points if name == POINT else number < 1):
+            raise SceneError(f"{table.where(row, name)} = {shown(cell)} must be {allowed}")
+        return int(number)
+
+    def _add(self, table: Table, row: int, name: str, place: float, of_impact: bool) -> None:
+        """Add one value, if it was measured."""
+        value = table.number(row, name)
+        if not math.isnan(value):
+            self._found.append((name, value, self._sigma_of(table, row, name, value), place, of_impact))
+
+    def _sigma_of(self, table: Table, row: int, name: str, value: float) -> float:
+        """The standard deviation of a value: of its row, else of its column; NaN if there is none."""
+        column = SIGMA.format(name)
+        sigma = table.number(row, column)
+        if math.isnan(sigma):
+            sigma = standard_deviation(name, self._sigma.get(name, math.nan), value)
+        if sigma <= 0.0:
+            raise SceneError(f"{table.where(row, column)} = {sigma:g} must be > 0")
+        return sigma
+
+
+def standard_deviation(name: str, given: float | str, value: float) -> float:
+    """A standard deviation that was given for all values of a column: a number, or percent of each value.
+
+    Raises:
+        SceneError: when it is no such thing.
+    """
+    text = str(given).strip()
+    try:
+        number = float(text.removesuffix(PERCENT))
+    except ValueError:
+        number = -math.inf
+    if number <= 0.0 or math.isinf(number):
+        raise SceneError(
+            f"sigma of {name} = {shown(given)} must be a number > 0, or percent of each value: 2%"
+        )
+    return number / 100.0 * abs(value) if text.endswith(PERCENT) else number
+
+
+def _is_sigma(name: str) -> bool:
+    return name.startswith("sigma(") and name.endswith(")")
+
+
+def _value_columns(table: Table) -> list[str]:
+    """The columns that are no time, no impact's place, and no standard deviation."""
+    return [name for name in table.names if name not in (TIME, *WHICH) and not _is_sigma(name)]

@@ -1,0 +1,282 @@
+"""Parameters of a scene from measurements."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from chain_impact.compilation.work import Notify, announce
+from chain_impact.extras import require
+from chain_impact.reading import SceneError
+from chain_impact.results.summary import plural
+from chain_impact.scene import Scene, scene_of
+from chain_impact.studies.fit.data import Measurements, read_measurements, standard_deviation
+from chain_impact.studies.fit.horizon import Found, search
+from chain_impact.studies.fit.parameters import Bounds, Parameter, parameters_of
+from chain_impact.studies.fit.problem import Evaluation, Problem
+from chain_impact.studies.fit.result import Fit
+from chain_impact.studies.fit.table import Source
+from chain_impact.studies.fit.uncertainty import information, largest_usual, quantile
+from chain_impact.studies.fit.unknown import unknown
+
+VISIBLE = 0.01  # mean square of residuals in standard deviations; smaller ones do not matter
+LARGEST = 700.0  # whose exponential is a number
+ALIKE = 2.0  # correlation of neighbours times √n, which chance exceeds in 2 % of all cases
+
+
+def fit(
+    scene: Scene | str | os.PathLike[str],
+    data: Source | Sequence[Source | Sequence[Source]],
+    free: Sequence[str],
+    *,
+    free_each: Sequence[str] = (),
+    set_each: Mapping[str, Sequence[float]] | None = None,
+    sigma: Mapping[str, float | str] | None = None,
+    bounds: Bounds | None = None,
+    columns: Sequence[str] | None = None,
+    laws: bool = False,
+    notify: Notify = announce,
+    progress: Callable[[float], None] = lambda _: None,
+) -> Fit:
+    """Estimate parameters of a scene from measurements, by weighted least squares.
+
+    The search starts from the values of the scene, with the data around the first impact, and goes on with
+    more and more of them. It uses exact derivatives through all impacts.
+
+    Args:
+        scene: what was measured: a scene, or what ``load_scene`` takes.
+        data: a table: a CSV file, or a mapping of columns; or a list with an entry for each data set, which
+            is a table or a list of tables of the same run. See ``docs/fit.md``.
+        free: names of FMU parameters, and of inputs, which then are constant, that all data sets share.
+        free_each: names of those that each data set has for itself, as initial values.
+        set_each: name → values that are known, one for each data set.
+        sigma: column → standard deviation of its values, in their unit, or in percent of each: ``"2%"``.
+            Of columns for which none is given here or in the data it is estimated from the residuals.
+        bounds: name → bounds beside those that the scene's keys have, ``"0.1:0.9"`` or a pair.
+        columns: names or patterns of the columns that are used; all by default.
+        laws: whether to fit every contact law, and return the fit of the best with the ranking of all.
+        notify: called with a sentence before a kernel is compiled.
+        progress: called with the fraction done.
+
+    Raises:
+        SceneError: when an argument or a table cannot be used.
+        MissingExtraError: when SciPy is not installed.
+        OSError: when a file cannot be read.
+        BuildError: when the kernel cannot be compiled.
+    """
+    require("scipy", "fit")
+    scene = scene_of(scene)
+    for name, value in (sigma or {}).items():
+        standard_deviation(name, value, 1.0)
+    runs = _runs(data)
+    scenes = _scenes(scene, len(runs), set_each or {})
+    measured = [read_measurements(run, scene, sigma or {}, columns) for run in runs]
+    _check_sigma(scene, sigma or {}, measured)
+
+    def one(scenes: Sequence[Scene], progress: Callable[[float], None]) -> Fit:
+        parameters = parameters_of(scenes, free, free_each, bounds or {})
+        return _fit(Problem(scenes, measured, parameters, notify), progress)
+
+    if laws:
+        from chain_impact.studies.fit.laws import rank
+
+        return rank(one, scenes, progress)
+    return one(scenes, progress)
+
+
+def _fit(problem: Problem, progress: Callable[[float], None]) -> Fit:
+    """The fit of one contact law."""
+    found = search(problem, progress)
+    at = _on_bounds(problem, found)
+    rows = at.usable
+    if rows.sum() < len(problem.parameters):
+        few = (
+            f"{problem.scenes[0].name}: {plural(int(rows.sum()), 'value')} can be fitted, must be at least "
+            f"{len(problem.parameters)}, as many as parameters are free"
+        )
+        raise SceneError("; ".join([few, *_left_out(problem, at)]))
+    known = information(at.slopes[rows], found.sigma[rows])
+    reached = problem.bounds_reached(at.place, known.alone)
+    values, covariance, errors = problem.values(at.place), known.covariance, known.errors
+    labels = [parameter.label for parameter in problem.parameters]
+    width = quantile(max(1.0, rows.sum() - len(labels)), bool(problem.estimated))
+    with np.errstate(invalid="ignore"):
+        correlation = covariance / np.outer(errors, errors)
+    scenes = tuple(_fitted(one, k, problem.parameters, values) for k, one in enumerate(problem.scenes))
+    result = Fit(
+        scene=scenes[0],
+        scenes=scenes,
+        parameters=problem.parameters,
+        values=dict(zip(labels, values.tolist(), strict=True)),
+        standard_errors=dict(zip(labels, (errors * problem.scale(values)).tolist(), strict=True)),
+        intervals={
+            label: _interval(one, place, width * error)
+            for label, one, place, error in zip(labels, problem.parameters, at.place, errors, strict=True)
+        },
+        correlation=correlation,
+        data=problem.data,
+        residuals=np.where(rows, at.residuals, np.nan),
+        sigma=found.sigma,
+        estimated=problem.estimated,
+        deviance=_deviance(problem, at, rows),
+        converged=found.search.converged,
+        runs=problem.evaluations,
+        horizons=found.horizons,
+        unknown=tuple(unknown(problem, at, known, reached)),
+        models=at.runs,
+    )
+    return replace(result, notes=tuple(_notes(problem, result, at, found, reached)))
+
+
+def _on_bounds(problem: Problem, found: Found) -> Evaluation:
+    """The model where the search ended, with the parameters that come near a bound on it.
+
+    The search stays within the bounds, and nears them without an end.
+    """
+    at = found.search.best
+    alone = information(at.slopes[at.usable], found.sigma[at.usable]).alone
+    reached = problem.bounds_reached(at.place, alone)
+    if not reached:
+        return at
+    place = at.place.copy()
+    for p, which in reached.items():
+        place[p] = problem.low[p] if which == "lower" else problem.high[p]
+    there = problem.evaluate(place)
+    return there if np.array_equal(there.usable, at.usable) else at
+
+
+def _runs(data: Source | Sequence[Source | Sequence[Source]]) -> list[Source | Sequence[Source]]:
+    """The tables of each data set."""
+    if isinstance(data, str | os.PathLike | Mapping):
+        return [data]
+    runs = list(data)
+    if not runs:
+        raise SceneError("data: must be at least one table")
+    return runs
+
+
+def _scenes(scene: Scene, count: int, set_each: Mapping[str, Sequence[float]]) -> list[Scene]:
+    """The scene of each data set, with the values that it starts with."""
+    for name, values in set_each.items():
+        if len(values) != count:
+            raise SceneError(
+                f"{scene.name}: {name} has {plural(len(values), 'value')}, must have {count}, "
+                "one for each data set"
+            )
+    return [
+        scene.with_values({name: values[k] for name, values in set_each.items()}) if set_each else scene
+        for k in range(count)
+    ]
+
+
+def _check_sigma(scene: Scene, sigma: Iterable[str], measured: Sequence[Measurements]) -> None:
+    """Refuse a standard deviation of a column that is not there."""
+    names = {name for one in measured for name in one.quantity}
+    for name in sigma:
+        if name not in names:
+            raise SceneError(
+                f"{scene.name}: sigma of {name}: no such column was measured, but {', '.join(sorted(names))}"
+            )
+
+
+def _interval(parameter: Parameter, place: float, half: float) -> tuple[float, float]:
+    """The ends of an interval on the scale of the search, as values within the bounds."""
+    ends = np.array([place - half, place + half])
+    if parameter.logarithmic:
+        ends[np.abs(ends) > LARGEST] *= math.inf
+    low, high = (min(max(parameter.value(end), parameter.low), parameter.high) for end in ends.tolist())
+    return low, high
+
+
+def _fitted(scene: Scene, k: int, parameters: Sequence[Parameter], values: np.ndarray) -> Scene:
+    """The scene of a data set with the fitted values; inputs have no place in it."""
+    there = scene.values
+    mine = zip(parameters, values.tolist(), strict=True)
+    return scene.with_values({one.name: at for one, at in mine if one.run in (None, k) and one.name in there})
+
+
+def _deviance(problem: Problem, at: Evaluation, rows: np.ndarray) -> float:
+    """−2 log of the likelihood of normal errors, without a constant.
+
+    Of n values with given σ it is Σ (r/σ)², of those with an estimated one n log(Σ r²/n).
+    """
+    total = 0.0
+    for group, name in enumerate(problem.names):
+        mine = rows & (problem.group == group)
+        residuals = at.residuals[mine]
+        if name in problem.estimated:
+            mean = max(float((residuals**2).mean()), np.finfo(float).tiny) if mine.any() else 1.0
+            total += mine.sum() * math.log(mean)
+        else:
+            total += float(((residuals / problem.sigma[mine]) ** 2).sum())
+    return float(total)
+
+
+def _notes(
+    problem: Problem, result: Fit, at: Evaluation, found: Found, reached: Mapping[int, str]
+) -> list[str]:
+    """What has to be said beside the numbers."""
+    notes = []
+    if not result.converged and np.isfinite(list(result.standard_errors.values())).any():
+        notes.append(
+            f"The search did not converge in {found.search.steps} steps: "
+            "start nearer, or free fewer parameters."
+        )
+    notes += _left_out(problem, at)
+    for p, which in reached.items():
+        one = problem.parameters[p]
+        notes.append(
+            f"{one.label} is at its {which} bound, {one.value(float(at.place[p])):.6g}: "
+            "its standard error and interval do not hold."
+        )
+    for one in problem.parameters:
+        if one.name not in problem.scenes[0].values:
+            notes.append(f"{one.label} is an input: the fitted scene does not hold it.")
+    if not result.estimated and result.freedom > 0 and result.chi_squared > largest_usual(result.freedom):
+        notes.append(
+            f"χ² is {result.chi_squared:.4g} for {result.freedom} degrees of freedom: the model does not "
+            "follow the data within their σ, so the standard errors are too small."
+        )
+    return [*notes, *_not_random(result)]
+
+
+def _not_random(result: Fit) -> Iterator[str]:
+    """Columns in which residuals are like their neighbours: the lag-1 correlation r has √n r > ALIKE.
+
+    Of independent residuals √n r has about the standard normal distribution (R. L. Anderson, Annals of
+    Mathematical Statistics 13 (1942) 1).
+    """
+    found = []
+    for name, mine in result.columns.items():
+        residuals = (result.residuals / result.sigma)[mine & result.used]
+        squares = float(residuals @ residuals)
+        alike = float(residuals[1:] @ residuals[:-1]) / squares if squares > 0.0 else 0.0
+        visible = squares > VISIBLE * len(residuals)
+        if visible and math.sqrt(len(residuals)) * alike > ALIKE:
+            found.append(f"{name} ({alike:.2f})")
+    if found:
+        yield (
+            f"Neighbouring residuals are correlated, so they are not only noise: {', '.join(found)}. The "
+            "model leaves something out, and the standard errors are too small."
+        )
+
+
+def _left_out(problem: Problem, at: Evaluation) -> list[str]:
+    """Which values were not fitted, and why."""
+    count, notes = len(problem.value), []
+    missing, blind = int((~at.there).sum()), int((at.there & ~at.usable).sum())
+    if missing:
+        fault = problem.fault(at)
+        why = fault or "the model has no such impact, or its contact lasts to the end"
+        columns = ", ".join(problem.names[group] for group in np.unique(problem.group[~at.there]))
+        notes.append(f"{missing} of {count} values were left out, of {columns}: {why}.")
+    if blind:
+        limits = [limit for run in at.runs for limit in run.limits] or ["a derivative does not exist"]
+        notes.append(
+            f"{blind} of {count} values were left out, for want of a derivative: {'; '.join(limits)}."
+        )
+    return notes

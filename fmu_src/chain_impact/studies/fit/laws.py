@@ -1,0 +1,91 @@
+"""All contact laws on the same data, ranked by how well they fit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from chain_impact.reading import SceneError
+from chain_impact.scene import Scene
+from chain_impact.studies.compare import law_names, law_values, needed_exponent
+from chain_impact.studies.fit.result import Fit, LawFit
+
+DIGITS = 1  # of the criterion: laws that differ by less stay in order, the scene's own first
+Advance = Callable[[float], None]
+FitOne = Callable[[Sequence[Scene], Advance], Fit]
+
+
+def rank(fit: FitOne, scenes: Sequence[Scene], progress: Advance) -> Fit:
+    """Fit every contact law; return the best fit, with the ranking of all.
+
+    The scene's own law is fitted first, and the others start from what it found. A law that needs another
+    exponent starts with the stiffness that makes the first impact equally deep.
+
+    Args:
+        fit: fits the scenes of all data sets.
+        scenes: with the values to start from.
+        progress: called with the fraction done.
+
+    Raises:
+        SceneError: when no law can be fitted.
+    """
+    own = scenes[0].contact.model
+    laws = [own, *(law for law in law_names(scenes[0]) if law != own)]
+    found: list[LawFit] = []
+    for k, law in enumerate(laws):
+        first = found[0].fit if found else None
+        found.append(_fit_law(fit, scenes, first, law, _part(progress, k, len(laws))))
+    if not any(one.fit for one in found):
+        raise SceneError(f"{scenes[0].name}: no contact law can be fitted: {found[0].note}")
+    most = max(int(one.fit.used.sum()) for one in found if one.fit)
+    ranked = sorted(found, key=lambda one: _place(one, most))
+    noted = tuple(_noted(one, most) for one in ranked)
+    best = noted[0].fit
+    assert best is not None
+    started = found[0].fit or best  # the others began where it ended
+    return replace(best, parameters=started.parameters, ranking=noted)
+
+
+def _fit_law(fit: FitOne, scenes: Sequence[Scene], first: Fit | None, law: str, progress: Advance) -> LawFit:
+    """The fit of one law, from what the first law found, or else from the start."""
+    note = ""
+    for origin in (first.scenes, scenes) if first else (scenes,):
+        try:
+            found = fit([_with_law(scene, law, first) for scene in origin], progress)
+        except SceneError as error:
+            note = str(error).removeprefix(f"{scenes[0].name}: ")
+            continue
+        if found.converged or origin is scenes:
+            n = needed_exponent(law, scenes[0])
+            return LawFit(law, found, f"n = {n:g}" if n != scenes[0].contact.exponent else "")
+    return LawFit(law, None, note)
+
+
+def _part(progress: Advance, k: int, count: int) -> Advance:
+    """The progress of one law of several."""
+    return lambda part: progress((k + part) / count)
+
+
+def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
+    """The scene with another law."""
+    impact = first.models[0].impacts[0] if first and len(first.models[0].impacts) else None
+    return scene.with_values(law_values(scene, law, impact))
+
+
+def _place(one: LawFit, most: int) -> tuple[bool, bool, float]:
+    """What the laws are ordered by: those that could use all values, then the criterion."""
+    if one.fit is None:
+        return True, True, math.inf
+    return False, bool(one.fit.used.sum() < most), round(one.fit.aic, DIGITS)
+
+
+def _noted(one: LawFit, most: int) -> LawFit:
+    """A law with what is particular."""
+    if one.fit is None:
+        return one
+    left = most - int(one.fit.used.sum())
+    parts = [one.note] if one.note else []
+    parts += [f"{left} values fewer than others: not comparable"] if left else []
+    parts += [] if one.fit.converged else ["did not converge"]
+    return replace(one, note="; ".join(parts), fewer=left)

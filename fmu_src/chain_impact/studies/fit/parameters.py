@@ -1,0 +1,142 @@
+"""What is fitted: parameters with their start, their bounds, and the scale on which they are sought."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from chain_impact.names import nearest
+from chain_impact.reading import SceneError, UnknownNameError, shown
+from chain_impact.scene import Scene
+from chain_impact.variable import Variable
+from chain_impact.variables import differentiable, fmu_variables
+
+Bounds = Mapping[str, str | tuple[float | None, float | None]]
+WIDEST = 1e8  # from the start to the end of a search, as a factor
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number that is fitted.
+
+    Attributes:
+        name: as in the FMU.
+        unit: of its value.
+        start: value in the scene.
+        low, high: bounds of its value, infinite if there are none.
+        logarithmic: whether it is sought as its logarithm: it is positive, of a size that is not known.
+        run: index of the data set that it belongs to; None if all have the same.
+    """
+
+    name: str
+    unit: str
+    start: float
+    low: float
+    high: float
+    logarithmic: bool
+    run: int | None = None
+
+    @property
+    def label(self) -> str:
+        """Its name, and of which data set it is, counted from 1."""
+        return self.name if self.run is None else f"{self.name} of data set {self.run + 1}"
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The ends of the search on its scale: the bounds, and of a logarithm not very far from the start."""
+        if not self.logarithmic:
+            return self.low, self.high
+        return (
+            self.coordinate(max(self.low, self.start / WIDEST)),
+            self.coordinate(min(self.high, self.start * WIDEST)),
+        )
+
+    def coordinate(self, value: float) -> float:
+        """The place of a value on the scale of the search."""
+        if not self.logarithmic:
+            return value
+        return math.log(value) if value > 0.0 else -math.inf
+
+    def value(self, coordinate: float) -> float:
+        """The value at a place on the scale of the search."""
+        return min(max(math.exp(coordinate), self.low), self.high) if self.logarithmic else coordinate
+
+    def slope(self, value: float) -> float:
+        """Derivative of the value by its place on the scale."""
+        return value if self.logarithmic else 1.0
+
+
+def parameters_of(
+    scenes: Sequence[Scene], free: Sequence[str], free_each: Sequence[str], bounds: Bounds
+) -> tuple[Parameter, ...]:
+    """What is fitted: the free parameters of all data sets, then those of each.
+
+    Args:
+        scenes: one for each data set, with the start values; the first has those of the shared parameters.
+        free: names of parameters that all data sets share.
+        free_each: names of parameters that differ from one data set to another.
+        bounds: name → bounds, as text ``0.1:0.9``, in which one of both can be missing, or as a pair.
+
+    Raises:
+        SceneError: when a name is unknown, is given twice, or a bound is not allowed.
+    """
+    scene = scenes[0]
+    places = differentiable(scene)
+    known = {v.name: v for v in fmu_variables(scene) if v.name in places}
+    names = [*free, *free_each]
+    if not names:
+        raise SceneError(f"{scene.name}: no parameter is free; name at least one")
+    for k, name in enumerate(names):
+        if name not in known:
+            raise UnknownNameError(scene.name, name, known, "no parameter that can be fitted")
+        if name in names[:k]:
+            raise SceneError(f"{scene.name}: {name} is named twice among the free parameters")
+    for name in bounds:
+        if name not in names:
+            near = nearest(name, names) or ", ".join(names)
+            raise SceneError(f"{scene.name}: bounds of {name}, which is not free; free is {near}")
+    shared = [_parameter(known[name], scene, bounds.get(name), None) for name in free]
+    each = [
+        _parameter(known[name], one, bounds.get(name), k)
+        for name in free_each
+        for k, one in enumerate(scenes)
+    ]
+    return (*shared, *each)
+
+
+def _parameter(
+    variable: Variable, scene: Scene, bounds: str | tuple[float | None, float | None] | None, run: int | None
+) -> Parameter:
+    start = 0.0 if variable.causality == "input" else float(scene.values[variable.name])
+    logarithmic = variable.above == 0.0
+    ends = [variable.above if variable.minimum is None else variable.minimum, variable.maximum]
+    low, high = (sign * math.inf if end is None else end for sign, end in zip((-1, 1), ends, strict=True))
+    if bounds is not None:
+        given_low, given_high = _ends(variable, bounds)
+        low, high = max(low, given_low), min(high, given_high)
+        if not low < high:
+            raise SceneError(f"{scene.name}: bounds of {variable.name}: {low:g} must be < {high:g}")
+        if not low <= start <= high:
+            raise SceneError(
+                f"{scene.name}: {variable.name} = {start:g}, where the search starts, must be within its "
+                f"bounds, {low:g} to {high:g}"
+            )
+    return Parameter(variable.name, variable.unit, start, low, high, logarithmic, run)
+
+
+def _ends(variable: Variable, bounds: str | tuple[float | None, float | None]) -> tuple[float, float]:
+    """The lower and the upper bound."""
+    parts = bounds.split(":") if isinstance(bounds, str) else list(bounds)
+    try:
+        low, high = (sign * math.inf if part in ("", None) else float(part)
+                     for sign, part in zip((-1, 1), parts, strict=True))  # fmt: skip
+    except (TypeError, ValueError):
+        raise SceneError(
+            f"bounds of {variable.name} = {shown(bounds)} must be LOW:HIGH, of which one can be missing"
+        ) from None
+    if np.isnan([low, high]).any():
+        raise SceneError(f"bounds of {variable.name} = {shown(bounds)} must be numbers")
+    return low, high

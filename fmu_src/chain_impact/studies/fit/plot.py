@@ -1,0 +1,188 @@
+"""The picture of a fit: each measured column with the model, and below it the residuals.
+
+Outputs are drawn over time, with a line at each impact of the model; quantities of impacts over numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.gridspec import SubplotSpec
+from matplotlib.ticker import MaxNLocator
+
+from chain_impact.results.plots.style import DPI, GREY, INK, PALE, PALETTE, STYLE, headline, number
+from chain_impact.results.recording import written_whole
+from chain_impact.results.result import Result
+from chain_impact.results.summary import plural
+from chain_impact.results.tables import IMPACT_UNITS
+from chain_impact.simulate import simulate
+from chain_impact.studies.fit.data import QUANTITIES
+from chain_impact.studies.fit.report import rounded
+from chain_impact.studies.fit.result import Fit
+from chain_impact.studies.fit.unknown import size_of
+from chain_impact.variables import fmu_variables
+
+MOST_PANELS = 8  # columns that are shown
+LETTERS, SMALLER = 9.5, 1.3  # of the headline, in an inch; and how many times as many in the line below it
+POINTS = 1500  # of the model's curve
+WIDTH, HEIGHT = 5.2, 2.9  # inches, of a panel
+USUAL = 2.0  # standard deviations, the band of the residuals
+
+
+@dataclass(frozen=True)
+class Column:
+    """A measured column of one data set.
+
+    Attributes:
+        run: index of the data set.
+        rows: index of its values among all, shape (K,).
+        at: time [s], or number of the impact, shape (K,).
+    """
+
+    run: int
+    rows: np.ndarray
+    at: np.ndarray
+
+
+def plot_fit(fit: Fit, path: str | Path) -> None:
+    """Draw a fit into a file; the suffix says which kind (png, svg, pdf).
+
+    Raises:
+        OSError: when the file cannot be written.
+    """
+    with written_whole(Path(path)) as fresh:
+        figure(fit).savefig(fresh, dpi=DPI)
+
+
+def figure(fit: Fit) -> Figure:
+    """A fit as a figure."""
+    page = Figure(layout="constrained")
+    fill(page, fit)
+    return page
+
+
+@mpl.rc_context(STYLE)
+def fill(page: Figure, fit: Fit) -> None:
+    """Draw all panels on an empty page."""
+    names = list(fit.columns)[:MOST_PANELS]
+    across = 1 if len(names) == 1 else 2
+    down = math.ceil(len(names) / across)
+    page.set_size_inches(across * WIDTH * (1.5 if across == 1 else 1.0), 0.7 + down * HEIGHT)
+    results = [_model(fit, k) for k in range(len(fit.data))]
+    grid = page.add_gridspec(down, across)
+    for k, name in enumerate(names):
+        _panel(grid[k // across, k % across], fit, name, results)
+    headline(page, *_words(fit, int(LETTERS * page.get_size_inches()[0]), len(names)))
+
+
+def _model(fit: Fit, k: int) -> Result:
+    """The run of a data set with the fitted values, with rows close enough for a curve."""
+    data, scene = fit.data[k], fit.scenes[k]
+    stop = max(1e-9, float(np.nanmax(data.order, initial=0.0)))
+    inputs = {
+        one.name: fit.values[one.label]
+        for one in fit.parameters
+        if one.name not in scene.values and one.run in (None, k)
+    }
+    return simulate(scene, stop_time=stop, output_step=stop / POINTS, output=data.outputs, inputs=inputs)
+
+
+def _panel(place: SubplotSpec, fit: Fit, name: str, results: list[Result]) -> None:
+    """One column: data and model, and below the residuals in standard deviations."""
+    axes: Any = place.subgridspec(2, 1, height_ratios=(3, 1)).subplots(sharex=True)
+    values, rest = axes
+    parts = _columns(fit, name)
+    over_impacts = name in QUANTITIES
+    several = len(fit.data) > 1
+    measured = np.concatenate([one.value for one in fit.data])
+    largest = float(np.nanmax(np.abs(fit.residuals / fit.sigma)[fit.columns[name]], initial=USUAL))
+    rest.set(ylim=(-1.15 * largest, 1.15 * largest))
+    rest.axhspan(-USUAL, USUAL, color=PALE, zorder=0, linewidth=0)
+    for colour, part in zip(_colours(len(parts)), parts, strict=True):
+        told = f"data set {part.run + 1}" if several else "measured"
+        look: dict[str, Any] = {"linestyle": "", "marker": ".", "markersize": 4, "color": colour}
+        if over_impacts:
+            look |= {"yerr": USUAL * fit.sigma[part.rows], "capsize": 2, "label": told}
+            values.errorbar(part.at, measured[part.rows], **look)
+            model = measured[part.rows] + fit.residuals[part.rows]
+            label = None if several else "model"
+            values.plot(part.at, model, "o", color=INK, markerfacecolor="none", markersize=7, label=label)
+        else:
+            _curve(values, rest, results[part.run], name, INK if not several else colour)
+            values.plot(part.at, measured[part.rows], **look, label=told, alpha=0.7)
+        rest.plot(part.at, fit.residuals[part.rows] / fit.sigma[part.rows], ".", color=colour, markersize=3)
+    values.set_ylabel(f"{name}{_unit(fit, name)}")
+    rest.set_ylabel("model −\ndata [σ]")
+    rest.set_xlabel("number of the impact" if over_impacts else "time [s]")
+    if over_impacts:
+        rest.xaxis.set_major_locator(MaxNLocator(integer=True))
+    if len(parts) <= len(PALETTE):
+        values.legend(
+            loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=4, borderaxespad=0.2, handlelength=1.4
+        )
+
+
+def _curve(values: Axes, rest: Axes, result: Result, name: str, colour: str) -> None:
+    """The model over time, and lines at its impacts."""
+    for axes in (values, rest):
+        onsets = result.impacts["onset"]
+        axes.vlines(onsets, 0.0, 1.0, GREY, linewidth=0.6, zorder=0, transform=axes.get_xaxis_transform())
+    words = "model; lines: its impacts" if len(result.impacts) else "model"
+    label = words if colour == INK else None
+    values.plot(result.time, result[name], color=colour, linewidth=0.9, label=label, zorder=4)
+
+
+def _columns(fit: Fit, name: str) -> list[Column]:
+    """The parts of a column, one for each data set that has it."""
+    found, first = [], 0
+    for k, data in enumerate(fit.data):
+        rows = np.flatnonzero(np.array(data.quantity) == name)
+        if len(rows):
+            of = data.row[rows]
+            at = np.array([data.impacts[j].number for j in of]) if name in QUANTITIES else data.times[of]
+            found.append(Column(k, first + rows, at))
+        first += len(data)
+    return found
+
+
+def _colours(count: int) -> list[str]:
+    return [PALETTE[k % len(PALETTE)] for k in range(count)]
+
+
+def _unit(fit: Fit, name: str) -> str:
+    units = {variable.name: variable.unit for variable in fmu_variables(fit.scene)} | IMPACT_UNITS
+    unit = units.get(name, "s")
+    return f" [{unit}]" if unit not in ("", "1") else ""
+
+
+def _told(fit: Fit, label: str) -> str:
+    """A parameter and its standard error: "contact.restitution 0.7000 ± 0.0013"."""
+    one = next(one for one in fit.parameters if one.label == label)
+    value, error = fit.values[label], fit.standard_errors[label]
+    return f"{label} {rounded(value, error)} ± {size_of(one, value, error / one.slope(value))}"
+
+
+def _words(fit: Fit, room: int, shown: int) -> tuple[str, str]:
+    """The headline, with as many parameters as there is room for letters, and the line below it."""
+    told = [_told(fit, label) for label in fit.values]
+    first = 1
+    while first < len(told) and len("; ".join(told[: first + 1])) <= room:
+        first += 1
+    parts = [fit.scene.name, *filter(None, [fit.law]), plural(int(fit.used.sum()), "value")]
+    if shown < len(fit.columns):
+        parts.append(f"{shown} of {len(fit.columns)} columns")
+    if len(fit.estimated) < len(fit.columns):
+        parts.append(f"χ² per degree of freedom {number(fit.reduced_chi_squared, 3)}")
+    rest = told[first:]
+    while rest and len("; ".join(parts)) + len(rest[0]) <= SMALLER * room:
+        parts.append(rest.pop(0))
+    if rest:
+        parts.append(plural(len(rest), "more parameter"))
+    return "; ".join(told[:first]), "; ".join(parts)

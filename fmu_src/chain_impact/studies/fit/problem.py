@@ -1,0 +1,221 @@
+"""The distance of the model from the measurements, and its derivatives by the free parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from chain_impact.compilation.work import Notify
+from chain_impact.kernel.status import OK, STATUS_TEXT
+from chain_impact.reading import SceneError
+from chain_impact.running import SimulationError
+from chain_impact.scene import Scene
+from chain_impact.sensitivities import Differentiated, DifferentiatedRun
+from chain_impact.studies.fit.data import DURATION, QUANTITIES, Measurements
+from chain_impact.studies.fit.parameters import Parameter
+
+SMALLEST = 1e-300  # so that a column of zeros has a size
+AT_BOUND = 0.01  # standard errors from a bound are at the bound, and so is
+AT_BOUND_PART = 1e-9  # of the distance between both bounds
+LATE = 1.25  # how much later than measured an impact of the model may be, as a factor of its time
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """The model at one set of parameters.
+
+    Attributes:
+        place: the parameters on the scale of the search, shape (P,).
+        residuals: model − measured, shape (M,), in the unit of each value; NaN where there is no value of
+            the model: beyond the horizon, after a fault, of an impact that is not there.
+        slopes: their derivatives by the place, shape (M, P); NaN where they do not exist.
+        runs: the run of each data set.
+    """
+
+    place: np.ndarray
+    residuals: np.ndarray
+    slopes: np.ndarray
+    runs: tuple[Differentiated, ...]
+
+    @property
+    def there(self) -> np.ndarray:
+        """Of which values the model has one, too, shape (M,)."""
+        return np.asarray(np.isfinite(self.residuals))
+
+    @property
+    def usable(self) -> np.ndarray:
+        """Which values can be fitted: those with derivatives, shape (M,)."""
+        found: np.ndarray = self.there & np.isfinite(self.slopes).all(axis=1)
+        return found
+
+
+class Problem:
+    """All data sets, and a model for each.
+
+    Attributes:
+        parameters: what is free.
+        data: one for each data set.
+        value, sigma: of all values, shape (M,); the standard deviation is NaN where it is to be estimated.
+        order: when each was measured, shape (M,) [s]; NaN for an impact of which no time is known.
+        size: of the column of each value, shape (M,): its range, or its largest value if that is more.
+        group: index of each value into ``names``, shape (M,).
+        names: of the columns.
+        own: of each data set, the indices of the parameters on which its model depends.
+        evaluations: how many runs with derivatives there were.
+    """
+
+    def __init__(
+        self,
+        scenes: Sequence[Scene],
+        data: Sequence[Measurements],
+        parameters: Sequence[Parameter],
+        notify: Notify,
+    ) -> None:
+        """Prepare a run for each data set.
+
+        Raises:
+            SceneError: when a scene cannot start.
+            BuildError: when the kernel cannot be compiled.
+        """
+        self.scenes, self.data, self.parameters = tuple(scenes), tuple(data), tuple(parameters)
+        self.value = np.concatenate([one.value for one in data])
+        self.sigma = np.concatenate([one.sigma for one in data])
+        quantities = [name for one in data for name in one.quantity]
+        self.names = tuple(dict.fromkeys(quantities))
+        self.group = np.array([self.names.index(name) for name in quantities])
+        self.order = np.concatenate([one.order for one in data])
+        self.low, self.high = np.array([one.ends for one in self.parameters]).T
+        self.size = self._sizes()
+        self.evaluations = 0
+        self.own = [
+            [p for p, one in enumerate(self.parameters) if one.run in (None, k)]
+            for k in range(len(self.data))
+        ]
+        try:
+            self._runs = [
+                DifferentiatedRun(scene, [self.parameters[p].name for p in own], one.outputs, notify=notify)
+                for scene, one, own in zip(self.scenes, self.data, self.own, strict=True)
+            ]
+        except SimulationError as error:
+            raise SceneError(f"{self.scenes[0].name}: {error}") from None
+        ends = np.cumsum([0, *map(len, self.data)])
+        self._parts = [slice(*pair) for pair in pairwise(ends.tolist())]
+
+    @property
+    def estimated(self) -> tuple[str, ...]:
+        """The columns for which no standard deviation is given."""
+        unknown = set(self.group[np.isnan(self.sigma)].tolist())
+        return tuple(name for k, name in enumerate(self.names) if k in unknown)
+
+    @property
+    def start(self) -> np.ndarray:
+        """Where the search starts, shape (P,)."""
+        return np.array([one.coordinate(one.start) for one in self.parameters])
+
+    def until(self, evaluation: Evaluation, horizon: float) -> Evaluation:
+        """An evaluation of the whole time, without what lies beyond a horizon [s]."""
+        beyond = self.order > horizon
+        return replace(evaluation, residuals=np.where(beyond, np.nan, evaluation.residuals))
+
+    @property
+    def followed(self) -> np.ndarray:
+        """The values that show if the model moves as measured, shape (M,): outputs, else times of impacts."""
+        outputs = np.concatenate([~one.of_impact for one in self.data])
+        if outputs.any():
+            return outputs
+        return np.array([self.names[group] in ("onset", "end") for group in self.group])
+
+    def end(self, k: int) -> float:
+        """Until when [s] the model of a data set runs, to have all that was measured.
+
+        An impact of which no time was measured can be anywhere until the scene's stop time.
+        """
+        data = self.data[k]
+        last = float(np.nanmax(data.order, initial=0.0))
+        if np.isnan(data.order).any():
+            last = max(last, self.scenes[k].simulation.stop_time)
+        return LATE * last if data.of_impact.any() else last
+
+    def values(self, place: np.ndarray) -> np.ndarray:
+        """The values of the parameters at a place on the scale of the search."""
+        return np.array([one.value(at) for one, at in zip(self.parameters, place.tolist(), strict=True)])
+
+    def scale(self, values: np.ndarray) -> np.ndarray:
+        """Derivatives of the values by the places on the scale of the search, shape (P,)."""
+        return np.array([one.slope(at) for one, at in zip(self.parameters, values.tolist(), strict=True)])
+
+    def evaluate(self, place: np.ndarray, horizon: float = math.inf) -> Evaluation:
+        """Run the models until a horizon [s], and compare."""
+        values = self.values(place)
+        scale = self.scale(values)
+        found, slopes = np.full(len(self.value), np.nan), np.zeros((len(self.value), len(place)))
+        runs = []
+        for k, (mine, part) in enumerate(zip(self.own, self._parts, strict=True)):
+            done = self._run(k, values[mine], horizon)
+            found[part], slopes[part, mine] = _select(self.data[k], done)
+            runs.append(done)
+        self.evaluations += 1
+        return self.until(Evaluation(place, found - self.value, slopes * scale, tuple(runs)), horizon)
+
+    def bounds_reached(self, place: np.ndarray, errors: np.ndarray) -> dict[int, str]:
+        """The parameters that are at a bound → which, lower or upper.
+
+        Args:
+            place: on the scale of the search, shape (P,).
+            errors: standard error of each with all others held, shape (P,).
+        """
+        known = np.stack([AT_BOUND * errors, AT_BOUND_PART * (self.high - self.low)])
+        near = np.where(np.isfinite(known), known, 0.0).max(axis=0)
+        lower, upper = place - self.low <= near, self.high - place <= near
+        return {int(p): "lower" if lower[p] else "upper" for p in np.flatnonzero(lower | upper)}
+
+    def fault(self, evaluation: Evaluation) -> str:
+        """Why a model did not reach the end; empty if all did."""
+        for k, run in enumerate(evaluation.runs):
+            if run.status != OK:
+                return f"{self.data[k].source}: the simulation stopped: {STATUS_TEXT[run.status]}"
+        return ""
+
+    def _sizes(self) -> np.ndarray:
+        found = np.zeros(len(self.value))
+        for group in range(len(self.names)):
+            mine = self.group == group
+            values = self.value[mine]
+            found[mine] = max(float(np.ptp(values)), float(np.abs(values).max()), SMALLEST)
+        return found
+
+    def _run(self, k: int, values: np.ndarray, horizon: float) -> Differentiated:
+        data = self.data[k]
+        times = data.times[: np.searchsorted(data.times, horizon, side="right")]
+        if len(data.impacts):
+            end = min(self.end(k), LATE * horizon)
+            times = np.append(times[times < end], end)
+        return self._runs[k].run(values, times)
+
+
+def _select(data: Measurements, run: Differentiated) -> tuple[np.ndarray, np.ndarray]:
+    """The values of the model where there are measured ones, shape (M,), and their derivatives, (M, P)."""
+    found = np.full(len(data), np.nan)
+    slopes = np.full((len(data), run.slopes.shape[2]), np.nan)
+    sampled = np.flatnonzero(~data.of_impact & (data.row < len(run.values)))
+    row, column = data.row[sampled], data.column[sampled]
+    found[sampled], slopes[sampled] = run.values[row, column], run.slopes[row, column]
+    for m in np.flatnonzero(data.of_impact):
+        at = data.impacts[data.row[m]].find(run.impacts)
+        if at is not None:
+            found[m], slopes[m] = quantity(run, at, QUANTITIES[data.column[m]])
+    return found, slopes
+
+
+def quantity(run: Differentiated, at: int, name: str) -> tuple[float, np.ndarray]:
+    """A quantity of an impact of the model, and its derivatives, shape (P,); NaN while the contact lasts."""
+    if name == DURATION:
+        end, onset = quantity(run, at, "end"), quantity(run, at, "onset")
+        return end[0] - onset[0], end[1] - onset[1]
+    ended = np.isfinite(run.impacts["end"][at]) or name in ("onset", "impact_speed", "effective_mass")
+    value = float(run.impacts[name][at]) if ended else math.nan
+    return (value if math.isfinite(value) else math.nan), run.impact_slopes[name][at]

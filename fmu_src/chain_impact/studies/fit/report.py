@@ -1,0 +1,128 @@
+"""A fit as text."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from chain_impact.results.plots.style import number
+from chain_impact.results.summary import plural
+from chain_impact.studies.fit.result import Fit
+from chain_impact.studies.fit.unknown import size_of
+
+HIGH = 0.9  # a correlation that is worth a word
+MANY = 8  # horizons, more are not listed
+EQUAL = 2.0  # of Akaike's criterion, a difference that says nothing
+
+
+def report(fit: Fit) -> Iterator[str]:
+    """The lines of a text with all that a fit says."""
+    yield heading(fit)
+    yield ""
+    yield from aligned(("parameter", "start", "value", "standard error", "95 % interval"), _parameters(fit))
+    yield ""
+    yield from aligned(("measured", "values", "σ", "rms residual"), _columns(fit))
+    yield ""
+    yield _quality(fit)
+    yield from _correlations(fit)
+    yield from fit.unknown
+    yield from fit.notes
+    if fit.ranking:
+        yield ""
+        yield from aligned(("law", "ΔAIC", "rms residual", *fit.values, ""), _laws(fit))
+        yield "The rms residual is in standard deviations σ of the best fit."
+        equal = sum(
+            one.fit is not None and not one.fewer and one.fit.aic < fit.aic + EQUAL for one in fit.ranking
+        )
+        if equal > 1:
+            yield f"{equal} laws fit equally well, with ΔAIC < {EQUAL:g}: these data cannot tell them apart."
+
+
+def heading(fit: Fit) -> str:
+    """Which scene, law and data."""
+    sets = f"{plural(len(fit.data), 'data set')}, " if len(fit.data) > 1 else ""
+    return (
+        f"{fit.scene.name}  {f'{fit.law}, ' if fit.law else ''}{sets}{int(fit.used.sum())} values, "
+        f"{plural(len(fit.parameters), 'free parameter')}"
+    )
+
+
+def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    """The lines of a table; its columns are as wide as they need to be."""
+    widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
+    for row in (head, *rows):
+        yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+
+
+def _parameters(fit: Fit) -> list[Sequence[str]]:
+    rows: list[Sequence[str]] = []
+    for one in fit.parameters:
+        value, error = fit.values[one.label], fit.standard_errors[one.label]
+        unit = "" if one.unit in ("", "1") or one.unit.startswith("N/m^") else f" {one.unit}"
+        low, high = fit.intervals[one.label]
+        place = error / value if one.logarithmic else error
+        rows.append(
+            (
+                one.label,
+                number(one.start, 6),
+                f"{rounded(value, error)}{unit}",
+                size_of(one, value, place),
+                " … ".join(rounded(end, error).replace("inf", "∞") for end in (low, high)),
+            )
+        )
+    return rows
+
+
+def rounded(value: float, error: float) -> str:
+    """A number with the digits that its standard error leaves, and one more."""
+    if not (math.isfinite(error) and error > 0.0 and value):
+        return number(value, 4)
+    digits = 2 + math.floor(math.log10(abs(value))) - math.floor(math.log10(error))
+    return number(value, min(max(digits, 2), 10))
+
+
+def _columns(fit: Fit) -> list[Sequence[str]]:
+    rows: list[Sequence[str]] = []
+    for name, mine in fit.columns.items():
+        used = mine & fit.used
+        sigma = np.unique(fit.sigma[mine])
+        told = number(sigma[0], 3) if len(sigma) == 1 else f"{number(sigma[0], 3)} … {number(sigma[-1], 3)}"
+        how = "estimated" if name in fit.estimated else "given"
+        rms = math.sqrt(float((fit.residuals[used] ** 2).mean())) if used.any() else math.nan
+        rows.append((name, str(int(used.sum())), f"{told} {how}", number(rms, 3)))
+    return rows
+
+
+def _quality(fit: Fit) -> str:
+    state = "converged" if fit.converged else "not converged"
+    ends = [f"{end:.3g}" for end in fit.horizons]
+    if len(ends) > MANY:
+        ends[2:-2] = ["…"]
+    text = f"{state}; data until {', '.join(ends)} s"
+    if len(fit.estimated) < len(fit.columns):
+        text += f"; χ² per degree of freedom {fit.reduced_chi_squared:.3g}"
+    return text
+
+
+def _correlations(fit: Fit) -> Iterator[str]:
+    names = list(fit.values)
+    for i, first in enumerate(names):
+        for j, second in enumerate(names[:i]):
+            if abs(fit.correlation[i, j]) > HIGH:
+                how = f"a correlation of {fit.correlation[i, j]:.3f}"
+                yield f"The estimates of {second} and {first} have {how}."
+
+
+def _laws(fit: Fit) -> list[Sequence[str]]:
+    best = fit.aic
+    rows: list[Sequence[str]] = []
+    for one in fit.ranking:
+        if one.fit is None:
+            rows.append((one.law, "–", "–", *("–" for _ in fit.values), one.note))
+            continue
+        values = (rounded(value, one.fit.standard_errors[name]) for name, value in one.fit.values.items())
+        rms = math.sqrt(float(np.nanmean((one.fit.residuals / fit.sigma) ** 2)))
+        rows.append((one.law, f"{max(0.0, one.fit.aic - best):.1f}", number(rms, 3), *values, one.note))
+    return rows

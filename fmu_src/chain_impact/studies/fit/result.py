@@ -1,0 +1,164 @@
+"""What a fit returns."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from chain_impact.instance import candidate_count
+from chain_impact.scene import Scene
+from chain_impact.sensitivities import Differentiated
+from chain_impact.studies.fit.data import Measurements
+from chain_impact.studies.fit.parameters import Parameter
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class LawFit:
+    """How one contact law fits.
+
+    Attributes:
+        law: its id.
+        fit: what was found; None if nothing was.
+        note: why there is none, or what is particular.
+        fewer: how many values fewer than others it could use; if any, its criterion cannot be compared.
+    """
+
+    law: str
+    fit: Fit | None
+    note: str = ""
+    fewer: int = 0
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Fit:
+    """What the data say on the free parameters. Printed, it is a table with all of it.
+
+    A parameter is called by its name in the FMU, of one data set among several ``initial.y of data set 2``.
+
+    Attributes:
+        scene: the scene with the fitted values, of the first data set.
+        scenes: the scenes of all data sets.
+        parameters: what was free, P of them.
+        values: name → value.
+        standard_errors: name → standard error, in the unit of the value; infinite if nothing determines it.
+        intervals: name → ends of the interval that holds the value with a probability of 95 %.
+        correlation: of the estimates, shape (P, P); NaN where one is not determined.
+        data: what was measured, M values in all.
+        residuals: model − measured, shape (M,), in the unit of each value; NaN of values that were left out.
+        sigma: standard deviation of each value, as given or estimated from the residuals, shape (M,).
+        estimated: columns whose standard deviation was estimated.
+        deviance: −2 log of the likelihood, up to a constant that depends on the data only.
+        converged: whether the search ended where no step makes the fit better.
+        runs: how many runs with derivatives it took.
+        horizons: until when [s] data were used, one after the other.
+        unknown: what the data cannot tell, in words, and which measurement would.
+        notes: what else has to be said: values that were left out, bounds that were reached.
+        ranking: the contact laws, the best first, if they were compared.
+        models: the run of each data set with the fitted values.
+    """
+
+    scene: Scene
+    scenes: tuple[Scene, ...]
+    parameters: tuple[Parameter, ...]
+    values: dict[str, float]
+    standard_errors: dict[str, float]
+    intervals: dict[str, tuple[float, float]]
+    correlation: np.ndarray
+    data: tuple[Measurements, ...]
+    residuals: np.ndarray
+    sigma: np.ndarray
+    estimated: tuple[str, ...]
+    deviance: float
+    converged: bool
+    runs: int
+    horizons: tuple[float, ...]
+    unknown: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+    ranking: tuple[LawFit, ...] = ()
+    models: tuple[Differentiated, ...] = field(default=())
+
+    @property
+    def used(self) -> np.ndarray:
+        """Which values were fitted, shape (M,)."""
+        return np.asarray(np.isfinite(self.residuals))
+
+    @property
+    def chi_squared(self) -> float:
+        """Sum of the squares of the residuals in standard deviations."""
+        return float(np.nansum((self.residuals / self.sigma) ** 2))
+
+    @property
+    def freedom(self) -> int:
+        """Degrees of freedom: values that were fitted, less free parameters."""
+        return int(self.used.sum()) - len(self.parameters)
+
+    @property
+    def reduced_chi_squared(self) -> float:
+        """χ² for each degree of freedom: about 1 if the model is right and all σ are given."""
+        return self.chi_squared / self.freedom if self.freedom > 0 else math.nan
+
+    @property
+    def aic(self) -> float:
+        """Akaike's criterion (IEEE Trans. Automatic Control 19 (1974) 716): less is better.
+
+        Only differences of fits of the same data mean something; from 10 on, hardly anything speaks for the
+        fit with more (Burnham & Anderson, Sociological Methods & Research 33 (2004) 261).
+        """
+        return self.deviance + 2.0 * (len(self.parameters) + len(self.estimated))
+
+    @property
+    def law(self) -> str:
+        """The contact law; empty if nothing can touch."""
+        return self.scene.contact.model if candidate_count(self.scene) else ""
+
+    @cached_property
+    def columns(self) -> dict[str, np.ndarray]:
+        """Name of a measured column → which of the M values are its, shape (M,)."""
+        names = np.array([name for one in self.data for name in one.quantity])
+        return {str(name): names == name for name in dict.fromkeys(names.tolist())}
+
+    def __repr__(self) -> str:
+        """All of it, as a text of several lines."""
+        from chain_impact.studies.fit.report import report
+
+        return "\n".join(report(self))
+
+    def plot(self, path: str | Path | None = None) -> Figure | None:
+        """Draw data, model, residuals and impacts.
+
+        Args:
+            path: a file, whose suffix says which kind: png, svg or pdf; without it the figure is returned,
+                which a notebook shows.
+
+        Raises:
+            OSError: when the file cannot be written.
+        """
+        from chain_impact.studies.fit.plot import figure, plot_fit
+
+        if path is None:
+            return figure(self)
+        plot_fit(self, path)
+        return None
+
+    def save(self, path: str | Path, like: str | Path | None = None) -> None:
+        """Write the fitted scene as TOML, with the comments and the order of the scene file that it is like.
+
+        Args:
+            path: the file.
+            like: the scene file that was fitted; without, all keys are written, and no comments.
+
+        Raises:
+            MissingExtraError: when tomlkit is not installed.
+            OSError: when a file cannot be read or written.
+        """
+        from chain_impact.studies.fit.scene_file import write_scene
+
+        write_scene(self.scene, path, like)

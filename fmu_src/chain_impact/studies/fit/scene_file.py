@@ -1,0 +1,103 @@
+"""A scene as a TOML file that keeps the comments and the order of the file that it came from."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from chain_impact.extras import require
+from chain_impact.results.recording import written_whole
+from chain_impact.scene import Scene, parse_scene, scene_to_dict
+
+PASSES = 3  # a default can follow from a value that was left to another default
+
+
+def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) -> None:
+    """Write a scene file.
+
+    Args:
+        scene: what it shall hold.
+        path: the file.
+        like: a scene file, of which all stays as it is but what differs; without, all keys are written.
+
+    Raises:
+        SceneError: when the file that it is like holds no scene.
+        MissingExtraError: when tomlkit is not installed.
+        OSError: when a file cannot be read or written.
+    """
+    path = Path(path)
+    if like is None:
+        text = require("tomlkit", "fit").dumps(scene_to_dict(scene))
+    else:
+        text = updated(Path(like).read_text(encoding="utf-8"), scene, str(Path(like)))
+        if scene.contact.law_file and Path(like).parent.resolve() != path.parent.resolve():
+            text = _with_law_file(text, os.path.relpath(scene.contact.law_file, path.parent))
+    with written_whole(path) as fresh:
+        fresh.write_text(text, encoding="utf-8")
+
+
+def updated(text: str, scene: Scene, source: str) -> str:
+    """The text of a scene file with the values of a scene; what has them already stays as it is.
+
+    A value that the text leaves to a default is written where the default would give another one.
+    """
+    for _ in range(PASSES):
+        present = parse_scene(text, source)
+        if present == scene:
+            break
+        text = _once(text, scene_to_dict(present), scene_to_dict(scene))
+    return text
+
+
+def _with_law_file(text: str, file: str) -> str:
+    """The text with the path of the law's file from another folder."""
+    tomlkit = require("tomlkit", "fit")
+    document = tomlkit.parse(text)
+    _set(document["contact"], "law_file", file)
+    return str(tomlkit.dumps(document))
+
+
+def _once(text: str, present: dict[str, Any], wanted: dict[str, Any]) -> str:
+    """The text with what differs in it written; what it leaves to defaults can change with that."""
+    tomlkit = require("tomlkit", "fit")
+    document = tomlkit.parse(text)
+    if any("count" in link for link in document["chain"]["links"]) and wanted["chain"] != present["chain"]:
+        document["chain"]["links"] = present["chain"]["links"] = wanted["chain"]["links"]  # they differ
+    for name, value in wanted.items():
+        if value != present.get(name):
+            if isinstance(value, Mapping):
+                _update(document.setdefault(name, tomlkit.table()), value, present.get(name, {}))
+            else:
+                _set(document, name, value)
+    return str(tomlkit.dumps(document))
+
+
+def _update(table: Any, wanted: Mapping[str, Any], present: Mapping[str, Any]) -> None:
+    """Write the values of a table that differ."""
+    for key, value in wanted.items():
+        before = present.get(key)
+        if value == before:
+            continue
+        if isinstance(value, list) and value and isinstance(value[0], Mapping):
+            for entry, after, old in zip(table[key], value, before or (), strict=True):
+                _update(entry, after, old)
+        else:
+            _set(table, key, value)
+
+
+def _set(table: Any, key: str, value: Any) -> None:
+    """Write one value; of a list only the entries that differ. A comment behind it keeps its column."""
+    here = table.get(key)
+    before = len(here.as_string()) if hasattr(here, "as_string") else 0
+    if isinstance(value, list) and here is not None and len(here) == len(value):
+        for k, one in enumerate(value):
+            if here[k] != one:
+                here[k] = one
+    else:
+        table[key] = value
+    trivia = table.item(key).trivia if before else None
+    if trivia is not None and trivia.comment:
+        room = len(trivia.comment_ws) + before - len(table.item(key).as_string())
+        trivia.comment_ws = " " * max(1, room)

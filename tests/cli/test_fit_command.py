@@ -1,0 +1,81 @@
+"""`chain-impact fit`, as it is typed."""
+
+import csv
+
+import pytest
+
+from chain_impact import load_scene
+from tests.measurements import impacts, motion
+
+FREE = ("--free", "contact.stiffness,contact.restitution")
+START = ("--set", "contact.stiffness=5e7", "--set", "contact.restitution=0.6")
+
+
+@pytest.fixture
+def data(here):
+    """motion.csv and impacts.csv."""
+    columns, result = motion(0.6)
+    table = impacts(result, ["onset", "peak_force"], noise=1e-3)
+    for name, one in (("motion.csv", columns), ("impacts.csv", table)):
+        with (here / name).open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(one)
+            writer.writerows(zip(*one.values(), strict=True))
+    return here
+
+
+def test_a_fit(run, data):
+    code, said, _ = run(
+        "fit", "four_link_box", "motion.csv,impacts.csv", *START, *FREE, "--sigma", "peak_force=0.1%",
+        "--bounds", "contact.restitution=0.5:0.9", "--plot", "fit.svg", "-o", "fitted.toml",
+    )  # fmt: skip
+    assert code == 0
+    lines = said.splitlines()
+    assert lines[:3] == [
+        "scene    fitted.toml",
+        "picture  fit.svg",
+        "FourLinkBox  zhang_sharf, 404 values, 2 free parameters",
+    ]
+    assert (data / "fit.svg").read_text().rstrip().endswith("</svg>")
+    fitted = load_scene(data / "fitted.toml").values
+    assert fitted["contact.stiffness"] == pytest.approx(1e8, rel=0.02)
+    assert fitted["contact.restitution"] == pytest.approx(0.7, abs=0.01)
+    assert "# N/m^exponent" in (data / "fitted.toml").read_text()
+    assert run("simulate", "fitted.toml", "--stop-time", "0.1", "-q")[0] == 0
+
+
+def test_data_sets_with_their_own_values(run, data):
+    code, said, _ = run(
+        "fit", "four_link_box", "motion.csv", "motion.csv", "--free", "contact.restitution",
+        "--free-each", "initial.vx", "--set-each", "initial.y=1.4,1.4", "--columns", "point[4].*",
+    )  # fmt: skip
+    assert code == 0
+    assert "2 data sets, 800 values, 3 free parameters" in said
+    assert "initial.vx of data set 2" in said
+
+
+def test_laws(run, data):
+    code, said, _ = run("fit", "four_link_box", "motion.csv", "--free", "contact.restitution", "--laws")
+    assert code == 0
+    assert "ΔAIC" in said
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("motion.csv",), "FourLinkBox: no parameter is free; name at least one"),
+        (("motion.csv", "--free", "contact.stifness"), "the nearest is contact.stiffness"),
+        (("none.csv", *FREE), "none.csv: No such file or directory"),
+        (("motion.csv", *FREE, "--sigma", "x"), "--sigma x: must be NAME=VALUE, for example point[4].x=1e-3"),
+        (("motion.csv", *FREE, "--sigma", "x=1"), "sigma of x: no such column was measured"),
+        (("motion.csv", *FREE, "--set-each", "initial.y=a"), "must be numbers, one for each data set"),
+        (("motion.csv", *FREE, "--bounds", "initial.x=0:1"), "bounds of initial.x, which is not free"),
+        (("motion.csv", *FREE, "-o", "no/fitted.toml"), "no/fitted.toml: No such folder"),
+    ],
+)
+def test_refusals(run, data, arguments, said):
+    code, _, error = run("fit", "four_link_box", *arguments)
+    assert code == 2
+    assert error.startswith("chain-impact: ")
+    assert said in error
+    assert error.count("\n") == 1

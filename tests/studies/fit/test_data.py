@@ -1,0 +1,144 @@
+"""Measurements of one run, from its tables."""
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene
+from chain_impact.studies.fit.data import QUANTITIES, read_measurements, standard_deviation
+from tests.refusal import refusal
+
+SCENE = load_scene("four_link_box")
+MOTION = {"time": [0.1, 0.2, 0.3], "point[4].x": [1.0, None, 3.0], "point[4].y": [4.0, 5.0, None]}
+
+
+def read(tables, sigma=None, columns=None):
+    return read_measurements(tables, SCENE, sigma or {}, columns)
+
+
+def test_samples_with_gaps():
+    found = read(MOTION)
+    assert found.outputs == ("point[4].x", "point[4].y")
+    assert found.times.tolist() == [0.1, 0.2, 0.3]
+    assert list(zip(found.quantity, found.value, found.order, found.row, found.column, strict=True)) == [
+        ("point[4].x", 1.0, 0.1, 0, 0),
+        ("point[4].y", 4.0, 0.1, 0, 1),
+        ("point[4].y", 5.0, 0.2, 1, 1),
+        ("point[4].x", 3.0, 0.3, 2, 0),
+    ]
+    assert np.isnan(found.sigma).all()
+    assert not found.of_impact.any()
+
+
+def test_rows_of_impacts_beside_samples():
+    table = {
+        "time": [0.1, None, 0.2, None],
+        "point[4].x": [1.0, None, 2.0, None],
+        "impact": [None, 2, None, 3],
+        "wall": [None, "y_min", None, None],
+        "onset": [None, 0.15, None, None],
+        "peak_force": [None, 100.0, None, 200.0],
+    }
+    found = read(table)
+    assert found.quantity == ("point[4].x", "onset", "peak_force", "point[4].x", "peak_force")
+    assert found.of_impact.tolist() == [False, True, True, False, True]
+    np.testing.assert_array_equal(found.order, [0.1, 0.15, 0.15, 0.2, np.nan])
+    second, third = found.impacts
+    assert (second.number, second.wall, second.alike) == (2, SCENE.wall_names.index("y_min"), False)
+    assert (third.number, third.wall) == (3, None)
+    assert [QUANTITIES[found.column[k]] for k in (1, 2)] == ["onset", "peak_force"]
+
+
+def test_tables_of_one_run():
+    found = read([MOTION, {"time": [0.15], "link[1].angle": [0.5]}])
+    assert found.times.tolist() == [0.1, 0.15, 0.2, 0.3]
+    assert found.order[-1] == 0.15
+    assert found.row[-1] == 1
+
+
+def test_an_impact_is_found_by_its_number_and_place():
+    from chain_impact.results.result import IMPACT_DTYPE
+
+    impacts = np.zeros(4, IMPACT_DTYPE)
+    impacts["point"], impacts["wall"] = [0, 4, 0, 4], [2, 2, 3, 2]
+
+    def rows(**columns):
+        return [one.find(impacts) for one in read({**columns, "onset": [0.1] * len(columns["wall"])}).impacts]
+
+    assert rows(impact=[1, 3, 5], wall=[None] * 3) == [0, 2, None]
+    assert rows(impact=[2, 3], wall=["y_min", "y_min"]) == [1, None]
+    assert rows(wall=["y_min", "y_max", "y_min", "y_min", "y_min"]) == [0, 2, 1, 3, None]
+    assert rows(point=[4, 4, 0], wall=[None] * 3) == [1, 3, 0]
+
+
+def test_the_table_of_impacts_of_a_result_is_one():
+    pytest.importorskip("pandas")
+    from chain_impact import simulate
+
+    table = simulate(SCENE, stop_time=0.6).impact_table().reset_index()
+    found = read({name: table[name].tolist() for name in table.columns}, columns=["peak_force", "onset"])
+    assert set(found.quantity) == {"peak_force", "onset"}
+    assert len(found.impacts) == len(table) == 2
+
+
+def test_standard_deviations():
+    table = MOTION | {"sigma(point[4].x)": [0.1, None, None]}
+    found = read(table, {"point[4].x": "10%", "point[4].y": 2e-3})
+    assert found.sigma.tolist() == pytest.approx([0.1, 2e-3, 2e-3, 0.3])
+    assert standard_deviation("x", "2%", -50.0) == 1.0
+    for wrong in ("0", "-1%", "much", "inf", -2.0):
+        assert "must be a number > 0, or percent of each value: 2%" in refusal(
+            standard_deviation, "x", wrong, 1.0
+        )
+    assert refusal(read, {"time": [0.1], "point[4].x": [0.0]}, {"point[4].x": "2%"}) == (
+        "data: row 0: sigma(point[4].x) = 0 must be > 0"
+    )
+
+
+def test_chosen_columns():
+    table = MOTION | {"speed of the camera": [1, 2, 3]}
+    assert read(table, columns=["point[4].*"]).outputs == ("point[4].x", "point[4].y")
+    both = read([table, {"impact": [1], "onset": [0.1]}], columns=["onset", "point[4].y"])
+    assert set(both.quantity) == {"onset", "point[4].y"}
+    assert refusal(read, table, None, ["camera"]).startswith(
+        "data: camera is no column; there are point[4].x"
+    )
+
+
+def test_refusals():
+    def said(**changes):
+        return refusal(read, {name: cells for name, cells in (MOTION | changes).items() if cells})
+
+    wrong = said(**{"point[4].z": [1, 2, 3]})
+    assert wrong.startswith(
+        "data: column point[4].z is no output that changes over time, and no quantity of an"
+    )
+    assert "; the nearest is point[4]." in wrong
+    assert "impacts have onset, end" in said(camera=[1, 2, 3])
+    assert said(time=[]).startswith("data: the column time is missing; it says to which of the outputs")
+    assert said(onset=[1, 2, 3]).startswith("data: the column impact or point or wall is missing")
+    assert said(time=[0.1, 0.1, 0.2]) == (
+        "data: row 1: time = 0.1 must be a time >= 0 [s] and > 0.1, that of the row before"
+    )
+    assert said(time=[None, 0.1, 0.2]) == "data: row 0: time = nan must be a time >= 0 [s]"
+    assert said(**{"sigma(point[4].z)": [1, 2, 3]}).endswith("has no column point[4].z beside it")
+    assert refusal(read, [MOTION, MOTION]) == "data: column point[4].x is also in data"
+    assert refusal(read, {"time": [0.1], "point[4].x": [None]}) == (
+        "data: no value was measured: all cells are empty"
+    )
+    assert refusal(read, {"time": [0.1]}).startswith(
+        "data: it has no column with values, of an output such as"
+    )
+
+
+@pytest.mark.parametrize(
+    ("column", "cell", "allowed"),
+    [
+        ("impact", 0, "a whole number >= 1"),
+        ("impact", 1.5, "a whole number >= 1"),
+        ("point", 7, "one of the points 0, 1, 2, 3, 4"),
+        ("wall", "floor", "a wall of the scene: x_min, x_max, y_min, y_max"),
+    ],
+)
+def test_refusals_of_an_impact(column, cell, allowed):
+    said = refusal(read, {column: [cell], "onset": [0.1]})
+    assert said == f"data: row 0: {column} = {cell!r} must be {allowed}"

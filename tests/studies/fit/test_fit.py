@@ -1,0 +1,207 @@
+"""Fits from end to end: values, intervals, several data sets, bounds, what is left out."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact import fit, load_scene, simulate
+from tests.measurements import FREE, NOISE, TIP, TRUE, impacts, motion, scene
+from tests.refusal import refusal
+
+START = scene(K=3e7, e=0.5, w=1.6)
+SIGMA = dict.fromkeys(TIP, NOISE)
+
+
+@pytest.fixture(scope="module")
+def found():
+    return fit(START, motion(0.9)[0], FREE, sigma=SIGMA)
+
+
+def test_values_and_their_errors(found):
+    assert found.converged
+    assert list(found.values) == list(FREE)
+    for name, true in zip(FREE, TRUE, strict=True):
+        low, high = found.intervals[name]
+        assert low < found.values[name] < high
+        assert abs(found.values[name] - true) < 4.0 * found.standard_errors[name]
+    assert found.standard_errors[FREE[1]] < 0.01
+    # symmetric on the scale of the search: 1.96 standard errors, of a positive value as a factor
+    low, high = found.intervals[FREE[0]]
+    relative = found.standard_errors[FREE[0]] / found.values[FREE[0]]
+    assert math.log(high / low) == pytest.approx(2 * 1.959964 * relative, rel=1e-6)
+    low, high = found.intervals[FREE[1]]
+    assert high - low == pytest.approx(2 * 1.959964 * found.standard_errors[FREE[1]], rel=1e-6)
+
+
+def test_what_else_it_tells(found):
+    assert found.freedom == 397
+    assert 0.8 < found.reduced_chi_squared < 1.2
+    assert found.chi_squared == pytest.approx(found.deviance)
+    assert found.aic == pytest.approx(found.chi_squared + 6.0)
+    assert np.diag(found.correlation) == pytest.approx(1.0)
+    assert (np.abs(found.correlation) <= 1.0 + 1e-12).all()
+    assert found.estimated == ()
+    assert found.runs > 5
+    assert found.residuals[found.columns[TIP[0]]].std() == pytest.approx(NOISE, rel=0.2)
+
+
+def test_the_fitted_scene_runs_and_follows_the_data(found):
+    columns, _ = motion(0.9)
+    result = simulate(found.scene, stop_time=0.9, output_step=0.9 / 200)
+    residuals = np.stack([result[name][1:] - columns[name] for name in TIP], axis=1)
+    assert residuals.ravel() == pytest.approx(found.residuals, abs=1e-5)
+    assert found.scene.values["contact.stiffness"] == found.values["contact.stiffness"]
+    assert found.scene.with_values(dict(zip(FREE, TRUE, strict=True))) == scene()
+
+
+def test_an_estimated_standard_deviation_widens_the_intervals():
+    columns = {name: values[::10] for name, values in motion(0.9)[0].items()}
+    given, estimated = fit(scene(), columns, FREE, sigma=SIGMA), fit(scene(), columns, FREE)
+    assert estimated.estimated == TIP
+    assert estimated.reduced_chi_squared == pytest.approx(1.0, rel=0.02)
+    width = {one: np.ptp(np.log(one.intervals[FREE[0]])) for one in (given, estimated)}
+    error = {one: one.standard_errors[FREE[0]] / one.values[FREE[0]] for one in (given, estimated)}
+    assert width[estimated] / error[estimated] > 1.02 * width[given] / error[given]
+
+
+def test_several_data_sets_share_what_is_free():
+    """Three throws with other speeds: each has its own, and its own known height."""
+    heights, speeds = (1.4, 1.3, 1.45), (1.5, 1.2, 1.8)
+    tables = []
+    for k, (y, vx) in enumerate(zip(heights, speeds, strict=True)):
+        result = simulate(
+            scene().with_values({"initial.y": y, "initial.vx": vx}), stop_time=0.6, output_step=0.01
+        )
+        noise = 1e-4 * np.random.default_rng(k).standard_normal((61, 2))
+        tables.append({"time": result.time} | {n: result[n] + noise[:, i] for i, n in enumerate(TIP)})
+    found = fit(
+        scene(e=0.6),
+        tables,
+        ["contact.restitution"],
+        free_each=["initial.vx"],
+        set_each={"initial.y": heights},
+        sigma=dict.fromkeys(TIP, 1e-4),
+    )
+    assert found.converged
+    names = ["contact.restitution", *(f"initial.vx of data set {k}" for k in (1, 2, 3))]
+    assert list(found.values) == names
+    assert list(found.values.values()) == pytest.approx([0.7, *speeds], abs=1e-3)
+    assert [one.values["initial.y"] for one in found.scenes] == list(heights)
+    assert [one.values["initial.vx"] for one in found.scenes] == list(found.values.values())[1:]
+    # the speed of one does not depend on those of others, but through what they share
+    assert abs(found.correlation[1, 2]) < 0.5
+
+
+def test_bounds_are_kept_and_said():
+    found = fit(START, motion(0.7)[0], FREE, sigma=SIGMA, bounds={"contact.restitution": "0.4:0.65"})
+    assert found.values["contact.restitution"] == pytest.approx(0.65)
+    assert (
+        "contact.restitution is at its upper bound, 0.65: its standard error and interval do not hold."
+        in found.notes
+    )
+    assert any("the model does not follow the data within their σ" in note for note in found.notes)
+
+
+def test_a_value_that_nears_a_bound_is_on_it():
+    """Negative damping would fit best: the search nears 0 without an end, the fit is at 0."""
+    arm = load_scene("triple_pendulum")
+    truth = simulate(arm.with_values({"link[1].joint_damping": 0.0}), stop_time=1.0, output_step=0.01)
+    columns = {"time": truth.time, "link[1].angle": truth["link[1].angle"] * (1.0 + 0.01 * truth.time)}
+    found = fit(arm, columns, ["link[1].joint_damping", "link[1].mass"], sigma={"link[1].angle": 1e-3})
+    assert found.values["link[1].joint_damping"] == 0.0
+    assert found.scene.values["link[1].joint_damping"] == 0.0
+    assert found.parameters[0].low == 0.0
+    assert any(note.startswith("link[1].joint_damping is at its lower bound, 0:") for note in found.notes)
+    assert not found.unknown
+
+
+def test_a_small_value_is_not_taken_for_its_bound():
+    """In SI units a damping is small: 1e-7 is far from 0, when the data tell it to a percent."""
+    arm = load_scene("triple_pendulum")
+    true = {f"link[{k}].joint_damping": 1e-7 for k in (1, 2, 3)}
+    scaled = {
+        f"link[{k}].{what}": 1e-4 * arm.values[f"link[{k}].{what}"]
+        for k in (1, 2, 3)
+        for what in ("mass", "inertia")
+    }
+    light = arm.with_values(scaled | true)
+    result = simulate(light, stop_time=2.0, output_step=0.01)
+    columns = {"time": result.time, "link[1].angle": result["link[1].angle"]}
+    found = fit(
+        light.with_values({"link[1].joint_damping": 2e-7}),
+        columns,
+        ["link[1].joint_damping"],
+        sigma={"link[1].angle": 1e-4},
+    )
+    assert found.values["link[1].joint_damping"] == pytest.approx(1e-7, rel=0.02)
+    assert not found.notes
+
+
+def test_impacts_that_are_not_there_are_left_out_and_said():
+    columns, result = motion(0.7)
+    table = impacts(result, ["onset"]) | {"wall": ["y_min", "x_max"]}
+    found = fit(scene(), [[columns, table]], FREE, sigma=SIGMA | {"onset": 1e-4})
+    assert found.used.tolist() == [True] * 401 + [False]
+    assert found.notes == (
+        "1 of 402 values were left out, of onset: "
+        "the model has no such impact, or its contact lasts to the end.",
+    )
+
+
+def test_residuals_that_are_no_noise_are_said():
+    columns, _ = motion(0.45)
+    columns[TIP[1]] += 5e-3 * np.sin(40.0 * columns["time"])
+    found = fit(scene(), columns, ["initial.vy"])
+    (said,) = found.notes
+    assert said.startswith(
+        "Neighbouring residuals are correlated, so they are not only noise: point[4].y (0.9"
+    )
+
+
+def test_an_input_can_be_free():
+    arm = load_scene("pinned_arm")
+    result = simulate(arm, stop_time=0.5, output_step=0.01, inputs={"joint[1].torque": 0.8})
+    columns = {"time": result.time, "link[1].angle": result["link[1].angle"]}
+    found = fit(arm, columns, ["joint[1].torque"], sigma={"link[1].angle": 1e-4})
+    assert found.values["joint[1].torque"] == pytest.approx(0.8, abs=1e-3)
+    assert found.notes == ("joint[1].torque is an input: the fitted scene does not hold it.",)
+    assert found.scene == arm
+
+
+def test_measured_impacts_of_a_golf_ball():
+    """Times of nine impacts; the closed form by SciPy as the second witness."""
+    from scipy.optimize import least_squares
+
+    ball, g = load_scene("golf_ball"), 9.81
+    flights = np.array([0.7229, 0.6466, 0.5811, 0.5219, 0.4695, 0.4226, 0.3794, 0.3405])
+    fall = math.sqrt(2 * 0.8 / g)
+    onsets = fall + np.concatenate([[0.0], np.cumsum(flights)])
+    found = fit(ball, {"impact": range(1, 10), "onset": onsets}, ["contact.restitution"])
+
+    def residuals(e):
+        return fall + np.concatenate([[0.0], np.cumsum(2.0 * fall * e ** np.arange(1, 9))]) - onsets
+
+    other = least_squares(residuals, [0.9], xtol=1e-14)
+    assert found.values["contact.restitution"] == pytest.approx(other.x[0], abs=1e-8)
+    error = math.sqrt(2.0 * other.cost / 8.0 / (other.jac.T @ other.jac)[0, 0])
+    assert found.standard_errors["contact.restitution"] == pytest.approx(error, rel=1e-4)
+    assert "Neighbouring residuals are correlated" in found.notes[0]
+
+
+def test_refusals():
+    columns, _ = motion(0.3, count=5)
+    assert refusal(lambda: fit(START, [], FREE)) == "data: must be at least one table"
+    assert refusal(lambda: fit(START, columns, FREE, set_each={"initial.y": [1.0, 2.0]})) == (
+        "FourLinkBox: initial.y has 2 values, must have 1, one for each data set"
+    )
+    assert "sigma of point[4].z: no such column was measured, but point[4].x, point[4].y" in refusal(
+        lambda: fit(START, columns, FREE, sigma={"point[4].z": 1.0})
+    )
+    few = {"time": [0.1], "point[4].x": [2.3]}
+    assert refusal(lambda: fit(START, few, FREE, sigma=SIGMA_X)) == (
+        "FourLinkBox: 1 value can be fitted, must be at least 3, as many as parameters are free"
+    )
+
+
+SIGMA_X = {"point[4].x": 1e-3}

@@ -1,0 +1,93 @@
+"""The search with a growing horizon."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.compilation.work import announce
+from chain_impact.studies.fit import horizon
+from chain_impact.studies.fit.data import read_measurements
+from chain_impact.studies.fit.horizon import estimate_sigma, search
+from chain_impact.studies.fit.parameters import parameters_of
+from chain_impact.studies.fit.problem import Problem
+from tests.measurements import FREE, NOISE, TIP, TRUE, impacts, motion, scene
+from tests.refusal import refusal
+
+
+def problem(tables, start, sigma=None, free=FREE):
+    data = read_measurements(tables, start, sigma or {})
+    return Problem([start], [data], parameters_of([start], free, (), {}), announce)
+
+
+FAR = [{"K": 1e8 * factor, "e": 0.7 + off, "w": 1.5 * rate}
+       for factor in (1 / 3, 3.0) for off in (-0.2, 0.2) for rate in (0.9, 1.1)]  # fmt: skip
+
+
+@pytest.mark.parametrize("start", FAR)
+def test_it_converges_from_far_through_six_impacts(start):
+    columns, result = motion(1.2)
+    assert len(result.impacts) == 6
+    one = problem(columns, scene(**start), dict.fromkeys(TIP, NOISE))
+    found = search(one)
+    assert found.search.converged
+    assert one.values(found.search.best.place) == pytest.approx(TRUE, rel=0.1)
+    squares = ((found.search.best.residuals / NOISE) ** 2).sum()
+    assert 300.0 < squares < 500.0
+    assert list(found.horizons) == sorted(found.horizons)
+    assert found.horizons[-1] == 1.2
+    assert one.evaluations < 40
+
+
+def test_it_does_not_without_a_growing_horizon(monkeypatch):
+    """So the test above tests the horizon."""
+    monkeypatch.setattr(horizon, "_first_horizon", lambda *_: math.inf)
+    columns, _ = motion(1.2)
+    one = problem(columns, scene(**FAR[0]), dict.fromkeys(TIP, NOISE))
+    found = search(one)
+    assert ((found.search.best.residuals / NOISE) ** 2).sum() > 1e4
+
+
+def test_standard_deviations_are_estimated_by_column():
+    columns, result = motion(0.9)
+    columns[TIP[1]] += 4e-3 * np.random.default_rng(5).standard_normal(200)
+    one = problem([columns, impacts(result, ["peak_force"], noise=0.02)], scene(), {"peak_force": "2%"})
+    found = search(one)
+    sigma = {name: found.sigma[one.group == k] for k, name in enumerate(one.names)}
+    assert sigma[TIP[0]] == pytest.approx(1e-3, rel=0.15)
+    assert sigma[TIP[1]] == pytest.approx(math.hypot(1e-3, 4e-3), rel=0.15)
+    assert sigma["peak_force"] == pytest.approx(0.02 * one.value[one.group == 2])
+    # at the end nothing changes any more
+    again = estimate_sigma(one, found.search.best, found.sigma)
+    np.testing.assert_allclose(again, found.sigma, rtol=horizon.SETTLED)
+
+
+def test_data_without_noise_are_met():
+    columns, _ = motion(0.7, count=40, noise=0.0)
+    one = problem(columns, scene(K=5e7, e=0.6))
+    found = search(one)
+    assert found.search.converged
+    assert one.values(found.search.best.place) == pytest.approx(TRUE, rel=1e-3)
+
+
+def test_impacts_alone():
+    _, result = motion(0.9)
+    one = problem(impacts(result, ["onset", "peak_force"], noise=1e-4), scene(K=5e7, e=0.6, w=1.4))
+    found = search(one)
+    assert found.search.converged
+    assert one.values(found.search.best.place) == pytest.approx(TRUE, rel=0.02)
+
+
+def test_refusals():
+    columns, _ = motion(0.6, count=10)
+    one = {"impact": [1], "peak_force": [2e4]}
+    assert refusal(search, problem([columns, one], scene())) == (
+        "data+data: peak_force has one value only, from which its sigma cannot be estimated; give it: "
+        "--sigma peak_force=2%, or a column sigma(peak_force)"
+    )
+    some = columns | {f"sigma({TIP[0]})": [1e-3] + [None] * 9}
+    assert "some values of point[4].x have a sigma and others none" in refusal(search, problem(some, scene()))
+    none = {"impact": [7, 8], "onset": [0.3, 0.4]}
+    assert "no value of the model to compare with the data: none of the measured impacts is there" in refusal(
+        search, problem(none, scene())
+    )

@@ -1,0 +1,58 @@
+"""The contact laws ranked by their fit."""
+
+import numpy as np
+import pytest
+
+from chain_impact import CONTACT_LAWS, fit, load_scene, simulate
+from tests.measurements import FREE, NOISE, TIP, impacts, motion, scene
+
+NAMES = ("peak_force", "duration", "separation_speed")
+
+
+@pytest.fixture(scope="module")
+def found():
+    columns, result = motion(0.7)
+    table = impacts(result, NAMES, noise=0.005)
+    sigma = dict.fromkeys(TIP, NOISE) | dict.fromkeys(NAMES, "0.5%")
+    return fit(scene(K=5e7, e=0.6), [[columns, table]], FREE, sigma=sigma, laws=True)
+
+
+def test_every_law_is_ranked_the_best_first(found):
+    assert {one.law for one in found.ranking} == set(CONTACT_LAWS)
+    laws = [one.law for one in found.ranking]
+    assert laws[0] == found.scene.contact.model == found.ranking[0].fit.scene.contact.model
+    full = [
+        round(one.fit.aic, 1) for one in found.ranking if one.fit and not one.note.endswith("not comparable")
+    ]
+    assert full == sorted(full)
+
+
+def test_the_law_of_the_data_is_among_the_best_and_others_are_not(found):
+    ranked = {one.law: one.fit.aic - found.aic for one in found.ranking if one.fit}
+    assert ranked["zhang_sharf"] < 5.0
+    for law in ("kelvin_voigt", "hertz", "kuwabara_kono", "gharib_hurmuzlu"):
+        assert ranked[law] > 50.0
+
+
+def test_starts_are_those_of_the_user(found):
+    assert [one.start for one in found.parameters] == [5e7, 0.6, 1.5]
+
+
+def test_a_law_that_cannot_tell_what_was_measured_is_noted(found):
+    """An impulse has no peak force."""
+    newton = next(one for one in found.ranking if one.law == "newton_impact")
+    assert newton.note == "2 values fewer than others: not comparable"
+    assert found.ranking[-1] == newton
+
+
+def test_a_law_that_does_not_allow_the_restitution_is_noted():
+    ball = load_scene("bouncing_ball").with_values(
+        {"contact.restitution": 0.0, "contact.model": "hunt_crossley"}
+    )
+    result = simulate(ball, stop_time=1.0, output_step=0.02)
+    columns = {"time": result.time, "point[0].y": result["point[0].y"]}
+    found = fit(ball, columns, ["initial.vy"], sigma={"point[0].y": 1e-3}, laws=True)
+    noted = {one.law: one.note for one in found.ranking if one.fit is None}
+    assert "zhang_sharf" in noted
+    assert "contact.restitution" in noted["zhang_sharf"]
+    assert np.isfinite(found.aic)

@@ -1,0 +1,109 @@
+"""The search on functions whose least sum of squares is known."""
+
+import numpy as np
+import pytest
+
+from chain_impact.studies.fit.least_squares import minimize
+from chain_impact.studies.fit.problem import Evaluation
+
+
+def search(function, start, *, low=-np.inf, high=np.inf, sigma=None, most=200):
+    """Minimize a function that gives residuals and slopes."""
+    calls = []
+
+    def evaluate(place):
+        calls.append(place)
+        residuals, slopes = function(place)
+        return Evaluation(place, np.asarray(residuals, float), np.asarray(slopes, float), ())
+
+    start = np.asarray(start, float)
+    count = len(function(start)[0])
+    bounds = np.broadcast_to(low, start.shape), np.broadcast_to(high, start.shape)
+    sigma = np.ones(count) if sigma is None else np.asarray(sigma, float)
+    found = minimize(evaluate, evaluate(start), sigma, bounds=bounds, enough=1e-12, most=most)
+    return found, calls
+
+
+def rosenbrock(place):
+    x, y = place
+    return [10.0 * (y - x * x), 1.0 - x], [[-20.0 * x, 10.0], [-1.0, 0.0]]
+
+
+LINE = np.array([[1.0, 0.0], [1.0, 1.0], [1.0, 2.0], [1.0, 3.0]])
+VALUES = np.array([1.0, 2.9, 5.2, 6.8])
+
+
+def line(place):
+    return LINE @ place - VALUES, LINE
+
+
+def test_a_straight_line_takes_few_steps():
+    found, _ = search(line, [0.0, 0.0])
+    assert found.converged
+    assert found.steps < 8
+    np.testing.assert_allclose(found.best.place, np.linalg.lstsq(LINE, VALUES)[0], atol=1e-7)
+
+
+def test_weights():
+    sigma = np.array([1.0, 0.1, 1.0, 10.0])
+    found, _ = search(line, [0.0, 0.0], sigma=sigma)
+    wanted = np.linalg.lstsq(LINE / sigma[:, None], VALUES / sigma)[0]
+    np.testing.assert_allclose(found.best.place, wanted, atol=1e-6)
+
+
+def test_rosenbrock():
+    found, _ = search(rosenbrock, [-1.2, 1.0], sigma=[1e-6, 1e-6])
+    assert found.converged
+    np.testing.assert_allclose(found.best.place, [1.0, 1.0], atol=1e-6)
+
+
+def test_bounds_hold_and_others_move_on():
+    found, calls = search(line, [0.0, 0.0], low=[-1.0, -1.0], high=[3.0, 1.5])
+    assert found.converged
+    assert all((place >= -1.0).all() and (place <= [3.0, 1.5]).all() for place in calls)
+    assert found.best.place[1] == pytest.approx(1.5)
+    assert found.best.place[0] == pytest.approx((VALUES - 1.5 * LINE[:, 1]).mean())
+
+
+def test_a_parameter_without_effect_stays():
+    found, _ = search(lambda place: ([place[0] - 2.0], [[1.0, 0.0]]), [0.0, 5.0])
+    assert found.converged
+    assert found.best.place == pytest.approx([2.0, 5.0])
+
+
+def test_a_parameter_without_effect_costs_no_steps():
+    def valley(place):
+        residuals, slopes = rosenbrock(place[:2])
+        return residuals, np.hstack([slopes, np.zeros((2, 1))])
+
+    found, calls = search(valley, [-1.2, 1.0, 7.0], sigma=[1e-6, 1e-6])
+    alone, others = search(rosenbrock, [-1.2, 1.0], sigma=[1e-6, 1e-6])
+    assert found.best.place.tolist() == [*alone.best.place, 7.0]
+    assert len(calls) == len(others)
+
+
+def test_rows_that_are_not_there_do_not_count_and_none_may_be_lost():
+    def gap(place):
+        residuals, slopes = line(place)
+        lost = place[1] > 1.0  # beyond, an impact is missing
+        return np.append(residuals, np.nan if lost else 0.1), np.vstack([slopes, [[0.0, 0.0]]])
+
+    found, calls = search(gap, [0.0, 0.0])
+    assert any(place[1] > 1.0 for place in calls)
+    assert 0.9 < found.best.place[1] <= 1.0
+
+
+def test_rows_without_derivatives_are_not_fitted():
+    def blind(place):
+        residuals, slopes = line(place)
+        return np.append(residuals, 1e3), np.vstack([slopes, [[np.nan, np.nan]]])
+
+    found, _ = search(blind, [0.0, 0.0])
+    np.testing.assert_allclose(found.best.place, np.linalg.lstsq(LINE, VALUES)[0], atol=1e-6)
+
+
+def test_nothing_to_fit_does_not_converge():
+    found, _ = search(lambda place: ([np.nan], [[1.0]]), [0.0])
+    assert not found.converged
+    found, _ = search(rosenbrock, [-1.2, 1.0], most=3)
+    assert (found.converged, found.steps) == (False, 3)

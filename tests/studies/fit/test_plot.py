@@ -1,0 +1,58 @@
+"""The picture of a fit."""
+
+import numpy as np
+import pytest
+
+from chain_impact import fit, load_scene, simulate
+from tests.measurements import FREE, NOISE, TIP, impacts, motion, scene
+
+SIGMA = dict.fromkeys(TIP, NOISE) | {"onset": 1e-4}
+
+
+@pytest.fixture(scope="module")
+def found():
+    columns, result = motion(0.7)
+    return fit(scene(), [[columns, impacts(result, ["onset"])]], FREE, sigma=SIGMA)
+
+
+def test_data_model_residuals_and_impacts(found):
+    axes = found.plot().axes
+    assert [one.get_ylabel().split(" ")[0] for one in axes[::2]] == [*TIP, "onset"]
+    values, rest = axes[:2]
+    curve, points = values.get_lines()
+    columns, _ = motion(0.7)
+    np.testing.assert_array_equal(points.get_ydata(), columns[TIP[0]])
+    assert len(curve.get_xdata()) > 1000
+    assert np.abs(np.interp(columns["time"], *curve.get_data()) - points.get_ydata()).max() < 5 * NOISE
+    (residuals,) = rest.get_lines()
+    np.testing.assert_allclose(residuals.get_ydata(), found.residuals[found.columns[TIP[0]]] / NOISE)
+    (lines,) = values.collections
+    assert len(lines.get_paths()) == 2  # impacts
+    # quantities of impacts stand over their numbers
+    assert axes[4].get_lines()[0].get_xdata().tolist() == [1, 2]
+
+
+def test_the_headline_has_what_was_found(found):
+    page = found.plot()
+    assert page.get_suptitle().startswith("contact.stiffness ")
+    told = "\n".join(text.get_text() for text in page.texts)
+    assert all(name in told for name in FREE)
+    assert "FourLinkBox; zhang_sharf; 402 values" in told
+
+
+def test_a_file(found, tmp_path):
+    found.plot(tmp_path / "fit.svg")
+    assert (tmp_path / "fit.svg").read_text(encoding="utf-8").rstrip().endswith("</svg>")
+
+
+def test_several_data_sets_and_an_input():
+    arm = load_scene("pinned_arm")
+    tables = []
+    for torque in (0.5, 0.8):
+        result = simulate(arm, stop_time=0.3, output_step=0.01, inputs={"joint[1].torque": torque})
+        tables.append({"time": result.time, "link[1].angle": result["link[1].angle"]})
+    found = fit(arm, tables, [], free_each=["joint[1].torque"], sigma={"link[1].angle": 1e-4})
+    values, _ = found.plot().axes
+    assert [text.get_text() for text in values.get_legend().get_texts()] == ["data set 1", "data set 2"]
+    for (curve, points), table in zip(zip(*[iter(values.get_lines())] * 2, strict=True), tables, strict=True):
+        assert np.interp(table["time"], *curve.get_data()) == pytest.approx(points.get_ydata(), abs=1e-4)

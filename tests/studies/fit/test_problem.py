@@ -1,0 +1,132 @@
+"""The distance of the model from the data, and its derivatives."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.compilation.work import announce
+from chain_impact.kernel.status import MASS_MATRIX_SINGULAR
+from chain_impact.running import SimulationError
+from chain_impact.studies.fit import problem as module
+from chain_impact.studies.fit.data import read_measurements
+from chain_impact.studies.fit.parameters import parameters_of
+from chain_impact.studies.fit.problem import Problem
+from tests.measurements import FREE, TRUE, impacts, motion, scene
+from tests.refusal import refusal
+
+QUANTITIES = ("onset", "peak_force", "duration", "separation_speed")
+
+
+def problem(tables, scenes, free=FREE, each=()):
+    data = [read_measurements(table, scenes[0], {}) for table in tables]
+    return Problem(scenes, data, parameters_of(scenes, free, each, {}), announce)
+
+
+@pytest.fixture(scope="module")
+def both():
+    """Motion without noise, and all impacts, of 0.9 s with three impacts."""
+    columns, result = motion(0.9, count=30, noise=0.0)
+    assert len(result.impacts) == 3
+    return problem([[columns, impacts(result, QUANTITIES)]], [scene()])
+
+
+def test_the_true_parameters_leave_nothing(both):
+    found = both.evaluate(both.start)
+    assert both.values(both.start) == pytest.approx(TRUE)
+    assert found.usable.all()
+    assert np.abs(found.residuals / both.size).max() < 1e-6  # tolerance of the measured run
+
+
+def test_slopes_are_those_of_the_residuals(both):
+    place = both.start + np.array([0.1, -0.02, 0.01])
+    found = both.evaluate(place)
+    for p, h in enumerate((1e-4, 1e-5, 1e-5)):
+        step = h * np.eye(3)[p]
+        ahead, behind = both.evaluate(place + step), both.evaluate(place - step)
+        slope = (ahead.residuals - behind.residuals) / (2.0 * h)
+        scale = np.abs(slope[found.usable]).max()
+        np.testing.assert_allclose(found.slopes[:, p], slope, rtol=1e-3, atol=1e-4 * scale)
+
+
+def test_beyond_the_horizon_nothing_is_compared(both):
+    found = both.evaluate(both.start, 0.52)
+    np.testing.assert_array_equal(found.there, both.order <= 0.52)
+    whole = both.until(both.evaluate(both.start), 0.52)
+    np.testing.assert_array_equal(whole.there, found.there)
+    np.testing.assert_allclose(whole.residuals[found.there], found.residuals[found.there], atol=1e-7)
+
+
+def test_an_impact_that_is_not_there_is_left_out():
+    columns, result = motion(0.9, count=10, noise=0.0)
+    table = impacts(result, ["onset"])
+    table["wall"][1] = "x_max"
+    table["impact"][2] = 9
+    found = problem([[columns, table]], [scene()]).evaluate(np.array([math.log(1e8), 0.7, 1.5]))
+    assert found.there[-3:].tolist() == [True, False, False]
+    assert found.there[:-3].all()
+
+
+def test_each_data_set_has_its_own_parameters():
+    columns, _ = motion(0.3, count=5, noise=0.0)
+    scenes = [scene(), scene().with_values({"initial.vx": 1.0})]
+    both = problem([columns, columns], scenes, ["contact.stiffness"], ["initial.vx"])
+    found = both.evaluate(both.start)
+    assert both.start[1:].tolist() == [1.5, 1.0]
+    first, second = found.slopes[:10], found.slopes[10:]
+    # x = x₀ + v t, y not
+    np.testing.assert_allclose(first[::2, 1], columns["time"], rtol=1e-5)
+    np.testing.assert_allclose(second[::2, 2], columns["time"], rtol=1e-5)
+    assert not first[:, 2].any()
+    assert not second[:, 1].any()
+    np.testing.assert_allclose(found.residuals[10::2], -0.5 * columns["time"], atol=1e-6)
+
+
+def test_a_contact_that_lasts_has_no_peak_yet():
+    columns, _ = motion(0.5005, count=5, noise=0.0)  # the first impact is from 0.4994 to 0.5016 s
+    table = {"impact": [1, 1], "onset": [0.5, None], "peak_force": [None, 1e4]}
+    found = problem([[columns, table]], [scene().with_values({"simulation.stop_time": 0.5005})])
+    run = found.evaluate(found.start)
+    assert np.isfinite(run.residuals[-2])
+    early = found.evaluate(found.start, 0.4004)  # runs to 0.5005 s
+    assert math.isnan(early.residuals[-1])
+
+
+def test_a_run_that_fails_says_why():
+    columns, _ = motion(0.9, count=5)
+    failing = problem([columns], [scene().with_values({"solver.work_limit": 1.0})])
+    found = failing.evaluate(failing.start)
+    assert not found.there.all()
+    assert "data: the simulation stopped:" in failing.fault(found)
+
+
+def test_a_run_leaves_nothing_behind(both):
+    """Not even one that ended in a contact, or failed."""
+    first = both.evaluate(both.start)
+    both.evaluate(both.start, 0.5)
+    both.evaluate(both.start * [1.0, 3.0, 1.0])  # e = 2.1 is refused
+    again = both.evaluate(both.start)
+    np.testing.assert_array_equal(again.residuals, first.residuals)
+    np.testing.assert_array_equal(again.slopes, first.slopes)
+
+
+def test_a_scene_that_cannot_start_is_refused(monkeypatch):
+    def refuse(*_, **__):
+        raise SimulationError(MASS_MATRIX_SINGULAR, 0.0, None)
+
+    monkeypatch.setattr(module, "DifferentiatedRun", refuse)
+    columns, _ = motion(0.3, count=5)
+    assert refusal(problem, [columns], [scene()]).startswith(
+        "FourLinkBox: the simulation stopped at t = 0 s:"
+    )
+
+
+def test_bounds_that_are_reached():
+    """Within a hundredth of a standard error, or of round-off where both bounds are known."""
+    columns, _ = motion(0.3, count=5)
+    one = problem([columns], [scene()], ["contact.restitution", "link[1].joint_damping", "initial.x"])
+    place = np.array([0.7, 1e-7, 0.5])
+    assert one.bounds_reached(place, np.array([0.01, 1e-8, np.inf])) == {}
+    assert one.bounds_reached(place, np.array([0.01, 1e-4, np.inf])) == {1: "lower"}
+    assert one.bounds_reached(place, np.array([100.0, np.inf, 1.0])) == {0: "lower"}
+    assert one.bounds_reached(np.array([1.0 - 1e-12, 1e-7, 0.5]), np.full(3, 1e-20)) == {0: "upper"}

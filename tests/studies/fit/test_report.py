@@ -1,0 +1,78 @@
+"""What a fit says when it is printed."""
+
+from dataclasses import replace
+
+import pytest
+
+from chain_impact import fit
+from chain_impact.studies.fit.report import aligned, rounded
+from tests.measurements import FREE, NOISE, TIP, impacts, motion, scene
+
+
+@pytest.fixture(scope="module")
+def lines():
+    columns, result = motion(0.7)
+    found = fit(
+        scene(K=5e7, e=0.6), [[columns, impacts(result, ["peak_force"], noise=0.02)]], FREE,
+        sigma={TIP[0]: NOISE, "peak_force": "2%"},
+    )  # fmt: skip
+    return repr(found).splitlines()
+
+
+def test_a_fit_is_printed_whole(lines):
+    assert lines[0] == "FourLinkBox  zhang_sharf, 402 values, 3 free parameters"
+    assert lines[2].split("  ")[0] == "parameter"
+    assert [line.split()[:2] for line in lines[3:6]] == [
+        [FREE[0], "5e7"], [FREE[1], "0.6"], [FREE[2], "1.5"]
+    ]  # fmt: skip
+    assert " … " in lines[3]
+    assert "rad/s" in lines[5]
+    by_name = {line.split()[0]: line for line in lines if line}
+    assert "0.001 given" in by_name[TIP[0]]
+    assert "estimated" in by_name[TIP[1]]
+    assert by_name["peak_force"].count("…") == 1
+    assert "χ² per degree of freedom" in by_name["converged;"]
+
+
+def test_many_horizons_are_not_listed():
+    found = fit(scene(), motion(0.5)[0], FREE[2:])
+    text = repr(replace(found, horizons=tuple(range(1, 13))))
+    assert "data until 1, 2, …, 11, 12 s" in text
+
+
+def test_high_correlations_are_told():
+    found = fit(scene(), motion(1.2)[0], FREE)
+    assert found.correlation[0, 2] < -0.99
+    told = f"The estimates of {FREE[0]} and {FREE[2]} have a correlation of {found.correlation[0, 2]:.3f}."
+    assert told in repr(found).splitlines()
+
+
+def test_a_ranking_is_printed():
+    columns, _ = motion(0.6, count=30)
+    found = fit(scene(), columns, ["contact.restitution"], laws=True)
+    text = repr(found)
+    assert "\nlaw " in text
+    assert "ΔAIC" in text
+    *rows, _, last = text[text.index("\nlaw ") :].splitlines()[2:]
+    assert last.endswith("laws fit equally well, with ΔAIC < 2: these data cannot tell them apart.")
+    assert len(rows) == len(found.ranking)
+    assert rows[0].split()[:2] == [found.ranking[0].law, "0.0"]
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "text"),
+    [
+        (0.70012345, 0.0013, "0.7001"),
+        (1.0123e8, 2e6, "1.012e8"),
+        (3.21e7, 4e7, "3.2e7"),
+        (-9.8123, 0.02, "-9.812"),
+        (0.5, float("inf"), "0.5"),
+        (0.0, 0.1, "0"),
+    ],
+)
+def test_digits_follow_the_standard_error(value, error, text):
+    assert rounded(value, error) == text
+
+
+def test_columns_are_aligned():
+    assert list(aligned(("a", "bb"), [("ccc", "d")])) == ["a    bb", "ccc  d"]

@@ -1,0 +1,98 @@
+"""Scenes as files that keep what they can of the file that they came from."""
+
+import pytest
+
+from chain_impact import load_scene, model_names
+from chain_impact.scene import parse_scene, scene_path
+from chain_impact.studies.fit.scene_file import updated, write_scene
+
+TEXT = """# first line
+name = "Ball"
+[chain]
+base = "free"  # it falls
+
+[[chain.links]]
+mass = 0.5      # kg, weighed
+length = 0.1
+count = 1
+
+[box]
+y_min = 0
+[contact]
+restitution = 0.5       # a guess
+points = [0]
+[initial]
+position = [0.0, 1.0]   # m
+angles = [0.0]
+"""
+
+
+@pytest.mark.parametrize("name", model_names())
+def test_what_does_not_change_stays_as_it_is(name):
+    path = scene_path(name)
+    text = path.read_text(encoding="utf-8")
+    assert updated(text, load_scene(name), str(path)) == text
+
+
+@pytest.mark.parametrize("name", model_names())
+def test_the_text_holds_the_scene(name):
+    path, scene = scene_path(name), load_scene(name)
+    changed = scene.with_values(
+        {
+            "link[1].mass": 1.2345,
+            "gravity.y": -9.7,
+            "contact.restitution": 0.321,
+            "link[1].joint_damping": 0.1,
+        }
+    )
+    text = updated(path.read_text(encoding="utf-8"), changed, str(path))
+    assert parse_scene(text, str(path)) == changed
+    assert text.startswith(path.read_text(encoding="utf-8").splitlines()[0])
+
+
+def test_only_values_change_and_comments_keep_their_column():
+    scene = parse_scene(TEXT, "ball.toml")
+    text = updated(TEXT, scene.with_values({"contact.restitution": 0.625, "initial.y": 1.5}), "ball.toml")
+    assert text == TEXT.replace("0.5       # a guess", "0.625     # a guess").replace(
+        "[0.0, 1.0]", "[0.0, 1.5]"
+    )
+
+
+def test_a_default_that_would_follow_is_written():
+    """The inertia of a fitted scene is what it was: not that of a rod of the new mass."""
+    scene = parse_scene(TEXT, "ball.toml")
+    text = updated(TEXT, scene.with_values({"link[1].mass": 0.625}), "ball.toml")
+    assert parse_scene(text, "ball.toml").values["link[1].inertia"] == scene.values["link[1].inertia"]
+    assert "mass = 0.625" in text
+
+
+def test_equal_links_that_differ_are_written_one_by_one():
+    three = TEXT.replace("count = 1", "count = 3").replace("angles = [0.0]", "angles = [0.0, 0.0, 0.0]")
+    scene = parse_scene(three, "chain.toml")
+    text = updated(three, scene.with_values({"link[2].mass": 0.75}), "chain.toml")
+    assert [link.mass for link in parse_scene(text, "chain.toml").chain.links] == [0.5, 0.75, 0.5]
+    assert "# it falls" in text
+
+
+def test_a_table_that_is_missing_is_added():
+    scene = parse_scene(TEXT, "ball.toml").with_values({"solver.tolerance": 1e-10})
+    assert parse_scene(updated(TEXT, scene, "ball.toml"), "ball.toml") == scene
+
+
+def test_a_file_without_another_that_it_is_like(tmp_path):
+    scene = parse_scene(TEXT, "ball.toml")
+    write_scene(scene, tmp_path / "new.toml")
+    assert load_scene(tmp_path / "new.toml") == scene
+
+
+def test_a_law_of_ones_own_is_found_from_another_folder(tmp_path):
+    law = "def spring(penetration, rate, stiffness, exponent):\n"
+    law += '    """A spring."""\n    return stiffness * penetration**exponent\n'
+    (tmp_path / "spring.py").write_text(law)
+    (tmp_path / "deep").mkdir()
+    own = TEXT.replace("[contact]", '[contact]\nlaw_file = "spring.py"\nmodel = "spring"')
+    (tmp_path / "ball.toml").write_text(own)
+    scene = load_scene(tmp_path / "ball.toml").with_values({"contact.stiffness": 2e7})
+    write_scene(scene, tmp_path / "deep" / "fitted.toml", tmp_path / "ball.toml")
+    assert load_scene(tmp_path / "deep" / "fitted.toml").contact.stiffness == 2e7
+    assert 'law_file = "../spring.py"' in (tmp_path / "deep" / "fitted.toml").read_text()

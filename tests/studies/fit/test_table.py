@@ -1,0 +1,61 @@
+"""Tables of measurements as they are given."""
+
+import math
+
+import pytest
+
+from chain_impact.studies.fit.table import read_table
+from tests.refusal import refusal
+
+
+@pytest.fixture
+def csv(tmp_path):
+    def write(text):
+        path = tmp_path / "data.csv"
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+def test_a_file(csv):
+    table = read_table(csv("\ufefftime, point[1].x\n0.1,2.5\n\n0.2,\n"))
+    assert table.names == ("time", "point[1].x")
+    assert table.lines == ["line 2", "line 4"]
+    assert [table.number(0, name) for name in table.names] == [0.1, 2.5]
+    assert math.isnan(table.number(1, "point[1].x"))
+    assert table.cell(0, "impact") is None
+
+
+def test_columns():
+    table = read_table({"time": [0.1, 0.2], "wall": ["floor", None]})
+    assert table.number(1, "time") == 0.2
+    assert [table.cell(row, "wall") for row in (0, 1)] == ["floor", None]
+
+
+@pytest.mark.parametrize("cell", ["", " ", "nan", "NaN"])
+def test_empty_cells(cell):
+    assert math.isnan(read_table({"time": [cell]}).number(0, "time"))
+
+
+def test_refusals(csv):
+    path = csv("time,x\n0.1,abc\n")
+    assert refusal(read_table(path).number, 0, "x") == (
+        f"{path}: line 2: x = 'abc' must be a finite number, or empty if not measured"
+    )
+    assert refusal(read_table({"x": [math.inf]}).number, 0, "x").startswith("data: row 0: x = inf must be")
+    assert refusal(read_table, csv("time,x\n0.1\n")) == (
+        f"{path}: line 2 has 1 cell, must have 2 as the head line"
+    )
+    assert refusal(read_table, csv("time,,x\n")) == f"{path}: column 2 of the head line has no name"
+    assert refusal(read_table, csv("time,x,x\n")) == f"{path}: column 3 of the head line x is there twice"
+    assert refusal(read_table, csv("time,x\n")).endswith("with a head line and at least one row")
+    assert refusal(read_table, {"time": [1, 2], "x": [1]}) == (
+        "data: columns must have equally many rows, not time 2, x 1"
+    )
+
+
+def test_bytes_that_are_no_text(tmp_path):
+    path = tmp_path / "data.csv"
+    path.write_bytes(b"time,\xff\n1,2\n")
+    assert refusal(read_table, path).startswith(f"{path}: not a CSV table")

@@ -1,0 +1,55 @@
+"""What the data cannot tell, and which measurement would: each word is checked by doing it."""
+
+import math
+import re
+
+import pytest
+
+from chain_impact import fit, load_scene, simulate
+from tests.measurements import FREE, NOISE, TIP, impacts, motion, scene
+
+SIGMA = dict.fromkeys(TIP, NOISE)
+
+
+def test_nothing_is_unknown_after_six_impacts():
+    assert fit(scene(), motion(1.2)[0], FREE, sigma=SIGMA).unknown == ()
+
+
+def test_stiffness_is_unknown_after_one_impact_and_a_peak_force_tells_it():
+    columns, result = motion(0.51)
+    assert len(result.impacts) == 1
+    found = fit(scene(), columns, FREE, sigma=SIGMA)
+    (said,) = found.unknown
+    error = found.standard_errors[FREE[0]] / found.values[FREE[0]]
+    assert said.startswith(
+        f"contact.stiffness is not determined by these data: its standard error is {100 * error:.2g} %."
+    )
+    promised = re.search(r"The peak force of impact 1, measured to 2 %, would bring it to ([\d.]+) %", said)
+    table = impacts(result, ["peak_force"])
+    told = fit(scene(), [[columns, table]], FREE, sigma=SIGMA | {"peak_force": "2%"})
+    reached = told.standard_errors[FREE[0]] / told.values[FREE[0]]
+    assert told.unknown == ()
+    assert 100.0 * reached == pytest.approx(float(promised[1]), rel=0.1)
+
+
+def test_what_has_no_effect():
+    said = fit(scene(), motion(0.4)[0], FREE, sigma=SIGMA).unknown
+    assert said == tuple(f"{name} has no effect on what was measured." for name in FREE[:2])
+
+
+def test_masses_are_known_up_to_a_factor():
+    """A swing without force from outside tells masses and inertias up to a common factor only."""
+    arm = load_scene("pinned_arm").with_values({"box.x_max": 5.0})
+    result = simulate(arm, stop_time=1.0, output_step=0.02)
+    names = ["link[1].mass", "link[1].inertia", "link[2].mass", "link[2].inertia"]
+    names += ["link[1].joint_damping", "link[2].joint_damping"]
+    columns = {"time": result.time, **{f"link[{i}].angle": result[f"link[{i}].angle"] for i in (1, 2)}}
+    sigma = {f"link[{i}].angle": 1e-5 for i in (1, 2)}
+    found = fit(arm, columns, names, sigma=sigma)
+    assert len(found.unknown) == len(names)
+    assert "link[1].mass is not determined by these data: its standard error is infinite." in found.unknown[0]
+    assert "It acts together with link[" in found.unknown[0]
+    assert found.intervals["link[1].mass"] == (0.0, math.inf)
+    assert "0 … ∞" in repr(found)
+    held = fit(arm, columns, names[1:], sigma=sigma)
+    assert held.unknown == ()
