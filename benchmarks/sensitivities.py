@@ -16,12 +16,12 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from chain_impact.sensitivities import DifferentiatedRun
 from table import table
 
 from chain_impact import simulate
 from chain_impact.running import Instance
 from chain_impact.scene import Scene, load_scene
+from chain_impact.sensitivities import DifferentiatedRun
 
 sys.path.insert(0, str(common.ROOT))
 

@@ -5,10 +5,10 @@ from functools import cache
 
 import numpy as np
 import pytest
-from chain_impact.sensitivities import DifferentiatedRun
 
 from chain_impact import simulate
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.sensitivities import DifferentiatedRun
 from tests import invariance
 from tests.derivative_scenes import (
     Case,

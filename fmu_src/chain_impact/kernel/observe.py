@@ -1,5 +1,6 @@
 """What an observer sees at the communication point."""
 
+from chain_impact.kernel import beside
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at
 from chain_impact.kernel.events.contact_log import note_active
@@ -55,4 +56,5 @@ def observe(d):
     out.supplied = y[supplied_at(n)]
     out.total = out.kinetic + out.potential + out.elastic
     note_active(d)
+    beside.observe(d)
     d.limits.other_work = work_done  # a look is not the solver's work

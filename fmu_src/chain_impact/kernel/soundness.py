@@ -4,6 +4,7 @@ What is checked is what the kernel uses as an index or as the number of rounds o
 absurd: it leads to a status, not out of the record.
 """
 
+from chain_impact.kernel import beside
 from chain_impact.kernel.events.exclusion import FAR
 from chain_impact.kernel.events.kinds import NEIGHBOUR
 from chain_impact.kernel.integration.last_step import SOLVER
@@ -38,7 +39,7 @@ def sound(d):
         fits = fits and within(d.touch.number[c], 0, d.impact.count)
         fits = fits and within(d.touch.active_index[c], 0, d.candidates - 1)
         fits = fits and within(d.touch.active[c], 0, 1) and within(d.touch.event[c], 0, NEIGHBOUR)
-    return 1 if fits else 0
+    return 1 if fits and beside.sound(d) else 0
 
 
 def within(number, least, most):

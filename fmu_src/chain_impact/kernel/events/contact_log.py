@@ -1,5 +1,6 @@
 """What is known of each impact: its peak values, followed during contact, and the log of finished ones."""
 
+from chain_impact.kernel import beside
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events.kinds import NONE, ONSET
 from chain_impact.kernel.integration.dense import fraction, interpolate
@@ -85,6 +86,7 @@ def follow_to_now(d):
     settle_impulses(d)
     # a look is not the solver's work
     d.statistics.rhs_evaluations, d.limits.other_work = evaluations, work
+    beside.follow(d)
 
 
 def end_now(d):
