@@ -1,4 +1,4 @@
-"""Write the tables of docs/benchmarks.md, impacts.md and stability.md: ``python benchmarks/tables.py``.
+"""Write the tables of benchmarks into pages of the docs: ``python benchmarks/tables.py``.
 
 They come from benchmarks/results. What stands between ``<!-- name -->`` and ``<!-- end -->`` in a page is
 replaced by what the function ``name`` returns.
@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 
 import common
+import sensitivities
 from fidelity import GRID
 from peer_tables import TABLES
 from problems import PROBLEMS, STEEL
@@ -17,7 +18,7 @@ from stability_chart import STEPS_AT
 from table import run, table
 
 SHOWN = 1e-8  # tolerance of the stiffnesses in the table of fidelity.py
-PAGES = ("benchmarks.md", "impacts.md", "stability.md")
+PAGES = ("benchmarks.md", "impacts.md", "sensitivities.md", "stability.md")
 
 
 def span(ratio: dict) -> str:
@@ -156,6 +157,11 @@ def sweep() -> str:
     return "\n\n".join((run("sweep"), table(head, rows), text))
 
 
+def derivatives() -> str:
+    """How exact derivatives are, and what they cost."""
+    return run("sensitivities", ()) + "\n\n" + sensitivities.show(common.load("sensitivities")["results"])
+
+
 def stability() -> str:
     """How many cells of each outcome."""
     record = common.load("stability")
@@ -228,6 +234,7 @@ def main() -> None:
         fmu_native,
         importers,
         sweep,
+        derivatives,
         stability,
         steps,
         *TABLES,
@@ -237,7 +244,7 @@ def main() -> None:
         page = common.ROOT / "docs" / name
         text = page.read_text(encoding="utf-8")
         text = re.sub(
-            r"<!-- (\w+) -->\n.*?<!-- end -->",
+            r"<!-- (?!end )(\w+) -->\n.*?<!-- end -->",
             lambda found: f"<!-- {found[1]} -->\n\n{tables[found[1]]()}\n\n<!-- end -->",
             text,
             flags=re.DOTALL,

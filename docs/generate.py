@@ -19,6 +19,7 @@ from chain_impact import cli, sphere_plane_stiffness
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.laws.registry import ContactLaw
 from chain_impact.kernel.status import STATUS_TEXT
+from chain_impact.kernel.tangent.trust import REASONS
 from chain_impact.limits import Derived, allowed, without_none
 from chain_impact.scene import WALLS, load_scene, model_names, scene_keys, with_values
 from chain_impact.units import UNITS
@@ -257,6 +258,11 @@ def stiffnesses() -> str:
     return table(("sphere of", "E [GPa]", "ν", "K on its own material", "K on steel"), rows)
 
 
+def sensitivity_limits() -> str:
+    """Why derivatives end at an impact."""
+    return "\n".join(f"- {reason}" for reason in REASONS.values())
+
+
 def command_line() -> str:
     """The help of every command."""
     whole = cli.parser()
@@ -282,6 +288,7 @@ TABLES = {
         statuses,
         contact_laws,
         stiffnesses,
+        sensitivity_limits,
         command_line,
     )
 }

@@ -81,6 +81,7 @@ TESTED_ELSEWHERE = {
     "results/impacts.py": "results/test_impacts_of.py",
     "kernel/status.py": "test_variables.py",
     "kernel/laws/user_law.py": "test_law_file.py",
+    "kernel/tangent/blocks.py": "kernel/tangent/test_entry.py",
     "kernel/work_limit.py": "test_rest.py",
     "kernel/chain/state.py": "kernel/chain/test_recursion.py",
     "kernel/chain/kinematics.py": "kernel/chain/test_recursion.py",
@@ -109,7 +110,7 @@ def test_the_kernel_imports_math_numpy_and_itself_only(file):
 def test_only_the_lowering_imports_numba():
     """So that who has ready kernels needs no compiler."""
     users = {file.stem for file in MODULES if any(belongs(m, ("numba", "llvmlite")) for m in imported(file))}
-    assert users == {"collecting", "entry_points", "functions", "law", "lower", "record_type"}
+    assert users == {"collecting", "dual_numbers", "entry_points", "functions", "law", "lower", "record_type"}
 
 
 def test_the_slave_imports_the_standard_library_and_pythonfmu_only():

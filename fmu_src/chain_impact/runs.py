@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import tempfile
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import chdir, redirect_stderr
 from dataclasses import replace
 from numbers import Integral, Real
@@ -47,10 +47,11 @@ def record_scene(
     settings: Mapping[str, Any],
     notify: Notify = announce,
     progress: Callable[[float], None] = lambda _: None,
+    sensitivities: Sequence[str] = (),
 ) -> Recording:
     """Simulate a scene with some values set by name, as ``with_settings`` does.
 
-    ``notify`` and ``progress`` as for ``simulate``.
+    ``notify``, ``progress`` and ``sensitivities`` as for ``simulate``.
 
     Raises:
         SceneError: when a name is unknown or a value is out of range.
@@ -59,16 +60,18 @@ def record_scene(
     """
     scene = with_settings(scene, settings)
     try:
-        return _with_impacts(simulate(scene, notify=notify, progress=progress))
+        result = simulate(scene, sensitivities=sensitivities, notify=notify, progress=progress)
+        return _with_all_columns(result)
     except SimulationError as error:
-        partial = _with_impacts(error.result) if error.result else None
+        partial = _with_all_columns(error.result) if error.result else None
         raise RunError(f"{scene.name}: {error}", partial) from None
 
 
-def _with_impacts(result: Result) -> Recording:
-    """The recording of a simulated scene with its impacts in columns, too, as that of an FMU has them."""
+def _with_all_columns(result: Result) -> Recording:
+    """The recording of a simulated scene, also with columns of impacts, as an FMU's, and of derivatives."""
     recording = recording_of(result)
-    return replace(recording, columns={**recording.columns, **impact_columns(result)})
+    slopes = result.sensitivities.named if result.sensitivities else {}
+    return replace(recording, columns={**recording.columns, **impact_columns(result), **slopes})
 
 
 def with_settings(scene: Scene, settings: Mapping[str, Any]) -> Scene:

@@ -8,7 +8,7 @@ NaN, and a sentence says from which impact on.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,13 +19,14 @@ from chain_impact.instance import new_instance
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.directions import DIRECTIONS, tangent_dtype
 from chain_impact.kernel.tangent.trust import REASONS, TRUSTED
-from chain_impact.names import Place
+from chain_impact.names import Place, input_key, parameter_hint
 from chain_impact.reading import SceneError, matching
 from chain_impact.results.result import IMPACT_DTYPE
 from chain_impact.running import Instance, SimulationError, in_order
 from chain_impact.scene import Scene
 from chain_impact.signals import Drive, drive
-from chain_impact.variables import differentiable, output_words, word_index
+from chain_impact.variable import Variable
+from chain_impact.variables import differentiable, output_words, parameter_paths, word_index
 
 IMPACT_QUANTITIES = tuple(name for name in IMPACT_DTYPE.names or () if name not in ("point", "wall"))
 """The quantities of an impact that have derivatives."""
@@ -59,9 +60,10 @@ class DifferentiatedInstance(Instance):
         """
         if not parameters:
             raise SceneError(f"{scene.name}: no parameters are named of which derivatives are wanted")
-        self.scene, self.parameters = scene, tuple(parameters)
+        known = parameters_of(scene, parameters)
+        self.scene, self.parameters = scene, tuple(variable.name for variable in known)
         self._looks = np.array(looks, np.int64)
-        self._tangents = seeded(new_instance(scene), places_of(scene, parameters))
+        self._tangents = seeded(new_instance(scene), [variable.place for variable in known])
         self._impact_slopes: list[np.ndarray] = []
         super().__init__(scene, notify, driven)
 
@@ -181,14 +183,27 @@ class DifferentiatedInstance(Instance):
         return (f"there are no derivatives from t = {trust['time']:.9g} s on, {impact}: {reason}",)
 
 
-def places_of(scene: Scene, names: Sequence[str]) -> list[Place]:
-    """The places in the instance record of parameters and inputs of which derivatives are wanted.
+def parameters_of(scene: Scene, names: Iterable[str]) -> list[Variable]:
+    """The parameters and inputs of some names, in which ``*`` stands for any text, each of them once.
 
     Raises:
-        UnknownNameError: when there is none of a name.
+        UnknownNameError: when there is none of a name with respect to which there are derivatives.
     """
-    places = differentiable(scene)
-    return [places[matching(scene.name, name, places, "no parameter with derivatives")[0]] for name in names]
+    known = differentiable(scene)
+    settings = parameter_paths(scene).keys() - known
+    outputs = output_words(scene, "*")
+
+    def hint(name: str) -> str | None:
+        if name in outputs:
+            return "it is an output: derivatives of it are with respect to parameters and inputs"
+        if name in settings:
+            return "it is a choice, or a setting of the solver, of which the motion is no smooth function"
+        if key := input_key(name):
+            return f"the scene does not have this input: it needs inputs.{key} = true"
+        return parameter_hint(name, len(scene.chain.links))
+
+    found = (matching(scene.name, name, known, "no parameter with derivatives", hint) for name in names)
+    return [known[name] for name in dict.fromkeys(one for part in found for one in part)]
 
 
 def seeded(block: np.ndarray, places: Sequence[Place]) -> np.ndarray:
@@ -261,8 +276,8 @@ class DifferentiatedRun:
             SimulationError: when the scene cannot start.
         """
         self._scene, self._inputs = scene, dict(inputs or {})
-        self._places = places_of(scene, parameters)
-        self._count, self._width = len(parameters), len(outputs)
+        self._places = [variable.place for variable in parameters_of(scene, parameters)]
+        self._count, self._width = len(self._places), len(outputs)
         words = output_words(scene, outputs)
         self._instance = DifferentiatedInstance(scene, parameters, [words[name] for name in outputs], notify)
 

@@ -22,9 +22,9 @@ from chain_impact.results.result import Result
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.running import Instance, SimulationError, in_order
 from chain_impact.scene import Scene, scene_of
-from chain_impact.sensitivities import DifferentiatedInstance
+from chain_impact.sensitivities import DifferentiatedInstance, parameters_of
 from chain_impact.signals import Signal, drive
-from chain_impact.variables import WORD, output_words
+from chain_impact.variables import WORD, fmu_variables, output_words
 
 MOST_BYTES = 2_000_000_000
 """Most bytes that the outputs of a simulation may take: more is refused before anything is computed."""
@@ -76,9 +76,10 @@ def simulate(
             a number, a function of the time [s], or a pair (times [s], values), each of shape (T,), times
             increasing. An input that is not named is zero.
         interpolation: of inputs between samples and communication points.
-        sensitivities: parameters and inputs by their names in the FMU: the result then has the derivatives of
-            its outputs and impacts with respect to each of them, for ``Result.sensitivity``. The motion is
-            the same, bit for bit. That with respect to an input is for a constant added to it.
+        sensitivities: parameters and inputs by their names in the FMU, ``*`` as in ``output``: the result
+            then has the derivatives of its outputs and impacts with respect to each of them, for
+            ``Result.sensitivity``. The motion is the same, bit for bit. That with respect to an input is for
+            a constant added to it.
         notify: called with a sentence before a kernel is compiled; by default that is said on standard error.
         progress: called with the fraction done.
 
@@ -100,7 +101,8 @@ def simulate(
     step = stop if output_step == math.inf else scene.simulation.step_size
     words = None if output is None else output_words(scene, output)
     layout = output_dtype(len(scene.chain.links), candidate_count(scene))
-    names = (sensitivities,) if isinstance(sensitivities, str) else tuple(dict.fromkeys(sensitivities))
+    names = (sensitivities,) if isinstance(sensitivities, str) else tuple(sensitivities)
+    names = tuple(variable.name for variable in parameters_of(scene, names))
     columns = layout.itemsize // WORD if words is None else len(words)
     check_size(scene.name, stop, step, columns * (1 + len(names)))
     driven = drive(scene, inputs or {}, interpolation, _times(stop, step))
@@ -130,7 +132,7 @@ def simulate(
         outputs=rows.kept[asked],
         impacts=found,
         statistics=instance.statistics,
-        sensitivities=rows.sensitivities(instance, asked, order),
+        sensitivities=rows.sensitivities(instance, asked, order, found),
     )
     if instance.status != OK:
         raise SimulationError(instance.status, instance.time, result)
@@ -190,7 +192,7 @@ class _Rows:
         return count
 
     def sensitivities(
-        self, _instance: Instance, _asked: slice | np.ndarray, _order: np.ndarray
+        self, _instance: Instance, _asked: slice | np.ndarray, _order: np.ndarray, _impacts: np.ndarray
     ) -> Sensitivities | None:
         """The derivatives that were kept."""
         return None
@@ -213,7 +215,7 @@ class _RowsWithSlopes(_Rows):
         return instance.follow_trajectory(times, self._numbers[place], self._slopes[place])
 
     def sensitivities(
-        self, instance: Instance, asked: slice | np.ndarray, order: np.ndarray
+        self, instance: Instance, asked: slice | np.ndarray, order: np.ndarray, impacts: np.ndarray
     ) -> Sensitivities:
         """The derivatives of some rows, and of the impacts in an ``order``."""
         assert isinstance(instance, DifferentiatedInstance)
@@ -221,9 +223,11 @@ class _RowsWithSlopes(_Rows):
         names = output_words(scene, "*") if self._words is None else self.kept.dtype.names or ()
         return Sensitivities(
             source=scene.name,
-            parameters=instance.parameters,
+            parameters={name: float(scene.values.get(name, 0.0)) for name in instance.parameters},
+            units={variable.name: variable.unit for variable in fmu_variables(scene)},
             columns=names if isinstance(names, dict) else {name: j for j, name in enumerate(names)},
             slopes=self._slopes[asked],
+            impacts=impacts,
             impact_slopes=instance.slopes_of_impacts(order),
             limits=instance.limits,
         )

@@ -54,11 +54,11 @@ def input_places(scene: Scene) -> dict[str, Place]:
     return {variable.name: variable.place for variable in _inputs(scene)}
 
 
-def differentiable(scene: Scene) -> dict[str, Place]:
-    """The parameters and inputs with respect to which there are derivatives, and their places."""
+def differentiable(scene: Scene) -> dict[str, Variable]:
+    """The parameters and inputs with respect to which there are derivatives, by their names."""
     left_out = ("solver", "contact.model", "contact.minimum_impact_speed")
     known = (*_parameters(scene), *_inputs(scene))
-    return {v.name: v.place for v in known if not v.name.startswith(left_out)}
+    return {v.name: v for v in known if not v.name.startswith(left_out)}
 
 
 def output_variables(scene: Scene) -> list[Variable]:

@@ -63,9 +63,11 @@ def test_no_path_of_this_machine_is_in_the_library(one_link):
     assert str(Path(chain_impact.kernel.__file__).parent).encode() not in content
 
 
-def test_the_kernel_does_not_allocate():
-    module = library._lowered_kernel(lambda _: None)
+@pytest.mark.parametrize("what", [library.KERNEL, library.DERIVATIVES])
+def test_the_kernel_does_not_allocate(what):
+    module = library._lowered_kernel(what, lambda _: None)
     assert "@initialize" in module
+    assert ("@trajectory_with" in module) == (what == library.DERIVATIVES)
     assert not [name for name in ("NRT_Allocate", "NRT_MemInfo_alloc", "malloc") if name in module]
 
 
@@ -103,14 +105,15 @@ class Compilers:
     """Stand in for numba and zig."""
 
     def __init__(self):
-        self.lowered, self.linked = [], []
+        self.lowered, self.linked, self.processors = [], [], []
 
-    def lower(self, module, law=None):
+    def lower(self, module, law=None, derivatives=False):
         self.lowered.append(law)
-        module.write_text("a module")
+        module.write_text("one with derivatives" if derivatives else "a module")
 
-    def link(self, module, library, platform, links, law=None):
+    def link(self, module, library, platform, links, law=None, *, cpu=None):
         self.linked.append((platform, links, law is not None))
+        self.processors.append(cpu)
         library.write_text(module)
 
 
@@ -134,6 +137,15 @@ def test_the_kernel_is_lowered_once_and_linked_for_each_number_of_links(stand_in
     assert len(stand_in.lowered) == 1
     assert stand_in.linked == [("linux64", 3, False), ("linux64", 4, False)]
     assert len(said) == 3
+
+
+def test_a_kernel_with_derivatives_is_another_one(stand_in):
+    plain, other = kernel_library(3), kernel_library(3, derivatives=True)
+    assert (plain.read_text(), other.read_text()) == ("a module", "one with derivatives")
+    assert kernel_library(3, derivatives=True) == other
+    assert kernel_library(3) == plain
+    assert len(stand_in.lowered) == len(stand_in.linked) == 2
+    assert stand_in.processors == [None, compilers.wide_cpu()]
 
 
 def test_each_platform_has_its_library(stand_in):
@@ -161,6 +173,7 @@ def test_a_law_is_linked_to_it(stand_in, tmp_path):
             "this kernel needs a compiler: pip install 'chain-impact[compiler]' (ziglang missing)",
         ),
         ({"links": 3, "platform": "win64"}, "a kernel for win64 needs a compiler: "),
+        ({"links": 3, "derivatives": True}, "a kernel that carries derivatives needs a compiler: "),
         ({"links": 3, "law_file": "LAW"}, "LAW: a contact law of one's own needs a compiler: "),
     ],
 )
@@ -179,7 +192,7 @@ def test_without_a_compiler_one_sentence_says_what_to_install(
 
 
 def test_a_compiler_that_fails_leaves_nothing_behind(stand_in, monkeypatch, tmp_path):
-    def fails(module, library, *_):
+    def fails(module, library, *_, **__):
         library.write_text("half")
         raise BuildError("no luck")
 

@@ -13,7 +13,7 @@ from chain_impact.compilation.sources import PACKAGE
 
 @pytest.fixture(scope="module")
 def module():
-    return library._lowered_kernel(lambda _: None)
+    return library._lowered_kernel(library.KERNEL, lambda _: None)
 
 
 def test_sizes_are_left_open(module):

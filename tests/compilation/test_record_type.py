@@ -3,14 +3,18 @@
 import numpy as np
 import pytest
 
-from chain_impact.compilation.record_type import TABLE, _affine
+from chain_impact.compilation.record_type import TABLES, _affine
 from chain_impact.instance import new_instance
 from chain_impact.kernel.entry import observe_now, trajectory
 from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.tangent.directions import tangent_dtype
 from chain_impact.layout import instance_dtype
 from chain_impact.running import Instance
 from chain_impact.scene import scene_from_dict, with_values
 from tests.plain import Plain
+
+TABLE = TABLES["instance"]
+LAYOUT = {"instance": lambda dtype: dtype, "tangent": tangent_dtype}
 
 
 def number(affine, links, candidates):
@@ -20,16 +24,19 @@ def number(affine, links, candidates):
 def places(dtype, path=(), offset=0):
     """Path, offset and type of every record, array and number of a record."""
     yield path, offset, dtype
-    for name, (inner, start, *_) in (dtype.fields or {}).items():
+    dual = dtype.names == ("value", "slope")
+    for name, (inner, start, *_) in ({} if dual else dtype.fields or {}).items():
         yield from places(inner, (*path, name), offset + start)
 
 
 @pytest.mark.parametrize(("links", "candidates"), [(1, 0), (1, 1), (4, 20), (10, 44), (64, 3)])
-def test_every_field_is_where_numpy_has_it(links, candidates):
-    found = list(places(instance_dtype(links, candidates)))
-    assert {path for path, *_ in found} == set(TABLE)
+@pytest.mark.parametrize("what", TABLES)
+def test_every_field_is_where_numpy_has_it(what, links, candidates):
+    table = TABLES[what]
+    found = list(places(LAYOUT[what](instance_dtype(links, candidates))))
+    assert {path for path, *_ in found} == set(table)
     for path, offset, dtype in found:
-        field = TABLE[path]
+        field = table[path]
         assert number(field.offset, links, candidates) == offset, path
         assert number(field.size, links, candidates) == dtype.itemsize, path
         assert tuple(number(size, links, candidates) for size in field.shape) == dtype.shape, path

@@ -75,6 +75,11 @@ def settings_of(texts: Sequence[str]) -> dict[str, str]:
     return settings
 
 
+def names_in(text: str) -> list[str]:
+    """The names between commas."""
+    return [part.strip() for part in text.split(",") if part.strip()]
+
+
 def check_folders(*paths: Path | None) -> None:
     """Refuse files in folders that are not there, before any work is done."""
     for path in paths:

@@ -4,24 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.console import RenderableType
 from rich.table import Table
 
-from chain_impact.cli.options import check_folders, is_fmu, settings_of
+from chain_impact.cli.options import UsageError, check_folders, is_fmu, settings_of
 from chain_impact.cli.progress import out, progress
-from chain_impact.cli.screen import plain_lines, summary
+from chain_impact.cli.screen import plain_lines, sensitivity_tables, summary
 from chain_impact.results.recording import Recording
 from chain_impact.runs import RunError, record_fmu, record_scene
 from chain_impact.scene import load_scene
 
+if TYPE_CHECKING:
+    from chain_impact.results.plots.overview import Draw
 
-def report(source: str, settings: Sequence[str], csv: Path | None, picture: Path | None) -> Recording:
+
+def report(
+    source: str,
+    settings: Sequence[str],
+    csv: Path | None,
+    picture: Path | None,
+    sensitivities: Sequence[str] = (),
+) -> Recording:
     """Simulate, write the files asked for and print a summary; also of what came before a fault."""
     check_folders(csv, picture)
     fault = None
     try:
-        recording = record(source, settings)
+        recording = record(source, settings, sensitivities)
     except RunError as error:
         if error.recording is None:
             raise
@@ -32,21 +42,31 @@ def report(source: str, settings: Sequence[str], csv: Path | None, picture: Path
     if picture:
         from chain_impact.results.plots import plot
 
-        plot(recording, picture)
+        plot(recording, picture, picture_of(recording))
         out.print(f"picture  {picture}", markup=False, soft_wrap=True)
     show(summary(recording))
+    show(sensitivity_tables(recording))
     if fault:
         raise fault
     return recording
 
 
-def record(source: str, settings: Sequence[str]) -> Recording:
+def picture_of(recording: Recording) -> Draw:
+    """What is drawn of a recording: its derivatives, or its motion if it has none."""
+    from chain_impact.results.plots import fill, fill_sensitivities
+
+    return fill_sensitivities if recording.sensitivities else fill
+
+
+def record(source: str, settings: Sequence[str], sensitivities: Sequence[str] = ()) -> Recording:
     """Simulate a scene or an FMU with parameters set by ``NAME=VALUE``."""
     values = settings_of(settings)
+    if sensitivities and is_fmu(source):
+        raise UsageError(f"--sensitivity: {source} is an FMU, which gives no derivatives; must be a scene")
     with progress() as (notify, advance):
         if is_fmu(source):
             return record_fmu(Path(source), values, advance)
-        return record_scene(load_scene(source), values, notify, advance)
+        return record_scene(load_scene(source), values, notify, advance, sensitivities)
 
 
 def show(parts: Iterable[RenderableType]) -> None:

@@ -19,6 +19,15 @@ from chain_impact.results.summary import energy_lines, plural
 from chain_impact.studies.compare import Comparison, LawRun, advice
 
 NOTHING = "–"
+RELATIVE = {
+    "impact_speed": "speed",
+    "separation_speed": "rebound",
+    "peak_force": "peak",
+    "max_penetration": "depth",
+    "duration": "duration",
+    "impulse": "impulse",
+}
+"""Quantities of impacts that are above zero: their changes are told in percent."""
 
 
 def table_of(head: Sequence[str], numbers: Sequence[str] = ()) -> Table:
@@ -62,6 +71,24 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
     if recording.impacts:
         yield table
     yield from energy_lines(recording.columns)
+
+
+def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
+    """How the impacts change with each parameter, to first order, and how far that is known."""
+    found = recording.sensitivities
+    if not found:
+        return
+    columns = [1e3 * found.impact_changes("onset"), *(100.0 * found.relative(name) for name in RELATIVE)]
+    head = ("#", "onset, ms", *(f"{word}, %" for word in RELATIVE.values()))
+    for k, parameter in enumerate(found.parameters):
+        yield f"\n[bold]Change of the impacts for {escape(parameter)} + {found.step_text(parameter)}[/]"
+        table = table_of(head, head[1:])
+        for row in range(len(found.impacts)):
+            cells = (column[row, k] for column in columns)
+            table.add_row(str(row + 1), *(_number(cell, "+.3g") if cell else "0" for cell in cells))
+        yield table if len(found.impacts) else "no impact"
+    for limit in found.limits:
+        yield f"limit    {escape(limit)}"
 
 
 def law_table(comparison: Comparison) -> Iterator[RenderableType]:

@@ -6,8 +6,8 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chain_impact.cli.options import Verbs, add_scene, add_set, picture
-from chain_impact.cli.report import report
+from chain_impact.cli.options import Verbs, add_scene, add_set, names_in, picture
+from chain_impact.cli.report import picture_of, report
 from chain_impact.runs import RunError
 
 if TYPE_CHECKING:
@@ -19,6 +19,14 @@ def add(verbs: Verbs) -> None:
     simulate = verbs.add_parser("simulate", help="simulate a scene, or an FMU with fmpy")
     add_scene(simulate, "scene or FMU")
     add_set(simulate)
+    simulate.add_argument(
+        "--sensitivity",
+        action="append",
+        default=[],
+        metavar="NAMES",
+        help="also find the derivatives with respect to these parameters, and draw them in place of the "
+        "motion: contact.stiffness,link[*].mass; can be repeated",
+    )
     simulate.add_argument("--show", action="store_true", help="open a window with the picture")
     simulate.add_argument(
         "--plot", metavar="FILE", type=picture, help="draw motion, energy and impacts (png, svg, pdf)"
@@ -30,13 +38,12 @@ def add(verbs: Verbs) -> None:
 def run(options: argparse.Namespace) -> int:
     """Simulate a scene or an FMU; print a summary, and write what was asked for."""
     window = open_window() if options.show else None
-    recording = report(options.source, options.set, options.csv, options.plot)
+    names = [name for text in options.sensitivity for name in names_in(text)]
+    recording = report(options.source, options.set, options.csv, options.plot, names)
     if window:
         from matplotlib import pyplot
 
-        from chain_impact.results.plots import fill
-
-        fill(window, recording)
+        picture_of(recording)(window, recording)
         pyplot.show()
     return 0
 

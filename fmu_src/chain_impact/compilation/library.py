@@ -45,7 +45,7 @@ def kernel_library(
     found = ready.find(name) or cache.find(name)
     if found:
         return found
-    compilers.require_compilers(_purpose(platform, law_file))
+    compilers.require_compilers(_purpose(platform, law_file, derivatives))
     law_module = _lowered_law(law, law_file, notify) if law else None
     module = _lowered_kernel(what, notify)
 
@@ -94,7 +94,9 @@ def _law_name(law: UserLaw) -> str:
     return f"{law.id}-{hashlib.sha256(law.source.encode()).hexdigest()[:16]}"
 
 
-def _purpose(platform: str, law_file: str) -> str:
+def _purpose(platform: str, law_file: str, derivatives: bool) -> str:
+    if derivatives:
+        return "a kernel that carries derivatives"
     if law_file:
         return f"{law_file}: a contact law of one's own"
     return "this kernel" if platform == HOST else f"a kernel for {platform}"

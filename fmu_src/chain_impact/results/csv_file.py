@@ -11,6 +11,7 @@ import numpy as np
 from chain_impact.reading import SceneError
 from chain_impact.results.animation.contacts import force_columns, impacts_from_forces
 from chain_impact.results.recording import Recording, impacts_from_outputs
+from chain_impact.results.sensitivity import DERIVATIVE
 from chain_impact.walls import HalfPlane
 
 PEAK_FORCE = re.compile(r"impact\[\d+\]\.peak_force")
@@ -53,9 +54,10 @@ def read_csv(
         raise SceneError(
             f"{path}: {rows.shape[0]} rows of {rows.shape[1]} numbers; must be at least 2 of {len(names)}"
         )
-    # of an impulse of a rigid wall the force is infinite
+    # of an impulse of a rigid wall the force is infinite, and a derivative need not exist
     impulses = np.isposinf(rows) & [PEAK_FORCE.fullmatch(name) is not None for name in names]
-    for row in np.flatnonzero(~(np.isfinite(rows) | impulses).all(axis=1))[:1]:
+    slopes = [name.startswith(DERIVATIVE) for name in names]
+    for row in np.flatnonzero(~(np.isfinite(rows) | impulses | slopes).all(axis=1))[:1]:
         raise SceneError(f"{path}: line {row + 2} has a number that is not finite")
     columns = dict(zip(names, rows.T.copy(), strict=True))
     time = columns.pop("time")

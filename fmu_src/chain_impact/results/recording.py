@@ -15,6 +15,7 @@ import numpy as np
 
 from chain_impact.results.impacts import impacts_of, names_of
 from chain_impact.results.result import Result
+from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.variables import parameter_paths
 from chain_impact.walls import HalfPlane
 
@@ -53,6 +54,7 @@ class Recording:
         impacts: in order of time; of an FMU, those that its outputs have shown.
         walls: name → free side of the walls that are there.
         parameters: FMU variable name → value at the start, of a choice its name; none where they are unknown.
+        sensitivities: the derivatives that were asked for, if any.
     """
 
     name: str
@@ -61,6 +63,7 @@ class Recording:
     impacts: list[Impact]
     walls: dict[str, HalfPlane]
     parameters: dict[str, Any] = field(default_factory=dict)
+    sensitivities: Sensitivities | None = None
 
     @property
     def impact_count(self) -> int:
@@ -110,6 +113,7 @@ def recording_of(result: Result) -> Recording:
         impacts=impact_list(result.impacts, result.scene.wall_names),
         walls=result.scene.half_planes,
         parameters={name: values[name] for name in parameter_paths(result.scene)},
+        sensitivities=result.sensitivities,
     )
 
 

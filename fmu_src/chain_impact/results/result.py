@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -206,19 +207,35 @@ class Result:
             UnknownNameError: when ``simulate(output=…)`` left out what is drawn.
             OSError: when the file cannot be written.
         """
-        from matplotlib.figure import Figure  # a second to load, so not at the top
+        from chain_impact.results import plots  # a second to load, so not at the top
+        from chain_impact.results.recording import recording_of
+
+        self._need("point_position", "kinetic")
+        return plots.drawn(recording_of(self), path)
+
+    def plot_sensitivities(
+        self, path: str | os.PathLike[str] | None = None, outputs: Sequence[str] = ()
+    ) -> Figure | None:
+        """Draw how outputs, and the speeds of impacts, change when each parameter grows by 1 %.
+
+        That is, to first order, the derivative times 1 % of the parameter, or times 0.01 of its unit where
+        the value is zero.
+
+        Args:
+            path: as for ``plot``.
+            outputs: by their names in the FMU; by default the place of the last point, and the total energy.
+
+        Raises:
+            UnknownNameError: when ``simulate`` was asked for no derivatives, or left out what is drawn.
+            OSError: when the file cannot be written.
+        """
+        from functools import partial
 
         from chain_impact.results import plots
         from chain_impact.results.recording import recording_of
 
-        self._need("point_position", "kinetic")
-        recording = recording_of(self)
-        if path is not None:
-            plots.plot(recording, Path(path))
-            return None
-        page = Figure(figsize=plots.SIZE, layout="constrained")
-        plots.fill(page, recording)
-        return page
+        draw = partial(plots.fill_sensitivities, outputs=self._derivatives.drawn(outputs))
+        return plots.drawn(recording_of(self), path, draw)
 
     def animate(self, path: str | os.PathLike[str], **options: Any) -> None:
         """Write an animation: a page for the browser, ``.html``, or a film, ``.gif`` or ``.mp4``.

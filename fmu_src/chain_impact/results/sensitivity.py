@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.reading import matching
+from chain_impact.reading import UnknownNameError
+
+DERIVATIVE = "d("  # the names of derivatives begin so
+PART = 0.01
+"""Of its value, the change of a parameter for which changes are told; of its unit, where the value is 0."""
 
 
 @dataclass(frozen=True)
@@ -16,32 +21,93 @@ class Sensitivities:
 
     Attributes:
         source: of the errors: the name of the scene.
-        parameters: their names in the FMU.
+        parameters: name in the FMU → value; of an input 0.
+        units: name of a parameter or an output → its unit.
         columns: name of an output → its column in ``slopes``.
         slopes: derivatives of the outputs, shape (T, W, P).
+        impacts: one row for each contact, shape (I,), as ``Result.impacts``.
         impact_slopes: quantity of an impact → derivatives, shape (I, P).
         limits: sentences: from which impact on there are none, and why.
     """
 
     source: str
-    parameters: tuple[str, ...]
+    parameters: Mapping[str, float]
+    units: Mapping[str, str]
     columns: Mapping[str, int]
     slopes: np.ndarray
+    impacts: np.ndarray
     impact_slopes: Mapping[str, np.ndarray]
     limits: tuple[str, ...]
 
     def of_output(self, quantity: str, parameter: str) -> np.ndarray:
         """The derivative of an output over time, shape (T,)."""
-        (name,) = matching(self.source, quantity, self.columns, "no output of this result")
-        return self.slopes[:, self.columns[name], self._number(parameter)]
+        return self.slopes[:, self.columns[self._output(quantity)], self._number(parameter)]
 
     def of_impacts(self, quantity: str, parameter: str) -> np.ndarray:
         """The derivative of a quantity of the impacts, shape (I,)."""
-        (name,) = matching(
-            self.source, quantity, self.impact_slopes, "no quantity of impacts with derivatives"
-        )
-        return self.impact_slopes[name][:, self._number(parameter)]
+        if quantity not in self.impact_slopes:
+            what = "no quantity of impacts with derivatives"
+            hint = f"must be one of {', '.join(self.impact_slopes)}"
+            raise UnknownNameError(self.source, quantity, self.impact_slopes, what, hint)
+        return self.impact_slopes[quantity][:, self._number(parameter)]
+
+    def drawn(self, outputs: Sequence[str]) -> list[str]:
+        """Some outputs by name; if none are named, the place of the last point, and the energy."""
+        last = sum(re.fullmatch(r"link\[\d+\]\.length", name) is not None for name in self.units)
+        usual = (f"point[{last}].x", f"point[{last}].y", "energy.total")
+        return [self._output(name) for name in outputs or usual]
+
+    def _output(self, name: str) -> str:
+        if name not in self.columns:
+            raise UnknownNameError(self.source, name, self.columns, "no output of this result")
+        return name
 
     def _number(self, parameter: str) -> int:
-        (name,) = matching(self.source, parameter, self.parameters, "not among simulate(sensitivities=[…])")
-        return self.parameters.index(name)
+        if parameter not in self.parameters:
+            what = "not among simulate(sensitivities=[…])"
+            hint = f"must be one of {', '.join(self.parameters)}"
+            raise UnknownNameError(self.source, parameter, self.parameters, what, hint)
+        return list(self.parameters).index(parameter)
+
+    @property
+    def named(self) -> dict[str, np.ndarray]:
+        """All derivatives over time by name, ``d(point[4].x)/d(contact.stiffness)`` → shape (T,)."""
+        return {
+            f"{DERIVATIVE}{output})/d({parameter})": self.slopes[:, column, k]
+            for k, parameter in enumerate(self.parameters)
+            for output, column in self.columns.items()
+        }
+
+    def step(self, parameter: str) -> float:
+        """A small change of a parameter, in its unit: 1 % of its value, or 0.01 where that is 0."""
+        return PART * (self.parameters[parameter] or 1.0)
+
+    def step_text(self, parameter: str) -> str:
+        """That change in words: "1 %", or "0.01 m/s"."""
+        return f"{100.0 * PART:g} %" if self.parameters[parameter] else f"{PART:g} {self.units[parameter]}"
+
+    def changes(self, output: str) -> np.ndarray:
+        """How an output changes with that change of each parameter, to first order, shape (T, P)."""
+        changes: np.ndarray = self.slopes[:, self.columns[output]] * self._steps
+        return changes
+
+    def impact_changes(self, quantity: str) -> np.ndarray:
+        """As ``changes``, of a quantity of the impacts, shape (I, P)."""
+        changes: np.ndarray = self.impact_slopes[quantity] * self._steps
+        return changes
+
+    def relative(self, quantity: str) -> np.ndarray:
+        """As ``impact_changes``, over the value; also of the ``duration``: NaN where that has no limits."""
+        rows = self.impacts
+        if quantity == "duration":
+            values = rows["end"] - rows["onset"]
+            changes = self.impact_changes("end") - self.impact_changes("onset")
+        else:
+            values, changes = rows[quantity], self.impact_changes(quantity)
+        known = np.isfinite(values) & (values > 0.0)
+        shares: np.ndarray = changes / np.where(known, values, np.nan)[:, np.newaxis]
+        return shares
+
+    @property
+    def _steps(self) -> np.ndarray:
+        return np.array([self.step(name) for name in self.parameters])

@@ -1,7 +1,8 @@
 """Pictures of a recording. `plot` writes a file; what it draws with serves other pictures, too."""
 
+from chain_impact.results.plots.changes import fill_sensitivities
 from chain_impact.results.plots.motion import draw_chain
-from chain_impact.results.plots.overview import SIZE, fill, plot
+from chain_impact.results.plots.overview import drawn, fill, plot
 from chain_impact.results.plots.room import draw_walls
 
-__all__ = ["SIZE", "draw_chain", "draw_walls", "fill", "plot"]
+__all__ = ["draw_chain", "draw_walls", "drawn", "fill", "fill_sensitivities", "plot"]

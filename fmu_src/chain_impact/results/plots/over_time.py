@@ -42,14 +42,19 @@ def draw_clock(axes: Axes, recording: Recording) -> None:
 
 def draw_energy(axes: Axes, recording: Recording) -> None:
     """The energy ledger over time; the impacts as lines."""
-    onsets = [impact.time for impact in recording.impacts]
-    axes.vlines(onsets, 0.0, 1.0, PALE, linewidth=0.8, zorder=0, transform=axes.get_xaxis_transform())
+    mark_impacts(axes, recording)
     for name, colour in ENERGY_COLOURS.items():
         energy = recording.columns.get(f"energy.{name}", np.zeros(1))
         if name != "supplied" or energy.any():
             axes.plot(recording.time, energy, color=colour, label=name, linewidth=1 + (name == "total"))
     axes.set_ylabel("energy [J]")
     axes.legend(**ABOVE, ncols=5, handlelength=1.6)
+
+
+def mark_impacts(axes: Axes, recording: Recording) -> None:
+    """A line at each impact."""
+    onsets = [impact.time for impact in recording.impacts]
+    axes.vlines(onsets, 0.0, 1.0, PALE, linewidth=0.8, zorder=0, transform=axes.get_xaxis_transform())
 
 
 def draw_impact_speeds(axes: Axes, recording: Recording) -> None:

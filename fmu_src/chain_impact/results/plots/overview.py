@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib as mpl
@@ -26,14 +28,6 @@ SLIM, BROAD = 0.6, 1.3  # width of the motion's panel in heights, at least and a
 HEIGHT = 0.46  # of the page's width, the motion's panel
 
 
-def plot(recording: Recording, path: Path) -> None:
-    """Draw the recording into a file; the suffix says which kind (png, svg, pdf)."""
-    with written_whole(path) as fresh:
-        page = Figure(figsize=SIZE, dpi=DPI, layout="constrained")
-        fill(page, recording)
-        page.savefig(fresh, dpi="figure")
-
-
 @mpl.rc_context(STYLE)
 def fill(page: Figure, recording: Recording) -> None:
     """Draw motion on the left, and energy and impacts over time on the right, of an empty page."""
@@ -51,3 +45,24 @@ def fill(page: Figure, recording: Recording) -> None:
     settle(page)
     number_rings(motion, recording)
     number_impacts(speeds, recording)
+
+
+Draw = Callable[[Figure, Recording], None]
+
+
+def drawn(recording: Recording, path: str | os.PathLike[str] | None, draw: Draw = fill) -> Figure | None:
+    """Draw the recording into a file, or return the page."""
+    if path is not None:
+        plot(recording, Path(path), draw)
+        return None
+    page = Figure(figsize=SIZE, layout="constrained")
+    draw(page, recording)
+    return page
+
+
+def plot(recording: Recording, path: Path, draw: Draw = fill) -> None:
+    """Draw the recording into a file; the suffix says which kind (png, svg, pdf)."""
+    with written_whole(path) as fresh:
+        page = Figure(figsize=SIZE, dpi=DPI, layout="constrained")
+        draw(page, recording)
+        page.savefig(fresh, dpi="figure")

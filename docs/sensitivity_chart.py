@@ -1,0 +1,116 @@
+"""Draw which parameter of the default scene matters when: ``python docs/sensitivity_chart.py``.
+
+How far the tip moves, and how much the peak force of each impact changes, when one parameter grows by 1 %: to
+first order, p ∂y/∂p of one run with derivatives. Of parameters of a kind, the one that matters most counts.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.text import Annotation
+
+from chain_impact import Result, simulate
+from chain_impact.results.plots.changes import calm
+from chain_impact.results.plots.labels import label_curves, settle, spread_labels
+from chain_impact.results.plots.over_time import mark_impacts
+from chain_impact.results.plots.style import BLACK, DPI, PALETTE, STYLE, headline, number
+from chain_impact.results.recording import recording_of
+
+PICTURE = Path(__file__).parent / "images" / "sensitivity_chart.png"
+SCENE, STOP, TIP = "four_link_box", 1.2, 4  # six impacts
+KINDS = {
+    "contact stiffness": ("contact.stiffness",),
+    "contact exponent": ("contact.exponent",),
+    "restitution": ("contact.restitution",),
+    "a mass": tuple(f"link[{i}].mass" for i in range(1, 5)),
+    "an initial rate": tuple(f"initial.angular_velocity[{i}]" for i in range(1, 5)),
+    "an initial angle": tuple(f"initial.angle[{i}]" for i in range(1, 5)),
+    "gravity": ("gravity.y",),
+}
+CONDITIONS = "default scene; + 1 %, to first order; of masses, rates and angles the one that matters most"
+COLOURS = dict(zip(KINDS, (*PALETTE, BLACK), strict=True))
+LEAST = 1e-6  # m, where the axis begins
+DARK, WHOLE = 30.0, 100.0  # %, from which numbers are white, and have three digits
+
+
+def by_kind(changes: np.ndarray, result: Result) -> dict[str, np.ndarray]:
+    """The largest size of some changes of shape (…, P) among the parameters of a kind, shape (…)."""
+    names = list(result.sensitivities.parameters)
+    return {
+        kind: np.abs(changes[..., [names.index(name) for name in members]]).max(axis=-1)
+        for kind, members in KINDS.items()
+    }
+
+
+def moved(result: Result) -> dict[str, np.ndarray]:
+    """How far the tip moves with each kind, shape (T,) [m]; NaN within impacts."""
+    sizes = np.hypot(*(result.sensitivities.changes(f"point[{TIP}].{axis}") for axis in "xy"))
+    sizes[~calm(recording_of(result))] = np.nan
+    return by_kind(sizes, result)
+
+
+def message(result: Result) -> str:
+    """How unlike the parameters are at the end."""
+    ends = {kind: size[-1] for kind, size in moved(result).items()}
+    most, least = max(ends, key=ends.get), min(ends, key=ends.get)
+    ratio = float(f"{ends[most] / ends[least]:.2g}")
+    moves = f"1 % of {most} moves the tip {ratio:.0f} times as far as 1 % of {least}"
+    return f"After {len(result.impacts)} impacts {moves}"
+
+
+def draw_motion(axes: Axes, result: Result) -> list[Annotation]:
+    """How far the tip moves, over time; the names of the curves, to be spread."""
+    ends = []
+    for kind, size in moved(result).items():
+        axes.plot(result.time, size, color=COLOURS[kind], linewidth=1.5)
+        ends.append((result.time[-1], size[-1], kind, COLOURS[kind]))
+    mark_impacts(axes, recording_of(result))
+    axes.set(yscale="log", ylim=(LEAST, 5.0), xlabel="time [s]", ylabel=f"how far point {TIP} moves [m]")
+    axes.margins(x=0.0)
+    return label_curves(axes, ends, fontsize=8)
+
+
+def draw_forces(axes: Axes, result: Result) -> None:
+    """The change of each peak force in percent, as colours and numbers."""
+    shares = by_kind(100.0 * result.sensitivities.relative("peak_force"), result)
+    table = np.array(list(shares.values()))
+    axes.imshow(table, "Blues", aspect="auto", norm=LogNorm(1e-2, 1e3))
+    for (row, column), share in np.ndenumerate(table):
+        look = {"ha": "center", "va": "center", "fontsize": 8, "color": "white" if share > DARK else BLACK}
+        axes.text(column, row, number(share, 2 if share < WHOLE else 3), **look)
+    names = [f"{k + 1}\n{hit['onset']:.2f} s" for k, hit in enumerate(result.impacts)]
+    axes.set_xticks(range(len(names)), names)
+    axes.set_yticks(range(len(KINDS)), list(KINDS))
+    for label, colour in zip(axes.get_yticklabels(), COLOURS.values(), strict=True):
+        label.set_color(colour)
+    axes.tick_params(length=0)
+    axes.spines[:].set_visible(False)
+    axes.set_xlabel("impact")
+    axes.set_title("change of its peak force [%]", fontsize=9, loc="left")
+
+
+def draw(path: Path) -> None:
+    """The motion on the left, the forces on the right."""
+    names = [name for members in KINDS.values() for name in members]
+    result = simulate(SCENE, STOP, tolerance=1e-10, sensitivities=names)
+    assert result.sensitivity_limits == ()
+    with mpl.rc_context(STYLE):
+        page = Figure(figsize=(11.0, 4.6), dpi=DPI, layout="constrained")
+        motion, forces = page.subplots(1, 2, width_ratios=(1.25, 1.0))
+        labels = draw_motion(motion, result)
+        draw_forces(forces, result)
+        headline(page, message(result), CONDITIONS)
+        settle(page)
+        spread_labels(motion, labels)
+        page.savefig(path, dpi="figure")
+
+
+if __name__ == "__main__":
+    draw(Path(sys.argv[1]) if len(sys.argv) > 1 else PICTURE)

@@ -1,0 +1,170 @@
+"""The page with derivatives: by how much a small change of each parameter changes outputs and impacts.
+
+What is drawn is the derivative times a small change of the parameter: 1 % of its value, or 0.01 of its unit
+where the value is zero. So all parameters share an axis, in the unit of the output.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from chain_impact.results.plots.message import conditions
+from chain_impact.results.plots.over_time import DOT, mark_impacts
+from chain_impact.results.plots.room import OUTSIDE_COLOUR
+from chain_impact.results.plots.style import GREY, INK, PALETTE, STYLE, headline
+from chain_impact.results.recording import Recording
+from chain_impact.results.sensitivity import Sensitivities
+
+NOTHING = 1e-12  # of the range of an output: smaller changes are round-off
+STEEP = 30.0  # times as large as usual is the largest change on an axis that is not linear
+WIDE = 140  # characters of a line over the page's width
+Looks = list[dict[str, Any]]
+
+
+@mpl.rc_context(STYLE)
+def fill_sensitivities(page: Figure, recording: Recording, outputs: Sequence[str] = ()) -> None:
+    """Draw how outputs, and the speeds of impacts, change with each parameter, on an empty page.
+
+    The outputs are named as ``Sensitivities.drawn`` takes them.
+    """
+    found = sensitivities_of(recording)
+    names = found.drawn(outputs)
+    relative = relative_changes(recording, names)
+    headline(page, message(recording, relative), conditions(recording))
+    looks = looks_of(found, relative)
+    grid = page.subplots(len(names) // 2 + 1, 2, sharex=True).ravel()
+    panels, rest = grid[: len(names) + 1], grid[len(names) + 1 :]
+    for axes in rest:
+        axes.remove()
+    for axes, name in zip(panels, names, strict=False):
+        draw_changes(axes, recording, name, looks)
+    draw_speeds(panels[-1], recording, looks)
+    for axes in panels:
+        mark_impacts(axes, recording)
+        mark_unknown(axes, recording)
+    for axes in panels[-2:]:
+        axes.tick_params(labelbottom=True)
+        axes.set_xlabel("time [s]")
+    panels[min(1, len(names) - 1)].legend(loc="upper left", bbox_to_anchor=(1.02, 1.0))
+    lines = (line for limit in found.limits for line in textwrap.wrap(limit, WIDE))
+    page.supxlabel("\n".join(lines), x=0.01, ha="left", fontsize=8.5, color=INK)
+
+
+def sensitivities_of(recording: Recording) -> Sensitivities:
+    """The derivatives of a recording that has some."""
+    assert recording.sensitivities is not None
+    return recording.sensitivities
+
+
+def calm(recording: Recording) -> np.ndarray:
+    """The rows outside of impacts, shape (T,).
+
+    Within an impact all goes so fast that its shift in time makes the derivative at a time a needle.
+    """
+    rows = np.ones(len(recording.time), bool)
+    for impact in recording.impacts:
+        rows &= ~((recording.time >= impact.time) & (recording.time <= impact.end))
+    return rows
+
+
+def relative_changes(recording: Recording, outputs: Sequence[str]) -> np.ndarray:
+    """The largest change of any of some outputs outside of impacts, over its range; 0 elsewhere: (T, P)."""
+    found = sensitivities_of(recording)
+    ranges = [np.ptp(recording.columns[name]) or 1.0 for name in outputs]
+    shares = [np.abs(found.changes(name)) / span for name, span in zip(outputs, ranges, strict=True)]
+    largest: np.ndarray = np.max(np.nan_to_num(shares), axis=0)
+    largest[~calm(recording)] = 0.0
+    return largest
+
+
+def message(recording: Recording, relative: np.ndarray) -> str:
+    """Which parameter matters most; or from when on a small change of it changes everything.
+
+    That is when the change to first order is as large as the range of an output.
+    """
+    found = sensitivities_of(recording)
+    lost = np.flatnonzero((relative > 1.0).any(axis=1))
+    row = int(lost[0]) if lost.size else int(relative.max(axis=1, initial=0.0).argmax())
+    name = list(found.parameters)[int(relative[row].argmax())]
+    if not relative.any():
+        return f"{recording.name}: {', '.join(found.parameters)} changes nothing in {recording.time[-1]:g} s"
+    what = f"{recording.name}: {found.step_text(name)} of {name} changes the"
+    if lost.size:
+        return f"{what} motion entirely from {recording.time[row]:.3g} s on"
+    most = "most, by" if len(found.parameters) > 1 else "by up to"
+    return f"{what} outputs {most} {100.0 * relative[row].max():.2g} % of their range"
+
+
+def looks_of(found: Sensitivities, relative: np.ndarray) -> Looks:
+    """How each parameter is drawn: those that matter most in colours, others in grey."""
+    names = list(found.parameters)
+    order = np.argsort(-relative.max(axis=0), kind="stable")
+    told, others = set(order[: len(PALETTE)]), sorted(order[len(PALETTE) :])
+    colours, looks = iter(PALETTE), []
+    for k, name in enumerate(names):
+        if k in told:
+            label = f"{name} + {found.step_text(name)}"
+            looks.append({"color": next(colours), "linewidth": 1.5, "zorder": 3, "label": label})
+        else:
+            label = f"{len(others)} others" if k == others[-1] else "_"
+            looks.append({"color": GREY, "linewidth": 0.9, "zorder": 2, "label": label})
+    return looks
+
+
+def draw_changes(axes: Axes, recording: Recording, output: str, looks: Looks) -> None:
+    """The change of an output over time, with each parameter; gaps where there is none."""
+    found = sensitivities_of(recording)
+    changes = found.changes(output)
+    for values, look in zip(changes.T, looks, strict=True):
+        axes.plot(recording.time, values, **look)
+    axes.set_ylabel(f"change of {output} [{found.units[output]}]")
+    fit_scale(axes, changes[calm(recording)], NOTHING * np.ptp(recording.columns[output]))
+
+
+def draw_speeds(axes: Axes, recording: Recording, looks: Looks) -> None:
+    """The change of the speed of each impact, with each parameter."""
+    found = sensitivities_of(recording)
+    changes = found.impact_changes("impact_speed")
+    for values, look in zip(changes.T, looks, strict=True):
+        style = {"color": look["color"], "zorder": look["zorder"], "markersize": DOT}
+        axes.plot(found.impacts["onset"], values, "o", **style)
+    axes.set_ylabel("change of impact speed [m/s]")
+    fit_scale(axes, changes, NOTHING * max((impact.speed for impact in recording.impacts), default=0.0))
+    if not len(found.impacts):
+        axes.text(0.5, 0.6, "no impact", transform=axes.transAxes, ha="center", color=GREY)
+
+
+def fit_scale(axes: Axes, changes: np.ndarray, least: float) -> None:
+    """Fit the axis to some changes: logarithmic on both sides of zero where the largest are much larger.
+
+    Those below the least one that counts are round-off.
+    """
+    axes.axhline(0.0, color=INK, linewidth=0.6, zorder=1)
+    sizes = np.abs(changes[np.isfinite(changes) & (changes != 0.0)])
+    if not sizes.size or sizes.max() <= least:
+        axes.set_ylim(-1.0, 1.0)
+        return
+    low, high = min(0.0, np.nanmin(changes)), max(0.0, np.nanmax(changes))
+    usual_size = np.median(sizes)
+    if sizes.max() > STEEP * usual_size:
+        axes.set_yscale("symlog", linthresh=10.0 ** np.floor(np.log10(usual_size)))
+        axes.set_ylim(3.0 * low, 3.0 * high)
+    else:
+        margin = 0.05 * (high - low)
+        axes.set_ylim(low - margin, high + margin)
+
+
+def mark_unknown(axes: Axes, recording: Recording) -> None:
+    """Shade the time of which there are no derivatives."""
+    unknown = np.isnan(sensitivities_of(recording).slopes).all(axis=(1, 2))
+    if unknown.any():
+        start, end = recording.time[unknown.argmax()], recording.time[-1]
+        axes.axvspan(start, end, color=OUTSIDE_COLOUR, linewidth=0.0, zorder=0)
+        axes.text(start, 0.98, " no derivatives", transform=axes.get_xaxis_transform(), va="top", color=INK)

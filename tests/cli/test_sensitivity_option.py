@@ -1,0 +1,147 @@
+"""`chain-impact simulate --sensitivity`: a table of the impacts, a picture and columns."""
+
+import csv
+import re
+
+import numpy as np
+import pytest
+
+from chain_impact import simulate
+
+
+def tables(said):
+    """Parameter → rows of numbers of its table, as text."""
+    found, rows = {}, None
+    for line in said.splitlines():
+        if head := re.fullmatch(r"Change of the impacts for (.*) \+ .*", line):
+            rows = found.setdefault(head[1], [])
+        elif rows is not None and re.match(r" *\d+ ", line):
+            rows.append(line.split()[1:])
+    return found
+
+
+def test_the_table_of_impacts(run):
+    names = ["contact.restitution", "link[1].mass", "link[2].mass"]
+    code, said, errors = run(
+        "simulate",
+        "--stop-time",
+        "0.6",
+        "--sensitivity",
+        f"{names[0]}, link[1].mass",
+        "--sensitivity",
+        "link[2].m*",
+    )
+    assert (code, errors) == (0, "")
+    found = tables(said)
+    assert list(found) == names
+    result = simulate("four_link_box", stop_time=0.6, sensitivities=names)
+    impacts, size = result.impacts, {name: 0.01 * result.scene.values[name] for name in names}
+    for name, rows in found.items():
+        assert len(rows) == len(impacts) == 2
+        for k, row in enumerate(rows):
+
+            def change(quantity, name=name, k=k):
+                return size[name] * result.impact_sensitivity(quantity, name)[k]
+
+            duration = (change("end") - change("onset")) / (impacts["end"][k] - impacts["onset"][k])
+            shares = [
+                change(quantity) / impacts[quantity][k]
+                for quantity in ("impact_speed", "separation_speed", "peak_force", "max_penetration")
+            ]
+            right = [1e3 * change("onset"), *(100.0 * one for one in (*shares, duration))]
+            right.append(100.0 * change("impulse") / impacts["impulse"][k])
+            assert [float(cell) for cell in row] == pytest.approx(right, rel=6e-3)
+    assert re.search(
+        r"^ # +onset, ms +speed, % +rebound, % +peak, % +depth, % +duration, % +impulse, %$", said, re.M
+    )
+
+
+def test_without_the_option_nothing_is_said_of_it(run):
+    assert "Change of the impacts" not in run("simulate", "--stop-time", "0.6")[1]
+
+
+def test_what_is_not_finite_is_a_dash(run):
+    _, said, _ = run("simulate", "bouncing_ball", "--stop-time", "1", "--sensitivity", "contact.restitution")
+    first, *_ = tables(said)["contact.restitution"]
+    assert first[2] == "+1"  # e v, for e + 1 %
+    assert first[3] == first[5] == "–"  # peak, duration
+
+
+def test_a_limit_is_said_in_words(run, here):
+    (here / "rod.toml").write_text(
+        'name = "Rod"\n[chain]\nlinks = [{ length = 1.0, mass = 1.0 }]\n[box]\ny_min = 0.0\n'
+        '[contact]\nmodel = "newton_impact"\n[initial]\nangles = [0.0]\nposition = [0.0, 0.1]\n'
+    )
+    code, said, errors = run(
+        "simulate", "rod.toml", "--stop-time", "0.3", "--sensitivity", "contact.restitution"
+    )
+    assert (code, errors) == (0, "")
+    (limit,) = re.findall(r"^limit +(there are no derivatives from t = \S+ s on, .*)$", said, re.M)
+    assert "at y_min: several points arrive at one moment" in limit
+
+
+def test_picture_and_table(run, here):
+    code, said, _ = run(
+        "simulate",
+        "rod_drop",
+        "--stop-time",
+        "0.5",
+        "--sensitivity",
+        "gravity.y",
+        "--plot",
+        "rod.svg",
+        "--csv",
+        "rod.csv",
+    )
+    assert code == 0
+    assert said.splitlines()[:2] == ["results  rod.csv", "picture  rod.svg"]
+    assert "change of impact speed" in re.sub(r"<!-- | -->", "", (here / "rod.svg").read_text())
+    with (here / "rod.csv").open(newline="") as file:
+        head, *rows = csv.reader(file)
+    found = np.array([float(row[head.index("d(point[1].y)/d(gravity.y)")]) for row in rows])
+    time = np.array([float(row[0]) for row in rows])
+    # ½ t² until the first impact
+    falling = time < 0.3
+    np.testing.assert_allclose(found[falling], 0.5 * time[falling] ** 2, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("names", "said"),
+    [
+        (
+            "contact.stifness",
+            "RodDrop: contact.stifness is no parameter with derivatives; the nearest is contact.stiffness",
+        ),
+        (
+            "gravity.y,contact.model",
+            "RodDrop: contact.model is no parameter with derivatives; it is a choice",
+        ),
+    ],
+)
+def test_a_wrong_name(run, names, said):
+    code, out, errors = run("simulate", "rod_drop", "--sensitivity", names)
+    assert (code, out) == (2, "")
+    assert errors.startswith(f"chain-impact: {said}")
+    assert errors.count("\n") == 1
+
+
+def test_an_fmu_gives_none(run, fmu):
+    code, _, errors = run("simulate", fmu, "--sensitivity", "gravity.y")
+    assert code == 2
+    assert (
+        errors
+        == f"chain-impact: --sensitivity: {fmu} is an FMU, which gives no derivatives; must be a scene\n"
+    )
+
+
+def test_the_window_shows_them(run, monkeypatch):
+    from matplotlib import pyplot
+    from matplotlib.figure import Figure
+
+    shown = []
+    window = Figure(layout="constrained")
+    monkeypatch.setattr("chain_impact.cli.simulate.open_window", lambda: window)
+    monkeypatch.setattr(pyplot, "show", lambda: shown.append(window.get_suptitle()))
+    run("simulate", "rod_drop", "--stop-time", "0.5", "--sensitivity", "gravity.y", "--show")
+    assert shown == [window.get_suptitle()]
+    assert "1 % of gravity.y changes" in shown[0]

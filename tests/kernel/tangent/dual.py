@@ -1,0 +1,85 @@
+"""Dual numbers in plain Python, for the kernel's functions as plain Python; and runs to look into."""
+
+from __future__ import annotations
+
+from functools import total_ordering
+from typing import Any
+
+import numpy as np
+
+from chain_impact.sensitivities import DifferentiatedInstance
+from chain_impact.signals import drive
+from chain_impact.variables import output_words
+from tests.derivative_scenes import Case
+
+
+@total_ordering
+class Dual:
+    """A value and its derivatives in some directions."""
+
+    def __init__(self, value: float, slope: Any) -> None:
+        self.value, self.slope = value, np.asarray(slope, float)
+
+    def carried(self, number: float, slope: float) -> Dual:
+        return Dual(number, slope * self.slope)
+
+    def varies(self) -> bool:
+        return bool((self.slope != 0.0).any())
+
+    def __add__(self, other: Dual | float) -> Dual:
+        other = self.dual(other)
+        return Dual(self.value + other.value, self.slope + other.slope)
+
+    def __mul__(self, other: Dual | float) -> Dual:
+        other = self.dual(other)
+        return Dual(self.value * other.value, other.value * self.slope + self.value * other.slope)
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __neg__(self) -> Dual:
+        return -1.0 * self
+
+    def __sub__(self, other: Dual | float) -> Dual:
+        return self + -self.dual(other)
+
+    def __rsub__(self, other: float) -> Dual:
+        return -self + other
+
+    def __truediv__(self, other: Dual | float) -> Dual:
+        other = self.dual(other)
+        quotient = self.value / other.value
+        return Dual(quotient, (self.slope - quotient * other.slope) / other.value)
+
+    def __abs__(self) -> Dual:
+        return self if self.value >= 0.0 else -self
+
+    def __eq__(self, other: object) -> bool:
+        return self.value == (other.value if isinstance(other, Dual) else other)
+
+    def __lt__(self, other: Dual | float) -> bool:
+        return self.value < self.dual(other).value
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def dual(self, number: Dual | float) -> Dual:
+        """A number as a dual one."""
+        return number if isinstance(number, Dual) else Dual(number, np.zeros_like(self.slope))
+
+
+def started(case: Case) -> DifferentiatedInstance:
+    """An instance at the start of a case, with derivatives of all outputs."""
+    driven = drive(case.scene, case.inputs, "hold", np.array([0.0, case.scene.simulation.stop_time]))
+    looks = list(output_words(case.scene, "*").values())
+    instance = DifferentiatedInstance(case.scene, case.parameters, looks, driven=driven)
+    driven.set(instance.record["given"], 0)
+    return instance
+
+
+def followed(instance: DifferentiatedInstance, times: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Values (T, W) and slopes (T, W, P) of all outputs at some times [s]."""
+    times = np.array(times, float)
+    count = len(output_words(instance.scene, "*"))
+    values = np.zeros((len(times), count))
+    slopes = np.zeros((len(times), count, len(instance.parameters)))
+    assert instance.follow_trajectory(times, values, slopes) == len(times)
+    return values, slopes

@@ -1,0 +1,99 @@
+"""What a caller asks of an instance with derivatives: any times, any number of parameters, any pieces."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact import SimulationError, load_scene
+from chain_impact.kernel.tangent.directions import DIRECTIONS
+from chain_impact.running import Instance
+from chain_impact.simulate import simulate
+from tests.derivative_scenes import Case, struck_twice
+from tests.kernel.tangent.dual import followed, started
+
+CASE = struck_twice("flores")
+NAMES = CASE.parameters[: 2 * DIRECTIONS + 1]
+TIMES = np.linspace(0.0, 0.3, 31)
+
+
+def of(*names):
+    return Case(CASE.scene, names, CASE.times)
+
+
+@pytest.fixture(scope="module")
+def together():
+    return followed(started(of(*NAMES)), TIMES)
+
+
+def test_the_number_of_parameters_beside_one_does_not_matter(together):
+    """They are carried in several instances of dual numbers, one after the other."""
+    values, slopes = together
+    for k in (0, DIRECTIONS - 1, DIRECTIONS, 2 * DIRECTIONS):
+        alone, slope = followed(started(of(NAMES[k])), TIMES)
+        np.testing.assert_array_equal(alone, values)
+        np.testing.assert_array_equal(slope[..., 0], slopes[..., k])
+
+
+def test_the_pieces_in_which_a_run_is_made_do_not_matter(together):
+    instance = started(of(*NAMES))
+    pieces = [followed(instance, part) for part in np.array_split(TIMES, 5)]
+    np.testing.assert_array_equal(np.concatenate([values for values, _ in pieces]), together[0])
+    np.testing.assert_array_equal(np.concatenate([slopes for _, slopes in pieces]), together[1])
+
+
+def test_other_times_give_the_same_at_the_same_time(together):
+    values, slopes = followed(started(of(*NAMES)), TIMES[::7])
+    np.testing.assert_allclose(values, together[0][::7], rtol=1e-12, atol=1e-12)
+    scale = np.abs(together[1]).max(axis=0)
+    assert (np.abs(slopes - together[1][::7]) <= 1e-9 * scale).all()
+
+
+def test_impacts_are_followed_to_the_communication_point():
+    """Within a contact: its largest force until then, and how that varies, as the run itself has it."""
+    names = ("contact.stiffness", "contact.restitution")
+    onset = simulate(CASE.scene).impacts["onset"][0]
+    at = onset + 4e-4
+    scene = CASE.scene.with_values({"simulation.stop_time": at, "simulation.step_size": at})
+    result = simulate(scene, tolerance=1e-12, sensitivities=names)
+    assert np.isnan(result.impacts["end"]).tolist() == [True]
+    found = {name: result.impact_sensitivity("peak_force", name)[0] for name in names}
+    for name in names:
+        by = 1e-4 * scene.values[name]
+        above, below = (
+            simulate(scene.with_values({name: scene.values[name] + sign * by}), tolerance=1e-12)
+            for sign in (1, -1)
+        )
+        right = (above.impacts["peak_force"][0] - below.impacts["peak_force"][0]) / (2.0 * by)
+        assert found[name] == pytest.approx(right, rel=1e-6)
+        assert np.isnan(result.impact_sensitivity("end", name)).all()
+        assert np.isfinite(result.impact_sensitivity("impact_speed", name)).all()
+
+
+def test_a_log_that_is_full_is_emptied_on_the_way():
+    """A ball bounces more often between two rows than the log has room for: t_n − t_1 = 2 v Σ eᵏ/g."""
+    name = "contact.restitution"
+    scene = load_scene("bouncing_ball")
+    result = simulate(scene, output_step=math.inf, sensitivities=name)
+    impacts, e = result.impacts, scene.contact.restitution
+    assert len(impacts) > len(Instance(scene).record["finished"]["point"])
+    powers = np.arange(1, len(impacts))
+    terms = 2.0 * impacts["impact_speed"][0] / -scene.gravity[1] * powers * e ** (powers - 1.0)
+    bounces = 40  # before it comes to rest
+    found = result.impact_sensitivity("onset", name)
+    np.testing.assert_allclose(found[1:bounces], np.cumsum(terms)[: bounces - 1], rtol=1e-6)
+    often = simulate(scene, sensitivities=name)
+    np.testing.assert_allclose(found, often.impact_sensitivity("onset", name), rtol=1e-9)
+
+
+def test_a_fault_ends_both():
+    scene = CASE.scene.with_values({"solver.work_limit": 300})
+    with pytest.raises(SimulationError) as plain:
+        simulate(scene)
+    with pytest.raises(SimulationError) as caught:
+        simulate(scene, sensitivities="contact.stiffness")
+    assert caught.value.status == plain.value.status
+    result, right = caught.value.result, plain.value.result
+    assert 0 < len(result.time) == len(right.time)
+    assert result.outputs.tobytes() == right.outputs.tobytes()
+    assert result.sensitivity("point[0].x", "contact.stiffness").shape == result.time.shape

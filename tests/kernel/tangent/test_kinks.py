@@ -1,0 +1,94 @@
+"""Kinks of a force inside a contact: derivatives up to them, and on from there."""
+
+import math
+from functools import partial
+
+import mpmath
+import numpy as np
+import pytest
+
+from chain_impact import simulate
+from tests.derivative_scenes import Case, struck_twice
+from tests.kernel.tangent.dual import followed, started
+from tests.problems import ball, of_law
+
+HEIGHT, SPEED, STIFFNESS, RESTITUTION = 1e-3, 1.5, 1e4, 0.3
+PARAMETERS = ("contact.stiffness", "contact.restitution", "initial.vy")
+VALUES = (STIFFNESS, RESTITUTION, -SPEED)
+
+
+def damped(stiffness, restitution):
+    """ω, ζ of a mass of 1 kg on a Kelvin–Voigt wall."""
+    log = mpmath.log(restitution)
+    return mpmath.sqrt(stiffness), -log / mpmath.sqrt(mpmath.pi**2 + log**2)
+
+
+def height_of(time, stiffness, restitution, vy):
+    """The height of the ball: free, in contact until K δ + d δ̇ = 0, and free again."""
+    since = time - HEIGHT / -vy
+    if since < 0:
+        return HEIGHT + vy * time
+    omega, zeta = damped(stiffness, restitution)
+    swing = omega * mpmath.sqrt(1 - zeta**2)
+
+    def depth(t):
+        return -vy * mpmath.exp(-zeta * omega * t) * mpmath.sin(swing * t) / swing
+
+    def rate(t):
+        return (
+            -vy
+            * mpmath.exp(-zeta * omega * t)
+            * (mpmath.cos(swing * t) - zeta * omega / swing * mpmath.sin(swing * t))
+        )
+
+    # where K δ + d δ̇ = ω² δ + 2 ζ ω δ̇ is zero: tan ω_d t = −2 ζ √(1−ζ²)/(1 − 2ζ²)
+    off = mpmath.atan2(2 * zeta * mpmath.sqrt(1 - zeta**2), 2 * zeta**2 - 1) / swing
+    if since < off:
+        return -depth(since)
+    return -depth(off) - rate(off) * (since - off)
+
+
+def contact_times():
+    """Onset, kink and end of the contact [s]."""
+    omega, zeta = map(float, damped(STIFFNESS, RESTITUTION))
+    off = math.atan2(2 * zeta * math.sqrt(1 - zeta**2), 2 * zeta**2 - 1) / (omega * math.sqrt(1 - zeta**2))
+    impact = simulate(scene_of()).impacts[0]
+    return impact["onset"], impact["onset"] + off, impact["end"]
+
+
+def scene_of():
+    return ball(
+        HEIGHT, SPEED, stiffness=STIFFNESS, restitution=RESTITUTION, stop_time=0.1, **of_law("kelvin_voigt")
+    )
+
+
+def test_a_damped_spring_before_and_behind_its_kink():
+    """Where the force would begin to pull, while the ball is still in the wall, and when it has left."""
+    onset, kink, end = contact_times()
+    assert onset < kink < end - 1e-3
+    times = [0.5 * onset, onset + 1e-3, kink - 1e-4, kink + 1e-4, 0.5 * (kink + end), end + 1e-3, 0.1]
+    scene = scene_of().with_values({"solver.tolerance": 1e-12})
+    instance = started(Case(scene, PARAMETERS, ()))
+    values, slopes = followed(instance, times)
+    column = list(simulate(scene).columns).index("point[0].y")
+    assert instance.limits == ()
+    with mpmath.workdps(30):
+        for row, time in enumerate(times):
+            motion = partial(height_of, time)
+            assert values[row, column] == pytest.approx(float(motion(*VALUES)), abs=1e-10)
+            right = [float(mpmath.diff(motion, VALUES, tuple(np.eye(3, dtype=int)[k]))) for k in range(3)]
+            np.testing.assert_allclose(slopes[row, column], right, rtol=1e-8, atol=1e-12, err_msg=f"{time} s")
+
+
+@pytest.mark.parametrize("law", ["kelvin_voigt", "jankowski", "gharib_hurmuzlu"])
+def test_where_one_looks_does_not_matter(law):
+    """A look within a step lets it be made in pieces, before and behind its kinks."""
+    case = struck_twice(law, restitution=0.4)
+    case = Case(case.scene, ("contact.restitution", "link[1].mass"), case.times)
+    first = simulate(case.scene).impacts[0]
+    often = np.sort([0.0, *np.linspace(first["onset"], first["end"], 40), 0.3])
+    values, slopes = followed(started(case), often)
+    few, steps = followed(started(case), often[[0, -1]])
+    np.testing.assert_allclose(values[-1], few[-1], rtol=1e-12, atol=1e-12)
+    scale = np.abs(steps).max(axis=1, keepdims=True)
+    assert (np.abs(slopes[[0, -1]] - steps) <= 1e-10 * scale).all()

@@ -1,0 +1,156 @@
+"""What gives the derivatives where they do not follow from how a value is worked out."""
+
+import inspect
+import math
+from types import SimpleNamespace
+
+import mpmath
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain import sincos
+from chain_impact.kernel.chain.state import root_at, time_at
+from chain_impact.kernel.integration import dense
+from chain_impact.kernel.laws import contact_laws, user_law
+from chain_impact.kernel.model import contact_force
+from chain_impact.kernel.tangent import rules
+from tests.complex_laws import viscoelastic_factor
+from tests.complex_step import TINY
+from tests.kernel.tangent.dual import Dual
+
+DEPTH, EXPONENT = [0.3, -1.0, 2.0], [0.7, 0.2, 0.0]  # slopes
+
+
+@pytest.mark.parametrize("function", rules.RULES, ids=lambda function: function.__name__)
+def test_a_rule_is_called_as_the_function_that_it_stands_for(function):
+    rule = rules.RULES[function]
+    assert rule.__name__ == function.__name__
+    assert len(inspect.signature(rule).parameters) == len(inspect.signature(function).parameters)
+
+
+@pytest.mark.parametrize("exponent", [0.25, 0.5, 1.0, 1.5, 1.7, 3.0])
+@pytest.mark.parametrize("depth", [1e-9, 2e-3, 0.7])
+def test_a_power_varies_with_both(depth, exponent):
+    found = rules.power(Dual(depth, DEPTH), Dual(exponent, EXPONENT))
+    assert found.value == contact_force.power(depth, exponent)
+    by_depth = mpmath.diff(lambda x: mpmath.power(x, exponent), depth, h=1e-9 * depth)
+    by_exponent = mpmath.diff(lambda n: mpmath.power(depth, n), exponent)
+    right = float(by_depth) * np.array(DEPTH) + float(by_exponent) * np.array(EXPONENT)
+    np.testing.assert_allclose(found.slope, right, rtol=1e-7)
+
+
+def test_a_power_of_a_fixed_exponent():
+    """Most exponents do not vary: then a logarithm is spared, and the slope is n δⁿ⁻¹."""
+    found = rules.power(Dual(0.04, DEPTH), Dual(1.5, np.zeros(3)))
+    np.testing.assert_allclose(found.slope, 1.5 * 0.2 * np.array(DEPTH), rtol=1e-15)
+
+
+@pytest.mark.parametrize(("exponent", "slope"), [(0.5, 0.0), (1.0, 1.0), (1.5, 0.0)])
+def test_at_no_depth_a_power_is_finite(exponent, slope):
+    found = rules.power(Dual(0.0, DEPTH), Dual(exponent, EXPONENT))
+    assert found.value == 0.0
+    assert found.slope.tolist() == (slope * np.array(DEPTH)).tolist()
+
+
+@pytest.mark.parametrize("size", [3.0, 10.0 * sincos.LARGEST])
+def test_points_of_a_circle(size):
+    random = np.random.default_rng(2)
+    angles, slopes = random.uniform(-size, size, 5), random.normal(size=(2, 5))
+    radii = np.array([1.0, 0.5, 2.0, 0.0, 3.0])
+    x, y = [None] * 5, [None] * 5
+    duals = [Dual(v, [0.0, s]) for v, s in zip([9.9, *angles], [0.0, *slopes[0]], strict=True)]
+    rules.polar([Dual(r, [s, 0.0]) for r, s in zip(radii, slopes[1], strict=True)], duals, 1, x, y)
+    horizontal, vertical = np.empty(5), np.empty(5)
+    sincos.polar(radii, angles, 0, horizontal, vertical)
+    np.testing.assert_array_equal([number.value for number in x], horizontal)
+    np.testing.assert_array_equal([number.value for number in y], vertical)
+    cosine, sine = np.cos(angles), np.sin(angles)
+    np.testing.assert_allclose([number.slope[0] for number in x], cosine * slopes[1], atol=1e-14)
+    np.testing.assert_allclose([number.slope[0] for number in y], sine * slopes[1], atol=1e-14)
+    np.testing.assert_allclose([number.slope[1] for number in x], -radii * sine * slopes[0], atol=1e-14)
+    np.testing.assert_allclose([number.slope[1] for number in y], radii * cosine * slopes[0], atol=1e-14)
+
+
+def test_the_force_of_a_user(monkeypatch):
+    def force(depth, rate, speed, mass, stiffness, exponent, restitution):  # noqa: PLR0917
+        damped = 1.0 + (1.0 - restitution) * rate / speed
+        return stiffness * depth**exponent * damped + 1e3 * mass * depth * rate
+
+    at = (2e-3, 0.8, 1.3, 0.4, 1e6, 1.4, 0.6)
+    monkeypatch.setattr(user_law, "force", force)
+    found = rules.user_force(*(Dual(number, np.eye(7)[k]) for k, number in enumerate(at)))
+    assert found.value == force(*at)
+    with mpmath.workdps(30):
+        right = [float(mpmath.diff(force, at, tuple(np.eye(7, dtype=int)[k]))) for k in range(7)]
+    np.testing.assert_allclose(found.slope, right, rtol=1e-9)
+
+
+def test_the_force_of_a_user_at_no_depth(monkeypatch):
+    monkeypatch.setattr(user_law, "force", lambda depth, *_: 5.0 + math.sqrt(depth))
+    found = rules.user_force(
+        Dual(0.0, [1.0]), *(Dual(number, [0.0]) for number in (0.8, 1.0, 1.0, 1.0, 1.5, 0.5))
+    )
+    assert found.value == 5.0
+    assert found.slope.tolist() == [0.0]
+
+
+@pytest.mark.parametrize("e", [0.2, 0.6, 0.95, 0.99999])
+def test_the_factor_of_kuwabara_and_kono(e):
+    found = rules.kuwabara_kono(Dual(e, [2.0]))
+    assert found.value == contact_laws.kuwabara_kono(e)
+    right = viscoelastic_factor(complex(e, TINY)).imag / TINY
+    np.testing.assert_allclose(found.slope, [2.0 * right], rtol=3e-5 if e > 0.999 else 1e-7)
+
+
+def test_a_constant_of_a_joint_that_is_zero_may_vary():
+    assert not rules.resists(Dual(0.0, [0.0, 0.0]))
+    assert rules.resists(Dual(0.0, [0.0, 1.0]))
+    assert rules.resists(Dual(0.1, [0.0, 0.0]))
+
+
+@pytest.mark.parametrize(
+    ("approach_only", "beyond", "pulls", "leaves"), [(0, 0, 0, 0), (0, 1, 1, 1), (1, 1, 0, 1)]
+)
+def test_the_side_of_a_kink_decides_not_the_force(approach_only, beyond, pulls, leaves):
+    """Up to the very kink the force goes on as it is, whatever its sign."""
+    contact = SimpleNamespace(approach_only=approach_only)
+    t = SimpleNamespace(contact=contact, replay=SimpleNamespace(beyond=[1 - beyond, beyond]))
+    for number in (Dual(-1.0, [1.0]), Dual(1.0, [1.0])):
+        assert bool(rules.pulls(t, 1, number)) == pulls
+        assert bool(rules.leaves(t, 1, number)) == leaves
+
+
+COUNT = 10  # numbers in the state of a chain of one link
+
+
+def step_of(numbers, regularized, make=lambda number, _: number):
+    """An instance of one link whose last step has these numbers: dense output, state, start, size."""
+    made = [make(number, k) for k, number in enumerate(numbers)]
+    table = {(m, j): made[COUNT * m + j] for m in range(7) for j in range(COUNT)}
+    start, size = made[-2:]
+    step = SimpleNamespace(state=made[-2 - COUNT : -2], dense=table, start=start, size=size)
+    step.regularized = regularized
+    return SimpleNamespace(links=1, step=step)
+
+
+@pytest.mark.parametrize("regularized", [-1, 0])
+def test_the_fraction_of_a_step_varies_with_the_step_and_the_time(regularized):
+    """Against differences of the function of plain numbers, in a step in which time goes steadily."""
+    clock, root = time_at(1), root_at(1)
+    size, depth_root, elapsed = 0.5, 0.6, 0.09
+    numbers = np.concatenate([np.random.default_rng(5).normal(size=8 * COUNT), [0.25, size]])
+    dense_output, state = numbers[: 7 * COUNT].reshape(7, COUNT), numbers[7 * COUNT : 8 * COUNT]
+    dense_output[:, [clock, root]] = 0.0
+    dense_output[0, clock] = size * dense.time_rate(depth_root)
+    state[clock], state[root] = 0.0, depth_root
+
+    def plain(changed):
+        return dense.fraction(step_of(changed, regularized), 0.25 + elapsed)
+
+    t = step_of(numbers, regularized, lambda number, k: Dual(number, np.eye(numbers.size)[k]))
+    found = rules.fraction(t, 0.25 + elapsed)
+    assert found.value == pytest.approx(plain(numbers), abs=1e-15)
+    steps = 1e-5 * np.eye(numbers.size)
+    right = np.array([(plain(numbers + step) - plain(numbers - step)) / 2e-5 for step in steps])
+    assert np.abs(right).max() > 0.3
+    np.testing.assert_allclose(found.slope, right, atol=1e-8)

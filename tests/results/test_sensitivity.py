@@ -1,0 +1,110 @@
+"""The derivatives of a result: by name, as columns, and as what a small change of a parameter changes."""
+
+import csv
+
+import numpy as np
+import pytest
+
+from chain_impact import UnknownNameError, load_scene, simulate
+from chain_impact.results.csv_file import read_csv
+from chain_impact.results.recording import recording_of
+from chain_impact.runs import record_scene
+from tests.problems import flat_rod
+
+NAMES = ("contact.restitution", "initial.vx", "link[1].mass", "gravity.y")
+
+
+@pytest.fixture(scope="module")
+def result():
+    """Four links until their second impact, and no velocity along x at the start."""
+    scene = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "initial.vx": 0.0})
+    return simulate(scene, sensitivities=NAMES)
+
+
+@pytest.fixture(scope="module")
+def found(result):
+    return result.sensitivities
+
+
+def test_a_small_change_is_one_percent_or_a_hundredth_of_the_unit(found):
+    assert [found.step(name) for name in NAMES] == pytest.approx([0.007, 0.01, 0.01, -0.0981])
+    assert [found.step_text(name) for name in NAMES] == ["1 %", "0.01 m/s", "1 %", "1 %"]
+
+
+def test_changes_are_derivatives_times_that(result, found):
+    for k, name in enumerate(NAMES):
+        slopes = result.sensitivity("point[4].y", name)
+        np.testing.assert_array_equal(found.changes("point[4].y")[:, k], slopes * found.step(name))
+        slopes = result.impact_sensitivity("peak_force", name)
+        np.testing.assert_array_equal(found.impact_changes("peak_force")[:, k], slopes * found.step(name))
+        np.testing.assert_allclose(
+            found.relative("peak_force")[:, k],
+            slopes * found.step(name) / result.impacts["peak_force"],
+            rtol=1e-15,
+        )
+
+
+def test_a_small_change_of_a_parameter_changes_as_much_as_was_told(result, found):
+    """Against runs with a tenth of it: what is left is of second order."""
+    scene, tenth = result.scene, 0.1
+    for name in NAMES:
+        change = tenth * found.step(name)
+        moved = simulate(scene.with_values({name: scene.values[name] + change}))
+        k = NAMES.index(name)
+        for quantity in ("peak_force", "impact_speed"):
+            right = moved.impacts[quantity][0] / result.impacts[quantity][0] - 1.0
+            assert tenth * found.relative(quantity)[0, k] == pytest.approx(right, rel=0.02, abs=1e-7)
+        ends, onsets = moved.impacts["end"], moved.impacts["onset"]
+        before = result.impacts["end"][0] - result.impacts["onset"][0]
+        right = (ends[0] - onsets[0]) / before - 1.0
+        assert tenth * found.relative("duration")[0, k] == pytest.approx(right, rel=0.02, abs=1e-6)
+
+
+def test_a_share_of_what_is_not_finite_is_none():
+    """The peak of an impulse is infinite, and its duration none."""
+    result = simulate("bouncing_ball", stop_time=1.0, sensitivities="contact.restitution")
+    assert np.isinf(result.impacts["peak_force"]).any()
+    assert np.isnan(result.sensitivities.relative("peak_force")).all()
+    assert np.isnan(result.sensitivities.relative("duration")).all()
+    assert result.sensitivities.relative("separation_speed")[0, 0] == pytest.approx(0.01, rel=1e-9)
+
+
+def test_columns_are_named_after_both(result, found):
+    named = found.named
+    assert list(named)[:2] == [f"d({name})/d(contact.restitution)" for name in result.names[:2]]
+    assert len(named) == len(NAMES) * len(result.names)
+    for output, parameter in (("point[4].x", "initial.vx"), ("energy.total", "gravity.y")):
+        right = result.sensitivity(output, parameter)
+        assert np.array_equal(named[f"d({output})/d({parameter})"], right)
+
+
+def test_names_that_are_not_there(result):
+    for quantity, said in (("speed", "must be one of onset, end,"), ("*speed", "must be one of onset")):
+        with pytest.raises(UnknownNameError, match=said):
+            result.impact_sensitivity(quantity, "gravity.y")
+    with pytest.raises(UnknownNameError, match=r"the nearest is point\[4\].x"):
+        result.sensitivity("point[4]x", "gravity.y")
+    with pytest.raises(UnknownNameError, match=r"must be one of contact.restitution, initial.vx"):
+        result.sensitivity("point[4].x", "gravity.x")
+
+
+def test_a_recording_has_them_too(result):
+    assert recording_of(result).sensitivities is result.sensitivities
+    scene = load_scene("four_link_box")
+    assert record_scene(scene, {"simulation.stop_time": 0.1}).sensitivities is None
+
+
+def test_a_table_has_them_and_can_be_read_again(tmp_path):
+    scene, name = flat_rod(model="newton_impact"), "initial.vy"
+    recording = record_scene(scene, {}, sensitivities=[name])
+    path = tmp_path / "rod.csv"
+    recording.save_csv(path)
+    with path.open(newline="") as file:
+        head, *rows = csv.reader(file)
+    column = head.index(f"d(point[0].y)/d({name})")
+    written = np.array([float(row[column]) for row in rows])
+    assert np.array_equal(written, recording.sensitivities.of_output("point[0].y", name), equal_nan=True)
+    assert np.isnan(written).any()
+    again = read_csv(path, scene.half_planes, scene.wall_names)
+    assert np.array_equal(again.columns["point[0].y"], recording.columns["point[0].y"])
+    assert [impact.time for impact in again.impacts] == [impact.time for impact in recording.impacts]

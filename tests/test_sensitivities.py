@@ -1,0 +1,168 @@
+"""Runs with derivatives: what is asked for, again and again; the motion is that without them."""
+
+import numpy as np
+import pytest
+
+from chain_impact import SceneError, UnknownNameError, load_scene, simulate
+from chain_impact.results.result import IMPACT_DTYPE
+from chain_impact.sensitivities import IMPACT_QUANTITIES, DifferentiatedRun, parameters_of
+from tests.derivative_scenes import sprung_chain, struck_twice
+
+CASE = struck_twice("hunt_crossley")
+OUTPUTS = ("point[2].x", "energy.total")
+TIMES = np.array([0.1, 0.2022, 0.3])
+
+
+def names_of(scene, *wanted):
+    return [variable.name for variable in parameters_of(scene, wanted)]
+
+
+# --- names ------------------------------------------------------------------------------------------------
+
+
+def test_a_pattern_stands_for_all_that_are_like_it():
+    assert names_of(CASE.scene, "link[*].mass", "box.*") == [
+        "link[1].mass",
+        "link[2].mass",
+        "box.x_min",
+        "box.y_min",
+    ]
+
+
+def test_a_name_counts_once():
+    assert names_of(CASE.scene, "link[1].mass", "link[*].mass") == ["link[1].mass", "link[2].mass"]
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("contact.stifness", "the nearest is contact.stiffness"),
+        ("link[5].mass", "links count from 1 to 2"),
+        ("contact.model", "it is a choice, or a setting of the solver"),
+        ("contact.minimum_impact_speed", "it is a choice, or a setting of the solver"),
+        ("solver.tolerance", "it is a choice, or a setting of the solver"),
+        ("point[2].x", "it is an output"),
+        ("joint[1].torque", "the scene does not have this input: it needs inputs.joint_torques = true"),
+        ("*.wall", "`chain-impact info` lists the names"),
+    ],
+)
+def test_a_name_without_derivatives(name, said):
+    with pytest.raises(UnknownNameError) as caught:
+        simulate(CASE.scene, sensitivities=[name])
+    assert str(caught.value).startswith(f"Case: {name} is no parameter with derivatives; {said}")
+
+
+def test_no_names():
+    with pytest.raises(SceneError, match="no parameters are named"):
+        DifferentiatedRun(CASE.scene, [], OUTPUTS)
+
+
+# --- the same motion --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("model", ["four_link_box", "pinned_arm", "ramp", "falling_arm", "elastic_floor"])
+def test_the_motion_is_that_without_derivatives_bit_by_bit(model):
+    plain = simulate(model)
+    result = simulate(model, sensitivities=["contact.restitution", "link[1].mass"])
+    assert result.outputs.tobytes() == plain.outputs.tobytes()
+    assert result.impacts.tobytes() == plain.impacts.tobytes()
+    assert result.statistics == plain.statistics
+
+
+def test_a_result_without_has_none():
+    result = simulate(CASE.scene)
+    assert result.sensitivities is None
+    assert result.sensitivity_limits == ()
+    for ask in (result.sensitivity, result.impact_sensitivity):
+        with pytest.raises(UnknownNameError, match=r"simulate\(scene, sensitivities=\[…\]\) makes them"):
+            ask("point[2].x", "contact.stiffness")
+
+
+def test_outputs_that_are_chosen_have_the_same_derivatives():
+    name = "contact.restitution"
+    whole = simulate(CASE.scene, sensitivities=name)
+    some = simulate(CASE.scene, output=OUTPUTS, sensitivities=name)
+    for output in OUTPUTS:
+        assert np.array_equal(some.sensitivity(output, name), whole.sensitivity(output, name))
+    with pytest.raises(UnknownNameError, match=r"point\[1\].x is no output of this result"):
+        some.sensitivity("point[1].x", name)
+
+
+def test_more_than_there_is_room_for_is_refused():
+    with pytest.raises(SceneError, match="GB"):
+        simulate("four_link_box", output_step=1e-5, sensitivities=["link[*].*", "initial.*"])
+
+
+# --- again and again --------------------------------------------------------------------------------------
+
+
+def test_a_run_again_is_that_of_a_new_one():
+    names = ("contact.restitution", "link[2].mass", "initial.angle[1]", "gravity.y", "contact.stiffness")
+    start = np.array([CASE.scene.values[name] for name in names])
+    again = DifferentiatedRun(CASE.scene, names, OUTPUTS)
+    for scale in (1.0, 1.07, 0.9, 1.0):
+        found = again.run(scale * start, TIMES)
+        scene = CASE.scene.with_values(dict(zip(names, scale * start, strict=True)))
+        right = DifferentiatedRun(scene, names, OUTPUTS).run(scale * start, TIMES)
+        for name in ("values", "slopes", "impacts"):
+            assert getattr(found, name).tobytes() == getattr(right, name).tobytes()
+        for name in IMPACT_QUANTITIES:
+            assert found.impact_slopes[name].tobytes() == right.impact_slopes[name].tobytes()
+        assert (found.status, found.limits) == (0, ())
+
+
+def test_shapes():
+    names = ("contact.restitution", "link[2].mass")
+    values = np.array([CASE.scene.values[name] for name in names])
+    found = DifferentiatedRun(CASE.scene, names, OUTPUTS).run(values, TIMES)
+    assert found.values.shape == (3, 2)
+    assert found.slopes.shape == (3, 2, 2)
+    assert found.impacts.dtype == IMPACT_DTYPE
+    assert {name: slopes.shape for name, slopes in found.impact_slopes.items()} == dict.fromkeys(
+        IMPACT_QUANTITIES, (len(found.impacts), 2)
+    )
+
+
+def test_a_start_that_is_refused_gives_no_rows():
+    run = DifferentiatedRun(CASE.scene, ["link[1].mass"], OUTPUTS)
+    good = run.run(np.array([1.0]), TIMES)
+    bad = run.run(np.array([-1.0]), TIMES)
+    assert bad.status != 0
+    assert np.isnan(bad.values).all()
+    assert np.isnan(bad.slopes).all()
+    assert len(bad.impacts) == 0
+    assert all(slopes.shape == (0, 1) for slopes in bad.impact_slopes.values())
+    assert run.run(np.array([1.0]), TIMES).slopes.tobytes() == good.slopes.tobytes()
+
+
+def test_a_fault_on_the_way_keeps_the_rows_before():
+    scene = load_scene("four_link_box").with_values({"solver.work_limit": 1500})
+    found = DifferentiatedRun(scene, ["contact.stiffness"], ["point[4].x"]).run(
+        np.array([1e8]), np.linspace(0.0, 2.0, 41)
+    )
+    assert found.status != 0
+    known = np.isfinite(found.values[:, 0])
+    assert known[0]
+    assert not known[-1]
+    assert np.isnan(found.slopes[~known]).all()
+
+
+def test_inputs_over_time():
+    """A torque that is switched on: with respect to a constant added to it, by differences."""
+    case = sprung_chain()
+    name, output = "joint[2].torque", "link[3].angle"
+    times = np.array([0.0, 0.05, 0.11, 0.2])
+
+    def inputs(more):
+        return {name: (times, np.array([0.0, 1.0, -2.0, 0.5]) + more)}
+
+    result = simulate(case.scene, tolerance=1e-12, inputs=inputs(0.0), sensitivities=name)
+    above, below = (simulate(case.scene, tolerance=1e-12, inputs=inputs(more)) for more in (1e-4, -1e-4))
+    right = (above[output] - below[output]) / 2e-4
+    found = result.sensitivity(output, name)
+    assert np.abs(right).max() > 1e-2
+    np.testing.assert_allclose(found, right, atol=1e-5 * np.abs(right).max())
+    run = DifferentiatedRun(case.scene, [name], [output], inputs=inputs(0.0)).run(
+        np.array([0.0]), result.time
+    )
+    np.testing.assert_allclose(run.slopes[:, 0, 0], found, atol=1e-6 * np.abs(right).max())
