@@ -13,9 +13,8 @@
                    const double* values, const double* stops, int64 runs, const int64* looks, int64 columns,
                    double* rows, int32 going_on)
 
-What they do, kernel/entry.py and kernel/advance.py tell. A kernel that carries derivatives beside the run has
-all but the last two, which take the instances of dual numbers behind theirs along, and
-(kernel/tangent/entry.py)
+What they do, kernel/entry.py and kernel/advance.py tell. In a kernel that carries derivatives they take the
+instances of dual numbers along that are behind theirs, and there is one more (kernel/tangent/entry.py):
 
     int64 trajectory_with(instance*, const double* times, int64 rows, const int64* looks, int64 columns,
                           double* values, double* slopes)
@@ -85,7 +84,7 @@ def trajectory_with(d, times, rows, looks, columns, values, slopes):  # noqa: PL
 
 
 def entry_points(derivatives: bool = False) -> Entries:
-    """Those of the kernel; with ``derivatives``, of one that carries them, as all that is compiled from then on."""
+    """Those of the kernel, or of one that carries derivatives, as does all that is compiled after that."""
     reals, indices = types.CPointer(float64), types.CPointer(int64)
     runs = (INSTANCE, reals, indices, int64, reals, reals, int64, indices, int64, reals, int32)
     entries: Entries = {
@@ -97,12 +96,11 @@ def entry_points(derivatives: bool = False) -> Entries:
         "observe": (int32(INSTANCE), entry.observe_now),
         "sound": (int32(INSTANCE), sound),
         "follow": (int32(INSTANCE), follow),
+        "trajectory": (int64(INSTANCE, reals, int64, reals), trajectory),
+        "run_each": (int64(*runs), run_each),
     }
     if derivatives:
         functions.STAND_INS.update(tangent_entry.HOOKS)
         looks = (reals, int64, indices, int64, reals, reals)
-        return entries | {"trajectory_with": (int64(INSTANCE, *looks), trajectory_with)}
-    return entries | {
-        "trajectory": (int64(INSTANCE, reals, int64, reals), trajectory),
-        "run_each": (int64(*runs), run_each),
-    }
+        entries["trajectory_with"] = (int64(INSTANCE, *looks), trajectory_with)
+    return entries

@@ -147,10 +147,15 @@ def go_on(d):
 
 
 def look_at(d, time):
+    """Make a ``time`` [s] in the last step the communication point, also of what goes on beside."""
+    set_present(d, time)
+    beside.look(d, time)
+
+
+def set_present(d, time):
     """Make a ``time`` [s] in the last step the communication point."""
     d.step.time = time
     complete(d, OUTPUTS)
-    beside.look(d, time)
 
 
 def restart(d):

@@ -29,7 +29,7 @@ def observe(_d):
 
 
 def follow(_d):
-    """The contacts of d have been followed to the communication point, where its last step ends from now on."""
+    """The contacts of d are followed to the communication point, where its last step ends from now on."""
 
 
 def sound(_d):

@@ -13,6 +13,12 @@ from chain_impact.kernel.model.geometry import clearance
 
 
 def observe(d):
+    """Fill the output record with what holds at ``step.time``, also of what goes on beside."""
+    fill_outputs(d)
+    beside.observe(d)
+
+
+def fill_outputs(d):
     """Fill the output record with what holds at ``step.time``.
 
     Contacts count as the solver held them during the step that contains that time: an impact that it has
@@ -56,5 +62,4 @@ def observe(d):
     out.supplied = y[supplied_at(n)]
     out.total = out.kinetic + out.potential + out.elastic
     note_active(d)
-    beside.observe(d)
     d.limits.other_work = work_done  # a look is not the solver's work

@@ -77,6 +77,12 @@ def follow_held(d):
 
 
 def follow_to_now(d):
+    """Follow the active contacts up to the communication point, also of what goes on beside."""
+    follow_to_present(d)
+    beside.follow(d)
+
+
+def follow_to_present(d):
     """Follow the active contacts up to the communication point, where the last step ends from now on."""
     evaluations, work = d.statistics.rhs_evaluations, d.limits.other_work
     end_now(d)
@@ -86,7 +92,6 @@ def follow_to_now(d):
     settle_impulses(d)
     # a look is not the solver's work
     d.statistics.rhs_evaluations, d.limits.other_work = evaluations, work
-    beside.follow(d)
 
 
 def end_now(d):

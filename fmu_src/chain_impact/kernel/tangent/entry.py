@@ -7,10 +7,10 @@ those instances, too.
 import math
 
 from chain_impact.kernel import beside
-from chain_impact.kernel.advance import advance, look_at
-from chain_impact.kernel.events.contact_log import follow_to_now
-from chain_impact.kernel.observe import observe
-from chain_impact.kernel.soundness import sound
+from chain_impact.kernel.advance import advance, set_present
+from chain_impact.kernel.events.contact_log import follow_to_present
+from chain_impact.kernel.observe import fill_outputs, observe
+from chain_impact.kernel.soundness import within_bounds
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.blocks import block, words
 from chain_impact.kernel.tangent.directions import DIRECTIONS
@@ -49,14 +49,14 @@ def look_at_all(d, time):
     for b in range(d.tangents):
         t = block(d, b)
         catch_up(d, t, time)
-        look_at(t, time)
+        set_present(t, time)
 
 
 def observe_all(d):
     """Fill the outputs with derivatives, NaN where these cannot be trusted."""
     for b in range(d.tangents):
         t = block(d, b)
-        observe(t)
+        fill_outputs(t)
         if not trusted(t):
             forget_slopes(words(t.output))
 
@@ -73,14 +73,14 @@ def follow_all(d):
     for b in range(d.tangents):
         t = block(d, b)
         t.replay.done = 1.0
-        follow_to_now(t)
+        follow_to_present(t)
 
 
 def all_sound(d):
     """Whether all indices are such."""
     fits = True
     for b in range(d.tangents):
-        fits = fits and sound(block(d, b)) == 1
+        fits = fits and within_bounds(block(d, b))
     return fits
 
 
