@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from chain_impact.instance import candidates, new_instance
+from chain_impact.candidates import candidates
+from chain_impact.instance import new_instance
 from chain_impact.scene import Scene
 
 jit = njit(error_model="numpy")

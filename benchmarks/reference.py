@@ -19,7 +19,7 @@ import numpy as np
 from problems import PROBLEMS, Problem
 from textbook import Textbook
 
-from chain_impact.instance import candidates
+from chain_impact.candidates import candidates
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.scene import Scene
 

@@ -26,7 +26,7 @@ from xml.etree import ElementTree
 
 from pythonfmu import Fmi2Slave
 
-SIZES = 16  # bytes at the start of the block: the numbers of links and candidates
+SIZES = 24  # bytes at the start of the block: the numbers of links, candidates and instances of dual numbers
 PAUSED = -2  # of the kernel's functions: there is more to do, see chain_impact/kernel/status.py
 INSTANTIATED, INITIALIZING, STEPPING, TERMINATED = range(4)
 PHASES = ("before initialization", "in initialization mode", "after initialization", "after terminate")

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.instance import candidates
+from chain_impact.candidates import candidates
 from chain_impact.scene import WALLS, Scene
 from tests.complex_laws import FAMILY, WITH_MASS
 from tests.complex_step import TINY, power

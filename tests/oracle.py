@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.instance import candidates
+from chain_impact.candidates import candidates
 from chain_impact.kernel.status import OK, STATUS_TEXT, TOO_MUCH_WORK
 from chain_impact.running import Instance, SimulationError
 from chain_impact.scene import Scene

@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.candidates import candidates
 from chain_impact.compilation.library import kernel_library
-from chain_impact.instance import candidates
 from chain_impact.kernel.status import OK
 from chain_impact.layout import instance_dtype
 from chain_impact.running import load_kernel

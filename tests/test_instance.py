@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene
-from chain_impact.instance import candidate_count, candidates, new_instance
+from chain_impact.candidates import candidate_count, candidates
+from chain_impact.instance import new_instance
 from chain_impact.scene import SOLVER_METHODS, WALLS, model_names, scene_to_dict, with_values
 from chain_impact.variables import fmu_variables, word_index
 

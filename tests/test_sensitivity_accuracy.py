@@ -28,8 +28,8 @@ from tests.problems import ball, flat_rod, rod
 ENERGIES = ("energy.total", "energy.dissipated")
 STIFFNESS = "contact.stiffness"
 EXACT = 1e-8  # the error to reach at the tolerance 1e-12
-# of a state where more is not reached: contacts that overlap have no variable of their own in which their force
-# is smooth, and the f(e) of Kuwabara and Kono is a root of a numerical solution
+# of a state where more is not reached: contacts that overlap have no variable of their own in which their
+# force is smooth, and the f(e) of Kuwabara and Kono is a root of a numerical solution
 STATES = {"sprung": 2e-8, "kuwabara_kono": 3e-8}
 # of impacts: likewise, and the top of a force that peaks right after the onset is found by parabolas
 IMPACTS = {

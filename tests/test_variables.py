@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.instance import candidates, new_instance
+from chain_impact.candidates import candidates
+from chain_impact.instance import new_instance
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.layout import output_dtype

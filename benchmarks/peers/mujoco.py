@@ -11,7 +11,7 @@ import math
 import mujoco
 import numpy as np
 
-from chain_impact.instance import candidates
+from chain_impact.candidates import candidates
 from chain_impact.scene import Scene
 
 RADIUS = 1e-3  # m

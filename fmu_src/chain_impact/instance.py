@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 
+from chain_impact.candidates import candidates
 from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.contact_force import USER_LAW
 from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.kernel.tangent.directions import DIRECTIONS, tangent_dtype
 from chain_impact.layout import instance_dtype
+from chain_impact.names import Place
 from chain_impact.scene import Scene
+from chain_impact.variables import BEHIND, parameters_of
 
 LINK_PARAMETERS = (
     *("length", "mass", "center_of_mass", "inertia"),
@@ -17,21 +24,14 @@ LINK_PARAMETERS = (
 )
 
 
-def candidates(scene: Scene) -> list[tuple[int, int]]:
-    """The pairs (point, index into ``scene.wall_names``) that can touch: listed points, existing walls."""
-    there = scene.half_planes
-    walls = [w for w, name in enumerate(scene.wall_names) if name in there]
-    return [(point, wall) for point in scene.contact.points for wall in walls]
-
-
-def candidate_count(scene: Scene) -> int:
-    """How many candidates there are."""
-    box = sum(getattr(scene.box, name) is not None for name in WALLS)
-    return len(scene.contact.points) * (box + len(scene.walls))
-
-
 def new_instance(scene: Scene) -> np.ndarray:
-    """An instance with the parameters of the scene, not yet initialized; an array with one record."""
+    """An instance with the parameters of the scene, not yet initialized; an array with one record.
+
+    Behind the instance, in the same record, are those of dual numbers that the scene's sensitivities need.
+
+    Raises:
+        UnknownNameError: when there are no derivatives with respect to one of them.
+    """
     pairs = candidates(scene)
     links = scene.chain.links
     block = np.zeros(1, instance_dtype(len(links), len(pairs)))
@@ -72,4 +72,33 @@ def new_instance(scene: Scene) -> np.ndarray:
     d["solver"]["method"] = SOLVER_METHODS.index(scene.solver.method) + 1
     for name in ("tolerance", "work_limit"):
         d["solver"][name] = getattr(scene.solver, name)
-    return block
+    varied = parameters_of(scene, scene.outputs.sensitivities)
+    return _with_tangents(block, [variable.place for variable in varied]) if varied else block
+
+
+def _with_tangents(block: np.ndarray, places: Sequence[Place]) -> np.ndarray:
+    """An instance, and behind it those of dual numbers, each parameter of these places with a direction."""
+    layout, count = block.dtype, -(-len(places) // DIRECTIONS)
+    names = layout.names or ()
+    behind = (BEHIND, tangent_dtype(layout), (count,))
+    whole = np.zeros(1, np.dtype([*((name, layout[name]) for name in names), behind]))
+    block["tangents"] = count
+    for name in names:
+        whole[name] = block[name]
+    _copy_values(block[0], whole[0][BEHIND])
+    for number, place in enumerate(places):
+        field: Any = whole[0][BEHIND][number // DIRECTIONS]
+        for step in place:
+            field = field[step]
+        field["slope"][number % DIRECTIONS] = 1.0
+    return whole
+
+
+def _copy_values(source: Any, target: np.ndarray) -> None:
+    """Copy the values of a record to each of some records of dual numbers."""
+    for name in source.dtype.names:
+        part = target[name]
+        if source.dtype[name].names:
+            _copy_values(source[name], part)
+        else:
+            (part["value"] if part.dtype.names else part)[...] = source[name]

@@ -352,6 +352,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
     return _record(
         ("links", INTEGER),  # N
         ("candidates", INTEGER),  # C
+        ("tangents", INTEGER),  # instances of dual numbers behind this one (kernel/tangent/)
         ("model", model),
         ("contact", contact),
         ("initial", initial),

@@ -55,6 +55,11 @@ def input_key(name: str) -> str | None:
     return "tip_force" if name in ("tip.force.x", "tip.force.y") else None
 
 
+def sensitivity_name(output: str, parameter: str) -> str:
+    """The name of the derivative of an output with respect to a parameter."""
+    return f"sensitivity.{parameter}.{output}"
+
+
 def parameter_hint(name: str, links: int) -> str | None:
     """What to do about a name that is no parameter of a chain of some links, if it is known."""
     if input_key(name):

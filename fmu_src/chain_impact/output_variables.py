@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from chain_impact.instance import candidates
+from chain_impact.candidates import candidates
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.names import AXES
 from chain_impact.scene import Scene

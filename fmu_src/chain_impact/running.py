@@ -40,8 +40,6 @@ class SimulationError(RuntimeError):
 class Instance:
     """An initialized instance and the kernel that works on it."""
 
-    _derivatives = False  # whether the kernel has to carry them
-
     def __init__(self, scene: Scene, notify: Notify = announce, driven: Drive | None = None) -> None:
         """Load or compile the kernel and set the instance to its start, with the first of the inputs, if any.
 
@@ -52,9 +50,7 @@ class Instance:
         self.record = self._block[0]
         if driven:
             driven.set(self.record["given"], 0)
-        links, law_file = len(scene.chain.links), scene.contact.law_file
-        library = kernel_library(links, notify=notify, law_file=law_file, derivatives=self._derivatives)
-        self._kernel = load_kernel(library)
+        self._kernel = load_kernel(kernel_for(scene, notify))
         self._address = self._block.ctypes.data
         self.initialize()
 
@@ -106,10 +102,6 @@ class Instance:
     def open_contacts(self) -> np.ndarray:
         """The contacts that have not ended yet, with their peaks so far; drops what was solved ahead."""
         self._kernel.follow(self._address)
-        return self._open_rows()
-
-    def _open_rows(self) -> np.ndarray:
-        """The contacts that have been followed up to the present time and last."""
         touch, candidate = self.record["touch"], self.record["candidate"]
         if not touch["active_count"]:
             return np.zeros(0, IMPACT_DTYPE)
@@ -160,6 +152,21 @@ def _impact_rows(count: int, columns: dict[str, np.ndarray]) -> np.ndarray:
 
 
 @functools.cache
+def kernel_for(scene: Scene, notify: Notify) -> Path:
+    """The library of the kernel for a scene, for a processor like this one.
+
+    Raises:
+        BuildError: when it cannot be compiled.
+    """
+    return kernel_library(
+        len(scene.chain.links),
+        notify=notify,
+        law_file=scene.contact.law_file,
+        derivatives=bool(scene.outputs.sensitivities),
+        portable=False,
+    )
+
+
 def load_kernel(library: Path) -> ctypes.CDLL:
     """Load a compiled kernel and declare its entry points (see kernel/entry.py)."""
     kernel = ctypes.CDLL(str(library))
@@ -172,9 +179,7 @@ def load_kernel(library: Path) -> ctypes.CDLL:
     kernel.run_each.argtypes = [*runs, ctypes.c_int32]
     kernel.trajectory.restype = kernel.run_each.restype = integer
     if hasattr(kernel, "trajectory_with"):
-        kernel.initialize_with.argtypes = [pointer, pointer, integer, real]
         looks = (pointer, integer, pointer, integer, pointer, pointer)
-        kernel.trajectory_with.argtypes = [pointer, pointer, integer, *looks]
+        kernel.trajectory_with.argtypes = [pointer, *looks]
         kernel.trajectory_with.restype = integer
-        kernel.follow_with.argtypes = [pointer, pointer, integer]
     return kernel

@@ -47,7 +47,7 @@ def record_scene(
     settings: Mapping[str, Any],
     notify: Notify = announce,
     progress: Callable[[float], None] = lambda _: None,
-    sensitivities: Sequence[str] = (),
+    sensitivities: Sequence[str] | None = None,
 ) -> Recording:
     """Simulate a scene with some values set by name, as ``with_settings`` does.
 

@@ -133,6 +133,9 @@ class Outputs:
     impacts: int = quantity("", "how many of the latest impacts", 8, minimum=0, maximum=LATEST)
     energies: bool = quantity("", "the energies", True)
     solver: bool = quantity("", "steps, evaluations and status of the solver", True)
+    sensitivities: tuple[str, ...] = quantity(
+        "", "parameters and inputs with respect to which outputs have derivatives", ()
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

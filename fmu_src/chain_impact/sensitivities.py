@@ -8,25 +8,23 @@ NaN, and a sentence says from which impact on.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from chain_impact.compilation.work import Notify, announce
-from chain_impact.instance import new_instance
 from chain_impact.kernel.status import OK
-from chain_impact.kernel.tangent.directions import DIRECTIONS, tangent_dtype
+from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.kernel.tangent.trust import REASONS, TRUSTED
-from chain_impact.names import Place, input_key, parameter_hint
-from chain_impact.reading import SceneError, matching
+from chain_impact.names import Place
+from chain_impact.reading import SceneError
 from chain_impact.results.result import IMPACT_DTYPE
 from chain_impact.running import Instance, SimulationError, in_order
 from chain_impact.scene import Scene
 from chain_impact.signals import Drive, drive
-from chain_impact.variable import Variable
-from chain_impact.variables import differentiable, output_words, parameter_paths, word_index
+from chain_impact.variables import BEHIND, output_words, parameters_of, word_index
 
 IMPACT_QUANTITIES = tuple(name for name in IMPACT_DTYPE.names or () if name not in ("point", "wall"))
 """The quantities of an impact that have derivatives."""
@@ -41,8 +39,6 @@ class DifferentiatedInstance(Instance):
         scene: what runs.
         parameters: the names of the P parameters.
     """
-
-    _derivatives = True
 
     def __init__(
         self,
@@ -60,12 +56,11 @@ class DifferentiatedInstance(Instance):
         """
         if not parameters:
             raise SceneError(f"{scene.name}: no parameters are named of which derivatives are wanted")
-        known = parameters_of(scene, parameters)
-        self.scene, self.parameters = scene, tuple(variable.name for variable in known)
+        self.scene = replace(scene, outputs=replace(scene.outputs, sensitivities=tuple(parameters)))
+        self.parameters = tuple(variable.name for variable in parameters_of(scene, parameters))
         self._looks = np.array(looks, np.int64)
-        self._tangents = seeded(new_instance(scene), [variable.place for variable in known])
         self._impact_slopes: list[np.ndarray] = []
-        super().__init__(scene, notify, driven)
+        super().__init__(self.scene, notify, driven)
 
     def initialize(self) -> None:
         """Set all to their start.
@@ -74,8 +69,7 @@ class DifferentiatedInstance(Instance):
             SimulationError: when the scene cannot start.
         """
         self._impact_slopes = []
-        if self._kernel.initialize_with(self._address, *self._beside, 0.0) != OK:
-            raise SimulationError(self.status, 0.0, None)
+        super().initialize()
 
     def restart(self, places: Sequence[Place], values: np.ndarray) -> None:
         """Set all to their start, with other values of some parameters.
@@ -85,11 +79,6 @@ class DifferentiatedInstance(Instance):
         """
         for place, value in zip(places, values, strict=True):
             self.words[word_index(self._block.dtype, place)] = value
-            field: Any = self._tangents
-            for step in place[:-1]:
-                field = field[step] if isinstance(step, str) else field[:, step]
-            last = place[-1]
-            (field[last] if isinstance(last, str) else field[:, last])["value"] = value
         self.initialize()
 
     def follow_trajectory(self, times: np.ndarray, values: np.ndarray, slopes: np.ndarray) -> int:
@@ -108,7 +97,7 @@ class DifferentiatedInstance(Instance):
         looks = (self._looks.ctypes.data, len(self._looks))
         places = (values.ctypes.data, found.ctypes.data)
         filled: int = self._kernel.trajectory_with(
-            self._address, *self._beside, times.ctypes.data, len(times), *looks, *places
+            self._address, times.ctypes.data, len(times), *looks, *places
         )
         slopes[:filled] = found[:filled, :, : len(self.parameters)]
         return filled
@@ -119,8 +108,10 @@ class DifferentiatedInstance(Instance):
         return len(self._tangents) * DIRECTIONS
 
     @property
-    def _beside(self) -> tuple[int, int]:
-        return self._tangents.ctypes.data, len(self._tangents)
+    def _tangents(self) -> np.ndarray:
+        """The instances of dual numbers."""
+        tangents: np.ndarray = self.record[BEHIND]
+        return tangents
 
     def collect(self) -> np.ndarray:
         """Take the finished contacts out of the log, and their derivatives."""
@@ -132,8 +123,7 @@ class DifferentiatedInstance(Instance):
 
     def open_contacts(self) -> np.ndarray:
         """The contacts that have not ended yet; drops what was solved ahead."""
-        self._kernel.follow_with(self._address, *self._beside)
-        rows = self._open_rows()
+        rows = super().open_contacts()
         active = self.record["touch"]["active"] == 1
         touch, impulse = self._tangents["touch"], self._tangents["impulse"]
         slopes = {
@@ -181,52 +171,6 @@ class DifferentiatedInstance(Instance):
         impact = f"the impact of point {trust['point']} at {wall}"
         reason = REASONS[int(trust["reason"])]
         return (f"there are no derivatives from t = {trust['time']:.9g} s on, {impact}: {reason}",)
-
-
-def parameters_of(scene: Scene, names: Iterable[str]) -> list[Variable]:
-    """The parameters and inputs of some names, in which ``*`` stands for any text, each of them once.
-
-    Raises:
-        UnknownNameError: when there is none of a name with respect to which there are derivatives.
-    """
-    known = differentiable(scene)
-    settings = parameter_paths(scene).keys() - known
-    outputs = output_words(scene, "*")
-
-    def hint(name: str) -> str | None:
-        if name in outputs:
-            return "it is an output: derivatives of it are with respect to parameters and inputs"
-        if name in settings:
-            return "it is a choice, or a setting of the solver, of which the motion is no smooth function"
-        if key := input_key(name):
-            return f"the scene does not have this input: it needs inputs.{key} = true"
-        return parameter_hint(name, len(scene.chain.links))
-
-    found = (matching(scene.name, name, known, "no parameter with derivatives", hint) for name in names)
-    return [known[name] for name in dict.fromkeys(one for part in found for one in part)]
-
-
-def seeded(block: np.ndarray, places: Sequence[Place]) -> np.ndarray:
-    """The instances of dual numbers that go with an instance, each parameter in a direction of its own."""
-    count = max(1, -(-len(places) // DIRECTIONS))
-    tangents = np.zeros(count, tangent_dtype(block.dtype))
-    copy_values(block, tangents)
-    for number, place in enumerate(places):
-        field: Any = tangents[number // DIRECTIONS]
-        for step in place:
-            field = field[step]
-        field["slope"][number % DIRECTIONS] = 1.0
-    return tangents
-
-
-def copy_values(source: np.ndarray, target: np.ndarray) -> None:
-    """Copy the values of a record to each of some records of dual numbers."""
-    for name in source.dtype.names or ():
-        part = target[name]
-        if source.dtype[name].names:
-            copy_values(source[name], part)
-        else:
-            (part["value"] if part.dtype.names else part)[...] = source[name]
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ from typing import Literal
 
 import numpy as np
 
+from chain_impact.candidates import candidate_count
 from chain_impact.compilation import cache
 from chain_impact.compilation.work import Notify, announce
-from chain_impact.instance import candidate_count
 from chain_impact.kernel.status import OK
 from chain_impact.law_file import LawError, source_of
 from chain_impact.layout import output_dtype
@@ -22,9 +22,9 @@ from chain_impact.results.result import Result
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.running import Instance, SimulationError, in_order
 from chain_impact.scene import Scene, scene_of
-from chain_impact.sensitivities import DifferentiatedInstance, parameters_of
+from chain_impact.sensitivities import DifferentiatedInstance
 from chain_impact.signals import Signal, drive
-from chain_impact.variables import WORD, fmu_variables, output_words
+from chain_impact.variables import WORD, fmu_variables, output_words, parameters_of
 
 MOST_BYTES = 2_000_000_000
 """Most bytes that the outputs of a simulation may take: more is refused before anything is computed."""
@@ -41,7 +41,7 @@ def simulate(
     output: str | Iterable[str] | None = None,
     inputs: Mapping[str, Signal] | None = None,
     interpolation: Literal["hold", "linear"] = "hold",
-    sensitivities: Iterable[str] = (),
+    sensitivities: Iterable[str] | None = None,
     notify: Notify = announce,
     progress: Callable[[float], None] = lambda _: None,
 ) -> Result:
@@ -79,7 +79,7 @@ def simulate(
         sensitivities: parameters and inputs by their names in the FMU, ``*`` as in ``output``: the result
             then has the derivatives of its outputs and impacts with respect to each of them, for
             ``Result.sensitivity``. The motion is the same, bit for bit. That with respect to an input is for
-            a constant added to it.
+            a constant added to it. By default they are those of the scene's ``outputs.sensitivities``.
         notify: called with a sentence before a kernel is compiled; by default that is said on standard error.
         progress: called with the fraction done.
 
@@ -101,7 +101,8 @@ def simulate(
     step = stop if output_step == math.inf else scene.simulation.step_size
     words = None if output is None else output_words(scene, output)
     layout = output_dtype(len(scene.chain.links), candidate_count(scene))
-    names = (sensitivities,) if isinstance(sensitivities, str) else tuple(sensitivities)
+    asked_for = scene.outputs.sensitivities if sensitivities is None else sensitivities
+    names = (asked_for,) if isinstance(asked_for, str) else tuple(asked_for)
     names = tuple(variable.name for variable in parameters_of(scene, names))
     columns = layout.itemsize // WORD if words is None else len(words)
     check_size(scene.name, stop, step, columns * (1 + len(names)))

@@ -34,3 +34,28 @@ UNITS = {
     "J": Unit("Energy", {"kg": 1, "m": 2, "s": -2}),
 }
 """Every unit of the FMU's variables."""
+
+
+def quotient(unit: str, parameter: str) -> str:
+    """The name of the unit of a derivative: a unit over that of a parameter."""
+    if parameter == "1":
+        return unit
+    return "1" if unit == parameter else f"{unit}/({parameter})"
+
+
+def unit_of(name: str) -> Unit:
+    """The unit of a name, a key of ``UNITS`` or a quotient of two."""
+    if name in UNITS:
+        return UNITS[name]
+    above, below = (UNITS[part] for part in name.removesuffix(")").split("/("))
+    powers = None
+    if above.powers is not None and below.powers is not None:
+        bases = dict.fromkeys((*above.powers, *below.powers))
+        powers = {base: above.powers.get(base, 0) - below.powers.get(base, 0) for base in bases}
+        powers = {base: power for base, power in powers.items() if power}
+    return Unit(f"{above.quantity}Per{below.quantity}", powers)
+
+
+def in_order(names: set[str]) -> list[str]:
+    """Some names of units: those of ``UNITS`` in its order, then the others; without the empty one."""
+    return [*(name for name in UNITS if name in names), *sorted(names - UNITS.keys() - {""})]

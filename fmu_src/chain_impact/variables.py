@@ -16,19 +16,23 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.instance import candidate_count, candidates
+from chain_impact.candidates import candidate_count, candidates
 from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.law_file import read_law
 from chain_impact.layout import output_dtype
-from chain_impact.names import AXES, Place, name_of
+from chain_impact.names import AXES, Place, input_key, name_of, parameter_hint, sensitivity_name
 from chain_impact.output_variables import all_outputs
 from chain_impact.reading import matching
 from chain_impact.scene import Box, Contact, Initial, Link, Scene, Solver, Wall
+from chain_impact.units import quotient
 from chain_impact.variable import Item, Variable
 
 WORD = 8  # bytes of every scalar in the record
+BEHIND = "behind"
+"""The field of the instances of dual numbers behind an instance (instance.py)."""
 
 
 _METHODS = tuple(
@@ -38,7 +42,7 @@ _METHODS = tuple(
 
 def fmu_variables(scene: Scene) -> list[Variable]:
     """All variables of the scene's FMU, in the order of their value references: outputs come last."""
-    return [*_parameters(scene), *_inputs(scene), *all_outputs(scene)]
+    return [*_parameters(scene), *_inputs(scene), *all_outputs(scene), *_sensitivities(scene)]
 
 
 def parameter_paths(scene: Scene) -> dict[str, Place]:
@@ -59,6 +63,47 @@ def differentiable(scene: Scene) -> dict[str, Variable]:
     left_out = ("solver", "contact.model", "contact.minimum_impact_speed")
     known = (*_parameters(scene), *_inputs(scene))
     return {v.name: v for v in known if not v.name.startswith(left_out)}
+
+
+def parameters_of(scene: Scene, names: Sequence[str]) -> list[Variable]:
+    """The parameters and inputs of some names, in which ``*`` stands for any text, each of them once.
+
+    Raises:
+        UnknownNameError: when there is none of a name with respect to which there are derivatives.
+    """
+    if not names:
+        return []
+    known = differentiable(scene)
+    settings = parameter_paths(scene).keys() - known
+    outputs = output_words(scene, "*")
+
+    def hint(name: str) -> str | None:
+        if name in outputs:
+            return "it is an output: derivatives of it are with respect to parameters and inputs"
+        if name in settings:
+            return "it is a choice, or a setting of the solver, of which the motion is no smooth function"
+        if key := input_key(name):
+            return f"the scene does not have this input: it needs inputs.{key} = true"
+        return parameter_hint(name, len(scene.chain.links))
+
+    found = (matching(scene.name, name, known, "no parameter with derivatives", hint) for name in names)
+    return [known[name] for name in dict.fromkeys(one for part in found for one in part)]
+
+
+def _sensitivities(scene: Scene) -> Iterator[Variable]:
+    """The derivatives of the outputs that change all the time."""
+    for number, parameter in enumerate(parameters_of(scene, scene.outputs.sensitivities)):
+        tangent, direction = divmod(number, DIRECTIONS)
+        for of in output_variables(scene):
+            yield Variable(
+                name=sensitivity_name(of.name, parameter.name),
+                type="real",
+                causality="output",
+                variability="continuous",
+                unit=quotient(of.unit, parameter.unit),
+                description=f"derivative of {of.name} with respect to {parameter.name}",
+                place=(BEHIND, tangent, *of.place, "slope", direction),
+            )
 
 
 def output_variables(scene: Scene) -> list[Variable]:

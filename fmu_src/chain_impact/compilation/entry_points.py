@@ -13,13 +13,11 @@
                    const double* values, const double* stops, int64 runs, const int64* looks, int64 columns,
                    double* rows, int32 going_on)
 
-What they do, kernel/entry.py and kernel/advance.py tell. A kernel that carries derivatives beside the run has
-these, too (kernel/tangent/entry.py), for ``count`` instances of dual numbers from ``first`` on:
+What they do, kernel/entry.py and kernel/advance.py tell. In a kernel that carries derivatives they take the
+instances of dual numbers along that are behind theirs, and there is one more (kernel/tangent/entry.py):
 
-    int32 initialize_with(instance*, tangent* first, int64 count, double time)
-    int64 trajectory_with(instance*, tangent* first, int64 count, const double* times, int64 rows,
-                          const int64* looks, int64 columns, double* values, double* slopes)
-    int32 follow_with(instance*, tangent* first, int64 count)
+    int64 trajectory_with(instance*, const double* times, int64 rows, const int64* looks, int64 columns,
+                          double* values, double* slopes)
 """
 
 from __future__ import annotations
@@ -29,8 +27,8 @@ from typing import Any
 
 from numba import float64, int32, int64, types
 
-from chain_impact.compilation import functions  # noqa: F401 - so that numba takes the kernel's functions
-from chain_impact.compilation.record_type import INSTANCE, TANGENT, matrix, vector
+from chain_impact.compilation import functions
+from chain_impact.compilation.record_type import INSTANCE, matrix, vector
 from chain_impact.kernel import entry
 from chain_impact.kernel.advance import advance_to_onset, let_happen
 from chain_impact.kernel.events.contact_log import follow_to_now
@@ -74,33 +72,19 @@ def run_each(  # noqa: PLR0917 - in C, arguments have no names
     )
 
 
-def initialize_with(d, first, count, time):
-    """Set an instance and those of dual numbers to their start; return a status."""
-    return tangent_entry.initialize_with(d, first, count, time)
-
-
-def trajectory_with(  # noqa: PLR0917
-    d, first, count, times, rows, looks, columns, values, slopes
-):
+def trajectory_with(d, times, rows, looks, columns, values, slopes):  # noqa: PLR0917
     """Fill rows of outputs and of their derivatives; return how many."""
     return tangent_entry.trajectory_with(
         d,
-        first,
-        count,
         vector(times, rows),
         vector(looks, columns),
         matrix(values, rows, columns),
-        matrix(slopes, rows, columns * count * DIRECTIONS),
+        matrix(slopes, rows, columns * d.tangents * DIRECTIONS),
     )
 
 
-def follow_with(d, first, count):
-    """Follow the contacts up to the communication point."""
-    return tangent_entry.follow_with(d, first, count)
-
-
 def entry_points(derivatives: bool = False) -> Entries:
-    """Those of the kernel; with ``derivatives``, of one that carries them beside the run."""
+    """Those of the kernel, or of one that carries derivatives, as does all that is compiled after that."""
     reals, indices = types.CPointer(float64), types.CPointer(int64)
     runs = (INSTANCE, reals, indices, int64, reals, reals, int64, indices, int64, reals, int32)
     entries: Entries = {
@@ -116,10 +100,7 @@ def entry_points(derivatives: bool = False) -> Entries:
         "run_each": (int64(*runs), run_each),
     }
     if derivatives:
+        functions.STAND_INS.update(tangent_entry.HOOKS)
         looks = (reals, int64, indices, int64, reals, reals)
-        entries |= {
-            "initialize_with": (int32(INSTANCE, TANGENT, int64, float64), initialize_with),
-            "trajectory_with": (int64(INSTANCE, TANGENT, int64, *looks), trajectory_with),
-            "follow_with": (int32(INSTANCE, TANGENT, int64), follow_with),
-        }
+        entries["trajectory_with"] = (int64(INSTANCE, *looks), trajectory_with)
     return entries

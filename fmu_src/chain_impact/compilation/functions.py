@@ -30,6 +30,8 @@ EXTERNAL: dict[Any, types.Type] = {
     user_law.force: types.ExternalFunction(LAW_FORCE, float64(*[float64] * len(user_law.ARGUMENTS))),
 }
 _RULES: dict[Any, Any] = RULES
+STAND_INS: dict[Any, Any] = {}
+"""Function of the kernel → what stands for it where no argument carries derivatives."""
 # what dual_numbers.py and record_type.py have made numba know
 BUILT_IN: set[Any] = {directions.value, directions.carried, directions.varies, blocks.block, blocks.words}
 
@@ -41,17 +43,16 @@ def compiled(function: FunctionType) -> Any:
 
 
 class Function(types.Dispatcher):
-    """The type of a function of the kernel; where its arguments carry derivatives, of what gives them."""
+    """The type of a function of the kernel, or of what stands for it with some arguments."""
 
     def __init__(self, function: FunctionType) -> None:
-        self._rule = _RULES.get(function)
+        self._function = function
         super().__init__(compiled(function))
 
     def _for(self, arguments: Any) -> types.Dispatcher:
         """The dispatcher that takes these arguments."""
-        if self._rule and any(carries_derivatives(one) for one in arguments):
-            return types.Dispatcher(compiled(self._rule))
-        return types.Dispatcher(self.dispatcher)
+        others = _RULES if any(carries_derivatives(one) for one in arguments) else STAND_INS
+        return types.Dispatcher(compiled(others.get(self._function, self._function)))
 
     def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
         """The signature for some arguments."""

@@ -23,7 +23,9 @@ def kernel_library(
     platform: str = HOST,
     notify: Notify = announce,
     law_file: str = "",
+    *,
     derivatives: bool = False,
+    portable: bool = True,
 ) -> Path:
     """Return the shared library for chains of N ``links``.
 
@@ -32,14 +34,16 @@ def kernel_library(
         platform: of ``compilers.ZIG_TARGETS``.
         notify: called with a sentence, a ``Work``, before work that takes seconds.
         law_file: the file of a user's law that the kernel shall have, if any.
-        derivatives: whether it shall carry derivatives; it is for processors like this one then.
+        derivatives: whether it shall carry derivatives.
+        portable: whether it shall run on any processor; else one that carries derivatives is for processors
+            like this one, on which it is faster.
 
     Raises:
         BuildError: when the user's law or a compiler fails, or there is no compiler and no ready kernel.
     """
     exact = ready.exact(links)
     law = _law(law_file) if law_file else None
-    cpu = compilers.wide_cpu() if derivatives and platform == HOST else None
+    cpu = compilers.wide_cpu() if derivatives and not portable and platform == HOST else None
     what = DERIVATIVES if derivatives else KERNEL
     name = ready.library_name(exact, platform, _law_name(law) if law else "", f"{what}-wide" if cpu else what)
     found = ready.find(name) or cache.find(name)

@@ -213,18 +213,18 @@ def _set_field(context: Any, builder: ir.IRBuilder, signature: Any, arguments: A
 
 @type_callable(blocks.block)
 def _type_of_block(_context: Any) -> Any:
-    def typer(first: types.Type, _number: types.Type) -> types.Type | None:
-        return first if isinstance(first, Record) else None
+    def typer(instance: types.Type, _number: types.Type) -> types.Type | None:
+        return TANGENT if instance == INSTANCE else None
 
     return typer
 
 
 @lower_builtin(blocks.block, Record, types.Integer)
 def _block(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
-    first, number = arguments
-    size = signature.args[0].field().size.built(builder, first)
+    instance, number = arguments
+    own, size = (record.field().size.built(builder, instance) for record in (INSTANCE, TANGENT))
     number = context.cast(builder, number, signature.args[1], types.int64)
-    return cgutils.pointer_add(builder, first, builder.mul(size, number), first.type)
+    return cgutils.pointer_add(builder, instance, builder.add(own, builder.mul(size, number)), instance.type)
 
 
 @type_callable(blocks.words)

@@ -12,7 +12,7 @@ import numpy as np
 from chain_impact.instance import new_instance
 from chain_impact.names import Place
 from chain_impact.scene import Scene
-from chain_impact.units import UNITS
+from chain_impact.units import in_order, unit_of
 from chain_impact.variable import OBSERVED, Variable
 from chain_impact.variables import word_index
 
@@ -54,23 +54,22 @@ def about(scene: Scene, tool: str) -> dict[str, str]:
 def add_units(root: Element, variables: Sequence[Variable]) -> None:
     """Add the definitions of the units that are used."""
     used, units = {variable.unit for variable in variables}, SubElement(root, "UnitDefinitions")
-    for name, unit in UNITS.items():
-        if name in used:
-            definition = SubElement(units, "Unit", name=name)
-            if unit.powers is not None:
-                SubElement(definition, "BaseUnit", {base: str(power) for base, power in unit.powers.items()})
-            if name in DEGREES:
-                SubElement(definition, "DisplayUnit", name=DEGREES[name], factor=repr(180.0 / math.pi))
+    for name in in_order(used):
+        powers, definition = unit_of(name).powers, SubElement(units, "Unit", name=name)
+        if powers is not None:
+            SubElement(definition, "BaseUnit", {base: str(power) for base, power in powers.items()})
+        if name in DEGREES:
+            SubElement(definition, "DisplayUnit", name=DEGREES[name], factor=repr(180.0 / math.pi))
 
 
 def quantities(variables: Sequence[Variable]) -> dict[str, dict[str, str]]:
     """The types of reals: name → attributes."""
     used, types = {variable.unit for variable in variables}, {}
-    for name, unit in UNITS.items():
-        if name in used:
-            types[unit.quantity] = {"quantity": unit.quantity, "unit": name}
-            if name in DEGREES:
-                types[unit.quantity]["displayUnit"] = DEGREES[name]
+    for name in in_order(used):
+        quantity = unit_of(name).quantity
+        types[quantity] = {"quantity": quantity, "unit": name}
+        if name in DEGREES:
+            types[quantity]["displayUnit"] = DEGREES[name]
     return types
 
 
@@ -112,7 +111,7 @@ def values_of(variables: Sequence[Variable], scene: Scene) -> list[dict[str, str
     for variable in variables:
         value = {}
         if variable.type == "real":
-            value = {"declaredType": UNITS[variable.unit].quantity, "unit": variable.unit}
+            value = {"declaredType": unit_of(variable.unit).quantity, "unit": variable.unit}
             record, field, *_ = variable.place
             if record in OBSERVED and field in nominal:
                 value["nominal"] = repr(nominal[str(field)])

@@ -83,8 +83,11 @@ def build_fmu(
         raise BuildError(f"platforms = {list(platforms)} must be some of {', '.join(known)}")
     directory = Path(directory)
     directory.mkdir(parents=True, exist_ok=True)
-    links, law = len(scene.chain.links), scene.contact.law_file
-    kernels = {platform: kernel_library(links, platform, notify, law_file=law) for platform in platforms}
+    links, law, varied = len(scene.chain.links), scene.contact.law_file, bool(scene.outputs.sensitivities)
+    kernels = {
+        platform: kernel_library(links, platform, notify, law_file=law, derivatives=varied)
+        for platform in platforms
+    }
     # inside the directory, so that the finished FMU can be moved to its place at once
     with tempfile.TemporaryDirectory(prefix=f".{scene.name}-", dir=directory) as scratch:
         notify("packaging the FMU")

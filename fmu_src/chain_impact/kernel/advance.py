@@ -8,6 +8,7 @@ the communication point has passed it.
 
 import math
 
+from chain_impact.kernel import beside
 from chain_impact.kernel.events.contact_log import follow_contacts, follow_to_now
 from chain_impact.kernel.events.impulses import end_contacts, judge
 from chain_impact.kernel.events.kinds import ONSET
@@ -135,14 +136,23 @@ def renew(d):
 
 def go_on(d):
     """Take a step; after a fault, stand at the last time reached. Returns a status."""
+    beside.leave(d)
     d.statistics.status = take_step(d)
-    if d.statistics.status != OK:
+    if d.statistics.status == OK:
+        beside.step(d)
+    else:
         settle_impulses(d)
         stand(d, d.step.end, d.step.state_end)
     return d.statistics.status
 
 
 def look_at(d, time):
+    """Make a ``time`` [s] in the last step the communication point, also of what goes on beside."""
+    set_present(d, time)
+    beside.look(d, time)
+
+
+def set_present(d, time):
     """Make a ``time`` [s] in the last step the communication point."""
     d.step.time = time
     complete(d, OUTPUTS)
@@ -159,6 +169,8 @@ def restart(d):
     restart_balance(d)
     # a chain at rest takes steps far too long for what an input may do to it
     d.step.next_size = min(d.step.next_size, first_size(d))
+    if status == OK:
+        beside.anew(d)
     return status
 
 

@@ -2,6 +2,7 @@
 
 import math
 
+from chain_impact.kernel import beside
 from chain_impact.kernel.chain.damped import damping_of
 from chain_impact.kernel.chain.joint_rate import joint_bound
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -76,6 +77,8 @@ def initialize(d, time):
     d.given.changed = 0
     begin_explicit(d.step)
     d.statistics.status = check_start(d)
+    if d.statistics.status == OK:
+        beside.begin(d)
     return d.statistics.status
 
 

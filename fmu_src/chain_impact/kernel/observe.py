@@ -1,5 +1,6 @@
 """What an observer sees at the communication point."""
 
+from chain_impact.kernel import beside
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at
 from chain_impact.kernel.events.contact_log import note_active
@@ -12,6 +13,12 @@ from chain_impact.kernel.model.geometry import clearance
 
 
 def observe(d):
+    """Fill the output record with what holds at ``step.time``, also of what goes on beside."""
+    fill_outputs(d)
+    beside.observe(d)
+
+
+def fill_outputs(d):
     """Fill the output record with what holds at ``step.time``.
 
     Contacts count as the solver held them during the step that contains that time: an impact that it has

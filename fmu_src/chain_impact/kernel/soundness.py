@@ -4,6 +4,7 @@ What is checked is what the kernel uses as an index or as the number of rounds o
 absurd: it leads to a status, not out of the record.
 """
 
+from chain_impact.kernel import beside
 from chain_impact.kernel.events.exclusion import FAR
 from chain_impact.kernel.events.kinds import NEIGHBOUR
 from chain_impact.kernel.integration.last_step import SOLVER
@@ -17,7 +18,15 @@ from chain_impact.kernel.status import LAST_STATUS, OK
 
 
 def sound(d):
-    """1 if every index of the record is one, or 0. The numbers of links and candidates have to be right."""
+    """1 if every index of the record is one, also of what goes on beside, or 0.
+
+    The numbers at its start, as that of links, have to be right.
+    """
+    return 1 if within_bounds(d) and beside.sound(d) else 0
+
+
+def within_bounds(d):
+    """Whether every index of the record is one."""
     laws = LAW_COUNT + present()
     fits = within(d.model.middle, 0, d.links)
     fits = fits and within(d.step.regularized, NO_CONTACT, max(0, d.candidates - 1))
@@ -38,7 +47,7 @@ def sound(d):
         fits = fits and within(d.touch.number[c], 0, d.impact.count)
         fits = fits and within(d.touch.active_index[c], 0, d.candidates - 1)
         fits = fits and within(d.touch.active[c], 0, 1) and within(d.touch.event[c], 0, NEIGHBOUR)
-    return 1 if fits else 0
+    return fits
 
 
 def within(number, least, most):

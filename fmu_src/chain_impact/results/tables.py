@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from chain_impact.candidates import candidates
 from chain_impact.extras import require
-from chain_impact.instance import candidates
 from chain_impact.names import AXES
 from chain_impact.variables import output_variables
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene, simulate
-from chain_impact.instance import candidates
+from chain_impact.candidates import candidates
 from chain_impact.running import Instance
 from chain_impact.scene import with_values
 from tests.problems import GRAVITY, default_scene, dropped_ball, of_law

@@ -1,5 +1,6 @@
 """What is known of each impact: its peak values, followed during contact, and the log of finished ones."""
 
+from chain_impact.kernel import beside
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events.kinds import NONE, ONSET
 from chain_impact.kernel.integration.dense import fraction, interpolate
@@ -76,6 +77,12 @@ def follow_held(d):
 
 
 def follow_to_now(d):
+    """Follow the active contacts up to the communication point, also of what goes on beside."""
+    follow_to_present(d)
+    beside.follow(d)
+
+
+def follow_to_present(d):
     """Follow the active contacts up to the communication point, where the last step ends from now on."""
     evaluations, work = d.statistics.rhs_evaluations, d.limits.other_work
     end_now(d)

@@ -56,7 +56,7 @@ def give_way(d, links, factors, impulse, change):
 
 
 def give_way_damped(d, links, impulse, change):
-    """As ``give_way``, after ``stiffen_damped``; the impulses in the joints are in ``work.damped.impulse``."""
+    """As ``give_way``, after ``stiffen_damped``; ``work.damped.impulse`` has the impulses in the joints."""
     load_contacts(d, impulse)
     solve_damped(d, links, d.work.damped, d.work.load, d.work.damped.impulse, change)
     move_points(links, change, d.work.motion)

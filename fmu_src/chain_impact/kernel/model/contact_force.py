@@ -73,7 +73,7 @@ def law_force(d, c, depth, rate):
 
 
 def pulls(_d, _c, force):
-    """Whether a force would pull candidate c to the wall. False for one that is NaN, which goes on as it is."""
+    """Whether a force would pull candidate c to the wall. One that is NaN does not, and goes on as it is."""
     return force < 0.0
 
 

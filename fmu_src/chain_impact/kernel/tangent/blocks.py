@@ -1,9 +1,9 @@
-"""Several instances of dual numbers, one after the other: together they carry all directions asked for."""
+"""Instances of dual numbers behind an instance in memory: together they carry all directions asked for."""
 
 
-def block(first, number):
-    """One of them, by its number from 0. Compiled, it is that of compilation/record_type.py."""
-    return first[number]
+def block(d, number):
+    """One of those behind d, by its number from 0. Compiled, it is that of compilation/record_type.py."""
+    return d.beside[number]
 
 
 def words(record):

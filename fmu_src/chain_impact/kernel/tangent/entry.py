@@ -1,60 +1,107 @@
-"""What a caller can ask of an instance d and of its instances of dual numbers, ``count`` from ``first``.
+"""Derivatives beside a run of an instance d: by the instances of dual numbers behind it in memory.
 
-The functions are those of kernel/entry.py and kernel/advance.py with derivatives beside.
+What is in HOOKS takes the place of the functions of kernel/beside.py, so that whatever advances d advances
+those instances, too.
 """
 
 import math
 
-from chain_impact.kernel.advance import go_on, look_at, renew
-from chain_impact.kernel.events.contact_log import follow_to_now
-from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.observe import observe
-from chain_impact.kernel.status import LOG_FULL, OK, PAUSED
+from chain_impact.kernel import beside
+from chain_impact.kernel.advance import advance, set_present
+from chain_impact.kernel.events.contact_log import follow_to_present
+from chain_impact.kernel.observe import fill_outputs, observe
+from chain_impact.kernel.soundness import within_bounds
+from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.blocks import block, words
 from chain_impact.kernel.tangent.directions import DIRECTIONS
-from chain_impact.kernel.tangent.replay import catch_up, replay
+from chain_impact.kernel.tangent.replay import ALL, catch_up, replay
 from chain_impact.kernel.tangent.start import start, start_anew
 from chain_impact.kernel.tangent.trust import trusted
 from chain_impact.kernel.work_limit import work_done, work_of_a_call
 
 
-def initialize_with(d, first, count, time):
-    """Set d and the others to their start at ``time`` [s]; returns a status."""
-    status = initialize(d, time)
-    for b in range(count if status == OK else 0):
-        start(d, block(first, b))
-    return status
+def begin_all(d):
+    """Set all to their start."""
+    for b in range(d.tangents):
+        start(d, block(d, b))
 
 
-def advance_with(d, first, count, time, room, work):
-    """Bring d and the others to ``time`` [s]; returns a status, as ``advance`` does."""
-    changed, status = d.given.changed, renew(d)
-    for b in range(count if status == OK and changed else 0):
-        start_anew(d, block(first, b))
-    for b in range(count if status == OK else 0):
-        catch_up(d, block(first, b), time)
-    while status == OK and d.step.end < time:
-        if d.finished.count >= room:
-            return LOG_FULL
-        if work_done(d) > work:
-            return PAUSED
-        status = go_on(d)
-        for b in range(count if status == OK else 0):
-            replay(d, block(first, b), time)
-    if status == OK:
-        look_at(d, time)
-        for b in range(count):
-            look_at(block(first, b), time)
-    return status
+def start_all_anew(d):
+    """Start all anew from the communication point."""
+    for b in range(d.tangents):
+        start_anew(d, block(d, b))
 
 
-def trajectory_with(d, first, count, times, looks, values, slopes):
+def end_steps(d):
+    """Make what is left of the last step of d."""
+    for b in range(d.tangents):
+        catch_up(d, block(d, b), ALL)
+
+
+def replay_step(d):
+    """Begin to make the last step of d."""
+    for b in range(d.tangents):
+        replay(d, block(d, b))
+
+
+def look_at_all(d, time):
+    """Make a ``time`` [s] the communication point of all."""
+    for b in range(d.tangents):
+        t = block(d, b)
+        catch_up(d, t, time)
+        set_present(t, time)
+
+
+def observe_all(d):
+    """Fill the outputs with derivatives, NaN where these cannot be trusted."""
+    for b in range(d.tangents):
+        t = block(d, b)
+        fill_outputs(t)
+        if not trusted(t):
+            forget_slopes(words(t.output))
+
+
+def forget_slopes(dual_numbers):
+    """Set all derivatives among the words of dual numbers to NaN."""
+    for j in range(len(dual_numbers)):
+        if j % (1 + DIRECTIONS) > 0:
+            dual_numbers[j] = math.nan
+
+
+def follow_all(d):
+    """Follow the contacts of all to the communication point."""
+    for b in range(d.tangents):
+        t = block(d, b)
+        t.replay.done = 1.0
+        follow_to_present(t)
+
+
+def all_sound(d):
+    """Whether all indices are such."""
+    fits = True
+    for b in range(d.tangents):
+        fits = fits and within_bounds(block(d, b))
+    return fits
+
+
+HOOKS = {
+    beside.begin: begin_all,
+    beside.anew: start_all_anew,
+    beside.leave: end_steps,
+    beside.step: replay_step,
+    beside.look: look_at_all,
+    beside.observe: observe_all,
+    beside.follow: follow_all,
+    beside.sound: all_sound,
+}
+"""Function of kernel/beside.py → what it does in a kernel that carries derivatives."""
+
+
+def trajectory_with(d, times, looks, values, slopes):
     """Advance to each of the times [s] in turn, and look at some outputs and their derivatives.
 
     Args:
-        d: the instance.
-        first: the first instance of dual numbers.
-        count: how many there are, B.
+        d: the instance, with B of dual numbers behind it.
         times: shape (T,), increasing [s].
         looks: the outputs that are wanted, as indices of numbers in ``d.output``, shape (W,).
         values: result, shape (T, W).
@@ -66,30 +113,20 @@ def trajectory_with(d, first, count, times, looks, values, slopes):
     room = len(d.finished.point) - d.candidates
     work = work_done(d) + work_of_a_call(d)
     for row in range(len(times)):
-        if advance_with(d, first, count, times[row], room, work) != OK:
+        if advance(d, times[row], room, work) != OK:
             return row
-        see(d, first, count, looks, values[row], slopes[row])
+        observe(d)
+        see(d, looks, values[row], slopes[row])
     return len(times)
 
 
-def see(d, first, count, looks, values, slopes):
-    """Fill a row of outputs and one of their derivatives with what holds at the communication point."""
-    observe(d)
+def see(d, looks, values, slopes):
+    """Fill a row of outputs and one of their derivatives with what has been observed."""
+    count = d.tangents
     for j in range(len(looks)):
         values[j] = words(d.output)[looks[j]]
     for b in range(count):
-        t = block(first, b)
-        observe(t)
-        seen, known = words(t.output), trusted(t)
+        seen = words(block(d, b).output)
         for j in range(len(looks)):
             for k in range(DIRECTIONS):
-                slope = seen[looks[j] * (1 + DIRECTIONS) + 1 + k]
-                slopes[(j * count + b) * DIRECTIONS + k] = slope if known else math.nan
-
-
-def follow_with(d, first, count):
-    """Follow the contacts of all up to the communication point."""
-    follow_to_now(d)
-    for b in range(count):
-        follow_to_now(block(first, b))
-    return 0
+                slopes[(j * count + b) * DIRECTIONS + k] = seen[looks[j] * (1 + DIRECTIONS) + 1 + k]

@@ -14,6 +14,8 @@ what it changes of the state is differentiated as all else is.
 Source: for sensitivities through events, e.g. Galán, Feehery & Barton 1999, Appl Numer Math 31:17.
 """
 
+import math
+
 from chain_impact.kernel.advance import let_events_act, start_in_variable
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import root_at, time_at
@@ -38,12 +40,14 @@ from chain_impact.kernel.tangent.directions import carried, value
 from chain_impact.kernel.tangent.kinks import first_kink, forget_sides
 from chain_impact.kernel.tangent.trust import judge_onsets
 
+ALL = math.inf  # a time beyond any step
 
-def replay(d, t, time):
-    """Make the last step of d in dual numbers, as far as needed to know t at a ``time`` [s]."""
+
+def replay(d, t):
+    """Begin to make the last step of d in dual numbers: all of it, or up to the first kink of a force."""
     forget_sides(t)
     t.replay.done = 0.0
-    catch_up(d, t, time)
+    make_part(d, t)
 
 
 def catch_up(d, t, time):

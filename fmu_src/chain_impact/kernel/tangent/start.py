@@ -1,6 +1,5 @@
 """How an instance of dual numbers begins: the derivatives of what follows from the parameters."""
 
-from chain_impact.kernel.events.contact_log import follow_to_now
 from chain_impact.kernel.events.impulses import judge
 from chain_impact.kernel.initialize import derive_chain, forget_run, set_initial_state, take_given
 from chain_impact.kernel.integration.last_step import stand
@@ -15,7 +14,8 @@ from chain_impact.kernel.tangent.trust import TRUSTED
 
 
 def start(d, t):
-    """Set t to the start of d, which is initialized; t has the parameters, and their derivatives."""
+    """Set t to the start of d, which is initialized; t has the derivatives of the parameters."""
+    take_parameters(d, t)
     derive_chain(t)
     forget_run(t)
     take_given_of(d, t)
@@ -30,9 +30,7 @@ def start(d, t):
 
 
 def start_anew(d, t):
-    """Start t anew from the communication point, as d has just done because something was set."""
-    t.step.time, t.replay.done = d.step.time, 1.0
-    follow_to_now(t)
+    """Start t anew from the communication point, to which its contacts are followed, as d has just done."""
     stand(t, d.step.time, t.step.state_end)
     take_given_of(d, t)
     derive_law_of(d, t)
@@ -47,16 +45,45 @@ def start_anew(d, t):
     clear_loads(t)
 
 
+def take_parameters(d, t):
+    """Let the parameters and initial values of d hold for t, with the derivatives that t has of them."""
+    model, own = d.model, t.model
+    take(model.gravity, own.gravity)
+    take(model.length, own.length)
+    take(model.mass, own.mass)
+    take(model.center_of_mass, own.center_of_mass)
+    take(model.inertia, own.inertia)
+    take(model.joint_damping, own.joint_damping)
+    take(model.joint_stiffness, own.joint_stiffness)
+    take(model.joint_rest_angle, own.joint_rest_angle)
+    take(model.wall, own.wall)
+    take(d.walls.x, t.walls.x)
+    take(d.walls.y, t.walls.y)
+    take(d.walls.angle, t.walls.angle)
+    take(d.initial.position, t.initial.position)
+    take(d.initial.velocity, t.initial.velocity)
+    take(d.initial.angle, t.initial.angle)
+    take(d.initial.angular_velocity, t.initial.angular_velocity)
+    t.contact.exponent = carried(d.contact.exponent, 1.0, t.contact.exponent)
+    t.contact.radius = carried(d.contact.radius, 1.0, t.contact.radius)
+    t.contact.minimum_impact_speed = d.contact.minimum_impact_speed
+    t.solver.tolerance = d.solver.tolerance
+
+
+def take(given, own):
+    """Let given values hold, with the derivatives that their own places have."""
+    for j in range(len(given)):
+        own[j] = carried(given[j], 1.0, own[j])
+
+
 def take_given_of(d, t):
     """Let what was given to d hold for t, with the derivatives that t has of it."""
     given, own = d.given, t.given
     own.law = given.law
     own.stiffness = carried(given.stiffness, 1.0, own.stiffness)
     own.restitution = carried(given.restitution, 1.0, own.restitution)
-    for i in range(d.links):
-        own.joint_torque[i] = carried(given.joint_torque[i], 1.0, own.joint_torque[i])
-    for j in range(2):
-        own.tip_force[j] = carried(given.tip_force[j], 1.0, own.tip_force[j])
+    take(given.joint_torque, own.joint_torque)
+    take(given.tip_force, own.tip_force)
     take_given(t)
 
 

@@ -11,13 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.compilation.library import kernel_library
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.instance import new_instance
 from chain_impact.kernel.status import OK
 from chain_impact.names import Place, nearest
 from chain_impact.reading import SceneError
-from chain_impact.running import load_kernel
+from chain_impact.running import kernel_for, load_kernel
 from chain_impact.scene import Scene
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.variable import Variable
@@ -93,8 +92,7 @@ class Runner:
             BuildError: when the kernel cannot be compiled.
         """
         scene = job.scene
-        library = kernel_library(len(scene.chain.links), notify=notify, law_file=scene.contact.law_file)
-        self._kernel = load_kernel(library)
+        self._kernel = load_kernel(kernel_for(scene, notify))
         self._start, self._work = new_instance(scene), new_instance(scene)
         layout, self._job, self._dtype = self._start.dtype, job, job.dtype
         self._columns = job.columns
