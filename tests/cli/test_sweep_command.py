@@ -68,7 +68,7 @@ def test_samples(run, here):
     ("arguments", "words"),
     [
         ((), "--vary is missing: for example --vary contact.restitution=0.1:0.9:9"),
-        (("--vary", "contact.restitution"), "--vary contact.restitution: must be NAME=VALUES"),
+        (("--vary", "contact.restitution"), "--vary contact.restitution: must be NAME=VALUE"),
         (("--vary", "initial.x=1", "--vary", "initial.x=2"), "--vary initial.x=2: initial.x is given twice"),
         (("--vary", "initial.x=1", "--set", "initial.x=.7"), "--vary initial.x=1: initial.x is given twice"),
         (("--vary", "initial.x=0:1"), "initial.x = 0:1 is an interval"),

@@ -6,7 +6,16 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from chain_impact.cli.options import UsageError, Verbs, add_set, check_folders, picture, settings_of
+from chain_impact.cli.options import (
+    UsageError,
+    Verbs,
+    add_set,
+    check_folders,
+    name_and_value,
+    names_in,
+    picture,
+    settings_of,
+)
 from chain_impact.cli.progress import out, progress
 from chain_impact.runs import with_settings
 from chain_impact.scene import load_scene, scene_path
@@ -78,16 +87,17 @@ def run(options: argparse.Namespace) -> int:
 
     check_folders(options.scene, options.plot)
     scene = with_settings(load_scene(options.source), settings_of(options.set))
+    set_each = pairs("--set-each", options.set_each)
     with progress("fitting") as (notify, advance):
         found = fit(
             scene,
-            [names(text) for text in options.data],
-            [name for text in options.free for name in names(text)],
-            free_each=[name for text in options.free_each for name in names(text)],
-            set_each={name: numbers(name, text) for name, text in pairs("--set-each", options.set_each)},
-            sigma=dict(pairs("--sigma", options.sigma)),
-            bounds=dict(pairs("--bounds", options.bounds)),
-            columns=names(options.columns) if options.columns else None,
+            [names_in(text) for text in options.data],
+            names_in(*options.free),
+            free_each=names_in(*options.free_each),
+            set_each={name: numbers(name, text) for name, text in set_each.items()},
+            sigma=pairs("--sigma", options.sigma),
+            bounds=pairs("--bounds", options.bounds),
+            columns=names_in(options.columns) if options.columns else None,
             laws=options.laws,
             notify=notify,
             progress=advance,
@@ -102,22 +112,15 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def names(text: str) -> list[str]:
-    """The parts of a text between commas."""
-    return [part.strip() for part in text.split(",") if part.strip()]
-
-
-def pairs(option: str, texts: Sequence[str]) -> list[tuple[str, str]]:
-    """Name and value of every ``NAME=VALUE`` of an option."""
+def pairs(option: str, texts: Sequence[str]) -> dict[str, str]:
+    """Name → value of every ``NAME=VALUE`` of an option."""
     found: dict[str, str] = {}
     for text in texts:
-        name, equals, value = (part.strip() for part in text.partition("="))
-        if not (name and equals and value):
-            raise UsageError(f"{option} {text}: must be NAME=VALUE, for example {EXAMPLES[option]}")
+        name, value = name_and_value(option, text, EXAMPLES[option])
         if name in found:
             raise UsageError(f"{option} {text}: {name} is given twice")
         found[name] = value
-    return list(found.items())
+    return found
 
 
 EXAMPLES = {

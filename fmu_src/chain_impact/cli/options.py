@@ -66,18 +66,20 @@ def is_fmu(source: str) -> bool:
 
 def settings_of(texts: Sequence[str]) -> dict[str, str]:
     """Name → value of every ``--set NAME=VALUE``."""
-    settings = {}
-    for text in texts:
-        name, equals, value = text.partition("=")
-        if not (name and equals and value):
-            raise UsageError(f"--set {text}: must be NAME=VALUE, for example contact.stiffness=1e9")
-        settings[name.strip()] = value.strip()
-    return settings
+    return dict(name_and_value("--set", text, "contact.stiffness=1e9") for text in texts)
 
 
-def names_in(text: str) -> list[str]:
-    """The names between commas."""
-    return [part.strip() for part in text.split(",") if part.strip()]
+def name_and_value(option: str, text: str, example: str) -> tuple[str, str]:
+    """The two sides of one ``NAME=VALUE`` of an option."""
+    name, equals, value = (part.strip() for part in text.partition("="))
+    if not (name and equals and value):
+        raise UsageError(f"{option} {text}: must be NAME=VALUE, for example {example}")
+    return name, value
+
+
+def names_in(*texts: str) -> list[str]:
+    """The names between the commas of some texts."""
+    return [part.strip() for text in texts for part in text.split(",") if part.strip()]
 
 
 def check_folders(*paths: Path | None) -> None:

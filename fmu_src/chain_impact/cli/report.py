@@ -62,7 +62,7 @@ def record(source: str, settings: Sequence[str], sensitivities: Sequence[str] = 
     """Simulate a scene or an FMU with parameters set by ``NAME=VALUE``."""
     values = settings_of(settings)
     if sensitivities and is_fmu(source):
-        raise UsageError(f"--sensitivity: {source} is an FMU, which gives no derivatives; must be a scene")
+        raise UsageError(f"--sensitivity: {source} is an FMU; must be a scene")
     with progress() as (notify, advance):
         if is_fmu(source):
             return record_fmu(Path(source), values, advance)

@@ -38,7 +38,7 @@ def add(verbs: Verbs) -> None:
 def run(options: argparse.Namespace) -> int:
     """Simulate a scene or an FMU; print a summary, and write what was asked for."""
     window = open_window() if options.show else None
-    names = [name for text in options.sensitivity for name in names_in(text)]
+    names = names_in(*options.sensitivity)
     recording = report(options.source, options.set, options.csv, options.plot, names)
     if window:
         from matplotlib import pyplot

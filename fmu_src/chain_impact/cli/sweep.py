@@ -12,6 +12,7 @@ from chain_impact.cli.options import (
     add_scene,
     add_set,
     check_folders,
+    name_and_value,
     picture,
     settings_of,
 )
@@ -114,9 +115,7 @@ def variations(texts: Sequence[str], settings: dict[str, str]) -> dict[str, str]
     """Name → values of every ``--vary NAME=VALUES``."""
     vary: dict[str, str] = {}
     for text in texts:
-        name, equals, values = (part.strip() for part in text.partition("="))
-        if not (name and equals and values):
-            raise UsageError(f"--vary {text}: must be NAME=VALUES, for example contact.restitution=0.1:0.9:9")
+        name, values = name_and_value("--vary", text, "contact.restitution=0.1:0.9:9")
         if name in vary or name in settings:
             raise UsageError(f"--vary {text}: {name} is given twice")
         vary[name] = values

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from chain_impact.instance import candidate_count
+from chain_impact.candidates import candidate_count
 from chain_impact.scene import Scene
 from chain_impact.sensitivities import Differentiated
 from chain_impact.studies.fit.data import Measurements
