@@ -37,7 +37,7 @@ def test_the_headline_has_what_was_found(found):
     assert page.get_suptitle().startswith("contact.stiffness ")
     told = "\n".join(text.get_text() for text in page.texts)
     assert all(name in told for name in FREE)
-    assert "FourLinkBox; zhang_sharf; 402 values" in told
+    assert "FourLinkBox  ·  zhang_sharf  ·  402 values" in told
 
 
 def test_a_file(found, tmp_path):

@@ -66,7 +66,7 @@ def sensitivities_of(recording: Recording) -> Sensitivities:
 def calm(recording: Recording) -> np.ndarray:
     """The rows outside of impacts, shape (T,).
 
-    Within an impact all goes so fast that its shift in time makes the derivative at a time a needle.
+    Within an impact all changes so fast that its shift in time makes the derivative at a time very large.
     """
     rows = np.ones(len(recording.time), bool)
     for impact in recording.impacts:

@@ -33,6 +33,7 @@ MOST_PANELS = 8  # columns that are shown
 LETTERS, SMALLER = 9.5, 1.3  # of the headline, in an inch; and how many times as many in the line below it
 POINTS = 1500  # of the model's curve
 WIDTH, HEIGHT = 5.2, 2.9  # inches, of a panel
+APART = "  ·  "  # between the parts of the line below the headline
 USUAL = 2.0  # standard deviations, the band of the residuals
 
 
@@ -181,8 +182,8 @@ def _words(fit: Fit, room: int, shown: int) -> tuple[str, str]:
     if len(fit.estimated) < len(fit.columns):
         parts.append(f"χ² per degree of freedom {number(fit.reduced_chi_squared, 3)}")
     rest = told[first:]
-    while rest and len("; ".join(parts)) + len(rest[0]) <= SMALLER * room:
+    while rest and len(APART.join(parts)) + len(rest[0]) <= SMALLER * room:
         parts.append(rest.pop(0))
     if rest:
         parts.append(plural(len(rest), "more parameter"))
-    return "; ".join(told[:first]), "; ".join(parts)
+    return "; ".join(told[:first]), APART.join(parts)

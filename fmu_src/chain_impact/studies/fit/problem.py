@@ -14,7 +14,7 @@ from chain_impact.kernel.status import OK, STATUS_TEXT
 from chain_impact.reading import SceneError
 from chain_impact.running import SimulationError
 from chain_impact.scene import Scene
-from chain_impact.sensitivities import Differentiated, DifferentiatedRun
+from chain_impact.sensitivities import AT_ONSET, Differentiated, DifferentiatedRun
 from chain_impact.studies.fit.data import DURATION, QUANTITIES, Measurements
 from chain_impact.studies.fit.parameters import Parameter
 
@@ -216,6 +216,6 @@ def quantity(run: Differentiated, at: int, name: str) -> tuple[float, np.ndarray
     if name == DURATION:
         end, onset = quantity(run, at, "end"), quantity(run, at, "onset")
         return end[0] - onset[0], end[1] - onset[1]
-    ended = np.isfinite(run.impacts["end"][at]) or name in ("onset", "impact_speed", "effective_mass")
+    ended = np.isfinite(run.impacts["end"][at]) or name in AT_ONSET
     value = float(run.impacts[name][at]) if ended else math.nan
     return (value if math.isfinite(value) else math.nan), run.impact_slopes[name][at]
