@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene
-from chain_impact.candidates import candidate_count, candidates
+from chain_impact.candidates import candidates
 from chain_impact.instance import new_instance
-from chain_impact.scene import SOLVER_METHODS, WALLS, model_names, scene_to_dict, with_values
+from chain_impact.scene import SOLVER_METHODS, model_names, scene_to_dict, with_values
 from chain_impact.variables import fmu_variables, word_index
 
 BUFFER = 64 * 1024  # bytes, what an instance of four links in a box shall fit into
@@ -24,23 +24,6 @@ def test_the_record_holds_no_pointers(model):
     instance = new_instance(load_scene(model))
     assert not instance.dtype.hasobject
     assert np.frombuffer(instance.tobytes(), instance.dtype) == instance
-
-
-def test_candidates_are_the_listed_points_at_the_walls_that_are_there():
-    box = load_scene("four_link_box")
-    assert candidates(box) == [(point, wall) for point in range(5) for wall in range(4)]
-    some = with_values(box, {("contact", "points"): [4, 1], ("box", "x_min"): None, ("box", "y_max"): None})
-    x_max, y_min = WALLS.index("x_max"), WALLS.index("y_min")
-    assert candidates(some) == [(1, x_max), (1, y_min), (4, x_max), (4, y_min)]
-    walls = [{"name": name, "point": [0.0, 0.0], "angle": angle} for name, angle in (("a", 0.0), ("b", -1.0))]
-    slanted = with_values(some, {("walls",): walls})
-    assert candidates(slanted)[:4] == [(1, x_max), (1, y_min), (1, 4), (1, 5)]
-    held = new_instance(slanted)[0]["walls"]
-    assert held["angle"].tolist() == [0.0, -1.0] + [0.0] * 6
-    assert candidates(with_values(box, {("contact", "points"): []})) == []
-    for scene in (box, some, slanted, with_values(box, {("contact", "points"): []})):
-        assert candidate_count(scene) == len(candidates(scene))
-    assert candidates(with_values(box, {("box", wall): None for wall in WALLS})) == []
 
 
 @pytest.mark.parametrize("model", model_names())
