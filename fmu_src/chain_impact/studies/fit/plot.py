@@ -30,7 +30,7 @@ from chain_impact.studies.fit.unknown import size_of
 from chain_impact.variables import fmu_variables
 
 MOST_PANELS = 8  # columns that are shown
-LETTERS, SMALLER = 9.5, 1.3  # of the headline, in an inch; and how many times as many in the line below it
+LETTERS, SMALLER = 9.5, 1.5  # of the headline, in an inch; and how many times as many in the line below it
 POINTS = 1500  # of the model's curve
 WIDTH, HEIGHT = 5.2, 2.9  # inches, of a panel
 APART = "  ·  "  # between the parts of the line below the headline
