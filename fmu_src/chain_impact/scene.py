@@ -30,6 +30,7 @@ MAX_LINKS = 1000
 
 _IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "letters, digits and _, not beginning with a digit")
 _XML_TEXT = (r"[^\x00-\x08\x0B\x0C\x0E-\x1F\uD800-\uDFFF\uFFFE\uFFFF]*", "text without control characters")
+_NAME = (r"[A-Za-z][A-Za-z0-9_.*\[\]]*", "the name of a parameter or an input, with * for any text")
 _PYTHON_FILE = (r"|[^\x00]*\.py", "the path of a Python file, from the folder of the scene")
 
 _MIDDLE = Derived("length / 2", lambda link: link["length"] / 2)
@@ -134,7 +135,7 @@ class Outputs:
     energies: bool = quantity("", "the energies", True)
     solver: bool = quantity("", "steps, evaluations and status of the solver", True)
     sensitivities: tuple[str, ...] = quantity(
-        "", "parameters and inputs with respect to which outputs have derivatives", ()
+        "", "parameters and inputs with respect to which outputs have derivatives", (), matching=_NAME
     )
 
 
