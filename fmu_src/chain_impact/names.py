@@ -55,9 +55,13 @@ def input_key(name: str) -> str | None:
     return "tip_force" if name in ("tip.force.x", "tip.force.y") else None
 
 
+SENSITIVITY = "sensitivity."
+"""The names of derivatives begin so."""
+
+
 def sensitivity_name(output: str, parameter: str) -> str:
     """The name of the derivative of an output with respect to a parameter."""
-    return f"sensitivity.{parameter}.{output}"
+    return f"{SENSITIVITY}{parameter}.{output}"
 
 
 def parameter_hint(name: str, links: int) -> str | None:

@@ -30,6 +30,7 @@ MAX_LINKS = 1000
 
 _IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "letters, digits and _, not beginning with a digit")
 _XML_TEXT = (r"[^\x00-\x08\x0B\x0C\x0E-\x1F\uD800-\uDFFF\uFFFE\uFFFF]*", "text without control characters")
+_NAME = (r"[A-Za-z][A-Za-z0-9_.*\[\]]*", "the name of a parameter or an input, with * for any text")
 _PYTHON_FILE = (r"|[^\x00]*\.py", "the path of a Python file, from the folder of the scene")
 
 _MIDDLE = Derived("length / 2", lambda link: link["length"] / 2)
@@ -134,7 +135,7 @@ class Outputs:
     energies: bool = quantity("", "the energies", True)
     solver: bool = quantity("", "steps, evaluations and status of the solver", True)
     sensitivities: tuple[str, ...] = quantity(
-        "", "parameters and inputs with respect to which outputs have derivatives", ()
+        "", "parameters and inputs with respect to which outputs have derivatives", (), matching=_NAME
     )
 
 
@@ -358,9 +359,7 @@ def _place_and_value(scene: Scene, change: str | Place, given: Any) -> tuple[Pla
     """The path of a change, which may be a name, and the value that it stands for."""
     if not isinstance(change, str):
         return change, given
-    names = _keys()
-    if change not in names:
-        names = _keys() | _names(scene)
+    names = _keys() if change in _keys() else _keys() | _names(scene)
     if change not in names:
         raise UnknownNameError(
             scene.name, change, names, "no parameter", parameter_hint(change, len(scene.chain.links))
@@ -376,17 +375,15 @@ def _keys() -> dict[str, Place]:
 
 def _names(scene: Scene) -> dict[str, Place]:
     """The path of every single value by its name."""
-    walls = [wall.name for wall in scene.walls]
-    return {name_of(path, walls): path for path, _ in _leaves(scene)}
+    return {name: path for name, (path, _) in zip(scene.values, _leaves(scene), strict=True)}
 
 
 def _leaves(value: Any, path: Place = (), unit: str = "") -> Iterator[tuple[Place, Any]]:
     """Yield the path of every single value, and the value; entries of a list of quantities are single."""
     if is_dataclass(value):
         for entry in (entry for entry in fields(value) if not entry.metadata.get("file_only")):
-            yield from _leaves(
-                getattr(value, entry.name), (*path, entry.name), entry.metadata.get("unit", "")
-            )
+            inner = getattr(value, entry.name)
+            yield from _leaves(inner, (*path, entry.name), entry.metadata.get("unit", ""))
     elif isinstance(value, tuple) and value and (unit or is_dataclass(value[0])):
         for i, one in enumerate(value):
             yield from _leaves(one, (*path, i))

@@ -9,7 +9,7 @@ NaN, and a sentence says from which impact on.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -24,7 +24,7 @@ from chain_impact.results.result import IMPACT_DTYPE
 from chain_impact.running import Instance, SimulationError, in_order
 from chain_impact.scene import Scene
 from chain_impact.signals import Drive, drive
-from chain_impact.variables import BEHIND, output_words, parameters_of, word_index
+from chain_impact.variables import BEHIND, output_words, parameters_of, with_sensitivities, word_index
 
 IMPACT_QUANTITIES = tuple(name for name in IMPACT_DTYPE.names or () if name not in ("point", "wall"))
 """The quantities of an impact that have derivatives."""
@@ -56,7 +56,7 @@ class DifferentiatedInstance(Instance):
         """
         if not parameters:
             raise SceneError(f"{scene.name}: no parameters are named of which derivatives are wanted")
-        self.scene = replace(scene, outputs=replace(scene.outputs, sensitivities=tuple(parameters)))
+        self.scene = with_sensitivities(scene, parameters)
         self.parameters = tuple(variable.name for variable in parameters_of(scene, parameters))
         self._looks = np.array(looks, np.int64)
         self._impact_slopes: list[np.ndarray] = []

@@ -24,7 +24,7 @@ from chain_impact.running import Instance, SimulationError, in_order
 from chain_impact.scene import Scene, scene_of
 from chain_impact.sensitivities import DifferentiatedInstance
 from chain_impact.signals import Signal, drive
-from chain_impact.variables import WORD, fmu_variables, output_words, parameters_of
+from chain_impact.variables import WORD, fmu_variables, output_words, parameters_of, with_sensitivities
 
 MOST_BYTES = 2_000_000_000
 """Most bytes that the outputs of a simulation may take: more is refused before anything is computed."""
@@ -114,7 +114,7 @@ def simulate(
         instance = DifferentiatedInstance(scene, names, looks, notify, driven)
         rows = _RowsWithSlopes(len(driven.times), layout, words, len(names))
     else:
-        instance = Instance(scene, notify, driven)
+        instance = Instance(with_sensitivities(scene, ()), notify, driven)
         rows = _Rows(len(driven.times), layout, words)
     done, impacts, ends = 0, [], driven.changes
     while done < len(driven.times) and instance.status == OK:

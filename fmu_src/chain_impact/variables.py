@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -88,6 +88,11 @@ def parameters_of(scene: Scene, names: Sequence[str]) -> list[Variable]:
 
     found = (matching(scene.name, name, known, "no parameter with derivatives", hint) for name in names)
     return [known[name] for name in dict.fromkeys(one for part in found for one in part)]
+
+
+def with_sensitivities(scene: Scene, names: Iterable[str]) -> Scene:
+    """The scene with derivatives with respect to other parameters."""
+    return replace(scene, outputs=replace(scene.outputs, sensitivities=tuple(names)))
 
 
 def _sensitivities(scene: Scene) -> Iterator[Variable]:

@@ -98,7 +98,7 @@ def test_picture_and_table(run, here):
     assert "change of impact speed" in re.sub(r"<!-- | -->", "", (here / "rod.svg").read_text())
     with (here / "rod.csv").open(newline="") as file:
         head, *rows = csv.reader(file)
-    found = np.array([float(row[head.index("d(point[1].y)/d(gravity.y)")]) for row in rows])
+    found = np.array([float(row[head.index("sensitivity.gravity.y.point[1].y")]) for row in rows])
     time = np.array([float(row[0]) for row in rows])
     # ½ t² until the first impact
     falling = time < 0.3

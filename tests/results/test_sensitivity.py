@@ -71,11 +71,11 @@ def test_a_share_of_what_is_not_finite_is_none():
 
 def test_columns_are_named_after_both(result, found):
     named = found.named
-    assert list(named)[:2] == [f"d({name})/d(contact.restitution)" for name in result.names[:2]]
+    assert list(named)[:2] == [f"sensitivity.contact.restitution.{name}" for name in result.names[:2]]
     assert len(named) == len(NAMES) * len(result.names)
     for output, parameter in (("point[4].x", "initial.vx"), ("energy.total", "gravity.y")):
         right = result.sensitivity(output, parameter)
-        assert np.array_equal(named[f"d({output})/d({parameter})"], right)
+        assert np.array_equal(named[f"sensitivity.{parameter}.{output}"], right)
 
 
 def test_names_that_are_not_there(result):
@@ -101,7 +101,7 @@ def test_a_table_has_them_and_can_be_read_again(tmp_path):
     recording.save_csv(path)
     with path.open(newline="") as file:
         head, *rows = csv.reader(file)
-    column = head.index(f"d(point[0].y)/d({name})")
+    column = head.index(f"sensitivity.{name}.point[0].y")
     written = np.array([float(row[column]) for row in rows])
     assert np.array_equal(written, recording.sensitivities.of_output("point[0].y", name), equal_nan=True)
     assert np.isnan(written).any()

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
+from chain_impact.names import SENSITIVITY
 from chain_impact.reading import SceneError
 from chain_impact.results.animation.contacts import force_columns, impacts_from_forces
 from chain_impact.results.recording import Recording, impacts_from_outputs
-from chain_impact.results.sensitivity import DERIVATIVE
 from chain_impact.walls import HalfPlane
 
 PEAK_FORCE = re.compile(r"impact\[\d+\]\.peak_force")
@@ -56,7 +56,7 @@ def read_csv(
         )
     # of an impulse of a rigid wall the force is infinite, and a derivative need not exist
     impulses = np.isposinf(rows) & [PEAK_FORCE.fullmatch(name) is not None for name in names]
-    slopes = [name.startswith(DERIVATIVE) for name in names]
+    slopes = [name.startswith(SENSITIVITY) for name in names]
     for row in np.flatnonzero(~(np.isfinite(rows) | impulses | slopes).all(axis=1))[:1]:
         raise SceneError(f"{path}: line {row + 2} has a number that is not finite")
     columns = dict(zip(names, rows.T.copy(), strict=True))

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from chain_impact.names import sensitivity_name
 from chain_impact.reading import UnknownNameError
 
-DERIVATIVE = "d("  # the names of derivatives begin so
 PART = 0.01
 """Of its value, the change of a parameter for which changes are told; of its unit, where the value is 0."""
 
@@ -71,9 +71,9 @@ class Sensitivities:
 
     @property
     def named(self) -> dict[str, np.ndarray]:
-        """All derivatives over time by name, ``d(point[4].x)/d(contact.stiffness)`` → shape (T,)."""
+        """All derivatives over time, by their names in the FMU: name → shape (T,)."""
         return {
-            f"{DERIVATIVE}{output})/d({parameter})": self.slopes[:, column, k]
+            sensitivity_name(output, parameter): self.slopes[:, column, k]
             for k, parameter in enumerate(self.parameters)
             for output, column in self.columns.items()
         }
