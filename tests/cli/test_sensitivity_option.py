@@ -128,10 +128,7 @@ def test_a_wrong_name(run, names, said):
 def test_an_fmu_gives_none(run, fmu):
     code, _, errors = run("simulate", fmu, "--sensitivity", "gravity.y")
     assert code == 2
-    assert (
-        errors
-        == f"chain-impact: --sensitivity: {fmu} is an FMU; must be a scene\n"
-    )
+    assert errors == f"chain-impact: --sensitivity: {fmu} is an FMU; must be a scene\n"
 
 
 def test_the_window_shows_them(run, monkeypatch):
