@@ -9,6 +9,7 @@ from pathlib import Path
 from chain_impact.cli.options import (
     UsageError,
     Verbs,
+    add_repeated,
     add_set,
     check_folders,
     name_and_value,
@@ -19,6 +20,24 @@ from chain_impact.cli.options import (
 from chain_impact.cli.progress import out, progress
 from chain_impact.runs import with_settings
 from chain_impact.scene import load_scene, scene_path
+
+REPEATED = (
+    ("--free", "NAMES", "fit these parameters: contact.stiffness,contact.restitution"),
+    ("--free-each", "NAMES", "fit these for each data set on its own, as initial.vx"),
+    (
+        "--set-each",
+        "NAME=VALUES",
+        "a value that is known for each data set, as initial.y=0.8,0.6",
+    ),
+    (
+        "--sigma",
+        "COLUMN=SIGMA",
+        "standard deviation of a column, in its unit or in percent of each value: peak_force=2%%; "
+        "default: estimated from the residuals",
+    ),
+    ("--bounds", "NAME=LOW:HIGH", "search between these values only"),
+)
+"""The options that can be given several times, what they take, and what they do."""
 
 
 def add(verbs: Verbs) -> None:
@@ -33,42 +52,8 @@ def add(verbs: Verbs) -> None:
         metavar="DATA",
         help="a CSV file for each data set, or several of the same run: motion.csv,impacts.csv",
     )
-    fit.add_argument(
-        "--free",
-        action="append",
-        default=[],
-        metavar="NAMES",
-        help="fit these parameters: contact.stiffness,contact.restitution; can be repeated",
-    )
-    fit.add_argument(
-        "--free-each",
-        action="append",
-        default=[],
-        metavar="NAMES",
-        help="fit these for each data set on its own, as initial.vx; can be repeated",
-    )
-    fit.add_argument(
-        "--set-each",
-        action="append",
-        default=[],
-        metavar="NAME=VALUES",
-        help="a value that is known for each data set, as initial.y=0.8,0.6; can be repeated",
-    )
-    fit.add_argument(
-        "--sigma",
-        action="append",
-        default=[],
-        metavar="COLUMN=SIGMA",
-        help="standard deviation of a column, in its unit or in percent of each value: peak_force=2%%; "
-        "default: estimated from the residuals; can be repeated",
-    )
-    fit.add_argument(
-        "--bounds",
-        action="append",
-        default=[],
-        metavar="NAME=LOW:HIGH",
-        help="search between these values only; can be repeated",
-    )
+    for option, metavar, what in REPEATED:
+        add_repeated(fit, option, metavar, what)
     fit.add_argument(
         "--columns", metavar="NAMES", help="use these columns only, * for any text: point[4].*; default: all"
     )

@@ -34,13 +34,7 @@ def add_scene(command: argparse.ArgumentParser, what: str) -> None:
 
 def add_set(command: argparse.ArgumentParser) -> None:
     """Add ``--set``, and a short form of one."""
-    command.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="NAME=VALUE",
-        help="set a value by a name that `info` lists; can be repeated",
-    )
+    add_repeated(command, "--set", "NAME=VALUE", "set a value by a name that `info` lists")
     command.add_argument(
         "--stop-time",
         action="append",
@@ -48,6 +42,13 @@ def add_set(command: argparse.ArgumentParser) -> None:
         metavar="SECONDS",
         type="simulation.stop_time={}".format,
         help="end of the simulation, as --set simulation.stop_time=SECONDS",
+    )
+
+
+def add_repeated(command: argparse.ArgumentParser, option: str, metavar: str, what: str) -> None:
+    """Add an option that can be given several times."""
+    command.add_argument(
+        option, action="append", default=[], metavar=metavar, help=f"{what}; can be repeated"
     )
 
 

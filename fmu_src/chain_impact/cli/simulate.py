@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chain_impact.cli.options import Verbs, add_scene, add_set, names_in, picture
+from chain_impact.cli.options import Verbs, add_repeated, add_scene, add_set, names_in, picture
 from chain_impact.cli.report import picture_of, report
 from chain_impact.runs import RunError
 
@@ -19,13 +19,12 @@ def add(verbs: Verbs) -> None:
     simulate = verbs.add_parser("simulate", help="simulate a scene, or an FMU with fmpy")
     add_scene(simulate, "scene or FMU")
     add_set(simulate)
-    simulate.add_argument(
+    add_repeated(
+        simulate,
         "--sensitivity",
-        action="append",
-        default=[],
-        metavar="NAMES",
-        help="also find the derivatives with respect to these parameters, and draw them in place of the "
-        "motion: contact.stiffness,link[*].mass; can be repeated",
+        "NAMES",
+        "also find the derivatives with respect to these parameters, and draw them in place of the motion: "
+        "contact.stiffness,link[*].mass",
     )
     simulate.add_argument("--show", action="store_true", help="open a window with the picture")
     simulate.add_argument(

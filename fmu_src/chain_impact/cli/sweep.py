@@ -9,6 +9,7 @@ from pathlib import Path
 from chain_impact.cli.options import (
     UsageError,
     Verbs,
+    add_repeated,
     add_scene,
     add_set,
     check_folders,
@@ -42,13 +43,7 @@ def add(verbs: Verbs) -> None:
     )
     sweep.add_argument("--seed", type=int, default=0, metavar="N", help="of the samples; default: 0")
     add_set(sweep)
-    sweep.add_argument(
-        "--output",
-        action="append",
-        default=[],
-        metavar="NAME",
-        help="add an output to the table, as it is at the end of a run; can be repeated",
-    )
+    add_repeated(sweep, "--output", "NAME", "add an output to the table, as it is at the end of a run")
     sweep.add_argument(
         "--scheduler",
         metavar="ADDRESS",

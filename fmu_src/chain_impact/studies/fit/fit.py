@@ -44,8 +44,8 @@ def fit(
 ) -> Fit:
     """Estimate parameters of a scene from measurements, by weighted least squares.
 
-    The search starts from the values of the scene, with the data around the first impact, and goes on with
-    more and more of them. It uses exact derivatives through all impacts.
+    The search starts from the values of the scene, with early data, and goes on with more and more of
+    them. It uses exact derivatives through all impacts.
 
     Args:
         scene: what was measured: a scene, or what ``load_scene`` takes.

@@ -1,8 +1,8 @@
-"""The search with a growing horizon: first the data around the first impact, at last all.
+"""The search with a growing horizon: first early data, at last all.
 
 After some impacts the motion depends so strongly on the parameters that the sum of squares of all data has
-many minima; that of the data until a little after the first impact has one. So the horizon grows, as far as
-the model already follows the data, and each search starts where the last one ended.
+many minima; that of early data has one. So the horizon grows, as far as the model already follows the data,
+and each search starts where the last one ended.
 """
 
 from __future__ import annotations
