@@ -161,6 +161,17 @@ def kernels(fmu):
         yield from (archive.read(name) for name in archive.namelist() if "kernel-" in name)
 
 
+def test_a_file_that_has_changed_is_another_law(tmp_path):
+    file, peaks = tmp_path / "spring.py", []
+    for factor in (1.0, 2.0):
+        file.write_text(
+            f"def spring(penetration, stiffness):\n    return {factor} * stiffness * penetration\n"
+        )
+        scene = load_scene("rod_drop").with_values({"contact.law_file": str(file), "contact.model": "spring"})
+        peaks.append(simulate(scene, stop_time=0.9).impacts["peak_force"][0])
+    assert peaks[1] > 1.2 * peaks[0]
+
+
 def test_a_function_of_python_is_a_law():
     scene, exact = struck_ball(damping_factor=0.2)
     (impact,) = simulate(with_law(scene, own_law())).impacts

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from chain_impact import SceneError, UnknownNameError, load_scene, simulate
+from chain_impact import Chain, SceneError, SimulationError, UnknownNameError, load_scene, simulate
 from chain_impact.results.result import IMPACT_DTYPE
 from chain_impact.sensitivities import IMPACT_QUANTITIES, DifferentiatedRun
 from chain_impact.variables import parameters_of
 from tests.derivative_scenes import sprung_chain, struck_twice
+from tests.problems import ball
 
 CASE = struck_twice("hunt_crossley")
 OUTPUTS = ("point[2].x", "energy.total")
@@ -167,3 +168,47 @@ def test_inputs_over_time():
         np.array([0.0]), result.time
     )
     np.testing.assert_allclose(run.slopes[:, 0, 0], found, atol=1e-6 * np.abs(right).max())
+
+
+# --- runs that fail ---------------------------------------------------------------------------------------
+
+
+def as_far_as(limit):
+    """The result up to where the work exceeds a limit."""
+    scene = CASE.scene.with_values({"solver.work_limit": float(limit)})
+    try:
+        return simulate(scene, sensitivities=["initial.y"])
+    except SimulationError as error:
+        return error.result
+
+
+def test_a_run_that_fails_has_right_derivatives_or_none():
+    """At every step at which the solver may give up."""
+    whole = simulate(CASE.scene, sensitivities=["initial.y"])
+    stopped = 0
+    for limit in range(60, 900, 21):
+        result = as_far_as(limit)
+        stopped += 0 < len(result.impacts) < len(whole.impacts)
+        for name in ("onset", "end", "impact_speed", "separation_speed"):
+            found = result.impact_sensitivity(name, "initial.y")
+            right = whole.impact_sensitivity(name, "initial.y")[: len(found)]
+            assert (np.isnan(found) | np.isclose(found, right, rtol=1e-6)).all()
+    assert stopped > 3
+
+
+def test_after_a_fault_the_outputs_have_no_derivatives():
+    scene = CASE.scene.with_values({"solver.work_limit": 300.0, "outputs.sensitivities": ["initial.y"]})
+    chain = Chain(scene)
+    with pytest.raises(SimulationError):
+        chain.step_to(0.3)
+    assert np.isnan(chain.get("sensitivity.initial.y.point[2].x"))
+
+
+def test_a_start_that_fails_leaves_no_sentence_of_the_run_before():
+    scene = ball(1e-4, 5e-4, stiffness=1e6, stop_time=0.3)
+    run = DifferentiatedRun(scene, ["contact.stiffness", "link[1].mass"], ["point[0].y"])
+    times = np.array([0.3])
+    assert run.run(np.array([1e6, 1.0]), times).limits
+    failed = run.run(np.array([1e6, -1.0]), times)
+    assert failed.status != 0
+    assert failed.limits == ()

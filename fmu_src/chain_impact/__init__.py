@@ -10,9 +10,11 @@ from chain_impact.results.animation import AnimationError, animate
 from chain_impact.results.impacts import impacts_of
 from chain_impact.results.recording import Recording
 from chain_impact.results.result import IMPACT_DTYPE, Result
+from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.running import SimulationError
 from chain_impact.runs import RunError, record_fmu
 from chain_impact.scene import Scene, load_scene, model_names, parse_scene, with_values
+from chain_impact.sensitivities import Differentiated, DifferentiatedRun
 from chain_impact.signals import Signal
 from chain_impact.simulate import simulate, with_law
 from chain_impact.stepping import Chain
@@ -32,6 +34,8 @@ __all__ = [
     "Chain",
     "Comparison",
     "ContactLaw",
+    "Differentiated",
+    "DifferentiatedRun",
     "Fit",
     "LawFit",
     "LawRun",
@@ -41,6 +45,7 @@ __all__ = [
     "RunError",
     "Scene",
     "SceneError",
+    "Sensitivities",
     "Signal",
     "SimulationError",
     "Sweep",

@@ -151,7 +151,6 @@ def _impact_rows(count: int, columns: dict[str, np.ndarray]) -> np.ndarray:
     return rows
 
 
-@functools.cache
 def kernel_for(scene: Scene, notify: Notify) -> Path:
     """The library of the kernel for a scene, for a processor like this one.
 
@@ -167,6 +166,7 @@ def kernel_for(scene: Scene, notify: Notify) -> Path:
     )
 
 
+@functools.cache
 def load_kernel(library: Path) -> ctypes.CDLL:
     """Load a compiled kernel and declare its entry points (see kernel/entry.py)."""
     kernel = ctypes.CDLL(str(library))

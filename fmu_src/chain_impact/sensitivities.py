@@ -69,6 +69,7 @@ class DifferentiatedInstance(Instance):
             SimulationError: when the scene cannot start.
         """
         self._impact_slopes = []
+        self._tangents["trust"]["reason"] = TRUSTED
         super().initialize()
 
     def restart(self, places: Sequence[Place], values: np.ndarray) -> None:
@@ -117,7 +118,10 @@ class DifferentiatedInstance(Instance):
         """Take the finished contacts out of the log, and their derivatives."""
         rows = super().collect()
         log = self._tangents["finished"]
-        self._keep_slopes(rows, {name: log[name]["slope"][:, : len(rows)] for name in IMPACT_QUANTITIES})
+        # in a step that has failed a contact may have ended, of which there are no derivatives
+        known = (np.arange(len(rows)) < log["count"][0])[:, np.newaxis]
+        slopes = {name: log[name]["slope"][:, : len(rows)] for name in IMPACT_QUANTITIES}
+        self._keep_slopes(rows, {name: np.where(known, slope, np.nan) for name, slope in slopes.items()})
         log["count"] = 0
         return rows
 
@@ -135,6 +139,8 @@ class DifferentiatedInstance(Instance):
         slopes |= {
             name: np.full_like(touch["onset"]["slope"], np.nan) for name in ("end", "separation_speed")
         }
+        if self.status != OK:
+            slopes = {name: np.full_like(slope, np.nan) for name, slope in slopes.items()}
         self._keep_slopes(rows, {name: slope[:, active] for name, slope in slopes.items()})
         return rows
 
@@ -229,7 +235,7 @@ class DifferentiatedRun:
         """Run with some values of the parameters.
 
         Args:
-            values: of the parameters, shape (P,).
+            values: of the parameters, shape (P,); that of an input with a signal does not count.
             times: when the outputs are wanted, increasing, shape (T,) [s].
         """
         instance = self._instance

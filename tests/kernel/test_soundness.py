@@ -6,6 +6,8 @@ from chain_impact.kernel.soundness import sound
 from chain_impact.kernel.status import LAST_STATUS, STATUS_TEXT
 from chain_impact.running import Instance
 from chain_impact.scene import load_scene
+from chain_impact.sensitivities import DifferentiatedInstance
+from tests.derivative_scenes import table
 from tests.plain import Plain
 
 
@@ -52,3 +54,27 @@ def test_a_number_out_of_its_range_is_not(d, record, field, value):
 def test_nor_is_one_of_a_candidate(d, field, value):
     d["touch"][field][3] = value
     assert sound(d) == 0
+
+
+@pytest.mark.parametrize(
+    ("links", "path", "value"),
+    [
+        (2, ("candidates",), 1 << 20),
+        (12, ("candidates",), 1 << 20),
+        (12, ("links",), 1 << 20),  # in a kernel for any number
+        (2, ("touch", "active_count"), -2),
+        (12, ("step", "method"), 7),
+    ],
+)
+def test_nor_is_one_behind_it(links, path, value):
+    """Of the instances of dual numbers: by the compiled kernel, which would read beyond the record."""
+    scene = table(
+        [{"length": 0.1, "mass": 1.0}] * links, box={"y_min": 0.0}, initial={"angles": [1.0] * links}
+    )
+    instance = DifferentiatedInstance(scene, ["contact.stiffness"], [0])
+    assert instance.is_sound(instance.words)
+    record = instance._tangents[0]
+    for step in path[:-1]:
+        record = record[step]
+    record[path[-1]] = value
+    assert not instance.is_sound(instance.words)

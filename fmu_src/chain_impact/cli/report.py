@@ -42,31 +42,35 @@ def report(
     if picture:
         from chain_impact.results.plots import plot
 
-        plot(recording, picture, picture_of(recording))
+        plot(recording, picture, picture_of(sensitivities))
         out.print(f"picture  {picture}", markup=False, soft_wrap=True)
     show(summary(recording))
-    show(sensitivity_tables(recording))
+    if sensitivities:
+        show(sensitivity_tables(recording))
     if fault:
         raise fault
     return recording
 
 
-def picture_of(recording: Recording) -> Draw:
-    """What is drawn of a recording: its derivatives, or its motion if it has none."""
+def picture_of(sensitivities: Sequence[str]) -> Draw:
+    """What is drawn of a recording: its derivatives if some are named, else its motion."""
     from chain_impact.results.plots import fill, fill_sensitivities
 
-    return fill_sensitivities if recording.sensitivities else fill
+    return fill_sensitivities if sensitivities else fill
 
 
 def record(source: str, settings: Sequence[str], sensitivities: Sequence[str] = ()) -> Recording:
-    """Simulate a scene or an FMU with parameters set by ``NAME=VALUE``."""
+    """Simulate a scene or an FMU with parameters set by ``NAME=VALUE``.
+
+    If no ``sensitivities`` are named, they are those that the scene asks for.
+    """
     values = settings_of(settings)
     if sensitivities and is_fmu(source):
         raise UsageError(f"--sensitivity: {source} is an FMU; must be a scene")
     with progress() as (notify, advance):
         if is_fmu(source):
             return record_fmu(Path(source), values, advance)
-        return record_scene(load_scene(source), values, notify, advance, sensitivities)
+        return record_scene(load_scene(source), values, notify, advance, sensitivities or None)
 
 
 def show(parts: Iterable[RenderableType]) -> None:

@@ -42,7 +42,7 @@ def run(options: argparse.Namespace) -> int:
     if window:
         from matplotlib import pyplot
 
-        picture_of(recording)(window, recording)
+        picture_of(names)(window, recording)
         pyplot.show()
     return 0
 

@@ -36,7 +36,8 @@ BAD_LAW = 3  # exit code of lower.py; what is wrong stands on standard error
 # For every x86 processor since 2009 and every 64-bit ARM, so that results are bit-equal on all of a kind.
 CPUS = {"x86_64": "x86_64_v2", "aarch64": "generic"}
 # Where it is there, twice as many numbers fit a vector, and dual numbers are vectors. Values are bit-equal.
-WIDE_CPU, WIDE_FLAGS = "x86_64_v3", {"avx2", "bmi2", "fma"}
+WIDE_CPU = "x86_64_v3"
+WIDE_FLAGS = {"avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe", "xsave"}
 # Twice as much as usual is inlined, which makes steps of four links up to 4 % faster. ARM's instruction that
 # multiplies and adds is not used: it rounds once where the two of x86 round twice.
 FLAGS = ("-O2", "-mllvm", "-inline-threshold=500", "-ffp-contract=off", "-Wno-everything")

@@ -189,13 +189,20 @@ def take_over(d):
     if status != OK:
         contact.law, contact.stiffness, contact.restitution = law, stiffness, restitution
         derive_law(d)
-    elif d.touch.active_count > 0 and rigid:
-        if contact.impulsive:
-            judge(d)
-        else:
-            end_contacts(d)
-        stand(d, d.step.time, d.step.state_end)
+    else:
+        hold_anew(d, rigid)
     return status
+
+
+def hold_anew(d, rigid):
+    """Judge anew whom walls that were ``rigid`` hold where the last step ends; others hold nobody."""
+    if d.touch.active_count == 0 or not rigid:
+        return
+    if d.contact.impulsive:
+        judge(d)
+    else:
+        end_contacts(d)
+    stand(d, d.step.end, d.step.state_end)
 
 
 def take_step(d):

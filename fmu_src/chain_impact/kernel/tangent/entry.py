@@ -14,7 +14,7 @@ from chain_impact.kernel.soundness import within_bounds
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.blocks import block, words
 from chain_impact.kernel.tangent.directions import DIRECTIONS
-from chain_impact.kernel.tangent.replay import ALL, catch_up, replay
+from chain_impact.kernel.tangent.replay import ALL, catch_up, move_end, replay
 from chain_impact.kernel.tangent.start import start, start_anew
 from chain_impact.kernel.tangent.trust import trusted
 from chain_impact.kernel.work_limit import work_done, work_of_a_call
@@ -53,11 +53,11 @@ def look_at_all(d, time):
 
 
 def observe_all(d):
-    """Fill the outputs with derivatives, NaN where these cannot be trusted."""
+    """Fill the outputs with derivatives, NaN where these cannot be trusted and after a fault."""
     for b in range(d.tangents):
         t = block(d, b)
         fill_outputs(t)
-        if not trusted(t):
+        if not trusted(t) or d.statistics.status != OK:
             forget_slopes(words(t.output))
 
 
@@ -74,13 +74,15 @@ def follow_all(d):
         t = block(d, b)
         t.replay.done = 1.0
         follow_to_present(t)
+        move_end(t)
 
 
 def all_sound(d):
-    """Whether all indices are such."""
+    """Whether all sizes and indices are such."""
     fits = True
     for b in range(d.tangents):
-        fits = fits and within_bounds(block(d, b))
+        t = block(d, b)
+        fits = fits and t.links == d.links and t.candidates == d.candidates and within_bounds(t)
     return fits
 
 

@@ -38,7 +38,7 @@ from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.model.geometry import along_normal, clearance
 from chain_impact.kernel.tangent.directions import carried, value
 from chain_impact.kernel.tangent.kinks import first_kink, forget_sides
-from chain_impact.kernel.tangent.trust import judge_onsets
+from chain_impact.kernel.tangent.trust import judge_onsets, judge_turns
 
 ALL = math.inf  # a time beyond any step
 
@@ -66,6 +66,7 @@ def make_part(d, t):
     size, kept = (d.step.size * d.step.kept, 1.0) if lands else (d.step.size, d.step.kept)
     rest = 1.0 - t.replay.done
     make(t, rest * size)
+    judge_turns(t)
     until = (kept - t.replay.done) / rest
     theta, c = first_kink(t, until)
     if c >= 0:

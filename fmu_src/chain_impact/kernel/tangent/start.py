@@ -1,6 +1,6 @@
 """How an instance of dual numbers begins: the derivatives of what follows from the parameters."""
 
-from chain_impact.kernel.events.impulses import judge
+from chain_impact.kernel.advance import hold_anew
 from chain_impact.kernel.initialize import derive_chain, forget_run, set_initial_state, take_given
 from chain_impact.kernel.integration.last_step import stand
 from chain_impact.kernel.integration.switching import begin_explicit
@@ -31,7 +31,8 @@ def start(d, t):
 
 def start_anew(d, t):
     """Start t anew from the communication point, to which its contacts are followed, as d has just done."""
-    stand(t, d.step.time, t.step.state_end)
+    stand(t, t.step.end, t.step.state_end)
+    rigid = t.contact.impulsive
     take_given_of(d, t)
     derive_law_of(d, t)
     for k in range(t.touch.active_count):
@@ -39,9 +40,7 @@ def start_anew(d, t):
             foresee_depth(t, t.touch.active_index[k])
             latch_damping(t, t.touch.active_index[k])
     take_sides(t)
-    if t.contact.impulsive and t.touch.active_count > 0:
-        judge(t)
-        stand(t, d.step.time, t.step.state_end)
+    hold_anew(t, rigid)
     clear_loads(t)
 
 

@@ -2,17 +2,21 @@
 
 import math
 
+from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events.kinds import ONSET
-from chain_impact.kernel.model.contact_force import may_jump
+from chain_impact.kernel.model.contact_force import USER_LAW, uncut_force
 from chain_impact.kernel.model.geometry import clearance
 from chain_impact.kernel.tangent.directions import value
 
-TRUSTED, GRAZING, AT_FLOOR, SIMULTANEOUS = 0, 1, 2, 3
+TRUSTED, GRAZING, AT_FLOOR, SIMULTANEOUS, JUMP = 0, 1, 2, 3, 4
+# of the approach speed, to either side of rest; and of the force, what counts as a jump between them
+NEAR_REST, JUMPS = 1e-9, 1e-6
 
 REASONS = {
     GRAZING: "its point arrives so slowly that the tolerance leaves open whether it arrives at all",
     AT_FLOOR: "its approach speed is below contact.minimum_impact_speed, which the contact law takes instead",
     SIMULTANEOUS: "several points arrive at one moment, and what follows depends on which is first",
+    JUMP: "the force of its contact law jumps where the point turns",
 }
 """Why derivatives end at an impact."""
 
@@ -30,11 +34,11 @@ def judge_onsets(t):
     if onsets == 0 or t.trust.reason != TRUSTED:
         return
     if least <= math.sqrt(value(t.solver.tolerance)) * fastest(t):
-        distrust(t, GRAZING, first)
+        distrust(t, GRAZING, first, t.step.end)
     elif not t.contact.impulsive and least <= value(t.contact.minimum_impact_speed):
-        distrust(t, AT_FLOOR, first)
-    elif onsets > 1 and (t.contact.impulsive or may_jump(t.contact)):
-        distrust(t, SIMULTANEOUS, first)
+        distrust(t, AT_FLOOR, first, t.step.end)
+    elif onsets > 1:
+        distrust(t, SIMULTANEOUS, first, t.step.end)
 
 
 def fastest(t):
@@ -46,10 +50,31 @@ def fastest(t):
     return most
 
 
-def distrust(t, reason, c):
-    """Let derivatives end at the end of the last step, where a contact of candidate c begins."""
+def judge_turns(t):
+    """Judge the contacts that have turned in the last step: the force of a user's law may jump there."""
+    if t.contact.law != USER_LAW or t.trust.reason != TRUSTED:
+        return
+    if not t.work.at_end:
+        locate_points(t, t.step.state_end)
+    for k in range(t.touch.active_count):
+        c = t.touch.active_index[k]
+        gap, gap_rate = clearance(t, c)
+        if value(t.touch.speed[c]) * value(gap_rate) > 0.0 and jumps_at_rest(t, c, max(0.0, -gap)):
+            distrust(t, JUMP, c, t.step.start)
+
+
+def jumps_at_rest(t, c, depth):
+    """Whether the force of contact c jumps where its rate is zero."""
+    rate = NEAR_REST * t.touch.impact_speed[c]
+    rising, _ = uncut_force(t, c, depth, rate)
+    falling, _ = uncut_force(t, c, depth, -rate)
+    return abs(value(rising) - value(falling)) > JUMPS * max(abs(value(rising)), abs(value(falling)))
+
+
+def distrust(t, reason, c, time):
+    """Let derivatives end at a ``time`` [s], because of the contact of candidate c."""
     trust = t.trust
-    trust.reason, trust.time = reason, value(t.step.end)
+    trust.reason, trust.time = reason, value(time)
     trust.point, trust.wall = t.candidate.point[c], t.candidate.wall[c]
 
 

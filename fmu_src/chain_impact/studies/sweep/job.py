@@ -14,13 +14,13 @@ import numpy as np
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.instance import new_instance
 from chain_impact.kernel.status import OK
-from chain_impact.names import Place, nearest
+from chain_impact.names import SENSITIVITY, Place, nearest
 from chain_impact.reading import SceneError
 from chain_impact.running import kernel_for, load_kernel
 from chain_impact.scene import Scene
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.variable import Variable
-from chain_impact.variables import fmu_variables, word_index
+from chain_impact.variables import fmu_variables, with_sensitivities, word_index
 
 PEAKS = ("peak_force", "max_penetration")
 """The largest of all contacts of a run [N], [m]: the first columns that the kernel fills."""
@@ -91,7 +91,8 @@ class Runner:
         Raises:
             BuildError: when the kernel cannot be compiled.
         """
-        scene = job.scene
+        asks = any(name.startswith(SENSITIVITY) for name in job.columns)
+        scene = job.scene if asks else with_sensitivities(job.scene, ())
         self._kernel = load_kernel(kernel_for(scene, notify))
         self._start, self._work = new_instance(scene), new_instance(scene)
         layout, self._job, self._dtype = self._start.dtype, job, job.dtype

@@ -1,0 +1,124 @@
+"""Derivatives of runs in which something is set on the way, against differences of such runs."""
+
+from ctypes import c_double, c_void_p
+
+import numpy as np
+import pytest
+
+from chain_impact import Chain
+from chain_impact.names import sensitivity_name
+from chain_impact.running import Instance
+from chain_impact.sensitivities import DifferentiatedInstance
+from chain_impact.variables import output_words, with_sensitivities
+from tests.derivative_scenes import table
+
+PARAMETERS = ("link[1].mass", "gravity.y")
+OUTPUTS = ("link[2].angle", "link[2].angular_velocity")
+
+
+def pressed_arm(model):
+    """An arm whose tip is held at the floor by a force."""
+    return table(
+        [
+            {"length": 0.5, "mass": 0.8, "joint_damping": 0.05},
+            {"length": 0.4, "mass": 0.5, "joint_damping": 0.02},
+        ],
+        base="pinned",
+        box={"y_min": -0.5},
+        contact={"model": model, "stiffness": 2e4, "restitution": 0.4, "points": [2]},
+        inputs={"joint_torques": True, "tip_force": True},
+        initial={"position": [0.0, 0.0], "angles": [-0.3, -0.95], "angular_velocities": [0.0, -0.2]},
+        solver={"tolerance": 1e-12},
+    )
+
+
+def played(scene, script, stop, names):
+    """What outputs are at the end of a run in which values are set at some times [s]."""
+    chain = Chain(scene)
+    for time, changes in script:
+        chain.step_to(time)
+        chain.set(changes)
+    chain.step_to(stop)
+    return np.array(chain.get(names), float)
+
+
+def difference(run, scene, name, relative=1e-4):
+    """The derivative of what a run gives, by differences of order 4."""
+    value = scene.values[name]
+    h = relative * abs(value)
+    near, far = (
+        (run(scene.with_values({name: value + k * h})) - run(scene.with_values({name: value - k * h})))
+        / (2 * k * h)
+        for k in (1, 2)
+    )
+    return (4.0 * near - far) / 3.0
+
+
+@pytest.mark.parametrize(
+    ("model", "changes"),
+    [
+        ("newton_impact", {"contact.model": "hunt_crossley", "tip.force.y": 12.0}),
+        ("newton_impact", {"contact.restitution": 0.9, "tip.force.y": 12.0}),
+        ("hunt_crossley", {"contact.model": "lankarani_nikravesh"}),
+        ("hunt_crossley", {"contact.stiffness": 5e4, "joint[2].torque": 0.5}),
+    ],
+)
+def test_what_is_set_while_a_point_is_held(model, changes):
+    script = [(0.0, {"tip.force.y": -40.0}), (0.15, changes), (0.2, {"tip.force.y": -20.0})]
+    scene = pressed_arm(model)
+    asking = with_sensitivities(scene, PARAMETERS)
+    names = [sensitivity_name(output, name) for name in PARAMETERS for output in OUTPUTS]
+    found = played(asking, script, 0.26, names).reshape(len(PARAMETERS), -1)
+    for slopes, name in zip(found, PARAMETERS, strict=True):
+        right = difference(lambda one: played(one, script, 0.26, OUTPUTS), scene, name)
+        np.testing.assert_allclose(slopes, right, rtol=0, atol=1e-5 * np.abs(right).max())
+
+
+def falling_link(model):
+    return table(
+        [{"length": 1.0, "mass": 1.0}],
+        box={"y_min": 0.0},
+        contact={"model": model, "stiffness": 1e5, "restitution": 0.6, "points": [1]},
+        initial={
+            "position": [0.0, 0.5],
+            "angles": [-0.4],
+            "velocity": [0.0, -2.0],
+            "angular_velocities": [-1.0],
+        },
+        solver={"tolerance": 1e-12},
+    )
+
+
+def through_onset(instance, changes, stop):
+    """Go to the first onset, as the event mode of FMI 3.0 does, set values there, and go on; its impacts."""
+    kernel, address = instance._kernel, instance._address
+    kernel.advance_to_onset.argtypes, kernel.let_happen.argtypes = [c_void_p, c_double], [c_void_p]
+    kernel.advance_to_onset(address, stop)
+    given = instance.record["given"]
+    for name, value in changes.items():
+        given[name], given["changed"] = value, 1
+    kernel.let_happen(address)
+    instance.advance(stop)
+    instance.observe()
+    return instance.collect()
+
+
+@pytest.mark.parametrize("model", ["hunt_crossley", "newton_impact"])
+@pytest.mark.parametrize("changes", [{}, {"restitution": 0.8}, {"stiffness": 3e5}])
+def test_what_is_set_at_an_onset_that_is_due(model, changes):
+    scene, names, stop = falling_link(model), ("initial.y", "initial.vy", "gravity.y"), 0.15
+    instance = DifferentiatedInstance(scene, names, [0])
+    impacts = through_onset(instance, changes, stop)
+    onsets = instance.slopes_of_impacts(np.arange(len(impacts)))["onset"]
+    looks = [output_words(scene, name)[name] for name in ("point[1].y", "link[1].angular_velocity")]
+    seen = instance._tangents["output"].view(np.float64).reshape(-1, 5)[looks, 1 : 1 + len(names)]
+
+    def plain(one):
+        run = Instance(one)
+        rows = through_onset(run, changes, stop)
+        outputs = np.frombuffer(run.record["output"].tobytes())
+        return np.array([*outputs[looks], rows["onset"][0]])
+
+    for k, name in enumerate(names):
+        right = difference(plain, scene, name)
+        np.testing.assert_allclose([*seen[:, k], onsets[0, k]], right, rtol=1e-6, atol=1e-8)
