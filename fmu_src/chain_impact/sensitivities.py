@@ -60,6 +60,9 @@ class DifferentiatedInstance(Instance):
         self.parameters = tuple(variable.name for variable in parameters_of(scene, parameters))
         self._looks = np.array(looks, np.int64)
         self._impact_slopes: list[np.ndarray] = []
+        self._impact_layout = np.dtype(
+            [(name, np.float64, (len(self.parameters),)) for name in IMPACT_QUANTITIES]
+        )
         super().__init__(self.scene, notify, driven)
 
     def initialize(self) -> None:
@@ -117,6 +120,8 @@ class DifferentiatedInstance(Instance):
     def collect(self) -> np.ndarray:
         """Take the finished contacts out of the log, and their derivatives."""
         rows = super().collect()
+        if not len(rows):
+            return rows
         log = self._tangents["finished"]
         # in a step that has failed a contact may have ended, of which there are no derivatives
         known = (np.arange(len(rows)) < log["count"][0])[:, np.newaxis]
@@ -128,6 +133,8 @@ class DifferentiatedInstance(Instance):
     def open_contacts(self) -> np.ndarray:
         """The contacts that have not ended yet; drops what was solved ahead."""
         rows = super().open_contacts()
+        if not len(rows):
+            return rows
         active = self.record["touch"]["active"] == 1
         touch, impulse = self._tangents["touch"], self._tangents["impulse"]
         slopes = {
@@ -146,13 +153,11 @@ class DifferentiatedInstance(Instance):
 
     def _keep_slopes(self, rows: np.ndarray, slopes: Mapping[str, np.ndarray]) -> None:
         """Keep the derivatives of some impacts, of shape (B, I, DIRECTIONS) for each quantity."""
-        kept = np.zeros(
-            len(rows), [(name, np.float64, (len(self.parameters),)) for name in IMPACT_QUANTITIES]
-        )
+        kept = np.zeros(len(rows), self._impact_layout)
         trust = self._tangents["trust"][0]
         distrusted = np.inf if trust["reason"] == TRUSTED else trust["time"]
         for name in IMPACT_QUANTITIES:
-            together = np.moveaxis(slopes[name], 0, 1).reshape(len(rows), self._directions)
+            together = slopes[name].transpose(1, 0, 2).reshape(len(rows), self._directions)
             kept[name] = together[:, : len(self.parameters)]
             until = (
                 rows["onset"] if name in AT_ONSET else np.where(np.isnan(rows["end"]), self.time, rows["end"])
