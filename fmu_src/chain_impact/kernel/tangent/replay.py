@@ -71,7 +71,8 @@ def make_part(d, t):
     theta, c = first_kink(t, until)
     if c >= 0:
         take_back(t)
-        make(t, theta * rest * size)
+        if theta > 0.0:
+            make(t, theta * rest * size)
         pass_kink(t, c)
         t.replay.done += theta * rest
         return
