@@ -99,7 +99,9 @@ def test_samples_that_are_held_act_as_steps_of_torque():
 
 def test_a_function_is_held_between_communication_points():
     scene = arm(tip_force=True)
-    result = simulate(scene, output_step=0.02, inputs={ELBOW: wave, "tip.force.x": push})
+    result = simulate(
+        scene, output_step=0.02, inputs={ELBOW: wave, "tip.force.x": push}, interpolation="hold"
+    )
 
     def last(time):
         return math.floor(time / 0.02) * 0.02
@@ -143,7 +145,7 @@ def test_samples_of_a_line_are_those_of_a_function():
 
 def test_energy_supplied_is_the_work_of_the_torques():
     """dW/dt = Σ u_i (ω_i − ω_{i−1}), summed here over rows between which the torque is constant."""
-    result = simulate(arm(), output_step=1e-3, inputs={SHOULDER: wave})
+    result = simulate(arm(), output_step=1e-3, inputs={SHOULDER: wave}, interpolation="hold")
     angle = result.angles[:, 0]
     work = sum(wave(t) * turn for t, turn in zip(result.time, np.diff(angle), strict=False))
     assert result.energy["supplied"][-1] == pytest.approx(work, abs=1e-12)
@@ -184,7 +186,7 @@ def test_samples_at_communication_points_but_for_round_off_add_none():
     times = np.arange(401) / 1000
     assert (times != np.arange(401) * 1e-3).any()
     inputs = {SHOULDER: (times, times), ELBOW: lambda time: calls.append(time) or 0.0}
-    result = simulate(arm(), output_step=1e-3, inputs=inputs)
+    result = simulate(arm(), output_step=1e-3, inputs=inputs, interpolation="hold")
     assert calls == result.time.tolist()
     assert len(calls) == 401
 
@@ -259,8 +261,8 @@ def test_a_scene_without_inputs_says_how_to_have_some():
         simulate(load_scene("four_link_box"), inputs={ELBOW: 1.0})
 
 
-def test_an_interpolation_is_one_of_two():
-    with pytest.raises(SceneError, match="interpolation = 'cubic' must be hold or linear"):
+def test_an_interpolation_is_one_of_three():
+    with pytest.raises(SceneError, match="interpolation = 'cubic' must be follow, hold or linear"):
         simulate(load_scene("pinned_arm"), inputs={ELBOW: 1.0}, interpolation="cubic")
 
 

@@ -23,6 +23,7 @@ from chain_impact.kernel.integration.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.integration.explicit import STAGES
 from chain_impact.kernel.integration.implicit import ROWS
 from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.kernel.model.inputs import DEGREE
 from chain_impact.kernel.model.latest import LATEST
 
 REAL, INTEGER = np.float64, np.int64
@@ -116,22 +117,38 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("work_limit", REAL),  # 1/s, evaluations for a second of simulated time
     )
     # what an importer can set at any time; it is taken over at the next step or look
+    # polynomials that the inputs follow over time, see kernel/model/inputs.py
+    course = _record(
+        ("order", INTEGER),  # 0: the inputs are constant
+        ("middle", REAL),  # s, where x is 0 …
+        ("scale", REAL),  # 1/s, … and how fast it grows
+        ("until", REAL),  # s, the end of the piece
+        ("pace", REAL),  # 1/s, how fast the inputs change
+        ("joint_torque", REAL, (DEGREE + 1, links)),  # N·m, coefficients of the powers of x
+        ("tip_force", REAL, (DEGREE + 1, 2)),  # N
+    )
     given = _record(
-        ("changed", INTEGER),  # 1: something was set since the last step
+        ("changed", INTEGER),  # AT_ONCE: something was set since the last step; GOING_ON: only the course
         ("law", INTEGER),  # as in `contact`, …
         ("stiffness", REAL),
         ("restitution", REAL),
         ("joint_torque", REAL, (links,)),  # … and as in `inputs`
         ("tip_force", REAL, (2,)),
+        ("course", course),
     )
     inputs = _record(
         ("joint_torque", REAL, (links,)),  # N·m
         ("tip_force", REAL, (2,)),  # N
+        ("course", course),
     )
     # the last accepted step and its dense output, valid from `start` to `end`
     step = _record(
         ("time", REAL),  # s, the communication point; start ≤ time ≤ end
         ("start", REAL),  # s
+        (
+            "clock",
+            REAL,
+        ),  # s, when the time in the state is 0: the start of this step, or of one that is tried
         ("end", REAL),  # s, start + size, or the event that cut the step short
         ("size", REAL),  # s, of the variable that the step runs in, see kernel/integration/sundman.py
         ("kept", REAL),  # the fraction of `size` at which it ends

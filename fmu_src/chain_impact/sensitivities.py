@@ -245,7 +245,7 @@ class DifferentiatedRun:
         """
         instance = self._instance
         times = np.ascontiguousarray(times, float)
-        driven = drive(self._scene, self._inputs, "hold", times) if self._inputs else None
+        driven = drive(self._scene, self._inputs, "follow", times) if self._inputs else None
         grid = times if driven is None else driven.times
         found = np.full((len(grid), self._width), np.nan)
         slopes = np.full((len(grid), self._width, self._count), np.nan)

@@ -4,54 +4,68 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from chain_impact.kernel.model.inputs import AT_ONCE, GOING_ON
 from chain_impact.names import Place
+from chain_impact.pieces import Follower, NotSmoothError, Pieces, joined_points
 from chain_impact.reading import SceneError
 from chain_impact.scene import Scene
 from chain_impact.variables import input_places
 
 Signal = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
 """One input over time: a number, a function of the time [s], or a pair (times [s], values) of shape (T,)."""
-INTERPOLATIONS = ("hold", "linear")
+Interpolation = Literal["follow", "hold", "linear"]
+"""What inputs are between samples and communication points."""
+INTERPOLATIONS = ("follow", "hold", "linear")
+FINER = 1e-3  # of the tolerance: the error of an input that is followed, in parts of its largest value
 SAME_TIME = 1e-12  # of the stop time: samples and communication points no further apart are one
 LISTED = 8  # names in an error's sentence
 
 
 @dataclass(frozen=True)
 class Drive:
-    """Inputs that are constant between communication points.
+    """Inputs that are polynomials in time, or constant, in each of P pieces of a run.
 
     Attributes:
-        times: communication points, those asked for and those of the samples, shape (G,) [s].
+        times: communication points, those asked for and those at which pieces begin, shape (G,) [s].
         asked: which of them were asked for, shape (G,).
         places: path of each of the M inputs into the instance record.
-        values: shape (G, M) [N·m or N]; row k acts from ``times[k - 1]`` to ``times[k]``, row 0 at the start.
+        pieces: what the inputs are.
+        first: the first row of each piece, shape (P,): row k acts from ``times[k - 1]`` to ``times[k]``,
+            row 0 at the start.
     """
 
     times: np.ndarray
     asked: np.ndarray
     places: tuple[Place, ...]
-    values: np.ndarray
+    pieces: Pieces
+    first: np.ndarray
 
     def set(self, given: Any, row: int) -> None:
-        """Set the inputs of an instance to a row of values; the solver starts anew if one changes."""
-        for (_, name, index), value in zip(self.places, self.values[row], strict=True):
-            if given[name][index] != value:
-                given[name][index] = value
-                given["changed"] = 1
+        """Set the inputs of an instance to those of a row; the solver starts anew if one jumps."""
+        at = int(np.searchsorted(self.first, row, side="right")) - 1
+        powers, course, changed = self.pieces.powers[at], given["course"], False
+        for m, (_, name, index) in enumerate(self.places):
+            changed |= given[name][index] != powers[0, m]
+            given[name][index] = powers[0, m]
+            course[name][1 : len(powers), index] = powers[1:, m]
+        settings = self.pieces.settings(at)
+        if settings["order"] or course["order"]:
+            changed |= any(course[name] != value for name, value in settings.items())
+            for name, value in settings.items():
+                course[name] = value
+        if changed:
+            anew = row != self.first[at] or self.pieces.jumps[at]
+            given["changed"] = AT_ONCE if anew else GOING_ON
 
     @property
     def changes(self) -> np.ndarray:
-        """The rows that differ from the row before, and the number of rows."""
-        if not self.places:
-            return np.array([len(self.times)])
-        return np.append(
-            1 + np.flatnonzero((self.values[1:] != self.values[:-1]).any(axis=1)), len(self.times)
-        )
+        """The rows with which pieces begin, but for the first, and the number of rows."""
+        return np.append(self.first[1:], len(self.times))
 
 
 def drive(scene: Scene, inputs: Mapping[str, Signal], interpolation: str, times: np.ndarray) -> Drive:
@@ -60,17 +74,16 @@ def drive(scene: Scene, inputs: Mapping[str, Signal], interpolation: str, times:
     Args:
         scene: what is driven.
         inputs: name of an input of the FMU → its signal.
-        interpolation: ``hold`` or ``linear``, see ``simulate``.
+        interpolation: ``follow``, ``hold`` or ``linear``, see ``simulate``.
         times: communication points, increasing, shape (T,) [s].
 
     Raises:
         SceneError: when a name is no input of the scene, or a signal cannot be one.
     """
     if interpolation not in INTERPOLATIONS:
-        raise SceneError(f"{scene.name}: interpolation = {interpolation!r} must be hold or linear")
-    if not inputs:
-        return Drive(times, np.ones(len(times), bool), (), np.zeros((len(times), 0)))
-    places = input_places(scene)
+        allowed = "must be follow, hold or linear"
+        raise SceneError(f"{scene.name}: interpolation = {interpolation!r} {allowed}")
+    places = input_places(scene) if inputs else {}
     for name in inputs:
         if name not in places:
             raise SceneError(f"{scene.name}: {name!r} is no input of this scene; {inputs_text(places)}")
@@ -79,19 +92,49 @@ def drive(scene: Scene, inputs: Mapping[str, Signal], interpolation: str, times:
     same = SAME_TIME * times[-1]
     sampled = [signal[0] for signal in signals.values() if isinstance(signal, tuple)]
     grid = _with_samples(times, np.concatenate(sampled), same) if sampled else times
-
+    functions = [callable(signal) and interpolation == "follow" for signal in signals.values()]
     points = [
-        _at_points(f"{scene.name}: {name}", signal, interpolation, grid, same)
-        for name, signal in signals.items()
+        np.zeros(len(grid))
+        if followed
+        else _at_points(f"{scene.name}: {name}", signal, interpolation, grid, same)
+        for (name, signal), followed in zip(signals.items(), functions, strict=True)
     ]
     values = np.stack(points, axis=1) if points else np.zeros((len(grid), 0))
-    held = values[:-1] if interpolation == "hold" else (values[:-1] + values[1:]) / 2
+    pieces = joined_points(grid, values, lines=interpolation == "linear")
+    if any(functions):
+        pieces = _with_functions(scene, signals, np.flatnonzero(functions), pieces)
+    begin = pieces.start[1:]
+    together = np.union1d(times, begin)
     return Drive(
-        times=grid,
-        asked=np.isin(grid, times) if sampled else np.ones(len(times), bool),
+        times=together,
+        asked=np.isin(together, times),
         places=tuple(places[name] for name in signals),
-        values=np.concatenate([values[:1], held]),
+        pieces=pieces,
+        first=np.append(0, np.searchsorted(together, begin) + 1),
     )
+
+
+def _with_functions(scene: Scene, signals: Mapping[str, Any], columns: np.ndarray, held: Pieces) -> Pieces:
+    """Pieces of some signals that are functions, by their numbers, and of others that are held."""
+    names = list(signals)
+
+    def called(times: np.ndarray) -> np.ndarray:
+        return np.array(
+            [
+                [_called(f"{scene.name}: {names[m]}", signals[names[m]], time) for m in columns]
+                for time in times.tolist()
+            ]
+        )
+
+    follower = Follower(called, float(held.end[-1]), FINER * scene.solver.tolerance)
+    try:
+        return follower.beside(held, columns)
+    except NotSmoothError as error:
+        which = " and ".join(names[m] for m in columns)
+        raise SceneError(
+            f"{scene.name}: {which}: the function cannot be followed at t = {error.time:.9g} s, as it is "
+            'smooth in no time there; give samples (times, values), or take interpolation="hold"'
+        ) from None
 
 
 def _with_samples(times: np.ndarray, samples: np.ndarray, same: float) -> np.ndarray:

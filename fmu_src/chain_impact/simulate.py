@@ -7,7 +7,6 @@ import math
 import os
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
@@ -23,7 +22,7 @@ from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.running import Instance, SimulationError, in_order
 from chain_impact.scene import Scene, scene_of
 from chain_impact.sensitivities import DifferentiatedInstance
-from chain_impact.signals import Signal, drive
+from chain_impact.signals import Interpolation, Signal, drive
 from chain_impact.variables import WORD, fmu_variables, output_words, parameters_of, with_sensitivities
 
 MOST_BYTES = 2_000_000_000
@@ -40,32 +39,34 @@ def simulate(
     *,
     output: str | Iterable[str] | None = None,
     inputs: Mapping[str, Signal] | None = None,
-    interpolation: Literal["hold", "linear"] = "hold",
+    interpolation: Interpolation = "follow",
     sensitivities: Iterable[str] | None = None,
     notify: Notify = announce,
     progress: Callable[[float], None] = lambda _: None,
 ) -> Result:
     """Simulate a scene from t = 0.
 
-    Inputs are constant between two communication points, as those of the FMU are. Communication points are
-    the rows of the result and, between them, the times of samples.
+    Inputs act by their ``interpolation``. Communication points are the rows of the result and, between them,
+    the times of samples.
 
-    - ``hold``: a function is called at each communication point, and its value acts until the next. A sample
-      acts from its time on, so that a signal of steps is followed exactly, whatever the output step.
-    - ``linear``: between samples, and between a function's values at communication points, the signal is a
-      line, of which its mean acts from each communication point to the next. The impulse is exact; the
-      motion has an error that falls with the square of the distance of communication points.
+    - ``follow``: the solver follows a function between communication points, too, to its tolerance. It finds
+      jumps and kinks; a pulse shorter than a two-thousandth of the run can be missed. A sample acts from its
+      time on until the next one, so that a signal of steps is followed exactly.
+    - ``hold``: a function is called at each communication point, and its value acts until the next, as an
+      FMU has it that is stepped between them. Samples act as with ``follow``.
+    - ``linear``: samples, and a function's values at communication points, are joined by straight lines,
+      which the solver follows.
 
     The first sample acts before its time, too, and the last one until the end. A row of the result has the
     accelerations and forces that the inputs until then cause, as an importer sees them that reads the FMU
-    after each step. Functions are called before the simulation begins, in order of time: they cannot depend
-    on its state. For a controller, step a ``Chain``, or connect one to the FMU.
+    after each step. Functions are called before the simulation begins: they cannot depend on its state. For
+    a controller, step a ``Chain``, or connect one to the FMU.
 
     Args:
         scene: what to simulate: a scene, or what ``load_scene`` takes.
         stop_time: end [s]; the scene's by default.
         output_step: distance of the rows of the result [s]; the scene's communication step by default. It
-            changes neither the solution nor its cost, but for inputs that are functions or lines. With
+            changes neither the solution nor its cost, but for functions that are not followed. With
             ``math.inf`` there are two rows, the start and the end.
         method: solver method instead of the scene's.
         tolerance: relative tolerance instead of the scene's.
@@ -75,7 +76,7 @@ def simulate(
         inputs: name of an input of the scene's FMU, as ``joint[2].torque`` [N·m] or ``tip.force.x`` [N] →
             a number, a function of the time [s], or a pair (times [s], values), each of shape (T,), times
             increasing. An input that is not named is zero.
-        interpolation: of inputs between samples and communication points.
+        interpolation: of inputs, ``follow``, ``hold`` or ``linear``.
         sensitivities: parameters and inputs by their names in the FMU, ``*`` as in ``output``: the result
             then has the derivatives of its outputs and impacts with respect to each of them, for
             ``Result.sensitivity``. The motion is the same, bit for bit. That with respect to an input is for

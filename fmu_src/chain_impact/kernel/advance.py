@@ -40,6 +40,7 @@ from chain_impact.kernel.integration.sundman import regularize, time_rate_now
 from chain_impact.kernel.integration.switching import choose_method
 from chain_impact.kernel.model.contact import clear_loads, drop_events
 from chain_impact.kernel.model.equations import state_rate
+from chain_impact.kernel.model.inputs import goes_on, take_inputs, within_piece
 from chain_impact.kernel.status import (
     LOG_FULL,
     NOT_FINITE,
@@ -128,8 +129,11 @@ def ends_in_onset(d):
 
 
 def renew(d):
-    """Start anew from the communication point if an input or parameter has changed; returns a status."""
-    if d.statistics.status == OK and d.given.changed:
+    """Start anew from the communication point if an input or parameter has changed; returns a status.
+
+    Inputs that go on without a jump from where the last step ends are taken over by the next one.
+    """
+    if d.statistics.status == OK and d.given.changed and not goes_on(d):
         d.statistics.status = restart(d)
     return d.statistics.status
 
@@ -222,7 +226,9 @@ def take_step(d):
 def find_step(d):
     """Try steps of ever smaller size until one is accepted, up to its first event; returns a status."""
     step, grow, error = d.step, step_size.GROW, 0.0
-    h = prepare(d, min(step.next_size, LONGEST_STEP))
+    wanted = min(step.next_size, LONGEST_STEP)
+    limited = within_piece(d, wanted)
+    h = prepare(d, limited)
     while True:
         if h < SHORTEST_STEP or step.end + h == step.end:
             return STEP_TOO_SMALL if math.isfinite(error) else NOT_FINITE
@@ -231,6 +237,8 @@ def find_step(d):
             accept(d, h)
             if ends_well(d, find_event(d)):
                 step.next_size = h * min(grow, step_size.factor(d, max(error, 1e-16)))
+                if limited < wanted and grow > 1.0:
+                    step.next_size = max(step.next_size, wanted)  # the end of a piece tells nothing of it
                 return OK
             take_back(d)
             drop_events(d)
@@ -267,6 +275,9 @@ def ends_well(d, theta):
 def begin(d):
     """Let what happened at the end of the last step take effect; returns the number of events."""
     events = let_events_act(d)
+    if d.given.changed:
+        d.given.changed = 0
+        take_inputs(d)
     if events > 0 and d.contact.impulsive:
         d.step.next_size = min(d.step.next_size, step_size.in_flight(d, d.step.state_end, d.work.rate_start))
     if events > 0 or d.balance.breaks != d.step.breaks:

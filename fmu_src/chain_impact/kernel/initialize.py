@@ -35,6 +35,7 @@ from chain_impact.kernel.model.contact import clear_loads, drop_events
 from chain_impact.kernel.model.contact_force import USER_LAW, foresee_depth, latch_damping
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import clearance, place_walls
+from chain_impact.kernel.model.inputs import take_inputs
 from chain_impact.kernel.model.latest import forget_impacts
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
@@ -147,10 +148,7 @@ def take_given(d):
     given = d.given
     d.contact.law, d.contact.stiffness = given.law, given.stiffness
     d.contact.restitution = given.restitution
-    for i in range(d.links):
-        d.inputs.joint_torque[i] = given.joint_torque[i]
-    for j in range(2):
-        d.inputs.tip_force[j] = given.tip_force[j]
+    take_inputs(d)
 
 
 def derive_law(d):

@@ -13,6 +13,7 @@ from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.laws.contact_laws import LAW_COUNT
 from chain_impact.kernel.laws.user_law import present
 from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.kernel.model.inputs import DEGREE
 from chain_impact.kernel.model.latest import LATEST
 from chain_impact.kernel.status import LAST_STATUS, OK
 
@@ -37,6 +38,7 @@ def within_bounds(d):
     fits = fits and within(d.search.known, 0, FAR) and within(d.step.dense_for, 0, SOLVER)
     fits = fits and within(d.statistics.status, OK, LAST_STATUS)
     fits = fits and within(d.latest.kept, 0, LATEST)
+    fits = fits and within(d.given.course.order, 0, DEGREE) and within(d.inputs.course.order, 0, DEGREE)
     fits = fits and within(d.touch.active_count, 0, d.candidates)
     for c in range(d.candidates):
         fits = (

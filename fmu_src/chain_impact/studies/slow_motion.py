@@ -43,7 +43,7 @@ def record_slowly(
         impact_time: what each impact takes on the screen [s], 0 for no slow motion.
         notify: called with a sentence before a kernel is compiled.
         progress: called with the fraction done.
-        inputs: as for ``simulate``, held between the scene's communication points.
+        inputs: as for ``simulate``.
 
     Raises:
         SceneError: when an input cannot be one.
@@ -61,19 +61,14 @@ def record_slowly(
     )
     shown, _ = frame_times(0.0, stop, spans, impact_time, MOST_ROWS)
     others = (onsets[:, None] + (ends - onsets)[:, None] * WITHIN).ravel()[:MOST_ROWS]
-    driven = drive(scene, inputs or {}, "hold", result.time)
-    # the values of a row act from the time of the row before
-    switches = driven.times[driven.changes[:-1] - 1]
-    times = np.union1d(np.union1d(shown, others.clip(0.0, stop)), switches)
-    rows = np.searchsorted(driven.times, times)
-    changed = (driven.values[rows[1:]] != driven.values[rows[:-1]]).any(axis=1)
-    ends_held = np.append(1 + np.flatnonzero(changed), len(times))
+    driven = drive(scene, inputs or {}, "follow", np.union1d(shown, others.clip(0.0, stop)))
+    times, changes = driven.times, driven.changes
 
     instance = Instance(scene, notify, driven)
     outputs, done = np.zeros(len(times), instance.record.dtype["output"]), 0
     while done < len(times) and instance.status == OK:
-        end = min(done + CHUNK, ends_held[np.searchsorted(ends_held, done, side="right")])
-        driven.set(instance.record["given"], rows[done])
+        end = min(done + CHUNK, changes[np.searchsorted(changes, done, side="right")])
+        driven.set(instance.record["given"], done)
         done += instance.trajectory(times[done:end], outputs[done:end])
         instance.collect()
         progress(0.5 + done / len(times) / 2)

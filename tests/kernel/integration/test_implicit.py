@@ -37,7 +37,7 @@ from tests.reference import clearance_gradient, mass_matrix
 def problem(rate, jacobian):
     """The step for y' = f(y) with an approximate Jacobian A(y)."""
 
-    def fill(d, y, out):
+    def fill(d, y, _elapsed, out):
         out[: len(y)] = rate(y)
 
     def solve(d, shift, right, x):
@@ -48,7 +48,7 @@ def problem(rate, jacobian):
     generic = linearly_implicit(fill, solve)
 
     def step(d, h):
-        fill(d, d.start, d.implicit.stage[START_RATE])
+        fill(d, d.start, 0.0, d.implicit.stage[START_RATE])
         generic(d, d.start, d.end, h)
 
     return step

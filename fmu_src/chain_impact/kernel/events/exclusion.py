@@ -49,7 +49,8 @@ def excludes_events(d):
     Its end has to be located and accelerated. If it cannot be told, φ and φ′ of all candidates are known at
     either end.
     """
-    turn = largest_turn(d)
+    # an input may change the acceleration between the ends as much as turning does
+    turn = max(largest_turn(d), (d.step.end - d.step.start) * d.inputs.course.pace)
     if turn < SMALL_TURN and remains_far(d):
         return True
     if known(d) != WITH_CURVES:

@@ -29,6 +29,8 @@ The coordinates of a result are moved to the g and ġ that came with it in the s
 output in between. How far they had left them counts as an error.
 """
 
+import math
+
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.springs import stiffness_of
 from chain_impact.kernel.chain.state import (
@@ -50,6 +52,7 @@ from chain_impact.kernel.model.compliance import give_way, give_way_damped, stif
 from chain_impact.kernel.model.contact import apply_contact, clear_loads, contact_slopes
 from chain_impact.kernel.model.equations import loaded_rate
 from chain_impact.kernel.model.geometry import along_normal, clearance
+from chain_impact.kernel.model.inputs import set_inputs
 
 GAMMA = ros34pw2.GAMMA_DIAGONAL
 # rows of implicit.stage, in which 1 to 4 are the stages k_i
@@ -66,11 +69,12 @@ def _stage(i, rate, solve_shifted):
     """Stage i > 1 of a step."""
     point = combination(ros34pw2.ALPHA[i])
     correction = combination({j: g / GAMMA for j, g in ros34pw2.GAMMA[i].items()})
+    part = math.fsum(ros34pw2.ALPHA[i].values())  # of the step, at which the stage stands
 
     def stage(d, z_start, z, h):
         stages = d.implicit.stage
         point(stages, z_start, h, z)
-        rate(d, z, stages[RATE])
+        rate(d, z, h * part, stages[RATE])
         # (1 − hγA)(k + s) = f + s
         correction(stages, stages[ZEROS, : len(z)], 1.0, stages[CORRECTION])
         for j in range(len(z)):
@@ -86,7 +90,8 @@ def linearly_implicit(rate, solve_shifted):
     """The stages and the result of a step, for a right-hand side and its linear solver.
 
     Args:
-        rate: function (d, z, out) for out = f(z).
+        rate: function (d, z, elapsed, out) for out = f(z), so long [s] after the start of the step. Its
+            change with time is left out of A: the method keeps its order.
         solve_shifted: function (d, hγ, r, x) for (1 − hγA) x = r.
 
     Returns:
@@ -157,8 +162,10 @@ def clearance_rates(d, z, rate):
         rate[rate_at(d, k)] = along_normal(d, d.touch.active_index[k], d.work.acceleration)
 
 
-def extended_rate(d, z, rate):
-    """Set rate = ż, with the contact forces at the clearances and rates in z."""
+def extended_rate(d, z, elapsed, rate):
+    """Set rate = ż, ``elapsed`` [s] after the start, with the contact forces at clearances and rates in z."""
+    if d.inputs.course.order > 0:
+        set_inputs(d, d.step.clock + elapsed)
     locate_points(d, z)
     clear_loads(d)
     dissipated = 0.0

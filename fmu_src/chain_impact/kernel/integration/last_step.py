@@ -35,7 +35,7 @@ def stand(d, time, y):
     step.state[root_at(d.links)], step.state[time_at(d.links)] = 1.0, 0.0
     for j in range(len(step.state)):
         step.state_end[j] = step.state[j]
-    step.time, step.start, step.end = time, time, time
+    step.time, step.start, step.end, step.clock = time, time, time, time
     step.size = 1.0
     stand_impulses(d)
     step.regularized = NO_CONTACT
@@ -116,7 +116,7 @@ def choose_variable(d, anew):
     changed = contact != step.regularized
     step.regularized = contact
     step.state_end[root] = u
-    step.state_end[time_at(d.links)] = 0.0
+    step.state_end[time_at(d.links)], step.clock = 0.0, step.end
     if changed:
         step.breaks += 1
         if not anew:

@@ -14,6 +14,7 @@ from chain_impact.kernel.chain.state import (
 )
 from chain_impact.kernel.model.constraints import hold
 from chain_impact.kernel.model.contact import apply_contacts, clear_loads
+from chain_impact.kernel.model.inputs import see_inputs
 
 
 def state_rate(d, y, rate):
@@ -29,6 +30,7 @@ def state_rate(d, y, rate):
 
 def located_rate(d, y, rate):
     """As ``state_rate``, for the located points."""
+    see_inputs(d, y)
     if d.contact.impulsive:
         free_rate(d, y, rate)
         if d.touch.active_count > 0:

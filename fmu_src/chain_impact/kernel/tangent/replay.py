@@ -38,6 +38,7 @@ from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.model.geometry import along_normal, clearance
 from chain_impact.kernel.tangent.directions import carried, value
 from chain_impact.kernel.tangent.kinks import first_kink, forget_sides
+from chain_impact.kernel.tangent.start import follow_inputs
 from chain_impact.kernel.tangent.trust import judge_onsets, judge_turns
 
 ALL = math.inf  # a time beyond any step
@@ -59,6 +60,7 @@ def catch_up(d, t, time):
 def make_part(d, t):
     """Make the last step of d from where t stands, up to its end or to the next kink of a force."""
     let_events_act(t)
+    follow_inputs(d, t)
     t.step.method = d.step.made_by
     choose_variable(t, True)
     start_in_variable(t)

@@ -83,7 +83,27 @@ def take_given_of(d, t):
     own.restitution = carried(given.restitution, 1.0, own.restitution)
     take(given.joint_torque, own.joint_torque)
     take(given.tip_force, own.tip_force)
+    follow_course(given.course, own.course)
     take_given(t)
+
+
+def follow_inputs(d, t):
+    """Let the inputs of t be those of d that hold now: a derivative is for a constant added to one."""
+    own = t.inputs
+    follow_course(d.inputs.course, own.course)
+    for i in range(t.links):
+        own.joint_torque[i] = own.course.joint_torque[0, i]
+    for j in range(2):
+        own.tip_force[j] = own.course.tip_force[0, j]
+
+
+def follow_course(course, own):
+    """Let a course of t be that of d, with the derivatives that its constants have."""
+    own.order, own.pace, own.until = course.order, course.pace, course.until
+    own.middle, own.scale = course.middle, course.scale
+    for m in range(course.order + 1):
+        take(course.joint_torque[m], own.joint_torque[m])
+        take(course.tip_force[m], own.tip_force[m])
 
 
 def derive_law_of(d, t):

@@ -1,0 +1,118 @@
+"""Inputs that are functions, followed by the solver: as the equations of motion have it, at any rows."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene, simulate
+from chain_impact.scene import SceneError, with_values
+from chain_impact.variables import with_sensitivities
+from tests.test_signals import ELBOW, SHOULDER, arm, exact, motion, push, wave
+
+TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)
+
+
+def kinked(time):
+    """A torque [N·m] with a kink."""
+    return 10.0 * abs(time - 0.123)
+
+
+def switched(time):
+    """A torque [N·m] with a jump."""
+    return 5.0 * (time > 0.123)
+
+
+def fast(time):
+    """A torque [N·m] that swings faster than the arm."""
+    return 3.0 * math.sin(300.0 * time)
+
+
+@pytest.mark.parametrize("method", ["explicit", "implicit"])
+@pytest.mark.parametrize("torque", [wave, kinked, switched, fast])
+def test_a_function_is_followed_to_the_tolerance(torque, method):
+    breaks = () if torque in (wave, fast) else (0.123,)
+    times = np.arange(41) * 0.01
+    expected = exact(
+        arm(tip_force=True), lambda t: (torque(t), 0.0), lambda t: (push(t), 0.0), times, breaks=breaks
+    )
+    for tolerance in TOLERANCES if method == "explicit" else TOLERANCES[:2]:
+        scene = with_values(arm(tip_force=True), {("solver", "tolerance"): tolerance})
+        inputs = {SHOULDER: torque, "tip.force.x": push}
+        result = simulate(scene, output_step=0.01, inputs=inputs, method=method)
+        # the implicit method errs by more at the same tolerance, also without inputs
+        assert np.abs(motion(result) - expected).max() < 20.0 * tolerance
+        ledger = result.energy["total"] + result.energy["dissipated"] - result.energy["supplied"]
+        assert np.ptp(ledger) < 20.0 * tolerance
+
+
+@pytest.mark.parametrize("law", ["hertz", "newton_impact", "kuwabara_kono"])
+def test_the_result_does_not_depend_on_the_rows_through_impacts(law):
+    scene = with_values(
+        load_scene("pinned_arm"), {("contact", "model"): law, ("simulation", "stop_time"): 1.0}
+    )
+    inputs = {SHOULDER: wave, ELBOW: kinked}
+    every, *others = (
+        simulate(scene, output_step=step, inputs=inputs) for step in (0.1, 1e-4, 1e-3, 2e-3, 0.02)
+    )
+    assert len(every.impacts) > 0
+    for other in others:
+        np.testing.assert_allclose(motion(other)[-1], motion(every)[-1], rtol=0, atol=1e-12)
+        assert other.statistics == every.statistics
+        for name in ("onset", "impulse", "peak_force"):
+            np.testing.assert_allclose(other.impacts[name], every.impacts[name], rtol=1e-12)
+
+
+def test_a_row_has_the_accelerations_of_the_input_at_its_time():
+    scene = with_values(arm(), {("solver", "tolerance"): 1e-10})
+    followed = simulate(scene, output_step=0.05, inputs={SHOULDER: wave})
+    held = simulate(scene, output_step=2e-5, inputs={SHOULDER: wave}, interpolation="hold")
+    np.testing.assert_allclose(
+        followed.outputs["angular_acceleration"],
+        held.outputs["angular_acceleration"][::2500],
+        rtol=0,
+        atol=0.02,
+    )
+
+
+def test_a_derivative_is_for_a_constant_added_to_the_function():
+    scene = with_values(load_scene("pinned_arm"), {("simulation", "stop_time"): 0.9})
+    scene = with_values(scene, {("solver", "tolerance"): 1e-11})
+    step = 1e-5
+
+    def shifted(by):
+        return simulate(scene, output_step=0.1, inputs={SHOULDER: lambda t: wave(t) + by, ELBOW: switched})
+
+    result = simulate(
+        scene, output_step=0.1, inputs={SHOULDER: wave, ELBOW: switched}, sensitivities=[SHOULDER]
+    )
+    assert len(result.impacts) > 0
+    more, less = shifted(step), shifted(-step)
+    slopes = (motion(more) - motion(less)) / (2.0 * step)
+    found = np.stack(
+        [
+            result.sensitivity(f"link[{i}].{name}", SHOULDER)
+            for name in ("angle", "angular_velocity")
+            for i in (1, 2)
+        ],
+        axis=1,
+    )
+    np.testing.assert_allclose(found, slopes, rtol=1e-5, atol=1e-6 * np.abs(slopes).max())
+    np.testing.assert_array_equal(result.outputs["angle"], shifted(0.0).outputs["angle"])
+    assert with_sensitivities(scene, (SHOULDER,)).outputs.sensitivities == (SHOULDER,)
+
+
+def test_a_piece_costs_no_restart():
+    """Not many more evaluations than without inputs, where the solver would take such steps anyway."""
+    scene = arm()
+    free, followed = simulate(scene), simulate(scene, inputs={SHOULDER: wave})
+    assert followed.statistics["rhs_evaluations"] < 1.7 * free.statistics["rhs_evaluations"]
+
+
+def test_noise_is_refused_in_a_sentence():
+    random = np.random.default_rng(1)
+    with pytest.raises(
+        SceneError, match=r"^PinnedArm: joint\[1\].torque: the function cannot be followed at t = "
+    ):
+        simulate(arm(), inputs={SHOULDER: lambda _: random.uniform()})
+    simulate(arm(), inputs={SHOULDER: lambda _: random.uniform()}, interpolation="hold")

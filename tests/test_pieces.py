@@ -1,0 +1,76 @@
+"""Polynomials that follow functions: as exact as asked for, with few pieces, and jumps found."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.pieces import Follower, NotSmoothError, joined_points
+
+FUNCTIONS = {  # function, what it may take, where it is not smooth
+    "sine": (lambda t: 3.0 * math.sin(9.0 * t) + 1.0, 20, ()),
+    "constant": (lambda _: 1.5, 1, ()),
+    "line": (lambda t: 1.5 * t, 1, ()),
+    "kink": (lambda t: abs(t - 0.3), 3, (0.3,)),
+    "jump": (lambda t: float(t > 0.3), 3, (0.3,)),
+    "jump in the middle": (lambda t: float(t >= 0.5), 2, (0.5,)),
+    "jump at the end": (lambda t: float(t >= 1.0 - 1e-6), 3, (1.0 - 1e-6,)),
+    "root": (math.sqrt, 110, ()),
+    "square wave": (
+        lambda t: float((20.0 * t) % 1.0 < 0.3),
+        60,
+        tuple(k / 20 + j for k in range(20) for j in (0, 0.015)),
+    ),
+}
+
+
+def follower(function, accuracy):
+    return Follower(lambda times: np.array([[function(t)] for t in times.tolist()]), 1.0, accuracy)
+
+
+@pytest.mark.parametrize("accuracy", [1e-6, 1e-11, 1e-15])
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_a_function_is_followed_with_few_pieces(name, accuracy):
+    function, most, breaks = FUNCTIONS[name]
+    held = joined_points(np.array([0.0, 1.0]), np.zeros((2, 1)), lines=False)
+    pieces = follower(function, accuracy).beside(held, np.array([0]))
+    assert len(pieces.start) <= most
+    assert (pieces.start[0], pieces.end[-1]) == (0.0, 1.0)
+    np.testing.assert_array_equal(pieces.start[1:], pieces.end[:-1])
+    for time in np.random.default_rng(0).uniform(0.0, 1.0, 2000):
+        if breaks and min(abs(time - at) for at in breaks) < 1e-11:
+            continue
+        k = np.searchsorted(pieces.start, time, side="right") - 1
+        x = (time - pieces.middle[k]) * pieces.scale[k]
+        found = np.polynomial.polynomial.polyval(x, pieces.powers[k, :, 0])
+        assert found == pytest.approx(function(time), abs=10.0 * max(accuracy, 1e-15) * 4.0)
+
+
+def test_a_jump_is_found_where_it_is():
+    function, _, _ = FUNCTIONS["jump"]
+    held = joined_points(np.array([0.0, 1.0]), np.zeros((2, 1)), lines=False)
+    pieces = follower(function, 1e-11).beside(held, np.array([0]))
+    assert pieces.start[pieces.jumps][1:] == pytest.approx([0.3], abs=1e-12)
+
+
+def test_pieces_of_a_smooth_function_meet_without_a_jump():
+    function, _, _ = FUNCTIONS["sine"]
+    held = joined_points(np.array([0.0, 1.0]), np.zeros((2, 1)), lines=False)
+    pieces = follower(function, 1e-11).beside(held, np.array([0]))
+    assert pieces.jumps.tolist() == [True] + [False] * (len(pieces.start) - 1)
+
+
+def test_noise_has_no_pieces():
+    random = np.random.default_rng(0)
+    with pytest.raises(NotSmoothError):
+        follower(lambda _: random.uniform(), 1e-8).pieces(0.0, 1.0)
+
+
+def test_points_that_are_held_or_joined_make_as_few_pieces_as_may_be():
+    times, values = np.arange(6.0), np.array([[1.0], [1.0], [3.0], [3.0], [3.0], [0.0]])
+    held, joined = (joined_points(times, values, lines=lines) for lines in (False, True))
+    assert held.start.tolist() == [0.0, 2.0]
+    assert held.powers[:, 0, 0].tolist() == [1.0, 3.0]
+    assert joined.start.tolist() == [0.0, 1.0, 2.0, 4.0]
+    assert joined.jumps.tolist() == [True, False, False, False]
+    assert [joined.settings(k)["order"] for k in range(4)] == [0, 1, 0, 1]
