@@ -10,6 +10,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.kernel import status
+from chain_impact.layout import LOG_SIZE
 from chain_impact.running import SimulationError
 from chain_impact.scene import SOLVER_METHODS, SceneError, models_folder
 from chain_impact.simulate import check_size
@@ -60,6 +61,18 @@ def test_many_impacts_are_all_collected_between_two_output_points():
     expected = drop.onset + period * np.arange(len(impacts))
     np.testing.assert_allclose(impacts["onset"], expected, rtol=0, atol=1e-5)
     np.testing.assert_allclose(impacts["impact_speed"], drop.speed, rtol=1e-5)
+
+
+@pytest.mark.parametrize("model", ["bouncing_ball", "clattering_rod"])
+@pytest.mark.parametrize("output", [(), ("energy.total",)])
+@pytest.mark.parametrize("sensitivities", [(), ("gravity.y",)])
+def test_many_impacts_are_all_collected_between_two_rows_of_some_outputs(model, output, sensitivities):
+    few = simulate(model, output_step=math.inf, output=output, sensitivities=sensitivities)
+    assert len(few.impacts) > LOG_SIZE
+    assert few.time.tolist() == [0.0, few.scene.simulation.stop_time]
+    assert few.impacts.tobytes() == simulate(model).impacts.tobytes()
+    if output:
+        assert few["energy.total"][-1] == simulate(model)["energy.total"][-1]
 
 
 def test_progress_rises_to_one():

@@ -189,7 +189,7 @@ class _Rows:
         if self._words is None:
             return instance.trajectory(times, self.kept[start : start + len(times)])
         count = instance.trajectory(times, self._scratch)
-        written = self._scratch[:count].view(np.float64).reshape(count, -1)
+        written = self._scratch.view(np.float64).reshape(len(self._scratch), -1)[:count]
         self._numbers[start : start + count] = written[:, self._words]
         return count
 
