@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from chain_impact.running import Instance
+from chain_impact.running import Instance, SimulationError
 from chain_impact.scene import SOLVER_METHODS, WALLS, with_values
 from tests.newton import LAW, rigid
 from tests.problems import (
@@ -20,6 +20,8 @@ from tests.problems import (
     rod,
     struck_rod,
 )
+from tests.random_scenes import SLANTED, SPRUNG
+from tests.random_scenes import scene as random_scene
 from tests.reference import balance, moreau_impact, newton_impact
 
 
@@ -271,3 +273,23 @@ def test_communication_points_change_neither_result_nor_cost():
     assert coarse.statistics == fine.statistics
     assert coarse.impacts.tobytes() == fine.impacts.tobytes()
     assert np.array_equal(coarse.outputs[-1], fine.outputs[-1])
+
+
+@pytest.mark.parametrize(("seed", "tolerance"), [(307, 1e-5), (427, 1e-5), (1544, 1e-2), (3196, 1e-2)])
+def test_no_point_arrives_backwards(seed, tolerance):
+    """A point that lies at a wall, which the error of a step has turned round by its onset."""
+    first = (0, SLANTED, SPRUNG)[seed % 3]
+    scene = random_scene(first + seed)
+    changes = {
+        ("contact", "model"): "newton_impact",
+        ("solver", "tolerance"): tolerance,
+        ("solver", "method"): "auto",
+        ("simulation", "stop_time"): min(2.0, scene.simulation.stop_time),
+    }
+    try:
+        impacts = simulate(with_values(scene, changes), output_step=math.inf, output=()).impacts
+    except SimulationError as fault:  # what has happened until then counts
+        impacts = fault.result.impacts
+    assert len(impacts) > 10
+    assert (impacts["impact_speed"] >= 0.0).all()
+    assert not np.signbit(impacts["impact_speed"]).any()

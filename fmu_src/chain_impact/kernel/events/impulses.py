@@ -88,9 +88,6 @@ def strike(d):
         c = d.touch.active_index[k]
         if d.touch.event[c] == NEIGHBOUR and own.impulse[k] > 0.0:
             latch(d, c)
-            d.touch.onset_speed[c] = max(0.0, d.touch.onset_speed[c])
-            d.impact.last_speed = d.touch.onset_speed[c]
-            d.latest.speed[0] = d.touch.onset_speed[c]
     for j in range(coordinate_count(n)):
         state[velocity_at(n) + j] += own.change[j]
     state[dissipated_at(n)] += max(0.0, lost)

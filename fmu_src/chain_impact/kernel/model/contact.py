@@ -62,7 +62,8 @@ def latch(d, c):
     _, gap_rate = clearance(d, c)
     touch = d.touch
     touch.onset[c] = d.step.end
-    touch.onset_speed[c] = 0.0 - gap_rate  # not −0
+    # a point that the error of a step, or another impact, has turned round by its onset does not arrive
+    touch.onset_speed[c] = max(0.0, 0.0 - gap_rate)
     touch.impact_speed[c] = max(-gap_rate, d.contact.minimum_impact_speed)
     touch.speed[c] = -gap_rate
     touch.force_rate[c] = 1.0  # rising
