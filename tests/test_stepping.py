@@ -55,7 +55,7 @@ def test_steps_give_the_bits_of_simulate(model):
 
 
 def test_held_inputs_give_the_bits_of_simulate(arm):
-    result = simulate(arm, inputs={TORQUE: signal})
+    result = simulate(arm, inputs={TORQUE: signal}, interpolation="hold")
     chain = Chain(arm)
     rows = drive(chain, result.time.tolist(), signal)
     assert rows.tobytes() == np.stack(list(result.columns.values()), -1).tobytes()
