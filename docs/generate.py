@@ -153,7 +153,7 @@ def variable_patterns() -> str:
 
 # what a scene has, and whether it has it: the first that tells the scenes of a variable from the others
 KINDS = {
-    "all": lambda scene: True,
+    "all": lambda _: True,
     "with walls": lambda scene: bool(scene.half_planes),
     "with a free base": lambda scene: scene.chain.base == "free",
     "with inputs": lambda scene: scene.inputs.joint_torques,
