@@ -152,7 +152,7 @@ def compare(scene: Scene, driver: ctypes.CDLL) -> dict:
 
 
 def table(results: list[dict]) -> str:
-    """The table of docs/rest.md, which leaves out K = 1e8: ours | CVODE careful | CVODE as users have it."""
+    """The table of docs/rest.md, without some rows: ours | CVODE careful | CVODE as users have it."""
     lines = ["| e | K | time [ms] | time / ours | steps | onsets | energy drift [mJ] |"]
     lines.append("|---|---|---|---|---|---|---|")
     names = ("ours", CAREFUL, USERS)

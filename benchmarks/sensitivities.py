@@ -168,19 +168,18 @@ def show(results: dict[str, Any]) -> str:
     names = list(PARAMETERS.values())
     parts = []
     exact = [row for row in results["accuracy"] if row["tolerance"] in SHOWN]
-    for t, time in enumerate(TIMES):
-        rows = [
-            (
-                f"{row['tolerance']:.0e}",
-                f"{row['run'][t]:.0e}",
-                *(f"{errors[t]:.0e}" for errors in row["state"].values()),
-            )
-            for row in exact
-        ]
-        best = results["differences"]
-        last = tuple(f"{best[name][t]:.0e}" if name in best else "–" for name in PARAMETERS)
-        rows.append(("differences", "", *last))
-        parts.append(f"At {time} s:\n\n" + table(("tolerance", "run", *names), rows))
+    rows = [
+        (
+            f"{row['tolerance']:.0e}",
+            f"{row['run'][-1]:.0e}",
+            *(f"{errors[-1]:.0e}" for errors in row["state"].values()),
+        )
+        for row in exact
+    ]
+    best = results["differences"]
+    last = tuple(f"{best[name][-1]:.0e}" if name in best else "–" for name in PARAMETERS)
+    rows.append(("differences", "", *last))
+    parts.append(f"At {TIMES[-1]} s:\n\n" + table(("tolerance", "run", *names), rows))
     rows = [
         (f"{row['tolerance']:.0e}", *(f"{error:.0e}" for error in row["impacts"].values())) for row in exact
     ]

@@ -11,10 +11,9 @@ import re
 import common
 import sensitivities
 from fidelity import GRID
-from peer_tables import SIZES, TABLES
+from peer_tables import TABLES
 from problems import STEEL
-from stability import ADAPTIVE, METHODS, OUTCOMES
-from stability_chart import STEPS_AT
+from stability import ADAPTIVE, OUTCOMES
 from table import run, table
 
 SHOWN = 1e-8  # tolerance of the stiffnesses in the table of fidelity.py
@@ -28,23 +27,6 @@ PAGES = ("benchmarks.md", "impacts.md", "sensitivities.md", "stability.md")
 def span(ratio: dict) -> str:
     """A ratio, with its range over the rounds."""
     return f"**{ratio['median']:.3g}** ({ratio['least']:.3g}–{ratio['largest']:.3g})"
-
-
-def rhs() -> str:
-    """Nanoseconds and ratios over N."""
-    head = ("N", "ours [ns]", "for each link [ns]", "plain arrays / ours", "NumPy / ours")
-    rows = (
-        (
-            row["links"],
-            f"{row['nanoseconds']['ours']:.4g}",
-            f"{row['nanoseconds']['ours'] / row['links']:.3g}",
-            span(row["plain arrays / ours"]),
-            span(row["NumPy / ours"]),
-        )
-        for row in common.load("rhs")["results"]
-        if row["links"] in SIZES
-    )
-    return run("rhs") + "\n\n" + table(head, rows)
 
 
 def importers() -> str:
@@ -67,30 +49,6 @@ def importers() -> str:
     steps = [f"{1e3 * step:g} ms" for step in common.load("importers")["settings"]["steps"]]
     head = ("scene", "shown", "importer", *steps, "onset [s]", "peak force", "impulse")
     return run("importers", ("fmpy", "libcosimpy", "ecospy")) + "\n\n" + table(head, rows)
-
-
-def fmu_cost() -> str:
-    """Costs of the FMU against the empty and the bare slave."""
-    found = common.load("fmu_cost")["results"]
-    rows = []
-    for name, unit, title in (
-        ("raw", "microseconds a step", "1 ms step and 30 outputs, C functions [µs]"),
-        ("simulate_fmu", "milliseconds", "2 s scenario, `fmpy.simulate_fmu` [ms]"),
-        ("later instance", "milliseconds", "instantiate and initialise, later instances [ms]"),
-    ):
-        values = found[name][unit]
-        rows.append(
-            (
-                title,
-                *(f"{values[who]:.3g}" for who in ("ours", "empty", "bare")),
-                span(found[name]["ours / empty"]),
-                span(found[name]["ours / bare"]),
-            )
-        )
-    size = found["bytes"]
-    rows.append(("FMU [kB]", f"{size['FMU'] / 1e3:.0f}", f"{size['empty FMU'] / 1e3:.0f}", "", "", ""))
-    head = ("", "ours", "empty", "bare", "ours / empty", "ours / bare")
-    return run("fmu_cost") + "\n\n" + table(head, rows)
 
 
 def fmu_native() -> str:
@@ -162,25 +120,6 @@ def stability() -> str:
     return run("stability") + "\n\n" + table(("method", *shown), rows)
 
 
-def steps() -> str:
-    """Accepted steps over stiffness at e = 0.1; in brackets those of runs that did not complete."""
-    record = common.load("stability")
-    stiffnesses = record["settings"]["stiffnesses"][::2]
-    rows = []
-    for method in (*(f"ours {name}" for name in METHODS), *ADAPTIVE):
-        cells = {
-            c["stiffness"]: c
-            for c in record["results"]["cells"]
-            if (c["method"], c["restitution"]) == (method, STEPS_AT)
-        }
-        counts = [
-            f"{cells[k]['steps']}" if cells[k]["outcome"] == "completed" else f"({cells[k]['outcome']})"
-            for k in stiffnesses
-        ]
-        rows.append((f"scipy {method}" if method in ADAPTIVE else method, *counts))
-    return table(("steps for 3 s", *(f"K = {k:.0e}" for k in stiffnesses)), rows)
-
-
 def fidelity_shown(row: dict) -> bool:
     """Whether the table has a choice: some stiffnesses, some tolerances at that of steel, some laws."""
     if row["choice"] != GRID:
@@ -219,16 +158,13 @@ def fidelity() -> str:
 def main() -> None:
     """Fill the pages."""
     functions = (
-        rhs,
         fidelity,
-        fmu_cost,
         fmu_native,
         importers,
         sweep,
         derivatives,
         fits,
         stability,
-        steps,
         *TABLES,
     )
     tables = {function.__name__: function for function in functions}

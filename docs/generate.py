@@ -49,8 +49,8 @@ def filled(page: str) -> str:
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A Markdown table."""
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+    lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in (head, *rows)]
+    return "\n".join([lines[0], "|" + "---|" * len(head), *lines[1:]])
 
 
 def code(text: object) -> str:
@@ -137,8 +137,7 @@ def variable_patterns() -> str:
         lines = [
             (
                 code(pattern),
-                variable.type,
-                variable.variability,
+                *([variable.variability] if causality == "parameter" else []),
                 code(variable.unit),
                 _meaning(pattern, variable),
                 _where(pattern, found),
@@ -146,7 +145,8 @@ def variable_patterns() -> str:
             for pattern, variable in rows.items()
             if variable.causality == causality
         ]
-        head = ("name", "type", "variability", "unit", "meaning", "in scenes")
+        kind = ["variability"] if causality == "parameter" else []
+        head = ("name", *kind, "unit", "meaning", "in scenes")
         blocks.append(f"### {causality.capitalize()}s\n\n{table(head, lines)}")
     return "\n\n".join(blocks)
 
@@ -193,7 +193,8 @@ def _meaning(pattern: str, variable: Variable) -> str:
         return "force law, by its number in the [table of laws](contact_laws.md#the-laws)"
     if pattern == "solver.status":
         return "status of the solver: see its [codes](troubleshooting.md#statuses-of-the-solver)"
-    return _generic(variable.description) + (f": {_choices(variable)}" if variable.items else "")
+    kind = "" if variable.type == "real" else f" ({variable.type})"
+    return _generic(variable.description) + (f": {_choices(variable)}" if variable.items else kind)
 
 
 def _choices(variable: Variable) -> str:
