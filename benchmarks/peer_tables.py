@@ -37,11 +37,10 @@ def work_precision() -> str:
                     f"{1e3 * mine['seconds']:.3g}",
                     f"{mine['error']:.1e}",
                     f"{best['times ours']:.3g} ({best['name'].split()[1]})" if best else "–",
-                    times(equal["all"].get("diffrax Dopri8")),
                     *(times(equal["all"].get(name)) for name in SHOWN),
                 )
             )
-    head = ("", "tolerance", "ours [ms]", "error", "best of scipy", "diffrax", *SHOWN)
+    head = ("", "tolerance", "ours [ms]", "error", "best of scipy", *SHOWN)
     return run("work_precision", VERSIONS) + "\n\n" + table(head, rows)
 
 

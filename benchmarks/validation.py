@@ -44,6 +44,9 @@ SHOWN = (
     "deviation at 10⁻¹²",
 )  # columns of the page; the file has more
 
+# rows that only the file has
+LEFT_OUT = ("impact 10", "impact 20", "height at 4 s", "prescribed 0.4", "prescribed 0.6", "at 2 s [rad]")
+
 
 def shown(row: dict[str, str]) -> list[str]:
     """A row of the page's table, which has the source beside the problem."""
@@ -91,7 +94,13 @@ def main() -> None:
     started = common.environment(("scipy",))
     results = [row for function in PROBLEMS.values() for row in rows(function(DEFAULT), function(TIGHT))]
     common.save("validation", started, {"tolerances": [DEFAULT, TIGHT]}, results)
-    text = run("validation") + "\n\n" + table(SHOWN, map(shown, results))
+    text = (
+        run("validation")
+        + "\n\n"
+        + table(
+            SHOWN, (shown(row) for row in results if not any(text in row["quantity"] for text in LEFT_OUT))
+        )
+    )
     page = PAGE.read_text(encoding="utf-8")
     start, end = "<!-- validation -->", "<!-- end -->"
     filled = re.sub(f"(?<={start}\n).*?(?={end})", lambda _: f"\n{text}\n\n", page, flags=re.DOTALL)
