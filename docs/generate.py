@@ -295,7 +295,22 @@ def command_line() -> str:
     return "\n\n".join(blocks)
 
 
+def _usage(parser: Any) -> str:
+    """The usage in one line: which arguments there are, and which options are needed."""
+    parts = [parser.prog, "[options]"]
+    for action in parser._actions:
+        name = action.metavar or action.dest.upper()
+        if action.option_strings and action.required:
+            parts.append(f"{action.option_strings[0]} {name}")
+        elif not action.option_strings:
+            parts.append(
+                {"?": f"[{name}]", "+": f"{name} [{name} ...]", "A...": f"{name} ..."}.get(action.nargs, name)
+            )
+    return " ".join(parts)
+
+
 def _help(parser: Any) -> str:
+    parser.usage = _usage(parser)
     formatter = parser.formatter_class
     parser.formatter_class = lambda prog: formatter(prog, width=HELP_WIDTH)
     lines = [line for line in parser.format_help().rstrip().splitlines() if not line.startswith(EVERY)]
