@@ -303,9 +303,8 @@ def _usage(parser: Any) -> str:
         if action.option_strings and action.required:
             parts.append(f"{action.option_strings[0]} {name}")
         elif not action.option_strings:
-            parts.append(
-                {"?": f"[{name}]", "+": f"{name} [{name} ...]", "A...": f"{name} ..."}.get(action.nargs, name)
-            )
+            shown = {"?": f"[{name}]", "+": f"{name} [{name} ...]", "A...": f"{name} ..."}
+            parts.append(shown.get(action.nargs, name))
     return " ".join(parts)
 
 
