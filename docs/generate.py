@@ -244,13 +244,13 @@ def contact_laws() -> str:
 
 
 def _law_row(law: ContactLaw) -> Sequence[str]:
+    accurate = _accurate(law.accurate_from, law.accurate_to)
     return (
         str(law.number),
         code(law.id),
         f"{law.source}. {law.limits}",
         law.formula,
-        _accurate(law.accurate_from, law.accurate_to),
-        law.restitution_range,
+        *(text.replace(" ", "\N{NO-BREAK SPACE}") for text in (accurate, law.restitution_range)),
         law.evidence,
     )
 
