@@ -67,20 +67,4 @@ def reference() -> str:
     return table(head, rows)
 
 
-def claims() -> str:
-    """The least ratios over all tolerances, for each problem."""
-    equal, rows = common.load("work_precision")["results"]["at equal error"], []
-    for problem, stop in PLACES:
-        mine = [row for row in equal if (row["problem"], row["stop"]) == (problem, stop)]
-        cells = []
-        for key in ("best scipy", "best compiled"):
-            found = [row[key]["times ours"] for row in mine if row[key]]
-            if not found:
-                cells.append("–")
-                continue
-            cells.append(f"**{min(found):.3g}** … {max(found):.3g}")
-        rows.append((f"{PROBLEMS[problem].title}, {stop} s", *cells))
-    return table(("", "fastest of scipy / ours", "fastest compiled peer / ours"), rows)
-
-
-TABLES = (work_precision, reference, claims)
+TABLES = (work_precision, reference)

@@ -66,22 +66,6 @@ def fmu_native() -> str:
     return run("fmu_native") + "\n\n" + table(("", "native", "pythonfmu", "pythonfmu / native"), rows)
 
 
-def sweep() -> str:
-    """Time of a run of a sweep, and against other ways to make it."""
-    found = common.load("sweep")["results"]
-    each, used = found["microseconds a run"], found["CPU microseconds a run"]
-    base = used["sweep, 1 thread"]["median"]
-    rows = [(name, span(used[name]), f"{used[name]['median'] / base:.3g}", span(each[name])) for name in each]
-    load = common.load("sweep")["machine"]["load_at_start"][0]
-    head = ("", "CPU time of a run [µs]", "over a sweep's", f"by the clock [µs], at a load of {load:.1f}")
-    rate, share = found["runs a second and core"]["median"], span(found["two threads over twice one"])
-    text = (
-        f"That is {rate:,.0f} runs a second and core. By the clock two threads do {share} of twice what one "
-    )
-    text += "does."
-    return "\n\n".join((run("sweep"), table(head, rows), text))
-
-
 def derivatives() -> str:
     """How exact derivatives are, and what they cost."""
     return run("sensitivities", ()) + "\n\n" + sensitivities.show(common.load("sensitivities")["results"])
@@ -160,7 +144,6 @@ def main() -> None:
         fidelity,
         fmu_native,
         importers,
-        sweep,
         derivatives,
         fits,
         stability,

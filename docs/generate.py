@@ -115,6 +115,7 @@ def _readable(text: str) -> str:
     if all(f'"{law}"' in text for law in CONTACT_LAWS):
         return "the id of a [contact law](contact_laws.md#the-laws)"
     choices = re.sub(r'"(\w+)"', r'`"\1"`', text)
+    choices = choices.replace("a finite number", "number").replace("a whole number", "integer")
     return choices.replace(">=", "≥").replace("<=", "≤")
 
 
@@ -139,35 +140,38 @@ def variable_patterns() -> str:
                 code(pattern),
                 *([variable.variability] if causality == "parameter" else []),
                 code(variable.unit),
-                _meaning(pattern, variable),
-                _where(pattern, found),
+                _meaning(pattern, variable) + _where(pattern, found),
             )
             for pattern, variable in rows.items()
             if variable.causality == causality
         ]
         kind = ["variability"] if causality == "parameter" else []
-        head = ("name", *kind, "unit", "meaning", "in scenes")
+        head = ("name", *kind, "unit", "meaning")
         blocks.append(f"### {causality.capitalize()}s\n\n{table(head, lines)}")
     return "\n\n".join(blocks)
 
 
 # what a scene has, and whether it has it: the first that tells the scenes of a variable from the others
 KINDS = {
-    "all": lambda _: True,
-    "with walls": lambda scene: bool(scene.half_planes),
-    "with a free base": lambda scene: scene.chain.base == "free",
-    "with inputs": lambda scene: scene.inputs.joint_torques,
-    "with this wall": lambda scene: bool(scene.walls),
+    "": lambda _: True,
+    "; with walls": lambda scene: bool(scene.half_planes),
+    "; with a free base": lambda scene: scene.chain.base == "free",
+    "; with inputs": lambda scene: scene.inputs.joint_torques,
 }
+NAMED_AFTER = (
+    "box.",
+    "wall.",
+    "joint[",
+    "tip.",
+)  # walls and inputs, without which there are no such variables
 
 
 def _where(pattern: str, found: list[tuple[Any, set[str]]]) -> str:
-    """Which scenes have a variable, judged by all models."""
+    """Which scenes have a variable, judged by all models; nothing if all have it."""
+    if pattern.startswith(NAMED_AFTER):
+        return ""
     having = [pattern in patterns for _, patterns in found]
-    if not any(having):
-        return "with inputs"
-    kinds = (kind for kind, has in KINDS.items() if [has(scene) for scene, _ in found] == having)
-    return "with this wall" if pattern.startswith("box.") else next(kinds)
+    return next(kind for kind, has in KINDS.items() if [has(scene) for scene, _ in found] == having)
 
 
 def _pattern(name: str) -> str:
