@@ -20,7 +20,7 @@ SHOWN = 1e-8  # tolerance of the stiffnesses in the table of fidelity.py
 # what the table of fidelity.py shows
 STIFFNESSES = (1e5, 1e8, 1e10)
 TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-8)
-LAWS = ("hunt_crossley", "lankarani_nikravesh", "flores", "carvalho_martins", "kelvin_voigt", "newton_impact")
+LAWS = ("lankarani_nikravesh", "flores", "carvalho_martins", "newton_impact")
 PAGES = ("benchmarks.md", "impacts.md", "sensitivities.md", "stability.md")
 
 

@@ -158,12 +158,7 @@ KINDS = {
     "; with a free base": lambda scene: scene.chain.base == "free",
     "; with inputs": lambda scene: scene.inputs.joint_torques,
 }
-NAMED_AFTER = (
-    "box.",
-    "wall.",
-    "joint[",
-    "tip.",
-)  # walls and inputs, without which there are no such variables
+NAMED_AFTER = ("box.", "wall.", "joint[", "tip.")  # variables of one wall or input, which are there with it
 
 
 def _where(pattern: str, found: list[tuple[Any, set[str]]]) -> str:
