@@ -1,4 +1,4 @@
-"""Problems of others, published and recomputed: ``python benchmarks/validation.py`` fills docs/validation.md.
+"""Problems from the literature, published and recomputed: ``python benchmarks/validation.py`` fills docs/validation.md.
 
 The problems, the second solutions and what was published are in tests/validation.py, which tests check, too.
 Nothing is timed: the cost of a run is its steps and evaluations.
