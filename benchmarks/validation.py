@@ -1,4 +1,4 @@
-"""Problems from the literature, published and recomputed: ``python benchmarks/validation.py`` fills docs/validation.md.
+"""Problems from the literature, recomputed: ``python benchmarks/validation.py`` fills docs/validation.md.
 
 The problems, the second solutions and what was published are in tests/validation.py, which tests check, too.
 Nothing is timed: the cost of a run is its steps and evaluations.
@@ -41,7 +41,7 @@ SHOWN = (
     "second solution",
     "ours",
     "deviation",
-    "deviation at 10⁻¹²",
+    "at 10⁻¹²",
 )  # columns of the page; the file has more
 
 # rows that only the file has
@@ -61,7 +61,9 @@ LEFT_OUT = (
 def shown(row: dict[str, str]) -> list[str]:
     """A row of the page's table, which has the source beside the problem."""
     problem = f"{row['problem']}, {row['source']}" if row["problem"] else ""
-    return [problem, *(row[name] for name in SHOWN[1:])]
+    solutions = (f"{float(row[name]):.9g}" for name in ("second solution", "ours"))
+    deviations = (row[name] for name in ("deviation", "deviation at 10⁻¹²"))
+    return [problem, row["quantity"], row["published"], *solutions, *deviations]
 
 
 def rows(problem: Problem, tight: Problem) -> list[dict[str, str]]:
