@@ -115,7 +115,7 @@ def _readable(text: str) -> str:
     if all(f'"{law}"' in text for law in CONTACT_LAWS):
         return "the id of a [contact law](contact_laws.md#the-laws)"
     choices = re.sub(r'"(\w+)"', r'`"\1"`', text)
-    choices = choices.replace("a finite number", "number").replace("a whole number", "integer")
+    choices = choices.replace("a finite number", "a number").replace("a whole number", "an integer")
     return choices.replace(">=", "≥").replace("<=", "≤")
 
 
