@@ -152,7 +152,7 @@ def compare(scene: Scene, driver: ctypes.CDLL) -> dict:
 
 
 def table(results: list[dict]) -> str:
-    """The table of docs/rest.md: ours | CVODE careful | CVODE as users have it."""
+    """The table that is printed: ours | CVODE careful | CVODE as users have it."""
     lines = ["| e | K | time [ms] | time / ours | steps | evaluations | onsets | energy drift [mJ] |"]
     lines.append("|---|---|---|---|---|---|---|---|")
     names = ("ours", CAREFUL, USERS)

@@ -10,15 +10,14 @@ import common
 def table(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
     """A Markdown table."""
     head = list(head)
-    lines = [head, ["---"] * len(head), *([str(cell) for cell in row] for row in rows)]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+    lines = ["| " + " | ".join(map(str, row)) + " |" for row in (head, *rows)]
+    return "\n".join([lines[0], "|" + "---|" * len(head), *lines[1:]])
 
 
-def run(name: str, packages: Iterable[str] = ("scipy",)) -> str:
-    """When and on what a benchmark ran."""
+def run(name: str, packages: Iterable[str] = ()) -> str:
+    """When and on what a benchmark ran, and with which versions of the packages that matter."""
     record = common.load(name)
     changed = ", with uncommitted changes" if record["sources_changed_since"] else ""
-    named = [key for key in ("python", "numpy", "numba", *packages) if key in record["versions"]]
-    versions = ", ".join(f"{key} {record['versions'][key]}" for key in named)
+    versions = "".join(f", {key} {record['versions'][key]}" for key in packages if key in record["versions"])
     where = f"{record['machine']['processor']}, {record['machine']['cores']} cores"
-    return f"Run {record['date'][:10]} at commit `{record['commit'][:7]}`{changed}; {where}; {versions}."
+    return f"Run {record['date'][:10]} at commit `{record['commit'][:7]}`{changed}; {where}{versions}."

@@ -30,6 +30,7 @@ DOCS = Path(__file__).parent
 SCHEMA = DOCS / "scene.schema.json"
 BLOCK = re.compile(r"(?<=^<!-- generated: )(\w+)( -->\n).*?(?=^<!-- end -->$)", re.MULTILINE | re.DOTALL)
 HELP_WIDTH = 88  # columns
+EVERY = ("  -h, --help ", "  -q, --quiet ")  # options of every command
 RADIUS = 0.02  # m, of the spheres in the table of stiffness
 # Young's modulus [Pa] and Poisson's ratio, as usual for the material
 MATERIALS = {
@@ -48,8 +49,8 @@ def filled(page: str) -> str:
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A Markdown table."""
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+    lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in (head, *rows)]
+    return "\n".join([lines[0], "|" + "---|" * len(head), *lines[1:]])
 
 
 def code(text: object) -> str:
@@ -111,7 +112,10 @@ def _allowed(kind: Any, rule: Any) -> str:
 
 
 def _readable(text: str) -> str:
+    if all(f'"{law}"' in text for law in CONTACT_LAWS):
+        return "the id of a [contact law](contact_laws.md#the-laws)"
     choices = re.sub(r'"(\w+)"', r'`"\1"`', text)
+    choices = choices.replace("a finite number", "a number").replace("a whole number", "an integer")
     return choices.replace(">=", "≥").replace("<=", "≤")
 
 
@@ -119,41 +123,50 @@ def _readable(text: str) -> str:
 
 
 def variable_patterns() -> str:
-    """Every kind of variable once, its indices replaced by letters, with the models that have it."""
-    scenes = {load_scene(name).name: load_scene(name) for name in model_names()}
+    """Every kind of variable once, its indices replaced by letters, and which scenes have it."""
+    scenes = [load_scene(name) for name in model_names()]
     everything = with_values(
         load_scene("four_link_box"), {("inputs", "joint_torques"): True, ("inputs", "tip_force"): True}
     )
     rows: dict[str, Variable] = {}
-    for scene in (everything, *scenes.values()):
+    for scene in (everything, *scenes):
         for variable in fmu_variables(scene):
             rows.setdefault(_pattern(variable.name), variable)
-    found = {name: {_pattern(v.name) for v in fmu_variables(scene)} for name, scene in scenes.items()}
+    found = [(scene, {_pattern(v.name) for v in fmu_variables(scene)}) for scene in scenes]
     blocks = []
     for causality in ("parameter", "input", "output"):
         lines = [
             (
                 code(pattern),
-                variable.type,
-                variable.variability,
+                *([variable.variability] if causality == "parameter" else []),
                 code(variable.unit),
-                _generic(variable.description) + (f": {_choices(variable)}" if variable.items else ""),
-                _where(pattern, found),
+                _meaning(pattern, variable) + _where(pattern, found),
             )
             for pattern, variable in rows.items()
             if variable.causality == causality
         ]
-        head = ("name", "type", "variability", "unit", "meaning", "in")
+        kind = ["variability"] if causality == "parameter" else []
+        head = ("name", *kind, "unit", "meaning")
         blocks.append(f"### {causality.capitalize()}s\n\n{table(head, lines)}")
     return "\n\n".join(blocks)
 
 
-def _where(pattern: str, found: dict[str, set[str]]) -> str:
-    names = [name for name, patterns in found.items() if pattern in patterns]
-    others = [name for name in found if name not in names]
-    if not others:
-        return "all"
-    return f"all but {others[0]}" if len(others) == 1 else ", ".join(names) or "none of them"
+# what a scene has, and whether it has it: the first that tells the scenes of a variable from the others
+KINDS = {
+    "": lambda _: True,
+    "; with walls": lambda scene: bool(scene.half_planes),
+    "; with a free base": lambda scene: scene.chain.base == "free",
+    "; with inputs": lambda scene: scene.inputs.joint_torques,
+}
+NAMED_AFTER = ("box.", "wall.", "joint[", "tip.")  # variables of one wall or input, which are there with it
+
+
+def _where(pattern: str, found: list[tuple[Any, set[str]]]) -> str:
+    """Which scenes have a variable, judged by all models; nothing if all have it."""
+    if pattern.startswith(NAMED_AFTER):
+        return ""
+    having = [pattern in patterns for _, patterns in found]
+    return next(kind for kind, has in KINDS.items() if [has(scene) for scene, _ in found] == having)
 
 
 def _pattern(name: str) -> str:
@@ -171,6 +184,16 @@ def _generic(description: str) -> str:
     text = re.sub(r"^wall \w+: ", "wall at any angle: ", text)
     text = re.sub(r"(wall of the last impact: .*y_max).*", r"\1, 5 and on: those of the scene", text)
     return re.sub(r"\bpoint \d+:", "point k:", text)
+
+
+def _meaning(pattern: str, variable: Variable) -> str:
+    """The description; long lists of codes stand elsewhere."""
+    if pattern == "contact.model":
+        return "force law, by its number in the [table of laws](contact_laws.md#the-laws)"
+    if pattern == "solver.status":
+        return "status of the solver: see its [codes](troubleshooting.md#statuses-of-the-solver)"
+    kind = "" if variable.type == "real" else f" ({variable.type})"
+    return _generic(variable.description) + (f": {_choices(variable)}" if variable.items else kind)
 
 
 def _choices(variable: Variable) -> str:
@@ -199,35 +222,34 @@ def statuses() -> str:
 
 def contact_laws() -> str:
     """The registry of contact laws: the Hunt–Crossley family, the other forces, rigid walls."""
-    ends = ("within 5 % for", "allowed", "limits", "evidence")
+    ends = ("within 5 % for", "allowed", "evidence")
     family = [law for law in CONTACT_LAWS.values() if law.in_family]
     rigid = [law for law in CONTACT_LAWS.values() if law.impulsive]
     others = [law for law in CONTACT_LAWS.values() if not (law.in_family or law.impulsive)]
     return "\n\n".join(
         [
             "### The Hunt–Crossley family",
-            table(("number", "id", "law", "λ(e)", *ends), map(_law_row, family)),
+            table(("", "id", "law", "λ(e)", *ends), map(_law_row, family)),
             "### Other powers of the penetration in the damping",
-            table(("number", "id", "law", "f(e)", *ends), map(_law_row, others)),
+            table(("", "id", "law", "f(e)", *ends), map(_law_row, others)),
             table(
                 ("id", "force, where not cut off at 0", "damping d", "exponent n"),
                 ((code(law.id), law.force, law.damping, f"{law.exponent:g}") for law in others),
             ),
             "### Rigid walls",
-            table(("number", "id", "law", "f(e)", *ends), map(_law_row, rigid)),
+            table(("", "id", "law", "f(e)", *ends), map(_law_row, rigid)),
         ]
     )
 
 
 def _law_row(law: ContactLaw) -> Sequence[str]:
+    accurate = _accurate(law.accurate_from, law.accurate_to)
     return (
         str(law.number),
         code(law.id),
-        law.source,
+        f"{law.source}. {law.limits}",
         law.formula,
-        _accurate(law.accurate_from, law.accurate_to),
-        law.restitution_range,
-        law.limits,
+        *(text.replace(" ", "\N{NO-BREAK SPACE}") for text in (accurate, law.restitution_range)),
         law.evidence,
     )
 
@@ -272,10 +294,25 @@ def command_line() -> str:
     return "\n\n".join(blocks)
 
 
+def _usage(parser: Any) -> str:
+    """The usage in one line: which arguments there are, and which options are needed."""
+    parts = [parser.prog, "[options]"]
+    for action in parser._actions:
+        name = action.metavar or action.dest.upper()
+        if action.option_strings and action.required:
+            parts.append(f"{action.option_strings[0]} {name}")
+        elif not action.option_strings:
+            shown = {"?": f"[{name}]", "+": f"{name} [{name} ...]", "A...": f"{name} ..."}
+            parts.append(shown.get(action.nargs, name))
+    return " ".join(parts)
+
+
 def _help(parser: Any) -> str:
+    parser.usage = _usage(parser)
     formatter = parser.formatter_class
     parser.formatter_class = lambda prog: formatter(prog, width=HELP_WIDTH)
-    return f"```text\n{parser.format_help().rstrip()}\n```"
+    lines = [line for line in parser.format_help().rstrip().splitlines() if not line.startswith(EVERY)]
+    return "```text\n" + "\n".join(lines).removesuffix("\noptions:").rstrip() + "\n```"
 
 
 TABLES = {

@@ -55,7 +55,7 @@ def test_a_name_without_derivatives(name, said):
 
 
 def test_no_names():
-    with pytest.raises(SceneError, match="no parameters are named"):
+    with pytest.raises(SceneError, match="name at least one parameter"):
         DifferentiatedRun(CASE.scene, [], OUTPUTS)
 
 

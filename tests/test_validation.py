@@ -1,4 +1,4 @@
-"""Problems of others: our results against a second solution, and both against what was published."""
+"""Problems from the literature: our results against second solutions, and both against what was published."""
 
 from decimal import Decimal
 

@@ -1,4 +1,4 @@
-"""Problems of others: what they published, a second solution that shares nothing with the kernel, and ours.
+"""Problems from the literature: published figures, a second solution independent of the kernel, and ours.
 
 Each function of ``PROBLEMS`` runs one model and returns its ``Figure``s. Those with measured data are in
 ``tests.measured``. Published figures are facts of the

@@ -69,7 +69,7 @@ def check_masses(chain: Chain) -> None:
         raise SceneError(f"link[{first + 1}].inertia = {link.inertia} must be > 0: {reason}")
     names = f"link[{first + 1}].inertia to link[{last + 1}].inertia"
     reason = "on one line, these links could turn about their centres of mass without moving any mass"
-    raise SceneError(f"{names} = 0.0, of which one must be > 0: {reason}")
+    raise SceneError(f"{names} = 0.0; one of them must be > 0: {reason}")
 
 
 def check_together(scene: Scene) -> None:

@@ -24,7 +24,7 @@ class SceneError(ValueError):
 
 
 class UnknownNameError(SceneError, KeyError):
-    """A name that nothing has: the sentence says which name is the nearest."""
+    """A name that does not exist: the sentence says which name is the nearest."""
 
     __str__ = Exception.__str__  # that of KeyError adds quotes
 

@@ -312,11 +312,11 @@ def with_values(scene: Scene, changes: Mapping[str, Any] | Mapping[Place, Any]) 
 
     A change is a name and its value: `{"link[1].mass": 2.0, "contact.model": "flores"}`. The name is that of
     the FMU's parameter, else the dotted key, which also names a whole list: `"initial.angles"`. A contact law
-    and a solver method can be given by their number in the FMU, too. In place of a name can stand a path:
+    and a solver method can be given by their number in the FMU, too. A path can replace a name:
     `("chain", "links", 0, "mass")`.
 
-    None takes the key away, so that its default holds. All else keeps its value, also what a default made of
-    a value that changes.
+    None removes the key, so that its default holds. All other values stay, also those that a default has
+    derived from a value that changes.
 
     Raises SceneError when a name is unknown, a path leads nowhere, or the scene becomes invalid.
     """

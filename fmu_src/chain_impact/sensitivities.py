@@ -55,7 +55,7 @@ class DifferentiatedInstance(Instance):
             SimulationError: when the scene cannot start.
         """
         if not parameters:
-            raise SceneError(f"{scene.name}: no parameters are named of which derivatives are wanted")
+            raise SceneError(f"{scene.name}: name at least one parameter for the derivatives")
         self.scene = with_sensitivities(scene, parameters)
         self.parameters = tuple(variable.name for variable in parameters_of(scene, parameters))
         self._looks = np.array(looks, np.int64)
@@ -186,14 +186,14 @@ class DifferentiatedInstance(Instance):
 
 @dataclass(frozen=True)
 class Differentiated:
-    """What a run gave, with derivatives with respect to its P parameters.
+    """The outputs of a run, with derivatives with respect to its P parameters.
 
     Attributes:
         values: the outputs, shape (T, W); after a fault NaN.
         slopes: their derivatives, shape (T, W, P).
         impacts: one row for each contact in order of onset, as ``Result.impacts``.
         impact_slopes: derivatives of the impacts' quantities: name → shape (I, P).
-        status: 0 when all is well, see ``chain_impact.kernel.status``.
+        status: 0 if there is no fault, see ``chain_impact.kernel.status``.
         limits: sentences: from which impact on derivatives are NaN, and why.
     """
 
@@ -206,7 +206,7 @@ class Differentiated:
 
 
 class DifferentiatedRun:
-    """Runs of one scene again and again, with other values of some parameters."""
+    """Repeated runs of one scene, with other values of some parameters."""
 
     def __init__(
         self,

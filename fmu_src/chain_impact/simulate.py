@@ -70,7 +70,7 @@ def simulate(
             ``math.inf`` there are two rows, the start and the end.
         method: solver method instead of the scene's.
         tolerance: relative tolerance instead of the scene's.
-        output: the outputs that the result shall hold, by their names in the FMU, in which ``*`` stands for
+        output: the outputs of the result, by their names in the FMU, in which ``*`` stands for
             any text: ``["point[4].x", "energy.*"]``; all by default, none if empty. All rows together take
             at most ``MOST_BYTES``. The impacts are always all there.
         inputs: name of an input of the scene's FMU, as ``joint[2].torque`` [N·m] or ``tip.force.x`` [N] →
@@ -81,7 +81,7 @@ def simulate(
             then has the derivatives of its outputs and impacts with respect to each of them, for
             ``Result.sensitivity``. The motion is the same, bit for bit. That with respect to an input is for
             a constant added to it. By default they are those of the scene's ``outputs.sensitivities``.
-        notify: called with a sentence before a kernel is compiled; by default that is said on standard error.
+        notify: called with a sentence before a kernel is compiled; by default it goes to standard error.
         progress: called with the fraction done.
 
     Raises:

@@ -52,8 +52,8 @@ class Chain:
     """An instance of a scene that is stepped by hand.
 
     The names are those of the FMU, and so are the rules: until the first step, everything but outputs can be
-    set; after it, inputs and tunable parameters. What is set acts from the present time on, until it is set
-    anew. The steps change neither the solution nor, while nothing is set, its cost. A fault is a
+    set; after it, inputs and tunable parameters. A value acts from the present time on, until it is set
+    again. The size of the steps does not change the solution. A fault is a
     ``SimulationError``; then ``restore`` and ``reset`` go on from an earlier state.
 
     Attributes:
@@ -187,14 +187,14 @@ class Chain:
                     self._initialized = False
 
     def save(self) -> bytes:
-        """The present state, all of it: a chain of the same scene that restores it goes on bit by bit."""
+        """The whole present state: a chain of the same scene can restore it, and continues bit by bit."""
         self._ready()
         impacts = np.concatenate([np.zeros(0, IMPACT_DTYPE), *self._impacts])
         head = STATE.pack(MAGIC, self._digest, self._stepped, len(impacts))
         return head + impacts.tobytes() + self._reals.tobytes()
 
     def restore(self, state: bytes) -> None:
-        """Go back, or forth, to a state that was saved.
+        """Go to a saved state.
 
         Raises:
             SceneError: when it is no state of a chain of this scene.

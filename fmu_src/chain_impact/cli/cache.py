@@ -12,7 +12,7 @@ from chain_impact.compilation import cache, ready
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
-    kept = verbs.add_parser("cache", help="say which compiled kernels there are, and where; or remove them")
+    kept = verbs.add_parser("cache", help="list the compiled kernels and their folders, or remove them")
     kept.add_argument("--clear", action="store_true", help="remove all that is in the cache")
     kept.set_defaults(run=run)
 

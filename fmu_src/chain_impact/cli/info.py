@@ -18,7 +18,7 @@ from chain_impact.scene import load_scene
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
-    info = verbs.add_parser("info", help="say what a scene or an FMU holds")
+    info = verbs.add_parser("info", help="list the contents of a scene or an FMU")
     add_scene(info, "scene or FMU")
     info.set_defaults(run=run)
 

@@ -37,8 +37,8 @@ def impacts_of(record: Result | Mapping[str, Any] | np.ndarray | Any) -> np.ndar
             and those of `impact[j]`, j = 1 … M. A `Result` is taken as well.
 
     Returns:
-        A structured array as `Result.impacts`, in order of onset, see `IMPACT_DTYPE`. The FMU does not tell
-        the effective mass, which is NaN. So are the end and the separation speed of a contact that lasts to
+        A structured array as `Result.impacts`, in order of onset, see `IMPACT_DTYPE`. The FMU has no
+        effective mass, so it is NaN. So are the end and the separation speed of a contact that lasts to
         the end of the record, and also its peak force, penetration and impulse if newer impacts took its
         place in the list while it lasted.
 

@@ -45,7 +45,7 @@ class Impact:
 
 @dataclass(frozen=True)
 class Recording:
-    """A simulation, whoever ran it.
+    """A simulation over time, of a scene or an FMU.
 
     Attributes:
         name: the model's name.
@@ -86,7 +86,7 @@ class Recording:
         return float(x), float(y)
 
     def spot(self, impact: Impact) -> tuple[float, float]:
-        """Where [m] an impact hit its wall: as far from there as its radius is the point."""
+        """Where [m] an impact hit its wall, at a distance of the radius from the point."""
         x, y = self.point_at(impact.point, impact.time)
         wall = self.walls[impact.wall]
         gap, (nx, ny) = wall.clearance(x, y), wall.normal

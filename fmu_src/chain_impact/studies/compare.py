@@ -34,7 +34,7 @@ Advance = Callable[[float], None]
 
 @dataclass(frozen=True)
 class LawRun:
-    """What one law makes of the scene.
+    """The result of one law.
 
     The values of the first impact are NaN where there is none, or it has not ended.
 
@@ -51,8 +51,8 @@ class LawRun:
         divergence: number, from 1, of the first impact at another point or wall than with the reference
             law; None if there is none.
         divergence_time: its onset [s].
-        note: why there is no result or not all of it, or what is particular.
-        result: all that was simulated, if anything.
+        note: why there is no result or not all of it, or a remark.
+        result: the simulation, if there is one.
     """
 
     law: str
@@ -107,7 +107,7 @@ class Comparison:
         return impact
 
     def save_csv(self, path: Path) -> None:
-        """Write the table as CSV, numbers in full precision; what is not there is empty."""
+        """Write the table as CSV, numbers in full precision; missing values are empty."""
         with written_whole(path) as fresh, fresh.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(COLUMNS)

@@ -36,7 +36,7 @@ def record_slowly(
 ) -> Recording:
     """Simulate a scene twice: to find the impacts, and with rows that are close in time around them.
 
-    The rows do not change the solution, so both times it is the same.
+    The rows do not change the solution.
 
     Args:
         scene: what to simulate.

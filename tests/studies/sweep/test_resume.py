@@ -118,7 +118,7 @@ def test_another_scene_or_seed_is_refused(tmp_path):
 
 def test_a_file_that_is_none_of_a_sweep_is_refused(tmp_path):
     (tmp_path / "out.csv.partial").write_bytes(b"\xffmine\n")
-    with pytest.raises(SceneError, match="is not what a sweep has left"):
+    with pytest.raises(SceneError, match="is not the partial table of a sweep"):
         sweep(SCENE, VARY, path=tmp_path / "out.csv")
     assert (tmp_path / "out.csv.partial").read_bytes() == b"\xffmine\n"
 

@@ -33,7 +33,7 @@ def animate(
         recording: what to show. Where its rows are close in time, slow motion shows more.
         path: the file, whose suffix says the kind: ``.html`` is a page that a browser opens and that needs no
             other file, ``.gif`` and ``.mp4`` are films.
-        speed: simulated seconds in a second on the screen, but for impacts.
+        speed: simulated seconds in a second on the screen, except in slow motion.
         impact_time: what each impact takes on the screen [s] at the speed 1: shortly before, the animation
             slows down. 0 shows all at one speed.
         size: width and height of a film [pixels].

@@ -32,7 +32,7 @@ def write_film(
     Args:
         motion: what to show.
         path: the file.
-        speed: simulated seconds in a second on the screen, but for impacts.
+        speed: simulated seconds in a second on the screen, except in slow motion.
         size: width and height [pixels]; an mp4 has even ones.
         progress: called with the fraction done.
 

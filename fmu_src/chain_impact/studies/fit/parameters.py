@@ -135,7 +135,7 @@ def _ends(variable: Variable, bounds: str | tuple[float | None, float | None]) -
                      for sign, part in zip((-1, 1), parts, strict=True))  # fmt: skip
     except (TypeError, ValueError):
         raise SceneError(
-            f"bounds of {variable.name} = {shown(bounds)} must be LOW:HIGH, of which one can be missing"
+            f"bounds of {variable.name} = {shown(bounds)} must be LOW:HIGH, LOW: or :HIGH"
         ) from None
     if np.isnan([low, high]).any():
         raise SceneError(f"bounds of {variable.name} = {shown(bounds)} must be numbers")

@@ -26,8 +26,8 @@ class LawFit:
 
     Attributes:
         law: its id.
-        fit: what was found; None if nothing was.
-        note: why there is none, or what is particular.
+        fit: the fit; None if there is none.
+        note: why there is none, or a remark.
         fewer: how many values fewer than others it could use; if any, its criterion cannot be compared.
     """
 
@@ -39,14 +39,14 @@ class LawFit:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Fit:
-    """What the data say on the free parameters. Printed, it is a table with all of it.
+    """The estimates of the free parameters. Printed, it is a report.
 
     A parameter is called by its name in the FMU, of one data set among several ``initial.y of data set 2``.
 
     Attributes:
         scene: the scene with the fitted values, of the first data set.
         scenes: the scenes of all data sets.
-        parameters: what was free, P of them.
+        parameters: the free parameters, P of them.
         values: name → value.
         standard_errors: name → standard error, in the unit of the value; infinite if nothing determines it.
         intervals: name → ends of the interval that holds the value with a probability of 95 %.
@@ -60,7 +60,7 @@ class Fit:
         runs: how many runs with derivatives it took.
         horizons: until when [s] data were used, one after the other.
         unknown: what the data cannot tell, in words, and which measurement would.
-        notes: what else has to be said: values that were left out, bounds that were reached.
+        notes: further remarks: values that were left out, bounds that were reached.
         ranking: the contact laws, the best first, if they were compared.
         models: the run of each data set with the fitted values.
     """
@@ -107,7 +107,7 @@ class Fit:
 
     @property
     def aic(self) -> float:
-        """Akaike's criterion (IEEE Trans. Automatic Control 19 (1974) 716): less is better.
+        """Akaike's criterion (IEEE Trans. Automatic Control 19 (1974) 716): smaller is better.
 
         Only differences of fits of the same data mean something; from 10 on, hardly anything speaks for the
         fit with more (Burnham & Anderson, Sociological Methods & Research 33 (2004) 261).

@@ -141,7 +141,7 @@ def _check_head(path: Path, line: bytes, head: dict[str, Any]) -> None:
         differs = [name for name in head if found[name] != head[name]]
     except (ValueError, KeyError, TypeError):
         raise SceneError(
-            f"{path} is not what a sweep has left: remove it, or choose another file for the table"
+            f"{path} is not the partial table of a sweep: remove it, or choose another file for the table"
         ) from None
     if differs:
         raise SceneError(

@@ -45,13 +45,13 @@ def sweep(
         vary: name of a parameter of the scene's FMU, or ``simulation.stop_time`` → its values: numbers or
             names of choices, or text as on the command line: ``"0.1:0.9:9"`` for nine values from 0.1 to
             0.9, ``"1e6:1e9:4:log"`` for four that are even in the logarithm, ``"flores,zhang_sharf"``, and
-            with ``samples`` an interval, ``"0.1:0.9"`` or ``"1e6:1e9:log"``. A value takes the place of that
+            with ``samples`` an interval, ``"0.1:0.9"`` or ``"1e6:1e9:log"``. A value replaces that
             one parameter only, as in the FMU: the inertia of a link does not follow its length.
         samples: how many runs, with values that fill the space of the variations evenly; without, all
             combinations of the values are run.
         sampling: ``lhs``, a Latin hypercube, or ``sobol``, a scrambled Sobol' sequence.
         seed: of the samples; the same seed gives the same samples.
-        outputs: names of FMU outputs that the table shall have besides, as they are at the end of each run.
+        outputs: names of further FMU outputs for the table, as they are at the end of each run.
         path: file for the table, CSV or Parquet. Until it is whole, what is done is kept beside it, in a
             file with ``.partial`` after its name: after an interruption, the same call goes on from there.
         threads: how many runs are made at the same time; as many as there are cores by default.
@@ -61,7 +61,7 @@ def sweep(
         progress: called with the fraction done.
 
     Raises:
-        SceneError: when an argument is not allowed, which is said before any run; or when another sweep has
+        SceneError: when an argument is not allowed, before any run; or when another sweep has
             left a partial table at the path.
         MissingExtraError: when a library is not installed that samples, Parquet or a cluster need.
         RunError: when the cluster cannot finish the sweep.

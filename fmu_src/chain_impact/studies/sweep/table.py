@@ -44,7 +44,7 @@ class Sweep:
     Attributes:
         scene: the scene that was varied.
         design: which values each run has.
-        rows: what came of it, shape (R,), without the values and the word for the status.
+        rows: the results, shape (R,), without the values and the word for the status.
         outputs: the outputs that were asked for.
     """
 
