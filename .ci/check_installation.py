@@ -10,7 +10,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from chain_impact import BuildError, build_fmu, load_scene, simulate
-from chain_impact.compilation import cache, ready
+from chain_impact.compilation import places, ready
 from chain_impact.scene import scene_from_dict, with_values
 
 MOST = 350  # MB
@@ -37,7 +37,7 @@ assert len(ready.libraries()) == len(ready.SIZES)
 for links in (1, ready.LARGEST_EXACT, ready.LARGEST_EXACT + 1, 64):
     assert len(simulate(scene_from_dict(chain(links), "chain"), stop_time=0.35).impacts) > 0
 assert build_fmu("rod_drop", "native", target="native").is_file()
-assert not cache.base_folder().exists(), "a kernel was looked for in the cache, though all should be ready"
+assert not places.base_folder().exists(), "a kernel was looked for in the cache, though all should be ready"
 
 law = Path("mine.py")
 law.write_text("def mine(penetration):\n    return 1e6 * penetration\n", encoding="utf-8")

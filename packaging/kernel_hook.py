@@ -25,8 +25,9 @@ def kernels() -> ModuleType:
         package.__path__ = [str(PACKAGE)]
         sys.modules["chain_impact"] = package
     try:
-        import_module("chain_impact.compilation.cache").cache_folder().mkdir(parents=True, exist_ok=True)
-    except (OSError, RuntimeError):  # who builds has no home, or must not write there
+        places = import_module("chain_impact.compilation.places")
+        places.writable(places.base_folder())
+    except RuntimeError:  # who builds has no home, or no space there
         os.environ["CHAIN_IMPACT_CACHE"] = tempfile.mkdtemp(prefix="chain-impact-")
     return import_module("chain_impact.compilation.ready")
 
