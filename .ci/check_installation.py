@@ -5,12 +5,14 @@
 No compiler, kernels for every chain and every kind of FMU, the right tag, and not too much.
 """
 
+import sys
+import tempfile
 from importlib.metadata import distribution
 from importlib.util import find_spec
 from pathlib import Path
 
 from chain_impact import BuildError, build_fmu, load_scene, simulate
-from chain_impact.compilation import cache, ready
+from chain_impact.compilation import places, ready
 from chain_impact.scene import scene_from_dict, with_values
 
 MOST = 350  # MB
@@ -36,10 +38,11 @@ assert TAG in wheel, wheel
 assert len(ready.libraries()) == len(ready.SIZES)
 for links in (1, ready.LARGEST_EXACT, ready.LARGEST_EXACT + 1, 64):
     assert len(simulate(scene_from_dict(chain(links), "chain"), stop_time=0.35).impacts) > 0
-assert build_fmu("rod_drop", "native", target="native").is_file()
-assert not cache.base_folder().exists(), "a kernel was looked for in the cache, though all should be ready"
+scratch = tempfile.TemporaryDirectory()
+assert build_fmu("rod_drop", scratch.name, target="native").is_file()
+assert not places.base_folder().exists(), "a kernel was looked for in the cache, though all should be ready"
 
-law = Path("mine.py")
+law = Path(scratch.name, "mine.py")
 law.write_text("def mine(penetration):\n    return 1e6 * penetration\n", encoding="utf-8")
 own = with_values(load_scene("rod_drop"), {("contact", "law_file"): str(law), ("contact", "model"): "mine"})
 try:
@@ -47,7 +50,8 @@ try:
     said = "nothing"
 except BuildError as error:
     said = str(error)
-assert "pip install 'chain-impact[compiler]'" in said, f"without a compiler a law of one's own said {said}"
+how = f"{sys.executable} -m pip install '{Path.cwd()}[compiler]'"
+assert how in said, f"without a compiler a law of one's own said {said}, and not {how}"
 
 packages = Path(find_spec("chain_impact").origin).parents[1]
 of_the_environment = ("pip", "setuptools", "pkg_resources", "_distutils_hack")

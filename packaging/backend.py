@@ -3,15 +3,22 @@
 An editable installation needs no compilers.
 """
 
+import sys
 from typing import Any
 
-from hatchling import build
-from hatchling.build import *  # noqa: F403 - the other hooks, of which it has more or fewer under pip
-from kernel_hook import kernels
+OLDEST = (3, 11)  # as requires-python of pyproject.toml, which pip reads when it has built the wheel
+if sys.version_info < OLDEST:
+    sys.exit(
+        f"chain-impact needs Python 3.11 or later, and this is {sys.version.split()[0]} ({sys.base_prefix})"
+    )
+
+from hatchling import build  # noqa: E402
+from hatchling.build import *  # noqa: E402, F403 - the other hooks, of which it has more or fewer under pip
+from kernel_hook import RELEASE, kernels  # noqa: E402
 
 
 def get_requires_for_build_wheel(config_settings: dict[str, Any] | None = None) -> list[str]:
     """What to install for a wheel besides [build-system] requires."""
     ready = kernels()
-    compilers = [] if ready.all_cached() else ready.REQUIREMENTS
+    compilers = [] if ready.all_cached(derivatives=RELEASE) else ready.REQUIREMENTS
     return [*build.get_requires_for_build_wheel(config_settings), *compilers]

@@ -16,6 +16,8 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 PACKAGE = Path(__file__).parents[1] / "fmu_src" / "chain_impact"
 TAG = "py3-none-manylinux_2_17_x86_64"  # shared libraries that Python does not know, for glibc 2.17 or later
 PLATFORM = ("Linux", "x86_64")
+RELEASE = os.environ.get("CHAIN_IMPACT_RELEASE") == "1"
+"""Whether the wheel shall carry the kernels with derivatives, too, which takes some minutes more."""
 
 
 def kernels() -> ModuleType:
@@ -25,10 +27,16 @@ def kernels() -> ModuleType:
         package.__path__ = [str(PACKAGE)]
         sys.modules["chain_impact"] = package
     try:
-        import_module("chain_impact.compilation.cache").cache_folder().mkdir(parents=True, exist_ok=True)
-    except (OSError, RuntimeError):  # who builds has no home, or must not write there
+        places = import_module("chain_impact.compilation.places")
+        places.writable(places.base_folder())
+    except RuntimeError:  # who builds has no home, or no space there
         os.environ["CHAIN_IMPACT_CACHE"] = tempfile.mkdtemp(prefix="chain-impact-")
     return import_module("chain_impact.compilation.ready")
+
+
+def _say(sentence: str) -> None:
+    """Write a line at once; pip shows it if it is asked to, by -v."""
+    print(f"chain-impact: {sentence}", file=sys.stderr, flush=True)
 
 
 class KernelHook(BuildHookInterface):
@@ -43,7 +51,7 @@ class KernelHook(BuildHookInterface):
         ready = kernels()
         self.scratch = tempfile.TemporaryDirectory(prefix="chain-impact-")
         folder = Path(self.scratch.name, ready.FOLDER.name)
-        ready.make(folder)
+        ready.make(folder, derivatives=RELEASE, say=_say)
         build_data["force_include"][str(folder)] = f"chain_impact/{ready.FOLDER.name}"
         build_data["pure_python"] = False
         build_data["tag"] = TAG

@@ -1,5 +1,6 @@
 """A user's own contact law: the same impacts in simulate() and in an FMU, and what is refused."""
 
+import functools
 import math
 import re
 import zipfile
@@ -19,6 +20,7 @@ from chain_impact import (
     simulate,
     with_law,
 )
+from chain_impact.compilation.places import base_folder
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS, LAW_COUNT
 from chain_impact.kernel.laws.user_law import ARGUMENTS
 from chain_impact.kernel.status import NOT_FINITE
@@ -184,6 +186,32 @@ def test_a_function_without_source_is_refused():
         with_law(load_scene("rod_drop"), math.pow)
 
 
+def hertz(penetration):
+    return 1e6 * penetration
+
+
+def takes_another_argument(depth):
+    return 1e6 * depth
+
+
+@pytest.mark.parametrize(
+    ("law", "reason"),
+    [
+        (lambda penetration: 1e6 * penetration, "has no name: give a named function, written with def"),
+        (functools.partial(hertz, 1.0), "has no name: give a named function, written with def"),
+        (hertz, "must have the name of its law: another one than hertz, which is a contact law already"),
+        (takes_another_argument, "takes_another_argument takes depth; it can take penetration, "),
+    ],
+    ids=["lambda", "partial", "a name that is taken", "an argument"],
+)
+def test_a_function_that_cannot_be_a_law_is_told_why(law, reason):
+    """And not where a file of it would be kept."""
+    with pytest.raises(SceneError) as caught:
+        with_law(load_scene("rod_drop"), law)
+    assert f" {reason}" in str(caught.value)
+    assert str(base_folder()) not in str(caught.value)
+
+
 # --- what is refused ---------------------------------------------------------------------------------------
 
 
@@ -207,7 +235,7 @@ def test_a_bad_file_is_refused_with_the_scene(law, text, message):
 
 @pytest.mark.parametrize("name", ["my-law", "zhang_sharf", "Stoß"])
 def test_a_bad_name_is_refused_with_the_scene(law, name):
-    assert refusal(law, DAMPED, name).startswith("must have the name of its law: an identifier")
+    assert refusal(law, DAMPED, name).startswith("must have the name of its law: an")
 
 
 def test_a_model_that_is_not_the_files_is_refused(law):

@@ -2,8 +2,17 @@
 
 from __future__ import annotations
 
+import json
+import shlex
+import sys
 from importlib import import_module
+from importlib.metadata import PackageNotFoundError, distribution
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
+from urllib.parse import unquote, urlsplit
+
+NAME = "chain-impact"
 
 
 class MissingExtraError(ImportError):
@@ -19,5 +28,36 @@ def require(package: str, extra: str) -> Any:
     try:
         return import_module(package)
     except ImportError as error:
-        how = f"pip install 'chain-impact[{extra}]'"
+        how = how_to_install(extra)
         raise MissingExtraError(f"{package} cannot be imported ({error}): {how}", name=package) from None
+
+
+def how_to_install(extra: str) -> str:
+    """The command that adds an extra to this installation, from where chain-impact was installed."""
+    python = shlex.quote(sys.executable)
+    # an environment that uv made has no pip
+    pip = f"{python} -m pip install" if find_spec("pip") else f"uv pip install --python {python}"
+    return f"{pip} {_requirement(extra)}"
+
+
+def _requirement(extra: str) -> str:
+    """What pip is asked for: the folder, the file or the address that is installed, or else the name."""
+    origin = _origin()
+    url = origin.get("url", "")
+    named = f"{NAME}[{extra}]"
+    if "vcs_info" in origin:
+        return shlex.quote(f"{named} @ {origin['vcs_info']['vcs']}+{url}")
+    path = Path(unquote(urlsplit(url).path))
+    if url.startswith("file:") and path.exists():
+        editable = "-e " if origin.get("dir_info", {}).get("editable") else ""
+        return f"{editable}{shlex.quote(f'{path}[{extra}]')}"
+    return shlex.quote(f"{named} @ {url}" if url.startswith("http") else named)
+
+
+def _origin() -> dict[str, Any]:
+    """What pip or uv has written down of where the package came from; nothing when that was by its name."""
+    try:
+        written = distribution(NAME).read_text("direct_url.json")
+    except PackageNotFoundError:
+        return {}
+    return json.loads(written) if written else {}

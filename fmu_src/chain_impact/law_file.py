@@ -47,16 +47,28 @@ def read_law(path: Path) -> UserLaw:
     Raises:
         LawError: when there is no such law.
     """
-    name = path.stem
-    if not (name.isidentifier() and name.isascii()) or name in (*CONTACT_LAWS, *ARGUMENTS):
-        raise LawError("must have the name of its law: an identifier, of no law or argument that there is")
     try:
         source = path.read_text(encoding="utf-8")
-        tree = ast.parse(source)
     except OSError as error:
         raise LawError(f"cannot be read ({error.strerror})") from None
     except UnicodeDecodeError:
         raise LawError("cannot be read (it is no text in UTF-8)") from None
+    return parse_law(path.stem, source)
+
+
+def parse_law(name: str, source: str) -> UserLaw:
+    """The law of that name in the text of its file.
+
+    Raises:
+        LawError: when there is no such law.
+    """
+    if not (name.isidentifier() and name.isascii()):
+        raise LawError("must have the name of its law: an identifier in the letters A to Z, digits and _")
+    if name in (*CONTACT_LAWS, *ARGUMENTS):
+        kind = "a contact law" if name in CONTACT_LAWS else "an argument of laws"
+        raise LawError(f"must have the name of its law: another one than {name}, which is {kind} already")
+    try:
+        tree = ast.parse(source)
     except (SyntaxError, ValueError) as error:
         raise LawError(f"is not valid Python: {error}") from None
     functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
@@ -98,8 +110,10 @@ def source_of(function: Callable[..., float]) -> str:
     """The text of a file for a function, in which the module math is known.
 
     Raises:
-        LawError: when Python does not know its source.
+        LawError: when it has no name, or Python does not know its source.
     """
+    if not getattr(function, "__name__", "<").isidentifier():
+        raise LawError("has no name: give a named function, written with def")
     try:
         return f"import {ONLY_IMPORT}\n\n\n{textwrap.dedent(getsource(function))}"
     except (OSError, TypeError) as error:

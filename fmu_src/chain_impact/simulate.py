@@ -14,7 +14,7 @@ from chain_impact.candidates import candidate_count
 from chain_impact.compilation import cache
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.kernel.status import OK
-from chain_impact.law_file import LawError, source_of
+from chain_impact.law_file import LawError, parse_law, source_of
 from chain_impact.layout import output_dtype
 from chain_impact.reading import SceneError
 from chain_impact.results.result import Result
@@ -249,6 +249,7 @@ def with_law(scene: Scene, law: Callable[..., float]) -> Scene:
     """
     try:
         source = source_of(law)
+        parse_law(law.__name__, source)
     except LawError as error:
         raise SceneError(f"{scene.name}: the contact law {law!r} {error}") from None
 

@@ -1,7 +1,7 @@
 """Co-simulate the arm and its controller, two FMUs, by a master of fixed steps.
 
 ``python models/controlled_arm/co_simulation.py`` builds both FMUs and writes a table and a picture. The
-masters libcosim and Ecos need packages: ``pip install 'chain-impact[masters]'``.
+masters libcosim and Ecos need the packages of the extra ``masters``.
 """
 
 from __future__ import annotations
@@ -137,7 +137,9 @@ def main():
     try:
         columns = co_simulate(fmus, step=arguments.step, master=arguments.master)
     except ImportError as error:
-        parser.error(f"--master {arguments.master}: {error}; pip install 'chain-impact[masters]'")
+        from chain_impact.extras import how_to_install
+
+        parser.error(f"--master {arguments.master}: {error}; {how_to_install('masters')}")
     except ValueError as error:
         parser.error(f"--step: {error}")
     save_csv(folder / "ControlledArm.csv", columns)

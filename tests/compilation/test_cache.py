@@ -1,7 +1,9 @@
 """The cache of kernels: whole files, made once, whoever else wants them; what is old goes."""
 
+import errno
 import os
 import signal
+import stat
 import subprocess
 import sys
 import threading
@@ -10,9 +12,10 @@ import time
 import pytest
 
 from chain_impact.cli.screen import cache_report
-from chain_impact.compilation import cache
-from chain_impact.compilation.cache import base_folder, cache_folder, clear, entries, made
+from chain_impact.compilation import cache, places
+from chain_impact.compilation.cache import cache_folder, clear, entries, made
 from chain_impact.compilation.errors import BuildError
+from chain_impact.compilation.places import base_folder
 
 
 @pytest.fixture(autouse=True)
@@ -146,7 +149,7 @@ def test_without_a_home_an_error_says_what_to_set(monkeypatch):
         raise RuntimeError("no home")
 
     monkeypatch.delenv("CHAIN_IMPACT_CACHE")
-    monkeypatch.setattr(cache.platformdirs, "user_cache_dir", homeless)
+    monkeypatch.setattr(places.platformdirs, "user_cache_dir", homeless)
     with pytest.raises(BuildError, match="no place to keep kernels: no home; set CHAIN_IMPACT_CACHE"):
         cache.find("a.so")
 
@@ -158,6 +161,86 @@ def test_a_cache_that_can_only_be_read_is_read(monkeypatch):
     made("a.so", lambda path: path.write_text("whole"))
     monkeypatch.setattr(cache.os, "utime", refused)
     assert made("a.so", lambda _: None).read_text() == "whole"
+
+
+@pytest.fixture
+def read_only(tmp_path, monkeypatch):
+    """A cache with one file, in which nobody can write; not even root, whom permissions do not stop."""
+    made("a.so", lambda path: path.write_text("whole"))
+    real = places.tempfile.TemporaryFile
+
+    def refused(dir=None):
+        if dir == base_folder():
+            raise PermissionError(errno.EACCES, "Permission denied", str(dir))
+        return real(dir=dir)
+
+    monkeypatch.setattr(places.tempfile, "TemporaryFile", refused)
+    monkeypatch.setattr(places.tempfile, "tempdir", str(tmp_path / "temporary"))
+    (tmp_path / "temporary").mkdir()
+    places.writable.cache_clear()
+    yield base_folder()
+    places.writable.cache_clear()
+
+
+def test_where_the_cache_can_only_be_read_a_temporary_one_stands_in(read_only):
+    calls = []
+
+    def make(path):
+        calls.append(path)
+        path.write_text("other")
+
+    assert made("a.so", make).is_relative_to(read_only)
+    other = made("b.so", make)
+    assert other.parents[1] == places.stand_in(read_only)
+    assert made("b.so", make) == other == cache.find("b.so")
+    assert len(calls) == 1
+    assert cache.linker_folder().parent == places.stand_in(read_only)
+    assert stat.S_IMODE(places.stand_in(read_only).stat().st_mode) == 0o700
+
+
+def test_a_temporary_folder_of_somebody_else_is_not_used(read_only, tmp_path):
+    """Who made it could put a library there, which would be run."""
+    places.stand_in(read_only).symlink_to(tmp_path)
+    with pytest.raises(
+        BuildError, match=r"nothing can be kept in .* \(belongs to another user\): free space"
+    ):
+        made("b.so", lambda path: path.write_text("other"))
+
+
+def test_a_cache_that_cannot_be_made_is_one_sentence(tmp_path, monkeypatch):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "file" / "cache"))
+    with pytest.raises(BuildError) as caught:
+        made("a.so", lambda path: path.write_text("whole"))
+    assert str(caught.value) == (
+        f"nothing can be kept in {tmp_path}/file/cache (Not a directory): "
+        "free space there, or set CHAIN_IMPACT_CACHE to another folder"
+    )
+
+
+def test_a_disk_that_is_full_is_one_sentence():
+    def make(path):
+        path.symlink_to("/dev/full")
+        path.write_text("whole")
+
+    with pytest.raises(
+        BuildError, match=r"nothing can be kept in .*cache \(No space left on device\): free sp"
+    ):
+        made("a.so", make)
+    assert files() == []
+
+
+def test_a_compiler_that_fails_on_a_full_disk_is_the_same_sentence(monkeypatch):
+    def fail(_):
+        raise BuildError("could not compile the kernel: zig said: …")
+
+    with pytest.raises(BuildError, match="zig said"):
+        made("a.so", fail)
+    monkeypatch.setattr(places, "LITTLE", 1e30)
+    with pytest.raises(
+        BuildError, match=r"nothing can be kept in .*cache \(it is full\): free space there, or"
+    ):
+        made("a.so", fail)
 
 
 def test_who_waits_says_so(monkeypatch):

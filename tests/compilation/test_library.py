@@ -11,6 +11,7 @@ import chain_impact.kernel
 from chain_impact import BuildError, load_scene, simulate
 from chain_impact.compilation import compilers, library, ready
 from chain_impact.compilation.library import kernel_library
+from chain_impact.extras import how_to_install
 from chain_impact.instance import new_instance
 from chain_impact.running import load_kernel
 from chain_impact.scene import with_values
@@ -172,7 +173,7 @@ def test_a_law_is_linked_to_it(stand_in, tmp_path):
     [
         (
             {"links": 3},
-            "this kernel needs a compiler: pip install 'chain-impact[compiler]' (ziglang missing)",
+            f"this kernel needs a compiler: {how_to_install('compiler')} (ziglang missing)",
         ),
         ({"links": 3, "platform": "win64"}, "a kernel for win64 needs a compiler: "),
         ({"links": 3, "derivatives": True}, "a kernel that carries derivatives needs a compiler: "),

@@ -2,6 +2,9 @@
 
 import re
 import shutil
+import site
+import sys
+from pathlib import Path
 
 import pytest
 
@@ -24,6 +27,29 @@ def test_sizes_are_left_open(module):
 
 def test_no_address_of_the_process_is_in_it(module):
     assert "inttoptr" not in module
+
+
+@pytest.mark.parametrize("what", [library.KERNEL, library.DERIVATIVES])
+def test_no_path_and_nothing_pickled_is_in_it(what):
+    """numba pickles the exceptions of its functions with the files that raise them."""
+    module = library._lowered_kernel(what, lambda _: None)
+    assert "pickle" not in module
+    for path in (site.getsitepackages()[0], sys.prefix, str(PACKAGE), str(Path.home()), ".py"):
+        assert path not in module
+
+
+def test_no_path_is_in_a_law_that_could_raise(tmp_path):
+    """Powers to the size of an integer raise in numba, as does a range by steps of 0."""
+    law = tmp_path / "mine.py"
+    law.write_text(
+        "def mine(rate):\n    return sum_of(int(rate)) ** int(rate)\n\n\n"
+        "def sum_of(step):\n    total = 0\n    for i in range(0, 9, step):\n        total += i\n"
+        "    return total\n"
+    )
+    compilers.lower(tmp_path / "mine.ll", law)
+    module = (tmp_path / "mine.ll").read_text()
+    assert "pickle" not in module
+    assert ".py" not in module
 
 
 @pytest.mark.slow

@@ -3,6 +3,7 @@
 import ast
 import lzma
 import os
+import re
 import subprocess
 import sys
 import tomllib
@@ -11,22 +12,34 @@ from pathlib import Path
 import pytest
 
 from chain_impact.compilation import compilers, ready
+from chain_impact.compilation.library import kernel_library
 from chain_impact.compilation.sources import fingerprint
 
 ROOT = Path(__file__).parents[2]
 
 
+def lower(module, derivatives=False):
+    module.write_text("one with derivatives" if derivatives else "a module")
+
+
+def link(text, library, platform, links, *, cpu=None):
+    library.write_text(f"{text} for {links}" + (f" on {cpu}" if cpu else ""))
+
+
 @pytest.fixture
-def made(tmp_path, monkeypatch):
+def said():
+    return []
+
+
+@pytest.fixture
+def made(tmp_path, monkeypatch, said):
     """A folder as a wheel has it, by compilers that only write files."""
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(compilers, "prepare_zig", lambda _: None)
-    monkeypatch.setattr(compilers, "lower", lambda module: module.write_text("a module"))
-    monkeypatch.setattr(
-        compilers, "link", lambda text, library, platform, links: library.write_text(f"{text} for {links}")
-    )
+    monkeypatch.setattr(compilers, "lower", lower)
+    monkeypatch.setattr(compilers, "link", link)
     assert not ready.all_cached()
-    ready.make(tmp_path / "ready")
+    ready.make(tmp_path / "ready", say=said.append)
     monkeypatch.setattr(ready, "FOLDER", tmp_path / "ready")
     ready._usable.cache_clear()
     yield tmp_path / "ready"
@@ -52,6 +65,35 @@ def test_there_is_a_kernel_for_every_chain(made):
     assert not [path for path in made.iterdir() if path.is_dir()]
 
 
+def test_it_is_said_what_is_done(made, said):
+    """pip shows these lines: none is long after the one before."""
+    assert said[0] == "compiling kernel, for any number of links"
+    assert sorted(said[1:])[0] == "linking kernel-1-linux64.so, 2 of 11"
+    assert len(said) == 1 + len(ready.SIZES)
+
+
+def test_a_wheel_for_release_carries_the_kernels_with_derivatives(made, tmp_path, monkeypatch):
+    """Those for any processor, and those for a newer one; what is cached already is not made again."""
+    said = []
+    assert not ready.all_cached(derivatives=True)
+    ready.make(tmp_path / "release", derivatives=True, say=said.append)
+    assert ready.all_cached(derivatives=True)
+    assert not [line for line in said if "kernel-" in line]
+    monkeypatch.setattr(ready, "FOLDER", tmp_path / "release")
+    ready._usable.cache_clear()
+    assert len(ready.libraries()) == 3 * len(ready.SIZES)
+    monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "nothing"))
+    monkeypatch.setattr(compilers, "wide_cpu", lambda: compilers.WIDE_CPU)
+    found = {
+        portable: kernel_library(4, derivatives=True, portable=portable).read_text()
+        for portable in (True, False)
+    }
+    assert found[True] == "one with derivatives for 4"
+    assert found[False] == f"one with derivatives for 4 on {compilers.WIDE_CPU}"
+    monkeypatch.setattr(compilers, "wide_cpu", lambda: None)
+    assert kernel_library(64, derivatives=True, portable=False).read_text() == "one with derivatives for None"
+
+
 def test_kernels_of_other_sources_are_not_used(made):
     """As when somebody changes the kernel where it is installed."""
     (made / ready.MADE_FROM).write_text("of before")
@@ -70,16 +112,44 @@ def test_the_compilers_of_a_wheel_are_those_of_the_extra():
     assert sorted(ready.REQUIREMENTS) == sorted(project["optional-dependencies"]["compiler"] + numpy)
 
 
-def test_the_build_backend_asks_for_compilers_only_where_they_are_needed(tmp_path):
-    """In a process of its own, where nothing else is installed: as pip runs it."""
-    program = (
+def backend(program, **settings):
+    """Run a program with the build backend, where nothing else is installed: as pip runs it."""
+    begin = (
         "import sys; sys.path.insert(0, 'packaging');"
-        "sys.modules.update(dict.fromkeys(['numpy', 'numba', 'llvmlite', 'ziglang'])); import backend;"
+        "sys.modules.update(dict.fromkeys(['numpy', 'numba', 'llvmlite', 'ziglang']));"
+    )
+    command, environment = [sys.executable, "-c", begin + program], {**os.environ, **settings}
+    return subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+
+
+def test_the_build_backend_asks_for_compilers_only_where_they_are_needed(tmp_path):
+    program = (
+        "import backend;"
         "print(backend.get_requires_for_build_wheel()); print(backend.get_requires_for_build_editable())"
     )
-    environment = {**os.environ, "CHAIN_IMPACT_CACHE": str(tmp_path)}
-    command = [sys.executable, "-c", program]
-    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=True)
+    done = backend(program, CHAIN_IMPACT_CACHE=str(tmp_path))
     wheel, editable = (ast.literal_eval(line) for line in done.stdout.splitlines())
     assert set(ready.REQUIREMENTS) <= set(wheel)
     assert not set(ready.REQUIREMENTS) & set(editable)
+
+
+def test_a_wheel_for_release_needs_compilers_where_only_plain_kernels_are_cached(made, tmp_path):
+    program = "import backend; print(backend.get_requires_for_build_wheel())"
+    for release in "01":
+        done = backend(program, CHAIN_IMPACT_RELEASE=release)  # in the cache of ``made``
+        asked = set(ast.literal_eval(done.stdout))
+        assert bool(set(ready.REQUIREMENTS) & asked) == (release == "1")
+
+
+def test_an_older_python_is_refused_in_one_sentence():
+    done = backend("sys.version_info = (3, 10, 13); import backend")
+    assert done.returncode == 1
+    assert re.fullmatch(r"chain-impact needs Python 3\.11 or later, and this is \S+ \(\S+\)\n", done.stderr)
+
+
+def test_the_oldest_python_is_that_of_the_project():
+    oldest = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"][
+        "requires-python"
+    ]
+    done = backend("import backend; print('.'.join(map(str, backend.OLDEST)))")
+    assert f">={done.stdout.strip()}" == oldest

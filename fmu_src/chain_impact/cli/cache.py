@@ -7,7 +7,7 @@ import argparse
 from chain_impact.cli.options import Verbs
 from chain_impact.cli.progress import out
 from chain_impact.cli.screen import cache_report
-from chain_impact.compilation import cache, ready
+from chain_impact.compilation import cache, places, ready
 
 
 def add(verbs: Verbs) -> None:
@@ -21,7 +21,7 @@ def run(options: argparse.Namespace) -> int:
     """Say what is in the cache of compiled kernels, or remove it."""
     if options.clear:
         size = cache.clear()
-        out.print(f"removed {size / 1e6:.1f} MB from {cache.base_folder()}", markup=False, soft_wrap=True)
+        out.print(f"removed {size / 1e6:.1f} MB from {places.base_folder()}", markup=False, soft_wrap=True)
         return 0
     for line in cache_report(ready.libraries(), cache.entries(), cache.cache_folder()):
         out.print(line, markup=False, soft_wrap=True)

@@ -1,6 +1,7 @@
 """The cache of compiled kernels: a folder for these sources and these compilers.
 
-One process makes a file while others that need it wait. A file appears when it is whole.
+One process makes a file while others that need it wait. A file appears when it is whole. Where the folder
+can only be read, what is made is kept in a temporary one (places.py).
 """
 
 from __future__ import annotations
@@ -18,10 +19,10 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-import platformdirs
 from filelock import FileLock, Timeout
 
 from chain_impact.compilation.errors import BuildError
+from chain_impact.compilation.places import base_folder, explained, stand_in, writable
 from chain_impact.compilation.sources import fingerprint
 from chain_impact.compilation.work import Notify, announce
 
@@ -33,22 +34,14 @@ _OURS = re.compile(rf"[0-9a-f]{{16}}|{LINKER}.*")  # folders for some sources an
 PATIENCE = 1.0  # s, after which it is said that another process is waited for
 
 
-def base_folder() -> Path:
-    """Where all that is cached lies: ``CHAIN_IMPACT_CACHE``, or the user's cache folder.
-
-    Raises:
-        BuildError: when the user has no home.
-    """
-    given = os.environ.get("CHAIN_IMPACT_CACHE")
-    try:
-        return Path(given or platformdirs.user_cache_dir("chain-impact")).absolute()
-    except RuntimeError as error:
-        raise BuildError(f"no place to keep kernels: {error}; set CHAIN_IMPACT_CACHE to a folder") from None
-
-
 def cache_folder() -> Path:
     """The folder for kernels of these sources and compilers."""
-    return base_folder() / _digest(tuple(f"{name} {_version(name)}" for name in COMPILERS))
+    return base_folder() / _present()
+
+
+def _present() -> str:
+    """The name of that folder."""
+    return _digest(tuple(f"{name} {_version(name)}" for name in COMPILERS))
 
 
 @functools.cache
@@ -59,7 +52,7 @@ def _digest(compilers: tuple[str, ...]) -> str:
 
 def linker_folder() -> Path:
     """The folder that this version of the linker keeps for itself."""
-    return base_folder() / f"{LINKER}{_version('ziglang')}"
+    return writable(base_folder()) / f"{LINKER}{_version('ziglang')}"
 
 
 @functools.cache
@@ -72,13 +65,14 @@ def _version(compiler: str) -> str:
 
 
 def find(name: str) -> Path | None:
-    """The file or folder of that name in the cache folder, if it is there."""
-    file = cache_folder() / name
-    if not file.exists():
-        return None
-    with suppress(OSError):  # somebody else's cache can be read
-        os.utime(file.parent)  # it is in use
-    return file
+    """The file or folder of that name in the cache folder, or in what stands in for it, if it is there."""
+    base = base_folder()
+    for folder in (base / _present(), stand_in(base) / _present()):
+        if (folder / name).exists():
+            with suppress(OSError):  # somebody else's cache can be read
+                os.utime(folder)  # it is in use
+            return folder / name
+    return None
 
 
 def made(name: str, make: Callable[[Path], None], notify: Notify = announce) -> Path:
@@ -90,23 +84,30 @@ def made(name: str, make: Callable[[Path], None], notify: Notify = announce) -> 
         notify: is told when another process is waited for.
 
     Raises:
-        BuildError: when the cache is cleared meanwhile.
+        BuildError: when the cache is cleared meanwhile, or nothing can be kept in it.
     """
     found = find(name)
     if found:
         return found
-    folder = cache_folder()
-    folder.mkdir(parents=True, exist_ok=True)
-    with _locked(folder / f".{name}.lock", notify):
-        if not find(name):
-            with _scratch(folder, f".{name}-") as scratch:
-                make(scratch / name)
-                try:
-                    (scratch / name).replace(folder / name)
-                except FileNotFoundError:
-                    raise BuildError(f"{folder} was removed while {name} was made there: try again") from None
-            _prune(folder)
+    base = writable(base_folder())
+    folder = base / _present()
+    with explained(base):
+        folder.mkdir(parents=True, exist_ok=True)
+        with _locked(folder / f".{name}.lock", notify):
+            if not find(name):
+                with _scratch(folder, f".{name}-") as scratch:
+                    make(scratch / name)
+                    _put(scratch / name, folder)
+                _prune(folder)
     return folder / name
+
+
+def _put(file: Path, folder: Path) -> None:
+    """Move what is whole to its place."""
+    try:
+        file.replace(folder / file.name)
+    except FileNotFoundError:
+        raise BuildError(f"{folder} was removed while {file.name} was made there: try again") from None
 
 
 @contextmanager

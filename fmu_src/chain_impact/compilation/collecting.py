@@ -3,25 +3,35 @@
 When numba compiles a function it optimises it, links all that it calls to it, optimises the whole and makes
 machine code of that. For a kernel of 350 functions that call one another this takes a minute, and none of it
 is used here: zig's compiler optimises all functions, in one pass over one module. numba has no public way to
-leave these steps out. So this file, and no other, replaces a private part of numba: the libraries in which it
-keeps the code of functions.
+leave these steps out. So this file, and no other, replaces private parts of numba: the libraries in which it
+keeps the code of functions, and the way in which one function calls another. Where numba would raise, a
+function returns a number only: an exception would be pickled into the code, with the path of a file.
 """
 
 from __future__ import annotations
 
 import gc
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from llvmlite import binding as llvm
-from numba.core import codegen
+from llvmlite import ir
+from numba.core import base, callconv, cgutils, codegen, cpu, types
 
 
 class Library(codegen.JITCodeLibrary):
     """The code of a function as numba writes it, neither optimised nor turned into machine code."""
 
-    def _optimize_functions(self, module: llvm.ModuleRef) -> None:
-        module.data_layout = self._codegen._data_layout
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments)
+        self.modules: list[llvm.ModuleRef] = []
+
+    def add_ir_module(self, module: ir.Module) -> None:
+        """Keep a module of code, whose functions are not lost when it is linked before they are called."""
+        for symbol in module.functions:
+            if not symbol.is_declaration and symbol.linkage in ("", "external", "common"):
+                symbol.linkage = "weak_odr"
+        self.modules.append(llvm.parse_assembly(cgutils.normalize_ir_text(str(module))))
 
     def finalize(self) -> None:
         """Leave all as it is: who calls the function finds its library among its own."""
@@ -32,11 +42,6 @@ class Library(codegen.JITCodeLibrary):
         """None: the function is never called here."""
         self._ensure_finalized()
         return 0
-
-    @property
-    def module(self) -> llvm.ModuleRef:
-        """The code."""
-        return self._final_module
 
     def and_those_it_calls(self) -> Iterator[Library]:
         """This library and all that it needs, each once."""
@@ -51,11 +56,60 @@ class Library(codegen.JITCodeLibrary):
         return iter(found)
 
 
+class Convention(callconv.MinimalCallConv):
+    """A function returns a code, which is not 0 where Python would raise, and puts its result in place."""
+
+    def decorate_function(self, fn: Any, args: Any, fe_argtypes: Any, noalias: bool = False) -> None:
+        """Tell LLVM that the place of the result is nowhere else."""
+        super().decorate_function(fn, args, fe_argtypes, noalias)
+        for attribute in ("captures(none)", "noalias"):
+            fn.args[0].add_attribute(attribute)
+
+    def return_user_exc(self, builder: ir.IRBuilder, *_: Any, **__: Any) -> None:
+        """Return a code, whatever the exception is."""
+        self._return_errcode_raw(builder, callconv.RETCODE_USEREXC)
+
+
 def collect_only() -> None:
     """Make numba, in this process, lower functions and do nothing else."""
     codegen.JITCPUCodegen._library_class = Library
     codegen.JITCPUCodegen.set_env = _nothing
+    cpu.CPUContext.call_conv = property(Convention)
+    cpu.CPUContext.create_cfunc_wrapper = _entry_point
+    base.BaseContext.get_abi_sizeof = _remembered(base.BaseContext.get_abi_sizeof, lambda _, kind: str(kind))
+    types.Function.get_call_type = _remembered(  # type: ignore[method-assign]
+        types.Function.get_call_type,
+        lambda function, _, kinds, keywords: (function, kinds, *keywords.items()),
+    )
     gc.disable()  # the garbage of a compiler that ends soon
+
+
+def _entry_point(context: Any, library: Library, description: Any, *_: Any) -> None:
+    """The C function that returns the result of a function itself, or 0 where Python would raise."""
+    module = context.create_module("entry point")
+    result, arguments = description.restype, description.argtypes
+    inner = ir.Function(
+        module, context.call_conv.get_function_type(result, arguments), description.llvm_func_name
+    )
+    kind = ir.FunctionType(context.get_value_type(result), [context.get_value_type(one) for one in arguments])
+    entry = ir.Function(module, kind, description.llvm_cfunc_wrapper_name)
+    builder = ir.IRBuilder(entry.append_basic_block("entry"))
+    _, value = context.call_conv.call_function(builder, inner, result, arguments, entry.args)
+    builder.ret(value)
+    library.add_ir_module(module)
+
+
+def _remembered(method: Callable[..., Any], key: Callable[..., Any]) -> Callable[..., Any]:
+    """A method that numba asks the same thousands of times; ``key`` of its arguments tells results apart."""
+    known: dict[Any, Any] = {}
+
+    def remembered(*arguments: Any) -> Any:
+        one = key(*arguments)
+        if one not in known:
+            known[one] = method(*arguments)
+        return known[one]
+
+    return remembered
 
 
 def _nothing(*_: Any) -> None:

@@ -19,6 +19,7 @@ from filelock import FileLock
 from chain_impact.compilation.cache import COMPILERS, linker_folder
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.sources import PACKAGE, fingerprint
+from chain_impact.extras import how_to_install
 from chain_impact.law_file import LawError
 
 ZIG_TARGETS = {
@@ -30,7 +31,6 @@ ZIG_TARGETS = {
 }
 """Platform → zig target and file suffix. FMI 2.0 names the first three, FMI 3.0 (2.5.1.4.1) the others."""
 HOST = "linux64"
-EXTRA = "chain-impact[compiler]"
 PORTABLE_CPU = "x86-64-v2"
 BAD_LAW = 3  # exit code of lower.py; what is wrong stands on standard error
 # For every x86 processor since 2009 and every 64-bit ARM, so that results are bit-equal on all of a kind.
@@ -42,13 +42,7 @@ WIDE_FLAGS = {"avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe", "xsa
 # multiplies and adds is not used: it rounds once where the two of x86 round twice.
 FLAGS = ("-O2", "-mllvm", "-inline-threshold=500", "-ffp-contract=off", "-Wno-everything")
 # numba's code refers to these on its error paths only, which the kernel never takes: it does not allocate
-# and its error model is NumPy's
-PYTHON_SYMBOLS = (
-    *("NRT_Free", "NRT_MemInfo_call_dtor", "PyBytes_FromStringAndSize", "PyErr_Clear", "PyErr_SetNone"),
-    *("PyErr_SetString", "PyErr_WriteUnraisable", "PyExc_RuntimeError", "PyExc_StopIteration"),
-    *("PyExc_SystemError", "PyUnicode_FromString", "Py_DecRef", "numba_do_raise", "numba_gil_ensure"),
-    *("numba_gil_release", "numba_runtime_build_excinfo_struct", "numba_unpickle"),
-)
+PYTHON_SYMBOLS = ("NRT_MemInfo_call_dtor",)
 INTERFACE = PACKAGE / "compilation" / "c_interface"
 INCLUDES = tuple(INTERFACE / name for name in ("common", "fmi2", "fmi3"))
 # Runs lower.py with these sources. The variable PYTHONPATH would not do: where pip builds a wheel, it hides
@@ -101,7 +95,8 @@ def require_compilers(purpose: str) -> None:
     """
     missing = [name for name in COMPILERS if find_spec(name) is None]
     if missing:
-        raise BuildError(f"{purpose} needs a compiler: pip install '{EXTRA}' ({', '.join(missing)} missing)")
+        how = how_to_install("compiler")
+        raise BuildError(f"{purpose} needs a compiler: {how} ({', '.join(missing)} missing)")
 
 
 def lower(module: Path, law: Path | None = None, derivatives: bool = False) -> None:

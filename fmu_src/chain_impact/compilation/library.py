@@ -8,11 +8,10 @@ from pathlib import Path
 from chain_impact.compilation import cache, compilers, ready
 from chain_impact.compilation.compilers import HOST
 from chain_impact.compilation.errors import BuildError
-from chain_impact.compilation.ready import KERNEL
+from chain_impact.compilation.ready import DERIVATIVES, KERNEL, WIDE, lowered
 from chain_impact.compilation.work import Notify, Work, announce
 from chain_impact.law_file import LawError, UserLaw, read_law
 
-DERIVATIVES = "derivatives"
 LOWERING, LINKING = {KERNEL: 12.0, DERIVATIVES: 40.0}, {KERNEL: 3.0, DERIVATIVES: 10.0}  # s
 # s, in which zig makes its own libraries
 FIRST_LINKING = {"linux64": 5.0, "win64": 60.0, "darwin64": 5.0, "aarch64-linux": 15.0, "aarch64-darwin": 5.0}
@@ -43,9 +42,10 @@ def kernel_library(
     """
     exact = ready.exact(links)
     law = _law(law_file) if law_file else None
-    cpu = compilers.wide_cpu() if derivatives and not portable and platform == HOST else None
     what = DERIVATIVES if derivatives else KERNEL
-    name = ready.library_name(exact, platform, _law_name(law) if law else "", f"{what}-wide" if cpu else what)
+    wide = derivatives and not portable and platform == HOST and compilers.wide_cpu() is not None
+    kind = WIDE if wide else what
+    name = ready.library_name(exact, platform, _law_name(law) if law else "", kind)
     found = ready.find(name) or cache.find(name)
     if found:
         return found
@@ -56,7 +56,7 @@ def kernel_library(
     def link(library: Path) -> None:
         seconds = LINKING[what] if compilers.zig_is_prepared(platform) else FIRST_LINKING[platform]
         notify(Work(f"linking the kernel for {platform}", seconds))
-        compilers.link(module, library, platform, exact, law_module, cpu=cpu)
+        compilers.link(module, library, platform, exact, law_module, cpu=ready.PROCESSORS[kind])
 
     return cache.made(name, link, notify)
 
@@ -68,9 +68,8 @@ def _lowered_kernel(what: str, notify: Notify) -> str:
         notify(Work("compiling the kernel", LOWERING[what]))
         compilers.lower(module, derivatives=what == DERIVATIVES)
 
-    if what == DERIVATIVES:
-        return cache.made(f"{DERIVATIVES}.ll", lower, notify).read_text()
-    return ready.module() or cache.made(ready.LOWERED, lower, notify).read_text()
+    packed = ready.module() if what == KERNEL else None
+    return packed or cache.made(lowered(what), lower, notify).read_text()
 
 
 def _lowered_law(law: UserLaw, file: str, notify: Notify) -> Path:

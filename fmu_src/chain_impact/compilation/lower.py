@@ -33,11 +33,8 @@ def lowered(entries: Entries) -> str:
         names[callback.native_name] = name
     whole = llvm.parse_assembly("")
     for library in libraries:
-        for symbol in (*library.module.functions, *library.module.global_variables):
-            if not symbol.is_declaration and symbol.linkage in (llvm.Linkage.external, llvm.Linkage.common):
-                # not lost when they are linked before they are called
-                symbol.linkage = llvm.Linkage.weak_odr
-        whole.link_in(library.module, preserve=True)
+        for module in library.modules:
+            whole.link_in(module)
     for symbol in (*whole.functions, *whole.global_variables):
         if symbol.name in names:
             symbol.name = names[symbol.name]

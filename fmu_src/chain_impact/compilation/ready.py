@@ -1,7 +1,8 @@
 """The kernels that a wheel carries, so that who installs it needs no compiler.
 
-They are made when the wheel is built (packaging/ at the top of the repository). An editable installation
-has none: its kernels are made when they are needed, and kept in the cache.
+One for release also has those that carry derivatives. They are made when the wheel is built (packaging/ at
+the top of the repository). An editable installation has none: its kernels are made when they are needed, and
+kept in the cache.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import functools
 import lzma
 import os
 import shutil
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -17,8 +19,10 @@ from chain_impact.compilation import cache, compilers
 from chain_impact.compilation.sources import PACKAGE, fingerprint
 
 FOLDER = PACKAGE / "ready"
-KERNEL = "kernel"
-LOWERED, MODULE = "kernel.ll", "kernel.ll.xz"  # the lowered kernel: in the cache, and packed in a wheel
+KERNEL, DERIVATIVES, WIDE = "kernel", "derivatives", "derivatives-wide"
+"""Kinds of kernels: without derivatives; with them, for any processor; and the same for one like this."""
+PROCESSORS = {KERNEL: None, DERIVATIVES: None, WIDE: compilers.WIDE_CPU}
+MODULE = f"{KERNEL}.ll.xz"  # the lowered kernel, packed in a wheel
 MADE_FROM = "sources.txt"  # the fingerprint of the sources that they are made from
 LARGEST_EXACT = 10
 """Up to so many links there is a kernel for each number of links. All longer chains share one that reads the
@@ -53,7 +57,7 @@ def module() -> str | None:
 
 def libraries() -> list[Path]:
     """All ready kernels, likewise."""
-    return sorted(FOLDER.glob("kernel-*")) if _usable() else []
+    return sorted(FOLDER.glob("*-*")) if _usable() else []
 
 
 @functools.cache
@@ -62,34 +66,79 @@ def _usable() -> bool:
     return mark.is_file() and mark.read_text() == fingerprint()
 
 
-def all_cached(platform: str = compilers.HOST) -> bool:
-    """Whether all kernels for a platform are in the cache, so that it takes no compiler to ``make`` them."""
-    return all(cache.find(name) for name in (LOWERED, *(library_name(size, platform) for size in SIZES)))
+def lowered(kind: str) -> str:
+    """The name of a lowered kernel in the cache; both kinds with derivatives are made from one."""
+    return f"{KERNEL if kind == KERNEL else DERIVATIVES}.ll"
 
 
-def make(folder: Path, platform: str = compilers.HOST) -> None:
+def _wanted(platform: str, derivatives: bool) -> dict[str, tuple[str, int | None]]:
+    """The kernels of a wheel: file name → kind and number of links."""
+    kinds = tuple(PROCESSORS) if derivatives else (KERNEL,)
+    return {library_name(size, platform, what=kind): (kind, size) for kind in kinds for size in SIZES}
+
+
+def all_cached(platform: str = compilers.HOST, *, derivatives: bool = False) -> bool:
+    """Whether all files for a platform are in the cache, so that it takes no compiler to ``make`` them."""
+    return all(cache.find(name) for name in (MODULE, *_wanted(platform, derivatives)))
+
+
+def make(
+    folder: Path,
+    platform: str = compilers.HOST,
+    *,
+    derivatives: bool = False,
+    say: Callable[[str], None] = print,
+) -> None:
     """Put all kernels for a platform into a new folder, and the module that more can be made from.
 
-    What is not in the cache is compiled, as much at once as there are cores.
+    What is not in the cache is compiled.
+
+    Args:
+        folder: to be made.
+        platform: of ``compilers.ZIG_TARGETS``.
+        derivatives: whether to add the kernels that carry derivatives.
+        say: is told what is done, before it is.
     """
-    cached = all_cached(platform)
-    if not cached:
+    wanted = _wanted(platform, derivatives)
+    if not all_cached(platform, derivatives=derivatives):
         compilers.require_compilers("a wheel")
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        prepared = None if cached else pool.submit(compilers.prepare_zig, platform)
-        text = cache.made(LOWERED, compilers.lower).read_text()
-        if prepared:
-            prepared.result()
-
-        def library(links: int | None) -> Path:
-            def link(file: Path) -> None:
-                compilers.link(text, file, platform, links)
-
-            return cache.made(library_name(links, platform), link)
-
-        libraries = list(pool.map(library, SIZES))
+        _compile(wanted, platform, say)
     folder.mkdir()
-    for file in libraries:
-        shutil.copy(file, folder)
-    (folder / MODULE).write_bytes(lzma.compress(text.encode()))
+    for name in (MODULE, *wanted):
+        found = cache.find(name)
+        assert found is not None, name
+        shutil.copy(found, folder)
     (folder / MADE_FROM).write_text(fingerprint())
+
+
+def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Callable[[str], None]) -> None:
+    """See that kernels are in the cache, as many at once as there are cores."""
+
+    def text(name: str) -> str:
+        def lower(file: Path) -> None:
+            say(f"compiling {name.removesuffix('.ll')}, for any number of links")
+            compilers.lower(file, derivatives=name == lowered(DERIVATIVES))
+
+        return cache.made(name, lower).read_text()
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        preparing = pool.submit(compilers.prepare_zig, platform)
+        names = list(dict.fromkeys(lowered(kind) for kind, _ in wanted.values()))
+        texts = dict(zip(names, pool.map(text, names), strict=True))
+        preparing.result()
+
+        def library(name: str) -> None:
+            kind, links = wanted[name]
+
+            def link(file: Path) -> None:
+                say(f"linking {name}, {list(wanted).index(name) + 1} of {len(wanted)}")
+                compilers.link(texts[lowered(kind)], file, platform, links, cpu=PROCESSORS[kind])
+
+            cache.made(name, link)
+
+        def pack(file: Path) -> None:
+            # a stronger compression takes ten times as long for half of the size
+            file.write_bytes(lzma.compress(texts[lowered(KERNEL)].encode(), preset=1))
+
+        cache.made(MODULE, pack)
+        list(pool.map(library, wanted))

@@ -172,7 +172,7 @@ class Result:
         ``attrs["units"]`` has the unit of each column.
 
         Raises:
-            MissingExtraError: when pandas is not there: ``pip install 'chain-impact[pandas]'``.
+            MissingExtraError: when pandas is not there: the extra ``pandas``.
         """
         return tables.dataframe(self)
 
@@ -182,7 +182,7 @@ class Result:
         What ``simulate(output=…)`` left out is NaN, or not there if nothing of its kind was asked for.
 
         Raises:
-            MissingExtraError: when xarray is not there: ``pip install 'chain-impact[xarray]'``.
+            MissingExtraError: when xarray is not there: the extra ``xarray``.
         """
         return tables.dataset(self)
 
@@ -192,7 +192,7 @@ class Result:
         The rows count from 1. ``attrs["units"]`` has the unit of each column.
 
         Raises:
-            MissingExtraError: when pandas is not there: ``pip install 'chain-impact[pandas]'``.
+            MissingExtraError: when pandas is not there: the extra ``pandas``.
         """
         return tables.impact_table(self)
 

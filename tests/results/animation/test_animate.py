@@ -49,6 +49,6 @@ def test_refusals(tmp_path, arguments, pattern):
 
 def test_an_mp4_without_pyav_names_the_extra(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "av", None)
-    with pytest.raises(MissingExtraError, match=r"pip install 'chain-impact\[video\]'"):
+    with pytest.raises(MissingExtraError, match=r"pip install .*\[video\]'"):
         animate(swing(), tmp_path / "swing.mp4", size=(320, 180))
     assert list(tmp_path.iterdir()) == []

@@ -170,7 +170,7 @@ def test_an_address_that_is_none(address, monkeypatch):
 
 def test_without_distributed_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(MissingExtraError, match=r"^distributed.*chain-impact\[cluster\]"):
+    with pytest.raises(MissingExtraError, match=r"^distributed.*pip install .*\[cluster\]"):
         sweep(SCENE, VARY, scheduler="tcp://127.0.0.1:9")
 
 

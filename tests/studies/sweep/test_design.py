@@ -69,5 +69,5 @@ def test_a_grid_that_is_too_large_is_refused_before_it_is_made():
 
 def test_without_scipy_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "scipy.stats.qmc", None)
-    with pytest.raises(MissingExtraError, match=r"^scipy.*pip install 'chain-impact\[sweep\]'"):
+    with pytest.raises(MissingExtraError, match=r"^scipy.*pip install .*\[sweep\]'"):
         sampled(variations_of(SCENE, INTERVALS), 20, "s", count=4, sampling="lhs", seed=0)

@@ -42,7 +42,7 @@ def animate(
     Raises:
         AnimationError: when the suffix is unknown, a number is out of its range, or the recording has fewer
             than two rows or no position of a point.
-        MissingExtraError: when PyAV is not there, for an mp4: ``pip install 'chain-impact[video]'``.
+        MissingExtraError: when PyAV is not there, for an mp4: the extra ``video``.
         OSError: when the file cannot be written.
     """
     path = Path(path)
