@@ -3,14 +3,17 @@
 import pytest
 
 from chain_impact import cli
+from tests.shared import once, shared_folder
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def fmu(tmp_path_factory):
     """The FMU of the four-link box, as `build` makes it."""
-    folder = tmp_path_factory.mktemp("build")
-    assert cli.main(["build", "-o", str(folder)]) == 0
-    return folder / "FourLinkBox.fmu"
+
+    def build(folder):
+        assert cli.main(["build", "-o", str(folder)]) == 0
+
+    return once(shared_folder(tmp_path_factory, "fmu") / "build", build) / "FourLinkBox.fmu"
 
 
 @pytest.fixture
