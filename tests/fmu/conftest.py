@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from chain_impact.export.fmu import build_fmu
-from tests.fmu.environment import Processes, make_environment
+from tests.processes import Processes, make_environment
 from tests.shared import once, shared_folder
 
 Clean = Callable[..., Any]
@@ -85,8 +85,9 @@ def clean(tmp_path_factory) -> Iterator[Clean]:
     """
     environment = shared_folder(tmp_path_factory, "clean") / "environment"
     once(environment, lambda folder: make_environment(folder, "pythonfmu", "fmpy"))
-    processes = Processes(environment / "bin" / "python", tmp_path_factory.mktemp("clean"))
-    yield processes.run
+    python, folder = environment / "bin" / "python", tmp_path_factory.mktemp("clean")
+    processes = Processes(folder, Path(__file__).parent, python, "-I", "-X", "faulthandler")
+    yield lambda *call, module="importer": processes.run(*call, module=module)
     processes.end()
 
 

@@ -1,8 +1,8 @@
 """Imports a module and then waits for functions to run, each in a process that is forked for it.
 
 Its arguments: the folder of the module, and its name. A line on its standard input is a list in JSON: the
-source of a function, its name, its arguments, and the files for what it prints and for errors. The line that
-it answers is the exit code, or minus the number of a signal.
+source of a function, or nothing for one of the module, its name, its arguments, and the files for what it
+prints and for errors. The line that it answers is the exit code, or minus the number of a signal.
 """
 
 import json
@@ -29,8 +29,9 @@ def main() -> None:
         if child == 0:
             redirect(printed, errors)
             exec(source, names)
-            # after whatever importer and FMU have printed
-            print("\n" + json.dumps(names[function](*arguments)))
+            result = names[function](*arguments)
+            if source:  # the result is on a line of its own after whatever importer and FMU have printed
+                print("\n" + json.dumps(result))
             return
         print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
 

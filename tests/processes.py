@@ -1,4 +1,4 @@
-"""A clean Python, made without a download, and processes of it that have imported a module already."""
+"""Processes that have imported a module already, and a clean Python for them, made without a download."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typing import Any
 
 from packaging.requirements import Requirement
 
-HERE = Path(__file__).parent
+FORKS = Path(__file__).with_name("forks.py")
 
 
 def make_environment(folder: Path, *names: str) -> None:
@@ -36,37 +36,44 @@ def make_environment(folder: Path, *names: str) -> None:
 
 
 class Processes:
-    """Runs functions, each in a process of its own, in a Python that holds what an importer needs.
+    """Runs functions, each in a process of its own.
 
     The processes are forked from one that has imported a module and done nothing else, since the import takes
     longer than most of the functions.
     """
 
-    def __init__(self, python: Path, folder: Path) -> None:
-        """Those of a Python; ``folder`` is for what they print."""
-        self.python, self.folder = python, folder
+    def __init__(
+        self, folder: Path, modules: Path, python: str | Path, *options: str, **settings: Any
+    ) -> None:
+        """Those of a Python with some options and settings of ``Popen``.
+
+        ``folder`` is for what they print, ``modules`` has the modules that they import.
+        """
+        self.folder, self.command, self.settings = folder, [python, *options, FORKS, modules], settings
         self.parents: dict[str, subprocess.Popen[str]] = {}
 
-    def run(self, function: Callable[..., Any], *arguments: Any, module: str = "importer") -> Any:
+    def run(self, function: Callable[..., Any], *arguments: Any, module: str) -> Any:
         """``function(*arguments)``; all that it uses is what it imports and the module.
 
         Arguments and result pass as JSON, which keeps doubles to the last bit.
         """
-        parent = self.parents.get(module) or self.start(module)
-        printed, errors = self.folder / "printed", self.folder / "errors"
         source = textwrap.dedent(getsource(function))
-        call = (source, function.__name__, arguments, str(printed), str(errors))
-        print(json.dumps(call), file=parent.stdin, flush=True)
-        answer = parent.stdout.readline()
-        said = printed.read_text(errors="replace")
-        assert answer == "0\n", said[-2000:] + errors.read_text(errors="replace")[-4000:]
-        return json.loads(said.splitlines()[-1])
+        code, printed, errors = self.call([source, function.__name__, arguments], module)
+        assert code == 0, printed[-2000:] + errors[-4000:]
+        return json.loads(printed.splitlines()[-1])
+
+    def call(self, call: list[Any], module: str) -> tuple[int, str, str]:
+        """The exit code, or minus the number of a signal, and what was printed to both streams."""
+        parent = self.parents.get(module) or self.start(module)
+        files = [self.folder / name for name in ("printed", "errors")]
+        print(json.dumps([*call, *map(str, files)]), file=parent.stdin, flush=True)
+        code = int(parent.stdout.readline())
+        return code, *(file.read_text(errors="replace") for file in files)
 
     def start(self, module: str) -> subprocess.Popen[str]:
         """The process that has imported a module."""
-        command = [self.python, "-I", "-X", "faulthandler", HERE / "forks.py", str(HERE), module]
         pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-        self.parents[module] = subprocess.Popen(command, **pipes, text=True)
+        self.parents[module] = subprocess.Popen([*self.command, module], **pipes, **self.settings, text=True)
         return self.parents[module]
 
     def end(self) -> None:
