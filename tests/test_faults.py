@@ -10,10 +10,10 @@ from chain_impact.kernel.status import OK, TOO_MUCH_WORK
 from chain_impact.running import Instance, SimulationError
 from chain_impact.scene import scene_from_dict, with_values
 from tests.kernel_calls import advance, advance_awhile, initialize
-from tests.problems import turned
 from tests.random_scenes import drive
 from tests.random_scenes import scene as random_scene
 from tests.reference import balance
+from tests.turned import turned
 
 
 def chain(count, initial, *, gravity=(0.0, -9.81), link=None, length=0.5, **tables):

@@ -16,11 +16,11 @@ from tests.problems import (
     flat_chain,
     flat_rod,
     heap,
-    mirrored,
     rod,
     struck_rod,
 )
 from tests.reference import balance, moreau_impact, newton_impact
+from tests.turned import mirrored
 
 
 def around_first_impact(scene):

@@ -29,8 +29,8 @@ from chain_impact.kernel.model.geometry import clearance
 from chain_impact.running import Instance
 from chain_impact.scene import load_scene, with_values
 from tests.plain import Plain
-from tests.problems import turned
 from tests.reference import clearance_gradient, mass_matrix
+from tests.turned import turned
 
 
 @cache
