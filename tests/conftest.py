@@ -19,6 +19,10 @@ SLOWEST = (
 )
 # a file that is to run in the process of another, for what both work out → that other
 WITH = {"tests/test_sensitivity_accuracy.py": "tests/test_derivatives.py"}
+WITH |= {
+    f"tests/results/plots/test_{name}.py": "tests/results/plots/test_overview.py"
+    for name in ("motion", "over_time", "room")
+}
 
 
 def pytest_collection_modifyitems(items):
