@@ -1,16 +1,57 @@
-"""The command line, run in an empty folder, and an FMU for it."""
+"""The order of the tests; for many of them the command line, run in an empty folder, and an FMU."""
 
 import pytest
+from xdist.scheduler import LoadFileScheduling
 
 from chain_impact import cli
+from tests.shared import once, shared_folder
+
+# What takes longest comes first, so that all cores end together; of the first two, one begins with the plain
+# kernel and the other with the one that carries derivatives, and neither waits for the other's.
+SLOWEST = (
+    "tests/test_docs.py",
+    "tests/test_sensitivities.py",
+    "tests/fmu/test_platforms.py",
+    "tests/test_derivatives.py",
+    "tests/test_sensitivity_accuracy.py",
+    "tests/fmu/test_fuzzer.py",
+    "tests/fmu/test_build.py",
+)
+# a file that is to run in the process of another, for what both work out → that other
+WITH = {"tests/test_sensitivity_accuracy.py": "tests/test_derivatives.py"}
+WITH |= {
+    f"tests/results/plots/test_{name}.py": "tests/results/plots/test_overview.py"
+    for name in ("motion", "over_time", "room")
+}
 
 
-@pytest.fixture(scope="module")
+def pytest_collection_modifyitems(items):
+    """Put the slowest files first."""
+    place = {file: k for k, file in enumerate(SLOWEST)}
+    items.sort(key=lambda item: place.get(item.nodeid.split("::")[0], len(place)))
+
+
+class ByFile(LoadFileScheduling):
+    """Gives each process a file after the other, in this order."""
+
+    def _split_scope(self, nodeid):
+        file = super()._split_scope(nodeid)
+        return WITH.get(file, file)
+
+
+def pytest_xdist_make_scheduler(config, log):
+    """For ``--dist loadfile``, which pyproject.toml has."""
+    return ByFile(config, log) if config.getvalue("dist") == "loadfile" else None
+
+
+@pytest.fixture(scope="session")
 def fmu(tmp_path_factory):
     """The FMU of the four-link box, as `build` makes it."""
-    folder = tmp_path_factory.mktemp("build")
-    assert cli.main(["build", "-o", str(folder)]) == 0
-    return folder / "FourLinkBox.fmu"
+
+    def build(folder):
+        assert cli.main(["build", "-o", str(folder)]) == 0
+
+    return once(shared_folder(tmp_path_factory, "fmu") / "build", build) / "FourLinkBox.fmu"
 
 
 @pytest.fixture

@@ -20,6 +20,7 @@ from chain_impact.candidates import candidates
 from chain_impact.kernel.status import OK, STATUS_TEXT, TOO_MUCH_WORK
 from chain_impact.running import Instance, SimulationError
 from chain_impact.scene import Scene
+from tests.kernel_calls import move
 from tests.random_scenes import drive
 
 CPU = 2.0  # s, that a run may take
@@ -91,14 +92,6 @@ def account(scene: Scene, seed: int, memory: Any = None) -> Account:
     return Account(
         scene, times[:done], outputs[:done], rows, statistics, cpu, push=float(np.linalg.norm(force))
     )
-
-
-def move(instance: Instance, memory: Any) -> None:
-    """Let an instance live in a buffer."""
-    block = instance._block
-    place = np.frombuffer(memory, block.dtype, count=1)
-    place[:] = block
-    instance._block, instance.record, instance._address = place, place[0], place.ctypes.data
 
 
 def judge(run: Account, cpu: float = CPU) -> list[Finding]:

@@ -20,7 +20,7 @@ from chain_impact.kernel.chain.regular import loose_links
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.scene import SOLVER_METHODS, Scene, scene_from_dict, with_values
-from tests.problems import turned
+from tests.turned import turned
 
 SLANTED = 10**6  # the first seed of scenes with walls at any angle …
 SPRUNG = 2 * 10**6  # … and of those with springs or point masses

@@ -9,6 +9,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import mpmath
@@ -72,14 +73,32 @@ def point_impact(mass: float, speed: float, stiffness: float, exponent: float, d
       K δⁿ⁺¹/((n+1) m v²) = G(u) = ∫_u¹ s/(1+λs) ds = [λ(1−u) − ln((1+λ)/(1+λu))]/λ²,
       T = ∫ m v/F du over [−e′, 1], and F = K δⁿ (1+λu) has its peak where dF/du = 0.
     For λ = 0 the duration is T = 2 (δ_max/v) √π Γ(1+p)/Γ(½+p), p = 1/(n+1) (Hertz 1881 for n = 3/2).
+
+    Depths are ∝ (m v²/K)^p with p = 1/(n+1), forces ∝ K (m v²/K)^(np), durations ∝ depth over speed.
     """
+    deepest, largest, lasting, rebound_speed, lost = _unit_impact(exponent, damping)
     with mpmath.workdps(50):
-        m, v, k, n, lam = (mpmath.mpf(value) for value in (mass, speed, stiffness, exponent, damping))
+        m, v, k = (mpmath.mpf(value) for value in (mass, speed, stiffness))
+        depth = (m * v**2 / k) ** (1 / (mpmath.mpf(exponent) + 1))
+        return PointImpact(
+            max_penetration=float(depth * deepest),
+            peak_force=float(m * v**2 / depth * largest),
+            duration=float(depth / v * lasting),
+            separation_speed=float(v * rebound_speed),
+            dissipated=float(m * v**2 * lost),
+        )
+
+
+@cache
+def _unit_impact(exponent: float, damping: float) -> tuple[Any, ...]:
+    """Largest depth and force, duration, separation speed and loss of an impact with m = v = K = 1."""
+    with mpmath.workdps(50):
+        n, lam = mpmath.mpf(exponent), mpmath.mpf(damping)
         p = 1 / (n + 1)
         if lam == 0:
-            deepest = ((n + 1) * m * v**2 / (2 * k)) ** p
-            duration = 2 * deepest / v * mpmath.sqrt(mpmath.pi) * mpmath.gamma(1 + p) / mpmath.gamma(p + 0.5)
-            return PointImpact(float(deepest), float(k * deepest**n), float(duration), speed, 0.0)
+            deepest = ((n + 1) / 2) ** p
+            duration = 2 * deepest * mpmath.sqrt(mpmath.pi) * mpmath.gamma(1 + p) / mpmath.gamma(p + 0.5)
+            return deepest, deepest**n, duration, 1, 0
         e = _restitution(lam)
 
         # G from either end, u = 1 − t and u = −e′ + r, so that nothing cancels there
@@ -90,24 +109,18 @@ def point_impact(mass: float, speed: float, stiffness: float, exponent: float, d
             return r - e, (mpmath.log1p(lam * r / (1 - lam * e)) - lam * r) / lam**2
 
         def depth(g: Any) -> Any:
-            return ((n + 1) * m * v**2 / k * g) ** p
+            return ((n + 1) * g) ** p
 
         def force(u: Any, g: Any) -> Any:
-            return k * depth(g) ** n * (1 + lam * u)
+            return depth(g) ** n * (1 + lam * u)
 
-        duration = mpmath.quad(lambda t: m * v / force(*falling(t)), [0, 1])
-        duration += mpmath.quad(lambda r: m * v / force(*rising(r)), [0, e])
+        duration = mpmath.quad(lambda t: 1 / force(*falling(t)), [0, 1])
+        duration += mpmath.quad(lambda r: 1 / force(*rising(r)), [0, e])
         # dF/du = 0: n G′(1+λu) + (n+1) λ G = 0 with G′ = −u/(1+λu); the peak comes before the turn
         top = mpmath.findroot(
             lambda t: (n + 1) * lam * falling(t)[1] - n * falling(t)[0], (1e-9, 1), solver="anderson"
         )
-        return PointImpact(
-            max_penetration=float(depth(falling(mpmath.mpf(1))[1])),
-            peak_force=float(force(*falling(top))),
-            duration=float(duration),
-            separation_speed=float(e * v),
-            dissipated=float(m * v**2 * (1 - e**2) / 2),
-        )
+        return depth(falling(mpmath.mpf(1))[1]), force(*falling(top)), duration, e, (1 - e**2) / 2
 
 
 @dataclass(frozen=True)
@@ -170,12 +183,11 @@ def centre_jacobian(scene: Scene, angles: Sequence[float], i: int) -> np.ndarray
 
 def mass_matrix(scene: Scene, angles: Sequence[float]) -> np.ndarray:
     """M(q) = Σ m J_Cᵀ J_C + I ∇θ ∇θᵀ over the links, shape (N+2, N+2)."""
-    matrix = np.zeros((len(angles) + 2,) * 2)
-    for i, link in enumerate(scene.chain.links):
-        jacobian = centre_jacobian(scene, angles, i)
-        matrix += link.mass * jacobian.T @ jacobian
-        matrix[2 + i, 2 + i] += link.inertia
-    return matrix
+    links = scene.chain.links
+    rows = np.concatenate([centre_jacobian(scene, angles, i) for i in range(len(links))])
+    masses = np.repeat([link.mass for link in links], 2)
+    inertias = np.array([0.0, 0.0, *(link.inertia for link in links)])
+    return rows.T @ (masses[:, None] * rows) + np.diag(inertias)
 
 
 def generalized_force(

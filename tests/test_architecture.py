@@ -11,6 +11,7 @@ import chain_impact
 PACKAGE = Path(chain_impact.__file__).parent
 ROOT = Path(__file__).parents[1]
 SLAVE = ROOT / "fmu_src" / "slave.py"
+TESTS = ROOT / "tests"
 LONGEST = 400  # lines of a file
 
 MODULES = sorted(PACKAGE.rglob("*.py"))
@@ -126,6 +127,11 @@ def test_the_slave_imports_the_standard_library_and_pythonfmu_only():
 @pytest.mark.parametrize("file", [*MODULES, SLAVE], ids=lambda file: file.stem)
 def test_files_are_short(file):
     assert len(file.read_text(encoding="utf-8").splitlines()) < LONGEST
+
+
+def test_files_of_the_tests_are_short():
+    lengths = {file: len(file.read_text(encoding="utf-8").splitlines()) for file in TESTS.rglob("*.py")}
+    assert [file.name for file, length in lengths.items() if length >= LONGEST] == []
 
 
 @pytest.mark.parametrize(

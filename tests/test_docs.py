@@ -5,7 +5,6 @@ import os
 import re
 import shlex
 import shutil
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -19,6 +18,7 @@ from chain_impact import cli
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.layout import instance_dtype
 from chain_impact.scene import scene_keys
+from tests.processes import Processes
 
 ROOT = Path(__file__).parents[1]
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
@@ -127,7 +127,17 @@ def test_other_commands_are_known_or_scripts_of_the_repository(page):
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def run(tmp_path_factory):
+    """Run Python in a folder: (exit code, standard output, standard error)."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "fmu_src"), "MPLBACKEND": "Agg"}
+    printed = tmp_path_factory.mktemp("printed")
+    processes = Processes(printed, ROOT / "tests", sys.executable, "-W", "error", env=environment)
+    yield lambda folder, *arguments: processes.call(["", "program", [str(folder), *arguments]], "reader")
+    processes.end()
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, run):
     """A folder with the models and FMUs; the first command of the README makes build/FourLinkBox.fmu."""
     folder = tmp_path_factory.mktemp("reader")
     (folder / "docs" / "images").mkdir(parents=True)
@@ -138,11 +148,10 @@ def folder(tmp_path_factory):
     return folder
 
 
-def run(folder, *arguments):
-    environment = {**os.environ, "PYTHONPATH": str(ROOT / "fmu_src"), "MPLBACKEND": "Agg"}
-    command = [sys.executable, *arguments]
-    done = subprocess.run(command, cwd=folder, env=environment, check=False, capture_output=True, text=True)
-    return done.returncode, done.stdout, done.stderr
+@pytest.fixture(scope="module")
+def drawn():
+    """The commands that have drawn a picture of the docs."""
+    return set()
 
 
 def chain_impact(line):
@@ -159,8 +168,11 @@ def lines_of(text):
 
 @pytest.mark.slow
 @parametrized([page for page in PAGES if any(block.language in ("sh", "python") for block in fenced(page))])
-def test_a_page_runs_from_top_to_bottom(page, folder):
-    """Files are written, programs and commands run, in a folder like a reader's; the output is as shown."""
+def test_a_page_runs_from_top_to_bottom(page, folder, run, drawn):
+    """Files are written, programs and commands run, in a folder like a reader's; the output is as shown.
+
+    A picture of the docs that stands on several pages is drawn once.
+    """
     printed = ""
     for language, title, text in fenced(page):
         if title == "printed":
@@ -170,21 +182,22 @@ def test_a_page_runs_from_top_to_bottom(page, folder):
         elif language == "python":
             # as a program of its own, as a reader would
             (folder / "snippet.py").write_text(text, encoding="utf-8")
-            code, printed, errors = run(folder, "-W", "error", "snippet.py")
+            code, printed, errors = run(folder, "snippet.py")
             assert code == 0, f"{text}\n{errors}"
         elif language == "sh":
             for line in text.splitlines():
-                if (arguments := chain_impact(line)) is not None:
+                if (arguments := chain_impact(line)) is not None and line not in drawn:
+                    drawn |= {line} if "docs/images/" in line else set()
                     code, printed, errors = run(folder, "-m", "chain_impact.cli", *arguments)
                     assert code == 0, f"{line}\n{errors}"
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
-def test_a_notebook_runs(notebook, tmp_path):
-    shutil.copy(notebook, tmp_path)
-    build_site.make_pages([tmp_path / notebook.name], tmp_path)
-    assert (tmp_path / f"{notebook.stem}.md").stat().st_size > notebook.stat().st_size / 2
+def test_the_notebooks_run(tmp_path):
+    copies = [Path(shutil.copy(notebook, tmp_path)) for notebook in NOTEBOOKS]
+    build_site.make_pages(copies, tmp_path)
+    for copy in copies:
+        assert copy.with_suffix(".md").stat().st_size > copy.stat().st_size / 2
 
 
 @pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)

@@ -9,10 +9,11 @@ from chain_impact import simulate
 from chain_impact.kernel.status import OK, TOO_MUCH_WORK
 from chain_impact.running import Instance, SimulationError
 from chain_impact.scene import scene_from_dict, with_values
-from tests.problems import turned
+from tests.kernel_calls import advance, advance_awhile, initialize
 from tests.random_scenes import drive
 from tests.random_scenes import scene as random_scene
 from tests.reference import balance
+from tests.turned import turned
 
 
 def chain(count, initial, *, gravity=(0.0, -9.81), link=None, length=0.5, **tables):
@@ -165,10 +166,10 @@ def test_a_long_call_returns_in_between():
     start = {"position": [0.0, 0.6], "angles": [0.3, -0.5, 0.7]}
     scene = chain(3, start, solver={"method": "explicit"}, contact={"stiffness": 1e12, "restitution": 0.2})
     instance, paused = Instance(scene), 0
-    while instance._kernel.advance_awhile(instance._address, 40.0):
+    while advance_awhile(instance, 40.0):
         paused += 1
     whole = Instance(scene)
-    assert whole._kernel.advance(whole._address, 40.0) == OK
+    assert advance(whole, 40.0) == OK
     assert paused > 0
     assert instance.record["step"].tobytes() == whole.record["step"].tobytes()
 
@@ -180,7 +181,7 @@ def test_an_instance_that_has_run_starts_as_a_new_one():
     scene = chain(3, {"position": [0.0, 0.6], "angles": [0.3, -0.5, 0.7]})
     used, new = Instance(scene), Instance(scene)
     assert used.advance(0.75) == OK
-    assert used._kernel.initialize(used._address, 0.0) == OK
+    used.initialize()
     for instance in (used, new):
         assert instance.advance(0.7) == OK
     for name in ("step", "impact", "statistics", "finished"):
@@ -206,7 +207,7 @@ def test_the_first_stage_after_an_onset_has_the_force_that_jumps_there(method):
     assert record["touch"]["active_count"] == 2
     used = record["work"]["rate_start"].copy()
     record["step"]["time"] = record["step"]["start"]
-    instance._kernel.observe(instance._address)
+    instance.observe()
     output = record["output"]
     expected = [*output["point_acceleration"][0], *output["angular_acceleration"]]
     np.testing.assert_allclose(used[3:6], expected, rtol=1e-9, atol=1e-9)
@@ -227,7 +228,7 @@ def test_outputs_do_not_depend_on_how_often_they_are_looked_at(seed):
             inputs["joint_torque"], inputs["tip_force"], inputs["changed"] = torque, force, 1
         for k in range(1, looks + 1):
             assert instance.advance(one.simulation.stop_time * k / looks) == OK
-            instance._kernel.observe(instance._address)
+            instance.observe()
         ends.append((instance.record["output"].tobytes(), work(instance)))
     assert ends[0] == ends[1]
 
@@ -241,7 +242,7 @@ def test_a_look_at_rigid_walls_is_not_the_work_of_the_solver():
         instance = Instance(with_values(scene, {("contact", "restitution"): 0.0}))
         for k in range(1, looks + 1):
             assert instance.advance(k / looks) == OK
-            instance._kernel.observe(instance._address)
+            instance.observe()
         assert instance.record["touch"]["active_count"] > 0
         counts.append(work(instance))
     assert counts[0] == counts[1]
@@ -251,7 +252,7 @@ def test_a_look_at_rigid_walls_is_not_the_work_of_the_solver():
 def test_a_simulation_may_start_late(seed):
     """Where a step of a picosecond cannot be told from none."""
     instance, stop = Instance(random_scene(seed)), random_scene(seed).simulation.stop_time
-    assert instance._kernel.initialize(instance._address, 1e4) == OK
+    assert initialize(instance, 1e4) == OK
     assert instance.advance(1e4 + stop) == OK
 
 

@@ -14,12 +14,12 @@ from tests.problems import (
     default_scene,
     flat_chain,
     flat_rod,
-    mirrored,
     rod,
     struck_ball,
     struck_rod,
 )
 from tests.reference import exact_damping_factor, momenta, point_impact
+from tests.turned import mirrored
 
 # --- one impact --------------------------------------------------------------------------------------------
 

@@ -16,13 +16,13 @@ from tests.problems import (
     flat_chain,
     flat_rod,
     heap,
-    mirrored,
     rod,
     struck_rod,
 )
 from tests.random_scenes import SLANTED, SPRUNG
 from tests.random_scenes import scene as random_scene
 from tests.reference import balance, moreau_impact, newton_impact
+from tests.turned import mirrored
 
 
 def around_first_impact(scene):
@@ -232,10 +232,10 @@ def test_the_record_holds_everything():
     instance, other = (Instance(default_scene(model=LAW, restitution=0.3)) for _ in range(2))
     assert instance.advance(1.5) == 0
     assert instance.record["touch"]["active_count"] > 0
-    other._block[:] = instance._block
+    other.words[:] = instance.words
     for one in (instance, other):
         assert one.advance(6.0) == 0
-    assert instance._block.tobytes() == other._block.tobytes()
+    assert instance.words.tobytes() == other.words.tobytes()
 
 
 def test_a_bounce_off_which_links_turn_far_faster_does_not_hold_up_the_solver():

@@ -58,7 +58,7 @@ def test_a_change_that_is_refused_leaves_the_contacts_rigid(look):
             instance.record["given"]["restitution"] = restitution
             change_law(instance, law)
             if look:
-                instance._kernel.observe(instance._address)
+                instance.observe()
         return instance, instance.advance(1.5)
 
     instance, status = after([("zhang_sharf", 0.0), ("zhang_sharf", 0.7)])

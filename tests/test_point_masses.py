@@ -11,6 +11,7 @@ from chain_impact.kernel.status import MASS_MATRIX_SINGULAR
 from chain_impact.running import Instance
 from chain_impact.scene import SceneError, scene_from_dict, with_values
 from tests.kernel.chain.test_recursion import lagrange_accelerations
+from tests.kernel_calls import initialize
 from tests.problems import GRAVITY
 from tests.reference import balance
 
@@ -93,7 +94,7 @@ def test_accelerations_are_lagranges(base):
     angles, spins = rng.uniform(-3.0, 3.0, 3), rng.uniform(-3.0, 3.0, 3)
     one = scene(links, base=base, initial={"angles": list(angles), "angular_velocities": list(spins)})
     instance = Instance(one)
-    instance._kernel.observe(instance._address)
+    instance.observe()
     velocities = np.concatenate([[0.0, 0.0], spins])
     expected = lagrange_accelerations(one, angles, velocities, np.zeros(3), np.zeros((4, 2)))
     found = instance.record["output"]["angular_acceleration"]
@@ -142,7 +143,7 @@ def test_the_kernel_refuses_them_too():
     """An importer may set what it likes."""
     instance = Instance(double([0.0, 0.0]))
     instance.record["model"]["center_of_mass"][1] = 0.0
-    assert instance._kernel.initialize(instance._address, 0.0) == MASS_MATRIX_SINGULAR
+    assert initialize(instance) == MASS_MATRIX_SINGULAR
 
 
 def test_a_negative_inertia_is_refused():

@@ -10,11 +10,12 @@ import pytest
 
 from chain_impact import CONTACT_LAWS, SceneError, load_scene, running
 from chain_impact.compilation.errors import BuildError
-from chain_impact.export.fmu import build_fmu
 from chain_impact.runs import RunError, read_fmu, record_fmu, record_scene
 from chain_impact.scene import model_names
 from chain_impact.variables import fmu_variables
 from chain_impact.walls import HalfPlane, half_planes
+from tests.fmu.conftest import OnDemand
+from tests.shared import shared_folder
 
 LITTLE_WORK = {"solver.work_limit": "1500"}  # too little for the impacts, enough for the flight before
 
@@ -22,8 +23,8 @@ LITTLE_WORK = {"solver.work_limit": "1500"}  # too little for the impacts, enoug
 @pytest.fixture(scope="module")
 def fmus(tmp_path_factory):
     """The FMU of each model: name of the model → path."""
-    folder = tmp_path_factory.mktemp("fmus")
-    return {name: build_fmu(name, folder) for name in model_names()}
+    built = OnDemand("pythonfmu", shared_folder(tmp_path_factory, "fmus") / "pythonfmu")
+    return {name: Path(built[name]) for name in model_names()}
 
 
 @pytest.fixture(params=["scene", "FMU"])

@@ -8,7 +8,8 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.scene import with_values
 from chain_impact.walls import HalfPlane, direction, half_planes
-from tests.problems import GRAVITY, ball, default_scene, flat_chain, flat_rod, rest_depth, turned
+from tests.problems import GRAVITY, ball, default_scene, flat_chain, flat_rod, rest_depth
+from tests.turned import turned
 
 ANGLES = (0.3, math.pi / 2, 2.5, -1.1)
 RIGHT, UP = np.array([0.8, -0.6]), np.array([0.6, 0.8])  # down the ramp of the model, and off it

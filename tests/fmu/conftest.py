@@ -5,21 +5,16 @@ up the package, numba, or modules that a test has loaded. So what concerns its u
 its own that holds an importer and pythonfmu, and not this package.
 """
 
-import inspect
-import json
-import subprocess
-import sys
-import textwrap
-from collections.abc import Callable
-from importlib.metadata import version
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from chain_impact.export.fmu import build_fmu
+from tests.processes import Processes, make_environment
+from tests.shared import once, shared_folder
 
-HERE = Path(__file__).parent
 Clean = Callable[..., Any]
 
 
@@ -36,9 +31,12 @@ class OnDemand(dict[str, str]):
 
     def __init__(self, kind: str, folder: Path) -> None:
         self.kind, self.folder = kind, folder
+        folder.mkdir(exist_ok=True)
 
     def __missing__(self, name: str) -> str:
-        self[name] = str(build_fmu(name, self.folder, **KINDS[self.kind]))
+        folder = once(self.folder / name, lambda folder: build_fmu(name, folder, **KINDS[self.kind]))
+        (fmu,) = folder.glob("*.fmu")
+        self[name] = str(fmu)
         return self[name]
 
 
@@ -63,7 +61,7 @@ def strict(request, all_fmus) -> dict[str, str]:
 @pytest.fixture(scope="session")
 def all_fmus(tmp_path_factory) -> dict[str, dict[str, str]]:
     """The FMUs of each model: kind → name of the model → path."""
-    folder = tmp_path_factory.mktemp("fmus")
+    folder = shared_folder(tmp_path_factory, "fmus")
     return {kind: OnDemand(kind, folder / kind) for kind in KINDS}
 
 
@@ -80,48 +78,17 @@ def native(all_fmus) -> dict[str, str]:
 
 
 @pytest.fixture(scope="session")
-def clean_python(tmp_path_factory) -> Path:
-    """A Python that knows fmpy and pythonfmu, and neither this package nor numba."""
-    folder = tmp_path_factory.mktemp("clean")
-    subprocess.run([sys.executable, "-m", "venv", folder], check=True)
-    python = folder / "bin" / "python"
-    packages = [f"{name}=={version(name)}" for name in ("pythonfmu", "fmpy")]
-    install = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *packages]
-    subprocess.run(install, check=True)
-    return python
+def clean(tmp_path_factory) -> Iterator[Clean]:
+    """Run ``function(*arguments)`` in a process that knows fmpy and pythonfmu, and not this package or numba.
 
-
-@pytest.fixture(scope="session")
-def clean(clean_python) -> Clean:
-    """Run ``function(*arguments)`` in the clean Python; all that it uses is what it imports and importer.py.
-
-    Or, in place of that, the ``module`` interface.py. Arguments and result pass as JSON, which keeps doubles
-    to the last bit.
+    All that it uses is what it imports and importer.py, or, in place of that, the ``module`` interface.py.
     """
-
-    def run(function: Callable[..., Any], *arguments: Any, module: str = "importer") -> Any:
-        program = "\n".join(
-            (
-                "import json, sys",
-                f"sys.path.insert(0, {str(HERE)!r})",
-                f"from {module} import *",
-                textwrap.dedent(inspect.getsource(function)),
-                f"result = {function.__name__}(*json.loads(sys.stdin.read()))",
-                # after whatever importer and FMU have printed
-                "print('\\n' + json.dumps(result))",
-            )
-        )
-        done = subprocess.run(
-            [clean_python, "-I", "-X", "faulthandler", "-c", program],
-            input=json.dumps(arguments),
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-4000:]
-        return json.loads(done.stdout.splitlines()[-1])
-
-    return run
+    environment = shared_folder(tmp_path_factory, "clean") / "environment"
+    once(environment, lambda folder: make_environment(folder, "pythonfmu", "fmpy"))
+    python, folder = environment / "bin" / "python", tmp_path_factory.mktemp("clean")
+    processes = Processes(folder, Path(__file__).parent, python, "-I", "-X", "faulthandler")
+    yield lambda *call, module="importer": processes.run(*call, module=module)
+    processes.end()
 
 
 @pytest.fixture(scope="session")

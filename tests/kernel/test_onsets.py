@@ -1,7 +1,5 @@
 """A caller that stops at every onset: where it stops, what it sees, and that the motion is the same."""
 
-import ctypes
-
 import numpy as np
 import pytest
 
@@ -9,6 +7,7 @@ from chain_impact import CONTACT_LAWS, load_scene, simulate
 from chain_impact.kernel.status import OK, ONSET_DUE
 from chain_impact.running import Instance
 from chain_impact.scene import scene_from_dict, with_values
+from tests.kernel_calls import advance_to_onset, let_happen
 
 RIGID = {("contact", "model"): "newton_impact"}
 
@@ -18,15 +17,13 @@ class Stopping:
 
     def __init__(self, scene):
         self.instance = Instance(scene)
-        self.record, kernel = self.instance.record, self.instance._kernel
-        self.address = ctypes.c_void_p(self.instance._address)
-        self.kernel = kernel
+        self.record = self.instance.record
 
     def to_onset(self, time):
-        return self.kernel.advance_to_onset(self.address, ctypes.c_double(time))
+        return advance_to_onset(self.instance, time)
 
     def let_happen(self):
-        return self.kernel.let_happen(self.address)
+        return let_happen(self.instance)
 
     def outputs(self):
         self.instance.observe()

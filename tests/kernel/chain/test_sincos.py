@@ -7,6 +7,7 @@ import pytest
 from chain_impact.kernel.chain.sincos import LARGEST, polar
 from chain_impact.kernel.status import NOT_FINITE
 from chain_impact.running import Instance
+from tests.kernel_calls import initialize
 from tests.problems import ball
 
 
@@ -55,4 +56,4 @@ def test_larger_angles_are_left_to_the_c_library():
 def test_what_is_not_finite_is_refused(bad):
     instance = Instance(ball())
     instance.record["initial"]["angle"] = bad
-    assert instance._kernel.initialize(instance._address, 0.0) == NOT_FINITE
+    assert initialize(instance) == NOT_FINITE

@@ -27,7 +27,7 @@ def after_a_step():
 def test_the_ledger_is_that_of_the_outputs():
     instance = Instance(load_scene("four_link_box"))
     instance.advance(0.4995)  # in the first impact
-    instance._kernel.observe(instance._address)
+    instance.observe()
     d, output = Plain(instance.record), instance.record["output"]
     assert output["elastic"] > 0.0
     y = d["work"]["y"]

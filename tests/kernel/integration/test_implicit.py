@@ -29,8 +29,8 @@ from chain_impact.kernel.model.geometry import clearance
 from chain_impact.running import Instance
 from chain_impact.scene import load_scene, with_values
 from tests.plain import Plain
-from tests.problems import turned
 from tests.reference import clearance_gradient, mass_matrix
+from tests.turned import turned
 
 
 @cache
@@ -300,6 +300,6 @@ def test_a_restart_inside_an_implicit_step_does_not_kick(tolerance):
             instance.advance(time)
         instance.advance(1.2)
         output = instance.record["output"]
-        instance._kernel.observe(instance._address)
+        instance.observe()
         ledger.append(float(output["total"] + output["dissipated"]))
     assert ledger[1] == pytest.approx(ledger[0], abs=10.0 * tolerance)

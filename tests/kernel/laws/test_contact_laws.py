@@ -13,6 +13,7 @@ from chain_impact.kernel.laws.contact_laws import LAW_COUNT, viscoelastic_reboun
 from chain_impact.kernel.status import OK, RESTITUTION_NOT_ALLOWED
 from chain_impact.running import Instance
 from chain_impact.scene import with_values
+from tests.kernel_calls import initialize
 from tests.problems import ball
 from tests.reference import exact_damping_factor, realised_restitution, rebound
 
@@ -66,7 +67,7 @@ def factor_of(law, e):
     instance = kernel()
     contact, given = instance.record["contact"], instance.record["given"]
     given["law"], given["restitution"], contact["exponent"] = law.number, e, law.exponent or 1.5
-    status = instance._kernel.initialize(instance._address, 0.0)
+    status = initialize(instance)
     assert status in (OK, RESTITUTION_NOT_ALLOWED)
     return float(contact["damping_factor"]) if status == OK else math.inf
 

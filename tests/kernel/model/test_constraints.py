@@ -12,8 +12,9 @@ from chain_impact.kernel.model.constraints import complement, meet_walls, press
 from chain_impact.kernel.model.geometry import clearance
 from chain_impact.scene import WALLS, with_values
 from tests.plain import Plain
-from tests.problems import default_scene, turned
+from tests.problems import default_scene
 from tests.reference import clearance_gradient, complementary_impulses, mass_matrix
+from tests.turned import turned
 
 POINTS, FAR = 5, 10.0
 

@@ -1,7 +1,5 @@
 """Derivatives of runs in which something is set on the way, against differences of such runs."""
 
-from ctypes import c_double, c_void_p
-
 import numpy as np
 import pytest
 
@@ -11,6 +9,7 @@ from chain_impact.running import Instance
 from chain_impact.sensitivities import DifferentiatedInstance
 from chain_impact.variables import output_words, with_sensitivities
 from tests.derivative_scenes import table
+from tests.kernel_calls import advance_to_onset, let_happen
 
 PARAMETERS = ("link[1].mass", "gravity.y")
 OUTPUTS = ("link[2].angle", "link[2].angular_velocity")
@@ -91,13 +90,11 @@ def falling_link(model):
 
 def through_onset(instance, changes, stop):
     """Go to the first onset, as the event mode of FMI 3.0 does, set values there, and go on; its impacts."""
-    kernel, address = instance._kernel, instance._address
-    kernel.advance_to_onset.argtypes, kernel.let_happen.argtypes = [c_void_p, c_double], [c_void_p]
-    kernel.advance_to_onset(address, stop)
+    advance_to_onset(instance, stop)
     given = instance.record["given"]
     for name, value in changes.items():
         given[name], given["changed"] = value, 1
-    kernel.let_happen(address)
+    let_happen(instance)
     instance.advance(stop)
     instance.observe()
     return instance.collect()

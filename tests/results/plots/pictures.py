@@ -13,6 +13,7 @@ from chain_impact.walls import half_planes
 from tests.test_models import inputs_of
 
 WITHOUT_IMPACTS = {"simple_pendulum", "triple_pendulum"}
+_PAGES = {}
 MODELS = [name for name in model_names() if name not in WITHOUT_IMPACTS]
 
 
@@ -37,6 +38,7 @@ def swing(impacts=(), walls=None, rows=50, slopes=None, parameters=None):
     return Recording("Swing", time, columns, list(impacts), room, parameters or {})
 
 
+@functools.cache
 def crowd(count=60):
     """A swing with many impacts at three walls, some of them at nearly the same place and time."""
     random = np.random.default_rng(1)
@@ -51,10 +53,16 @@ def crowd(count=60):
 
 
 def drawn(recording):
-    """The page with a recording, and its axes: motion, time, energy, impact speeds."""
-    page = Figure(figsize=SIZE, layout="constrained")
-    fill(page, recording)
-    page.draw_without_rendering()
+    """The page with a recording, and its axes: motion, time, energy, impact speeds.
+
+    It is drawn once and then only looked at.
+    """
+    if id(recording) not in _PAGES:
+        page = Figure(figsize=SIZE, layout="constrained")
+        fill(page, recording)
+        page.draw_without_rendering()
+        _PAGES[id(recording)] = recording, page  # with the recording itself, so that no other takes its id
+    page = _PAGES[id(recording)][1]
     return page, *page.axes
 
 

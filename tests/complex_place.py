@@ -1,0 +1,70 @@
+"""What the chain in complex numbers has in a state: where it is and how fast, and its contacts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from tests.complex_chain import ComplexChain
+
+
+class Place:
+    """Directions, positions and velocities in a state, and clearances of the candidates and their rates."""
+
+    def __init__(self, chain: ComplexChain, y: np.ndarray) -> None:
+        self.chain, self.y = chain, y
+        self.angle, self.omega = y[:, 2 : chain.v.start], y[:, chain.v.start + 2 : chain.v.stop]
+        self.along = np.empty((*self.angle.shape, 2), complex)  # e_i …
+        self.across = np.empty_like(self.along)  # … and e_i⊥
+        self.along[..., 0] = self.across[..., 1] = np.cos(self.angle)
+        self.along[..., 1] = np.sin(self.angle)
+        self.across[..., 0] = -self.along[..., 1]
+
+    @cached_property
+    def position(self) -> np.ndarray:
+        return chained(self.y[:, :2], self.along * self.chain.length[..., None])
+
+    @cached_property
+    def velocity(self) -> np.ndarray:
+        base = self.y[:, self.chain.v.start : self.chain.v.start + 2]
+        return chained(base, self.across * (self.chain.length * self.omega)[..., None])
+
+    @cached_property
+    def gap(self) -> np.ndarray:
+        chain = self.chain
+        return (chain.normal * self.position[:, chain.points]).sum(2) - chain.offset
+
+    @cached_property
+    def gap_rate(self) -> np.ndarray:
+        return (self.chain.normal * self.velocity[:, self.chain.points]).sum(2)
+
+
+def chained(base: np.ndarray, parts: np.ndarray) -> np.ndarray:
+    """Base, and base and parts up to each link: of all points, shape (lanes, N+1, 2)."""
+    result = np.empty((len(base), parts.shape[1] + 1, 2), complex)
+    result[:, 0] = base
+    np.cumsum(parts, 1, out=result[:, 1:])
+    result[:, 1:] += base[:, None]
+    return result
+
+
+@dataclass
+class Touch:
+    """A contact that lasts: what is latched at its onset, and its largest force and penetration so far."""
+
+    candidate: int
+    onset: np.ndarray  # s
+    onset_speed: np.ndarray  # m/s
+    speed: np.ndarray  # m/s, v₀
+    mass: np.ndarray  # kg
+    impulse: np.ndarray  # N·s, of the candidate at the onset
+    scale: float  # m, of the penetration: not a function of the parameters
+    damping: np.ndarray = field(init=False)  # N·s/m^(p+1), d
+    pushes: bool = True  # the force is not cut off
+    damped: bool = True  # δ̇ > 0, or the law damps on the way back, too
+    forces: list[np.ndarray] = field(default_factory=list)  # N, at each of its peaks
+    depths: list[np.ndarray] = field(default_factory=list)  # m, likewise

@@ -1,0 +1,40 @@
+"""Imports a module and then waits for functions to run, each in a process that is forked for it.
+
+Its arguments: the folder of the module, and its name. A line on its standard input is a list in JSON: the
+source of a function, or nothing for one of the module, its name, its arguments, and the files for what it
+prints and for errors. The line that it answers is the exit code, or minus the number of a signal.
+"""
+
+import json
+import os
+import sys
+from importlib import import_module
+
+
+def redirect(printed: str, errors: str) -> None:
+    """Give this process files in place of the pipes of its parent."""
+    for descriptor, path, mode in ((0, os.devnull, os.O_RDONLY), (1, printed, None), (2, errors, None)):
+        file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC if mode is None else mode)
+        os.dup2(file, descriptor)
+        os.close(file)
+
+
+def main() -> None:
+    """Answer until there are no more lines; a process that was forked returns, and so ends as any program."""
+    sys.path.insert(0, sys.argv[1])
+    names = {**vars(import_module(sys.argv[2])), "__name__": "__main__"}
+    for line in sys.stdin:
+        source, function, arguments, printed, errors = json.loads(line)
+        child = os.fork()
+        if child == 0:
+            redirect(printed, errors)
+            exec(source, names)
+            result = names[function](*arguments)
+            if source:  # the result is on a line of its own after whatever importer and FMU have printed
+                print("\n" + json.dumps(result))
+            return
+        print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,46 @@
+"""The calls of a kernel that an FMU makes and ``Instance`` does not, and the place of an instance in memory.
+
+The only module of the tests that knows what an ``Instance`` keeps to itself.
+"""
+
+from __future__ import annotations
+
+from ctypes import c_double, c_void_p
+from typing import Any
+
+import numpy as np
+
+from chain_impact.running import Instance
+
+
+def initialize(instance: Instance, time: float = 0.0) -> int:
+    """Set an instance to its start, at a time [s]; return the status."""
+    return int(instance._kernel.initialize(instance._address, time))
+
+
+def advance(instance: Instance, time: float) -> int:
+    """Advance to a time [s] in one call; return the status."""
+    return int(instance._kernel.advance(instance._address, time))
+
+
+def advance_awhile(instance: Instance, time: float) -> int:
+    """The same, or a part of the way; return the status."""
+    return int(instance._kernel.advance_awhile(instance._address, time))
+
+
+def advance_to_onset(instance: Instance, time: float) -> int:
+    """Advance to a time [s], or to the first onset before it, which is due then; return the status."""
+    return int(instance._kernel.advance_to_onset(c_void_p(instance._address), c_double(time)))
+
+
+def let_happen(instance: Instance) -> int:
+    """Let the onset happen that is due; return the status."""
+    return int(instance._kernel.let_happen(c_void_p(instance._address)))
+
+
+def move(instance: Instance, memory: Any) -> None:
+    """Let an instance live in a buffer."""
+    block = instance._block
+    place = np.frombuffer(memory, block.dtype, count=1)
+    place[:] = block
+    instance._block, instance.record, instance._address = place, place[0], place.ctypes.data

@@ -1,0 +1,82 @@
+"""Processes that have imported a module already, and a clean Python for them, made without a download."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import textwrap
+import venv
+from collections.abc import Callable
+from importlib.metadata import distribution
+from inspect import getsource
+from pathlib import Path
+from typing import Any
+
+from packaging.requirements import Requirement
+
+FORKS = Path(__file__).with_name("forks.py")
+
+
+def make_environment(folder: Path, *names: str) -> None:
+    """A virtual environment that holds some distributions of this one and what they need, and no more."""
+    venv.create(folder, symlinks=True)
+    (packages,) = folder.glob("lib/python*/site-packages")
+    wanted, known = [*names], set()
+    while wanted:
+        name = wanted.pop()
+        if name in known:
+            continue
+        known.add(name)
+        found = distribution(name)
+        for part in {file.parts[0] for file in found.files or ()} - {"..", "__pycache__"}:
+            if not (packages / part).exists():
+                (packages / part).symlink_to(Path(found.locate_file(part)))
+        needed = [Requirement(text) for text in found.requires or ()]
+        wanted += [one.name for one in needed if not one.marker or one.marker.evaluate({"extra": ""})]
+
+
+class Processes:
+    """Runs functions, each in a process of its own.
+
+    The processes are forked from one that has imported a module and done nothing else, since the import takes
+    longer than most of the functions.
+    """
+
+    def __init__(
+        self, folder: Path, modules: Path, python: str | Path, *options: str, **settings: Any
+    ) -> None:
+        """Those of a Python with some options and settings of ``Popen``.
+
+        ``folder`` is for what they print, ``modules`` has the modules that they import.
+        """
+        self.folder, self.command, self.settings = folder, [python, *options, FORKS, modules], settings
+        self.parents: dict[str, subprocess.Popen[str]] = {}
+
+    def run(self, function: Callable[..., Any], *arguments: Any, module: str) -> Any:
+        """``function(*arguments)``; all that it uses is what it imports and the module.
+
+        Arguments and result pass as JSON, which keeps doubles to the last bit.
+        """
+        source = textwrap.dedent(getsource(function))
+        code, printed, errors = self.call([source, function.__name__, arguments], module)
+        assert code == 0, printed[-2000:] + errors[-4000:]
+        return json.loads(printed.splitlines()[-1])
+
+    def call(self, call: list[Any], module: str) -> tuple[int, str, str]:
+        """The exit code, or minus the number of a signal, and what was printed to both streams."""
+        parent = self.parents.get(module) or self.start(module)
+        files = [self.folder / name for name in ("printed", "errors")]
+        print(json.dumps([*call, *map(str, files)]), file=parent.stdin, flush=True)
+        code = int(parent.stdout.readline())
+        return code, *(file.read_text(errors="replace") for file in files)
+
+    def start(self, module: str) -> subprocess.Popen[str]:
+        """The process that has imported a module."""
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+        self.parents[module] = subprocess.Popen([*self.command, module], **pipes, **self.settings, text=True)
+        return self.parents[module]
+
+    def end(self) -> None:
+        """End the processes that have imported something."""
+        for parent in self.parents.values():
+            parent.communicate()

@@ -1,0 +1,29 @@
+"""What all workers of a test session share: it is made by the first that needs it, and once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from filelock import FileLock
+
+
+def shared_folder(factory: pytest.TempPathFactory, name: str) -> Path:
+    """A folder of that name which is the same for all workers of this session."""
+    own = factory.getbasetemp()
+    # pytest-xdist puts the folders of its workers in one of the session
+    session = own.parent if own.name.startswith("popen-") else own
+    folder = session / "shared" / name
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def once(path: Path, make: Callable[[Path], object]) -> Path:
+    """The file or folder at a path; ``make`` writes it if no worker has done so, and others wait."""
+    with FileLock(f"{path}.lock"):
+        if not path.exists():
+            unfinished = path.with_name(f"{path.name}.unfinished")
+            make(unfinished)
+            unfinished.rename(path)
+    return path
