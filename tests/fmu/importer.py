@@ -69,8 +69,12 @@ class Instance:
         return self
 
     def get(self, names: Iterable[str]) -> list[Any]:
-        """The values of some variables."""
-        return [self[name] for name in names]
+        """The values of some variables, those of a type by one call."""
+        wanted, values = [self.variables[name] for name in names], {}
+        for get, of_type in ((self.fmu.getReal, True), (self.fmu.getInteger, False)):
+            if chosen := [v.valueReference for v in wanted if (v.type in REALS) == of_type]:
+                values |= {(of_type, vr): value for vr, value in zip(chosen, get(chosen), strict=True)}
+        return [values[v.type in REALS, v.valueReference] for v in wanted]
 
     def __getitem__(self, name: str) -> Any:
         """The value of one variable."""
