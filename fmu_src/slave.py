@@ -270,8 +270,10 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
     def _initialize(self) -> None:
         """Work the start out from the parameters, unless that is done and none has changed since."""
         if not self.initialized:
+            before = bytes(self.block)
             status = self._kernel().initialize(self.address, self.time)
             if status:
+                self.block[:] = before
                 raise SlaveError(f"the simulation cannot start: {self._text(status)}", self)
             self.initialized, self.observed = True, False
 
