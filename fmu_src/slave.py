@@ -17,6 +17,7 @@ import ctypes
 import gc
 import json
 import math
+import os
 import struct
 import sys
 import zlib
@@ -56,14 +57,17 @@ class SlaveError(Exception):
         return str(self).replace("%", "%%").replace("#", "##")
 
 
-def _leave_room() -> None:
-    """Keep the wrapper of pythonfmu 0.7.0 from spoiling the heap when the process ends.
+def _release(wrapper: Path) -> None:
+    """Release the state of pythonfmu 0.7.0's library, which it does by itself when that is unloaded.
 
-    It then counts down in an object of 128 bytes that it has already freed. glibc sets the first seven freed
-    blocks of a size aside, where that does no harm; so take up what is there now, for the few moments left.
+    At the end of a process it would do so twice, the second time in freed memory; what is released is not
+    released again. Python ends before its libraries do.
     """
-    for _ in range(7):
-        ctypes.CDLL(None).malloc(128)
+    try:
+        library = ctypes.CDLL(str(wrapper), mode=os.RTLD_NOLOAD)
+    except OSError:  # it has been unloaded
+        return
+    library.finalizePythonInterpreter()
 
 
 class ChainImpact(Fmi2Slave):  # type: ignore[misc]
@@ -73,6 +77,7 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
     model: ClassVar[dict[str, Any]] = {}
     start = b""
     kernel: ctypes.CDLL | None = None
+    wrappers: ClassVar[set[Path]] = set()  # the libraries of pythonfmu that have made instances
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
@@ -80,8 +85,10 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
         if not cls.model:
             cls.model = json.loads((resources / "model.json").read_text(encoding="utf-8"))
             cls.start = (resources / "instance.bin").read_bytes()
-            if sys.platform == "linux":
-                atexit.register(_leave_room)
+        wrapper = resources.parent / "binaries" / "linux64" / f"{cls.model['name']}.so"
+        if sys.platform == "linux" and wrapper not in cls.wrappers:
+            cls.wrappers.add(wrapper)
+            atexit.register(_release, wrapper)
         self.modelName, self.guid, self.words = cls.model["name"], cls.model["guid"], cls.model["words"]
         self.table = cls.model["variables"]  # value reference → name, type, word, kind, low, high, allowed
         self.real_words = {vr: row[2] for vr, row in enumerate(self.table) if row[1] == "real"}
@@ -263,8 +270,10 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
     def _initialize(self) -> None:
         """Work the start out from the parameters, unless that is done and none has changed since."""
         if not self.initialized:
+            before = bytes(self.block)
             status = self._kernel().initialize(self.address, self.time)
             if status:
+                self.block[:] = before
                 raise SlaveError(f"the simulation cannot start: {self._text(status)}", self)
             self.initialized, self.observed = True, False
 

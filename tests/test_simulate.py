@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chain_impact import load_scene, simulate
+from chain_impact import Chain, load_scene, simulate
 from chain_impact.kernel import status
 from chain_impact.layout import LOG_SIZE
 from chain_impact.running import SimulationError
-from chain_impact.scene import SOLVER_METHODS, SceneError, models_folder
+from chain_impact.scene import SOLVER_METHODS, SceneError, models_folder, with_values
 from chain_impact.simulate import check_size
 from tests.problems import ball, default_scene, dropped_ball, rod, tumbling_chain
 
@@ -146,11 +146,29 @@ def test_a_wall_too_stiff_for_the_clock_is_a_fault_and_no_endless_loop(stiffness
         [sys.executable, "-c", program],
         check=False,
         cwd=Path(__file__).parents[1],
-        timeout=10,
+        timeout=600,  # for a loop without an end, not for a slow machine
         capture_output=True,
         text=True,
     )
     assert "SimulationError: the simulation stopped at t = 0.05 s" in ran.stderr
+
+
+def test_a_communication_step_is_bounded_however_long_it_is():
+    """A long one that takes little work is none the less done."""
+    scene = with_values(rod(0.0, 1.0), {("solver", "work_limit"): 1000.0, ("simulation", "stop_time"): 500.0})
+    assert simulate(scene, output_step=math.inf).time[-1] == 500.0
+    with pytest.raises(
+        SimulationError, match=r"20 times solver.work_limit: take shorter communication steps"
+    ):
+        simulate(with_values(scene, {("simulation", "stop_time"): 1e9}), output_step=math.inf)
+    chain = Chain(scene)
+    for step in range(1, 20):  # each is bounded for itself
+        chain.step_to(500.0 * step)
+
+
+def test_a_start_with_infinite_energy_is_refused():
+    with pytest.raises(SimulationError, match="or its energy is no longer finite"):
+        simulate(with_values(rod(0.0, 1.0), {("initial", "velocity"): (1e160, 0.0)}))
 
 
 def test_a_start_that_overflows_is_refused():

@@ -186,6 +186,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("event_count", INTEGER),
         ("work_start", REAL),  # s
         ("work_count", INTEGER),  # all work before `work_start`, in evaluations
+        ("call_count", INTEGER),  # all work before the communication point
         ("other_work", INTEGER),  # besides evaluations: looks at points, responses to impulses
     )
     # the latest impacts, the newest first, see kernel/model/latest.py

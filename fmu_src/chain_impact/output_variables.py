@@ -20,6 +20,7 @@ def _output(
     *place: str | int,
     minimum: float | None = None,
     maximum: float | None = None,
+    held: bool = False,
 ) -> Variable:
     """An output; what the kernel observes changes continuously, all else only at events and steps."""
     return Variable(
@@ -32,6 +33,7 @@ def _output(
         place=place,
         minimum=minimum,
         maximum=maximum,
+        held=held,
     )
 
 
@@ -55,10 +57,11 @@ def all_outputs(scene: Scene) -> Iterator[Variable]:
 def _points(scene: Scene) -> Iterator[Variable]:
     vectors = (("position", "", "m"), ("velocity", "v", "m/s"), ("acceleration", "a", "m/s2"))
     for k in range(len(scene.chain.links) + 1):
+        held = k == 0 and scene.chain.base == "pinned"
         for quantity, prefix, unit in vectors:
             for j, axis in enumerate(AXES):
                 name, text = f"point[{k}].{prefix}{axis}", f"point {k}: {axis} of the {quantity}"
-                yield _output(name, unit, text, "output", f"point_{quantity}", k, j)
+                yield _output(name, unit, text, "output", f"point_{quantity}", k, j, held=held)
 
 
 def _links(scene: Scene) -> Iterator[Variable]:

@@ -18,7 +18,6 @@ import numpy as np
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.names import input_key
-from chain_impact.pythonfmu_state import release
 from chain_impact.reading import SceneError, UnknownNameError
 from chain_impact.results.impacts import impact_columns
 from chain_impact.results.recording import Recording, impacts_from_outputs, recording_of
@@ -202,19 +201,17 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
             logged.append(message.decode(errors="replace"))
 
     try:
-        # fmpy leaves the working directory changed when it cannot load the FMU's library
+        # fmpy leaves the working directory changed when it cannot load the FMU's library, and what it has
+        # unpacked when a call fails
         with (
             tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder,
             redirect_stderr(said),
             chdir("."),
         ):
             fmpy.extract(str(path), folder)
-            try:
-                rows: np.ndarray = fmpy.simulate_fmu(
-                    folder, model_description=description, logger=log, debug_logging=True, **options
-                )
-            finally:
-                release(Path(folder), description)
+            rows: np.ndarray = fmpy.simulate_fmu(
+                folder, model_description=description, logger=log, debug_logging=True, **options
+            )
     except Exception as error:  # fmpy's exceptions have no common class
         # the first that is logged: after it, an importer may go on to the next refusal
         reason = (said.getvalue().splitlines()[-1:] or logged or [str(error)])[0]

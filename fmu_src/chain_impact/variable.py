@@ -40,6 +40,7 @@ class Variable:
         above: value > above, if any.
         maximum: value <= maximum, if any.
         items: choices of an enumeration.
+        held: whether it is of a point that the base holds, which nothing moves.
     """
 
     name: str
@@ -54,6 +55,7 @@ class Variable:
     above: float | None = None
     maximum: float | None = None
     items: tuple[Item, ...] = ()
+    held: bool = False
 
     @property
     def initial(self) -> str | None:
@@ -64,9 +66,10 @@ class Variable:
     def feedthrough(self) -> bool:
         """Whether an input acts at once, without passing through a state.
 
-        True of accelerations, and of forces and their peaks: those of rigid walls hold against a torque.
+        True of accelerations, but of what is held, and of forces and their peaks: those of rigid walls hold
+        against a torque.
         """
-        return str(self.place[1]).endswith(("acceleration", "force"))
+        return not self.held and str(self.place[1]).endswith(("acceleration", "force"))
 
     @property
     def allowed(self) -> str:

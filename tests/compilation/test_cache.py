@@ -245,17 +245,17 @@ def test_a_compiler_that_fails_on_a_full_disk_is_the_same_sentence(monkeypatch):
 
 def test_who_waits_says_so(monkeypatch):
     monkeypatch.setattr(cache, "PATIENCE", 0.05)
-    begun, said = threading.Event(), []
+    begun, told, said = threading.Event(), threading.Event(), []
 
     def make(path):
         begun.set()
-        time.sleep(0.3)
+        told.wait(600.0)
         path.write_text("whole")
 
     one = threading.Thread(target=lambda: made("a.so", make))
     one.start()
     begun.wait()
-    made("a.so", make, said.append)
+    made("a.so", make, lambda sentence: (said.append(sentence), told.set()))
     one.join()
     assert said == ["waiting for another process that compiles the kernel"]
 

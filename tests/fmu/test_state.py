@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.fmu.importer import Instance, refused
+from tests.fmu.importer import MESSAGES, FMICallException, Instance, refused
 
 # The functions before each test run in the clean process: they hold all that they use.
 
@@ -146,3 +146,30 @@ def test_damaged_and_foreign_states_are_refused(fmus, clean):
     assert len(messages) > 40
     assert all("the bytes are no state, or damaged" in message for message in messages)
     assert "the state is that of another FMU" in stranger
+
+
+def refused_start(fmu):
+    """Whether refused starts keep the bytes of the state: inside a wall, and with infinite energy."""
+    found = []
+    for values in ({"initial.y": -1.0}, {"initial.vx": 1e160}):
+        instance = Instance(fmu)
+        instance.fmu.setupExperiment(startTime=0.0)
+        instance.set(values)
+        instance.fmu.enterInitializationMode()
+
+        def state(fmu=instance.fmu):
+            return fmu.serializeFMUstate(fmu.getFMUstate())
+
+        before = state()
+        try:
+            instance.fmu.exitInitializationMode()
+        except FMICallException:
+            found.append(before == state())
+    return found, MESSAGES
+
+
+def test_a_refused_start_leaves_the_state_as_it_was(fmus, clean):
+    kept, said = clean(refused_start, fmus["rod_drop"])
+    assert kept == [True, True]
+    assert "a contact point starts beyond a wall" in said[0]
+    assert "the state or its energy is no longer finite" in said[-1]

@@ -56,4 +56,4 @@ def _array(elements: Sequence[Variable]) -> Array:
     shape = tuple(1 + max(int(index[axis]) for index in indices) for axis in range(len(indices[0])))
     name = f"impact.{field}" if record == "latest" else NAMES[str(field)]
     text = f"{elements[0].name} to {elements[-1].name}" if len(elements) > 1 else elements[0].name
-    return Array(replace(elements[0], name=name, description=f"array of {text}"), shape)
+    return Array(replace(elements[0], name=name, description=f"array of {text}", held=False), shape)

@@ -153,6 +153,7 @@ def go_on(d):
 def look_at(d, time):
     """Make a ``time`` [s] in the last step the communication point, also of what goes on beside."""
     set_present(d, time)
+    d.limits.call_count = work_done(d)
     beside.look(d, time)
 
 

@@ -33,6 +33,7 @@ from chain_impact.kernel.laws.contact_laws import (
 )
 from chain_impact.kernel.model.contact import clear_loads, drop_events
 from chain_impact.kernel.model.contact_force import USER_LAW, foresee_depth, latch_damping
+from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import clearance, place_walls
 from chain_impact.kernel.model.inputs import take_inputs
@@ -112,7 +113,7 @@ def forget_run(d):
     d.step.breaks, d.search.known_for = 0, 0
     statistics.steps, statistics.rejected_steps = 0, 0
     statistics.rhs_evaluations, statistics.implicit_steps = 0, 0
-    limits.event_count, limits.work_count, limits.other_work = 0, 0, 0
+    limits.event_count, limits.work_count, limits.call_count, limits.other_work = 0, 0, 0, 0
 
 
 def derive_chain(d):
@@ -231,11 +232,14 @@ def first_size(d):
 
 
 def check_start(d):
-    """Refuse a start that is not finite or lies beyond a wall; returns a status."""
+    """Refuse a start that is not finite, also in its energy, or lies beyond a wall; returns a status."""
     locate_points(d, d.step.state)
     for j in range(len(d.work.y)):
         if not math.isfinite(d.step.state[j] + d.work.rate_start[j]):
             return NOT_FINITE
+    kinetic, potential = mechanical_energy(d, d.step.state)
+    if not math.isfinite(kinetic + potential + stored_energy(d, d.step.state)):
+        return NOT_FINITE
     for c in range(d.candidates):
         gap, _ = clearance(d, c)
         if gap < -OVERLAP:

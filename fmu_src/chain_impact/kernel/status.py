@@ -14,7 +14,8 @@ EXPONENT_NOT_ALLOWED = 10
 RIGID_WHILE_TOUCHING = 11
 ENERGY_NOT_KEPT = 12
 MASS_MATRIX_SINGULAR = 13
-LAST_STATUS = MASS_MATRIX_SINGULAR
+STEP_TOO_LONG = 14
+LAST_STATUS = STEP_TOO_LONG
 LOG_FULL = -1  # not a fault: collect the finished contacts and go on
 PAUSED = -2  # not a fault: go on, if that is wanted
 ONSET_DUE = -3  # not a fault: contacts begin at the time reached, which has not taken effect
@@ -23,7 +24,8 @@ STATUS_TEXT = {
     OK: "no fault",
     STEP_TOO_SMALL: "the error control asks for a step smaller than the resolution of time: loosen "
     "solver.tolerance or lower contact.stiffness",
-    NOT_FINITE: "the state is no longer finite",
+    NOT_FINITE: "the state or its energy is no longer finite: initial values, parameters or "
+    "inputs are too large",
     EVENT_STORM: "too many contacts begin and end in too short a time: a larger contact.minimum_impact_speed "
     "or a smaller contact.restitution brings points to rest",
     STARTS_INSIDE_WALL: "a contact point starts beyond a wall",
@@ -39,6 +41,8 @@ STATUS_TEXT = {
     "solver.tolerance allows for a step: tighten it if it is above 1e-8, or else loosen it",
     MASS_MATRIX_SINGULAR: "links without inertia can turn about their centres of mass without moving any "
     "mass: the inertia of one of them must be > 0",
+    STEP_TOO_LONG: "the time to the next communication point takes more evaluations than 20 times "
+    "solver.work_limit: take shorter communication steps or raise it",
 }
 
 STATUS_NAME = {
@@ -56,4 +60,5 @@ STATUS_NAME = {
     RIGID_WHILE_TOUCHING: "rigid_while_touching",
     ENERGY_NOT_KEPT: "energy_not_kept",
     MASS_MATRIX_SINGULAR: "mass_matrix_singular",
+    STEP_TOO_LONG: "step_too_long",
 }

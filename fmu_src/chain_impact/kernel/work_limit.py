@@ -4,9 +4,11 @@ All work is counted in one currency: an evaluation of the right-hand side. A loo
 for events costs about as much, and so does a response of the chain to impulses.
 """
 
-from chain_impact.kernel.status import EVENT_STORM, OK, TOO_MUCH_WORK
+from chain_impact.kernel.status import EVENT_STORM, OK, STEP_TOO_LONG, TOO_MUCH_WORK
 
 WORK_WINDOW = 1.0  # s of simulated time, which `solver.work_limit` speaks of
+# s. What a second may take at the most, so often may a communication step, however long it is.
+LONGEST_CALL = 20.0
 # Evaluations times links, after which a long call returns to ask whether to go on: 20 to 30 ns each, so that
 # Ctrl-C is obeyed within a second.
 CALL_WORK = 20_000_000
@@ -31,10 +33,12 @@ def work_of_a_call(d):
 
 
 def check_work(d):
-    """TOO_MUCH_WORK when the work in a second of simulated time exceeds the limit, or OK."""
+    """TOO_MUCH_WORK or STEP_TOO_LONG when a second or a communication step takes too much work, or OK."""
     limits = d.limits
     if overdrawn(d):
         return TOO_MUCH_WORK
+    if work_done(d) - limits.call_count > d.solver.work_limit * LONGEST_CALL:
+        return STEP_TOO_LONG
     if d.step.end >= limits.work_start + WORK_WINDOW:
         limits.work_start = d.step.end
         limits.work_count = work_done(d)

@@ -48,7 +48,7 @@ class Cluster:
         return self.processes[-1]
 
     def said(self, log, pattern):
-        until = time.monotonic() + 60.0
+        until = time.monotonic() + 600.0
         while not (found := re.search(pattern, log.read_text())):
             assert time.monotonic() < until, log.read_text()
             time.sleep(0.05)

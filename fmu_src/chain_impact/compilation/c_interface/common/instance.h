@@ -62,6 +62,7 @@ struct Instance {
     unsigned categories; /* of messages that are wanted, a bit for each */
     const Table *table;
     Word *record; /* what the kernel works on */
+    Word *before; /* as long, to return from a start that is refused */
     Phase phase;
     int event_mode;  /* the importer uses event mode */
     int stops;       /* steps end at onsets */

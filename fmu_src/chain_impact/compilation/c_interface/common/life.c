@@ -16,14 +16,15 @@ static void back_to_the_start(Instance *one) {
     one->stop_time = INFINITY;
 }
 
-/* An instance with its record and its name, in one piece of memory; NULL if there is not enough. */
+/* An instance with its records and its name, in one piece of memory; NULL if there is not enough. */
 static Instance *allocated(const Instance *draft) {
     size_t record = (size_t)draft->table->record_size, name = strlen(draft->name) + 1;
-    Instance *one = draft->allocate(1, sizeof *one + record + name);
+    Instance *one = draft->allocate(1, sizeof *one + 2 * record + name);
     if (!one) return NULL;
     *one = *draft;
     one->record = (Word *)(one + 1);
-    one->name = memcpy((char *)one->record + record, draft->name, name);
+    one->before = (Word *)((char *)one->record + record);
+    one->name = memcpy((char *)one->before + record, draft->name, name);
     back_to_the_start(one);
     return one;
 }
@@ -91,9 +92,13 @@ int enter_initialization(Instance *one, const char *call) {
 
 int start(Instance *one, const char *call) {
     if (one->initialized) return OK;
+    size_t size = (size_t)one->table->record_size;
+    memcpy(one->before, one->record, size);
     int status = initialize(one->record, one->time);
-    if (status)
+    if (status) {
+        memcpy(one->record, one->before, size);
         return say(one, ERROR, "%s: the simulation cannot start: %s", call, status_text(one->table, status));
+    }
     one->initialized = 1;
     one->observed = 0;
     return OK;
@@ -123,7 +128,7 @@ int fail(Instance *one, int status, int fault) {
     return say(one, status, "the simulation stopped at t = %.9g s: %s", one->time, status_text(one->table, fault));
 }
 
-/* The bound on the solver's work, solver.work_limit, ends every step. */
+/* The bounds on the solver's work, by solver.work_limit, end every step. */
 int do_step(Instance *one, const char *call, double now, double size, int *onset_due) {
     if (!allowed(one, call, IN(STEPPING))) return ERROR;
     if (!(size > 0.0 && size < INFINITY))

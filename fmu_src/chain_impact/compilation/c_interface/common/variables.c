@@ -20,8 +20,9 @@ static const Variable *variable(const Instance *one, uint32_t vr, Element elemen
 
 /* See that the outputs in the record are those of the present time, if one of them is asked for. */
 static int refresh(Instance *one, const char *call, const uint32_t vr[], size_t count) {
+    const Variable *all = in_table(one->table, one->table->variables_at);
     for (size_t i = 0; i < count && !one->observed; i++) {
-        if (vr[i] < one->table->first_output) continue;
+        if (vr[i] < one->table->first_output || all[vr[i]].kind == TIME) continue;
         if (one->phase == INSTANTIATED)
             return say(one, ERROR, "%s: outputs cannot be read %s", call, when(one));
         if (start(one, call) != OK) return ERROR;
@@ -64,7 +65,8 @@ int get(Instance *one, const char *call, Element element, const uint32_t vr[], s
     if (refresh(one, call, vr, count) != OK) return ERROR;
     for (size_t i = 0, at = 0; i < count; i++) {
         const Variable *from = variable(one, vr[i], element);
-        for (int64_t k = 0; k < from->length; k++) store(one->record[from->word + k], element, values, at++);
+        const Word *word = from->kind == TIME ? &(const Word){.real = one->time} : one->record + from->word;
+        for (int64_t k = 0; k < from->length; k++) store(word[k], element, values, at++);
     }
     return OK;
 }
