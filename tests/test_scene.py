@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.models import models_folder
 from chain_impact.scene import (
     MAX_LINKS,
     SOLVER_METHODS,
@@ -15,7 +16,6 @@ from chain_impact.scene import (
     SceneError,
     load_scene,
     model_names,
-    models_folder,
     parse_scene,
     scene_from_dict,
     scene_keys,

@@ -10,8 +10,9 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.kernel import status
+from chain_impact.models import models_folder
 from chain_impact.running import SimulationError
-from chain_impact.scene import SOLVER_METHODS, SceneError, models_folder
+from chain_impact.scene import SOLVER_METHODS, SceneError
 from chain_impact.simulate import check_size
 from tests.problems import ball, default_scene, dropped_ball, rod, tumbling_chain
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import tempfile
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import chdir, redirect_stderr
 from dataclasses import replace
 from numbers import Integral, Real
@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.compilation.work import Notify, announce
+from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.names import input_key
 from chain_impact.pythonfmu_state import release
@@ -45,8 +45,8 @@ class RunError(RuntimeError):
 def record_scene(
     scene: Scene,
     settings: Mapping[str, Any],
-    notify: Notify = announce,
-    progress: Callable[[float], None] = lambda _: None,
+    notify: Notify | None = None,
+    progress: Progress | None = None,
     sensitivities: Sequence[str] | None = None,
 ) -> Recording:
     """Simulate a scene with some values set by name, as ``with_settings`` does.
@@ -103,7 +103,7 @@ def read_fmu(path: Path) -> Any:
 def record_fmu(
     path: str | Path,
     settings: Mapping[str, Any] = MappingProxyType({}),
-    progress: Callable[[float], None] = lambda _: None,
+    progress: Progress | None = None,
 ) -> Recording:
     """Simulate an FMU with fmpy, with parameters set by name.
 
@@ -111,13 +111,13 @@ def record_fmu(
         path: the FMU.
         settings: parameter, or ``simulation.stop_time`` or ``simulation.step_size`` instead of those of the
             default experiment → value, or its text; a contact law or a solver method by its name or number.
-        progress: called with the fraction done.
+        progress: called with the fraction done, if given.
 
     Raises:
         SceneError: when the file is no FMU of a chain, a name is unknown or a value is no number.
         RunError: when the FMU reports a fault.
     """
-    path = Path(path)
+    path, show = Path(path), progress or silent
     description = read_fmu(path)
     variables = {variable.name: variable for variable in description.modelVariables}
     if "link[1].length" not in variables:
@@ -162,7 +162,7 @@ def record_fmu(
 
     def step_finished(time: float, recorder: Any) -> bool:
         recorders[:] = [recorder]
-        progress(time / stop_time)
+        show(time / stop_time)
         return True
 
     try:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import math
-import os
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Literal
@@ -13,7 +12,7 @@ import numpy as np
 
 from chain_impact.candidates import candidate_count
 from chain_impact.compilation import cache
-from chain_impact.compilation.work import Notify, announce
+from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.kernel.status import OK
 from chain_impact.law_file import LawError, source_of
 from chain_impact.layout import output_dtype
@@ -21,7 +20,7 @@ from chain_impact.reading import SceneError
 from chain_impact.results.result import Result
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.running import Instance, SimulationError, in_order
-from chain_impact.scene import Scene, scene_of
+from chain_impact.scene import Scene, SceneSource, scene_of
 from chain_impact.sensitivities import DifferentiatedInstance
 from chain_impact.signals import Signal, drive
 from chain_impact.variables import WORD, fmu_variables, output_words, parameters_of, with_sensitivities
@@ -32,7 +31,7 @@ CHUNK_ROWS, CHUNK_BYTES = 5000, 8_000_000  # that the kernel fills at once, at m
 
 
 def simulate(
-    scene: Scene | str | os.PathLike[str],
+    scene: SceneSource,
     stop_time: float | None = None,
     output_step: float | None = None,
     method: str | None = None,
@@ -42,8 +41,8 @@ def simulate(
     inputs: Mapping[str, Signal] | None = None,
     interpolation: Literal["hold", "linear"] = "hold",
     sensitivities: Iterable[str] | None = None,
-    notify: Notify = announce,
-    progress: Callable[[float], None] = lambda _: None,
+    notify: Notify | None = None,
+    progress: Progress | None = None,
 ) -> Result:
     """Simulate a scene from t = 0.
 
@@ -81,14 +80,14 @@ def simulate(
             ``Result.sensitivity``. The motion is the same, bit for bit. That with respect to an input is for
             a constant added to it. By default they are those of the scene's ``outputs.sensitivities``.
         notify: called with a sentence before a kernel is compiled; by default that is said on standard error.
-        progress: called with the fraction done.
+        progress: called with the fraction done, if given.
 
     Raises:
         SceneError: when one of the arguments is outside its range, or the result would be too large.
         SimulationError: when the solver cannot go on; it holds the result up to there.
         BuildError: when the kernel cannot be compiled.
     """
-    scene = scene_of(scene)
+    scene, progress = scene_of(scene), progress or silent
     settings = {
         "simulation.stop_time": stop_time,
         "simulation.step_size": None if output_step == math.inf else output_step,
@@ -234,11 +233,11 @@ class _RowsWithSlopes(_Rows):
         )
 
 
-def with_law(scene: Scene, law: Callable[..., float]) -> Scene:
+def with_law(scene: SceneSource, law: Callable[..., float]) -> Scene:
     """Return the scene with a Python function as its contact law.
 
     Args:
-        scene: the scene.
+        scene: a scene, or what ``load_scene`` takes.
         law: a function that returns the force [N], as in a ``contact.law_file``. Its source, which has to be
             known, is kept as a file in the cache folder. It knows the module ``math`` and nothing else that
             is defined outside it.
@@ -246,6 +245,7 @@ def with_law(scene: Scene, law: Callable[..., float]) -> Scene:
     Raises:
         SceneError: when it cannot be a law.
     """
+    scene = scene_of(scene)
     try:
         source = source_of(law)
     except LawError as error:

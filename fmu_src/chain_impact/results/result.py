@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -49,7 +49,7 @@ class Result:
 
     ``result["point[4].x"]`` is an output over time, shape (T,), by its name in the FMU; ``result["time"]`` is
     the time. A name with ``*``, which stands for any text, gives a dict of all that are like it:
-    ``result["contact[2].*.force"]``.
+    ``result["contact[2].*.force"]``; so does a list of names: ``result[["point[4].x", "energy.*"]]``.
 
     Attributes:
         scene: the scene as it was simulated.
@@ -68,18 +68,32 @@ class Result:
     statistics: dict[str, int]
     sensitivities: Sensitivities | None = None
 
-    def __getitem__(self, name: str) -> Any:
-        """An output over time by its name, shape (T,), or a dict of those that are like a pattern.
+    @overload
+    def __getitem__(self, name: str) -> np.ndarray: ...
+
+    @overload
+    def __getitem__(self, name: list[str]) -> dict[str, np.ndarray]: ...
+
+    def __getitem__(self, name: str | list[str]) -> np.ndarray | dict[str, np.ndarray]:
+        """An output over time by its name, shape (T,), or a dict of those in a list of names and patterns.
+
+        A single pattern gives a dict, too. For type checkers it is an array: give them ``[pattern]``.
 
         Raises:
             UnknownNameError: a KeyError, when there is none.
         """
+        if isinstance(name, list):
+            found: dict[str, np.ndarray] = {}
+            for one in name:
+                values = self[one]
+                found |= values if isinstance(values, dict) else {one: values}
+            return found
         if name == "time":
             return self.time
         if name in self.columns:
             return self.columns[name]
-        found = matching(self.scene.name, name, self.columns, "no output of this result", elsewhere)
-        return {one: self.columns[one] for one in found}
+        like = matching(self.scene.name, name, self.columns, "no output of this result", elsewhere)
+        return {one: self.columns[one] for one in like}
 
     @property
     def names(self) -> tuple[str, ...]:
