@@ -275,7 +275,7 @@ def test_an_error_in_a_file_also_says_what_stands_there(line, message):
     [
         (b"name = ", "(at end of document)"),
         (b"name = 'a'\ngravity = [0,, 1]", "(at line 2, column 14)"),
-        (b"\xff\xfe", "can't decode byte 0xff in position 0"),
+        (b"\xff\xfe", "it is in UTF-16, or no text; must be text in UTF-8"),
         (b"a = " + b"[" * 100_000, "recursion"),
         (b"a = " + b"9" * 10_000, "digits"),
         (b"name = 0x" + b"f" * 10_000, "name = <int> must be letters, digits and _"),

@@ -6,7 +6,7 @@ from chain_impact.extras import MissingExtraError
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.laws.registry import ContactLaw
 from chain_impact.models import model_names
-from chain_impact.reading import SceneError, UnknownNameError
+from chain_impact.reading import SceneError, SceneWarning, UnknownNameError
 from chain_impact.results.animation import AnimationError
 from chain_impact.results.impacts import impacts_of
 from chain_impact.results.recording import Recording
@@ -47,6 +47,7 @@ __all__ = [
     "RunError",
     "Scene",
     "SceneError",
+    "SceneWarning",
     "Sensitivities",
     "Signal",
     "SimulationError",

@@ -26,6 +26,7 @@ from chain_impact.results.result import Result
 from chain_impact.running import SimulationError
 from chain_impact.scene import Scene
 from chain_impact.simulate import check_size, simulate
+from chain_impact.units import in_radians, or_degrees
 from chain_impact.walls import HalfPlane, half_planes
 
 EXPERIMENT = ("simulation.stop_time", "simulation.step_size")
@@ -281,6 +282,8 @@ def _start_value(variable: Any, value: Any, source: str) -> float | int:
         if isinstance(number, Integral) and number in numbers.values() and not isinstance(number, bool):
             return int(number)
         raise SceneError(f"{source}: {variable.name} = {value} must be one of {', '.join(numbers)}")
-    if not _is_number(value):
-        raise SceneError(f"{source}: {variable.name} = {value} must be a number")
-    return float(value)
+    number = in_radians(value, variable.unit or "")
+    if not _is_number(number):
+        needed = f"a number{or_degrees(variable.unit or '')}"
+        raise SceneError(f"{source}: {variable.name} = {value} must be {needed}")
+    return float(number)

@@ -24,6 +24,7 @@ from chain_impact.limits import Derived, quantity
 from chain_impact.models import SCENE_FILE, model_names, scene_path
 from chain_impact.names import Place, name_of, parameter_hint, place_in_file
 from chain_impact.reading import Reader, SceneError, UnknownNameError, keys_of, shown
+from chain_impact.text_file import comma_in, text_of
 from chain_impact.walls import HalfPlane, half_planes
 
 SceneSource: TypeAlias = "Scene | str | os.PathLike[str]"
@@ -231,7 +232,7 @@ def load_scene(source: str | os.PathLike[str]) -> Scene:
     """
     try:
         path = scene_path(source)
-        text = path.read_bytes().decode()
+        text = text_of(path)
     except (OSError, TypeError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else error
         wanted = f"a scene file, a folder with {SCENE_FILE}, or a model: {', '.join(model_names())}"
@@ -247,15 +248,17 @@ def scene_of(source: SceneSource) -> Scene:
 def parse_scene(text: str, source: str) -> Scene:
     """Return the scene that the TOML `text` describes; errors (SceneError) name it `source`."""
     try:
-        data = tomllib.loads(text)
+        data = tomllib.loads(text.removeprefix("\ufeff"))
     except (ValueError, RecursionError) as error:  # also Python's own limits on digits and nesting
-        raise SceneError(f"{source}: not valid TOML: {error}") from None
+        raise SceneError(f"{source}: not valid TOML: {error}{comma_in(text, str(error))}") from None
     return scene_from_dict(data, source)
 
 
 def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
     """Return the validated scene of a parsed scene file; errors (SceneError) name it `source`."""
-    return _validated(data, source, in_file=True)
+    scene = _validated(data, source, in_file=True)
+    checks.warn(source, checks.hints(scene))
+    return scene
 
 
 def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
@@ -273,13 +276,15 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
         name, written = name_of(path, names), place_in_file(path)
         return f"{name} ({written})" if in_file and written != name else name
 
+    hints: list[str] = []
     try:
         scene: Scene = Reader(Scene, label).read(data)
         scene = checks.with_angles(checks.with_law_path(scene, Path(source).parent))
+        hints = checks.angle_hints(scene)
         checks.check_together(scene)
         checks.check_start(scene)
     except SceneError as error:
-        raise SceneError(f"{source}: {error}") from None
+        raise SceneError("; ".join([f"{source}: {error}", *hints])) from None
     return scene
 
 
@@ -308,7 +313,16 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[Place, 
     scene = scene_of(scene)
     values = [_place_and_value(scene, change, given) for change, given in changes.items()]
     if all(len(path) == 2 and path[1] in _INDEPENDENT.get(path[0], ()) for path, _ in values):  # noqa: PLR2004
-        return _with_independent(scene, values)
+        changed = _with_independent(scene, values)
+    else:
+        changed = _with_any(scene, values)
+    known = checks.hints(scene)
+    checks.warn(scene.name, [hint for hint in checks.hints(changed) if hint not in known])
+    return changed
+
+
+def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
+    """As with_values: all is read anew."""
     data: Any = scene_to_dict(scene)
     for path, value in values:
         try:

@@ -20,6 +20,7 @@ from chain_impact.results.result import IMPACT_DTYPE
 from chain_impact.results.summary import plural
 from chain_impact.running import Instance, SimulationError, in_order
 from chain_impact.scene import Scene, SceneSource, scene_of
+from chain_impact.units import in_radians, or_degrees
 from chain_impact.variable import Variable, variable_row
 from chain_impact.variables import fmu_variables, word_index
 
@@ -38,6 +39,7 @@ class _Place:
     high: float
     allowed: str
     choices: tuple[str, ...]
+    unit: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -272,11 +274,14 @@ class Chain:
             raise SceneError(f"{self.scene.name}: {name} is {what} and cannot be set{late}")
         try:
             number = place.choices.index(value) + 1 if value in place.choices else value
+            number = in_radians(number, place.unit)
             kept = place.low <= number <= place.high and (not place.whole or number == int(number))
         except (TypeError, ValueError):
             kept = False
         if not kept or isinstance(value, bool):
-            raise SceneError(f"{self.scene.name}: {name} = {shown(value)} must be {place.allowed}")
+            raise SceneError(
+                f"{self.scene.name}: {name} = {shown(value)} must be {place.allowed}{or_degrees(place.unit)}"
+            )
         return place.word, place.whole, number
 
     def _hint(self, name: str) -> str | None:
@@ -301,4 +306,4 @@ def _restored(scene: Scene, state: bytes) -> Chain:
 def _place(variable: Variable, word: int) -> _Place:
     _, _, _, kind, low, high, allowed = variable_row(variable, word)
     choices = tuple(item.name for item in variable.items)
-    return _Place(word, variable.type != "real", kind, low, high, allowed, choices)
+    return _Place(word, variable.type != "real", kind, low, high, allowed, choices, variable.unit)
