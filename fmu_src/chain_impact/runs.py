@@ -20,7 +20,6 @@ from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.names import input_key
 from chain_impact.pythonfmu_state import release
 from chain_impact.reading import SceneError, UnknownNameError
-from chain_impact.results.impacts import impact_columns
 from chain_impact.results.recording import Recording, impacts_from_outputs, recording_of
 from chain_impact.results.result import Result
 from chain_impact.running import SimulationError
@@ -69,10 +68,9 @@ def record_scene(
 
 
 def _with_all_columns(result: Result) -> Recording:
-    """The recording of a simulated scene, also with columns of impacts, as an FMU's, and of derivatives."""
-    recording = recording_of(result)
+    """The recording of a simulated scene with all outputs of its FMU, also derivatives."""
     slopes = result.sensitivities.named if result.sensitivities else {}
-    return replace(recording, columns={**recording.columns, **impact_columns(result), **slopes})
+    return replace(recording_of(result), columns={**result.columns, **slopes})
 
 
 def with_settings(scene: Scene, settings: Mapping[str, Any]) -> Scene:

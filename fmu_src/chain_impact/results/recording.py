@@ -118,7 +118,7 @@ def recording_of(result: Result) -> Recording:
     return Recording(
         name=result.scene.name,
         time=result.time,
-        columns=result.columns,
+        columns=result.motion,
         impacts=impact_list(result.impacts, result.scene.wall_names),
         walls=result.scene.half_planes,
         parameters={name: values[name] for name in parameter_paths(result.scene)},

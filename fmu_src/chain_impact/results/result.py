@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, Protocol, overload
 
 import numpy as np
 
@@ -43,6 +43,15 @@ speed of a contact that lasts to the end of the simulation are NaN. Under the la
 has no duration and an infinite peak force; that of a contact that lasts is the largest force that held it."""
 
 
+class Stepwise(Protocol):
+    """What can tell the outputs that change at events and steps only."""
+
+    names: tuple[str, ...]
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Name → shape (T,)."""
+
+
 @dataclass(frozen=True, repr=False)
 class Result:
     """What happened in a simulation.
@@ -59,6 +68,8 @@ class Result:
         impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``.
         statistics: steps, rejected_steps, rhs_evaluations, implicit_steps, status.
         sensitivities: the derivatives that ``simulate(sensitivities=…)`` asked for, if any.
+        stepwise: gives the outputs ``impact.*``, ``impact[j].*`` and ``solver.*``, which a second run finds
+            when they are asked for; None if they are not known.
     """
 
     scene: Scene
@@ -67,6 +78,7 @@ class Result:
     impacts: np.ndarray
     statistics: dict[str, int]
     sensitivities: Sensitivities | None = None
+    stepwise: Stepwise | None = None
 
     @overload
     def __getitem__(self, name: str) -> np.ndarray: ...
@@ -90,19 +102,31 @@ class Result:
             return found
         if name == "time":
             return self.time
-        if name in self.columns:
-            return self.columns[name]
-        like = matching(self.scene.name, name, self.columns, "no output of this result", elsewhere)
-        return {one: self.columns[one] for one in like}
+        if name in self.motion:
+            return self.motion[name]
+        if name in self.names:
+            return self._stepwise[name]
+        like = matching(self.scene.name, name, self.names, "no output of this result", elsewhere)
+        return {one: self[one] for one in like}
 
     @property
     def names(self) -> tuple[str, ...]:
         """The names of the outputs, in the order of the FMU's."""
-        return tuple(self.columns)
+        return *self.motion, *(self.stepwise.names if self.stepwise else ())
 
-    @cached_property
+    @property
     def columns(self) -> dict[str, np.ndarray]:
         """The outputs over time: name → shape (T,)."""
+        return {**self.motion, **self._stepwise}
+
+    @cached_property
+    def _stepwise(self) -> dict[str, np.ndarray]:
+        """The outputs that change at events and steps only."""
+        return self.stepwise.columns() if self.stepwise else {}
+
+    @cached_property
+    def motion(self) -> dict[str, np.ndarray]:
+        """The outputs that change all the time: name → shape (T,)."""
         if "point_position" in (self.outputs.dtype.names or ()):
             return output_columns(self.scene, self.outputs)
         return {name: self.outputs[name] for name in self.outputs.dtype.names or ()}
