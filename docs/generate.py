@@ -22,7 +22,7 @@ from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.kernel.tangent.trust import REASONS
 from chain_impact.limits import Derived, allowed, without_none
 from chain_impact.scene import WALLS, load_scene, model_names, scene_keys, with_values
-from chain_impact.units import UNITS
+from chain_impact.units import UNITS, or_degrees
 from chain_impact.variable import Variable
 from chain_impact.variables import fmu_variables
 
@@ -103,7 +103,7 @@ def _default(default: Any) -> str:
 def _allowed(kind: Any, rule: Any) -> str:
     kind = without_none(kind)
     item, *rest = get_args(kind) or (kind,)
-    text = _readable(allowed(item, rule))
+    text = _readable(allowed(item, rule) + or_degrees(rule["unit"]))
     if get_origin(kind) is not tuple:
         return text
     if rule["per_link"]:

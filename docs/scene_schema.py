@@ -11,6 +11,7 @@ from typing import Any, get_args, get_origin
 
 from chain_impact.limits import Derived, without_none
 from chain_impact.scene import Scene, Wall
+from chain_impact.units import degrees_pattern
 
 LIMITS = {"minimum": "minimum", "above": "exclusiveMinimum", "maximum": "maximum"}
 TYPES = {bool: "boolean", int: "integer", float: "number", str: "string"}
@@ -69,6 +70,8 @@ def _value(kind: Any, rule: Any) -> dict[str, Any]:
     if get_origin(kind) is tuple:
         return _list(kind, rule)
     rules: dict[str, Any] = {"type": TYPES[kind]}
+    if pattern := degrees_pattern(rule["unit"]):
+        rules |= {"type": ["number", "string"], "pattern": f"^{pattern}$"}
     rules |= {name: rule[limit] for limit, name in LIMITS.items() if rule[limit] is not None}
     if rule["choices"] is not None:
         choices = {"enum": list(rule["choices"])}

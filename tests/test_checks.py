@@ -4,8 +4,9 @@ import math
 
 import pytest
 
+from chain_impact.checks import hints
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.scene import load_scene, scene_to_dict, with_values
+from chain_impact.scene import load_scene, model_names, scene_to_dict, with_values
 from tests.problems import of_law
 from tests.refusal import refusal
 
@@ -201,3 +202,8 @@ def test_a_start_inside_a_wall_at_a_slant_is_refused():
         "initial: point 0 at (0.6, 1.4) m is 0.176777 m deep in the wall ramp; must be outside"
     )
     with_values(load_scene("four_link_box"), {("walls",): walls, ("contact", "points"): [2, 3, 4]})
+
+
+@pytest.mark.parametrize("model", model_names())
+def test_models_give_no_hints(model):
+    assert hints(load_scene(model)) == []

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.models import models_folder
 from chain_impact.scene import (
     MAX_LINKS,
     SOLVER_METHODS,
@@ -15,7 +16,6 @@ from chain_impact.scene import (
     SceneError,
     load_scene,
     model_names,
-    models_folder,
     parse_scene,
     scene_from_dict,
     scene_keys,
@@ -275,7 +275,7 @@ def test_an_error_in_a_file_also_says_what_stands_there(line, message):
     [
         (b"name = ", "(at end of document)"),
         (b"name = 'a'\ngravity = [0,, 1]", "(at line 2, column 14)"),
-        (b"\xff\xfe", "can't decode byte 0xff in position 0"),
+        (b"\xff\xfe", "it is in UTF-16, or no text; must be text in UTF-8"),
         (b"a = " + b"[" * 100_000, "recursion"),
         (b"a = " + b"9" * 10_000, "digits"),
         (b"name = 0x" + b"f" * 10_000, "name = <int> must be letters, digits and _"),

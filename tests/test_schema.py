@@ -12,15 +12,9 @@ import pytest
 from hypothesis import given
 from jsonschema import Draft7Validator
 
+from chain_impact.models import models_folder
 from chain_impact.reading import SceneError
-from chain_impact.scene import (
-    SCENE_FILE,
-    load_scene,
-    model_names,
-    models_folder,
-    scene_from_dict,
-    scene_to_dict,
-)
+from chain_impact.scene import SCENE_FILE, load_scene, model_names, scene_from_dict, scene_to_dict
 from tests.test_reading import scene_dicts
 
 ROOT = Path(__file__).parents[1]

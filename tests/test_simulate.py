@@ -11,8 +11,9 @@ import pytest
 from chain_impact import Chain, load_scene, simulate
 from chain_impact.kernel import status
 from chain_impact.layout import LOG_SIZE
+from chain_impact.models import models_folder
 from chain_impact.running import SimulationError
-from chain_impact.scene import SOLVER_METHODS, SceneError, models_folder, with_values
+from chain_impact.scene import SOLVER_METHODS, SceneError, with_values
 from chain_impact.simulate import check_size
 from tests.problems import ball, default_scene, dropped_ball, rod, tumbling_chain
 

@@ -5,20 +5,22 @@ from chain_impact.export.fmu import build_fmu, validate_fmu
 from chain_impact.extras import MissingExtraError
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.laws.registry import ContactLaw
-from chain_impact.reading import SceneError, UnknownNameError
-from chain_impact.results.animation import AnimationError, animate
+from chain_impact.models import model_names
+from chain_impact.reading import SceneError, SceneWarning, UnknownNameError
+from chain_impact.results.animation import AnimationError
 from chain_impact.results.impacts import impacts_of
 from chain_impact.results.recording import Recording
 from chain_impact.results.result import IMPACT_DTYPE, Result
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.running import SimulationError
 from chain_impact.runs import RunError, record_fmu
-from chain_impact.scene import Scene, load_scene, model_names, parse_scene, with_values
+from chain_impact.scene import Scene, load_scene, parse_scene, with_values
 from chain_impact.sensitivities import Differentiated, DifferentiatedRun
 from chain_impact.signals import Signal
 from chain_impact.simulate import simulate, with_law
 from chain_impact.stepping import Chain
 from chain_impact.stiffness import sphere_plane_stiffness
+from chain_impact.studies.animate import animate
 from chain_impact.studies.compare import Comparison, LawRun, compare
 from chain_impact.studies.fit.fit import fit
 from chain_impact.studies.fit.result import Fit, LawFit
@@ -45,6 +47,7 @@ __all__ = [
     "RunError",
     "Scene",
     "SceneError",
+    "SceneWarning",
     "Sensitivities",
     "Signal",
     "SimulationError",
@@ -67,3 +70,8 @@ __all__ = [
     "with_law",
     "with_values",
 ]
+
+
+def __dir__() -> list[str]:
+    """The public names only, for those who look for one; the modules can be imported all the same."""
+    return sorted(__all__)

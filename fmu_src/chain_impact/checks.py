@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +14,8 @@ from chain_impact.kernel.chain.regular import loose_links
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.law_file import LawError, read_law
-from chain_impact.reading import SceneError, shown
+from chain_impact.reading import SceneError, SceneWarning, shown
+from chain_impact.units import radians_hint
 from chain_impact.walls import direction
 
 if TYPE_CHECKING:
@@ -113,6 +115,35 @@ def check_start(scene: Scene) -> None:
             if depth > START_TOLERANCE:
                 place = f"point {point} at ({x:.6g}, {y:.6g}) m is {depth:.6g} m deep in"
                 raise SceneError(f"initial: {place} the wall {name}; must be outside")
+
+
+def angle_hints(scene: Scene) -> list[str]:
+    """Sentences on angles of more than a turn, which may be meant in degrees."""
+    links, angles = enumerate(scene.chain.links, 1), enumerate(scene.initial.angles, 1)
+    found = {f"initial.angle[{i}]": angle for i, angle in angles}
+    found |= {f"link[{i}].joint_rest_angle": link.joint_rest_angle for i, link in links}
+    found |= {f"wall.{wall.name}.angle": wall.angle or 0.0 for wall in scene.walls}
+    return [hint for name, angle in found.items() if (hint := radians_hint(name, angle, "rad"))]
+
+
+def hints(scene: Scene) -> list[str]:
+    """Sentences on what is allowed, but may be meant otherwise."""
+    found = angle_hints(scene)
+    for i, link in enumerate(scene.chain.links, 1):
+        if link.center_of_mass > link.length:
+            where = f"link[{i}].center_of_mass = {link.center_of_mass:g} m"
+            found.append(f"{where} lies beyond the end of the link, which is {link.length:g} m long")
+    stop, step = scene.simulation.stop_time, scene.simulation.step_size
+    if step > stop:
+        longer = f"simulation.step_size = {step:g} s is longer than simulation.stop_time = {stop:g} s"
+        found.append(f"{longer}: there are two rows only, the start and the end")
+    return found
+
+
+def warn(source: str, hints: list[str]) -> None:
+    """Say what may be meant otherwise, at the line that called the function that calls this one."""
+    for hint in hints:
+        warnings.warn(f"{source}: {hint}", SceneWarning, stacklevel=3)
 
 
 def has_counts(data: Any) -> bool:

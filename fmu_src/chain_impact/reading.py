@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import MISSING, Field, fields, is_dataclass
 from numbers import Integral, Real
@@ -10,6 +11,7 @@ from typing import Any, get_args, get_origin
 
 from chain_impact.limits import Derived, allowed, extended, keeps, without_none
 from chain_impact.names import Place, nearest
+from chain_impact.units import in_radians, or_degrees
 
 ALIKE = 0.7  # from this ratio on, a name may be meant for another
 _SHOWN = 60  # characters of a value that a message shows
@@ -21,6 +23,10 @@ class SceneError(ValueError):
     def __init__(self, message: str) -> None:
         """Keep the message to one line, whatever names and values it quotes."""
         super().__init__(" ".join(message.splitlines()))
+
+
+class SceneWarning(UserWarning):
+    """What is allowed in a scene, but may be meant otherwise: one line, with what to write then."""
 
 
 class UnknownNameError(SceneError, KeyError):
@@ -123,9 +129,10 @@ class Reader:
             return self._table(kind, value, path, known)
         if get_origin(kind) is tuple:
             return self._list(kind, rule, value, path, known)
-        result = _convert(kind, value)
+        result = _convert(kind, in_radians(value, rule["unit"]))
         if result is None or not keeps(result, rule):
-            raise self._refusal(path, value, allowed(kind, rule))
+            needed = allowed(kind, rule) + or_degrees(rule["unit"])
+            raise self._refusal(path, value, needed + (decimal_comma(value) if kind is not str else ""))
         return result
 
     def _list(
@@ -187,6 +194,12 @@ def _convert(kind: Any, value: Any) -> Any:
     except OverflowError:  # an integer beyond the largest float
         return None
     return number if kind is int or math.isfinite(number) else None
+
+
+def decimal_comma(value: Any) -> str:
+    """What to say of text for a number that has a decimal comma; else nothing."""
+    found = re.match(r"\s*([+-]?\d+),(\d+)", value) if isinstance(value, str) else None
+    return f"; a number has a decimal point: {found[1]}.{found[2]}" if found else ""
 
 
 def shown(value: Any) -> str:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from chain_impact.compilation.library import kernel_library
-from chain_impact.compilation.work import Notify, announce
+from chain_impact.compilation.work import Notify
 from chain_impact.instance import new_instance
 from chain_impact.kernel.status import OK, PAUSED, STATUS_TEXT
 from chain_impact.results.result import IMPACT_DTYPE, Result
@@ -40,7 +40,7 @@ class SimulationError(RuntimeError):
 class Instance:
     """An initialized instance and the kernel that works on it."""
 
-    def __init__(self, scene: Scene, notify: Notify = announce, driven: Drive | None = None) -> None:
+    def __init__(self, scene: Scene, notify: Notify | None = None, driven: Drive | None = None) -> None:
         """Load or compile the kernel and set the instance to its start, with the first of the inputs, if any.
 
         Raises:
@@ -151,7 +151,7 @@ def _impact_rows(count: int, columns: dict[str, np.ndarray]) -> np.ndarray:
     return rows
 
 
-def kernel_for(scene: Scene, notify: Notify) -> Path:
+def kernel_for(scene: Scene, notify: Notify | None) -> Path:
     """The library of the kernel for a scene, for a processor like this one.
 
     Raises:

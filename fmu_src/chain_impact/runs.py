@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import tempfile
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import chdir, redirect_stderr
 from dataclasses import replace
 from numbers import Integral, Real
@@ -15,16 +15,16 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.compilation.work import Notify, announce
+from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.names import input_key
 from chain_impact.reading import SceneError, UnknownNameError
-from chain_impact.results.impacts import impact_columns
 from chain_impact.results.recording import Recording, impacts_from_outputs, recording_of
 from chain_impact.results.result import Result
 from chain_impact.running import SimulationError
 from chain_impact.scene import Scene
 from chain_impact.simulate import check_size, simulate
+from chain_impact.units import in_radians, or_degrees
 from chain_impact.walls import HalfPlane, half_planes
 
 EXPERIMENT = ("simulation.stop_time", "simulation.step_size")
@@ -44,8 +44,8 @@ class RunError(RuntimeError):
 def record_scene(
     scene: Scene,
     settings: Mapping[str, Any],
-    notify: Notify = announce,
-    progress: Callable[[float], None] = lambda _: None,
+    notify: Notify | None = None,
+    progress: Progress | None = None,
     sensitivities: Sequence[str] | None = None,
 ) -> Recording:
     """Simulate a scene with some values set by name, as ``with_settings`` does.
@@ -67,10 +67,9 @@ def record_scene(
 
 
 def _with_all_columns(result: Result) -> Recording:
-    """The recording of a simulated scene, also with columns of impacts, as an FMU's, and of derivatives."""
-    recording = recording_of(result)
+    """The recording of a simulated scene with all outputs of its FMU, also derivatives."""
     slopes = result.sensitivities.named if result.sensitivities else {}
-    return replace(recording, columns={**recording.columns, **impact_columns(result), **slopes})
+    return replace(recording_of(result), columns={**result.columns, **slopes})
 
 
 def with_settings(scene: Scene, settings: Mapping[str, Any]) -> Scene:
@@ -102,7 +101,7 @@ def read_fmu(path: Path) -> Any:
 def record_fmu(
     path: str | Path,
     settings: Mapping[str, Any] = MappingProxyType({}),
-    progress: Callable[[float], None] = lambda _: None,
+    progress: Progress | None = None,
 ) -> Recording:
     """Simulate an FMU with fmpy, with parameters set by name.
 
@@ -110,13 +109,13 @@ def record_fmu(
         path: the FMU.
         settings: parameter, or ``simulation.stop_time`` or ``simulation.step_size`` instead of those of the
             default experiment → value, or its text; a contact law or a solver method by its name or number.
-        progress: called with the fraction done.
+        progress: called with the fraction done, if given.
 
     Raises:
         SceneError: when the file is no FMU of a chain, a name is unknown or a value is no number.
         RunError: when the FMU reports a fault.
     """
-    path = Path(path)
+    path, show = Path(path), progress or silent
     description = read_fmu(path)
     variables = {variable.name: variable for variable in description.modelVariables}
     if "link[1].length" not in variables:
@@ -161,7 +160,7 @@ def record_fmu(
 
     def step_finished(time: float, recorder: Any) -> bool:
         recorders[:] = [recorder]
-        progress(time / stop_time)
+        show(time / stop_time)
         return True
 
     try:
@@ -278,6 +277,8 @@ def _start_value(variable: Any, value: Any, source: str) -> float | int:
         if isinstance(number, Integral) and number in numbers.values() and not isinstance(number, bool):
             return int(number)
         raise SceneError(f"{source}: {variable.name} = {value} must be one of {', '.join(numbers)}")
-    if not _is_number(value):
-        raise SceneError(f"{source}: {variable.name} = {value} must be a number")
-    return float(value)
+    number = in_radians(value, variable.unit or "")
+    if not _is_number(number):
+        needed = f"a number{or_degrees(variable.unit or '')}"
+        raise SceneError(f"{source}: {variable.name} = {value} must be {needed}")
+    return float(number)

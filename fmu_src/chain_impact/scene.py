@@ -13,19 +13,22 @@ from collections.abc import Iterator, Mapping
 from dataclasses import Field, asdict, dataclass, fields, is_dataclass, replace
 from numbers import Integral
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
-from chain_impact import checks
+from chain_impact import checks, scene_text
 from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.model.latest import LATEST
 from chain_impact.limits import Derived, quantity
+from chain_impact.models import SCENE_FILE, model_names, scene_path
 from chain_impact.names import Place, name_of, parameter_hint, place_in_file
 from chain_impact.reading import Reader, SceneError, UnknownNameError, keys_of, shown
+from chain_impact.text_file import comma_in, text_of
 from chain_impact.walls import HalfPlane, half_planes
 
-SCENE_FILE = "scene.toml"
+SceneSource: TypeAlias = "Scene | str | os.PathLike[str]"
+"""A scene, or what ``load_scene`` takes."""
 MAX_LINKS = 1000
 
 _IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "letters, digits and _, not beginning with a digit")
@@ -168,7 +171,7 @@ class Simulation:
     step_size: float = quantity("s", "communication step", 1e-3, above=0.0)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, repr=False)
 class Scene:
     """All that a simulation needs. Made, and validated, by the functions of this module."""
 
@@ -212,21 +215,14 @@ class Scene:
         """The scene with some values changed, `{"contact.restitution": 0.5}`; see the function."""
         return with_values(self, changes)
 
+    def __repr__(self) -> str:
+        """The scene in some lines."""
+        return scene_text.text(self)
+
 
 def scene_keys() -> Iterator[tuple[str, Field[Any]]]:
     """Yield every table and key of the scene file, `chain.links[].mass` for one, with its dataclass field."""
     return keys_of(Scene)
-
-
-def models_folder() -> Path:
-    """Return the folder of the models: inside the package when installed, else the repository's."""
-    packaged = Path(__file__).parent / "models"
-    return packaged if packaged.is_dir() else Path(__file__).parents[2] / "models"
-
-
-def model_names() -> list[str]:
-    """Return the names of the models, sorted: the folders of `models_folder()` that hold a scene."""
-    return sorted(file.parent.name for file in models_folder().glob(f"*/{SCENE_FILE}"))
 
 
 def load_scene(source: str | os.PathLike[str]) -> Scene:
@@ -236,25 +232,15 @@ def load_scene(source: str | os.PathLike[str]) -> Scene:
     """
     try:
         path = scene_path(source)
-        text = path.read_bytes().decode()
-    except (OSError, ValueError) as error:
+        text = text_of(path)
+    except (OSError, TypeError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else error
         wanted = f"a scene file, a folder with {SCENE_FILE}, or a model: {', '.join(model_names())}"
         raise SceneError(f"{source}: cannot be read ({reason}); must be {wanted}") from None
     return parse_scene(text, str(path))
 
 
-def scene_path(source: str | os.PathLike[str]) -> Path:
-    """The scene file that `load_scene` reads."""
-    path = Path(source)
-    if path.is_dir() and (path / SCENE_FILE).exists():
-        return path / SCENE_FILE
-    if not path.is_file() and str(source) in model_names():
-        return models_folder() / source / SCENE_FILE
-    return path
-
-
-def scene_of(source: Scene | str | os.PathLike[str]) -> Scene:
+def scene_of(source: SceneSource) -> Scene:
     """The scene itself, or the one that `load_scene` makes of its source."""
     return source if isinstance(source, Scene) else load_scene(source)
 
@@ -262,15 +248,17 @@ def scene_of(source: Scene | str | os.PathLike[str]) -> Scene:
 def parse_scene(text: str, source: str) -> Scene:
     """Return the scene that the TOML `text` describes; errors (SceneError) name it `source`."""
     try:
-        data = tomllib.loads(text)
+        data = tomllib.loads(text.removeprefix("\ufeff"))
     except (ValueError, RecursionError) as error:  # also Python's own limits on digits and nesting
-        raise SceneError(f"{source}: not valid TOML: {error}") from None
+        raise SceneError(f"{source}: not valid TOML: {error}{comma_in(text, str(error))}") from None
     return scene_from_dict(data, source)
 
 
 def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
     """Return the validated scene of a parsed scene file; errors (SceneError) name it `source`."""
-    return _validated(data, source, in_file=True)
+    scene = _validated(data, source, in_file=True)
+    checks.warn(source, checks.hints(scene))
+    return scene
 
 
 def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
@@ -288,13 +276,15 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
         name, written = name_of(path, names), place_in_file(path)
         return f"{name} ({written})" if in_file and written != name else name
 
+    hints: list[str] = []
     try:
         scene: Scene = Reader(Scene, label).read(data)
         scene = checks.with_angles(checks.with_law_path(scene, Path(source).parent))
+        hints = checks.angle_hints(scene)
         checks.check_together(scene)
         checks.check_start(scene)
     except SceneError as error:
-        raise SceneError(f"{source}: {error}") from None
+        raise SceneError("; ".join([f"{source}: {error}", *hints])) from None
     return scene
 
 
@@ -307,7 +297,7 @@ def scene_to_dict(scene: Scene) -> dict[str, Any]:
     return asdict(scene, dict_factory=plain)
 
 
-def with_values(scene: Scene, changes: Mapping[str, Any] | Mapping[Place, Any]) -> Scene:
+def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[Place, Any]) -> Scene:
     """Return the validated scene with some values changed.
 
     A change is a name and its value: `{"link[1].mass": 2.0, "contact.model": "flores"}`. The name is that of
@@ -320,9 +310,19 @@ def with_values(scene: Scene, changes: Mapping[str, Any] | Mapping[Place, Any]) 
 
     Raises SceneError when a name is unknown, a path leads nowhere, or the scene becomes invalid.
     """
+    scene = scene_of(scene)
     values = [_place_and_value(scene, change, given) for change, given in changes.items()]
     if all(len(path) == 2 and path[1] in _INDEPENDENT.get(path[0], ()) for path, _ in values):  # noqa: PLR2004
-        return _with_independent(scene, values)
+        changed = _with_independent(scene, values)
+    else:
+        changed = _with_any(scene, values)
+    known = checks.hints(scene)
+    checks.warn(scene.name, [hint for hint in checks.hints(changed) if hint not in known])
+    return changed
+
+
+def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
+    """As with_values: all is read anew."""
     data: Any = scene_to_dict(scene)
     for path, value in values:
         try:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.compilation.work import Notify, announce
+from chain_impact.compilation.work import Notify
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.kernel.tangent.trust import REASONS, TRUSTED
@@ -22,7 +22,7 @@ from chain_impact.names import Place
 from chain_impact.reading import SceneError
 from chain_impact.results.result import IMPACT_DTYPE
 from chain_impact.running import Instance, SimulationError, in_order
-from chain_impact.scene import Scene
+from chain_impact.scene import Scene, SceneSource, scene_of
 from chain_impact.signals import Drive, drive
 from chain_impact.variables import BEHIND, output_words, parameters_of, with_sensitivities, word_index
 
@@ -45,7 +45,7 @@ class DifferentiatedInstance(Instance):
         scene: Scene,
         parameters: Sequence[str],
         looks: Sequence[int],
-        notify: Notify = announce,
+        notify: Notify | None = None,
         driven: Drive | None = None,
     ) -> None:
         """As ``Instance``, for P parameters by name and W outputs by their numbers in a row of outputs.
@@ -210,27 +210,28 @@ class DifferentiatedRun:
 
     def __init__(
         self,
-        scene: Scene,
+        scene: SceneSource,
         parameters: Sequence[str],
         outputs: Sequence[str],
         inputs: Mapping[str, Any] | None = None,
-        notify: Notify = announce,
+        notify: Notify | None = None,
     ) -> None:
         """Make ready for the derivatives of some outputs with respect to some parameters, all by name.
 
         Args:
-            scene: what runs.
+            scene: what runs: a scene, or what ``load_scene`` takes.
             parameters: of the FMU, P of them: real ones and inputs.
             outputs: of the FMU, W of them.
             inputs: name of an input → its signal over time, as ``simulate`` takes it.
-            notify: called with a sentence before a kernel is compiled.
+            notify: as for ``simulate``.
 
         Raises:
             UnknownNameError: when there is none of a name.
             SceneError: when a signal cannot be one.
             SimulationError: when the scene cannot start.
         """
-        self._scene, self._inputs = scene, dict(inputs or {})
+        self._scene = scene = scene_of(scene)
+        self._inputs = dict(inputs or {})
         self._places = [variable.place for variable in parameters_of(scene, parameters)]
         self._count, self._width = len(self._places), len(outputs)
         words = output_words(scene, outputs)

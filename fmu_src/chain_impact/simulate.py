@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import math
-import os
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
@@ -12,7 +11,7 @@ import numpy as np
 
 from chain_impact.candidates import candidate_count
 from chain_impact.compilation import cache
-from chain_impact.compilation.work import Notify, announce
+from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.kernel.status import OK
 from chain_impact.law_file import LawError, parse_law, source_of
 from chain_impact.layout import output_dtype
@@ -20,10 +19,19 @@ from chain_impact.reading import SceneError
 from chain_impact.results.result import Result
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.running import Instance, SimulationError, in_order
-from chain_impact.scene import Scene, scene_of
+from chain_impact.scene import Scene, SceneSource, scene_of
 from chain_impact.sensitivities import DifferentiatedInstance
-from chain_impact.signals import Interpolation, Signal, drive
-from chain_impact.variables import WORD, fmu_variables, output_words, parameters_of, with_sensitivities
+from chain_impact.signals import Drive, Interpolation, Signal, drive
+from chain_impact.variable import Variable
+from chain_impact.variables import (
+    WORD,
+    fmu_variables,
+    output_words,
+    outputs_named,
+    parameters_of,
+    with_sensitivities,
+    word_index,
+)
 
 MOST_BYTES = 2_000_000_000
 """Most bytes that the outputs of a simulation may take: more is refused before anything is computed."""
@@ -31,7 +39,7 @@ CHUNK_ROWS, CHUNK_BYTES = 5000, 8_000_000  # that the kernel fills at once, at m
 
 
 def simulate(
-    scene: Scene | str | os.PathLike[str],
+    scene: SceneSource,
     stop_time: float | None = None,
     output_step: float | None = None,
     method: str | None = None,
@@ -41,8 +49,8 @@ def simulate(
     inputs: Mapping[str, Signal] | None = None,
     interpolation: Interpolation = "follow",
     sensitivities: Iterable[str] | None = None,
-    notify: Notify = announce,
-    progress: Callable[[float], None] = lambda _: None,
+    notify: Notify | None = None,
+    progress: Progress | None = None,
 ) -> Result:
     """Simulate a scene from t = 0.
 
@@ -81,15 +89,15 @@ def simulate(
             then has the derivatives of its outputs and impacts with respect to each of them, for
             ``Result.sensitivity``. The motion is the same, bit for bit. That with respect to an input is for
             a constant added to it. By default they are those of the scene's ``outputs.sensitivities``.
-        notify: called with a sentence before a kernel is compiled; by default it goes to standard error.
-        progress: called with the fraction done.
+        notify: called with a sentence before a kernel is compiled; by default that is said on standard error.
+        progress: called with the fraction done, if given.
 
     Raises:
         SceneError: when one of the arguments is outside its range, or the result would be too large.
         SimulationError: when the solver cannot go on; it holds the result up to there.
         BuildError: when the kernel cannot be compiled.
     """
-    scene = scene_of(scene)
+    scene, progress = scene_of(scene), progress or silent
     settings = {
         "simulation.stop_time": stop_time,
         "simulation.step_size": None if output_step == math.inf else output_step,
@@ -100,7 +108,9 @@ def simulate(
     scene = scene.with_values(changes) if changes else scene
     stop = scene.simulation.stop_time
     step = stop if output_step == math.inf else scene.simulation.step_size
-    words = None if output is None else output_words(scene, output)
+    chosen = None if output is None else outputs_named(scene, output)
+    of_motion = [one.name for one in chosen or () if one.place[0] == "output"]
+    words = None if chosen is None else output_words(scene, of_motion)
     layout = output_dtype(len(scene.chain.links), candidate_count(scene))
     asked_for = scene.outputs.sensitivities if sensitivities is None else sensitivities
     names = (asked_for,) if isinstance(asked_for, str) else tuple(asked_for)
@@ -117,14 +127,7 @@ def simulate(
     else:
         instance = Instance(with_sensitivities(scene, ()), notify, driven)
         rows = _Rows(len(driven.times), layout, words)
-    done, impacts, ends = 0, [], driven.changes
-    while done < len(driven.times) and instance.status == OK:
-        # in chunks, for the progress bar's sake, in which the inputs are constant
-        end = min(done + rows.at_once, ends[np.searchsorted(ends, done, side="right")])
-        driven.set(instance.record["given"], done)
-        done += rows.fill(instance, driven.times[done:end], done)
-        impacts.append(instance.collect())
-        progress(done / len(driven.times))
+    done, impacts = _filled(rows, instance, driven, progress)
     impacts.append(instance.open_contacts())
     asked = slice(done) if driven.asked.all() else np.flatnonzero(driven.asked[:done])
     order, found = in_order(impacts)
@@ -135,10 +138,26 @@ def simulate(
         impacts=found,
         statistics=instance.statistics,
         sensitivities=rows.sensitivities(instance, asked, order, found),
+        stepwise=Stepwise(scene, driven, outputs_named(scene, "*") if chosen is None else chosen),
     )
     if instance.status != OK:
         raise SimulationError(instance.status, instance.time, result)
     return result
+
+
+def _filled(
+    rows: _Rows | _StepwiseRows, instance: Instance, driven: Drive, progress: Progress
+) -> tuple[int, list[np.ndarray]]:
+    """Fill rows at the communication points; return how many, before a fault, and the contacts that ended."""
+    done, impacts, ends = 0, [], driven.changes
+    while done < len(driven.times) and instance.status == OK:
+        # in chunks, for the progress bar's sake, in which the inputs are constant
+        end = min(done + rows.at_once, ends[np.searchsorted(ends, done, side="right")])
+        driven.set(instance.record["given"], done)
+        done += rows.fill(instance, driven.times[done:end], done)
+        impacts.append(instance.collect())
+        progress(done / len(driven.times))
+    return done, impacts
 
 
 def check_size(source: str, stop: float, step: float, columns: int) -> None:
@@ -235,11 +254,62 @@ class _RowsWithSlopes(_Rows):
         )
 
 
-def with_law(scene: Scene, law: Callable[..., float]) -> Scene:
+class _StepwiseRows:
+    """Words of the record at each communication point, which the kernel's own rows do not have."""
+
+    at_once = CHUNK_ROWS
+
+    def __init__(self, count: int, words: np.ndarray, layout: np.dtype) -> None:
+        self.kept, self._words, self._scratch = np.zeros((count, len(words))), words, np.zeros(1, layout)
+
+    def fill(self, instance: Instance, times: np.ndarray, start: int) -> int:
+        """As that of ``_Rows``."""
+        record = instance.words
+        for k in range(len(times)):
+            if not instance.trajectory(times[k : k + 1], self._scratch):
+                return k
+            record.take(self._words, out=self.kept[start + k])
+        return len(times)
+
+
+class Stepwise:
+    """The outputs that change at events and steps only, from a second run when they are asked for.
+
+    Attributes:
+        names: of these outputs.
+    """
+
+    def __init__(self, scene: Scene, driven: Drive, outputs: Iterable[Variable]) -> None:
+        """Keep what was run, and those of some outputs that are meant."""
+        self._scene, self._driven = with_sensitivities(scene, ()), driven
+        self._variables = [one for one in outputs if one.place[0] != "output"]
+        self.names = tuple(variable.name for variable in self._variables)
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Run once more, row by row: name → shape (T,).
+
+        Raises:
+            SceneError: when they would be too large.
+        """
+        scene, driven = self._scene, self._driven
+        check_size(scene.name, scene.simulation.stop_time, scene.simulation.step_size, len(self.names))
+        instance = Instance(scene, None, driven)
+        dtype = instance.record.dtype
+        words = np.array([word_index(dtype, one.place) for one in self._variables], int)
+        rows = _StepwiseRows(len(driven.times), words, dtype["output"])
+        done, _ = _filled(rows, instance, driven, silent)
+        kept = rows.kept[:done][driven.asked[:done]].T.copy()
+        return {
+            one.name: column if one.type == "real" else column.view(np.int64)
+            for one, column in zip(self._variables, kept, strict=True)
+        }
+
+
+def with_law(scene: SceneSource, law: Callable[..., float]) -> Scene:
     """Return the scene with a Python function as its contact law.
 
     Args:
-        scene: the scene.
+        scene: a scene, or what ``load_scene`` takes.
         law: a function that returns the force [N], as in a ``contact.law_file``. Its source, which has to be
             known, is kept as a file in the cache folder. It knows the module ``math`` and nothing else that
             is defined outside it.
@@ -247,6 +317,7 @@ def with_law(scene: Scene, law: Callable[..., float]) -> Scene:
     Raises:
         SceneError: when it cannot be a law.
     """
+    scene = scene_of(scene)
     try:
         source = source_of(law)
         parse_law(law.__name__, source)

@@ -5,20 +5,22 @@ from __future__ import annotations
 import hashlib
 import math
 import struct
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import astuple, dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from chain_impact.compilation.work import Notify, announce
+from chain_impact.compilation.work import Notify
 from chain_impact.kernel.status import OK
 from chain_impact.names import input_key
 from chain_impact.reading import SceneError, UnknownNameError, matching, shown
 from chain_impact.results.result import IMPACT_DTYPE
+from chain_impact.results.summary import plural
 from chain_impact.running import Instance, SimulationError, in_order
-from chain_impact.scene import Scene
+from chain_impact.scene import Scene, SceneSource, scene_of
+from chain_impact.units import in_radians, or_degrees
 from chain_impact.variable import Variable, variable_row
 from chain_impact.variables import fmu_variables, word_index
 
@@ -37,6 +39,7 @@ class _Place:
     high: float
     allowed: str
     choices: tuple[str, ...]
+    unit: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,28 +60,28 @@ class Chain:
     ``SimulationError``; then ``restore`` and ``reset`` go on from an earlier state.
 
     Attributes:
-        scene: what was given.
+        scene: what runs.
     """
 
-    def __init__(self, scene: Scene, notify: Notify = announce) -> None:
+    def __init__(self, scene: SceneSource, notify: Notify | None = None) -> None:
         """Stand at the start of the scene, t = 0.
 
         Args:
-            scene: what to simulate. The FMU has inputs when the scene asks for them: ``inputs.tip_force``,
-                ``inputs.joint_torques``.
-            notify: called with a sentence before a kernel is compiled.
+            scene: what to simulate: a scene, or what ``load_scene`` takes. The FMU has inputs
+                when the scene asks for them: ``inputs.tip_force``, ``inputs.joint_torques``.
+            notify: as for ``simulate``.
 
         Raises:
             SimulationError: when the scene cannot start.
             BuildError: when the kernel cannot be compiled.
         """
-        self.scene = scene
-        self._instance = Instance(scene, notify)
+        self.scene: Scene = scene_of(scene)
+        self._instance = Instance(self.scene, notify)
         self._reals = self._instance.words
         self._integers = self._reals.view(np.int64)
         self._start = self._reals.copy()
         dtype = self._instance.record.dtype
-        self._places = {v.name: _place(v, word_index(dtype, v.place)) for v in fmu_variables(scene)}
+        self._places = {v.name: _place(v, word_index(dtype, v.place)) for v in fmu_variables(self.scene)}
         self._time_word = word_index(dtype, ("step", "time"))
         self._changed_word = word_index(dtype, ("given", "changed"))
         self._finished_word = word_index(dtype, ("finished", "count"))
@@ -199,6 +202,9 @@ class Chain:
         Raises:
             SceneError: when it is no state of a chain of this scene.
         """
+        if not isinstance(state, bytes | bytearray | memoryview):
+            found = f"restore({shown(state)})"
+            raise SceneError(f"{self.scene.name}: {found} must be given the bytes that save() returned")
         state = bytes(state)
         magic, digest, stepped, count = STATE.unpack_from(state.ljust(STATE.size, b"\0"))
         record_at = STATE.size + count * IMPACT_DTYPE.itemsize
@@ -222,9 +228,14 @@ class Chain:
         self._impacts = []
         self._stepped, self._initialized, self._observed = False, True, False
 
+    def __reduce__(self) -> tuple[Callable[[Scene, bytes], Chain], tuple[Scene, bytes]]:
+        """So that it can be copied, and go to another process: as its scene and its state."""
+        return _restored, (self.scene, self.save())
+
     def __repr__(self) -> str:
         """The scene and the time."""
-        return f"Chain({self.scene.name}) at t = {self.time:.9g} s"
+        links = plural(len(self.scene.chain.links), "link")
+        return f"Chain({self.scene.name}) of {links} at t = {self.time:.9g} s"
 
     def _ready(self) -> None:
         """Work the start out anew if something was set since."""
@@ -263,11 +274,14 @@ class Chain:
             raise SceneError(f"{self.scene.name}: {name} is {what} and cannot be set{late}")
         try:
             number = place.choices.index(value) + 1 if value in place.choices else value
+            number = in_radians(number, place.unit)
             kept = place.low <= number <= place.high and (not place.whole or number == int(number))
         except (TypeError, ValueError):
             kept = False
         if not kept or isinstance(value, bool):
-            raise SceneError(f"{self.scene.name}: {name} = {shown(value)} must be {place.allowed}")
+            raise SceneError(
+                f"{self.scene.name}: {name} = {shown(value)} must be {place.allowed}{or_degrees(place.unit)}"
+            )
         return place.word, place.whole, number
 
     def _hint(self, name: str) -> str | None:
@@ -279,10 +293,17 @@ class Chain:
 
     @cached_property
     def _digest(self) -> bytes:
-        return hashlib.sha256(repr(self.scene).encode()).digest()[:16]
+        return hashlib.sha256(repr(astuple(self.scene)).encode()).digest()[:16]
+
+
+def _restored(scene: Scene, state: bytes) -> Chain:
+    """A chain of a scene in a state that was saved."""
+    chain = Chain(scene)
+    chain.restore(state)
+    return chain
 
 
 def _place(variable: Variable, word: int) -> _Place:
     _, _, _, kind, low, high, allowed = variable_row(variable, word)
     choices = tuple(item.name for item in variable.items)
-    return _Place(word, variable.type != "real", kind, low, high, allowed, choices)
+    return _Place(word, variable.type != "real", kind, low, high, allowed, choices, variable.unit)

@@ -125,6 +125,18 @@ def output_columns(scene: Scene, outputs: np.ndarray) -> dict[str, np.ndarray]:
     return columns
 
 
+def outputs_named(scene: Scene, wanted: str | Iterable[str]) -> list[Variable]:
+    """All outputs of some names or patterns, each of them once, in the order asked for.
+
+    Raises:
+        UnknownNameError: when there is none of a name, or like a pattern.
+    """
+    there = {variable.name: variable for variable in all_outputs(scene)}
+    names = (wanted,) if isinstance(wanted, str) else wanted
+    found = (matching(scene.name, name, there, "no output") for name in names)
+    return [there[name] for name in dict.fromkeys(one for part in found for one in part)]
+
+
 def elsewhere(name: str) -> str | None:
     """Where to find what the FMU tells in outputs, but a result does not tell over time."""
     if re.match(r"(impact|solver)\b", name):

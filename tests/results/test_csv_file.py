@@ -1,5 +1,7 @@
 """Tables as recordings: the same as what they were written from, and what is wrong with others."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -39,8 +41,10 @@ def test_the_table_of_a_scene_has_its_impacts_exactly(tmp_path, scene, settings)
     written.save_csv(tmp_path / "box.csv")
     read = read_csv(tmp_path / "box.csv", scene.half_planes, scene.wall_names)
     assert read.impacts == written.impacts
-    assert [i.peak_force for i in read.impacts] == [i.peak_force for i in written.impacts]
-    np.testing.assert_array_equal([i.end for i in read.impacts], [i.end for i in written.impacts])
+    whole = "outputs.impacts" not in settings  # else the FMU, and so the table, shows the onsets only
+    for name in ("peak_force", "end"):
+        values = [getattr(impact, name) if whole else math.nan for impact in written.impacts]
+        np.testing.assert_array_equal([getattr(impact, name) for impact in read.impacts], values)
 
 
 def test_impacts_that_a_table_lists_are_taken(tmp_path, scene):

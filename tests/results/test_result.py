@@ -1,11 +1,14 @@
 """Results by name, and what they say of themselves; tables are in test_tables.py."""
 
 import math
+import pickle
+import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from chain_impact import load_scene, simulate
+from chain_impact import SimulationError, load_scene, simulate
 from chain_impact.results.recording import recording_of
 from chain_impact.variables import fmu_variables
 from tests.problems import default_scene
@@ -24,10 +27,53 @@ def test_an_output_is_got_by_its_name(result):
     assert result["time"] is result.time
 
 
-def test_the_names_are_those_of_the_fmu_and_of_the_csv(result):
-    variables = fmu_variables(result.scene)
-    assert list(result.names) == [v.name for v in variables if v.place[0] == "output"]
-    assert list(recording_of(result).columns) == list(result.names)
+def test_the_names_are_those_of_the_fmu(result):
+    outputs = [v for v in fmu_variables(result.scene) if v.causality == "output"]
+    assert list(result.names) == list(result.columns) == [v.name for v in outputs]
+    motion = [v.name for v in outputs if v.place[0] == "output"]
+    assert list(result.motion) == list(recording_of(result).columns) == motion
+
+
+def test_impacts_and_counts_are_told_over_time(result):
+    count, onsets = result["impact.count"], result.impacts["onset"]
+    assert count.dtype == np.int64
+    assert count.tolist() == [int((onsets < time).sum()) for time in result.time]
+    assert result["impact.last_point"][0] == -1
+    assert result["impact[1].time"][-1] == onsets[-1]
+    steps = result["solver.steps"]
+    assert 0 <= steps[0] < steps[-1] <= result.statistics["steps"]
+    assert (np.diff(steps) >= 0).all()
+    assert result["solver.status"].tolist() == [0] * len(result.time)
+
+
+def test_they_can_be_asked_for_and_left_out():
+    some = simulate(default_scene(), 0.6, output=["impact.count", "energy.total", "solver.s*"])
+    assert some.names == ("energy.total", "impact.count", "solver.steps", "solver.status")
+    assert some["impact.count"][-1] == 2
+    left_out = "impacts are in result.impacts, counts of the solver in result.statistics"
+    assert refusal(lambda: some["impact.last_time"]).endswith(left_out)
+
+
+def test_they_are_known_in_another_process_and_after_a_fault(result):
+    assert pickle.loads(pickle.dumps(result))["impact.count"].tolist() == result["impact.count"].tolist()
+    with pytest.raises(SimulationError) as caught:
+        simulate(default_scene().with_values({"solver.work_limit": 1e3}), 2.0, tolerance=1e-12)
+    partial = caught.value.result
+    assert len(partial["solver.steps"]) == len(partial.time)
+    assert partial["impact.count"][-1] == (partial.impacts["onset"] < partial.time[-1]).sum()
+
+
+def test_they_are_refused_when_they_are_too_large(monkeypatch, result):
+    monkeypatch.setattr(sys.modules["chain_impact.simulate"], "MOST_BYTES", 10_000)
+    again = replace(result)
+    assert "must be at most 1e-05 GB" in refusal(lambda: again["impact.count"])
+
+
+def test_a_list_of_names_gives_a_dict(result):
+    found = result[["energy.total", "point[*].x"]]
+    assert list(found) == ["energy.total", *(f"point[{k}].x" for k in range(5))]
+    assert all(column is result[name] for name, column in found.items())
+    assert result[["time"]]["time"] is result.time
 
 
 def test_a_pattern_gives_all_that_are_like_it(result):
@@ -86,13 +132,6 @@ def test_an_output_that_is_not_there_is_refused_before_anything_runs():
     message = refusal(lambda: simulate(default_scene(), output=["point[4].x", "point[4].z"]))
     assert message == "FourLinkBox: point[4].z is no output; the nearest is point[4].y"
     assert "no output" in refusal(lambda: simulate(default_scene(), output="wall*"))
-
-
-@pytest.mark.parametrize("name", ["impact.count", "impact[1].time", "solver.steps", "impact*"])
-def test_what_is_not_told_over_time_is_found_elsewhere(result, name):
-    where = "impacts are in result.impacts, counts of the solver in result.statistics"
-    assert refusal(lambda: result[name]).endswith(where)
-    assert refusal(lambda: simulate(default_scene(), output=name)).endswith(where)
 
 
 # --- what it says ----------------------------------------------------------------------------------------

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from importlib.metadata import version
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from chain_impact.cli import animate, build, cache, compare, fit, info, simulate, sweep, validate
 from chain_impact.cli.options import UsageError
 from chain_impact.cli.progress import err, out
 from chain_impact.compilation.errors import BuildError
 from chain_impact.extras import MissingExtraError
-from chain_impact.reading import SceneError
+from chain_impact.reading import SceneError, SceneWarning
 from chain_impact.results.animation import AnimationError
 from chain_impact.runs import RunError
 
@@ -24,7 +26,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_args(arguments)
     out.quiet = options.quiet
     try:
-        code: int = options.run(options)
+        with hints_shown():
+            code: int = options.run(options)
     except (AnimationError, SceneError, UsageError, MissingExtraError) as error:
         err.print(f"chain-impact: {error}", markup=False, soft_wrap=True)
         return 2
@@ -39,6 +42,23 @@ def main(arguments: Sequence[str] | None = None) -> int:
         err.print("chain-impact: interrupted")
         return 130
     return code
+
+
+@contextmanager
+def hints_shown() -> Iterator[None]:
+    """Show what a scene may mean otherwise in a line, as all that is said beside the results."""
+    usual = warnings.showwarning
+
+    def show(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
+        if not issubclass(category, SceneWarning):
+            usual(message, category, *place, **more)
+        elif not out.quiet:
+            err.print(f"chain-impact: {message}", markup=False, soft_wrap=True)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", SceneWarning)
+        warnings.showwarning = show
+        yield
 
 
 class Parser(argparse.ArgumentParser):

@@ -18,8 +18,9 @@ from chain_impact.cli.options import (
     settings_of,
 )
 from chain_impact.cli.progress import out, progress
+from chain_impact.models import scene_path
 from chain_impact.runs import with_settings
-from chain_impact.scene import load_scene, scene_path
+from chain_impact.scene import load_scene
 
 REPEATED = (
     ("--free", "NAMES", "fit these parameters: contact.stiffness,contact.restitution"),

@@ -20,7 +20,7 @@ FIRST_LINKING = {"linux64": 5.0, "win64": 60.0, "darwin64": 5.0, "aarch64-linux"
 def kernel_library(
     links: int,
     platform: str = HOST,
-    notify: Notify = announce,
+    notify: Notify | None = None,
     law_file: str = "",
     *,
     derivatives: bool = False,
@@ -40,6 +40,7 @@ def kernel_library(
     Raises:
         BuildError: when the user's law or a compiler fails, or there is no compiler and no ready kernel.
     """
+    notify = notify or announce
     exact = ready.exact(links)
     law = _law(law_file) if law_file else None
     what = DERIVATIVES if derivatives else KERNEL

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable
 
 Notify = Callable[[str], None]
+Progress = Callable[[float], None]
 
 
 class Work(str):
@@ -30,3 +31,7 @@ def announce(sentence: str) -> None:
     if isinstance(sentence, Work):
         text = f"chain-impact: {sentence} (about {sentence.seconds:.0f} s, then kept)"
         print(text, file=sys.stderr, flush=True)
+
+
+def silent(_done: float) -> None:
+    """Show nothing of the progress."""

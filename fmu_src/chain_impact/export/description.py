@@ -12,11 +12,10 @@ import numpy as np
 from chain_impact.instance import new_instance
 from chain_impact.names import Place
 from chain_impact.scene import Scene
-from chain_impact.units import in_order, unit_of
+from chain_impact.units import DEGREES, in_order, unit_of
 from chain_impact.variable import OBSERVED, Variable
 from chain_impact.variables import word_index
 
-DEGREES = {"rad": "deg", "rad/s": "deg/s", "rad/s2": "deg/s2"}
 """Units, and those in which a tool may show them."""
 RATES = {
     "point_velocity": "point_position",

@@ -16,7 +16,7 @@ from chain_impact.compilation.work import Notify, announce
 from chain_impact.export import native_target, pythonfmu_target
 from chain_impact.export.documents import documents
 from chain_impact.export.references import reference_files
-from chain_impact.scene import Scene, scene_of
+from chain_impact.scene import Scene, SceneSource, scene_of
 
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 
@@ -45,13 +45,13 @@ PLAIN_NAME = re.compile(rf"{_PART}(\.{_PART})*", re.ASCII)
 
 
 def build_fmu(
-    source: Scene | str | os.PathLike[str],
+    source: SceneSource,
     directory: str | os.PathLike[str] = ".",
     *,
     target: str = "pythonfmu",
     fmi: int = 2,
     platforms: Sequence[str] = ("linux64",),
-    notify: Notify = announce,
+    notify: Notify | None = None,
 ) -> Path:
     """Build ``<name>.fmu``, which appears in the directory only when it is complete and valid.
 
@@ -65,7 +65,8 @@ def build_fmu(
         fmi: 2 or 3, the version of FMI; 3 is for the target ``native`` only.
         platforms: those that the FMU shall run on: ``linux64``, ``win64``, and of native FMUs
             ``darwin64``, ``aarch64-linux`` and ``aarch64-darwin``; or just ``all``.
-        notify: called with a sentence before work that takes seconds.
+        notify: called with a sentence before work that takes seconds; by default what is done once
+            and then kept is said on standard error.
 
     Returns:
         The path of the FMU.
@@ -74,7 +75,7 @@ def build_fmu(
         SceneError: when the source is no valid scene.
         BuildError: when the kernel cannot be compiled or the FMU is not valid.
     """
-    scene = scene_of(source)
+    scene, notify = scene_of(source), notify or announce
     if fmi not in VERSIONS:
         raise BuildError(f"fmi = {fmi!r} must be one of {', '.join(map(str, VERSIONS))}")
     if target not in TARGETS:

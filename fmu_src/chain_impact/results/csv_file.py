@@ -12,6 +12,7 @@ from chain_impact.names import SENSITIVITY
 from chain_impact.reading import SceneError
 from chain_impact.results.animation.contacts import force_columns, impacts_from_forces
 from chain_impact.results.recording import Recording, impacts_from_outputs
+from chain_impact.text_file import check_separator, text_of
 from chain_impact.walls import HalfPlane
 
 PEAK_FORCE = re.compile(r"impact\[\d+\]\.peak_force")
@@ -37,13 +38,11 @@ def read_csv(
         OSError: when the file cannot be read.
     """
     try:
-        with path.open(encoding="utf-8-sig") as file:
-            names = [name.strip().strip('"') for name in file.readline().split(",")]
-            text = file.readlines()
+        head, *text = text_of(path).splitlines() or [""]
+        check_separator(head)
+        names = [name.strip().strip('"') for name in head.split(",")]
         rows = np.loadtxt(text, delimiter=",", ndmin=2) if text else np.zeros((0, len(names)))
-    except (
-        ValueError
-    ) as error:  # of a cell that is no number, of a row that is too long, of bytes that are no text
+    except ValueError as error:  # of a cell that is no number, a row that is too long, or another encoding
         raise SceneError(f"{path}: not a table of numbers: {error}") from None
     missing = [name for name in NEEDED if name not in names]
     if missing:

@@ -73,35 +73,6 @@ def impacts_of(record: Result | Mapping[str, Any] | np.ndarray | Any) -> np.ndar
     return np.sort(table, order=["onset", "point", "wall"])
 
 
-def impact_columns(result: Result) -> dict[str, np.ndarray]:
-    """The impacts of a simulated scene as columns over time, from which `impacts_of` makes the table again.
-
-    They are named and read as those of the FMU, `impact.count` and `impact[j].time` and so on, with one
-    exception: in rows within a contact, its separation speed, peak force, largest penetration and impulse are
-    those of the whole contact.
-
-    Returns:
-        Name → values, shape (T,). j goes to `outputs.impacts` of the scene, but at least to 1.
-    """
-    impacts, time = result.impacts, result.time
-    counts = np.searchsorted(impacts["onset"], time, side="right")
-    columns = {"impact.count": counts}
-    for j in range(1, max(result.scene.outputs.impacts, 1) + 1):
-        there, row = counts >= j, np.maximum(counts - j, 0)
-        for field, name in COLUMNS.items():
-            nothing = -1 if field == "point" else 0
-            shown = np.full(len(time), nothing, IMPACT_DTYPE[field])
-            shown[there] = impacts[field][row[there]]
-            if field == "wall":
-                shown[there] += 1  # 0 is none
-            elif field == "end":
-                shown = np.fmin(shown, time)  # the present time while it lasts
-            elif field == "separation_speed":
-                shown[np.isnan(shown)] = 0.0  # of a contact that does not end
-            columns[f"impact[{j}].{name}"] = shown
-    return columns
-
-
 def names_of(record: Any) -> Any:
     """The names of the columns."""
     dtype = getattr(record, "dtype", None)

@@ -16,6 +16,7 @@ import numpy as np
 from chain_impact.results.impacts import impacts_of, names_of
 from chain_impact.results.result import Result
 from chain_impact.results.sensitivity import Sensitivities
+from chain_impact.results.summary import plural
 from chain_impact.variables import parameter_paths
 from chain_impact.walls import HalfPlane
 
@@ -43,7 +44,7 @@ class Impact:
     peak_force: float = field(default=math.nan, compare=False)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Recording:
     """A simulation over time, of a scene or an FMU.
 
@@ -64,6 +65,14 @@ class Recording:
     walls: dict[str, HalfPlane]
     parameters: dict[str, Any] = field(default_factory=dict)
     sensitivities: Sensitivities | None = None
+
+    def __repr__(self) -> str:
+        """What it is of, and how much there is."""
+        end = f"{self.time[-1]:g}" if len(self.time) else "0"
+        return (
+            f"Recording({self.name})  0 … {end} s, {plural(self.impact_count, 'impact')}, "
+            f"{plural(len(self.time), 'row')} of {plural(len(self.columns), 'column')}"
+        )
 
     @property
     def impact_count(self) -> int:
@@ -109,7 +118,7 @@ def recording_of(result: Result) -> Recording:
     return Recording(
         name=result.scene.name,
         time=result.time,
-        columns=result.columns,
+        columns=result.motion,
         impacts=impact_list(result.impacts, result.scene.wall_names),
         walls=result.scene.half_planes,
         parameters={name: values[name] for name in parameter_paths(result.scene)},

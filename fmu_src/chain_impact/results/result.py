@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, overload
 
 import numpy as np
 
@@ -43,13 +43,22 @@ speed of a contact that lasts to the end of the simulation are NaN. Under the la
 has no duration and an infinite peak force; that of a contact that lasts is the largest force that held it."""
 
 
+class Stepwise(Protocol):
+    """What can tell the outputs that change at events and steps only."""
+
+    names: tuple[str, ...]
+
+    def columns(self) -> dict[str, np.ndarray]:
+        """Name → shape (T,)."""
+
+
 @dataclass(frozen=True, repr=False)
 class Result:
     """What happened in a simulation.
 
     ``result["point[4].x"]`` is an output over time, shape (T,), by its name in the FMU; ``result["time"]`` is
     the time. A name with ``*``, which stands for any text, gives a dict of all that are like it:
-    ``result["contact[2].*.force"]``.
+    ``result["contact[2].*.force"]``; so does a list of names: ``result[["point[4].x", "energy.*"]]``.
 
     Attributes:
         scene: the scene as it was simulated.
@@ -59,6 +68,8 @@ class Result:
         impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``.
         statistics: steps, rejected_steps, rhs_evaluations, implicit_steps, status.
         sensitivities: the derivatives that ``simulate(sensitivities=…)`` asked for, if any.
+        stepwise: gives the outputs ``impact.*``, ``impact[j].*`` and ``solver.*``, which a second run finds
+            when they are asked for; None if they are not known.
     """
 
     scene: Scene
@@ -67,28 +78,55 @@ class Result:
     impacts: np.ndarray
     statistics: dict[str, int]
     sensitivities: Sensitivities | None = None
+    stepwise: Stepwise | None = None
 
-    def __getitem__(self, name: str) -> Any:
-        """An output over time by its name, shape (T,), or a dict of those that are like a pattern.
+    @overload
+    def __getitem__(self, name: str) -> np.ndarray: ...
+
+    @overload
+    def __getitem__(self, name: list[str]) -> dict[str, np.ndarray]: ...
+
+    def __getitem__(self, name: str | list[str]) -> np.ndarray | dict[str, np.ndarray]:
+        """An output over time by its name, shape (T,), or a dict of those in a list of names and patterns.
+
+        A single pattern gives a dict, too. For type checkers it is an array: give them ``[pattern]``.
 
         Raises:
             UnknownNameError: a KeyError, when there is none.
         """
+        if isinstance(name, list):
+            found: dict[str, np.ndarray] = {}
+            for one in name:
+                values = self[one]
+                found |= values if isinstance(values, dict) else {one: values}
+            return found
         if name == "time":
             return self.time
-        if name in self.columns:
-            return self.columns[name]
-        found = matching(self.scene.name, name, self.columns, "no output of this result", elsewhere)
-        return {one: self.columns[one] for one in found}
+        if name in self.motion:
+            return self.motion[name]
+        if name in self.names:
+            return self._stepwise[name]
+        like = matching(self.scene.name, name, self.names, "no output of this result", elsewhere)
+        return {one: self[one] for one in like}
 
     @property
     def names(self) -> tuple[str, ...]:
         """The names of the outputs, in the order of the FMU's."""
-        return tuple(self.columns)
+        return *self.motion, *(self.stepwise.names if self.stepwise else ())
 
-    @cached_property
+    @property
     def columns(self) -> dict[str, np.ndarray]:
         """The outputs over time: name → shape (T,)."""
+        return {**self.motion, **self._stepwise}
+
+    @cached_property
+    def _stepwise(self) -> dict[str, np.ndarray]:
+        """The outputs that change at events and steps only."""
+        return self.stepwise.columns() if self.stepwise else {}
+
+    @cached_property
+    def motion(self) -> dict[str, np.ndarray]:
+        """The outputs that change all the time: name → shape (T,)."""
         if "point_position" in (self.outputs.dtype.names or ()):
             return output_columns(self.scene, self.outputs)
         return {name: self.outputs[name] for name in self.outputs.dtype.names or ()}

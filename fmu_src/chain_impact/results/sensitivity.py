@@ -10,12 +10,13 @@ import numpy as np
 
 from chain_impact.names import sensitivity_name
 from chain_impact.reading import UnknownNameError
+from chain_impact.results.summary import plural
 
 PART = 0.01
 """Of its value, the change of a parameter for which changes are told; of its unit, where the value is 0."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Sensitivities:
     """Derivatives of outputs and of impacts with respect to P parameters.
 
@@ -38,6 +39,14 @@ class Sensitivities:
     impacts: np.ndarray
     impact_slopes: Mapping[str, np.ndarray]
     limits: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        """Of how much there are derivatives, and with respect to what."""
+        rows, outputs, _ = self.slopes.shape
+        return (
+            f"Sensitivities({self.source}) of {plural(outputs, 'output')} in {plural(rows, 'row')} and of "
+            f"{plural(len(self.impacts), 'impact')}, with respect to {', '.join(self.parameters)}"
+        )
 
     def of_output(self, quantity: str, parameter: str) -> np.ndarray:
         """The derivative of an output over time, shape (T,)."""

@@ -73,7 +73,7 @@ def _cells(result: Result, impact: np.void) -> tuple[str, str, str, str]:
 
 
 def _facts(result: Result) -> Iterator[str]:
-    yield from energy_lines(result.columns if len(result.time) else {})
+    yield from energy_lines(result.motion if len(result.time) else {})
     counts = result.statistics
     steps = f"{counts['steps']} steps, of which {counts['implicit_steps']} implicit"
     yield f"solver   {steps}; {counts['rhs_evaluations']} evaluations of the equations of motion"

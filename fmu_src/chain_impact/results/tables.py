@@ -9,6 +9,7 @@ import numpy as np
 from chain_impact.candidates import candidates
 from chain_impact.extras import require
 from chain_impact.names import AXES
+from chain_impact.output_variables import all_outputs
 from chain_impact.variables import output_variables
 
 if TYPE_CHECKING:
@@ -42,7 +43,7 @@ def dataframe(result: Result) -> Any:
     """See ``Result.to_dataframe``."""
     pandas = require("pandas", "pandas")
     table = pandas.DataFrame(result.columns, index=pandas.Index(result.time, name="time"))
-    units = {variable.name: variable.unit for variable in output_variables(result.scene)}
+    units = {variable.name: variable.unit for variable in all_outputs(result.scene)}
     table.attrs["units"] = {name: units[name] for name in result.names}
     return table
 
@@ -68,7 +69,7 @@ def dataset(result: Result) -> Any:
     sizes = {"point": points, "axis": len(AXES), "link": points - 1, "contact": len(pairs)}
     data: dict[str, Any] = {}
     for variable in output_variables(scene):
-        if variable.name not in result.columns:
+        if variable.name not in result.motion:
             continue
         _, field, *index = variable.place
         dimensions = _DIMENSIONS.get(str(field), ())
@@ -76,7 +77,7 @@ def dataset(result: Result) -> Any:
         if key not in data:
             values = np.full((len(result.time), *(sizes[one] for one in dimensions)), np.nan)
             data[key] = (("time", *dimensions), values, {"units": variable.unit})
-        data[key][1][(slice(None), *index)] = result.columns[variable.name]
+        data[key][1][(slice(None), *index)] = result.motion[variable.name]
     coordinates = {
         "time": ("time", result.time, {"units": "s"}),
         "point": np.arange(points),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import math
-import os
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -12,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.compilation.work import Notify, announce
+from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.reading import SceneError
 from chain_impact.results.recording import written_whole
 from chain_impact.results.result import Result
 from chain_impact.running import Instance, SimulationError
-from chain_impact.scene import Contact, Scene, scene_from_dict, scene_of, with_values
+from chain_impact.scene import Contact, Scene, SceneSource, scene_from_dict, scene_of, with_values
 from chain_impact.simulate import simulate
 
 EXACT = "zhang_sharf"
@@ -29,7 +28,6 @@ LONGEST = 200.0  # elastic contact times, after which a free impact is given up
 HEIGHT = 1e-3  # m, from which the mass of a free impact flies to the wall
 
 Changes = dict[tuple[str | int, ...], Any]
-Advance = Callable[[float], None]
 
 
 @dataclass(frozen=True)
@@ -136,9 +134,7 @@ def _cell(value: object) -> object:
     return "" if value is None or (isinstance(value, float) and math.isnan(value)) else value
 
 
-def compare(
-    scene: Scene | str | os.PathLike[str], notify: Notify = announce, progress: Advance = lambda _: None
-) -> Comparison:
+def compare(scene: SceneSource, notify: Notify | None = None, progress: Progress | None = None) -> Comparison:
     """Simulate a scene with each law of the registry, and with its own law if it has one.
 
     A law that needs another exponent than the scene's is run with that, and with the stiffness that makes
@@ -147,21 +143,21 @@ def compare(
 
     Args:
         scene: a scene, or what ``load_scene`` takes; its contact model does not matter.
-        notify: called with a sentence before the kernel is compiled.
-        progress: called with the fraction done.
+        notify: as for ``simulate``.
+        progress: called with the fraction done, if given.
 
     Raises:
         SceneError: when there is no impact.
         BuildError: when the kernel cannot be compiled.
     """
-    scene = scene_of(scene)
+    scene, show = scene_of(scene), progress or silent
     laws = law_names(scene)
     at_home = [law for law in laws if needed_exponent(law, scene) == scene.contact.exponent]
     found: dict[str, LawRun] = {}
 
     def run(law: str, impact: np.void | None) -> None:
         done = len(found)
-        found[law] = _run(scene, law, impact, notify, lambda part: progress((done + part) / len(laws)))
+        found[law] = _run(scene, law, impact, notify, lambda part: show((done + part) / len(laws)))
 
     for law in at_home:
         run(law, None)
@@ -207,7 +203,7 @@ def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
     return changes
 
 
-def _run(scene: Scene, law: str, impact: np.void | None, notify: Notify, progress: Advance) -> LawRun:
+def _run(scene: Scene, law: str, impact: np.void | None, notify: Notify | None, progress: Progress) -> LawRun:
     changes = law_values(scene, law, impact)
     exponent = changes.get(("contact", "exponent"), scene.contact.exponent)
     stiffness = changes.get(("contact", "stiffness"), scene.contact.stiffness)
@@ -277,7 +273,7 @@ def _against(expected: Result, run: LawRun) -> LawRun:
 # ---- a free impact ----------------------------------------------------------------------------------------
 
 
-def free_impact(contact: Contact, mass: float, speed: float, notify: Notify = announce) -> np.void:
+def free_impact(contact: Contact, mass: float, speed: float, notify: Notify | None = None) -> np.void:
     """The impact of a point mass [kg] at a speed [m/s], with no other force: a row of ``Result.impacts``.
 
     Raises:
@@ -305,8 +301,8 @@ def free_impact(contact: Contact, mass: float, speed: float, notify: Notify = an
 def realised_restitution(
     comparison: Comparison,
     prescribed: np.ndarray,
-    notify: Notify = announce,
-    progress: Advance = lambda _: None,
+    notify: Notify | None = None,
+    progress: Progress = silent,
 ) -> dict[str, np.ndarray]:
     """Realised over prescribed restitution of each law, in a free impact like the first of the comparison.
 

@@ -7,7 +7,6 @@ are much used. The rest is grey.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation
 
-from chain_impact.compilation.work import Notify, announce
+from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.results.plots.labels import label_curves, settle, spread_labels
 from chain_impact.results.plots.style import BLACK, DPI, GREY, INK, PALETTE, STYLE, headline, number
 from chain_impact.results.recording import written_whole
@@ -37,8 +36,8 @@ Looks = dict[str, dict[str, Any]]
 def plot_comparison(
     comparison: Comparison,
     path: Path,
-    notify: Notify = announce,
-    progress: Callable[[float], None] = lambda _: None,
+    notify: Notify | None = None,
+    progress: Progress = silent,
 ) -> None:
     """Draw a comparison into a file; the suffix says which kind (png, svg, pdf).
 

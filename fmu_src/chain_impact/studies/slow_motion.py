@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
-from chain_impact.compilation.work import Notify, announce
+from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.kernel.status import OK
 from chain_impact.results.animation.contacts import slow_spans
 from chain_impact.results.animation.pacing import IMPACT_TIME, frame_times
 from chain_impact.results.recording import Recording, recording_of
 from chain_impact.results.result import Result
 from chain_impact.running import Instance
-from chain_impact.scene import Scene
+from chain_impact.scene import SceneSource, scene_of
 from chain_impact.signals import Signal, drive
 from chain_impact.simulate import simulate
 
@@ -27,10 +27,10 @@ CHUNK = 2000  # rows between two calls of ``progress``
 
 
 def record_slowly(
-    scene: Scene,
+    scene: SceneSource,
     impact_time: float = IMPACT_TIME,
-    notify: Notify = announce,
-    progress: Callable[[float], None] = lambda _: None,
+    notify: Notify | None = None,
+    progress: Progress | None = None,
     *,
     inputs: Mapping[str, Signal] | None = None,
 ) -> Recording:
@@ -39,10 +39,10 @@ def record_slowly(
     The rows do not change the solution.
 
     Args:
-        scene: what to simulate.
+        scene: what to simulate: a scene, or what ``load_scene`` takes.
         impact_time: what each impact takes on the screen [s], 0 for no slow motion.
-        notify: called with a sentence before a kernel is compiled.
-        progress: called with the fraction done.
+        notify: as for ``simulate``.
+        progress: called with the fraction done, if given.
         inputs: as for ``simulate``.
 
     Raises:
@@ -50,7 +50,8 @@ def record_slowly(
         SimulationError: when the solver cannot go on; it holds the result up to there, with even rows.
         BuildError: when the kernel cannot be compiled.
     """
-    result = simulate(scene, inputs=inputs, notify=notify, progress=lambda done: progress(done / 2))
+    scene, show = scene_of(scene), progress or silent
+    result = simulate(scene, inputs=inputs, notify=notify, progress=lambda done: show(done / 2))
     stop = float(result.time[-1])
     onsets, speeds = result.impacts["onset"], result.impacts["impact_speed"]
     # an impact takes 2.9 δ/v by Hertz, π δ/v at a linear spring, and longer with losses; then the chain stays
@@ -71,7 +72,7 @@ def record_slowly(
         driven.set(instance.record["given"], done)
         done += instance.trajectory(times[done:end], outputs[done:end])
         instance.collect()
-        progress(0.5 + done / len(times) / 2)
+        show(0.5 + done / len(times) / 2)
     return recording_of(
         Result(scene, times[:done], outputs[:done], result.impacts, statistics=instance.statistics)
     )

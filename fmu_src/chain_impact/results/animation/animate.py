@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from pathlib import Path
 
+from chain_impact.compilation.work import Progress, silent
 from chain_impact.results.animation.frames import motion_of
 from chain_impact.results.animation.pacing import IMPACT_TIME
 from chain_impact.results.recording import Recording, written_whole
@@ -25,27 +25,10 @@ def animate(
     speed: float = 1.0,
     impact_time: float = IMPACT_TIME,
     size: tuple[int, int] = SIZE,
-    progress: Callable[[float], None] = lambda _: None,
+    progress: Progress | None = None,
 ) -> None:
-    """Write an animation of a recording.
-
-    Args:
-        recording: what to show. Where its rows are close in time, slow motion shows more.
-        path: the file, whose suffix says the kind: ``.html`` is a page that a browser opens and that needs no
-            other file, ``.gif`` and ``.mp4`` are films.
-        speed: simulated seconds in a second on the screen, except in slow motion.
-        impact_time: what each impact takes on the screen [s] at the speed 1: shortly before, the animation
-            slows down. 0 shows all at one speed.
-        size: width and height of a film [pixels].
-        progress: called with the fraction done.
-
-    Raises:
-        AnimationError: when the suffix is unknown, a number is out of its range, or the recording has fewer
-            than two rows or no position of a point.
-        MissingExtraError: when PyAV is not there, for an mp4: the extra ``video``.
-        OSError: when the file cannot be written.
-    """
-    path = Path(path)
+    """Write an animation of a recording, see ``chain_impact.animate``."""
+    path, progress = Path(path), progress or silent
     kind = path.suffix.lower()
     if kind not in FORMATS:
         raise AnimationError(f"{path}: the name must end in {', '.join(FORMATS)}")

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from chain_impact.compilation.work import Notify, announce
+from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.extras import require
 from chain_impact.reading import SceneError
 from chain_impact.results.summary import plural
-from chain_impact.scene import Scene, scene_of
+from chain_impact.scene import Scene, SceneSource, scene_of
 from chain_impact.studies.fit.data import Measurements, read_measurements, standard_deviation
 from chain_impact.studies.fit.horizon import Found, search
 from chain_impact.studies.fit.parameters import Bounds, Parameter, parameters_of
@@ -29,7 +29,7 @@ ALIKE = 2.0  # correlation of neighbours times √n, which chance exceeds in 2 %
 
 
 def fit(
-    scene: Scene | str | os.PathLike[str],
+    scene: SceneSource,
     data: Source | Sequence[Source | Sequence[Source]],
     free: Sequence[str],
     *,
@@ -39,8 +39,8 @@ def fit(
     bounds: Bounds | None = None,
     columns: Sequence[str] | None = None,
     laws: bool = False,
-    notify: Notify = announce,
-    progress: Callable[[float], None] = lambda _: None,
+    notify: Notify | None = None,
+    progress: Progress | None = None,
 ) -> Fit:
     """Estimate parameters of a scene from measurements, by weighted least squares.
 
@@ -59,8 +59,8 @@ def fit(
         bounds: name → bounds beside those that the scene's keys have, ``"0.1:0.9"`` or a pair.
         columns: names or patterns of the columns that are used; all by default.
         laws: whether to fit every contact law, and return the fit of the best with the ranking of all.
-        notify: called with a sentence before a kernel is compiled.
-        progress: called with the fraction done.
+        notify: as for ``simulate``.
+        progress: called with the fraction done, if given.
 
     Raises:
         SceneError: when an argument or a table cannot be used.
@@ -69,7 +69,7 @@ def fit(
         BuildError: when the kernel cannot be compiled.
     """
     require("scipy", "fit")
-    scene = scene_of(scene)
+    scene, progress = scene_of(scene), progress or silent
     for name, value in (sigma or {}).items():
         standard_deviation(name, value, 1.0)
     runs = _runs(data)
@@ -77,7 +77,7 @@ def fit(
     measured = [read_measurements(run, scene, sigma or {}, columns) for run in runs]
     _check_sigma(scene, sigma or {}, measured)
 
-    def one(scenes: Sequence[Scene], progress: Callable[[float], None]) -> Fit:
+    def one(scenes: Sequence[Scene], progress: Progress) -> Fit:
         parameters = parameters_of(scenes, free, free_each, bounds or {})
         return _fit(Problem(scenes, measured, parameters, notify), progress)
 
@@ -88,7 +88,7 @@ def fit(
     return one(scenes, progress)
 
 
-def _fit(problem: Problem, progress: Callable[[float], None]) -> Fit:
+def _fit(problem: Problem, progress: Progress) -> Fit:
     """The fit of one contact law."""
     found = search(problem, progress)
     at = _on_bounds(problem, found)

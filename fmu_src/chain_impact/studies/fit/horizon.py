@@ -8,11 +8,11 @@ and each search starts where the last one ended.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
+from chain_impact.compilation.work import Progress, silent
 from chain_impact.reading import SceneError
 from chain_impact.studies.fit.least_squares import Search, minimize
 from chain_impact.studies.fit.problem import Evaluation, Problem
@@ -45,7 +45,7 @@ class Found:
     worse: float
 
 
-def search(problem: Problem, progress: Callable[[float], None] = lambda _: None) -> Found:
+def search(problem: Problem, progress: Progress = silent) -> Found:
     """Fit the free parameters.
 
     Raises:
@@ -60,7 +60,7 @@ def search(problem: Problem, progress: Callable[[float], None] = lambda _: None)
     return min(first, second, key=lambda found: _squares(found.search.best, first.sigma))
 
 
-def _search(problem: Problem, start: Evaluation, far: float, progress: Callable[[float], None]) -> Found:
+def _search(problem: Problem, start: Evaluation, far: float, progress: Progress) -> Found:
     """The search with horizons that end where the model is as far from the data as this."""
     whole, sigma = start, _first_sigma(problem)
     last = float(np.nanmax(problem.order, initial=0.0))

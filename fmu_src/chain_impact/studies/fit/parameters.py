@@ -11,6 +11,7 @@ import numpy as np
 from chain_impact.names import nearest
 from chain_impact.reading import SceneError, UnknownNameError, shown
 from chain_impact.scene import Scene
+from chain_impact.units import in_radians
 from chain_impact.variable import Variable
 from chain_impact.variables import differentiable, fmu_variables
 
@@ -131,7 +132,7 @@ def _ends(variable: Variable, bounds: str | tuple[float | None, float | None]) -
     """The lower and the upper bound."""
     parts = bounds.split(":") if isinstance(bounds, str) else list(bounds)
     try:
-        low, high = (sign * math.inf if part in ("", None) else float(part)
+        low, high = (sign * math.inf if part in ("", None) else float(in_radians(part, variable.unit))
                      for sign, part in zip((-1, 1), parts, strict=True))  # fmt: skip
     except (TypeError, ValueError):
         raise SceneError(

@@ -73,7 +73,7 @@ class Problem:
         scenes: Sequence[Scene],
         data: Sequence[Measurements],
         parameters: Sequence[Parameter],
-        notify: Notify,
+        notify: Notify | None,
     ) -> None:
         """Prepare a run for each data set.
 

@@ -10,6 +10,7 @@ from typing import Any
 from chain_impact.extras import require
 from chain_impact.results.recording import written_whole
 from chain_impact.scene import Scene, parse_scene, scene_to_dict
+from chain_impact.text_file import text_of
 
 PASSES = 3  # a default can follow from a value that was left to another default
 
@@ -31,7 +32,7 @@ def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) 
     if like is None:
         text = require("tomlkit", "fit").dumps(scene_to_dict(scene))
     else:
-        text = updated(Path(like).read_text(encoding="utf-8"), scene, str(Path(like)))
+        text = updated(text_of(Path(like)), scene, str(Path(like)))
         if scene.contact.law_file and Path(like).parent.resolve() != path.parent.resolve():
             text = _with_law_file(text, os.path.relpath(scene.contact.law_file, path.parent))
     with written_whole(path) as fresh:
@@ -70,7 +71,7 @@ def _once(text: str, present: dict[str, Any], wanted: dict[str, Any]) -> str:
             if isinstance(value, Mapping):
                 _update(document.setdefault(name, tomlkit.table()), value, present.get(name, {}))
             else:
-                _set(document, name, value)
+                _set(document, name, value, present.get(name))
     return str(tomlkit.dumps(document))
 
 
@@ -84,16 +85,19 @@ def _update(table: Any, wanted: Mapping[str, Any], present: Mapping[str, Any]) -
             for entry, after, old in zip(table[key], value, before or (), strict=True):
                 _update(entry, after, old)
         else:
-            _set(table, key, value)
+            _set(table, key, value, before)
 
 
-def _set(table: Any, key: str, value: Any) -> None:
-    """Write one value; of a list only the entries that differ. A comment behind it keeps its column."""
+def _set(table: Any, key: str, value: Any, present: Any = None) -> None:
+    """Write one value; of a list only the entries that differ. A comment behind it keeps its column.
+
+    What is present in the scene may stand in degrees in the table.
+    """
     here = table.get(key)
     before = len(here.as_string()) if hasattr(here, "as_string") else 0
     if isinstance(value, list) and here is not None and len(here) == len(value):
         for k, one in enumerate(value):
-            if here[k] != one:
+            if present is None or present[k] != one:
                 here[k] = one
     else:
         table[key] = value

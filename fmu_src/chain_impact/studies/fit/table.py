@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from chain_impact.reading import SceneError, shown
+from chain_impact.reading import SceneError, decimal_comma, shown
 from chain_impact.results.summary import plural
+from chain_impact.text_file import check_separator, text_of
 
 Source = str | Path | Mapping[str, Sequence[Any]]
 """A CSV file, or name of a column → its cells."""
@@ -61,6 +63,7 @@ class Table:
         if not math.isfinite(found):
             raise SceneError(
                 f"{self.where(row, name)} = {shown(value)} must be a finite number, or empty if not measured"
+                f"{decimal_comma(value)}"
             )
         return found
 
@@ -82,11 +85,12 @@ def read_table(source: Source) -> Table:
         return _checked("data", tuple(columns), rows, [f"row {k}" for k in range(len(rows))])
     path = Path(source)
     try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file)
-            names = tuple(name.strip() for name in next(reader, []))
-            numbered = [(f"line {reader.line_num}", row) for row in reader if any(map(str.strip, row))]
-    except (UnicodeDecodeError, csv.Error) as error:
+        reader = csv.reader(io.StringIO(text_of(path), newline=""))
+        head = next(reader, [])
+        check_separator(",".join(head))
+        names = tuple(name.strip() for name in head)
+        numbered = [(f"line {reader.line_num}", row) for row in reader if any(map(str.strip, row))]
+    except (ValueError, csv.Error) as error:
         raise SceneError(f"{path}: not a CSV table: {error}") from None
     return _checked(str(path), names, [row for _, row in numbered], [line for line, _ in numbered])
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.compilation.work import Notify, announce
+from chain_impact.compilation.work import Notify
 from chain_impact.instance import new_instance
 from chain_impact.kernel.status import OK
 from chain_impact.names import SENSITIVITY, Place, nearest
@@ -85,7 +85,7 @@ def job_of(scene: Scene, variations: Sequence[Variation], outputs: Sequence[str]
 class Runner:
     """Runs blocks of a job in the kernel, in one thread: it has one instance to work with."""
 
-    def __init__(self, job: Job, notify: Notify = announce) -> None:
+    def __init__(self, job: Job, notify: Notify | None = None) -> None:
         """Load or compile the kernel.
 
         Raises:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
 
 import numpy as np
 
-from chain_impact.compilation.work import Notify, announce
+from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.reading import SceneError
-from chain_impact.scene import Scene
+from chain_impact.scene import SceneSource, scene_of
 from chain_impact.studies.sweep.cluster import run_on_cluster
 from chain_impact.studies.sweep.design import Sampling, grid, sampled
 from chain_impact.studies.sweep.job import job_of
@@ -22,7 +22,7 @@ from chain_impact.studies.sweep.variation import Values, variations_of
 
 
 def sweep(
-    scene: Scene,
+    scene: SceneSource,
     vary: Mapping[str, Values],
     *,
     samples: int | None = None,
@@ -32,8 +32,8 @@ def sweep(
     path: str | Path | None = None,
     threads: int | None = None,
     scheduler: str | None = None,
-    notify: Notify = announce,
-    progress: Callable[[float], None] = lambda _: None,
+    notify: Notify | None = None,
+    progress: Progress | None = None,
 ) -> Sweep:
     """Simulate a scene many times, each time with other values of some parameters.
 
@@ -41,7 +41,7 @@ def sweep(
     so; it does not end the sweep.
 
     Args:
-        scene: the scene that is varied.
+        scene: what is varied: a scene, or what ``load_scene`` takes.
         vary: name of a parameter of the scene's FMU, or ``simulation.stop_time`` → its values: numbers or
             names of choices, or text as on the command line: ``"0.1:0.9:9"`` for nine values from 0.1 to
             0.9, ``"1e6:1e9:4:log"`` for four that are even in the logarithm, ``"flores,zhang_sharf"``, and
@@ -57,8 +57,8 @@ def sweep(
         threads: how many runs are made at the same time; as many as there are cores by default.
         scheduler: address of a dask.distributed scheduler, ``tcp://host:port``, whose workers do the runs in
             place of this machine. They need the same version of this package.
-        notify: called with a sentence before a kernel is compiled.
-        progress: called with the fraction done.
+        notify: as for ``simulate``.
+        progress: called with the fraction done, if given.
 
     Raises:
         SceneError: when an argument is not allowed, before any run; or when another sweep has
@@ -68,6 +68,7 @@ def sweep(
         OSError: when a file cannot be read or written.
         BuildError: when the kernel cannot be compiled.
     """
+    scene, progress = scene_of(scene), progress or silent
     threads = cores() if threads is None else threads
     if not isinstance(threads, int) or threads < 1:
         raise SceneError(f"{scene.name}: threads = {threads} must be a whole number >= 1")

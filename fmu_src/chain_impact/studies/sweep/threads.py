@@ -25,7 +25,7 @@ def cores() -> int:
 
 
 def run_in_threads(
-    job: Job, design: Design, spans: Sequence[Span], threads: int, notify: Notify
+    job: Job, design: Design, spans: Sequence[Span], threads: int, notify: Notify | None
 ) -> Generator[tuple[int, np.ndarray]]:
     """Yield the rows of the runs in some spans, piece by piece as they are done: (first, rows).
 

@@ -10,6 +10,7 @@ import numpy as np
 from chain_impact.names import nearest
 from chain_impact.reading import SceneError
 from chain_impact.scene import Scene
+from chain_impact.units import in_radians, or_degrees
 from chain_impact.variable import Variable
 from chain_impact.variables import fmu_variables
 
@@ -119,7 +120,7 @@ def _range(variable: Variable, text: str, source: str) -> Variation:
         raise SceneError(f"{source}: {variable.name} = {text} must be a list of choices, {variable.allowed}")
     try:
         low, high, *count = parts[: len(parts) - logarithmic]
-        ends = np.array([float(low), float(high)])
+        ends = np.array([float(in_radians(end, variable.unit)) for end in (low, high)])
         numbers = [int(one) for one in count]
     except ValueError:  # also where there is no second part
         raise wrong from None
@@ -141,9 +142,10 @@ def _number(variable: Variable, value: object, source: str) -> float:
     if value in names:
         return float(names.index(str(value)) + 1)
     try:
-        return float(value)  # type: ignore[arg-type]
+        return float(in_radians(value, variable.unit))
     except (TypeError, ValueError):
-        raise SceneError(f"{source}: {variable.name} = {value} must be {variable.allowed}") from None
+        needed = variable.allowed + or_degrees(variable.unit)
+        raise SceneError(f"{source}: {variable.name} = {value} must be {needed}") from None
 
 
 def _check(variation: Variation, source: str) -> None:

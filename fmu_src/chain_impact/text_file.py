@@ -1,0 +1,48 @@
+"""Text files that others wrote: in which encoding, with which decimal mark and separator."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+UTF_16 = (b"\xff\xfe", b"\xfe\xff")  # how a file in it begins
+COMMA = re.compile(r"=\s*([+-]?\d+),(\d+)")
+SEPARATORS = {";": "semicolons", "\t": "tabs"}
+
+
+def text_of(path: Path) -> str:
+    """The text of a file in UTF-8, with or without a byte order mark.
+
+    Raises:
+        ValueError: when it is in another encoding.
+        OSError: when the file cannot be read.
+    """
+    content = path.read_bytes()
+    if content.startswith(UTF_16) or b"\0" in content:
+        raise ValueError("it is in UTF-16, or no text; must be text in UTF-8")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        found = f"line {line} has the byte 0x{content[error.start]:02x}, which is no UTF-8"
+        raise ValueError(f"{found}; must be text in UTF-8") from None
+
+
+def comma_in(text: str, fault: str) -> str:
+    """What to say of a decimal comma in the line of a TOML file that a parser's fault names; else nothing."""
+    line = re.search(r"at line (\d+)", fault)
+    lines = text.splitlines()
+    found = COMMA.search(lines[int(line[1]) - 1]) if line and int(line[1]) <= len(lines) else None
+    return f"; a number has a decimal point: {found[1]}.{found[2]}" if found else ""
+
+
+def check_separator(head: str) -> None:
+    """Refuse a table by its head line.
+
+    Raises:
+        ValueError: when it is separated by something else than commas.
+    """
+    for mark, name in SEPARATORS.items():
+        if mark in head and "," not in head:
+            needed = "must be separated by commas, with decimal points in the numbers"
+            raise ValueError(f"the columns are separated by {name}; {needed}")

@@ -1,0 +1,36 @@
+"""The repr of a scene."""
+
+import pytest
+
+from chain_impact import Scene, load_scene, model_names
+
+LINES, COLUMNS = 8, 120  # of a repr
+
+
+def is_short(text):
+    lines = text.splitlines()
+    return len(lines) <= LINES and max(map(len, lines)) <= COLUMNS
+
+
+@pytest.mark.parametrize("model", model_names())
+def test_the_repr_of_a_scene_is_some_short_lines(model):
+    scene = load_scene(model)
+    assert is_short(repr(scene))
+    assert repr(scene).startswith(f"Scene {scene.name}: ")
+    assert f"{scene.simulation.stop_time:g} s in steps of {scene.simulation.step_size:g} s" in repr(scene)
+    assert scene.contact.model in repr(scene)
+
+
+def test_a_long_chain_has_a_short_repr():
+    scene = Scene.with_values(
+        load_scene("rod_drop"),
+        {
+            ("chain", "links"): [{"length": 0.1, "mass": 1.0, "count": 40}],
+            ("initial", "angles"): [0.01 * i for i in range(40)],
+            ("initial", "angular_velocities"): None,
+            ("contact", "points"): None,
+        },
+    )
+    assert is_short(repr(scene))
+    assert "40 links, 4 m, 40 kg" in repr(scene)
+    assert "angles 0, 0.01, 0.02, 0.03, …, 0.39 rad" in repr(scene)

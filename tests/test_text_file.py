@@ -1,0 +1,156 @@
+"""Text files that others wrote: encodings, decimal commas, separators; scenes and tables alike."""
+
+import pytest
+
+from chain_impact import SceneWarning, load_scene, model_names, parse_scene
+from chain_impact import cli as command_line
+from chain_impact.results.csv_file import read_csv
+from chain_impact.studies.fit.scene_file import write_scene
+from chain_impact.studies.fit.table import read_table
+from chain_impact.text_file import text_of
+from tests.refusal import refusal
+
+SCENE = """name = "Rod"
+[[chain.links]]
+length = 2.0
+mass = 3.0
+[initial]
+angles = [0.5]
+"""
+TABLE = "time,point[0].x,point[0].y,point[1].x,point[1].y\n0,0,1,1,1\n0.1,0,0.95,1,0.95\n"
+MODELS = f"a scene file, a folder with scene.toml, or a model: {', '.join(model_names())}"
+READERS = {
+    "scene": (load_scene, SCENE, f"cannot be read ({{}}); must be {MODELS}"),
+    "recording": (lambda path: read_csv(path, {}), TABLE, "not a table of numbers: {}"),
+    "measurements": (read_table, TABLE, "not a CSV table: {}"),
+}
+"""What reads a file, a text for it, and how it refuses a file."""
+
+
+@pytest.fixture(params=READERS)
+def reader(request):
+    return READERS[request.param]
+
+
+# --- encodings ---------------------------------------------------------------------------------------------
+
+
+def test_a_byte_order_mark_means_nothing(reader, tmp_path):
+    read, text, _ = reader
+    with_mark, without = tmp_path / "with" / "file", tmp_path / "without" / "file"
+    for path, encoding in ((with_mark, "utf-8-sig"), (without, "utf-8")):
+        path.parent.mkdir()
+        path.write_text(text, encoding=encoding)
+    assert text_of(with_mark) == text_of(without) == text
+    found, expected = read(with_mark), read(without)
+    if read is load_scene:
+        assert found == expected == parse_scene("\ufeff" + SCENE, "text")
+    elif read is read_table:
+        assert (found.names, found.rows) == (expected.names, expected.rows)
+    else:
+        assert list(found.columns) == list(expected.columns)
+
+
+def test_a_fitted_scene_can_be_like_a_file_with_a_mark(tmp_path):
+    like, path = tmp_path / "like.toml", tmp_path / "fitted.toml"
+    like.write_text(SCENE, encoding="utf-8-sig")
+    write_scene(load_scene(like).with_values({"initial.angle[1]": 0.75}), path, like)
+    assert path.read_text(encoding="utf-8") == SCENE.replace("[0.5]", "[0.75]")
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-le", "utf-16-be"])
+def test_utf_16_is_refused(reader, tmp_path, encoding):
+    read, text, form = reader
+    path = tmp_path / "file"
+    path.write_text(text, encoding=encoding)
+    reason = "it is in UTF-16, or no text; must be text in UTF-8"
+    assert refusal(read, path) == f"{path}: {form.format(reason)}"
+
+
+def test_another_encoding_is_refused_with_the_line(reader, tmp_path):
+    read, text, form = reader
+    path = tmp_path / "file"
+    first, rest = text.split("\n", 1)
+    path.write_bytes(f"{first}\n# Länge\n{rest}".encode("latin-1"))
+    reason = "line 2 has the byte 0xe4, which is no UTF-8; must be text in UTF-8"
+    assert refusal(read, path) == f"{path}: {form.format(reason)}"
+
+
+# --- decimal commas ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "number"),
+    [
+        (SCENE.replace("2.0", "2,5"), "2.5"),
+        (SCENE.replace("2.0", "-0,25"), "-0.25"),
+        ('name = "Rod"\nchain.links = [{length = 0,5, mass = 1.0}]\n', "0.5"),
+    ],
+)
+def test_a_decimal_comma_is_pointed_at(text, number):
+    message = refusal(parse_scene, text, "rod.toml")
+    assert message.startswith("rod.toml: not valid TOML: ")
+    assert message.endswith(f"; a number has a decimal point: {number}")
+
+
+def test_no_other_fault_is_blamed_on_a_comma():
+    for text in ("name = ", SCENE.replace("2.0", "2;5"), SCENE.replace("[0.5]", "[0.5")):
+        assert "decimal point" not in refusal(parse_scene, text, "rod.toml")
+
+
+@pytest.mark.parametrize("text", ["0,5", " 0,5 "])
+def test_a_decimal_comma_in_a_value_is_pointed_at(text):
+    message = refusal(load_scene("rod_drop").with_values, {"contact.restitution": text})
+    needed = "must be a finite number >= 0 and <= 1; a number has a decimal point: 0.5"
+    assert message == f"RodDrop: contact.restitution = {text!r} {needed}"
+    message = refusal(load_scene("rod_drop").with_values, {"initial.angle[1]": "0,5 deg"})
+    assert message.endswith('or text in degrees as "90 deg"; a number has a decimal point: 0.5')
+
+
+def test_on_the_command_line(capsys):
+    assert command_line.main(["simulate", "rod_drop", "--set", "contact.restitution=0,5"]) == 2
+    assert capsys.readouterr().err.endswith("a number has a decimal point: 0.5\n")
+
+
+# --- separators --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("mark", "name"), [(";", "semicolons"), ("\t", "tabs")])
+@pytest.mark.parametrize("reader", ["recording", "measurements"])
+def test_a_table_with_other_separators_is_refused(reader, mark, name, tmp_path):
+    read, _, form = READERS[reader]
+    path = tmp_path / "table.csv"
+    path.write_text(TABLE.replace(",", mark).replace("0.1", "0,1"))
+    needed = "must be separated by commas, with decimal points in the numbers"
+    reason = f"the columns are separated by {name}; {needed}"
+    assert refusal(read, path) == f"{path}: {form.format(reason)}"
+
+
+def test_a_decimal_comma_in_a_cell_is_pointed_at(tmp_path):
+    path = tmp_path / "table.csv"
+    path.write_text('time,point[0].y\n"0,5",1\n')
+    message = refusal(read_table(path).number, 0, "time")
+    assert message.startswith(f"{path}: line 2: time = '0,5' must be a finite number")
+    assert message.endswith("; a number has a decimal point: 0.5")
+
+
+# --- what is allowed, but may be meant otherwise -----------------------------------------------------------
+
+
+def test_a_centre_of_mass_beyond_the_link_is_allowed_and_pointed_at():
+    """A counterweight or a tool can be there."""
+    text = SCENE.replace("mass = 3.0", "mass = 3.0\ncenter_of_mass = 25")
+    hint = "rod.toml: link[1].center_of_mass = 25 m lies beyond the end of the link, which is 2 m long"
+    with pytest.warns(SceneWarning) as caught:
+        scene = parse_scene(text, "rod.toml")
+    assert [str(one.message) for one in caught] == [hint]
+    assert scene.chain.links[0].center_of_mass == 25.0
+    parse_scene(SCENE, "rod.toml").with_values({"link[1].center_of_mass": 2.0})  # no more than the end
+
+
+def test_a_step_longer_than_the_simulation_is_allowed_and_pointed_at():
+    hint = "Rod: simulation.step_size = 5 s is longer than simulation.stop_time = 1 s"
+    with pytest.warns(SceneWarning) as caught:
+        scene = parse_scene(SCENE, "rod.toml").with_values({"simulation.step_size": 5.0})
+    assert [str(one.message) for one in caught] == [f"{hint}: there are two rows only, the start and the end"]
+    assert scene.simulation.step_size == 5.0
