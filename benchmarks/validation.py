@@ -61,9 +61,10 @@ LEFT_OUT = (
 def shown(row: dict[str, str]) -> list[str]:
     """A row of the page's table, which has the source beside the problem."""
     problem = f"{row['problem']}, {row['source']}" if row["problem"] else ""
-    solutions = (f"{float(row[name]):.9g}" for name in ("second solution", "ours"))
+    solutions = (f"{float(row[name]):.7g}" for name in ("second solution", "ours"))
     deviations = (row[name] for name in ("deviation", "deviation at 10⁻¹²"))
-    return [problem, row["quantity"], row["published"], *solutions, *deviations]
+    quoted = re.sub(r"-?\d[\d.e-]*", lambda number: f"{float(number[0]):.9g}", row["published"])
+    return [problem, row["quantity"], quoted, *solutions, *deviations]
 
 
 def rows(problem: Problem, tight: Problem) -> list[dict[str, str]]:
