@@ -43,7 +43,7 @@ class Functions:
 
     def __init__(self, library: ctypes.CDLL, log: Callable[..., None]) -> None:
         self.library, self.log = library, log
-        self.kept: list[Any] = []  # callbacks
+        self.kept: dict[int | None, Any] = {}  # the callback of the instance at an address
         self.experiments: dict[int | None, tuple[Any, ...]] = {}
         library.fmi3InstantiateCoSimulation.restype = c_void_p
         library.fmi3GetVersion.restype = c_char_p
@@ -55,13 +55,15 @@ class Functions:
         def log(_environment: Any, status: int, category: bytes, text: bytes) -> None:
             self.log(None, name, status, category, given_back(text.decode()).encode())
 
-        self.kept.append(LogMessage(log))
+        callback = LogMessage(log)
         path = unquote(urlparse(location.decode()).path).encode() + b"/"
         logging, none = rest[-1], c_void_p()
         flags = (c_bool(False), c_bool(logging), c_bool(False), c_bool(False))
-        return self.library.fmi3InstantiateCoSimulation(
-            name, guid, path, *flags, none, c_size_t(0), none, self.kept[-1], none
+        one = self.library.fmi3InstantiateCoSimulation(
+            name, guid, path, *flags, none, c_size_t(0), none, callback, none
         )
+        self.kept[one] = callback
+        return one
 
     def fmi2SetDebugLogging(self, one: c_void_p, on: int, count: c_size_t, names: Any) -> int:
         return self.library.fmi3SetDebugLogging(one, c_bool(on), count, names)
