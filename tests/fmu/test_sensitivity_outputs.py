@@ -116,10 +116,13 @@ def test_units_and_descriptions(fmu):
 
 
 def test_they_are_nan_once_they_cannot_be_trusted(clean, target, tmp_path):
-    """Both ends of the rod arrive at one moment at a rigid floor."""
-    flat = load_scene("rod_drop").with_values(
+    """All points of a chain that lies flat arrive at one moment at a rigid floor."""
+    flat = load_scene("four_link_box").with_values(
         {
-            "initial.angles": [0.0],
+            "box.x_max": 9.0,
+            "initial.velocity": [0.0, 0.0],
+            "initial.angles": [0.0] * 4,
+            "initial.angular_velocities": [0.0] * 4,
             "contact.model": "newton_impact",
             "outputs.sensitivities": ["contact.restitution"],
         }
