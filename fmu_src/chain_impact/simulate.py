@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Callable, Iterable, Mapping
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -109,9 +110,11 @@ def simulate(
     stop = scene.simulation.stop_time
     step = stop if output_step == math.inf else scene.simulation.step_size
     chosen = None if output is None else outputs_named(scene, output)
-    of_motion = [one.name for one in chosen or () if one.place[0] == "output"]
-    words = None if chosen is None else output_words(scene, of_motion)
     layout = output_dtype(len(scene.chain.links), candidate_count(scene))
+    words = None
+    if chosen is not None:
+        motion = (one for one in chosen if one.place[0] == "output")
+        words = {one.name: word_index(layout, one.place[1:]) for one in motion}
     asked_for = scene.outputs.sensitivities if sensitivities is None else sensitivities
     names = (asked_for,) if isinstance(asked_for, str) else tuple(asked_for)
     names = tuple(variable.name for variable in parameters_of(scene, names))
@@ -138,7 +141,7 @@ def simulate(
         impacts=found,
         statistics=instance.statistics,
         sensitivities=rows.sensitivities(instance, asked, order, found),
-        stepwise=Stepwise(scene, driven, outputs_named(scene, "*") if chosen is None else chosen),
+        stepwise=Stepwise(scene, driven, chosen),
     )
     if instance.status != OK:
         raise SimulationError(instance.status, instance.time, result)
@@ -273,17 +276,21 @@ class _StepwiseRows:
 
 
 class Stepwise:
-    """The outputs that change at events and steps only, from a second run when they are asked for.
+    """The outputs that change at events and steps only, from a second run when they are asked for."""
 
-    Attributes:
-        names: of these outputs.
-    """
+    def __init__(self, scene: Scene, driven: Drive, chosen: Iterable[Variable] | None) -> None:
+        """Keep what was run, and the outputs that were chosen, None for all."""
+        self._scene, self._driven, self._chosen = with_sensitivities(scene, ()), driven, chosen
 
-    def __init__(self, scene: Scene, driven: Drive, outputs: Iterable[Variable]) -> None:
-        """Keep what was run, and those of some outputs that are meant."""
-        self._scene, self._driven = with_sensitivities(scene, ()), driven
-        self._variables = [one for one in outputs if one.place[0] != "output"]
-        self.names = tuple(variable.name for variable in self._variables)
+    @cached_property
+    def _variables(self) -> list[Variable]:
+        chosen = outputs_named(self._scene, "*") if self._chosen is None else self._chosen
+        return [one for one in chosen if one.place[0] != "output"]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of these outputs."""
+        return tuple(variable.name for variable in self._variables)
 
     def columns(self) -> dict[str, np.ndarray]:
         """Run once more, row by row: name → shape (T,).

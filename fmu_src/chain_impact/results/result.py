@@ -46,7 +46,9 @@ has no duration and an infinite peak force; that of a contact that lasts is the 
 class Stepwise(Protocol):
     """What can tell the outputs that change at events and steps only."""
 
-    names: tuple[str, ...]
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of these outputs."""
 
     def columns(self) -> dict[str, np.ndarray]:
         """Name → shape (T,)."""
