@@ -65,6 +65,25 @@ def test_an_estimated_standard_deviation_widens_the_intervals():
     assert width[estimated] / error[estimated] > 1.02 * width[given] / error[given]
 
 
+def test_few_values_give_wide_intervals_that_hold_the_truth():
+    """K is told by three peak forces, however many rows the path has: Student's t of two degrees of freedom."""
+    path, result = motion(0.9)
+    held, widths = 0, []
+    for seed in range(40):
+        noisy = {"time": path["time"]} | {
+            name: result[name][1:] + NOISE * np.random.default_rng(seed).standard_normal((2, 200))[k]
+            for k, name in enumerate(TIP)
+        }
+        plate = {name: values[:3] for name, values in impacts(result, ["peak_force"], 1e-3, seed).items()}
+        found = fit(scene(), [[noisy, plate]], FREE[:2])
+        low, high = found.intervals[FREE[0]]
+        held += low < TRUE[0] < high
+        widths.append(math.log(high / low) / (2 * found.standard_errors[FREE[0]] / found.values[FREE[0]]))
+    assert min(widths) > 3.0
+    assert held >= 35  # of 40 at 95 %, fewer come by chance once in 200 times
+    assert any(note.startswith("peak_force has 3 values: a σ that is estimated") for note in found.notes)
+
+
 def test_several_data_sets_share_what_is_free():
     """Three throws with other speeds: each has its own, and its own known height."""
     heights, speeds = (1.4, 1.3, 1.45), (1.5, 1.2, 1.8)

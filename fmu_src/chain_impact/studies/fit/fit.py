@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import shlex
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -15,16 +16,17 @@ from chain_impact.reading import SceneError
 from chain_impact.results.summary import plural
 from chain_impact.scene import Scene, scene_of
 from chain_impact.studies.fit.data import Measurements, read_measurements, standard_deviation
-from chain_impact.studies.fit.horizon import Found, search
+from chain_impact.studies.fit.horizon import Found, freedom_of_columns, search
 from chain_impact.studies.fit.parameters import Bounds, Parameter, parameters_of
 from chain_impact.studies.fit.problem import Evaluation, Problem
 from chain_impact.studies.fit.result import Fit
 from chain_impact.studies.fit.table import Source
-from chain_impact.studies.fit.uncertainty import information, largest_usual, quantile
+from chain_impact.studies.fit.uncertainty import information, largest_usual, quantiles, small_sample
 from chain_impact.studies.fit.unknown import unknown
 
 VISIBLE = 0.01  # mean square of residuals in standard deviations; smaller ones do not matter
 LARGEST = 700.0  # whose exponential is a number
+FEW = 10  # values of a column, below which its standard deviation is estimated roughly
 ALIKE = 2.0  # correlation of neighbours times √n, which chance exceeds in 2 % of all cases
 
 
@@ -101,11 +103,15 @@ def _fit(problem: Problem, progress: Callable[[float], None]) -> Fit:
         raise SceneError("; ".join([few, *_left_out(problem, at)]))
     known = information(at.slopes[rows], found.sigma[rows])
     reached = problem.bounds_reached(at.place, known.alone)
-    values, covariance, errors = problem.values(at.place), known.covariance, known.errors
+    values, covariance = problem.values(at.place), known.covariance
     labels = [parameter.label for parameter in problem.parameters]
-    width = quantile(max(1.0, rows.sum() - len(labels)), bool(problem.estimated))
+    columns = freedom_of_columns(problem, at, found.sigma)
+    groups = [(problem.group[rows] == group, free) for group, free in columns.items()]
+    small = small_sample(at.slopes[rows], found.sigma[rows], groups)
+    errors = known.errors * small.factor
+    halves = errors * quantiles(small.freedom)
     with np.errstate(invalid="ignore"):
-        correlation = covariance / np.outer(errors, errors)
+        correlation = covariance / np.outer(known.errors, known.errors)
     scenes = tuple(_fitted(one, k, problem.parameters, values) for k, one in enumerate(problem.scenes))
     result = Fit(
         scene=scenes[0],
@@ -114,8 +120,8 @@ def _fit(problem: Problem, progress: Callable[[float], None]) -> Fit:
         values=dict(zip(labels, values.tolist(), strict=True)),
         standard_errors=dict(zip(labels, (errors * problem.scale(values)).tolist(), strict=True)),
         intervals={
-            label: _interval(one, place, width * error)
-            for label, one, place, error in zip(labels, problem.parameters, at.place, errors, strict=True)
+            label: _interval(one, place, half)
+            for label, one, place, half in zip(labels, problem.parameters, at.place, halves, strict=True)
         },
         correlation=correlation,
         data=problem.data,
@@ -241,7 +247,7 @@ def _notes(
             f"χ² is {result.chi_squared:.4g} for {result.freedom} degrees of freedom: the model does not "
             "follow the data within their σ, so the standard errors are too small."
         )
-    return [*notes, *_not_random(result)]
+    return [*notes, *_not_random(result), *_few(problem, at)]
 
 
 def _not_random(result: Fit) -> Iterator[str]:
@@ -263,6 +269,17 @@ def _not_random(result: Fit) -> Iterator[str]:
             f"Neighbouring residuals are correlated, so they are not only noise: {', '.join(found)}. The "
             "model leaves something out, and the standard errors are too small."
         )
+
+
+def _few(problem: Problem, at: Evaluation) -> Iterator[str]:
+    """Columns with so few values that the standard deviation estimated from them is rough."""
+    for name in problem.estimated:
+        count = int((at.usable & (problem.group == problem.names.index(name))).sum())
+        if count < FEW:
+            yield (
+                f"{name} has {plural(count, 'value')}: a σ that is estimated from fewer than {FEW} is rough, "
+                f"and so are the intervals. Give it if you know it: --sigma {shlex.quote(f'{name}=…')}"
+            )
 
 
 def _left_out(problem: Problem, at: Evaluation) -> list[str]:
