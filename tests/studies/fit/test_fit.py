@@ -66,7 +66,7 @@ def test_an_estimated_standard_deviation_widens_the_intervals():
 
 
 def test_few_values_give_wide_intervals_that_hold_the_truth():
-    """K is told by three peak forces, however many rows the path has: Student's t of two degrees of freedom."""
+    """K is told by three peak forces, however many rows the path has: by two degrees of freedom."""
     path, result = motion(0.9)
     held, widths = 0, []
     for seed in range(40):
@@ -82,6 +82,25 @@ def test_few_values_give_wide_intervals_that_hold_the_truth():
     assert min(widths) > 3.0
     assert held >= 35  # of 40 at 95 %, fewer come by chance once in 200 times
     assert any(note.startswith("peak_force has 3 values: a σ that is estimated") for note in found.notes)
+
+
+def test_data_after_the_stop_time_are_not_used_and_that_is_said():
+    columns, _ = motion(0.9)
+    early = {name: values[:100] for name, values in columns.items()}
+    wanted, found = fit(START, early, FREE[:2]), fit(START, columns, FREE[:2], stop_time=0.4501)
+    assert found.values == wanted.values
+    assert len(found.residuals) == 200
+    assert found.notes[0] == "200 of 400 values lie after the stop time, 0.4501 s: they were not used."
+    assert found.scene.simulation.stop_time == 0.4501
+    told = refusal(lambda: fit(START, columns, FREE[:2], stop_time=0.001))
+    assert told.endswith("no value was measured until the stop time, 0.001 s; the first is at 0.0045 s")
+
+
+def test_impacts_after_the_stop_time_are_not_used():
+    _, result = motion(0.9)
+    table = impacts(result, ["onset", "peak_force"], 1e-3)
+    found = fit(START, table, FREE[:2], sigma={"onset": 1e-4, "peak_force": "1%"}, stop_time=0.6)
+    assert len(found.residuals) == 2 * (result.impacts["onset"] <= 0.6).sum() < 2 * len(result.impacts)
 
 
 def test_several_data_sets_share_what_is_free():

@@ -41,6 +41,7 @@ def fit(
     bounds: Bounds | None = None,
     columns: Sequence[str] | None = None,
     laws: bool = False,
+    stop_time: float | None = None,
     notify: Notify = announce,
     progress: Callable[[float], None] = lambda _: None,
 ) -> Fit:
@@ -61,6 +62,7 @@ def fit(
         bounds: name → bounds beside those that the scene's keys have, ``"0.1:0.9"`` or a pair.
         columns: names or patterns of the columns that are used; all by default.
         laws: whether to fit every contact law, and return the fit of the best with the ranking of all.
+        stop_time: until when [s] data are used, and that of the fitted scene; all data by default.
         notify: called with a sentence before a kernel is compiled.
         progress: called with the fraction done.
 
@@ -72,16 +74,29 @@ def fit(
     """
     require("scipy", "fit")
     scene = scene_of(scene)
+    if stop_time is not None:
+        scene = scene.with_values({"simulation.stop_time": stop_time})
     for name, value in (sigma or {}).items():
         standard_deviation(name, value, 1.0)
     runs = _runs(data)
     scenes = _scenes(scene, len(runs), set_each or {})
-    measured = [read_measurements(run, scene, sigma or {}, columns) for run in runs]
+    whole = [read_measurements(run, scene, sigma or {}, columns) for run in runs]
+    measured = whole if stop_time is None else [one.until(stop_time) for one in whole]
+    late = sum(map(len, whole)) - sum(map(len, measured))
+    beyond = (
+        [
+            f"{late} of {sum(map(len, whole))} values lie after the stop time, {stop_time:g} s: "
+            "they were not used."
+        ]
+        if late
+        else []
+    )
     _check_sigma(scene, sigma or {}, measured)
 
     def one(scenes: Sequence[Scene], progress: Callable[[float], None]) -> Fit:
         parameters = parameters_of(scenes, free, free_each, bounds or {})
-        return _fit(Problem(scenes, measured, parameters, notify), progress)
+        found = _fit(Problem(scenes, measured, parameters, notify), progress)
+        return replace(found, notes=(*beyond, *found.notes))
 
     if laws:
         from chain_impact.studies.fit.laws import rank
