@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterator
 
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.results.summary import aligned
 from chain_impact.studies.compare import EXACT, OVERLAP, Comparison, LawRun
-from chain_impact.studies.fit.report import aligned
 
 NEAR = 0.05  # part of the prescribed restitution, as in the registry's ranges
 NOTHING = "–"

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
-from chain_impact.compilation.work import Notify, announce
+from chain_impact.compilation.work import Fact, Notify, Part, announce
 from chain_impact.reading import SceneError
 from chain_impact.scene import Scene
 from chain_impact.studies.sweep.cluster import run_on_cluster
 from chain_impact.studies.sweep.design import Sampling, grid, sampled
 from chain_impact.studies.sweep.job import job_of
 from chain_impact.studies.sweep.pieces import missing
-from chain_impact.studies.sweep.resume import kept
+from chain_impact.studies.sweep.resume import kept, partial_path
 from chain_impact.studies.sweep.table import Sweep, table_path
 from chain_impact.studies.sweep.threads import cores, run_in_threads
 from chain_impact.studies.sweep.variation import Values, variations_of
@@ -57,12 +57,13 @@ def sweep(
         threads: how many runs are made at the same time; as many as there are cores by default.
         scheduler: address of a dask.distributed scheduler, ``tcp://host:port``, whose workers do the runs in
             place of this machine. They need the same version of this package.
-        notify: called with a sentence before a kernel is compiled.
-        progress: called with the fraction done.
+        notify: called with a sentence before a kernel is compiled, and on what an earlier call has left.
+        progress: called with the fraction done, a number that also has ``done`` and ``of``, counted
+            in runs.
 
     Raises:
         SceneError: when an argument is not allowed, which is said before any run; or when another sweep has
-            left a partial table at the path.
+            left a partial table at the path, or writes one there now.
         MissingExtraError: when a library is not installed that samples, Parquet or a cluster need.
         RunError: when the cluster cannot finish the sweep.
         OSError: when a file cannot be read or written.
@@ -83,6 +84,9 @@ def sweep(
     with kept(target, job, design, rows) as book:
         spans = missing(book.done, len(rows))
         left = sum(end - first for first, end in spans)
+        if target and left < len(rows):
+            there = f"{len(rows) - left} of {len(rows)} runs are kept in {partial_path(target)}"
+            notify(Fact(f"{there}, {left} are left"))
         if scheduler is None:
             pieces = run_in_threads(job, design, spans, threads, notify)
         else:
@@ -92,7 +96,7 @@ def sweep(
                 rows[first : first + len(block)] = block
                 book.keep(first, block)
                 left -= len(block)
-                progress(1.0 - left / len(rows))
+                progress(Part(len(rows) - left, len(rows)))
         found = Sweep(scene, design, rows, job.outputs)
         if target:
             found.save(target)
