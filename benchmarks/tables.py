@@ -86,6 +86,10 @@ def fits() -> str:
     rows += [
         (f"intervals that hold the true {name}", f"**{100 * part:.1f} %**") for name, part in held.items()
     ]
+    rows += [
+        (f"the same of the stiffness, by the path and {count} peak forces", f"**{100 * part:.1f} %**")
+        for count, part in found["the same for the stiffness, with few peak forces"].items()
+    ]
     return run("fit") + "\n\n" + table(("", ""), rows)
 
 

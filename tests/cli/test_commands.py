@@ -352,3 +352,21 @@ def test_the_module_can_be_run(here):
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 2
     assert re.fullmatch(r"chain-impact: FourLinkBox: a is no parameter.*\n", done.stderr)
+
+
+def test_a_picture_of_a_scene_has_rows_of_its_own(run, here, monkeypatch):
+    """At 10 rows a second links would shrink between rows, and rings stand beside the paths."""
+    shown = []
+    monkeypatch.setattr("chain_impact.results.plots.plot", lambda recording, *_: shown.append(recording))
+    code, _, _ = run(
+        "simulate", "four_link_box", "--set", "simulation.step_size=0.1", "--plot", "a.png", "--csv", "a.csv"
+    )
+    assert code == 0
+    assert len((here / "a.csv").read_text().splitlines()) == 22
+    assert len(shown[0].time) == 1001
+
+
+def test_a_picture_of_an_fmu_says_what_it_cannot_show(run, here, fmu):
+    code, _, said = run("simulate", fmu, "--set", "simulation.step_size=0.1", "--plot", "a.png")
+    assert code == 0
+    assert "poses only, one each communication step, and cannot show what is between them" in said

@@ -1,5 +1,7 @@
 """What the command line refuses, each time in one line: wrong arguments, values, places, scenes and FMUs."""
 
+import errno
+import os
 import re
 import zipfile
 
@@ -102,8 +104,21 @@ def test_a_place_that_cannot_be_written(refused, here, option, place):
 def test_a_disk_that_is_full_is_named(refused, here, option):
     (here / "full.png").symlink_to("/dev/full")
     refused(
-        2, r"^chain-impact: full\.png: No space left on device$", "simulate", "rod_drop", option, "full.png"
+        2,
+        r"^chain-impact: full\.png: No space left on device; free some space, or write to another disk$",
+        *("simulate", "rod_drop", option, "full.png"),
     )
+
+
+@pytest.mark.parametrize("error", [errno.ENOSPC, errno.EROFS])
+def test_an_fmu_that_cannot_be_written_names_it_and_nothing_is_left(refused, here, monkeypatch, error):
+    def writestr(*_, **__):
+        raise OSError(error, os.strerror(error))
+
+    (here / "build").mkdir()
+    monkeypatch.setattr(zipfile.ZipFile, "writestr", writestr)
+    told = rf"^chain-impact: build/RodDrop\.fmu: {os.strerror(error)}; [a-z]"
+    refused(2, told, "build", "rod_drop")
 
 
 @pytest.mark.parametrize("kind", ["scene", "FMU"])

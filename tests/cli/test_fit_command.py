@@ -24,6 +24,13 @@ def data(here):
     return here
 
 
+def test_a_stop_time(run, data):
+    code, said, _ = run("fit", "four_link_box", "motion.csv", *START, *FREE, "--stop-time", "0.3")
+    assert code == 0
+    assert said.splitlines()[0].endswith("200 values, 2 free parameters")
+    assert "200 of 400 values lie after the stop time, 0.3 s: they were not used." in said
+
+
 def test_a_fit(run, data):
     code, said, _ = run(
         "fit", "four_link_box", "motion.csv,impacts.csv", *START, *FREE, "--sigma", "peak_force=0.1%",

@@ -10,7 +10,7 @@ from rich.console import Console
 
 from chain_impact import running
 from chain_impact.cli import commands, progress
-from chain_impact.compilation.work import Work
+from chain_impact.compilation.work import Part, Work
 
 LITTLE_WORK = "solver.work_limit=1500"  # too little for the impacts, enough for the flight before
 
@@ -128,3 +128,27 @@ def test_quiet_says_nothing_of_compiling(run, monkeypatch, terminal):
     text = terminal(True)
     assert run("simulate", "rod_drop", "-q") == (0, "", "")
     assert text.getvalue() == ""
+
+
+def test_without_a_terminal_long_work_writes_a_line_now_and_then(monkeypatch, terminal, capsys):
+    now = [0.0]
+    monkeypatch.setattr(progress, "monotonic", lambda: now[0])
+    monkeypatch.setattr(progress.out, "quiet", False)
+    terminal(False)
+    with progress.progress("sweeping") as (_, advance):
+        for done in range(1, 101):
+            now[0] += 0.5
+            advance(Part(done, 100))
+    assert capsys.readouterr().err.splitlines() == [
+        f"chain-impact: sweeping, {done} of 100" for done in (20, 40, 60, 80, 100)
+    ]
+
+
+def test_a_terminal_shows_how_many_are_done(monkeypatch, terminal):
+    monkeypatch.setattr(progress, "BRIEF", 0.0)
+    monkeypatch.setattr(progress.out, "quiet", False)
+    text = terminal(True)
+    with progress.progress("sweeping") as (_, advance):
+        advance(Part(300, 800))
+        time.sleep(0.2)
+    assert "sweeping, 300 of 800" in text.getvalue()

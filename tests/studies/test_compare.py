@@ -2,7 +2,6 @@
 
 import csv
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +9,7 @@ import pytest
 from chain_impact import CONTACT_LAWS, SceneError, compare, load_scene, simulate, with_law
 from chain_impact.models import models_folder
 from chain_impact.scene import with_values
-from chain_impact.studies.compare import advice, free_impact, realised_restitution
+from chain_impact.studies.compare import free_impact, realised_restitution
 from tests.problems import ball, default_scene, flat_rod, of_law, own_law, struck_ball
 from tests.reference import exact_damping_factor, point_impact
 from tests.reference import realised_restitution as exact_restitution
@@ -189,50 +188,14 @@ def test_a_restitution_that_a_law_does_not_allow_is_no_number(box):
     assert np.isnan(curves["zhang_sharf"][0])
 
 
-# --- advice ------------------------------------------------------------------------------------------------
-
-
-def test_advice_is_the_exact_law_with_the_registrys_reason(box):
-    first, near, unfit = advice(box)
-    assert first.endswith(
-        f"Here {box['zhang_sharf'].restitution:.4g}, because other forces act during the contact."
-    )
-    assert first.startswith(f"for e = 0.7: zhang_sharf. {CONTACT_LAWS['zhang_sharf'].limits}")
-    assert "hu_guo" in near
-    assert {"hertz", "gharib_hurmuzlu"} <= set(unfit.partition(": ")[2].split(", "))
-    told = {*near.partition(": ")[2].split(", "), *unfit.partition(": ")[2].split(", "), "zhang_sharf"}
-    assert told == set(CONTACT_LAWS)
-
-
-def test_advice_where_the_exact_law_is_not_allowed_is_the_nearest():
-    comparison = compare(default_scene(model="hertz", restitution=0.0))
-    law = min(
-        (run for run in comparison.runs if math.isfinite(run.restitution)), key=lambda run: run.restitution
-    )
-    assert advice(comparison)[0].startswith(f"for e = 0: {law.law}. Of the laws that ran, ")
-
-
-def test_there_is_no_advice_from_contacts_that_do_not_end():
-    scene = with_values(default_scene(), {("simulation", "stop_time"): 0.4995})
-    comparison = compare(scene)
-    (told,) = advice(comparison)  # an impulse is over
-    assert told.startswith("for e = 0.7: newton_impact. ")
-    assert "zhang_sharf" not in told
-    forces = tuple(run for run in comparison.runs if not CONTACT_LAWS[run.law].impulsive)
-    assert advice(replace(comparison, runs=forces)) == [
-        "for e = 0.7: none, as no law finished its first impact"
-    ]
-
-
-def test_without_rebound_rigid_walls_are_what_is_left():
-    """At e = 0 the wall holds the point that it stopped, which is no part of the impact."""
-    comparison = compare(with_values(default_scene(model="hertz"), {("contact", "restitution"): 0.0}))
-    rigid = comparison["newton_impact"]
-    assert (rigid.restitution, rigid.duration, rigid.peak_force) == (0.0, 0.0, math.inf)
-    impact = rigid.result.impacts[0]
-    lost = 0.5 * impact["effective_mass"] * impact["impact_speed"] ** 2
-    assert rigid.energy_lost == pytest.approx(lost, rel=1e-9)
-    assert advice(comparison)[0].startswith("for e = 0: newton_impact")
+def test_some_laws_only():
+    scene = default_scene()
+    found = compare(scene, laws=["flores", "hertz"])
+    assert [run.law for run in found.runs] == ["hertz", "flores"]
+    alone = compare(scene, laws=["kelvin_voigt"])
+    assert [run.law for run in alone.runs] == ["kelvin_voigt", scene.contact.model]
+    with pytest.raises(SceneError, match="flore is no contact law; the nearest is flores"):
+        compare(scene, laws=["flore"])
 
 
 def test_a_scene_can_be_named(tmp_path):

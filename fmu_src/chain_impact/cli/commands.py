@@ -6,6 +6,7 @@ import argparse
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from errno import EACCES, EDQUOT, ENOSPC, EPERM, EROFS
 from importlib.metadata import version
 from typing import Any, NoReturn
 
@@ -18,6 +19,10 @@ from chain_impact.reading import SceneError, SceneWarning
 from chain_impact.results.animation import AnimationError
 from chain_impact.runs import RunError
 
+REMEDIES = dict.fromkeys((ENOSPC, EDQUOT), "free some space, or write to another disk") | dict.fromkeys(
+    (EROFS, EACCES, EPERM), "ask for the right to use it, or choose another place"
+)
+"""What to do when a file cannot be written: number of an error → a clause."""
 VERBS = (build, simulate, animate, compare, sweep, fit, info, validate, cache)
 
 
@@ -36,6 +41,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 3
     except OSError as error:
         what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
+        what += f"; {REMEDIES[error.errno]}" if error.errno in REMEDIES else ""
         err.print(f"chain-impact: {what}", markup=False, soft_wrap=True)
         return 2
     except KeyboardInterrupt:

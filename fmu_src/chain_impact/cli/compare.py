@@ -5,7 +5,16 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from chain_impact.cli.options import Verbs, add_scene, add_set, check_folders, picture, settings_of
+from chain_impact.cli.options import (
+    Verbs,
+    add_repeated,
+    add_scene,
+    add_set,
+    check_folders,
+    names_in,
+    picture,
+    settings_of,
+)
 from chain_impact.cli.progress import out, progress
 from chain_impact.cli.report import show
 from chain_impact.cli.screen import law_table
@@ -18,6 +27,7 @@ def add(verbs: Verbs) -> None:
     compare = verbs.add_parser("compare", help="simulate a scene with every contact law, side by side")
     add_scene(compare, "scene")
     add_set(compare)
+    add_repeated(compare, "--laws", "NAMES", "compare these laws only, as hertz,flores; default: all")
     compare.add_argument(
         "--plot",
         metavar="FILE",
@@ -35,7 +45,7 @@ def run(options: argparse.Namespace) -> int:
     check_folders(options.csv, options.plot)
     scene = with_settings(load_scene(options.source), settings_of(options.set))
     with progress("comparing") as (notify, advance):
-        comparison = compare(scene, notify, advance)
+        comparison = compare(scene, notify, advance, laws=names_in(*options.laws) or None)
     if options.csv:
         comparison.save_csv(options.csv)
         out.print(f"table    {options.csv}", markup=False, soft_wrap=True)

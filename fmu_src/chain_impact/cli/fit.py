@@ -22,6 +22,7 @@ from chain_impact.models import scene_path
 from chain_impact.runs import with_settings
 from chain_impact.scene import load_scene
 
+STOP_TIME = "simulation.stop_time"  # given here, and not in the file alone, later data are not used
 REPEATED = (
     ("--free", "NAMES", "fit these parameters: contact.stiffness,contact.restitution"),
     ("--free-each", "NAMES", "fit these for each data set on its own, as initial.vx"),
@@ -72,7 +73,8 @@ def run(options: argparse.Namespace) -> int:
     from chain_impact.studies.fit.fit import fit
 
     check_folders(options.scene, options.plot)
-    scene = with_settings(load_scene(options.source), settings_of(options.set))
+    settings = settings_of(options.set)
+    scene = with_settings(load_scene(options.source), settings)
     set_each = pairs("--set-each", options.set_each)
     with progress("fitting") as (notify, advance):
         found = fit(
@@ -85,6 +87,7 @@ def run(options: argparse.Namespace) -> int:
             bounds=pairs("--bounds", options.bounds),
             columns=names_in(options.columns) if options.columns else None,
             laws=options.laws,
+            stop_time=scene.simulation.stop_time if STOP_TIME in settings else None,
             notify=notify,
             progress=advance,
         )

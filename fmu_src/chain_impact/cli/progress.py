@@ -11,9 +11,10 @@ from rich.progress import BarColumn, Progress, ProgressColumn, Task, TextColumn
 from rich.progress_bar import ProgressBar
 from rich.text import Text
 
-from chain_impact.compilation.work import Notify, Work, announce
+from chain_impact.compilation.work import Fact, Notify, Part, Work, announce
 
 BRIEF = 1.0  # s, for which nobody needs a progress bar
+LINES = 10.0  # s, between two lines of progress where there is no terminal
 Advance = Callable[[float], None]
 out, err = Console(highlight=False), Console(stderr=True, highlight=False)
 
@@ -39,11 +40,18 @@ class TimeColumn(ProgressColumn):
         return Text(f"{task.elapsed or 0.0:.0f}{of} s", style="progress.elapsed")
 
 
+def counted(fraction: float) -> str:
+    """How far a work is: in what it counts, else in percent."""
+    if isinstance(fraction, Part):
+        return f"{fraction.done} of {fraction.of}"
+    return f"{100 * fraction:.0f} %"
+
+
 @contextmanager
 def progress(work: str = "simulating") -> Iterator[tuple[Notify, Advance]]:
     """A progress bar, for work that takes long enough to see it.
 
-    Where there is no terminal, a line is written about what takes long.
+    Where there is no terminal, a line is written about what takes long, and now and then how far it is.
 
     Yields a function that says what is being done, for as long as it takes, and one that tells the fraction
     of a simulation that is done.
@@ -54,6 +62,7 @@ def progress(work: str = "simulating") -> Iterator[tuple[Notify, Advance]]:
     columns = TextColumn("{task.description}"), EstimatedBar(pulse_style="cyan"), TimeColumn()
     bar = Progress(*columns, console=err, transient=True, disable=not err.is_terminal)
     started, shown, simulating = monotonic(), 0.0, False
+    written = started
 
     def begin(sentence: str, total: float | None = None) -> None:
         nonlocal simulating
@@ -64,17 +73,22 @@ def progress(work: str = "simulating") -> Iterator[tuple[Notify, Advance]]:
         simulating = total is not None
 
     def notify(sentence: str) -> None:
-        if err.is_terminal:
+        if err.is_terminal and not isinstance(sentence, Fact):
             begin(sentence)
         else:
             announce(sentence)
 
     def advance(fraction: float) -> None:
-        nonlocal shown
-        if fraction > shown + 0.01 and monotonic() > started + BRIEF:
+        nonlocal shown, written
+        told = f"{work}, {counted(fraction)}"
+        if not err.is_terminal:
+            if monotonic() >= written + LINES:
+                announce(Fact(told))
+                written = monotonic()
+        elif fraction > shown + 0.01 and monotonic() > started + BRIEF:
             if not simulating:
                 begin(work, 1.0)
-            bar.update(bar.task_ids[0], completed=fraction)
+            bar.update(bar.task_ids[0], completed=fraction, description=told)
             shown = fraction
 
     try:

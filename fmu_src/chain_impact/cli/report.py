@@ -10,14 +10,18 @@ from rich.console import RenderableType
 from rich.table import Table
 
 from chain_impact.cli.options import UsageError, check_folders, is_fmu, settings_of
-from chain_impact.cli.progress import out, progress
+from chain_impact.cli.progress import err, out, progress
 from chain_impact.cli.screen import plain_lines, sensitivity_tables, summary
-from chain_impact.results.recording import Recording
-from chain_impact.runs import RunError, record_fmu, record_scene
+from chain_impact.results.recording import Recording, recording_of
+from chain_impact.runs import RunError, record_fmu, record_scene, with_settings
 from chain_impact.scene import load_scene
+from chain_impact.simulate import simulate
 
 if TYPE_CHECKING:
     from chain_impact.results.plots.overview import Draw
+
+
+ROWS = 1000  # of a picture, at least
 
 
 def report(
@@ -42,7 +46,8 @@ def report(
     if picture:
         from chain_impact.results.plots import plot
 
-        plot(recording, picture, picture_of(sensitivities))
+        shown = recording if sensitivities or fault else with_rows(recording, source, settings)
+        plot(shown, picture, picture_of(sensitivities))
         out.print(f"picture  {picture}", markup=False, soft_wrap=True)
     show(summary(recording))
     if sensitivities:
@@ -71,6 +76,28 @@ def record(source: str, settings: Sequence[str], sensitivities: Sequence[str] = 
         if is_fmu(source):
             return record_fmu(Path(source), values, advance)
         return record_scene(load_scene(source), values, notify, advance, sensitivities or None)
+
+
+def with_rows(recording: Recording, source: str, settings: Sequence[str]) -> Recording:
+    """The recording with as many rows as a picture needs: of a scene, from a run with rows of its own.
+
+    Of an FMU there are no others; then it is said.
+    """
+    rows = len(recording.time)
+    if rows >= ROWS:
+        return recording
+    if is_fmu(source):
+        err.print(
+            f"chain-impact: the picture has {rows} poses only, one each communication step, and cannot show "
+            "what is between them; --set simulation.step_size=… makes more",
+            markup=False,
+            soft_wrap=True,
+        )
+        return recording
+    scene = with_settings(load_scene(source), settings_of(settings))
+    step = scene.simulation.stop_time / ROWS
+    with progress() as (notify, advance):
+        return recording_of(simulate(scene, output_step=step, notify=notify, progress=advance))
 
 
 def show(parts: Iterable[RenderableType]) -> None:

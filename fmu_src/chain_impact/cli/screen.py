@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Sequence
 from datetime import datetime
 from io import StringIO
@@ -16,9 +15,9 @@ from rich.table import Table
 from chain_impact.compilation.cache import LINKER, Entry
 from chain_impact.results.recording import Recording
 from chain_impact.results.summary import energy_lines, plural
-from chain_impact.studies.compare import Comparison, LawRun, advice
+from chain_impact.studies.compare import Comparison
+from chain_impact.studies.compare_text import HEAD, NOTHING, NUMBERS, advice, cells, heading, legend, told
 
-NOTHING = "–"
 RELATIVE = {
     "impact_speed": "speed",
     "separation_speed": "rebound",
@@ -85,7 +84,7 @@ def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
         table = table_of(head, head[1:])
         for row in range(len(found.impacts)):
             cells = (column[row, k] for column in columns)
-            table.add_row(str(row + 1), *(_number(cell, "+.3g") if cell else "0" for cell in cells))
+            table.add_row(str(row + 1), *(told(cell, "+.3g") if cell else "0" for cell in cells))
         yield table if len(found.impacts) else "no impact"
     for limit in found.limits:
         yield f"limit    {escape(limit)}"
@@ -93,44 +92,14 @@ def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
 
 def law_table(comparison: Comparison) -> Iterator[RenderableType]:
     """The laws side by side, and which to take."""
-    scene, impact = comparison.scene, comparison.first_impact
-    contact = scene.contact
-    yield (
-        f"\n[bold]{escape(scene.name)}[/]  e = {contact.restitution:g}, n = {contact.exponent:g}, "
-        f"K = {contact.stiffness:.4g}; first impact at {impact['onset']:.6g} s with "
-        f"{impact['effective_mass']:.4g} kg at {impact['impact_speed']:.4g} m/s"
-    )
-    numbers = ("e′", "peak, kN", "depth, mm", "time, ms", "lost, J", "impacts", "differs at", "steps")
-    table = table_of(("law", *numbers, ""), numbers)
+    yield f"\n{escape(heading(comparison))}"
+    table = table_of(HEAD, NUMBERS)
     for run in comparison.runs:
-        table.add_row(*map(escape, _row(run)))
+        table.add_row(*map(escape, cells(run)))
     yield table
-    yield (
-        "Columns e′ to lost describe the first impact. 'differs at' is the first impact with another point "
-        f"or wall than under {comparison.reference}: its number and time."
-    )
+    yield escape(legend(comparison))
     for number, line in enumerate(advice(comparison)):
         yield escape(f"{'' if number else 'advice':9}{line}")
-
-
-def _row(run: LawRun) -> tuple[str, ...]:
-    differs = NOTHING if run.divergence is None else f"{run.divergence}, {run.divergence_time:.4f}"
-    return (
-        run.law,
-        _number(run.restitution, ".4f"),
-        _number(1e-3 * run.peak_force, "#.4g"),
-        _number(1e3 * run.max_penetration, "#.4g"),
-        _number(1e3 * run.duration, "#.4g"),
-        _number(run.energy_lost, "#.4g"),
-        str(run.impacts) if run.result else NOTHING,
-        differs,
-        str(run.steps) if run.result else NOTHING,
-        run.note,
-    )
-
-
-def _number(value: float, form: str) -> str:
-    return NOTHING if math.isnan(value) else "∞" if math.isinf(value) else format(value, form)
 
 
 def cache_report(ready: Sequence[Path], entries: Sequence[Entry], present: Path) -> Iterator[str]:

@@ -26,8 +26,30 @@ class Work(str):
         return str(self), self.seconds
 
 
+class Part(float):
+    """The part of a work that is done, which is counted: so many of so many."""
+
+    __slots__ = ("done", "of")
+    done: int
+    of: int
+
+    def __new__(cls, done: int, of: int) -> Part:
+        """The part, with what is counted."""
+        part = super().__new__(cls, done / of)
+        part.done, part.of = done, of
+        return part
+
+
+class Fact(str):
+    """A sentence that a user is told in any case, not only while something is done."""
+
+    __slots__ = ()
+
+
 def announce(sentence: str) -> None:
-    """Say on standard error, in one line, what is done once and takes long."""
+    """Say on standard error, in one line, what is done once and takes long, or a fact."""
+    if isinstance(sentence, Fact):
+        print(f"chain-impact: {sentence}", file=sys.stderr, flush=True)
     if isinstance(sentence, Work):
         text = f"chain-impact: {sentence} (about {sentence.seconds:.0f} s, then kept)"
         print(text, file=sys.stderr, flush=True)

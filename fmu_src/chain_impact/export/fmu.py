@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import tempfile
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -16,6 +15,7 @@ from chain_impact.compilation.work import Notify, announce
 from chain_impact.export import native_target, pythonfmu_target
 from chain_impact.export.documents import documents
 from chain_impact.export.references import reference_files
+from chain_impact.results.recording import written_whole
 from chain_impact.scene import Scene, SceneSource, scene_of
 
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)
@@ -74,6 +74,7 @@ def build_fmu(
     Raises:
         SceneError: when the source is no valid scene.
         BuildError: when the kernel cannot be compiled or the FMU is not valid.
+        OSError: when the FMU cannot be written; then there is nothing of it.
     """
     scene, notify = scene_of(source), notify or announce
     if fmi not in VERSIONS:
@@ -93,17 +94,16 @@ def build_fmu(
         platform: kernel_library(links, platform, notify, law_file=law, derivatives=varied)
         for platform in platforms
     }
-    # inside the directory, so that the finished FMU can be moved to its place at once
-    with tempfile.TemporaryDirectory(prefix=f".{scene.name}-", dir=directory) as scratch:
+    fmu = directory / f"{scene.name}.fmu"
+    with written_whole(fmu) as path:
         notify("packaging the FMU")
-        path = Path(scratch, f"{scene.name}.fmu")
-        files = TARGETS[target].files[fmi](scene, kernels, Path(scratch)) | documents(scene, fmi)
+        files = TARGETS[target].files[fmi](scene, kernels, path.parent) | documents(scene, fmi)
         _pack(files | reference_files(scene, notify), path)
         notify("validating the FMU")
         problems = validate_fmu(path)
         if problems:
             raise BuildError(f"{path.name} is not valid: " + "; ".join(problems))
-        return path.replace(directory / path.name)
+    return fmu
 
 
 def validate_fmu(path: str | os.PathLike[str]) -> list[str]:

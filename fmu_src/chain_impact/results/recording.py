@@ -8,6 +8,7 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from errno import EIO
 from pathlib import Path
 from typing import Any
 
@@ -137,8 +138,11 @@ def written_whole(path: Path) -> Iterator[Path]:
             fresh = Path(scratch, path.name)
             yield fresh
             fresh.replace(path)
-    except OSError as error:  # the user knows nothing of the scratch folder
-        raise type(error)(error.errno, error.strerror, str(path)) from None
+    except OSError as error:
+        if error.filename and f".{path.name}-" not in str(error.filename):
+            raise
+        # the user knows nothing of the scratch folder, and some libraries give no number
+        raise type(error)(error.errno or EIO, error.strerror or str(error), str(path)) from None
 
 
 def impacts_from_outputs(record: Any, walls: Sequence[str]) -> list[Impact]:

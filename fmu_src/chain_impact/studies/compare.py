@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.reading import SceneError
+from chain_impact.reading import SceneError, UnknownNameError
 from chain_impact.results.recording import written_whole
 from chain_impact.results.result import Result
 from chain_impact.running import Instance, SimulationError
@@ -22,7 +22,7 @@ from chain_impact.simulate import simulate
 
 EXACT = "zhang_sharf"
 """The law that the others are measured by, where the scene's restitution allows it."""
-NEAR = 0.05  # part of the prescribed restitution, as in the registry's ranges
+OVERLAP = "another contact began before the first ended"
 SAMPLES = 400  # of a loop of force and penetration
 LONGEST = 200.0  # elastic contact times, after which a free impact is given up
 HEIGHT = 1e-3  # m, from which the mass of a free impact flies to the wall
@@ -61,11 +61,11 @@ class LawRun:
     max_penetration: float = math.nan
     duration: float = math.nan
     energy_lost: float = math.nan
-    loop: np.ndarray | None = None
+    loop: np.ndarray | None = field(default=None, repr=False)
     divergence: int | None = None
     divergence_time: float = math.nan
     note: str = ""
-    result: Result | None = None
+    result: Result | None = field(default=None, repr=False)
 
     @property
     def impacts(self) -> int:
@@ -78,9 +78,9 @@ class LawRun:
         return self.result.statistics["steps"] if self.result else 0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Comparison:
-    """All laws on one scene.
+    """All laws on one scene, or some of them. Printed, it is a table with a line for each, and the advice.
 
     Attributes:
         scene: the scene.
@@ -103,6 +103,12 @@ class Comparison:
         assert result is not None  # that is what makes it the reference
         impact: np.void = result.impacts[0]
         return impact
+
+    def __repr__(self) -> str:
+        """The table and the advice, as a text of several lines."""
+        from chain_impact.studies.compare_text import report
+
+        return "\n".join(report(self))
 
     def save_csv(self, path: Path) -> None:
         """Write the table as CSV, numbers in full precision; missing values are empty."""
@@ -134,8 +140,14 @@ def _cell(value: object) -> object:
     return "" if value is None or (isinstance(value, float) and math.isnan(value)) else value
 
 
-def compare(scene: SceneSource, notify: Notify | None = None, progress: Progress | None = None) -> Comparison:
-    """Simulate a scene with each law of the registry, and with its own law if it has one.
+def compare(
+    scene: SceneSource,
+    notify: Notify | None = None,
+    progress: Progress | None = None,
+    *,
+    laws: Sequence[str] | None = None,
+) -> Comparison:
+    """Simulate a scene with each law of the registry, and with its own law if it has one, or with some.
 
     A law that needs another exponent than the scene's is run with that, and with the stiffness that makes
     the first impact equally deep if it were elastic. A law that does not allow the scene's restitution, or
@@ -145,13 +157,15 @@ def compare(scene: SceneSource, notify: Notify | None = None, progress: Progress
         scene: a scene, or what ``load_scene`` takes; its contact model does not matter.
         notify: as for ``simulate``.
         progress: called with the fraction done, if given.
+        laws: ids of the laws, all by default. The scene's own is added if all others need another exponent.
 
     Raises:
+        UnknownNameError: when the scene can have no such law.
         SceneError: when there is no impact.
         BuildError: when the kernel cannot be compiled.
     """
     scene, show = scene_of(scene), progress or silent
-    laws = law_names(scene)
+    laws = chosen_laws(scene, laws)
     at_home = [law for law in laws if needed_exponent(law, scene) == scene.contact.exponent]
     found: dict[str, LawRun] = {}
 
@@ -164,7 +178,10 @@ def compare(scene: SceneSource, notify: Notify | None = None, progress: Progress
     preferred = dict.fromkeys([EXACT, scene.contact.model, *at_home])
     reference = next((law for law in preferred if law in found and found[law].impacts), None)
     if reference is None:
-        reason = found[scene.contact.model].note or f"there is none before {scene.simulation.stop_time:g} s"
+        reason = (
+            next((run.note for run in found.values() if run.note), "")
+            or f"there is none before {scene.simulation.stop_time:g} s"
+        )
         raise SceneError(f"{scene.name}: no impact to compare the laws by: {reason}")
     expected = found[reference].result
     assert expected is not None
@@ -179,6 +196,21 @@ def law_names(scene: Scene) -> list[str]:
     """The ids of all laws that a scene can have."""
     own = Path(scene.contact.law_file).stem
     return [*CONTACT_LAWS, own] if own else list(CONTACT_LAWS)
+
+
+def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
+    """The ids of the laws to compare, in the order of the registry, at least one with the scene's exponent.
+
+    Raises:
+        UnknownNameError: when the scene can have no law of an id.
+    """
+    known = law_names(scene)
+    for law in laws or ():
+        if law not in known:
+            raise UnknownNameError(scene.name, law, known, "no contact law")
+    chosen = [law for law in known if not laws or law in laws]
+    at_home = any(needed_exponent(law, scene) == scene.contact.exponent for law in chosen)
+    return chosen if at_home else [*chosen, scene.contact.model]
 
 
 def needed_exponent(law: str, scene: Scene) -> float:
@@ -219,7 +251,7 @@ def _run(scene: Scene, law: str, impact: np.void | None, notify: Notify | None, 
     if result is not None and len(result.impacts):
         first = _first_impact(result)
         overlap = result.impacts[1:2]["onset"] <= result.impacts["onset"][0] + first["duration"]
-        notes += ["another contact began before the first ended"] if overlap.any() else []
+        notes += [OVERLAP] if overlap.any() else []
     return LawRun(law, exponent, stiffness, **first, note="; ".join(notes), result=result)
 
 
@@ -325,38 +357,3 @@ def realised_restitution(
         curves[run.law] = curve
         progress((number + 1) / len(comparison.runs))
     return curves
-
-
-# ---- advice -----------------------------------------------------------------------------------------------
-
-
-def advice(comparison: Comparison) -> list[str]:
-    """Which law to take for the scene's restitution, and why; which others realise it, and which do not."""
-    e = comparison.scene.contact.restitution
-    ended = [run for run in comparison.runs if math.isfinite(run.restitution)]
-    if not ended:
-        return [f"for e = {e:g}: none, as no law finished its first impact"]
-    why = ""
-    best = next((run for run in ended if run.law == EXACT and _in_range(run.law, e)), None)
-    if best:
-        reason = CONTACT_LAWS[EXACT].limits
-        if f"{best.restitution:.4g}" != f"{e:.4g}":
-            why = ", because other forces act during the contact"
-    else:
-        best = min(ended, key=lambda run: abs(run.restitution - e))
-        reason = "Of the laws that ran, its first impact comes nearest to the prescribed restitution."
-    near = [run.law for run in ended if _in_range(run.law, e) and abs(run.restitution - e) <= NEAR * e]
-    others = [law for law in near if law != best.law]
-    unfit = [run.law for run in ended if run.law not in (best.law, *near)]
-    lines = [f"for e = {e:g}: {best.law}. {reason} Here {best.restitution:.4g}{why}."]
-    if others:
-        lines.append(f"within {100 * NEAR:g} % of e too, by their range and here: {', '.join(others)}")
-    if unfit:
-        lines.append(f"not for e = {e:g}: {', '.join(unfit)}")
-    return lines
-
-
-def _in_range(law: str, e: float) -> bool:
-    """Whether the registry says that the law realises e; of a user's law it knows nothing."""
-    entry = CONTACT_LAWS.get(law)
-    return entry is None or entry.accurate_from <= e <= entry.accurate_to

@@ -94,6 +94,18 @@ def test_names_of_curves_stay_apart_and_in_order(axes):
     assert all(box.x0 > axes.get_window_extent().x1 for box in boxes)
 
 
+def test_lines_to_names_of_curves_cross_no_other_name(axes):
+    names = label_curves(
+        axes, [(1.0, 0.9 + 0.001 * k, f"a long name {k}", "black") for k in range(6)], fontsize=9
+    )
+    spread_labels(axes, names)
+    axes.figure.draw_without_rendering()
+    boxes = [Text.get_window_extent(name) for name in names]
+    for name, box in itertools.product(names, boxes):
+        path = name.arrow_patch.get_path().transformed(name.arrow_patch.get_transform())
+        assert not path.intersects_bbox(box.padded(-1.0), filled=False)
+
+
 @given(st.lists(st.floats(-5.0, 15.0), max_size=8), st.floats(0.01, 1.0))
 def test_heights_keep_their_gap_their_order_and_the_bounds(wanted, gap):
     heights = apart(wanted, gap, 0.0, 10.0)

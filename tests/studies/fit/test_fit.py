@@ -65,6 +65,44 @@ def test_an_estimated_standard_deviation_widens_the_intervals():
     assert width[estimated] / error[estimated] > 1.02 * width[given] / error[given]
 
 
+def test_few_values_give_wide_intervals_that_hold_the_truth():
+    """K is told by three peak forces, however many rows the path has: by two degrees of freedom."""
+    path, result = motion(0.9)
+    held, widths = 0, []
+    for seed in range(40):
+        noisy = {"time": path["time"]} | {
+            name: result[name][1:] + NOISE * np.random.default_rng(seed).standard_normal((2, 200))[k]
+            for k, name in enumerate(TIP)
+        }
+        plate = {name: values[:3] for name, values in impacts(result, ["peak_force"], 1e-3, seed).items()}
+        found = fit(scene(), [[noisy, plate]], FREE[:2])
+        low, high = found.intervals[FREE[0]]
+        held += low < TRUE[0] < high
+        widths.append(math.log(high / low) / (2 * found.standard_errors[FREE[0]] / found.values[FREE[0]]))
+    assert min(widths) > 3.0
+    assert held >= 35  # of 40 at 95 %, fewer come by chance once in 200 times
+    assert any(note.startswith("peak_force has 3 values: a σ that is estimated") for note in found.notes)
+
+
+def test_data_after_the_stop_time_are_not_used_and_that_is_said():
+    columns, _ = motion(0.9)
+    early = {name: values[:100] for name, values in columns.items()}
+    wanted, found = fit(START, early, FREE[:2]), fit(START, columns, FREE[:2], stop_time=0.4501)
+    assert found.values == wanted.values
+    assert len(found.residuals) == 200
+    assert found.notes[0] == "200 of 400 values lie after the stop time, 0.4501 s: they were not used."
+    assert found.scene.simulation.stop_time == 0.4501
+    told = refusal(lambda: fit(START, columns, FREE[:2], stop_time=0.001))
+    assert told.endswith("no value was measured until the stop time, 0.001 s; the first is at 0.0045 s")
+
+
+def test_impacts_after_the_stop_time_are_not_used():
+    _, result = motion(0.9)
+    table = impacts(result, ["onset", "peak_force"], 1e-3)
+    found = fit(START, table, FREE[:2], sigma={"onset": 1e-4, "peak_force": "1%"}, stop_time=0.6)
+    assert len(found.residuals) == 2 * (result.impacts["onset"] <= 0.6).sum() < 2 * len(result.impacts)
+
+
 def test_several_data_sets_share_what_is_free():
     """Three throws with other speeds: each has its own, and its own known height."""
     heights, speeds = (1.4, 1.3, 1.45), (1.5, 1.2, 1.8)

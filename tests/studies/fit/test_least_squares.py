@@ -107,3 +107,27 @@ def test_nothing_to_fit_does_not_converge():
     assert not found.converged
     found, _ = search(rosenbrock, [-1.2, 1.0], most=3)
     assert (found.converged, found.steps) == (False, 3)
+
+
+def test_slopes_without_bounds_near_a_bound():
+    """The best value is beyond the bound 0, and the slope grows as x^(−1/2) towards it, until its square
+    overflows."""
+
+    def root(place):
+        x = max(float(place[0]), 1e-323)
+        angles = np.arange(5.0)
+        return np.sqrt(x) * angles + 1.0 + np.sin(angles), (0.5 / np.sqrt(x) * angles)[:, None]
+
+    for start in (0.9, 0.3, 1e-9, 1e-200):
+        found, _ = search(root, [start], low=0.0, high=1.0)
+        assert 0.0 < found.best.place[0] < 1.0
+        assert np.isfinite(found.best.slopes).all()
+
+
+def test_a_place_whose_slopes_have_no_finite_squares_is_refused():
+    def steep(place):
+        x = float(place[0])
+        return [x - 1.0, 0.1], [[1e200 if x > 0.5 else 1.0], [0.0]]
+
+    found, _ = search(steep, [0.0])
+    assert found.best.place[0] <= 0.5

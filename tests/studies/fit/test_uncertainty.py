@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from chain_impact.studies.fit.uncertainty import information, largest_usual, quantile
+from chain_impact.studies.fit.uncertainty import information, largest_usual, quantiles, small_sample
 
 SLOPES = np.array([[1.0, 0.0], [1.0, 1.0], [1.0, 2.0], [1.0, 3.0]])
 SIGMA = np.full(4, 0.5)
@@ -47,6 +47,46 @@ def test_one_more_value():
 
 
 def test_quantiles():
-    assert quantile(5, estimated=False) == pytest.approx(stats.norm.ppf(0.975))
-    assert quantile(5, estimated=True) == pytest.approx(stats.t.ppf(0.975, 5))
+    wanted = [stats.t.ppf(0.975, 2), stats.t.ppf(0.975, 5.5), stats.norm.ppf(0.975), np.inf]
+    assert quantiles(np.array([2.0, 5.5, np.inf, 0.0])).tolist() == pytest.approx(wanted)
     assert largest_usual(10) == pytest.approx(stats.chi2.ppf(0.999, 10))
+
+
+def test_degrees_of_freedom_of_one_column_are_its_own():
+    everything = np.ones(4, bool)
+    assert small_sample(SLOPES, SIGMA, [(everything, 2.0)]).freedom.tolist() == pytest.approx([2.0, 2.0])
+    assert small_sample(SLOPES, SIGMA, []).freedom.tolist() == [np.inf, np.inf]
+
+
+def test_degrees_of_freedom_are_those_of_the_column_that_tells_a_parameter():
+    """The first parameter is told by three values, the second by a hundred: as in two fits."""
+    slopes = np.zeros((103, 2))
+    slopes[:3, 0] = slopes[3:, 1] = 1.0
+    few = np.arange(103) < 3
+    columns = [(few, 2.0), (~few, 99.0)]
+    found = small_sample(slopes, np.full(103, 0.5), columns)
+    assert found.freedom.tolist() == pytest.approx([2.0, 99.0])
+    assert found.factor.tolist() == pytest.approx([1.0, 1.0])
+
+
+def test_degrees_of_freedom_of_two_means_are_those_of_welch():
+    """The difference of two means with unequal variances: the number in Welch's test."""
+    n, m, s, r = 4, 7, 2.0, 0.3
+    slopes = np.vstack([np.repeat([[1.0, 1.0]], n, 0), np.repeat([[1.0, 0.0]], m, 0)])  # mean, difference
+    first = np.arange(n + m) < n
+    found = small_sample(slopes, np.where(first, s, r), [(first, n - 1.0), (~first, m - 1.0)]).freedom
+    a, b = s * s / n, r * r / m
+    assert found[1] == pytest.approx((a + b) ** 2 / (a * a / (n - 1) + b * b / (m - 1)))
+    assert found[0] == pytest.approx(m - 1.0)
+
+
+def test_a_mean_that_is_weighted_by_estimates_has_a_larger_error():
+    """Meier's variance of a weighted mean of two samples (Biometrics 9 (1953) 59)."""
+    n, m, s, r = 4, 7, 2.0, 0.3
+    first = np.arange(n + m) < n
+    sigma, columns = np.where(first, s, r), [(first, n - 1.0), (~first, m - 1.0)]
+    weights = np.array([n / s**2, m / r**2])
+    p = weights / weights.sum()
+    found = small_sample(np.ones((n + m, 1)), sigma, columns)
+    assert found.factor**2 == pytest.approx(1.0 + 4.0 * (p * (1.0 - p) / [n - 1.0, m - 1.0]).sum())
+    assert found.freedom == pytest.approx(1.0 / (p**2 / [n - 1.0, m - 1.0]).sum())

@@ -1,5 +1,6 @@
 """An interrupted sweep goes on with what is missing, and knows another sweep's file."""
 
+import errno
 import signal
 import subprocess
 import sys
@@ -9,6 +10,7 @@ import pytest
 
 from chain_impact.reading import SceneError
 from chain_impact.scene import load_scene, with_values
+from chain_impact.studies.sweep import resume
 from chain_impact.studies.sweep import sweep as module
 from chain_impact.studies.sweep.sweep import sweep
 
@@ -176,3 +178,55 @@ def test_ctrl_c_on_the_command_line(tmp_path):
     whole = sweep(SCENE, {"contact.restitution": "0.3:0.7:2000"})
     assert (energies["contact.restitution"] == whole["contact.restitution"]).all()
     assert (energies["peak_force"] == whole["peak_force"]).all()
+
+
+def test_what_is_kept_is_said(tmp_path, capsys):
+    path = tmp_path / "table.csv"
+    part = stopped(path)
+    capsys.readouterr()
+    sweep(SCENE, VARY, path=path, threads=1)
+    done = round(800 * part)
+    told = f"chain-impact: {done} of 800 runs are kept in {path}.partial, {800 - done} are left"
+    assert told in capsys.readouterr().err.splitlines()
+
+
+def test_two_sweeps_do_not_write_one_file(tmp_path):
+    path = tmp_path / "table.csv"
+
+    def second(_):
+        with pytest.raises(SceneError, match="is being written by another sweep: wait until it has ended"):
+            sweep(SCENE, VARY, path=path, threads=1)
+        raise StopError
+
+    with pytest.raises(StopError):
+        sweep(SCENE, VARY, path=path, threads=1, progress=second)
+    sweep(SCENE, VARY, path=path, threads=1)
+    assert [one.name for one in tmp_path.iterdir()] == ["table.csv"]
+
+
+@pytest.mark.parametrize("room", [10, 2000])
+def test_a_full_disk_is_said_with_the_path_and_what_is_whole_is_kept(tmp_path, monkeypatch, room):
+    path, written = tmp_path / "table.csv", []
+
+    class Full:
+        """A file on a disk that takes so many bytes."""
+
+        def __init__(self, file):
+            self._file, self.name = file, file.name
+
+        def write(self, content):
+            left = room - sum(written)
+            if left <= 0:
+                raise OSError(errno.ENOSPC, "No space left on device")
+            written.append(self._file.write(content[:left]))
+            return written[-1]
+
+    whole = resume._write
+    monkeypatch.setattr(resume, "_write", lambda file, content: whole(Full(file), content))
+    with pytest.raises(OSError, match="No space left") as caught:
+        sweep(SCENE, VARY, path=path, threads=1)
+    assert caught.value.filename == f"{path}.partial"
+    assert not path.exists()
+    monkeypatch.undo()
+    found = sweep(SCENE, VARY, path=path, threads=1)
+    assert len(found) == 800

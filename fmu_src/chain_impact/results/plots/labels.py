@@ -103,6 +103,7 @@ def label_curves(
     texts = []
     for x, y, name, colour in curves:
         line = {"arrowstyle": "-", "color": colour, "linewidth": 0.7, "shrinkA": 1.0, "shrinkB": 0.0}
+        line["relpos"] = (0.0, 0.5)  # it ends left of its name, so it crosses no other
         style: dict[str, Any] = {"color": colour, "va": "center", "arrowprops": line, **look}
         texts.append(axes.annotate(name, (x, y), (1.03, 0.5), textcoords="axes fraction", **style))
     return texts

@@ -75,9 +75,12 @@ def colour_of_time(recording: Recording) -> Any:
 
 
 def pose_at(recording: Recording, time: float) -> np.ndarray:
-    """Positions of the points at a time [s], interpolated, shape (N+1, 2) [m]."""
-    count = recording.points.shape[1]
-    return np.array([recording.point_at(point, time) for point in range(count)])
+    """Positions of the points in the row nearest to a time [s], shape (N+1, 2) [m].
+
+    Between rows a link is not straight: interpolated, it would be too short.
+    """
+    pose: np.ndarray = recording.points[int(np.abs(recording.time - time).argmin())]
+    return pose
 
 
 def strongest(impacts: Sequence[Impact], count: int) -> list[Impact]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence, Set
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import compress
 from pathlib import Path
 
 import numpy as np
@@ -95,6 +96,23 @@ class Measurements:
         found[~self.of_impact] = self.times[self.row[~self.of_impact]]
         found[self.of_impact] = onsets[self.row[self.of_impact]]
         return found
+
+    def until(self, stop: float) -> Measurements:
+        """The same without what was measured later than a time [s].
+
+        Raises:
+            SceneError: when nothing is left.
+        """
+        kept = ~(self.order > stop)
+        if not kept.any():
+            raise SceneError(
+                f"{self.source}: no value was measured until the stop time, {stop:g} s; the first is at "
+                f"{self.order.min():g} s"
+            )
+        times = self.times[: np.searchsorted(self.times, stop, side="right")]
+        arrays = ("value", "sigma", "row", "column", "of_impact")
+        names = tuple(compress(self.quantity, kept))
+        return replace(self, times=times, quantity=names, **{one: getattr(self, one)[kept] for one in arrays})
 
 
 def read_measurements(

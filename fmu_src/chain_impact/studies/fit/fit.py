@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -15,16 +16,17 @@ from chain_impact.reading import SceneError
 from chain_impact.results.summary import plural
 from chain_impact.scene import Scene, SceneSource, scene_of
 from chain_impact.studies.fit.data import Measurements, read_measurements, standard_deviation
-from chain_impact.studies.fit.horizon import Found, search
+from chain_impact.studies.fit.horizon import Found, freedom_of_columns, search
 from chain_impact.studies.fit.parameters import Bounds, Parameter, parameters_of
 from chain_impact.studies.fit.problem import Evaluation, Problem
 from chain_impact.studies.fit.result import Fit
 from chain_impact.studies.fit.table import Source
-from chain_impact.studies.fit.uncertainty import information, largest_usual, quantile
+from chain_impact.studies.fit.uncertainty import information, largest_usual, quantiles, small_sample
 from chain_impact.studies.fit.unknown import unknown
 
 VISIBLE = 0.01  # mean square of residuals in standard deviations; smaller ones do not matter
 LARGEST = 700.0  # whose exponential is a number
+FEW = 10  # values of a column, below which its standard deviation is estimated roughly
 ALIKE = 2.0  # correlation of neighbours times √n, which chance exceeds in 2 % of all cases
 
 
@@ -39,6 +41,7 @@ def fit(
     bounds: Bounds | None = None,
     columns: Sequence[str] | None = None,
     laws: bool = False,
+    stop_time: float | None = None,
     notify: Notify | None = None,
     progress: Progress | None = None,
 ) -> Fit:
@@ -59,6 +62,7 @@ def fit(
         bounds: name → bounds beside those that the scene's keys have, ``"0.1:0.9"`` or a pair.
         columns: names or patterns of the columns that are used; all by default.
         laws: whether to fit every contact law, and return the fit of the best with the ranking of all.
+        stop_time: until when [s] data are used, and that of the fitted scene; all data by default.
         notify: as for ``simulate``.
         progress: called with the fraction done, if given.
 
@@ -70,16 +74,29 @@ def fit(
     """
     require("scipy", "fit")
     scene, progress = scene_of(scene), progress or silent
+    if stop_time is not None:
+        scene = scene.with_values({"simulation.stop_time": stop_time})
     for name, value in (sigma or {}).items():
         standard_deviation(name, value, 1.0)
     runs = _runs(data)
     scenes = _scenes(scene, len(runs), set_each or {})
-    measured = [read_measurements(run, scene, sigma or {}, columns) for run in runs]
+    whole = [read_measurements(run, scene, sigma or {}, columns) for run in runs]
+    measured = whole if stop_time is None else [one.until(stop_time) for one in whole]
+    late = sum(map(len, whole)) - sum(map(len, measured))
+    beyond = (
+        [
+            f"{late} of {sum(map(len, whole))} values lie after the stop time, {stop_time:g} s: "
+            "they were not used."
+        ]
+        if late
+        else []
+    )
     _check_sigma(scene, sigma or {}, measured)
 
     def one(scenes: Sequence[Scene], progress: Progress) -> Fit:
         parameters = parameters_of(scenes, free, free_each, bounds or {})
-        return _fit(Problem(scenes, measured, parameters, notify), progress)
+        found = _fit(Problem(scenes, measured, parameters, notify), progress)
+        return replace(found, notes=(*beyond, *found.notes))
 
     if laws:
         from chain_impact.studies.fit.laws import rank
@@ -101,11 +118,15 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
         raise SceneError("; ".join([few, *_left_out(problem, at)]))
     known = information(at.slopes[rows], found.sigma[rows])
     reached = problem.bounds_reached(at.place, known.alone)
-    values, covariance, errors = problem.values(at.place), known.covariance, known.errors
+    values, covariance = problem.values(at.place), known.covariance
     labels = [parameter.label for parameter in problem.parameters]
-    width = quantile(max(1.0, rows.sum() - len(labels)), bool(problem.estimated))
+    columns = freedom_of_columns(problem, at, found.sigma)
+    groups = [(problem.group[rows] == group, free) for group, free in columns.items()]
+    small = small_sample(at.slopes[rows], found.sigma[rows], groups)
+    errors = known.errors * small.factor
+    halves = errors * quantiles(small.freedom)
     with np.errstate(invalid="ignore"):
-        correlation = covariance / np.outer(errors, errors)
+        correlation = covariance / np.outer(known.errors, known.errors)
     scenes = tuple(_fitted(one, k, problem.parameters, values) for k, one in enumerate(problem.scenes))
     result = Fit(
         scene=scenes[0],
@@ -114,8 +135,8 @@ def _fit(problem: Problem, progress: Progress) -> Fit:
         values=dict(zip(labels, values.tolist(), strict=True)),
         standard_errors=dict(zip(labels, (errors * problem.scale(values)).tolist(), strict=True)),
         intervals={
-            label: _interval(one, place, width * error)
-            for label, one, place, error in zip(labels, problem.parameters, at.place, errors, strict=True)
+            label: _interval(one, place, half)
+            for label, one, place, half in zip(labels, problem.parameters, at.place, halves, strict=True)
         },
         correlation=correlation,
         data=problem.data,
@@ -241,7 +262,7 @@ def _notes(
             f"χ² is {result.chi_squared:.4g} for {result.freedom} degrees of freedom: the model does not "
             "follow the data within their σ, so the standard errors are too small."
         )
-    return [*notes, *_not_random(result)]
+    return [*notes, *_not_random(result), *_few(problem, at)]
 
 
 def _not_random(result: Fit) -> Iterator[str]:
@@ -263,6 +284,17 @@ def _not_random(result: Fit) -> Iterator[str]:
             f"Neighbouring residuals are correlated, so they are not only noise: {', '.join(found)}. The "
             "model leaves something out, and the standard errors are too small."
         )
+
+
+def _few(problem: Problem, at: Evaluation) -> Iterator[str]:
+    """Columns with so few values that the standard deviation estimated from them is rough."""
+    for name in problem.estimated:
+        count = int((at.usable & (problem.group == problem.names.index(name))).sum())
+        if count < FEW:
+            yield (
+                f"{name} has {plural(count, 'value')}: a σ that is estimated from fewer than {FEW} is rough, "
+                f"and so are the intervals. Give it if you know it: --sigma {shlex.quote(f'{name}=…')}"
+            )
 
 
 def _left_out(problem: Problem, at: Evaluation) -> list[str]:

@@ -108,22 +108,30 @@ def _one(
 def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.ndarray:
     """Standard deviations, of columns for which none is given from their residuals, shape (M,).
 
-    A column of n residuals r has σ² = Σ r²/(n − h), with h the part of the parameters that it determines: the
-    sum of its leverages.
+    A column of n residuals r with ν degrees of freedom has σ² = Σ r²/ν.
+    """
+    found, rows = sigma.copy(), at.usable
+    free = freedom_of_columns(problem, at, sigma)
+    for group, least in _estimated(problem):
+        mine = problem.group == group
+        if free[group] > 0.0:
+            squares = (at.residuals[rows & mine] ** 2).sum()
+            found[mine] = max(least, math.sqrt(squares / free[group]))
+    return found
+
+
+def freedom_of_columns(problem: Problem, at: Evaluation, sigma: np.ndarray) -> dict[int, float]:
+    """Degrees of freedom of each column of which the standard deviation is estimated: its number → ν.
+
+    A column of n values has ν = n − h, with h the part of the parameters that it determines: the sum of its
+    leverages.
     """
     rows = np.flatnonzero(at.usable)
-    leverage = np.zeros(len(sigma))
     left, singular, _ = np.linalg.svd(at.slopes[rows] / sigma[rows, None], full_matrices=False)
     rank = singular > 1e-12 * max(singular.max(initial=0.0), 1e-300)
-    leverage[rows] = (left[:, rank] ** 2).sum(axis=1)
-    found = sigma.copy()
-    for group, least in _estimated(problem):
-        used = rows[problem.group[rows] == group]
-        freedom = len(used) - leverage[used].sum()
-        if freedom > 0.0:
-            squares = (at.residuals[used] ** 2).sum()
-            found[problem.group == group] = max(least, math.sqrt(squares / freedom))
-    return found
+    leverage = (left[:, rank] ** 2).sum(axis=1)
+    mine = {group: problem.group[rows] == group for group, _ in _estimated(problem)}
+    return {group: float(own.sum() - leverage[own].sum()) for group, own in mine.items()}
 
 
 def _first_sigma(problem: Problem) -> np.ndarray:

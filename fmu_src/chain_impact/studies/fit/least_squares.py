@@ -2,7 +2,8 @@
 
 What a chain with impacts gives changes from one set of parameters to another: an impact may not be there, or
 a derivative not exist. So a search is for the values that can be fitted where it starts. A step that loses
-one of them is refused, as one to a sum of squares that is not finite, and SciPy takes a shorter one.
+one of them is refused, as one to a sum of squares that is not finite, of residuals or of a derivative that
+grows without end towards a bound, and SciPy takes a shorter one.
 """
 
 from __future__ import annotations
@@ -66,16 +67,20 @@ def minimize(
             kept[key] = evaluate(whole)
         return kept[key]
 
+    def slopes(place: np.ndarray) -> np.ndarray:
+        return np.asarray(model(place).slopes[np.ix_(rows, moved)] / sigma[rows, None])
+
+    @np.errstate(over="ignore")
     def residuals(place: np.ndarray) -> np.ndarray:
         found = model(place)
-        if not found.usable[rows].all():
+        if not found.usable[rows].all() or not np.isfinite(np.square(slopes(place)).sum()):
             return np.full(int(rows.sum()), np.inf)
         return np.asarray(found.residuals[rows] / sigma[rows])
 
     found = require("scipy.optimize", "fit").least_squares(
         residuals,
         first.place[moved],
-        lambda place: model(place).slopes[np.ix_(rows, moved)] / sigma[rows, None],
+        slopes,
         bounds=[ends[moved] for ends in bounds],
         x_scale="jac",
         ftol=enough,

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from chain_impact.results.plots.style import number
-from chain_impact.results.summary import plural
+from chain_impact.results.summary import aligned, plural
 from chain_impact.studies.fit.result import Fit
 from chain_impact.studies.fit.unknown import size_of
 
@@ -47,13 +47,6 @@ def heading(fit: Fit) -> str:
         f"{fit.scene.name}  {f'{fit.law}, ' if fit.law else ''}{sets}{int(fit.used.sum())} values, "
         f"{plural(len(fit.parameters), 'free parameter')}"
     )
-
-
-def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    """The lines of a table; its columns are as wide as they need to be."""
-    widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
-    for row in (head, *rows):
-        yield "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
 
 
 def _parameters(fit: Fit) -> list[Sequence[str]]:

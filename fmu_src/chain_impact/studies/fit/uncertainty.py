@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from chain_impact.extras import require
 
 PROBABILITY = 0.95
+LEAST_FREEDOM, MANY_FREEDOM = 0.05, 1e9  # degrees, with fewer nothing is known, with more it is as with all
 SINGULAR = 1e-7  # of the largest, a singular value that may be round-off of the derivatives
 
 
@@ -64,18 +66,64 @@ def information(slopes: np.ndarray, sigma: np.ndarray) -> Information:
     return Information(whitened.T @ whitened)
 
 
-def quantile(freedom: float, estimated: bool) -> float:
-    """Half the width of a 95 % interval in standard errors.
+@dataclass(frozen=True)
+class SmallSample:
+    """What it does to the standard errors that standard deviations are estimated, from values that are few.
 
-    Of Student's t distribution if standard deviations of the values were estimated with so many degrees of
-    freedom, else of the normal distribution.
+    Attributes:
+        factor: by which a standard error is larger, as the values were weighted by estimates, shape (P,).
+        freedom: its degrees of freedom, shape (P,); infinite if no standard deviation is estimated.
+    """
+
+    factor: np.ndarray
+    freedom: np.ndarray
+
+
+def small_sample(
+    slopes: np.ndarray, sigma: np.ndarray, groups: Sequence[tuple[np.ndarray, float]]
+) -> SmallSample:
+    """The correction of Kenward & Roger (Biometrics 53 (1997) 983) for variances by columns.
+
+    With A_c = J'J/σ² of a column with ν_c degrees of freedom, C the covariance and p_c = C A_c C over C, the
+    part of a variance that comes from the column, 1/ν = Σ p_c²/ν_c, which is Satterthwaite's, and the
+    variance grows by Σ 4/ν_c C (A_c − A_c C A_c) C.
+
+    Args:
+        slopes: derivatives of the values, shape (M, P).
+        sigma: standard deviations of the values, shape (M,).
+        groups: of each column with an estimated standard deviation, which of the values are its, shape (M,),
+            and the degrees of freedom of its residuals.
+    """
+    covariance = np.nan_to_num(information(slopes, sigma).covariance, posinf=0.0)
+    variance = np.diag(covariance)
+    doubt, growth = np.zeros(len(variance)), np.zeros(len(variance))
+
+    def part(matrix: np.ndarray) -> np.ndarray:
+        own = np.diag(covariance @ matrix @ covariance)
+        return np.divide(own, variance, out=np.zeros(len(own)), where=variance > 0.0)
+
+    for mine, own in groups:
+        known, free = information(slopes[mine], sigma[mine]).matrix, max(own, LEAST_FREEDOM)
+        doubt += part(known) ** 2 / free
+        growth += 4.0 / free * part(known - known @ covariance @ known).clip(0.0)
+    freedom = np.divide(1.0, doubt, out=np.full(len(doubt), math.inf), where=doubt > 0.0)
+    return SmallSample(np.sqrt(1.0 + growth), freedom)
+
+
+def quantiles(freedom: np.ndarray) -> np.ndarray:
+    """Half the width of 95 % intervals in standard errors, by Student's t distribution, shape (P,).
+
+    With infinite degrees of freedom it is the normal distribution. With hardly any the width is infinite:
+    where a column has no more values than the parameters that it determines, they tell no standard deviation.
 
     Raises:
         MissingExtraError: when SciPy is not installed.
     """
     special = require("scipy.special", "fit")
     tail = 0.5 * (1.0 + PROBABILITY)
-    return float(special.stdtrit(freedom, tail) if estimated else special.ndtri(tail))
+    student = special.stdtrit(np.clip(freedom, LEAST_FREEDOM, MANY_FREEDOM), tail)
+    found = np.where(freedom < MANY_FREEDOM, student, special.ndtri(tail))
+    return np.where(freedom > 2.0 * LEAST_FREEDOM, found, math.inf)
 
 
 def largest_usual(freedom: float, probability: float = 0.999) -> float:

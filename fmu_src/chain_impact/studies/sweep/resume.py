@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
+from filelock import FileLock, Timeout
 
 from chain_impact.compilation.sources import fingerprint
 from chain_impact.reading import SceneError
@@ -26,7 +27,7 @@ from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import Job
 from chain_impact.studies.sweep.pieces import Span
 
-SUFFIX = ".partial"
+SUFFIX, LOCK = ".partial", ".lock"
 FORMAT = 1  # of the file; raised when it changes
 BLOCK = struct.Struct("<qqI")  # first run, how many, checksum
 
@@ -47,7 +48,7 @@ class Book:
         """Keep the rows of the runs from ``first`` on."""
         if self._file:
             content = rows.tobytes()
-            self._file.write(BLOCK.pack(first, len(rows), zlib.crc32(content)) + content)
+            _write(self._file, BLOCK.pack(first, len(rows), zlib.crc32(content)) + content)
             self._empty = False
 
     def remove(self, *, if_empty: bool = False) -> None:
@@ -69,13 +70,41 @@ def kept(table: Path | None, job: Job, design: Design, rows: np.ndarray) -> Iter
     What an earlier call has left there is filled into ``rows``.
 
     Raises:
-        SceneError: when another sweep has left it.
+        SceneError: when another sweep has left it, or writes it now.
         OSError: when the file cannot be read or written.
     """
     if table is None:
         yield Book()
         return
     path, head = partial_path(table), _head(job, design)
+    with _locked(path), _opened(path, head, rows) as book:
+        yield book
+
+
+@contextmanager
+def _locked(path: Path) -> Iterator[None]:
+    """Keep other sweeps from writing the same file meanwhile.
+
+    Raises:
+        SceneError: when one does.
+    """
+    lock = FileLock(path.with_name(path.name + LOCK))
+    try:
+        lock.acquire(timeout=0)
+    except Timeout:
+        raise SceneError(
+            f"{path} is being written by another sweep: wait until it has ended, or choose another file"
+        ) from None
+    try:
+        yield
+    finally:
+        Path(lock.lock_file).unlink(missing_ok=True)
+        lock.release()
+
+
+@contextmanager
+def _opened(path: Path, head: dict[str, Any], rows: np.ndarray) -> Iterator[Book]:
+    """The book in a file, with what an earlier call has left there in ``rows``."""
     done: list[Span] = []
     if path.exists():
         with path.open("r+b") as file:
@@ -85,12 +114,25 @@ def kept(table: Path | None, job: Job, design: Design, rows: np.ndarray) -> Iter
     # unbuffered and at the end: a block is written at once
     with path.open("ab", buffering=0) as file:
         if not path.stat().st_size:
-            file.write(json.dumps(head).encode() + b"\n")
+            try:
+                _write(file, json.dumps(head).encode() + b"\n")
+            except OSError:  # half a line is no sweep's
+                path.unlink()
+                raise
         book = Book(done, file, not done)
         try:
             yield book
         finally:
             book.remove(if_empty=True)
+
+
+def _write(file: IO[bytes], content: bytes) -> None:
+    """Write all of it; an error names the file."""
+    try:
+        while content:
+            content = content[file.write(content) :]
+    except OSError as error:
+        raise type(error)(error.errno, error.strerror, file.name) from None
 
 
 def _read(file: IO[bytes], rows: np.ndarray) -> list[Span]:

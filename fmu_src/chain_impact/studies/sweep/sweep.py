@@ -8,14 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
-from chain_impact.compilation.work import Notify, Progress, silent
+from chain_impact.compilation.work import Fact, Notify, Part, Progress, announce, silent
 from chain_impact.reading import SceneError
 from chain_impact.scene import SceneSource, scene_of
 from chain_impact.studies.sweep.cluster import run_on_cluster
 from chain_impact.studies.sweep.design import Sampling, grid, sampled
 from chain_impact.studies.sweep.job import job_of
 from chain_impact.studies.sweep.pieces import missing
-from chain_impact.studies.sweep.resume import kept
+from chain_impact.studies.sweep.resume import kept, partial_path
 from chain_impact.studies.sweep.table import Sweep, table_path
 from chain_impact.studies.sweep.threads import cores, run_in_threads
 from chain_impact.studies.sweep.variation import Values, variations_of
@@ -57,18 +57,19 @@ def sweep(
         threads: how many runs are made at the same time; as many as there are cores by default.
         scheduler: address of a dask.distributed scheduler, ``tcp://host:port``, whose workers do the runs in
             place of this machine. They need the same version of this package.
-        notify: as for ``simulate``.
-        progress: called with the fraction done, if given.
+        notify: as for ``simulate``; also called on what an earlier call has left.
+        progress: called, if given, with the fraction done, a number that also has ``done`` and ``of``,
+            counted in runs.
 
     Raises:
-        SceneError: when an argument is not allowed, before any run; or when another sweep has
-            left a partial table at the path.
+        SceneError: when an argument is not allowed, which is said before any run; or when another sweep has
+            left a partial table at the path, or writes one there now.
         MissingExtraError: when a library is not installed that samples, Parquet or a cluster need.
         RunError: when the cluster cannot finish the sweep.
         OSError: when a file cannot be read or written.
         BuildError: when the kernel cannot be compiled.
     """
-    scene, progress = scene_of(scene), progress or silent
+    scene, notify, progress = scene_of(scene), notify or announce, progress or silent
     threads = cores() if threads is None else threads
     if not isinstance(threads, int) or threads < 1:
         raise SceneError(f"{scene.name}: threads = {threads} must be a whole number >= 1")
@@ -84,6 +85,9 @@ def sweep(
     with kept(target, job, design, rows) as book:
         spans = missing(book.done, len(rows))
         left = sum(end - first for first, end in spans)
+        if target and left < len(rows):
+            there = f"{len(rows) - left} of {len(rows)} runs are kept in {partial_path(target)}"
+            notify(Fact(f"{there}, {left} are left"))
         if scheduler is None:
             pieces = run_in_threads(job, design, spans, threads, notify)
         else:
@@ -93,7 +97,7 @@ def sweep(
                 rows[first : first + len(block)] = block
                 book.keep(first, block)
                 left -= len(block)
-                progress(1.0 - left / len(rows))
+                progress(Part(len(rows) - left, len(rows)))
         found = Sweep(scene, design, rows, job.outputs)
         if target:
             found.save(target)
