@@ -16,7 +16,7 @@ from typing import Any
 
 from llvmlite import binding as llvm
 from llvmlite import ir
-from numba.core import base, callconv, cgutils, codegen, cpu, types
+from numba.core import base, callconv, cgutils, codegen, compiler_machinery, cpu, types
 
 
 class Library(codegen.JITCodeLibrary):
@@ -81,6 +81,7 @@ def collect_only() -> None:
         types.Function.get_call_type,
         lambda function, _, kinds, keywords: (function, kinds, *keywords.items()),
     )
+    compiler_machinery.PassManager._runPass = _run_pass
     gc.disable()  # the garbage of a compiler that ends soon
 
 
@@ -97,6 +98,12 @@ def _entry_point(context: Any, library: Library, description: Any, *_: Any) -> N
     _, value = context.call_conv.call_function(builder, inner, result, arguments, entry.args)
     builder.ret(value)
     library.add_ir_module(module)
+
+
+def _run_pass(manager: Any, _index: int, step: Any, state: Any) -> None:
+    """One pass over a function, without taking its time and without analysing the function once more."""
+    step.analysis = manager._analysis
+    step.run_pass(state)
 
 
 def _remembered(method: Callable[..., Any], key: Callable[..., Any]) -> Callable[..., Any]:
