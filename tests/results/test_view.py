@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chain_impact.results.view import NEAR, seen
+from chain_impact.results.view import NEAR, PIN, pin_mark, seen
 from chain_impact.walls import half_planes
 
 SQUARE = np.array([[[0.0, 0.0], [2.0, 2.0]], [[0.0, 2.0], [2.0, 0.0]]])
@@ -33,3 +33,27 @@ def test_a_wall_at_a_slant_is_seen_where_it_is_nearest():
     assert len(near) == 1
     assert (view[0] < 0.0).all()
     assert abs(near[0].clearance(*view[0])) < 1e-12
+
+
+def hanging(angles, side=-1.0):
+    """A rod of 1 m at (1, 2), below it or above, shape (T, 2, 2)."""
+    base = np.array([1.0, 2.0])
+    return np.array([[base, base + [np.sin(a), side * np.cos(a)]] for a in angles])
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_pinned_base_has_a_ground_mark_away_from_the_chain_and_in_view(side):
+    points = hanging([-0.5, 0.0, 0.5], side)
+    lines = np.concatenate(pin_mark(points))
+    assert lines[0].tolist() == [1.0, 2.0]
+    heights = -side * (lines[:, 1] - 2.0)
+    assert heights.min() == 0.0
+    assert heights.max() == pytest.approx(PIN * 1.0)
+    view, _ = seen(points, {})
+    assert (lines >= view[0]).all()
+    assert (lines <= view[1]).all()
+
+
+def test_a_base_that_moves_or_has_no_time_to_has_none():
+    assert pin_mark(SQUARE) == []
+    assert pin_mark(hanging([0.2])) == []

@@ -18,8 +18,7 @@ from chain_impact.scene import load_scene
 from chain_impact.simulate import simulate
 
 if TYPE_CHECKING:
-    from chain_impact.results.plots.overview import Draw
-
+    from matplotlib.figure import Figure
 
 ROWS = 1000  # of a picture, at least
 
@@ -30,8 +29,12 @@ def report(
     csv: Path | None,
     picture: Path | None,
     sensitivities: Sequence[str] = (),
-) -> Recording:
-    """Simulate, write the files asked for and print a summary; also of what came before a fault."""
+    window: Figure | None = None,
+) -> None:
+    """Simulate, write the files asked for and print a summary; also of what came before a fault.
+
+    The picture is drawn into a file, into an empty window, or both.
+    """
     check_folders(csv, picture)
     fault = None
     try:
@@ -43,25 +46,28 @@ def report(
     if csv:
         recording.save_csv(csv)
         out.print(f"results  {csv}", markup=False, soft_wrap=True)
-    if picture:
-        from chain_impact.results.plots import plot
-
+    if picture or window:
         shown = recording if sensitivities or fault else with_rows(recording, source, settings)
-        plot(shown, picture, picture_of(sensitivities))
-        out.print(f"picture  {picture}", markup=False, soft_wrap=True)
+        draw(shown, picture, window, sensitivities)
     show(summary(recording))
     if sensitivities:
         show(sensitivity_tables(recording))
     if fault:
         raise fault
-    return recording
 
 
-def picture_of(sensitivities: Sequence[str]) -> Draw:
-    """What is drawn of a recording: its derivatives if some are named, else its motion."""
-    from chain_impact.results.plots import fill, fill_sensitivities
+def draw(
+    recording: Recording, picture: Path | None, window: Figure | None, sensitivities: Sequence[str]
+) -> None:
+    """Draw a recording into a file and a window: its derivatives if some are named, else its motion."""
+    from chain_impact.results.plots import fill, fill_sensitivities, plot
 
-    return fill_sensitivities if sensitivities else fill
+    fill_page = fill_sensitivities if sensitivities else fill
+    if picture:
+        plot(recording, picture, fill_page)
+        out.print(f"picture  {picture}", markup=False, soft_wrap=True)
+    if window:
+        fill_page(window, recording)
 
 
 def record(source: str, settings: Sequence[str], sensitivities: Sequence[str] = ()) -> Recording:

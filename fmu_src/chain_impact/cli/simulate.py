@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from chain_impact.cli.options import Verbs, add_repeated, add_scene, add_set, names_in, picture
-from chain_impact.cli.report import picture_of, report
+from chain_impact.cli.report import report
 from chain_impact.runs import RunError
 
 if TYPE_CHECKING:
@@ -37,12 +37,10 @@ def add(verbs: Verbs) -> None:
 def run(options: argparse.Namespace) -> int:
     """Simulate a scene or an FMU; print a summary, and write what was asked for."""
     window = open_window() if options.show else None
-    names = names_in(*options.sensitivity)
-    recording = report(options.source, options.set, options.csv, options.plot, names)
+    report(options.source, options.set, options.csv, options.plot, names_in(*options.sensitivity), window)
     if window:
         from matplotlib import pyplot
 
-        picture_of(names)(window, recording)
         pyplot.show()
     return 0
 

@@ -239,6 +239,9 @@ class Result:
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure | None:
         """Draw motion, energy and impacts.
 
+        The picture shows the rows of this result and nothing between them: at a coarse ``output_step`` a path is
+        a line from row to row. ``chain-impact simulate --plot`` simulates once more, with rows for the picture.
+
         Args:
             path: a file, whose suffix says which kind: png, svg or pdf; without it the figure is returned,
                 which a notebook shows.

@@ -12,8 +12,9 @@ from playwright.sync_api import sync_playwright
 
 from chain_impact import load_scene, simulate
 from chain_impact.results.animation import animate
-from chain_impact.results.recording import Recording
+from chain_impact.results.recording import Impact, Recording
 from chain_impact.studies.slow_motion import record_slowly
+from chain_impact.walls import half_planes
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium")
@@ -31,6 +32,13 @@ def recording():
 def address(recording, tmp_path_factory):
     path = tmp_path_factory.mktemp("page") / "box.html"
     animate(recording, path)
+    return path.as_uri()
+
+
+@pytest.fixture(scope="module")
+def pinned_arm(tmp_path_factory):
+    path = tmp_path_factory.mktemp("arm") / "arm.html"
+    animate(record_slowly("pinned_arm"), path)
     return path.as_uri()
 
 
@@ -229,7 +237,74 @@ def test_the_force_is_an_arrow_from_the_wall_and_a_curve(show):
     assert float(arrow.get_attribute("y2")) < float(arrow.get_attribute("y1"))  # up, from the floor
     assert arrow.get_attribute("x2") == arrow.get_attribute("x1")
     assert re.fullmatch(r"[\d.]+\skN", page.text_content(".force-text"))
-    assert page.text_content("#close-what").startswith("point 2 at y_min, ")
+    assert page.text_content("#close-what").startswith("impact 1: point 2 at y_min, ")
+
+
+def named(page):
+    """The numbers of the impact that list, caption and force chart tell of."""
+    return (
+        int(page.inner_text("tr[aria-current] button")),
+        int(re.match(r"Impact (\d+) of 14", page.inner_text("#caption"))[1]),
+        int(re.match(r"impact (\d+): ", page.text_content("#close-what"))[1]),
+    )
+
+
+def test_list_caption_and_force_chart_name_the_same_impact_at_every_moment(show, recording):
+    """Before its onset it is the next one, from the middle of the time since the end of the one before."""
+    page = show()
+    second, third = recording.impacts[1:3]
+    middle = (second.end + third.time) / 2
+    for time, number in (
+        (0.0, 1),
+        (second.time + 1e-5, 2),
+        (middle - 1e-3, 2),
+        (middle + 1e-3, 3),
+        (third.time - 1e-4, 3),
+        (third.time + 1e-4, 3),
+        (2.0, 14),
+    ):
+        page.get_by_role("slider", name="Time").fill(str(time))
+        shown = time_of(page)
+        assert named(page) == (number,) * 3
+        is_next = shown < recording.impacts[number - 1].time
+        assert (" is next: " in page.inner_text("#caption")) == is_next
+
+
+def test_they_name_the_same_in_each_frame_of_slow_motion(show):
+    page = show()
+    page.keyboard.press("Shift+ArrowRight")
+    page.keyboard.press("Shift+ArrowRight")
+    numbers = []
+    while not numbers or numbers[-1] < 4:
+        page.keyboard.press("ArrowRight")
+        time_of(page)
+        (number,) = set(named(page))
+        numbers.append(number)
+    assert numbers == sorted(numbers)
+    assert set(numbers) == {2, 3, 4}
+
+
+@pytest.mark.parametrize("until_next", [1e-3, 0.0])
+def test_of_contacts_that_overlap_the_latest_is_named(show, tmp_path, until_next):
+    """Two points at a wall, the second before the first is gone, or at once: then the one that is gone to."""
+    time = np.linspace(0.0, 0.02, 401)
+    columns = {f"point[{k}].{axis}": 0 * time + k * (axis == "x") for k in (0, 1) for axis in "xy"}
+    onsets = [0.01, 0.01 + until_next]
+    for k, onset in enumerate(onsets):
+        columns[f"contact[{k}].y_min.force"] = np.maximum(0.0, 1.0 - abs(time - onset - 1e-3) / 1e-3)
+    impacts = [Impact(onset, k, "y_min", 1.0, onset + 2e-3, 1.0) for k, onset in enumerate(onsets)]
+    recording = Recording("Twins", time, columns, impacts, half_planes({"y_min": 0.0}, {}))
+    animate(recording, tmp_path / "twins.html")
+    page = show(address=(tmp_path / "twins.html").as_uri())
+    for number in (1, 2, 1):
+        page.get_by_role("button", name=f"Go to impact {number}, ").click()
+        time_of(page)
+        assert page.inner_text("tr[aria-current] button") == str(number)
+        assert page.inner_text("#caption").startswith(f"Impact {number} of 2: point {number - 1} ")
+        assert page.text_content("#close-what").startswith(f"impact {number}: point {number - 1} ")
+    page.get_by_role("slider", name="Time").fill("0.0125")
+    time_of(page)
+    assert page.inner_text("tr[aria-current] button") == "2"
 
 
 def test_the_ledger_is_that_of_the_recording(show, recording):
@@ -298,6 +373,28 @@ def test_on_a_phone_all_fits_the_width_and_the_controls_are_in_sight(show, viewp
         assert box["y"] + box["height"] <= viewport["height"]
         assert min(box["width"], box["height"]) >= 36
     assert count_of(pixels(page), LIGHT_CHAIN) > 150
+
+
+@pytest.mark.parametrize("viewport", [DESK, PHONE, {"width": 844, "height": 390}])
+def test_the_chain_never_comes_under_the_scale_bar(show, viewport, pinned_arm):
+    page = show(viewport, address=pinned_arm)
+    page.keyboard.press("End")
+    time_of(page)
+    bar, trace, mark = (page.locator(kind).first.bounding_box() for kind in (".bar", ".trace", ".pin"))
+    lowest = bar["y"] + bar["height"]
+    assert min(trace["y"], mark["y"]) > lowest
+    places = [dot.bounding_box()["y"] for dot in page.locator(".joint").all()]
+    assert min(places) > lowest
+
+
+def test_a_pinned_base_stands_on_ground_and_a_free_one_does_not(show, pinned_arm):
+    page = show(address=pinned_arm)
+    joint = page.locator(".joint").first.bounding_box()
+    lines = [line.bounding_box() for line in page.locator(".pin").all()]
+    left, right = min(b["x"] for b in lines), max(b["x"] + b["width"] for b in lines)
+    assert (left + right) / 2 == pytest.approx(joint["x"] + joint["width"] / 2, abs=3.0)
+    assert max(b["y"] + b["height"] for b in lines) < joint["y"] + joint["height"]  # above a chain that hangs
+    assert show().locator(".pin").count() == 0
 
 
 def test_everything_that_can_be_used_has_a_name_and_gets_the_focus(show):

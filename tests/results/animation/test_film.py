@@ -1,5 +1,7 @@
 """Films: what their readers find in them."""
 
+from dataclasses import replace
+
 import matplotlib as mpl
 import numpy as np
 import pytest
@@ -49,6 +51,17 @@ def test_positions_alone_make_a_film(tmp_path):
     (picture,) = draw_frames(bare, np.array([0]), SIZE, lambda _: None)
     assert coloured(picture, CHAIN) > 100
     assert coloured(picture[:, SIZE[0] * 2 // 3 :], ENERGIES["total"]) < 50  # the clock, no empty axes
+
+
+def test_a_pinned_base_stands_on_ground(tmp_path):
+    time = np.linspace(0.0, 0.2, 5)
+    columns = {"point[0].x": 0 * time, "point[0].y": 0 * time}
+    columns |= {"point[1].x": np.cos(time), "point[1].y": -np.sin(time)}
+    pinned = motion_of(Recording("Pinned", time, columns, [], {}))
+    (with_mark,), (without,) = (
+        draw_frames(motion, np.array([0]), SIZE, lambda _: None) for motion in (pinned, replace(pinned, pin=[]))
+    )
+    assert (abs(with_mark.astype(float) - without).max(axis=-1) > 100).sum() > 30
 
 
 def test_twice_the_speed_has_half_the_frames(motion, tmp_path):

@@ -103,3 +103,17 @@ def test_without_walls_nothing_is_grey():
     _, motion, *_ = drawn(swing())
     assert wall_lines(motion) == []
     assert mpl.colors.to_hex(motion.get_facecolor()) == "#ffffff"
+
+
+def test_a_pinned_base_stands_on_ground_in_view_and_a_free_one_does_not():
+    def marks(model):
+        _, motion, *_ = drawn(recorded(model))
+        found = [lines for lines in motion.collections if lines.get_zorder() == 3]
+        return motion, [line for lines in found for line in lines.get_segments()]
+
+    assert marks("four_link_box")[1] == []
+    motion, lines = marks("pinned_arm")
+    places = np.concatenate(lines)
+    assert places[0].tolist() == [0.0, 0.0]
+    assert (places[:, 1] >= 0.0).all()  # the arm hangs
+    assert places[:, 1].max() < motion.get_ylim()[1]

@@ -16,7 +16,7 @@ from matplotlib.patheffects import withStroke
 from chain_impact.results.animation.frames import Motion
 from chain_impact.results.animation.text import force_text, rate_text
 from chain_impact.results.plots.over_time import ENERGY_COLOURS
-from chain_impact.results.plots.room import OUTSIDE_COLOUR, draw_room
+from chain_impact.results.plots.room import OUTSIDE_COLOUR, draw_pin, draw_room
 from chain_impact.results.plots.style import BLUE, INK, PALE
 
 MUTED, CHAIN, TIP, FORCE = "#566076", "#2b4a9f", "#c2255c", "#d9480f"
@@ -82,6 +82,7 @@ class FilmPage:
         axes.set(xticks=[], yticks=[])
         axes.spines[:].set_visible(False)
         draw_room(axes, low + np.array([np.zeros(2), seen]), list(self.motion.walls.values()))
+        draw_pin(axes, self.motion.pin)
 
     def _draw_energies(self) -> None:
         axes, motion = self.ledger, self.motion

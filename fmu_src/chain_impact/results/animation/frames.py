@@ -10,7 +10,7 @@ import numpy as np
 from chain_impact.results.animation.contacts import Contact, contacts, force_columns, slow_spans
 from chain_impact.results.animation.pacing import IMPACT_TIME, frame_times
 from chain_impact.results.recording import Recording
-from chain_impact.results.view import seen
+from chain_impact.results.view import pin_mark, seen
 from chain_impact.walls import HalfPlane
 
 ENERGIES = ("kinetic", "potential", "elastic", "dissipated", "supplied", "total")
@@ -38,6 +38,7 @@ class Motion:
         view: lower left and upper right corner of what is to be seen, shape (2, 2) [m].
         anchor: where there is more room than for the view, how much of it lies left of it and below, 0…1.
         radius: of the points that can touch [m].
+        pin: the lines of the ground mark of a pinned base, each of shape (n, 2) [m]; none of a base that moves.
     """
 
     name: str
@@ -51,6 +52,7 @@ class Motion:
     view: np.ndarray
     anchor: tuple[float, float]
     radius: float
+    pin: list[np.ndarray]
 
     @property
     def touching(self) -> list[int]:
@@ -97,6 +99,7 @@ def motion_of(recording: Recording, impact_time: float = IMPACT_TIME) -> Motion:
         view=view,
         anchor=anchor,
         radius=radius,
+        pin=pin_mark(recording.points),
     )
 
 

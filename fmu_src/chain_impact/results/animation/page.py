@@ -79,6 +79,7 @@ def data(motion: Motion, speed: float) -> dict[str, Any]:
         },
         "view": motion.view.tolist(),
         "anchor": motion.anchor,
+        "pin": [line.tolist() for line in motion.pin],
         "radius": motion.radius,
         "touching": motion.touching,
     }

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.patches import Polygon
 
 from chain_impact.results.plots.style import INK
 from chain_impact.results.recording import Recording
-from chain_impact.results.view import seen
+from chain_impact.results.view import pin_mark, seen
 from chain_impact.walls import HalfPlane, half_planes
 
 OUTSIDE_COLOUR = "0.93"
@@ -32,8 +35,16 @@ def view_of(recording: Recording) -> tuple[np.ndarray, list[HalfPlane]]:
 
 
 def draw_walls(axes: Axes, recording: Recording) -> None:
-    """The room between the walls near the motion; sets the limits of the axes."""
+    """The room between the walls near the motion, and the ground mark of a pinned base; sets the axes' limits."""
     draw_room(axes, *view_of(recording))
+    draw_pin(axes, pin_mark(recording.points))
+
+
+def draw_pin(axes: Axes, lines: list[np.ndarray]) -> None:
+    """The ground mark of a pinned base, by the lines that ``pin_mark`` gives."""
+    look: dict[str, Any] = {"colors": INK, "linewidths": 1.2, "capstyle": "round", "zorder": 3}
+    if lines:
+        axes.add_collection(LineCollection(lines, **look), autolim=False)
 
 
 def draw_room(axes: Axes, view: np.ndarray, near: list[HalfPlane]) -> None:

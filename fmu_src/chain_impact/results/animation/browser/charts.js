@@ -133,7 +133,7 @@ function drawOnsets({ ctx, bbox, valToPos }, impacts) {
   ctx.restore();
 }
 
-/** The force of the latest contact over its own time, or of the first before there was one. */
+/** The force of the present contact over its own time. */
 export class ForceChart extends Chart {
   constructor(element, recording, what) {
     super(
@@ -154,36 +154,28 @@ export class ForceChart extends Chart {
     this.shown = null;
   }
 
-  draw(frame) {
-    const { recording } = this;
-    const now = recording.timeAt(frame);
-    const contact = this.#latest(now);
-    if (!contact) return;
+  draw(frame, contact) {
     if (contact !== this.shown) this.#show(contact);
-    this.mark(now - contact.onset);
-  }
-
-  /** The contact that is to be shown: the latest, or the next when that is nearer. */
-  #latest(now) {
-    const distance = ({ onset, end }) => Math.max(onset - now, now - end, 0);
-    return this.recording.forceful.reduce((best, one) => (!best || distance(one) <= distance(best) ? one : best), null);
+    this.mark(this.recording.timeAt(frame) - contact.onset);
   }
 
   #show(contact) {
     const { recording } = this;
-    const { point, wall, onset, end } = contact;
+    const { point, wall, onset, end, number } = contact;
     this.shown = contact;
     const margin = AROUND * Math.max(end - onset, 1e-6);
-    const { values } = recording.forces.find((force) => force.point === point && force.wall === wall);
+    const values = recording.forceOf(contact);
     const first = Math.floor(recording.frameAt(onset - margin));
     const last = Math.ceil(recording.frameAt(end + margin)) + 1;
     const times = Array.from(recording.time.slice(first, last), (time) => time - onset);
-    const inside = times.map((time, index) => (time >= 0 && time <= end - onset ? values[first + index] : 0));
+    const inside = times.map((time, index) => (time >= 0 && time <= end - onset ? values?.[first + index] ?? 0 : 0));
     this.plot.setData([times, inside], false);
     this.plot.batch(() => {
       this.plot.setScale("x", { min: -margin, max: end - onset + margin });
-      this.plot.setScale("y", { min: 0, max: contact.peak });
+      this.plot.setScale("y", { min: 0, max: contact.peak ?? 0 });
     });
-    this.what.textContent = `point ${point} at ${wall}, ${durationText(end - onset, 2)}`;
+    // an impact between two rows of the recording, or at a rigid wall, has no curve
+    const length = inside.some((force) => force > 0) ? durationText(end - onset, 2) : "no force over time is known";
+    this.what.textContent = `${number ? `impact ${number}: ` : ""}point ${point} at ${wall}, ${length}`;
   }
 }

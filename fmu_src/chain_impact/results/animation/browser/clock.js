@@ -6,6 +6,7 @@ const STEP = 1 / 30; // s on the screen that an arrow key steps
 /** Tells those who listen whenever the frame, the speed or play and pause change. */
 export class Clock {
   #listeners = [];
+  #goneTo = null; // an impact, until the time changes: another may have the same onset
 
   constructor(recording) {
     this.recording = recording;
@@ -23,6 +24,11 @@ export class Clock {
     return this.recording.timeAt(this.frame);
   }
 
+  /** The contact that all parts of the page tell of; undefined if there is none at all. */
+  get contact() {
+    return this.#goneTo ?? this.recording.contactAt(this.time);
+  }
+
   get last() {
     return this.recording.time.length - 1;
   }
@@ -35,6 +41,7 @@ export class Clock {
   /** Change some of: frame, playing, slow, speed. */
   set(changes) {
     Object.assign(this, changes);
+    if ("frame" in changes) this.#goneTo = null;
     this.frame = Math.min(Math.max(this.frame, 0), this.last);
     this.#listeners.forEach((listener) => listener());
   }
@@ -74,6 +81,7 @@ export class Clock {
     this.seek(this.recording.impacts[number].onset);
     // the frame is a rounded number: an impact that is gone to has begun
     while (this.time < this.recording.impacts[number].onset) this.frame += 1e-3;
+    this.#goneTo = this.recording.impacts[number];
     this.set({});
   }
 

@@ -13,7 +13,7 @@ export class ImpactList {
   constructor(element, recording, goTo) {
     this.element = element;
     this.recording = recording;
-    this.current = null;
+    this.current = undefined;
     if (!recording.impacts.length) {
       element.textContent = "none";
       element.classList.add("none");
@@ -43,13 +43,12 @@ export class ImpactList {
     return row;
   }
 
-  /** Mark the latest impact and bring it into sight, within the list only. */
-  draw(frame) {
-    const number = this.recording.impactAt(this.recording.timeAt(frame));
-    if (number === this.current) return;
-    this.rows?.[this.current]?.removeAttribute("aria-current");
-    this.current = number;
-    const row = this.rows?.[number];
+  /** Mark the present contact, if it is an impact, and bring it into sight, within the list only. */
+  draw(frame, contact) {
+    if (contact === this.current) return;
+    this.element.querySelector("[aria-current]")?.removeAttribute("aria-current");
+    this.current = contact;
+    const row = this.rows?.[contact?.number - 1];
     if (!row) return;
     row.setAttribute("aria-current", "true");
     const head = row.parentElement.previousElementSibling.offsetHeight;
@@ -60,9 +59,11 @@ export class ImpactList {
   }
 }
 
-/** An impact in words. */
-export function impactText({ impacts }, number) {
-  const { point, wall, speed, peak } = impacts[number];
-  const force = peak === null ? "" : `, peak ${peakText(impacts[number])}`;
-  return `Impact ${number + 1} of ${impacts.length}: point ${point} at ${wall}, ${speed.toFixed(2)} m/s${force}`;
+/** A contact in words, as it is at a time; nothing of one that is no impact. */
+export function impactText({ impacts }, contact, time) {
+  if (!contact?.number) return "";
+  const { number, onset, point, wall, speed, peak } = contact;
+  const next = onset > time ? " is next" : "";
+  const force = peak === null ? "" : `, peak ${peakText(contact)}`;
+  return `Impact ${number} of ${impacts.length}${next}: point ${point} at ${wall}, ${speed.toFixed(2)} m/s${force}`;
 }

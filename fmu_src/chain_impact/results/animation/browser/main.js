@@ -15,10 +15,6 @@ const element = (id) => document.getElementById(id);
 const recording = new Recording(JSON.parse(element("data").textContent));
 const clock = new Clock(recording);
 const scene = new Scene(element("scene"), recording);
-const goTo = (number) => {
-  clock.toImpact(number);
-  element("caption").textContent = impactText(recording, number);
-};
 const parts = [scene];
 /** Add a part, or without what it shows, take its panel away. */
 function addPart(isThere, panel, make) {
@@ -27,9 +23,9 @@ function addPart(isThere, panel, make) {
 }
 addPart(Object.keys(recording.energies).length > 0, "energy", () =>
   new EnergyChart(element("energy"), element("ledger"), recording, (time) => clock.seek(time)));
-addPart(recording.forceful.length > 0, "force", () =>
+addPart(recording.forces.length > 0, "force", () =>
   new ForceChart(element("force"), recording, element("close-what")));
-parts.push(new ImpactList(element("impacts"), recording, goTo));
+parts.push(new ImpactList(element("impacts"), recording, (number) => clock.toImpact(number)));
 
 const count = recording.impacts.length;
 element("subtitle").textContent =
@@ -38,15 +34,14 @@ element("subtitle").textContent =
 
 /** The clock in words, the caption, and every part, at the present frame. */
 function draw() {
-  const { frame, time } = clock;
-  parts.forEach((part) => part.draw(frame));
+  const { frame, time, contact } = clock;
+  parts.forEach((part) => part.draw(frame, contact));
   element("time").textContent = `${time.toFixed(5)} s`;
   const slow = clock.slow && recording.rateAt(frame) < SLOW;
   element("rate").textContent = rateText(clock.rate);
   document.body.classList.toggle("slow-motion", slow);
   document.body.classList.toggle("playing", clock.playing);
-  const number = recording.impactAt(time);
-  const caption = number < 0 ? "" : impactText(recording, number);
+  const caption = impactText(recording, contact, time);
   if (element("caption").textContent !== caption) element("caption").textContent = caption;
 }
 

@@ -41,10 +41,12 @@ export class Recording {
     );
     this.forces = packed.forces.map((force) => this.#wholeForce(force));
     this.impacts = packed.contacts.filter((contact) => contact.speed !== null);
-    // those with a force in some frame; others are between two rows, or at rigid walls
-    this.forceful = packed.contacts.filter(({ point, wall, peak }) =>
-      peak !== null && this.forces.some((force) => force.point === point && force.wall === wall));
-    this.onsets = this.impacts.map((impact) => impact.onset);
+    this.impacts.forEach((impact, index) => {
+      impact.number = index + 1;
+    });
+    // a contact is the present one from the middle between the end of the one before and its own onset
+    this.turns = packed.contacts.map(({ onset }, index) =>
+      index ? onset - Math.max(0, (onset - packed.contacts[index - 1].end) / 2) : -Infinity);
   }
 
   /** A force at every frame, of one that is packed without its zeros. */
@@ -82,6 +84,11 @@ export class Recording {
     return first + (frame - index) * (values[(index + 1) * width + column] - first);
   }
 
+  /** The force at every frame of the point and the wall of a contact [N]; undefined where none was in any frame. */
+  forceOf({ point, wall }) {
+    return this.forces.find((force) => force.point === point && force.wall === wall)?.values;
+  }
+
   /** Where a point is at a frame [m]. */
   pointAt(frame, point) {
     const width = this.links + 1;
@@ -95,8 +102,8 @@ export class Recording {
       .filter(({ force }) => force > 0);
   }
 
-  /** The number of the latest impact until a time, counted from 0; −1 before the first. */
-  impactAt(time) {
-    return this.onsets[0] <= time ? lastBefore(this.onsets, time) : -1;
+  /** The contact that list, chart and caption tell of at a time: the latest, or the next once that is nearer. */
+  contactAt(time) {
+    return this.contacts[lastBefore(this.turns, time)];
   }
 }

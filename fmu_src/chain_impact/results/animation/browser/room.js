@@ -24,13 +24,15 @@ export function roomWithin(walls, [[x0, y0], [x1, y1]]) {
   return { corners, edges: edges.filter((ends) => ends.length > 1) };
 }
 
-/** The place in a scene of so many pixels: a map from metres to pixels, y upwards, that shows a view.
- * Where there is more room than for the view, the anchor says how much of it lies left of and below the view. */
+/** The place in a scene of so many pixels: a map from metres to pixels, y upwards, that shows a view below a strip
+ * of some height. Where there is more room than for the view, the anchor says how much of it lies left of and below
+ * the view. */
 export class Camera {
-  constructor({ view: [[x0, y0], [x1, y1]], anchor: [beside, below] }, width, height) {
-    this.scale = Math.min(width / (x1 - x0), height / (y1 - y0));
+  constructor({ view: [[x0, y0], [x1, y1]], anchor: [beside, below] }, width, height, strip) {
+    const room = Math.max(height - strip, 1);
+    this.scale = Math.min(width / (x1 - x0), room / (y1 - y0));
     this.left = beside * (width - this.scale * (x1 - x0)) - this.scale * x0;
-    this.bottom = height - below * (height - this.scale * (y1 - y0)) + this.scale * y0;
+    this.bottom = height - below * (room - this.scale * (y1 - y0)) + this.scale * y0;
     this.rectangle = [
       [-this.left / this.scale, (this.bottom - height) / this.scale],
       [(width - this.left) / this.scale, this.bottom / this.scale],

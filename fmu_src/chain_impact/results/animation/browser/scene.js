@@ -11,6 +11,7 @@ const TAIL = 0.3; // s of simulated time in which the trace's bright end fades
 const TAIL_PARTS = 10;
 const TRACE_STEP = 1.5; // pixels between the corners of the trace
 const RING_TIME = 0.25; // s of simulated time for which the place of an impact is marked
+const STRIP = 30; // pixels at the top for the scale bar, where the chain never comes
 const MANY_LINKS = 60; // above which the chain is one line, without joints
 
 export class Scene {
@@ -48,7 +49,7 @@ export class Scene {
   /** Fit the scene into so many pixels. */
   resize(width, height) {
     this.drawing.size(width, height).viewbox(0, 0, width, height);
-    this.camera = new Camera(this.recording, width, height);
+    this.camera = new Camera(this.recording, width, height, STRIP);
     this.longest = LONGEST_ARROW * Math.min(width, height);
     this.ground.clear();
     const { corners, edges } = roomWithin(this.recording.walls, this.camera.rectangle);
@@ -56,6 +57,7 @@ export class Scene {
     this.ground.rect(width, height).addClass("outside");
     if (corners.length) this.ground.polygon(places(corners)).addClass("room");
     edges.forEach((ends) => this.ground.polyline(places(ends)).addClass("wall"));
+    this.recording.pin.forEach((line) => this.ground.polyline(places(line)).addClass("pin"));
     this.#drawScaleBar(width);
     this.discs.forEach(([, disc]) => disc.radius(this.recording.radius * this.camera.scale));
     this.#prepareTrace();
@@ -66,7 +68,7 @@ export class Scene {
     const wanted = width / 6 / this.camera.scale;
     const power = 10 ** Math.floor(Math.log10(wanted));
     const length = power * [5, 2, 1].find((factor) => factor * power <= wanted);
-    const y = 18;
+    const y = 0.6 * STRIP;
     const [left, right] = [-0.5, 0.5].map((share) => width / 2 + share * length * this.camera.scale);
     this.ground.polyline([[left, y - 4], [left, y + 4], [left, y], [right, y], [right, y - 4], [right, y + 4]])
       .addClass("bar").fill("none");
