@@ -13,7 +13,7 @@ from chain_impact.kernel.events.contact_log import follow_contacts, follow_to_no
 from chain_impact.kernel.events.impulses import end_contacts, judge
 from chain_impact.kernel.events.kinds import ONSET
 from chain_impact.kernel.events.search import REFUSED, find_event
-from chain_impact.kernel.events.table import apply_events, ends_contact
+from chain_impact.kernel.events.table import apply_events, bends_force
 from chain_impact.kernel.initialize import derive_law, first_size, take_given
 from chain_impact.kernel.integration import step_size
 from chain_impact.kernel.integration.balance import check_balance, keeps_balance, restart_balance, take_stock
@@ -38,7 +38,7 @@ from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.integration.methods import attempt, prepare
 from chain_impact.kernel.integration.sundman import regularize, time_rate_now
 from chain_impact.kernel.integration.switching import choose_method
-from chain_impact.kernel.model.contact import clear_loads, drop_events
+from chain_impact.kernel.model.contact import clear_loads, drop_events, forget_crossings, take_side
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.inputs import goes_on, take_inputs, within_piece
 from chain_impact.kernel.status import (
@@ -140,7 +140,6 @@ def renew(d):
 
 def go_on(d):
     """Take a step; after a fault, stand at the last time reached. Returns a status."""
-    beside.leave(d)
     d.statistics.status = take_step(d)
     if d.statistics.status == OK:
         beside.step(d)
@@ -196,7 +195,15 @@ def take_over(d):
         derive_law(d)
     else:
         hold_anew(d, rigid)
+        take_sides(d)
     return status
+
+
+def take_sides(d):
+    """Find on which side of its kink each active contact is, as the law may be another one."""
+    if not d.contact.impulsive:
+        for k in range(d.touch.active_count):
+            take_side(d, d.touch.active_index[k])
 
 
 def hold_anew(d, rigid):
@@ -233,6 +240,7 @@ def find_step(d):
     while True:
         if h < SHORTEST_STEP or step.end + h == step.end:
             return STEP_TOO_SMALL if math.isfinite(error) else NOT_FINITE
+        forget_crossings(d)
         error = attempt(d, h)
         if error <= 1.0:
             accept(d, h)
@@ -254,12 +262,12 @@ def find_step(d):
 def ends_well(d, theta):
     """End the last step at its fraction θ, if it is not −1; returns whether it keeps the ledger up to there.
 
-    The end of a contact is landed on by a step anew: the force is not smooth there, and the interpolant of a
-    step across it less accurate than the step.
+    The end of a contact and the kink of a force are landed on by a step anew: the force is not smooth there,
+    and the interpolant of a step across it less accurate than the step.
     """
     if theta == REFUSED:
         return False
-    if theta > 0.0 and ends_contact(d):
+    if theta > 0.0 and bends_force(d):
         h = theta * d.step.size
         take_back(d)
         if not attempt(d, h) <= 1.0:

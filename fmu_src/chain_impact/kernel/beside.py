@@ -12,10 +12,6 @@ def anew(_d):
     """D starts anew from the communication point, as something was set."""
 
 
-def leave(_d):
-    """D is about to take a step, and to forget the last one."""
-
-
 def step(_d):
     """D has taken a step."""
 

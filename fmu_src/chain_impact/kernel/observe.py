@@ -52,7 +52,7 @@ def fill_outputs(d):
         if d.contact.impulsive:
             out.force[c] = max(0.0, d.rigid.impulse[k])
         elif gap < 0.0:
-            out.force[c], _ = contact_force(d, c, gap, gap_rate)
+            out.force[c] = contact_force(d, c, gap, gap_rate)
             out.penetration[c], out.penetration_rate[c] = -gap, -gap_rate
     for k in range(followed(d)):
         out.impulse[d.touch.active_index[k]] = interpolate_component(d.impulse, theta, k)

@@ -108,18 +108,6 @@ def test_a_constant_of_a_joint_that_is_zero_may_vary():
     assert rules.resists(Dual(0.1, [0.0, 0.0]))
 
 
-@pytest.mark.parametrize(
-    ("approach_only", "beyond", "pulls", "leaves"), [(0, 0, 0, 0), (0, 1, 1, 1), (1, 1, 0, 1)]
-)
-def test_the_side_of_a_kink_decides_not_the_force(approach_only, beyond, pulls, leaves):
-    """Up to the very kink the force goes on as it is, whatever its sign."""
-    contact = SimpleNamespace(approach_only=approach_only)
-    t = SimpleNamespace(contact=contact, replay=SimpleNamespace(beyond=[1 - beyond, beyond]))
-    for number in (Dual(-1.0, [1.0]), Dual(1.0, [1.0])):
-        assert bool(rules.pulls(t, 1, number)) == pulls
-        assert bool(rules.leaves(t, 1, number)) == leaves
-
-
 COUNT = 10  # numbers in the state of a chain of one link
 
 

@@ -43,7 +43,7 @@ def peaks(d, c, force_rate, time, reader):
     """
     touch = d.touch
     gap, gap_rate = clearance(d, c)
-    force, _ = contact_force(d, c, gap, gap_rate)
+    force = contact_force(d, c, gap, gap_rate)
     peak, depth = max(touch.peak_force[c], force), max(touch.max_penetration[c], -gap)
     # both have a maximum inside the step when their rate falls through zero
     force_peaked = touch.force_rate[c] > 0.0 and force_rate <= 0.0
@@ -162,7 +162,7 @@ def sample(d, c, quantity, theta):
     interpolate(d.step, theta, d.work.y)
     locate_points(d, d.work.y)
     gap, gap_rate = clearance(d, c)
-    force, _ = contact_force(d, c, gap, gap_rate)
+    force = contact_force(d, c, gap, gap_rate)
     return force if quantity == FORCE else -gap
 
 

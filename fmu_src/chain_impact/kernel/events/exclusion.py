@@ -71,7 +71,7 @@ def excludes_events(d):
     for c in range(d.candidates):
         clear = clear and stays_positive(d, c, error)
     for k in range(d.touch.active_count):
-        clear = clear and not nearly_fast(d, d.touch.active_index[k])
+        clear = clear and is_quiet(d, d.touch.active_index[k])
     return clear
 
 
@@ -93,7 +93,7 @@ def remains_far(d):
     if step.regularized == NO_CONTACT:
         far = d.touch.active_count == 0
     else:
-        far = step.state_end[root_at(d.links)] > 0.0 and not nearly_fast(d, step.regularized)
+        far = step.state_end[root_at(d.links)] > 0.0 and is_quiet(d, step.regularized)
     if far:
         learn(d, FAR)
     return far
@@ -105,6 +105,11 @@ def fastest(vectors):
     for k in range(len(vectors.x)):
         most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
     return most
+
+
+def is_quiet(d, c):
+    """Whether contact c in the last step has not crossed its kink, nor may its v₀ be latched anew."""
+    return not (d.touch.crossed[c] or nearly_fast(d, c))
 
 
 def nearly_fast(d, c):

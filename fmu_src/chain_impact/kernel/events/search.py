@@ -18,6 +18,7 @@ from chain_impact.kernel.events.exclusion import (
     learn,
 )
 from chain_impact.kernel.events.kinds import END, ONSET
+from chain_impact.kernel.events.kinks import find_kink
 from chain_impact.kernel.events.relatch import find_relatch
 from chain_impact.kernel.events.release import find_release
 from chain_impact.kernel.integration.dense import interpolate_component
@@ -66,7 +67,7 @@ def find_event(d):
     if holding(d):
         theta = find_release(d, theta)
     elif d.touch.active_count > 0:
-        theta = find_relatch(d, theta)
+        theta = find_kink(d, find_relatch(d, theta))
     learn(d, VALUES)
     # the time in a regularized step is not under error control
     if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:

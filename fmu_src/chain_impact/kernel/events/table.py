@@ -6,6 +6,8 @@
               regularized contact                                 falling        crossing.py   end_contact
     RELATCH   δ̇ − 2 v₀ of a point in contact                      rising         relatch.py    latch_anew
     RELEASE   force with which a rigid wall holds a point         falling        release.py    collide
+    KINK      force before it is cut off, or δ̇ of a law that
+              damps on approach only                              either way     kinks.py      pass_kink
 
 Crossings of clearances are found between bounds, so that none is missed; the others at samples of a step
 (sampling.py), as missing one for a while does no harm. A handler takes (d, c), with the points located, and
@@ -17,12 +19,12 @@ from chain_impact.kernel.dispatch import dispatch
 from chain_impact.kernel.events.contact_log import finish
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.impulses import collide
-from chain_impact.kernel.events.kinds import END, NONE, ONSET, RELATCH, RELEASE
+from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, RELATCH, RELEASE
 from chain_impact.kernel.integration import step_size
 from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.integration.switching import begin_explicit, begin_flight, begin_impact
-from chain_impact.kernel.model.contact import clear_loads, latch, list_touching
-from chain_impact.kernel.model.contact_force import foresee_depth, latch_damping, may_jump
+from chain_impact.kernel.model.contact import clear_loads, latch, list_touching, take_side
+from chain_impact.kernel.model.contact_force import cut_off, foresee_depth, latch_damping, may_jump
 from chain_impact.kernel.model.geometry import clearance
 
 # Of the time scale of a contact, in which a point that has left is out of the wall. To end none before it is
@@ -33,6 +35,7 @@ LEFT = 0.01
 def begin_contact(d, c):
     """Begin the contact of a point that has arrived at a wall."""
     latch(d, c)
+    take_side(d, c)
     d.touch.active[c] = 1
     return may_jump(d.contact)
 
@@ -58,6 +61,15 @@ def latch_anew(d, c):
     touch.impact_speed[c] *= RELATCH_RATIO
     foresee_depth(d, c)
     latch_damping(d, c)
+    take_side(d, c)
+    return True
+
+
+def pass_kink(d, c):
+    """Go on with the force of the other side of its kink."""
+    if cut_off(d, c):
+        d.touch.force_rate[c] = 1.0  # rising
+    d.touch.beyond[c] = 1 - d.touch.beyond[c]
     return True
 
 
@@ -66,7 +78,14 @@ def nothing(_d, _c):
     return False
 
 
-_HANDLERS = {NONE: nothing, ONSET: begin_contact, END: end_contact, RELATCH: latch_anew, RELEASE: nothing}
+_HANDLERS = {
+    NONE: nothing,
+    ONSET: begin_contact,
+    END: end_contact,
+    RELATCH: latch_anew,
+    RELEASE: nothing,
+    KINK: pass_kink,
+}
 _handle = dispatch([_HANDLERS[kind] for kind in range(len(_HANDLERS))])
 
 
@@ -80,39 +99,45 @@ def apply_events(d):
         collide(d)
         begin_explicit(d.step)  # blows move what damping slows down
         return True
-    touch, onset, jumped, latched_anew = d.touch, -1, False, False
+    touch, onset, jumped, goes_on = d.touch, -1, False, False
     locate_points(d, d.step.state_end)
     if touch.active_count == 0:
         d.step.flight_size = d.step.next_size
     for c in range(d.candidates):
         kind = touch.event[c]
         jumped = _handle(kind, d, c) or jumped
-        latched_anew = latched_anew or kind == RELATCH
+        goes_on = goes_on or kind in (RELATCH, KINK)
         onset = c if kind == ONSET else onset
         touch.event[c] = NONE
     list_touching(d)
-    choose_size(d, onset, latched_anew)
+    choose_size(d, onset, goes_on)
     return jumped
 
 
-def choose_size(d, onset, latched_anew):
-    """Choose the size and the method of the step after events, of which the last onset is given, or −1."""
+def choose_size(d, onset, goes_on):
+    """Choose the size and the method of the step after events.
+
+    Args:
+        d: the instance.
+        onset: the candidate of the last onset among them, or −1.
+        goes_on: whether without an onset the size may remain as it is.
+    """
     if d.touch.active_count == 0:
         clear_loads(d)
         free = step_size.in_flight(d, d.step.state_end, d.work.rate_start)
         d.step.next_size = min(d.step.flight_size, free)
         begin_flight(d)
-    elif onset >= 0 or not (d.step.method == IMPLICIT or latched_anew):
+    elif onset >= 0 or not (d.step.method == IMPLICIT or goes_on):
         d.step.next_size = step_size.at_onset(d, onset if onset >= 0 else d.touch.active_index[0])
     if onset >= 0:
         begin_impact(d)
 
 
-def ends_contact(d):
-    """Whether a contact ends in the events that were found, where the step is not smooth for it."""
+def bends_force(d):
+    """Whether the events that were found are where the force of a contact is not smooth for the step."""
     if d.step.regularized >= 0 and d.touch.event[d.step.regularized] == END:
         return False
     for c in range(d.candidates):
-        if d.touch.event[c] == END:
+        if d.touch.event[c] in (END, KINK):
             return True
     return False

@@ -103,8 +103,10 @@ def attempt(d, h):
         return math.inf
     # e₅²/√(e₅² + e₃²/100): behaves as order 8, as e₅/e₃ does as h² (Hairer, Nørsett, Wanner)
     ratio = error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3)
-    # the error of a step is of order 9; in flight the difference is kept as a margin
-    return error_5 * ratio * (1.0 if d.step.regularized == NO_CONTACT else math.sqrt(ratio))
+    # the error of a step is of order 9; the difference is kept as a margin in flight, and where a force rises
+    # so steeply, as a root of u, that the step has not its order
+    steep = 0.0 < d.contact.rate_exponent < 0.5
+    return error_5 * ratio * (1.0 if d.step.regularized == NO_CONTACT or steep else math.sqrt(ratio))
 
 
 def make(d, h):

@@ -7,7 +7,9 @@ penetration is δ = −g and its rate δ̇ > 0 while compressing.
 from chain_impact.kernel.chain.kinematics import zero
 from chain_impact.kernel.model.compliance import effective_mass
 from chain_impact.kernel.model.contact_force import (
+    continued_force,
     foresee_depth,
+    height_over_kink,
     latch_damping,
     law_force,
     law_slopes,
@@ -17,19 +19,19 @@ from chain_impact.kernel.model.latest import list_impact
 
 
 def contact_force(d, c, gap, gap_rate):
-    """Force [N] of an active candidate at a clearance [m] and its rate [m/s], and dissipated power [W]."""
+    """Force [N] of an active candidate at a clearance [m] and its rate [m/s]."""
     # at the onset the clearance is 0 to round-off, and a force that jumps there has jumped
-    force, elastic = law_force(d, c, max(0.0, -gap), -gap_rate)
-    # what the elastic part does not store is lost: (F − K δⁿ) δ̇ ≥ 0
-    return force, (elastic - force) * gap_rate
+    force, _ = law_force(d, c, max(0.0, -gap), -gap_rate)
+    return force
 
 
 def apply_contact(d, c, gap, gap_rate):
     """Add the force of an active candidate to the load on its point; return the dissipated power [W]."""
-    force, power = contact_force(d, c, gap, gap_rate)
+    force, elastic = continued_force(d, c, max(0.0, -gap), -gap_rate)
     d.touch.force[c] = force
     add_along_normal(d, c, d.work.load, force)
-    return power
+    # what the elastic part does not store is lost: (F − K δⁿ) δ̇ ≥ 0
+    return (elastic - force) * gap_rate
 
 
 def clear_loads(d):
@@ -52,7 +54,7 @@ def apply_contacts(d):
 
 
 def contact_slopes(d, c):
-    """∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of an active candidate, for the located points; 0 where F is."""
+    """∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of an active candidate, for the located points; 0 where it is cut off."""
     gap, gap_rate = clearance(d, c)
     return law_slopes(d, c, max(0.0, -gap), -gap_rate)
 
@@ -83,6 +85,23 @@ def latch(d, c):
     d.impact.last_speed = touch.onset_speed[c]
     d.impulse.onset[c] = d.impulse.total[c]
     list_impact(d, c)
+
+
+def kink_height(d, c):
+    """What changes its sign at the kink of the force of candidate c, for the located points."""
+    gap, gap_rate = clearance(d, c)
+    return height_over_kink(d, c, max(0.0, -gap), -gap_rate)
+
+
+def take_side(d, c):
+    """Find on which side of the kink of its force candidate c is, for the located points."""
+    d.touch.beyond[c] = 1 if kink_height(d, c) < 0.0 else 0
+
+
+def forget_crossings(d):
+    """Forget the crossings that stages of steps before have noted."""
+    for k in range(d.touch.active_count):
+        d.touch.crossed[d.touch.active_index[k]] = 0
 
 
 def list_touching(d):

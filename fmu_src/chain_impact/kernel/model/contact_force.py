@@ -2,6 +2,10 @@
 
 The damping d is latched at the onset; of the laws in contact_laws.py, only what they make of it is left here.
 A user's law (user_law.py) is a force of its own.
+
+The force has a kink where it is cut off at 0 or, for a law that damps on approach only, at δ̇ = 0. Steps are
+smooth, and so of their order, as the force of one side of the kink is continued until it has been located
+(events/kinks.py); ``touch.beyond`` tells the side. What is looked at is the force as it is.
 """
 
 import math
@@ -68,17 +72,36 @@ def latch_damping(d, c):
 
 def law_force(d, c, depth, rate):
     """Force of candidate c at a penetration δ ≥ 0 [m] and its rate [m/s], and its elastic part K δⁿ [N]."""
-    force, elastic = uncut_force(d, c, depth, rate)
-    return 0.0 if pulls(d, c, force) else force, elastic
+    force, elastic = uncut_force(d, c, depth, rate, rate < 0.0)
+    # not max(), in which a NaN would be lost
+    return 0.0 if force < 0.0 else force, elastic
 
 
-def pulls(_d, _c, force):
-    """Whether a force would pull candidate c to the wall. One that is NaN does not, and goes on as it is."""
-    return force < 0.0
+def continued_force(d, c, depth, rate):
+    """As ``law_force``, continued from that side of its kink on which the contact is; notes a crossing."""
+    beyond = d.touch.beyond[c] != 0
+    force, elastic = uncut_force(d, c, depth, rate, beyond)
+    height = rate if d.contact.approach_only else force
+    if height > 0.0 if beyond else height < 0.0:
+        d.touch.crossed[c] = 1
+    return 0.0 if beyond and not d.contact.approach_only else force, elastic
 
 
-def uncut_force(d, c, depth, rate):
-    """As ``law_force``, but it may pull."""
+def height_over_kink(d, c, depth, rate):
+    """What changes its sign at the kink of the force of candidate c, falling on the way beyond it."""
+    if d.contact.approach_only:
+        return rate
+    force, _ = uncut_force(d, c, depth, rate, False)
+    return force
+
+
+def cut_off(d, c):
+    """Whether candidate c has no force, as its law would pull."""
+    return d.touch.beyond[c] != 0 and not d.contact.approach_only
+
+
+def uncut_force(d, c, depth, rate, leaves):
+    """As ``law_force``, but it may pull; ``leaves`` tells whether damping of approach alone has ended."""
     contact = d.contact
     spring = power(depth, contact.exponent)
     elastic = contact.stiffness * spring
@@ -93,7 +116,7 @@ def uncut_force(d, c, depth, rate):
             contact.restitution,
         )
         return force, elastic
-    return elastic + damping_slope(d, c, depth, rate, spring) * rate, elastic
+    return elastic + damping_slope(d, c, depth, leaves, spring) * rate, elastic
 
 
 def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
@@ -106,30 +129,26 @@ def may_jump(contact):
     return contact.law == USER_LAW or contact.rate_exponent == 0.0
 
 
-def damping_slope(d, c, depth, rate, spring):
+def damping_slope(d, c, depth, leaves, spring):
     """∂F/∂δ̇ = d δᵖ [N·s/m] of candidate c where the force is not cut off, for spring = δⁿ."""
     contact = d.contact
-    if contact.approach_only and leaves(d, c, rate):
+    if contact.approach_only and leaves:
         return 0.0
     same = contact.rate_exponent == contact.exponent
     return d.touch.damping[c] * (spring if same else power(depth, contact.rate_exponent))
 
 
-def leaves(_d, _c, rate):
-    """Whether the penetration of candidate c falls, at a rate δ̇ [m/s]."""
-    return rate < 0.0
-
-
 def law_slopes(d, c, depth, rate):
-    """∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of candidate c at a penetration δ ≥ 0 [m] and its rate; 0 where F is."""
-    force, elastic = law_force(d, c, depth, rate)
-    if force == 0.0:
+    """∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of candidate c at a penetration δ ≥ 0 [m] and its rate; 0 if cut off."""
+    if cut_off(d, c):
         return 0.0, 0.0
     if d.contact.law == USER_LAW and user_law.present():
         return user_slopes(d, c, depth, rate)
     contact = d.contact
-    damping = damping_slope(d, c, depth, rate, power(depth, contact.exponent))
-    # ∂F/∂δ = (n K δⁿ + p d δᵖ δ̇)/δ ≥ (n−p) K δⁿ⁻¹ as F > 0, for n ≥ p
+    beyond = d.touch.beyond[c] != 0
+    force, elastic = uncut_force(d, c, depth, rate, beyond)
+    damping = damping_slope(d, c, depth, beyond, power(depth, contact.exponent))
+    # ∂F/∂δ = (n K δⁿ + p d δᵖ δ̇)/δ ≥ (n−p) K δⁿ⁻¹ as F ≥ 0, for n ≥ p
     stiffness = contact.exponent * elastic + contact.rate_exponent * (force - elastic)
     return stiffness / depth if depth > 0.0 else 0.0, damping
 

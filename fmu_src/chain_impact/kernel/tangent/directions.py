@@ -36,14 +36,7 @@ TRUST = np.dtype(
 def tangent_dtype(instance):
     """The layout of an instance of dual numbers that goes with one of the layout ``instance``."""
     dual = dual_dtype(instance)
-    candidates = instance["touch"]["active"].shape
-    replay = np.dtype(
-        [
-            ("done", np.float64),  # the part of the last step of d that t has made, in its variable
-            ("beyond", np.int64, candidates),  # whether each contact is beyond its kink (kinks.py)
-        ]
-    )
-    return np.dtype([*((name, dual[name]) for name in dual.names), ("trust", TRUST), ("replay", replay)])
+    return np.dtype([*((name, dual[name]) for name in dual.names), ("trust", TRUST)])
 
 
 def value(number):

@@ -14,7 +14,7 @@ from chain_impact.kernel.soundness import within_bounds
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.blocks import block, words
 from chain_impact.kernel.tangent.directions import DIRECTIONS
-from chain_impact.kernel.tangent.replay import ALL, catch_up, move_end, replay
+from chain_impact.kernel.tangent.replay import move_end, replay
 from chain_impact.kernel.tangent.start import start, start_anew
 from chain_impact.kernel.tangent.trust import trusted
 from chain_impact.kernel.work_limit import work_done, work_of_a_call
@@ -32,14 +32,8 @@ def start_all_anew(d):
         start_anew(d, block(d, b))
 
 
-def end_steps(d):
-    """Make what is left of the last step of d."""
-    for b in range(d.tangents):
-        catch_up(d, block(d, b), ALL)
-
-
 def replay_step(d):
-    """Begin to make the last step of d."""
+    """Make the last step of d."""
     for b in range(d.tangents):
         replay(d, block(d, b))
 
@@ -47,9 +41,7 @@ def replay_step(d):
 def look_at_all(d, time):
     """Make a ``time`` [s] the communication point of all."""
     for b in range(d.tangents):
-        t = block(d, b)
-        catch_up(d, t, time)
-        set_present(t, time)
+        set_present(block(d, b), time)
 
 
 def observe_all(d):
@@ -72,7 +64,6 @@ def follow_all(d):
     """Follow the contacts of all to the communication point."""
     for b in range(d.tangents):
         t = block(d, b)
-        t.replay.done = 1.0
         follow_to_present(t)
         move_end(t)
 
@@ -89,7 +80,6 @@ def all_sound(d):
 HOOKS = {
     beside.begin: begin_all,
     beside.anew: start_all_anew,
-    beside.leave: end_steps,
     beside.step: replay_step,
     beside.look: look_at_all,
     beside.observe: observe_all,

@@ -9,12 +9,11 @@ the discretization, and have no derivatives.
 An event ends a step where a function φ of the state passes through zero, at a moment that depends on the
 parameters, too. With φ′ the derivatives of φ where the step ends for d, that moment moves by −φ′/φ̇, and the
 state there by ẏ times that. The time of the state is part of it, so nothing else has to be known of an event:
-what it changes of the state is differentiated as all else is.
+what it changes of the state is differentiated as all else is. At the kink of a force the rate does not
+change, and its moment does not matter.
 
 Source: for sensitivities through events, e.g. Galán, Feehery & Barton 1999, Appl Numer Math 31:17.
 """
-
-import math
 
 from chain_impact.kernel.advance import let_events_act, start_in_variable
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -24,78 +23,40 @@ from chain_impact.kernel.events.kinds import END, ONSET, RELATCH
 from chain_impact.kernel.integration import explicit, implicit
 from chain_impact.kernel.integration.impulse import followed
 from chain_impact.kernel.integration.last_step import (
-    SOLVER,
     accept,
     break_off,
     choose_variable,
-    complete,
     cut,
     see_points,
     see_rate,
-    take_back,
 )
 from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.model.geometry import along_normal, clearance
 from chain_impact.kernel.tangent.directions import carried, value
-from chain_impact.kernel.tangent.kinks import first_kink, forget_sides
 from chain_impact.kernel.tangent.start import follow_inputs
 from chain_impact.kernel.tangent.trust import judge_onsets, judge_turns
 
-ALL = math.inf  # a time beyond any step
-
 
 def replay(d, t):
-    """Begin to make the last step of d in dual numbers: all of it, or up to the first kink of a force."""
-    forget_sides(t)
-    t.replay.done = 0.0
-    make_part(d, t)
-
-
-def catch_up(d, t, time):
-    """Go on with the last step of d until t knows a ``time`` [s] or has made all of it."""
-    while t.replay.done < 1.0 and t.step.end < time:
-        make_part(d, t)
-
-
-def make_part(d, t):
-    """Make the last step of d from where t stands, up to its end or to the next kink of a force."""
+    """Make the last step of d in dual numbers."""
     let_events_act(t)
     follow_inputs(d, t)
     t.step.method = d.step.made_by
     choose_variable(t, True)
     start_in_variable(t)
     lands = ends_regularized(d)
-    size, kept = (d.step.size * d.step.kept, 1.0) if lands else (d.step.size, d.step.kept)
-    rest = 1.0 - t.replay.done
-    make(t, rest * size)
+    make(t, d.step.size * d.step.kept if lands else d.step.size)
     judge_turns(t)
-    until = (kept - t.replay.done) / rest
-    theta, c = first_kink(t, until)
-    if c >= 0:
-        take_back(t)
-        if theta > 0.0:
-            make(t, theta * rest * size)
-        pass_kink(t, c)
-        t.replay.done += theta * rest
-        return
-    if until < 1.0:
-        cut(t, until)
-    t.replay.done = 1.0
-    take_values(d, t)
     if lands:
+        take_values(d, t)
         break_off(t)
+    else:
+        if d.step.kept < 1.0:
+            cut(t, d.step.kept)
+        take_values(d, t)
     for c in range(d.candidates):
         t.touch.event[c] = d.touch.event[c]
     move_end(t)
-
-
-def pass_kink(t, c):
-    """Let contact c be on the other side of its kink from the end of the last step on."""
-    # all that is known of the step is worked out with the force in it
-    complete(t, SOLVER)
-    let_events_act(t)
-    t.replay.beyond[c] = 1 - t.replay.beyond[c]
-    break_off(t)
 
 
 def make(t, h):

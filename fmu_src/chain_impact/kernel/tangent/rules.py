@@ -42,16 +42,6 @@ def polar(radius, y, first, horizontal, vertical):
         vertical[i] = radius[i] * carried(sine, cosine, phi)
 
 
-def pulls(t, c, _force):
-    """Between two kinks the force is on one side (kinks.py)."""
-    return t.replay.beyond[c] and not t.contact.approach_only
-
-
-def leaves(t, c, _rate):
-    """Between two kinks damping acts or does not, likewise."""
-    return t.replay.beyond[c]
-
-
 def resists(constant):
     """A constant that varies counts even where its value is 0."""
     return value(constant) != 0.0 or varies(constant)
@@ -138,8 +128,6 @@ def moved(argument, by, at):
 
 RULES = {
     contact_force.power: power,
-    contact_force.leaves: leaves,
-    contact_force.pulls: pulls,
     contact_force.user_force: user_force,
     contact_laws.kuwabara_kono: kuwabara_kono,
     dense.fraction: fraction,

@@ -1,6 +1,6 @@
 """How an instance of dual numbers begins: the derivatives of what follows from the parameters."""
 
-from chain_impact.kernel.advance import hold_anew
+from chain_impact.kernel.advance import hold_anew, take_sides
 from chain_impact.kernel.initialize import derive_chain, forget_run, set_initial_state, take_given
 from chain_impact.kernel.integration.last_step import stand
 from chain_impact.kernel.integration.switching import begin_explicit
@@ -9,7 +9,6 @@ from chain_impact.kernel.model.contact import clear_loads
 from chain_impact.kernel.model.contact_force import foresee_depth, latch_damping
 from chain_impact.kernel.model.geometry import place_walls
 from chain_impact.kernel.tangent.directions import carried
-from chain_impact.kernel.tangent.kinks import take_sides
 from chain_impact.kernel.tangent.trust import TRUSTED
 
 
@@ -26,7 +25,7 @@ def start(d, t):
     clear_loads(t)
     begin_explicit(t.step)
     t.impact.last_time = d.step.time
-    t.trust.reason, t.replay.done = TRUSTED, 1.0
+    t.trust.reason = TRUSTED
 
 
 def start_anew(d, t):
@@ -39,8 +38,8 @@ def start_anew(d, t):
         if not t.contact.impulsive:
             foresee_depth(t, t.touch.active_index[k])
             latch_damping(t, t.touch.active_index[k])
-    take_sides(t)
     hold_anew(t, rigid)
+    take_sides(t)
     clear_loads(t)
 
 

@@ -66,8 +66,8 @@ def judge_turns(t):
 def jumps_at_rest(t, c, depth):
     """Whether the force of contact c jumps where its rate is zero."""
     rate = NEAR_REST * t.touch.impact_speed[c]
-    rising, _ = uncut_force(t, c, depth, rate)
-    falling, _ = uncut_force(t, c, depth, -rate)
+    rising, _ = uncut_force(t, c, depth, rate, False)
+    falling, _ = uncut_force(t, c, depth, -rate, False)
     return abs(value(rising) - value(falling)) > JUMPS * max(abs(value(rising)), abs(value(falling)))
 
 

@@ -1,0 +1,89 @@
+"""The kink of a contact's force: where it is cut off at 0 or, for a law that damps on approach only, δ̇ = 0.
+
+The force is continuous there and its slopes are not, so that a step across would lose its order. A step is
+made with the force of one side, continued as it is. Its stages, and its end, tell whether the kink has been
+crossed; it is then located, a step anew lands on it, and the next one goes on with the force of the other
+side. A point that has no force any more, but is still inside the wall, moves as in flight until it leaves,
+or until it is pressed so fast that the wall pushes again.
+"""
+
+from chain_impact.kernel.events.crossing import SIMULTANEOUS
+from chain_impact.kernel.events.kinds import KINK
+from chain_impact.kernel.events.sampling import locate_at
+from chain_impact.kernel.model.contact import drop_events, kink_height
+
+SAMPLES = 8  # places in a step to look at
+RESOLUTION = 1e-15  # of a step, in which a kink is located
+TRIES = 60
+
+
+def find_kink(d, touch):
+    """θ of the first of the event at ``touch`` (−1: none) and a kink; marks whose it is.
+
+    The points are located at that event, or at the end of the step.
+    """
+    end = touch if touch >= 0.0 else 1.0
+    first, found = end, -1
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        if d.touch.crossed[c] or crossed(d, c):
+            theta = first_crossing(d, c, first)
+            if theta >= 0.0:
+                found, first = c, theta
+            locate_at(d, first)
+    if found < 0:
+        return touch
+    drop_events(d)
+    # what is symmetric has its kinks at one moment, but for round-off
+    locate_at(d, min(end, first + SIMULTANEOUS / d.step.size))
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        d.touch.event[c] = KINK if c == found or crossed(d, c) else 0
+    locate_at(d, first)
+    return first
+
+
+def crossed(d, c):
+    """Whether contact c is on the other side of its kink, for the located points."""
+    height = kink_height(d, c)
+    return height > 0.0 if d.touch.beyond[c] else height < 0.0
+
+
+def first_crossing(d, c, end):
+    """The first θ ≤ ``end`` at which contact c is on the other side of its kink; −1 if no sample shows it."""
+    low = 0.0
+    for sample in range(1, SAMPLES + 1):
+        high = end * sample / SAMPLES
+        locate_at(d, high)
+        if crossed(d, c):
+            return root(d, c, low, high)
+        low = high
+    return -1.0
+
+
+def root(d, c, low, high):
+    """The θ at which contact c, located beyond its kink at ``high``, comes over it; ``low`` if it was before.
+
+    The rule of false position in its Illinois form (Dowell & Jarratt 1971, BIT 11:168).
+    """
+    at_high = kink_height(d, c)
+    locate_at(d, low)
+    at_low = kink_height(d, c)
+    if crossed(d, c) or at_low == at_high:
+        return low
+    last = 0
+    for _ in range(TRIES):
+        theta = high - at_high * (high - low) / (at_high - at_low)
+        locate_at(d, theta)
+        height = kink_height(d, c)
+        if crossed(d, c):
+            high, at_high = theta, height
+            at_low *= 0.5 if last > 0 else 1.0
+            last = 1
+        else:
+            low, at_low = theta, height
+            at_high *= 0.5 if last < 0 else 1.0
+            last = -1
+        if height == 0.0 or high - low <= RESOLUTION:
+            return theta
+    return high
