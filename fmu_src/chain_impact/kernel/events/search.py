@@ -17,7 +17,7 @@ from chain_impact.kernel.events.exclusion import (
     known,
     learn,
 )
-from chain_impact.kernel.events.kinds import END, ONSET
+from chain_impact.kernel.events.kinds import END, ONSET, REFUSED
 from chain_impact.kernel.events.relatch import find_relatch
 from chain_impact.kernel.events.release import find_release
 from chain_impact.kernel.integration.dense import interpolate_component
@@ -35,7 +35,6 @@ EARLY = 1e-3
 RESOLVED = (
     4e-15  # of the time: ten times what a step can be told from none by, as a try may be a tenth of the last
 )
-REFUSED = -2.0  # in place of θ
 
 
 def find_event(d):
