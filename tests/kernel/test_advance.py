@@ -8,8 +8,7 @@ import pytest
 from chain_impact.instance import new_instance
 from chain_impact.kernel import advance as loop
 from chain_impact.kernel.entry import UNLIMITED
-from chain_impact.kernel.events.kinds import ONSET
-from chain_impact.kernel.events.search import REFUSED
+from chain_impact.kernel.events.kinds import ONSET, REFUSED
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL, TOO_MUCH_WORK

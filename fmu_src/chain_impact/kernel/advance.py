@@ -11,8 +11,8 @@ import math
 from chain_impact.kernel import beside
 from chain_impact.kernel.events.contact_log import follow_contacts, follow_to_now
 from chain_impact.kernel.events.impulses import end_contacts, judge
-from chain_impact.kernel.events.kinds import ONSET
-from chain_impact.kernel.events.search import REFUSED, find_event
+from chain_impact.kernel.events.kinds import ONSET, REFUSED
+from chain_impact.kernel.events.search import find_event
 from chain_impact.kernel.events.table import apply_events, bends_force
 from chain_impact.kernel.initialize import derive_law, first_size, take_given
 from chain_impact.kernel.integration import step_size
@@ -38,7 +38,7 @@ from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.integration.methods import attempt, prepare
 from chain_impact.kernel.integration.sundman import regularize, time_rate_now
 from chain_impact.kernel.integration.switching import choose_method
-from chain_impact.kernel.model.contact import clear_loads, drop_events, forget_crossings, take_side
+from chain_impact.kernel.model.contact import clear_loads, drop_events, forget_stages, take_side
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.inputs import goes_on, take_inputs, within_piece
 from chain_impact.kernel.status import (
@@ -219,8 +219,6 @@ def hold_anew(d, rigid):
 
 def take_step(d):
     """Take one accepted step, up to the first event in it; returns a status."""
-    for c in range(d.candidates):
-        d.rigid.least[c] = 0.0  # of the stages to come
     status = check_events(d, begin(d))
     if status == OK:
         status = find_step(d)
@@ -240,7 +238,7 @@ def find_step(d):
     while True:
         if h < SHORTEST_STEP or step.end + h == step.end:
             return STEP_TOO_SMALL if math.isfinite(error) else NOT_FINITE
-        forget_crossings(d)
+        forget_stages(d)
         error = attempt(d, h)
         if error <= 1.0:
             accept(d, h)

@@ -34,11 +34,12 @@ STATUS_TEXT = {
     UNKNOWN_METHOD: "solver.method is not the number of a method",
     PARAMETER_OUT_OF_RANGE: "a parameter is not finite or lies outside its range",
     TOO_MUCH_WORK: "a second of simulated time takes more evaluations than solver.work_limit allows: "
-    "raise it, loosen solver.tolerance or lower contact.stiffness",
+    "raise it, loosen solver.tolerance, or lower contact.stiffness or the joint_stiffness of links",
     EXPONENT_NOT_ALLOWED: "the contact law is defined for another contact.exponent",
     RIGID_WHILE_TOUCHING: "contact.model can change to newton_impact only while no point touches a wall",
     ENERGY_NOT_KEPT: "the energy drifts in a second of simulated time by more than 100 times what "
-    "solver.tolerance allows for a step: tighten it if it is above 1e-8, or else loosen it",
+    "solver.tolerance allows for a step, or errors have added a fifth of the energy: tighten it if it is "
+    "above 1e-8, or else loosen it",
     MASS_MATRIX_SINGULAR: "links without inertia can turn about their centres of mass without moving any "
     "mass: the inertia of one of them must be > 0",
     STEP_TOO_LONG: "the time to the next communication point takes more evaluations than 20 times "

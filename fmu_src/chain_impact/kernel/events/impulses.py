@@ -23,14 +23,18 @@ from chain_impact.kernel.chain.state import coordinate_count, dissipated_at, vel
 from chain_impact.kernel.events.contact_log import finish
 from chain_impact.kernel.events.kinds import NEIGHBOUR, ONSET, RELEASE
 from chain_impact.kernel.integration.impulse import give_impulses
-from chain_impact.kernel.model.constraints import complement, meet_walls, press, start_from_accelerations
+from chain_impact.kernel.model.constraints import (
+    DOUBT,
+    RISE,
+    complement,
+    meet_walls,
+    place,
+    start_from_accelerations,
+)
 from chain_impact.kernel.model.contact import clear_loads, drop_events, latch, list_touching
 from chain_impact.kernel.model.equations import free_rate
 from chain_impact.kernel.model.geometry import clearance
 
-# Of a link length: a point that rises less before it falls again has not left. Its clearance could not be
-# told from round-off, and the fall would be located anywhere.
-RISE = 1e-14
 # Of the smallest speed that bounces: slower points do not leave, as bounces that are each a part of the last
 # would never end.
 STICK = 1e-3
@@ -104,7 +108,8 @@ def find_impulses(d, restitution):
         fast = -own.start[k] >= d.contact.minimum_impact_speed
         arrives = fast and d.touch.event[c] in (ONSET, NEIGHBOUR)
         # u⁺ ≥ −e u⁻
-        own.aim[k] = -restitution * own.start[k] if arrives else 0.0
+        aim = -restitution * own.start[k] if arrives else 0.0
+        own.aim[k] = aim if aim > STICK * d.contact.minimum_impact_speed else 0.0
         own.pressed[k] = 1
     complement(d, largest(d.work.velocity))
     for k in range(d.touch.active_count):
@@ -160,6 +165,7 @@ def judge(d):
         locate_points(d, state)
         meet_walls(d, state)
         give_impulses(d)
+        let_go(d)
         rate = d.work.rate
         free_rate(d, state, rate)
         scale = start_from_accelerations(d, state, rate)
@@ -170,6 +176,15 @@ def judge(d):
         part(d)
         list_touching(d)
     drop_events(d)
+
+
+def let_go(d):
+    """End the contacts that could not be brought to rest by impulses that push."""
+    scale = largest(d.work.velocity)
+    for k in range(d.touch.active_count):
+        if not d.rigid.pressed[k] and d.rigid.reached[k] > DOUBT * scale:
+            leave(d, d.touch.active_index[k])
+    list_touching(d)
 
 
 def part(d):
@@ -185,6 +200,6 @@ def part(d):
             own.pressed[k] = 1
             parting = True
     if parting:
-        press(d, d.model.size)
+        place(d)
         for j in range(coordinate_count(n)):
             state[j] += own.change[j]

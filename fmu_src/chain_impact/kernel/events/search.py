@@ -17,7 +17,7 @@ from chain_impact.kernel.events.exclusion import (
     known,
     learn,
 )
-from chain_impact.kernel.events.kinds import END, ONSET
+from chain_impact.kernel.events.kinds import END, ONSET, REFUSED
 from chain_impact.kernel.events.kinks import find_kink
 from chain_impact.kernel.events.relatch import find_relatch
 from chain_impact.kernel.events.release import find_release
@@ -36,7 +36,6 @@ EARLY = 1e-3
 RESOLVED = (
     4e-15  # of the time: ten times what a step can be told from none by, as a try may be a tenth of the last
 )
-REFUSED = -2.0  # in place of θ
 
 
 def find_event(d):

@@ -12,6 +12,11 @@ turns by 1 rad in a second, E₂ = M s² in a second squared, M the mass, k |φ|
 rad, and s_δ, v₀ and m those of the active contacts. A step that changes much more is rejected: there is
 something that its error estimate does not see, such as a motion that fades within its first stage. Nor must
 the errors of all steps in a second of simulated time add up to much more.
+
+S grows with an energy that comes from errors, and stiff springs make it far more than the energy itself. So
+all steps since the start together must not bring more than a tenth of what motion, springs, walls and heat
+can have by the start and the inputs: the ledger of the start less the potential energy, plus the supplied
+energy. Once they have, only steps that bring no more are accepted.
 """
 
 import math
@@ -36,6 +41,10 @@ OF_A_STEP = 3.0
 # they add up to 230 in 100,000 steps. A run that goes beyond ends with a status.
 OF_A_WINDOW = 100.0
 WINDOW = 1.0  # s, as that of the work limit
+GAIN = 0.1  # of the energy that there can be: what errors of all steps may bring
+# Of the same: what a step may bring beyond that, so that round-off does not stop a run. When all of this adds
+# up to another GAIN the run ends.
+SLIP = 1e-8
 # A tolerance above which the first step of a run, whose size is a guess, can be half a turn and right by
 # chance.
 LOOSE = 1e-4
@@ -59,8 +68,10 @@ def start_balance(d, time):
     balance.unit_scale = balance.weight * reach + model.energy
     balance.start = time
     take_stock(d)
-    balance.before = balance.ledger
+    balance.before, balance.origin = balance.ledger, balance.ledger
     begin_window(d)
+    balance.there = balance.least
+    see_there(d, d.step.state_end)
 
 
 def begin_window(d):
@@ -85,6 +96,7 @@ def restart_balance(d):
         balance, before = d.balance, d.balance.before
         take_stock(d)
         balance.reference += balance.ledger - before
+        balance.origin += balance.ledger - before
 
 
 def keeps_balance(d, theta):
@@ -105,10 +117,28 @@ def keeps_balance(d, theta):
         if not abs(change) <= allowed:
             return False
         balance.allowed = max(balance.allowed, allowed)
+    if change > 0.0 and has_gained(d, y, present, GAIN) and change > SLIP * balance.there:
+        return False
     if d.step.rate_known and is_long(d) and not interpolates(d):
         return False
     balance.before, balance.ledger = balance.ledger, present
     return True
+
+
+def has_gained(d, y, present, share):
+    """Whether the ledger, now ``present`` [J], has grown by more than a share of what there can be."""
+    balance = d.balance
+    gain = present - balance.origin
+    if gain > share * balance.there:
+        see_there(d, y)
+    return gain > share * balance.there
+
+
+def see_there(d, y):
+    """See that the most energy that there could be counts that in state y, for the located points."""
+    balance, supplied = d.balance, y[supplied_at(d.links)]
+    _, potential = mechanical_energy(d, y)
+    balance.there = max(balance.there, balance.least + balance.origin - potential + max(0.0, supplied))
 
 
 def is_long(d):
@@ -161,8 +191,10 @@ def allowance(d, y):
 
 
 def check_balance(d):
-    """ENERGY_NOT_KEPT when the steps of a window have changed the ledger by far too much, or OK."""
+    """ENERGY_NOT_KEPT when the steps of a window, or all, have changed the ledger by far too much, or OK."""
     balance = d.balance
+    if balance.ledger - balance.origin > 2.0 * GAIN * balance.there:
+        return ENERGY_NOT_KEPT
     if d.step.end >= balance.start + WINDOW:
         balance.start = d.step.end
         begin_window(d)

@@ -73,6 +73,11 @@ def stand_impulses(d):
 
 
 def give_impulses(d):
-    """Add the impulses of rigid walls, found just now, to the totals."""
+    """Add the impulses of rigid walls, found just now, to the totals.
+
+    What corrects errors may pull, but never by more than a contact has pushed: no impact has an impulse < 0.
+    """
+    own = d.impulse
     for k in range(d.touch.active_count):
-        d.impulse.total[d.touch.active_index[k]] += d.rigid.impulse[k]
+        c = d.touch.active_index[k]
+        own.total[c] = max(own.total[c] + d.rigid.impulse[k], min(own.total[c], own.onset[c]))

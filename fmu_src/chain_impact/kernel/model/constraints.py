@@ -18,7 +18,7 @@ lets it, and it needs no independent constraints. D is a million times a link's 
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
-from chain_impact.kernel.chain.state import coordinate_count, dissipated_at, velocity_at
+from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, velocity_at
 from chain_impact.kernel.model.compliance import give_way, stiffen
 from chain_impact.kernel.model.geometry import along_normal, clearance
 from chain_impact.kernel.work_limit import overdrawn
@@ -31,6 +31,12 @@ STIFF = 1e6
 STIFFEST, STIFFER = 1e12, 1e3
 MOST_SWEEPS = 30  # never reached but in toggle positions, where the last ones bring nothing
 ROUND_OFF = 1e-15  # of the largest motion: what may be missing at the end
+# Of a link length: a point that rises less before it falls again has not left. Its clearance could not be
+# told from round-off, and the fall would be located anywhere.
+RISE = 1e-14
+# Times the tolerance plus what a clearance is off, of 1 rad and of a link length: how far coordinates can be
+# off.
+MISPLACED = 10.0
 DOUBT = 1e-12  # of the largest: a sign within it is round-off's, and does not change the active set
 # Rounds in which changing all that are wrong may leave as many wrong, before one at a time is changed, which
 # is bound to end but takes more rounds.
@@ -192,7 +198,9 @@ def hold(d, y, rate):
 def meet_walls(d, y):
     """Move the located state y to g = 0 and ġ = 0 of the held contacts, so that errors do not add up.
 
-    What that takes of the kinetic energy counts as dissipated: near a toggle position it may be all.
+    Near a toggle position, or where two points all but coincide, the same errors of ġ may ask for any
+    impulse. Where walls would pull by more than the errors explain, the points that leave are not stopped and
+    keep their ġ > 0, in ``d.rigid.reached``. What all that takes of the kinetic energy counts as dissipated.
     """
     own, n = d.rigid, d.links
     for derivative in range(2):
@@ -200,10 +208,52 @@ def meet_walls(d, y):
         for k in range(d.touch.active_count):
             gap, gap_rate = clearance(d, d.touch.active_index[k])
             own.start[k] = gap_rate if derivative else gap
-        press(d, largest(d.work.velocity) if derivative else d.model.size)
+        if derivative:
+            stop(d)
+        else:
+            place(d)
         for j in range(coordinate_count(n)):
             y[derivative * velocity_at(n) + j] += own.change[j]
         locate_points(d, y)
     for k in range(d.touch.active_count):
         # −½ p (u⁻ + u⁺)
         y[dissipated_at(n)] -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
+
+
+def place(d):
+    """Find the change of the coordinates that brings the pressed candidates to their aims, g = aim.
+
+    Where that is far more than what is missing and errors explain, it only moves those that fall short.
+    """
+    own, size, asked, moved = d.rigid, d.model.size, 0.0, 0.0
+    for k in range(d.touch.active_count):
+        asked = max(asked, abs(own.aim[k] - own.start[k]))
+    press(d, size)
+    for j in range(coordinate_count(d.links)):
+        moved = max(moved, abs(own.change[j]) / (size if j < ANGLES else 1.0))
+    if moved > MISPLACED * (d.solver.tolerance + asked / size):
+        complement(d, size)
+
+
+def stop(d):
+    """Find the impulses that stop the pressed candidates, of which none pulls by more than errors explain."""
+    speed = largest(d.work.velocity)
+    press(d, speed)
+    if least_impulse(d) < -corrected(d, speed):
+        complement(d, speed)
+
+
+def least_impulse(d):
+    """The least of the impulses, or 0 if all push."""
+    least = 0.0
+    for k in range(d.touch.active_count):
+        least = min(least, d.rigid.impulse[k])
+    return least
+
+
+def corrected(d, speed):
+    """The momentum [N·s] of the chain at the error of a ``speed`` [m/s] and after a fall by RISE."""
+    size = d.model.size
+    mass = d.model.energy / (size * size)
+    rise = math.sqrt(2.0 * (d.model.gravity_size + size) * RISE * size)
+    return mass * (rise + d.solver.tolerance * (size + speed))

@@ -98,10 +98,12 @@ def take_side(d, c):
     d.touch.beyond[c] = 1 if kink_height(d, c) < 0.0 else 0
 
 
-def forget_crossings(d):
-    """Forget the crossings that stages of steps before have noted."""
+def forget_stages(d):
+    """Forget what the stages of earlier steps have noted: crossings, and the least force of a rigid wall."""
     for k in range(d.touch.active_count):
-        d.touch.crossed[d.touch.active_index[k]] = 0
+        c = d.touch.active_index[k]
+        d.touch.crossed[c] = 0
+        d.rigid.least[c] = 0.0
 
 
 def list_touching(d):
