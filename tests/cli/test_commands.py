@@ -366,6 +366,15 @@ def test_a_picture_of_a_scene_has_rows_of_its_own(run, here, monkeypatch):
     assert len(shown[0].time) == 1001
 
 
+def test_the_window_has_the_rows_of_the_picture(run, monkeypatch):
+    shown = []
+    monkeypatch.setattr("chain_impact.cli.simulate.open_window", mpl.figure.Figure)
+    monkeypatch.setattr(pyplot, "show", lambda: None)
+    monkeypatch.setattr("chain_impact.results.plots.fill", lambda _, recording: shown.append(recording))
+    assert run("simulate", "four_link_box", "--set", "simulation.step_size=0.1", "--show")[0] == 0
+    assert len(shown[0].time) == 1001
+
+
 def test_a_picture_of_an_fmu_says_what_it_cannot_show(run, here, fmu):
     code, _, said = run("simulate", fmu, "--set", "simulation.step_size=0.1", "--plot", "a.png")
     assert code == 0

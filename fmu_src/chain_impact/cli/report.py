@@ -29,6 +29,7 @@ def report(
     csv: Path | None,
     picture: Path | None,
     sensitivities: Sequence[str] = (),
+    *,
     window: Figure | None = None,
 ) -> None:
     """Simulate, write the files asked for and print a summary; also of what came before a fault.

@@ -37,7 +37,8 @@ def add(verbs: Verbs) -> None:
 def run(options: argparse.Namespace) -> int:
     """Simulate a scene or an FMU; print a summary, and write what was asked for."""
     window = open_window() if options.show else None
-    report(options.source, options.set, options.csv, options.plot, names_in(*options.sensitivity), window)
+    names = names_in(*options.sensitivity)
+    report(options.source, options.set, options.csv, options.plot, names, window=window)
     if window:
         from matplotlib import pyplot
 

@@ -239,8 +239,9 @@ class Result:
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure | None:
         """Draw motion, energy and impacts.
 
-        The picture shows the rows of this result and nothing between them: at a coarse ``output_step`` a path is
-        a line from row to row. ``chain-impact simulate --plot`` simulates once more, with rows for the picture.
+        The picture shows the rows of this result and nothing between them: with a coarse ``output_step``
+        a path is straight from row to row. ``chain-impact simulate`` with ``--plot`` or ``--show`` simulates
+        once more where there are fewer than 1000 rows.
 
         Args:
             path: a file, whose suffix says which kind: png, svg or pdf; without it the figure is returned,

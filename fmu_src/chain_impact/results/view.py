@@ -10,13 +10,15 @@ from chain_impact.walls import HalfPlane
 
 NEAR = 0.2  # of the motion's width: a wall farther from the motion is left out
 PIN = 0.08  # of the motion's width: the height of the ground mark of a pinned base
-SUPPORT = np.array([[0.0, 0.0], [-0.4, 0.65], [0.4, 0.65], [0.0, 0.0]])  # in heights of the mark, from the base
+SUPPORT = np.array([[0.0, 0.0], [-0.4, 0.65], [0.4, 0.65], [0.0, 0.0]])  # in heights of the mark
 GROUND = np.array([[-0.75, 0.65], [0.75, 0.65]])
 HATCHES = [np.array([[x, 0.65], [x + 0.25, 1.0]]) for x in (-0.7, -0.35, 0.0, 0.35)]
 
 
 def pin_mark(points: np.ndarray) -> list[np.ndarray]:
-    """The lines of the ground mark of a pinned base: a support on hatched ground, on the side away from the chain.
+    """The lines of a pinned base's ground mark: a support on hatched ground.
+
+    It stands above the base if the chain is on the mean below it, else below.
 
     Args:
         points: positions, shape (T, N+1, 2) [m].
@@ -35,7 +37,7 @@ def pin_mark(points: np.ndarray) -> list[np.ndarray]:
 def seen(
     points: np.ndarray, walls: Mapping[str, HalfPlane], radius: float = 0.0
 ) -> tuple[np.ndarray, list[HalfPlane]]:
-    """The rectangle that holds a motion, with a pinned base's mark, and the nearest places of the walls near it.
+    """The rectangle that holds a motion, a pinned base's mark, and where the walls near them are nearest.
 
     Args:
         points: positions, shape (T, N+1, 2) [m].

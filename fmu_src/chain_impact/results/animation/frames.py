@@ -38,7 +38,7 @@ class Motion:
         view: lower left and upper right corner of what is to be seen, shape (2, 2) [m].
         anchor: where there is more room than for the view, how much of it lies left of it and below, 0…1.
         radius: of the points that can touch [m].
-        pin: the lines of the ground mark of a pinned base, each of shape (n, 2) [m]; none of a base that moves.
+        pin: the lines of a pinned base's ground mark, each of shape (n, 2) [m]; none of a base that moves.
     """
 
     name: str

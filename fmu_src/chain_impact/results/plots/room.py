@@ -35,7 +35,7 @@ def view_of(recording: Recording) -> tuple[np.ndarray, list[HalfPlane]]:
 
 
 def draw_walls(axes: Axes, recording: Recording) -> None:
-    """The room between the walls near the motion, and the ground mark of a pinned base; sets the axes' limits."""
+    """The room between the walls near the motion, and a pinned base's mark; sets the limits of the axes."""
     draw_room(axes, *view_of(recording))
     draw_pin(axes, pin_mark(recording.points))
 
