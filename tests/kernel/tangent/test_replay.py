@@ -58,4 +58,4 @@ def test_the_run_is_the_same_with_derivatives_and_without(name):
     case = CASES[name]
     values, _ = followed(started(case), [*case.times])
     plain = simulate(case.scene, inputs=case.inputs, output_step=case.scene.simulation.stop_time)
-    np.testing.assert_array_equal(values[-1], [column[-1] for column in plain.columns.values()])
+    np.testing.assert_array_equal(values[-1], [column[-1] for column in plain.motion.values()])
