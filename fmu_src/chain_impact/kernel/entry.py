@@ -5,9 +5,8 @@ from chain_impact.kernel.events.contact_log import follow_to_now
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import LOG_FULL, OK, PAUSED
-from chain_impact.kernel.work_limit import work_done, work_of_a_call
+from chain_impact.kernel.work_limit import UNLIMITED, allow_any_length, work_done, work_of_a_call
 
-UNLIMITED = 1 << 62
 # the first two numbers in a row of `run_each`
 PEAK_FORCE, MAX_PENETRATION, PEAKS = 0, 1, 2
 
@@ -49,6 +48,7 @@ def trajectory(d, times, output, rows):
     room = len(d.finished.point) - d.candidates
     work = work_done(d) + work_of_a_call(d)
     for row in range(len(times)):
+        allow_any_length(d)
         if advance(d, times[row], room, work) != OK:
             return row
         observe(d)
@@ -96,6 +96,7 @@ def finish_run(d, stop, work, row):
     """Advance to ``stop`` [s], with the peaks in a row of ``run_each``; returns a status."""
     room = len(d.finished.point) - d.candidates
     status = LOG_FULL
+    allow_any_length(d)
     while status == LOG_FULL:
         status = advance(d, stop, room, work)
         for k in range(d.finished.count):
