@@ -2,8 +2,6 @@
 
 import json
 import math
-import shlex
-import subprocess
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
@@ -70,15 +68,3 @@ def test_a_package_that_was_never_installed_is_asked_for_by_its_name(monkeypatch
 
     monkeypatch.setattr(extras, "distribution", absent)
     assert how_to_install("fit").endswith(" 'chain-impact[fit]'")
-
-
-def test_pip_understands_the_command():
-    """It resolves what it is told to install, without installing it."""
-    command = [
-        *shlex.split(how_to_install("compiler")),
-        "--dry-run",
-        "--no-deps",
-        "--no-build-isolation",
-        "-q",
-    ]
-    assert subprocess.run(command, capture_output=True, check=False).returncode == 0

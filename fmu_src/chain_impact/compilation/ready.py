@@ -11,9 +11,10 @@ import functools
 import lzma
 import os
 import shutil
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
+from typing import Any
 
 from chain_impact.compilation import cache, compilers
 from chain_impact.compilation.sources import PACKAGE, fingerprint
@@ -23,6 +24,7 @@ KERNEL, DERIVATIVES, WIDE = "kernel", "derivatives", "derivatives-wide"
 """Kinds of kernels: without derivatives; with them, for any processor; and the same for one like this."""
 PROCESSORS = {KERNEL: None, DERIVATIVES: None, WIDE: compilers.WIDE_CPU}
 MODULE = f"{KERNEL}.ll.xz"  # the lowered kernel, packed in a wheel
+PATIENCE = 10.0  # s, after which who waits is told that work goes on
 MADE_FROM = "sources.txt"  # the fingerprint of the sources that they are made from
 LARGEST_EXACT = 10
 """Up to so many links there is a kernel for each number of links. All longer chains share one that reads the
@@ -122,9 +124,16 @@ def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Call
         return cache.made(name, lower).read_text()
 
     with ThreadPoolExecutor(os.cpu_count()) as pool:
+
+        def each(work: Callable[[str], Any], names: Iterable[str]) -> list[Any]:
+            running = [pool.submit(work, name) for name in names]
+            while wait(running, timeout=PATIENCE).not_done:
+                say("still at work")
+            return [one.result() for one in running]
+
         preparing = pool.submit(compilers.prepare_zig, platform)
         names = list(dict.fromkeys(lowered(kind) for kind, _ in wanted.values()))
-        texts = dict(zip(names, pool.map(text, names), strict=True))
+        texts = dict(zip(names, each(text, names), strict=True))
         preparing.result()
 
         def library(name: str) -> None:
@@ -141,4 +150,4 @@ def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Call
             file.write_bytes(lzma.compress(texts[lowered(KERNEL)].encode(), preset=1))
 
         cache.made(MODULE, pack)
-        list(pool.map(library, wanted))
+        each(library, wanted)
