@@ -168,7 +168,7 @@ class Entry:
 
 
 def entries() -> list[Entry]:
-    """What is in the cache and its stand-in: the folders for some sources and compilers, and the linker's own."""
+    """What is in the cache and its stand-in: folders for some sources and compilers, and the linker's own."""
     folders = [path for place in _places() if place.is_dir() for path in sorted(place.iterdir())]
     return [_entry(path) for path in folders if path.is_dir() and _OURS.fullmatch(path.name)]
 
