@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import select
 import subprocess
 import textwrap
 import venv
 from collections.abc import Callable
+from contextlib import suppress
 from importlib.metadata import distribution
 from inspect import getsource
 from pathlib import Path
@@ -15,6 +17,7 @@ from typing import Any
 from packaging.requirements import Requirement
 
 FORKS = Path(__file__).with_name("forks.py")
+PATIENCE = 600.0  # s, for a function to end, however slow the machine is
 
 
 def make_environment(folder: Path, *names: str) -> None:
@@ -66,14 +69,32 @@ class Processes:
         """The exit code, or minus the number of a signal, and what was printed to both streams."""
         parent = self.parents.get(module) or self.start(module)
         files = [self.folder / name for name in ("printed", "errors")]
-        print(json.dumps([*call, *map(str, files)]), file=parent.stdin, flush=True)
-        code = int(parent.stdout.readline())
-        return code, *(file.read_text(errors="replace") for file in files)
+        with suppress(BrokenPipeError):  # it has died, which is said below
+            print(json.dumps([*call, *map(str, files)]), file=parent.stdin, flush=True)
+        ready, _, _ = select.select([parent.stdout], [], [], PATIENCE)
+        answer = parent.stdout.readline() if ready else ""
+        assert answer, self.failure(module, "has died" if ready else f"gave no answer in {PATIENCE:g} s")
+        return int(answer), *(file.read_text(errors="replace") for file in files)
+
+    def failure(self, module: str, what: str) -> str:
+        """What is wrong with the process that imports a module; it is ended, the next call starts anew."""
+        parent = self.parents.pop(module)
+        parent.kill()
+        with suppress(BrokenPipeError):
+            parent.communicate()
+        return f"the process that imports {module} {what}:\n{self.errors(module).read_text(errors='replace')}"
+
+    def errors(self, module: str) -> Path:
+        """What the process that has imported a module writes on standard error."""
+        return self.folder / f"{module}.errors"
 
     def start(self, module: str) -> subprocess.Popen[str]:
         """The process that has imported a module."""
         pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-        self.parents[module] = subprocess.Popen([*self.command, module], **pipes, **self.settings, text=True)
+        with self.errors(module).open("w") as errors:
+            self.parents[module] = subprocess.Popen(
+                [*self.command, module], **pipes, **self.settings, stderr=errors, text=True
+            )
         return self.parents[module]
 
     def end(self) -> None:

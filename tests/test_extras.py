@@ -39,10 +39,18 @@ HERE = Path(__file__).parents[1]
         ),
         (
             {"url": "https://example.org/chain.git", "vcs_info": {"vcs": "git", "commit_id": "1"}},
-            "'chain-impact[fit] @ git+https://example.org/chain.git'",
+            "'chain-impact[fit] @ git+https://example.org/chain.git@1'",
+        ),
+        (
+            {
+                "url": "https://example.org/all.git",
+                "vcs_info": {"vcs": "git", "commit_id": "1", "requested_revision": "v1.2"},
+                "subdirectory": "chain",
+            },
+            "'chain-impact[fit] @ git+https://example.org/all.git@v1.2#subdirectory=chain'",
         ),
     ],
-    ids=["by name", "editable", "from a clone", "the clone is gone", "a wheel", "git"],
+    ids=["by name", "editable", "from a clone", "the clone is gone", "a wheel", "git", "a part of a tag"],
 )
 def test_the_command_names_this_python_and_where_the_package_came_from(origin, asked, monkeypatch):
     class Installed:

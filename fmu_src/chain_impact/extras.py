@@ -46,7 +46,10 @@ def _requirement(extra: str) -> str:
     url = origin.get("url", "")
     named = f"{NAME}[{extra}]"
     if "vcs_info" in origin:
-        return shlex.quote(f"{named} @ {origin['vcs_info']['vcs']}+{url}")
+        vcs = origin["vcs_info"]
+        revision = vcs.get("requested_revision") or vcs["commit_id"]
+        part = f"#subdirectory={origin['subdirectory']}" if origin.get("subdirectory") else ""
+        return shlex.quote(f"{named} @ {vcs['vcs']}+{url}@{revision}{part}")
     path = Path(unquote(urlsplit(url).path))
     if url.startswith("file:") and path.exists():
         editable = "-e " if origin.get("dir_info", {}).get("editable") else ""

@@ -191,20 +191,65 @@ def test_where_the_cache_can_only_be_read_a_temporary_one_stands_in(read_only):
 
     assert made("a.so", make).is_relative_to(read_only)
     other = made("b.so", make)
-    assert other.parents[1] == places.stand_in(read_only)
+    assert other.parents[1] == places.stand_in_path(read_only)
     assert made("b.so", make) == other == cache.find("b.so")
     assert len(calls) == 1
-    assert cache.linker_folder().parent == places.stand_in(read_only)
-    assert stat.S_IMODE(places.stand_in(read_only).stat().st_mode) == 0o700
+    assert cache.linker_folder().parent == places.stand_in_path(read_only)
+    assert stat.S_IMODE(places.stand_in_path(read_only).stat().st_mode) == 0o700
 
 
-def test_a_temporary_folder_of_somebody_else_is_not_used(read_only, tmp_path):
-    """Who made it could put a library there, which would be run."""
-    places.stand_in(read_only).symlink_to(tmp_path)
-    with pytest.raises(
-        BuildError, match=r"nothing can be kept in .* \(belongs to another user\): free space"
-    ):
+@pytest.fixture(params=["a link", "of another user", "that others can write"])
+def foreign(request, read_only, tmp_path, monkeypatch):
+    """A temporary folder that another user may have put a library in, which would be run."""
+    if request.param == "of another user":
+        other = read_only.stat().st_uid + 1
+        monkeypatch.setattr(places.os, "getuid", lambda: other)
+    folder = places.stand_in_path(read_only)
+    if request.param == "a link":
+        (tmp_path / "elsewhere").mkdir(mode=0o700)
+        folder.symlink_to(tmp_path / "elsewhere")
+    else:
+        folder.mkdir()
+        folder.chmod(0o777 if request.param == "that others can write" else 0o755)
+    (folder / cache_folder().name).mkdir()
+    (folder / cache_folder().name / "b.so").write_text("foreign")
+    return folder
+
+
+def test_a_temporary_folder_that_others_can_write_is_not_used(foreign):
+    assert cache.find("b.so") is None
+    with pytest.raises(BuildError) as caught:
         made("b.so", lambda path: path.write_text("other"))
+    assert str(caught.value).startswith(
+        f"nothing can be kept in {foreign} (other users can write there): free space there, or"
+    )
+    assert [entry.path for entry in entries()] == [cache_folder()]
+    clear()
+    assert (foreign / cache_folder().name / "b.so").read_text() == "foreign"
+
+
+def test_what_stands_in_is_told_and_removed(read_only):
+    other = made("b.so", lambda path: path.write_text("1234567"))
+    assert [entry.files for entry in entries()] == [("a.so",), ("b.so",)]
+    lines = list(cache_report([], entries(), cache_folder()))
+    assert lines[1].startswith(f"cache    {read_only}, ")
+    assert lines[3].startswith(f"stand-in {other.parents[1]}, ")
+    assert all("(in use): " in lines[row] for row in (2, 4))
+    assert clear() == len("whole") + 7
+    assert entries() == []
+
+
+@pytest.mark.parametrize("where", ["elsewhere", "its folder"])
+def test_other_errors_than_of_a_place_to_keep_are_as_they_are(tmp_path, where):
+    """A source that may not be read, and a pipe whose reader has gone."""
+    number = errno.EACCES if where == "elsewhere" else errno.EPIPE
+    path = str(tmp_path / "source" if where == "elsewhere" else cache_folder() / "a.so")
+
+    def fail(_):
+        raise OSError(number, os.strerror(number), path)
+
+    with pytest.raises(OSError, match=os.strerror(number)):
+        made("a.so", fail)
 
 
 def test_a_cache_that_cannot_be_made_is_one_sentence(tmp_path, monkeypatch):
@@ -263,6 +308,8 @@ def test_who_waits_says_so(monkeypatch):
 def test_a_cache_that_is_cleared_meanwhile_is_one_clear_error():
     with pytest.raises(BuildError, match=r"was removed while a\.so was made there: try again"):
         made("a.so", lambda _: clear())
+    with pytest.raises(BuildError, match=r"was removed while a\.so was made there: try again"):
+        made("a.so", lambda path: (clear(), path.write_text("whole")))
 
 
 def test_what_is_there_is_told_and_removed():

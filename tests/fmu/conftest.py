@@ -78,15 +78,21 @@ def native(all_fmus) -> dict[str, str]:
 
 
 @pytest.fixture(scope="session")
-def clean(tmp_path_factory) -> Iterator[Clean]:
-    """Run ``function(*arguments)`` in a process that knows fmpy and pythonfmu, and not this package or numba.
+def clean_python(tmp_path_factory) -> Path:
+    """The Python of an environment that has fmpy and pythonfmu, and not this package or numba."""
+    environment = shared_folder(tmp_path_factory, "clean") / "environment"
+    once(environment, lambda folder: make_environment(folder, "pythonfmu", "fmpy"))
+    return environment / "bin" / "python"
+
+
+@pytest.fixture(scope="session")
+def clean(clean_python, tmp_path_factory) -> Iterator[Clean]:
+    """Run ``function(*arguments)`` in a process of the clean Python.
 
     All that it uses is what it imports and importer.py, or, in place of that, the ``module`` interface.py.
     """
-    environment = shared_folder(tmp_path_factory, "clean") / "environment"
-    once(environment, lambda folder: make_environment(folder, "pythonfmu", "fmpy"))
-    python, folder = environment / "bin" / "python", tmp_path_factory.mktemp("clean")
-    processes = Processes(folder, Path(__file__).parent, python, "-I", "-X", "faulthandler")
+    folder = tmp_path_factory.mktemp("clean")
+    processes = Processes(folder, Path(__file__).parent, clean_python, "-I", "-X", "faulthandler")
     yield lambda *call, module="importer": processes.run(*call, module=module)
     processes.end()
 

@@ -324,3 +324,14 @@ def test_an_invalid_fmu_does_not_appear(tmp_path, monkeypatch, fmus):
 def test_the_folder_is_made(tmp_path, fmus):
     assert build_fmu("rod_drop", tmp_path / "a" / "b") == tmp_path / "a" / "b" / "RodDrop.fmu"
     assert [path.name for path in (tmp_path / "a" / "b").iterdir()] == ["RodDrop.fmu"]
+
+
+def test_where_the_fmu_is_a_link_nothing_else_is_left_in_its_folder(tmp_path):
+    """What a link points to is written in place, as /dev/stdout is."""
+    folder, kept = tmp_path / "folder", tmp_path / "kept.fmu"
+    folder.mkdir()
+    (folder / "RodDrop.fmu").symlink_to(kept)
+    for _ in range(2):
+        assert validate_fmu(build_fmu("rod_drop", folder)) == []
+    assert [one.name for one in folder.iterdir()] == ["RodDrop.fmu"]
+    assert kept.is_file()

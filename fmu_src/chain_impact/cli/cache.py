@@ -20,8 +20,9 @@ def add(verbs: Verbs) -> None:
 def run(options: argparse.Namespace) -> int:
     """Say what is in the cache of compiled kernels, or remove it."""
     if options.clear:
-        size = cache.clear()
-        out.print(f"removed {size / 1e6:.1f} MB from {places.base_folder()}", markup=False, soft_wrap=True)
+        where = dict.fromkeys([places.base_folder(), *(entry.path.parent for entry in cache.entries())])
+        text = f"removed {cache.clear() / 1e6:.1f} MB from {' and '.join(map(str, where))}"
+        out.print(text, markup=False, soft_wrap=True)
         return 0
     for line in cache_report(ready.libraries(), cache.entries(), cache.cache_folder()):
         out.print(line, markup=False, soft_wrap=True)

@@ -66,13 +66,18 @@ def _version(compiler: str) -> str:
 
 def find(name: str) -> Path | None:
     """The file or folder of that name in the cache folder, or in what stands in for it, if it is there."""
-    base = base_folder()
-    for folder in (base / _present(), stand_in(base) / _present()):
+    for folder in (place / _present() for place in _places()):
         if (folder / name).exists():
             with suppress(OSError):  # somebody else's cache can be read
                 os.utime(folder)  # it is in use
             return folder / name
     return None
+
+
+def _places() -> list[Path]:
+    """The user's cache, and what stands in for it if that is there."""
+    base = base_folder()
+    return [base, *filter(None, [stand_in(base)])]
 
 
 def made(name: str, make: Callable[[Path], None], notify: Notify = announce) -> Path:
@@ -95,19 +100,11 @@ def made(name: str, make: Callable[[Path], None], notify: Notify = announce) -> 
         folder.mkdir(parents=True, exist_ok=True)
         with _locked(folder / f".{name}.lock", notify):
             if not find(name):
-                with _scratch(folder, f".{name}-") as scratch:
+                with _scratch(folder, name) as scratch:
                     make(scratch / name)
-                    _put(scratch / name, folder)
+                    (scratch / name).replace(folder / name)
                 _prune(folder)
     return folder / name
-
-
-def _put(file: Path, folder: Path) -> None:
-    """Move what is whole to its place."""
-    try:
-        file.replace(folder / file.name)
-    except FileNotFoundError:
-        raise BuildError(f"{folder} was removed while {file.name} was made there: try again") from None
 
 
 @contextmanager
@@ -126,12 +123,22 @@ def _locked(path: Path, notify: Notify) -> Iterator[None]:
 
 
 @contextmanager
-def _scratch(folder: Path, prefix: str) -> Iterator[Path]:
-    """A folder that is removed in the end; also those that were left behind under the same lock."""
+def _scratch(folder: Path, name: str) -> Iterator[Path]:
+    """A folder to make a file in, removed in the end; also those that were left behind under the same lock.
+
+    Raises:
+        BuildError: when somebody else has removed it meanwhile.
+    """
+    prefix = f".{name}-"
     for left in folder.glob(prefix + "*"):
         shutil.rmtree(left, ignore_errors=True)
     with tempfile.TemporaryDirectory(prefix=prefix, dir=folder) as scratch:
-        yield Path(scratch)
+        try:
+            yield Path(scratch)
+        except FileNotFoundError:
+            if Path(scratch).is_dir():
+                raise
+            raise BuildError(f"{folder} was removed while {name} was made there: try again") from None
 
 
 def _prune(present: Path) -> None:
@@ -161,16 +168,15 @@ class Entry:
 
 
 def entries() -> list[Entry]:
-    """What is in the cache: the folders for some sources and compilers, and the linker's own."""
-    base = base_folder()
-    folders = sorted(base.iterdir()) if base.is_dir() else []
+    """What is in the cache and its stand-in: folders for some sources and compilers, and the linker's own."""
+    folders = [path for place in _places() if place.is_dir() for path in sorted(place.iterdir())]
     return [_entry(path) for path in folders if path.is_dir() and _OURS.fullmatch(path.name)]
 
 
 def clear() -> int:
     """Remove all that is in the cache; return how many bytes that were."""
     found = entries()
-    for entry in found:
+    for entry in reversed(found):  # the stand-in first: the cache itself can perhaps only be read
         shutil.rmtree(entry.path)
     return sum(entry.size for entry in found)
 

@@ -7,16 +7,19 @@ import functools
 import hashlib
 import os
 import shutil
+import stat
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 import platformdirs
 
 from chain_impact.compilation.errors import BuildError
 
 READ_ONLY = (errno.EACCES, errno.EPERM, errno.EROFS)
+NO_PLACE = (*READ_ONLY, errno.ENOSPC, errno.EDQUOT, errno.ENOTDIR)
 LITTLE = 1_000_000  # bytes: a folder with less space is full
 ADVICE = "free space there, or set CHAIN_IMPACT_CACHE to another folder"
 
@@ -34,10 +37,21 @@ def base_folder() -> Path:
         raise BuildError(f"no place to keep kernels: {error}; set CHAIN_IMPACT_CACHE to a folder") from None
 
 
-def stand_in(base: Path) -> Path:
-    """The temporary folder of this user that stands in for one that can only be read."""
+def stand_in_path(base: Path) -> Path:
+    """Where the temporary folder of this user lies that stands in for one that can only be read."""
     digest = hashlib.sha256(f"{os.getuid()} {base}".encode()).hexdigest()[:16]
     return Path(tempfile.gettempdir(), f"chain-impact-{digest}")
+
+
+def stand_in(base: Path) -> Path | None:
+    """That folder, if it is there and nobody else can write in it: kernels are run."""
+    path = stand_in_path(base)
+    try:
+        found = path.lstat()
+    except OSError:
+        return None
+    ours = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
+    return path if ours and not found.st_mode & (stat.S_IWGRP | stat.S_IWOTH) else None
 
 
 @functools.cache
@@ -55,28 +69,39 @@ def writable(base: Path) -> Path:
         except OSError as error:
             if error.errno not in READ_ONLY:
                 raise
-        folder = stand_in(base)
-        folder.mkdir(mode=0o700, exist_ok=True)
-        if (
-            folder.is_symlink() or folder.stat().st_uid != os.getuid()
-        ):  # kernels are run: they must be our own
-            raise PermissionError(errno.EACCES, "belongs to another user", str(folder))
+    folder = stand_in_path(base)
+    with explained(folder):
+        with suppress(FileExistsError):
+            folder.mkdir(mode=0o700)
+        if not stand_in(base):
+            raise PermissionError(errno.EACCES, "other users can write there", str(folder))
         return folder
 
 
 @contextmanager
 def explained(folder: Path) -> Iterator[None]:
-    """Make one sentence of what the system says when something is kept in a folder.
+    """Make one sentence of what the system says when nothing can be kept in a folder.
 
     Raises:
         BuildError: with that sentence.
+        OSError: of another kind, or of another place, as it is.
     """
     try:
         yield
     except OSError as error:
+        if error.errno not in NO_PLACE or not _concerns(error.filename, folder):
+            raise
         where, why = error.filename or folder, error.strerror or error
         raise BuildError(f"nothing can be kept in {where} ({why}): {ADVICE}") from None
     except BuildError:
         if folder.is_dir() and shutil.disk_usage(folder).free < LITTLE:  # a compiler has other words for it
             raise BuildError(f"nothing can be kept in {folder} (it is full): {ADVICE}") from None
         raise
+
+
+def _concerns(named: Any, folder: Path) -> bool:
+    """Whether an error that names a path, or none, is about a folder, what is in it, or where it lies."""
+    if not isinstance(named, str | bytes | os.PathLike):  # of what is open already
+        return True
+    path = Path(os.fsdecode(named)).absolute()
+    return path.is_relative_to(folder) or folder.is_relative_to(path)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import tempfile
 import zipfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -95,9 +96,10 @@ def build_fmu(
         for platform in platforms
     }
     fmu = directory / f"{scene.name}.fmu"
-    with written_whole(fmu) as path:
+    # a scratch folder of its own: that of the path is the user's where the FMU is a link
+    with written_whole(fmu) as path, tempfile.TemporaryDirectory(prefix="chain-impact-") as scratch:
         notify("packaging the FMU")
-        files = TARGETS[target].files[fmi](scene, kernels, path.parent) | documents(scene, fmi)
+        files = TARGETS[target].files[fmi](scene, kernels, Path(scratch)) | documents(scene, fmi)
         _pack(files | reference_files(scene, notify), path)
         notify("validating the FMU")
         problems = validate_fmu(path)

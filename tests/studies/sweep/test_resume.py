@@ -204,6 +204,25 @@ def test_two_sweeps_do_not_write_one_file(tmp_path):
     assert [one.name for one in tmp_path.iterdir()] == ["table.csv"]
 
 
+def test_a_folder_that_is_not_there_is_said_and_not_made(tmp_path):
+    path = tmp_path / "nofolder" / "x.csv"
+    with pytest.raises(FileNotFoundError, match=f"there is no folder {path.parent}") as caught:
+        sweep(SCENE, VARY, path=path)
+    assert caught.value.filename == str(path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_can_only_be_read_is_said_with_the_path_of_the_table(tmp_path, monkeypatch):
+    def refused(lock, **_):
+        raise PermissionError(errno.EACCES, "Permission denied", lock.lock_file)
+
+    path = tmp_path / "x.csv"
+    monkeypatch.setattr(resume.FileLock, "acquire", refused)
+    with pytest.raises(PermissionError, match="Permission denied") as caught:
+        sweep(SCENE, VARY, path=path)
+    assert caught.value.filename == str(path)
+
+
 @pytest.mark.parametrize("room", [10, 2000])
 def test_a_full_disk_is_said_with_the_path_and_what_is_whole_is_kept(tmp_path, monkeypatch, room):
     path, written = tmp_path / "table.csv", []

@@ -7,6 +7,7 @@ A block that was not written to its end, as of a process that was killed, is cut
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import struct
@@ -77,24 +78,29 @@ def kept(table: Path | None, job: Job, design: Design, rows: np.ndarray) -> Iter
         yield Book()
         return
     path, head = partial_path(table), _head(job, design)
-    with _locked(path), _opened(path, head, rows) as book:
+    with _locked(table), _opened(path, head, rows) as book:
         yield book
 
 
 @contextmanager
-def _locked(path: Path) -> Iterator[None]:
-    """Keep other sweeps from writing the same file meanwhile.
+def _locked(table: Path) -> Iterator[None]:
+    """Keep other sweeps from writing the same table meanwhile.
 
     Raises:
         SceneError: when one does.
+        OSError: when nothing can be written beside the table.
     """
-    lock = FileLock(path.with_name(path.name + LOCK))
+    if not table.parent.is_dir():  # the lock would make it
+        raise FileNotFoundError(errno.ENOENT, f"there is no folder {table.parent}", str(table))
+    lock = FileLock(table.with_name(table.name + SUFFIX + LOCK))
     try:
         lock.acquire(timeout=0)
     except Timeout:
         raise SceneError(
-            f"{path} is being written by another sweep: wait until it has ended, or choose another file"
+            f"{table} is being written by another sweep: wait until it has ended, or choose another file"
         ) from None
+    except OSError as error:  # the user knows nothing of the lock
+        raise type(error)(error.errno, error.strerror, str(table)) from None
     try:
         yield
     finally:
