@@ -74,3 +74,13 @@ def test_points_that_are_held_or_joined_make_as_few_pieces_as_may_be():
     assert joined.start.tolist() == [0.0, 1.0, 2.0, 4.0]
     assert joined.jumps.tolist() == [True, False, False, False]
     assert [joined.settings(k)["order"] for k in range(4)] == [0, 1, 0, 1]
+
+
+@pytest.mark.parametrize("lines", [False, True])
+def test_a_single_point_is_one_piece_that_stays(lines):
+    pieces = joined_points(np.array([0.0]), np.array([[1.5, -2.0]]), lines=lines)
+    assert (pieces.start.tolist(), pieces.end.tolist()) == ([0.0], [math.inf])
+    assert pieces.powers[0, 0].tolist() == [1.5, -2.0]
+    assert not pieces.powers[0, 1:].any()
+    assert pieces.settings(0)["order"] == 0
+    assert pieces.jumps.tolist() == [True]

@@ -1,5 +1,7 @@
 """Runs with derivatives: what is asked for, again and again; the motion is that without them."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -168,6 +170,28 @@ def test_inputs_over_time():
         np.array([0.0]), result.time
     )
     np.testing.assert_allclose(run.slopes[:, 0, 0], found, atol=1e-6 * np.abs(right).max())
+
+
+SIGNALS = {
+    "function": lambda t: 5.0 * math.sin(3.0 * t),
+    "samples": ([0.0, 0.3, 0.9], [1.0, -4.0, 2.0]),
+    "number": 1.0,
+}
+
+
+@pytest.mark.parametrize("times", [[0.4], [0.4, 0.5], [0.0, 0.4], [0.0]])
+@pytest.mark.parametrize("signal", SIGNALS.values(), ids=SIGNALS)
+def test_inputs_act_from_the_start_whenever_the_first_row_is(signal, times):
+    output, inputs = "link[2].angle", {"joint[1].torque": signal}
+    scene = load_scene("pinned_arm")
+    run = DifferentiatedRun(scene, ["link[1].mass"], [output], inputs=inputs)
+    found = run.run(np.array([scene.values["link[1].mass"]]), np.array(times))
+    right = simulate(scene, 0.5, 0.1, inputs=inputs, sensitivities=["link[1].mass"])
+    rows = [round(10 * time) for time in times]
+    assert found.values.shape == (len(times), 1)
+    np.testing.assert_allclose(found.values[:, 0], right[output][rows], rtol=0, atol=1e-8)
+    slopes = right.sensitivity(output, "link[1].mass")[rows]
+    np.testing.assert_allclose(found.slopes[:, 0, 0], slopes, rtol=0, atol=1e-6)
 
 
 # --- runs that fail ---------------------------------------------------------------------------------------

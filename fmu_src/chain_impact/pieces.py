@@ -128,7 +128,12 @@ class Pieces:
 
 
 def joined_points(times: np.ndarray, values: np.ndarray, *, lines: bool) -> Pieces:
-    """Signals by their values of shape (T, M) at T times [s], held until the next, or joined by lines."""
+    """Signals by their values of shape (T, M) at T times [s], held until the next, or joined by lines.
+
+    A single one is held for ever.
+    """
+    if len(times) == 1:
+        times, values = np.append(times, math.inf), values.repeat(2, axis=0)
     left, right = values[:-1], values[1:] if lines else values[:-1]
     powers = np.stack([left, np.zeros_like(left)], axis=1)
     if lines:

@@ -75,7 +75,8 @@ def drive(scene: Scene, inputs: Mapping[str, Signal], interpolation: str, times:
         scene: what is driven.
         inputs: name of an input of the FMU → its signal.
         interpolation: ``follow``, ``hold`` or ``linear``, see ``simulate``.
-        times: communication points, increasing, shape (T,) [s].
+        times: communication points, increasing, shape (T,) [s]. The inputs act from t = 0 on, wherever the
+            first of them is.
 
     Raises:
         SceneError: when a name is no input of the scene, or a signal cannot be one.
@@ -89,10 +90,12 @@ def drive(scene: Scene, inputs: Mapping[str, Signal], interpolation: str, times:
             raise SceneError(f"{scene.name}: {name!r} is no input of this scene; {inputs_text(places)}")
     signals = {name: _checked(f"{scene.name}: {name}", signal) for name, signal in inputs.items()}
 
-    same = SAME_TIME * times[-1]
+    run = np.union1d(0.0, times)
+    same = SAME_TIME * run[-1]
     sampled = [signal[0] for signal in signals.values() if isinstance(signal, tuple)]
-    grid = _with_samples(times, np.concatenate(sampled), same) if sampled else times
-    functions = [callable(signal) and interpolation == "follow" for signal in signals.values()]
+    grid = _with_samples(run, np.concatenate(sampled), same) if sampled else run
+    follows = interpolation == "follow" and run[-1] > 0.0
+    functions = [callable(signal) and follows for signal in signals.values()]
     points = [
         np.zeros(len(grid))
         if followed
@@ -104,7 +107,7 @@ def drive(scene: Scene, inputs: Mapping[str, Signal], interpolation: str, times:
     if any(functions):
         pieces = _with_functions(scene, signals, np.flatnonzero(functions), pieces)
     begin = pieces.start[1:]
-    together = np.union1d(times, begin)
+    together = np.union1d(run, begin)
     return Drive(
         times=together,
         asked=np.isin(together, times),

@@ -1,6 +1,7 @@
 """The search with a growing horizon."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -60,6 +61,22 @@ def test_standard_deviations_are_estimated_by_column():
     # at the end nothing changes any more
     again = estimate_sigma(one, found.search.best, found.sigma)
     np.testing.assert_allclose(again, found.sigma, rtol=horizon.SETTLED)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_column_that_its_parameters_meet_exactly_keeps_its_standard_deviation(seed):
+    """It has no degree of freedom: what is computed for it is round-off of either sign."""
+    random = np.random.default_rng(seed)
+    slopes = np.zeros((12, 4))
+    slopes[:2, :2], slopes[2:, 2:] = random.standard_normal((2, 2)), random.standard_normal((10, 2))
+    group = np.arange(12) >= 2
+    one = SimpleNamespace(
+        names=["few", "many"], estimated=["few", "many"], group=group.astype(int), size=np.ones(12)
+    )
+    at = SimpleNamespace(usable=np.ones(12, bool), slopes=slopes, residuals=np.full(12, 0.5))
+    found = estimate_sigma(one, at, np.full(12, 0.01))
+    assert found[:2].tolist() == [0.01, 0.01]
+    assert found[2:] == pytest.approx(math.sqrt(10 * 0.25 / 8))
 
 
 def test_data_without_noise_are_met():

@@ -25,6 +25,7 @@ GROWTH = 1.1  # of the horizon, at least
 ROUGH, FINE = 1e-2, 1e-9  # relative change of the sum of squares that is small enough
 ROUGH_STEPS, FINE_STEPS = 10, 100
 LEAST_SIGMA = 1e-8  # of the size of a column: less is no noise, but the tolerance of the solver
+NO_FREEDOM = 1e-9  # degrees: less is round-off; a little is enough, as a column with a larger σ has more
 SETTLED, ROUNDS = 0.01, 20  # relative change of an estimated standard deviation
 
 
@@ -108,13 +109,14 @@ def _one(
 def estimate_sigma(problem: Problem, at: Evaluation, sigma: np.ndarray) -> np.ndarray:
     """Standard deviations, of columns for which none is given from their residuals, shape (M,).
 
-    A column of n residuals r with ν degrees of freedom has σ² = Σ r²/ν.
+    A column of n residuals r with ν degrees of freedom has σ² = Σ r²/ν. One with none, as its values are no
+    more than the parameters that they determine, tells no σ: it keeps the present one.
     """
     found, rows = sigma.copy(), at.usable
     free = freedom_of_columns(problem, at, sigma)
     for group, least in _estimated(problem):
         mine = problem.group == group
-        if free[group] > 0.0:
+        if free[group] > NO_FREEDOM:
             squares = (at.residuals[rows & mine] ** 2).sum()
             found[mine] = max(least, math.sqrt(squares / free[group]))
     return found
