@@ -11,7 +11,7 @@ import math
 from chain_impact.kernel import beside
 from chain_impact.kernel.events.contact_log import follow_contacts, follow_to_now
 from chain_impact.kernel.events.impulses import end_contacts, judge
-from chain_impact.kernel.events.kinds import ONSET, REFUSED
+from chain_impact.kernel.events.kinds import KINK, ONSET, REFUSED
 from chain_impact.kernel.events.search import find_event
 from chain_impact.kernel.events.table import apply_events, bends_force
 from chain_impact.kernel.initialize import derive_law, first_size, take_given
@@ -38,7 +38,7 @@ from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.integration.methods import attempt, prepare
 from chain_impact.kernel.integration.sundman import regularize, time_rate_now
 from chain_impact.kernel.integration.switching import choose_method
-from chain_impact.kernel.model.contact import clear_loads, drop_events, forget_stages, take_side
+from chain_impact.kernel.model.contact import clear_loads, drop_events, forget_stages, take_sides
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.inputs import goes_on, take_inputs, within_piece
 from chain_impact.kernel.status import (
@@ -195,15 +195,8 @@ def take_over(d):
         derive_law(d)
     else:
         hold_anew(d, rigid)
-        take_sides(d)
+        take_sides(d)  # the law may be another one
     return status
-
-
-def take_sides(d):
-    """Find on which side of its kink each active contact is, as the law may be another one."""
-    if not d.contact.impulsive:
-        for k in range(d.touch.active_count):
-            take_side(d, d.touch.active_index[k])
 
 
 def hold_anew(d, rigid):
@@ -281,7 +274,7 @@ def ends_well(d, theta):
 
 def begin(d):
     """Let what happened at the end of the last step take effect; returns the number of events."""
-    events = let_events_act(d)
+    events, kinked = let_events_act(d)
     if d.given.changed:
         d.given.changed = 0
         take_inputs(d)
@@ -289,17 +282,19 @@ def begin(d):
         d.step.next_size = min(d.step.next_size, step_size.in_flight(d, d.step.state_end, d.work.rate_start))
     if events > 0 or d.balance.breaks != d.step.breaks:
         take_stock(d)
-    choose_method(d)
+    if not kinked:
+        choose_method(d)  # a step that a kink has cut short tells nothing of it
     choose_variable(d, events > 0)
     start_in_variable(d)
     return events
 
 
 def let_events_act(d):
-    """Let them take effect, and set the rate from there; returns their number."""
-    events = 0
+    """Let them take effect, and set the rate from there; returns their number, and whether any is a kink."""
+    events, kinked = 0, False
     for c in range(d.candidates):
         events += d.touch.event[c] != 0
+        kinked = kinked or d.touch.event[c] == KINK
 
     see_rate(d)
     if d.touch.active_count > 0:
@@ -316,7 +311,7 @@ def let_events_act(d):
             keep_forces(d)
             d.statistics.rhs_evaluations += 1
         stand_impulses(d)
-    return events
+    return events, kinked
 
 
 def start_in_variable(d):

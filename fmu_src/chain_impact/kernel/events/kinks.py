@@ -11,6 +11,7 @@ from chain_impact.kernel.events.crossing import SIMULTANEOUS
 from chain_impact.kernel.events.kinds import KINK
 from chain_impact.kernel.events.sampling import locate_at
 from chain_impact.kernel.model.contact import drop_events, kink_height
+from chain_impact.kernel.model.contact_force import note_crossing
 
 SAMPLES = 8  # places in a step to look at
 RESOLUTION = 1e-15  # of a step, in which a kink is located
@@ -26,7 +27,8 @@ def find_kink(d, touch):
     first, found = end, -1
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
-        if d.touch.crossed[c] or crossed(d, c):
+        note_crossing(d, c, kink_height(d, c))
+        if d.touch.crossed[c]:
             theta = first_crossing(d, c, first)
             if theta >= 0.0:
                 found, first = c, theta

@@ -98,6 +98,13 @@ def take_side(d, c):
     d.touch.beyond[c] = 1 if kink_height(d, c) < 0.0 else 0
 
 
+def take_sides(d):
+    """Find it for all active contacts."""
+    if not d.contact.impulsive:
+        for k in range(d.touch.active_count):
+            take_side(d, d.touch.active_index[k])
+
+
 def forget_stages(d):
     """Forget what the stages of earlier steps have noted: crossings, and the least force of a rigid wall."""
     for k in range(d.touch.active_count):

@@ -17,6 +17,7 @@ USER_LAW = LAW_COUNT + 1  # its number, in a kernel that holds one
 # Of penetration and speed, for the slopes of a user's law by central differences: about the third root of
 # round-off, where the errors of truncation and of round-off are alike.
 DIFFERENCE = 1e-5
+TURNED = 0.3  # of v₀ and the root of the tolerance: a tenth of the tolerance in the impulse
 
 
 def power(depth, exponent):
@@ -60,6 +61,7 @@ def foresee_depth(d, c):
 def latch_damping(d, c):
     """Set the damping d [N·s/m^(p+1)] of candidate c, for the v₀ and effective mass of its contact."""
     contact, touch = d.contact, d.touch
+    touch.kink_margin[c] = turning_margin(d, c) if contact.approach_only else 0.0
     mass_power = MASS_POWERS[contact.law - 1] if contact.law <= LAW_COUNT else 0.0
     if mass_power == 0.0:
         # λ K/v₀
@@ -68,6 +70,16 @@ def latch_damping(d, c):
         # f K^(1−s) m^s
         ratio = touch.effective_mass[c] / contact.stiffness
         touch.damping[c] = contact.damping_factor * contact.stiffness * ratio**mass_power
+
+
+def turning_margin(d, c):
+    """The speed [m/s] up to which the side of the turn of candidate c does not matter to the tolerance.
+
+    With the v reached on the wrong side, (v/v₀)² is what the impulse errs by. A point at rest turns all the
+    time, as slowly as the tolerance of speeds allows.
+    """
+    tolerance = d.solver.tolerance
+    return TURNED * math.sqrt(tolerance) * d.touch.impact_speed[c] + tolerance * d.model.size
 
 
 def law_force(d, c, depth, rate):
@@ -81,10 +93,15 @@ def continued_force(d, c, depth, rate):
     """As ``law_force``, continued from that side of its kink on which the contact is; notes a crossing."""
     beyond = d.touch.beyond[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
-    height = rate if d.contact.approach_only else force
-    if height > 0.0 if beyond else height < 0.0:
-        d.touch.crossed[c] = 1
+    note_crossing(d, c, rate if d.contact.approach_only else force)
     return 0.0 if beyond and not d.contact.approach_only else force, elastic
+
+
+def note_crossing(d, c, height):
+    """Note it when candidate c, with what changes its sign at the kink, is on the other side of it."""
+    margin = d.touch.kink_margin[c]
+    if height > margin if d.touch.beyond[c] else height < -margin:
+        d.touch.crossed[c] = 1
 
 
 def height_over_kink(d, c, depth, rate):
@@ -148,9 +165,9 @@ def law_slopes(d, c, depth, rate):
     beyond = d.touch.beyond[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
     damping = damping_slope(d, c, depth, beyond, power(depth, contact.exponent))
-    # ∂F/∂δ = (n K δⁿ + p d δᵖ δ̇)/δ ≥ (n−p) K δⁿ⁻¹ as F ≥ 0, for n ≥ p
+    # ∂F/∂δ = (n K δⁿ + p d δᵖ δ̇)/δ ≥ (n−p) K δⁿ⁻¹ where F ≥ 0, for n ≥ p; at the kink F may be below it
     stiffness = contact.exponent * elastic + contact.rate_exponent * (force - elastic)
-    return stiffness / depth if depth > 0.0 else 0.0, damping
+    return max(0.0, stiffness / depth) if depth > 0.0 else 0.0, damping
 
 
 def user_slopes(d, c, depth, rate):

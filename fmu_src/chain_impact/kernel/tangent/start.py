@@ -1,11 +1,11 @@
 """How an instance of dual numbers begins: the derivatives of what follows from the parameters."""
 
-from chain_impact.kernel.advance import hold_anew, take_sides
+from chain_impact.kernel.advance import hold_anew
 from chain_impact.kernel.initialize import derive_chain, forget_run, set_initial_state, take_given
 from chain_impact.kernel.integration.last_step import stand
 from chain_impact.kernel.integration.switching import begin_explicit
 from chain_impact.kernel.laws.contact_laws import ANY, LAW_COUNT, RATE_EXPONENTS, damping_factor
-from chain_impact.kernel.model.contact import clear_loads
+from chain_impact.kernel.model.contact import clear_loads, take_sides
 from chain_impact.kernel.model.contact_force import foresee_depth, latch_damping
 from chain_impact.kernel.model.geometry import place_walls
 from chain_impact.kernel.tangent.directions import carried
