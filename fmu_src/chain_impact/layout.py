@@ -116,7 +116,6 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("tolerance", REAL),
         ("work_limit", REAL),  # 1/s, evaluations for a second of simulated time
     )
-    # what an importer can set at any time; it is taken over at the next step or look
     # polynomials that the inputs follow over time, see kernel/model/inputs.py
     course = _record(
         ("order", INTEGER),  # 0: the inputs are constant
@@ -127,6 +126,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("joint_torque", REAL, (DEGREE + 1, links)),  # N·m, coefficients of the powers of x
         ("tip_force", REAL, (DEGREE + 1, 2)),  # N
     )
+    # what an importer can set at any time; it is taken over at the next step or look
     given = _record(
         ("changed", INTEGER),  # AT_ONCE: something was set since the last step; GOING_ON: only the course
         ("law", INTEGER),  # as in `contact`, …
@@ -145,10 +145,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
     step = _record(
         ("time", REAL),  # s, the communication point; start ≤ time ≤ end
         ("start", REAL),  # s
-        (
-            "clock",
-            REAL,
-        ),  # s, when the time in the state is 0: the start of this step, or of one that is tried
+        ("clock", REAL),  # s, when the time in the state is 0: the start of a step, or of one that is tried
         ("end", REAL),  # s, start + size, or the event that cut the step short
         ("size", REAL),  # s, of the variable that the step runs in, see kernel/integration/sundman.py
         ("kept", REAL),  # the fraction of `size` at which it ends
