@@ -89,6 +89,18 @@ def test_an_impact_is_that_of_the_same_law_in_the_registry(law):
             assert impact[name] == pytest.approx(getattr(exact, name), rel=3e-8)
 
 
+@pytest.mark.parametrize("change", [lambda path: path.write_text("# another"), Path.unlink])
+def test_a_second_run_is_refused_where_the_law_has_changed(law, change):
+    path = Path(law(DAMPED))
+    result = simulate(with_file(struck_ball()[0], str(path)), output_step=math.inf)
+    kept = simulate(result.scene, output_step=math.inf)["impact.count"]
+    assert kept.tolist() == [0, 1]
+    change(path)
+    with pytest.raises(SceneError, match=r"contact\.law_file = '.*damped\.py' .*simulate again$") as caught:
+        result["impact.count"]
+    assert "\n" not in str(caught.value)
+
+
 def test_it_is_told_all_that_a_law_may_need_and_may_do_anything_with_it(law):
     """Told a wrong value it pushes hard; for e = 0.8 it pulls; for 0.9 it is no number."""
     scene = ball(1e-3, mass=2.0, stiffness=2e5, exponent=1.25, restitution=0.375)

@@ -1,6 +1,7 @@
 """Runs: a scene and its FMU by the same names, to the same numbers, with the same faults."""
 
 import math
+import sys
 import tempfile
 import zipfile
 from pathlib import Path
@@ -227,6 +228,45 @@ def test_a_missing_file_is_named():
     with pytest.raises(FileNotFoundError) as caught:
         record_fmu(Path("missing.fmu"), {})
     assert caught.value.filename == "missing.fmu"
+
+
+def test_a_second_run_is_made_only_for_all_outputs(monkeypatch):
+    """As the motion alone takes one run; both tell the same of compiling and of the progress."""
+    told, seen, library = [], [], running.kernel_library
+
+    def kernel_library(*arguments, **options):
+        told.append(options["notify"])
+        return library(*arguments, **options)
+
+    monkeypatch.setattr(running, "kernel_library", kernel_library)
+
+    def say(_sentence):
+        pass
+
+    scene = load_scene("rod_drop")
+    motion = record_scene(scene, {}, say, seen.append, complete=False)
+    assert told == [say]
+    assert (seen, seen[-1]) == (sorted(seen), 1.0)
+    seen.clear()
+    complete = record_scene(scene, {}, say, seen.append)
+    assert told == [say] * 3
+    assert (seen, seen[-1]) == (sorted(seen), 1.0)
+    assert 0.5 in seen
+    assert motion.columns.keys() == complete.columns.keys() - {
+        name for name in complete.columns if name.startswith(("impact", "solver"))
+    }
+    assert motion.impact_count == complete.impact_count
+
+
+def test_too_many_rows_are_refused_before_the_first_run(monkeypatch):
+    """82 outputs that only a second run knows take more than the motion of one link."""
+    scene, settings = load_scene("rod_drop"), {"simulation.stop_time": 1.0}
+    rows = 1.0 / scene.simulation.step_size + 1.0
+    monkeypatch.setattr(sys.modules["chain_impact.simulate"], "MOST_BYTES", rows * 8 * 60)
+    record_scene(scene, settings, complete=False)
+    monkeypatch.setattr(running, "kernel_library", None)
+    with pytest.raises(SceneError, match="rows of 82 outputs"):
+        record_scene(scene, settings)
 
 
 def test_a_scene_says_when_it_has_to_compile(monkeypatch):

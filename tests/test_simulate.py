@@ -223,6 +223,27 @@ def test_fewer_outputs_allow_more_rows():
         check_size("a", 9.9e3, 1e-3, 25)
 
 
+def test_outputs_of_a_second_run_have_the_rows_that_were_asked_for():
+    scene = with_values(rod(0.0, 1.0), {("simulation", "step_size"): 1e-9})
+    result = simulate(scene, 2.0, math.inf)
+    assert result["solver.steps"].tolist() == [0, result.statistics["steps"]]
+    assert simulate(scene, 2.0, math.inf, output="point[0].x").columns.keys() == {"point[0].x"}
+
+
+def test_rows_that_inputs_need_count_for_the_size(monkeypatch):
+    """Samples between two rows of the result: all are computed, whatever is kept of them."""
+    scene, times = load_scene("pinned_arm"), np.arange(1000) * 1e-4
+    inputs = {"joint[1].torque": (times, times)}
+    result = simulate(scene, 0.1, math.inf, output=["point[0].x", "solver.*"], inputs=inputs)
+    module = sys.modules["chain_impact.simulate"]
+    monkeypatch.setattr(module, "MOST_BYTES", 20_000)
+    with pytest.raises(SceneError, match=r"^PinnedArm: .* 1001 rows of 5 outputs, 4\.805e-05 GB; must be"):
+        result["solver.steps"]
+    monkeypatch.setattr(module, "MOST_BYTES", 10_000)
+    with pytest.raises(SceneError, match=r"^PinnedArm: .* 1001 rows of 1 outputs, 1\.602e-05 GB; must be"):
+        simulate(scene, 0.1, math.inf, output="point[0].x", inputs=inputs)
+
+
 def test_an_infinite_output_step_leaves_the_start_and_the_end():
     whole, ends = simulate(default_scene(), 0.6), simulate(default_scene(), 0.6, math.inf)
     assert ends.time.tolist() == [0.0, 0.6]

@@ -23,7 +23,7 @@ from chain_impact.results.recording import Recording, impacts_from_outputs, reco
 from chain_impact.results.result import Result
 from chain_impact.running import SimulationError
 from chain_impact.scene import Scene
-from chain_impact.simulate import check_size, simulate
+from chain_impact.simulate import check_size, simulate, stepwise_outputs
 from chain_impact.units import in_radians, or_degrees
 from chain_impact.walls import HalfPlane, half_planes
 
@@ -47,29 +47,46 @@ def record_scene(
     notify: Notify | None = None,
     progress: Progress | None = None,
     sensitivities: Sequence[str] | None = None,
+    *,
+    complete: bool = True,
 ) -> Recording:
     """Simulate a scene with some values set by name, as ``with_settings`` does.
 
-    ``notify``, ``progress`` and ``sensitivities`` as for ``simulate``.
+    Args:
+        scene: what to simulate.
+        settings: name → value, or its text.
+        notify: as for ``simulate``.
+        progress: as for ``simulate``.
+        sensitivities: as for ``simulate``.
+        complete: whether the recording has all outputs of the FMU: those that change at events and steps
+            only take a second run, which is slower.
 
     Raises:
-        SceneError: when a name is unknown or a value is out of range.
+        SceneError: when a name is unknown, a value is out of range or the recording would be too large.
         RunError: when the solver cannot go on.
         BuildError: when the kernel cannot be compiled.
     """
-    scene = with_settings(scene, settings)
+    scene, show = with_settings(scene, settings), progress or silent
+    if complete:
+        ends = scene.simulation
+        check_size(scene.name, ends.stop_time, ends.step_size, len(stepwise_outputs(scene)))
+    share = 0.5 if complete else 1.0  # of the progress, that the first run makes
+
+    def recording(result: Result) -> Recording:
+        stepwise = result.stepwise if complete else None
+        others = stepwise.columns(notify, lambda done: show(share + (1.0 - share) * done)) if stepwise else {}
+        slopes = result.sensitivities.named if result.sensitivities else {}
+        return replace(recording_of(result), columns={**result.motion, **others, **slopes})
+
     try:
-        result = simulate(scene, sensitivities=sensitivities, notify=notify, progress=progress)
-        return _with_all_columns(result)
+        return recording(
+            simulate(
+                scene, sensitivities=sensitivities, notify=notify, progress=lambda done: show(share * done)
+            )
+        )
     except SimulationError as error:
-        partial = _with_all_columns(error.result) if error.result else None
+        partial = recording(error.result) if error.result else None
         raise RunError(f"{scene.name}: {error}", partial) from None
-
-
-def _with_all_columns(result: Result) -> Recording:
-    """The recording of a simulated scene with all outputs of its FMU, also derivatives."""
-    slopes = result.sensitivities.named if result.sensitivities else {}
-    return replace(recording_of(result), columns={**result.columns, **slopes})
 
 
 def with_settings(scene: Scene, settings: Mapping[str, Any]) -> Scene:

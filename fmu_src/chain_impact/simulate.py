@@ -121,6 +121,9 @@ def simulate(
     columns = layout.itemsize // WORD if words is None else len(words)
     check_size(scene.name, stop, step, columns * (1 + len(names)))
     driven = drive(scene, inputs or {}, interpolation, _times(stop, step))
+    what = f"{scene.name}: the simulation with its inputs has"
+    _check_rows(what, len(driven.times), columns * (1 + len(names)))
+    stepwise = Stepwise(scene, driven, chosen)
     instance: Instance
     rows: _Rows
     if names:
@@ -141,7 +144,7 @@ def simulate(
         impacts=found,
         statistics=instance.statistics,
         sensitivities=rows.sensitivities(instance, asked, order, found),
-        stepwise=Stepwise(scene, driven, chosen),
+        stepwise=stepwise,
     )
     if instance.status != OK:
         raise SimulationError(instance.status, instance.time, result)
@@ -175,13 +178,17 @@ def check_size(source: str, stop: float, step: float, columns: int) -> None:
     Raises:
         SceneError: when it would be too large.
     """
-    count = stop / step + 1.0
+    asked = f"simulation.stop_time = {stop:g} [s] in steps of simulation.step_size = {step:g} [s]"
+    _check_rows(f"{source}: {asked} gives", stop / step + 1.0, columns)
+
+
+def _check_rows(what: str, count: float, columns: int) -> None:
+    """Refuse so many rows of outputs if they are too large, in a sentence that begins with what has them."""
     size = count * WORD * (1 + columns)  # the time, too
     if not size <= MOST_BYTES:
-        asked = f"simulation.stop_time = {stop:g} [s] in steps of simulation.step_size = {step:g} [s]"
         rows = f"{count:.4g} rows of {columns} outputs, {size / 1e9:.4g} GB"
         limit = f"must be at most {MOST_BYTES / 1e9:g} GB: take longer steps, an earlier end or fewer outputs"
-        raise SceneError(f"{source}: {asked} gives {rows}; {limit}")
+        raise SceneError(f"{what} {rows}; {limit}")
 
 
 def _times(stop: float, step: float) -> np.ndarray:
@@ -279,37 +286,61 @@ class Stepwise:
     """The outputs that change at events and steps only, from a second run when they are asked for."""
 
     def __init__(self, scene: Scene, driven: Drive, chosen: Iterable[Variable] | None) -> None:
-        """Keep what was run, and the outputs that were chosen, None for all."""
+        """Keep what is about to be run, and the outputs that were chosen, None for all."""
         self._scene, self._driven, self._chosen = with_sensitivities(scene, ()), driven, chosen
+        self._law = _law_text(scene)
 
     @cached_property
     def _variables(self) -> list[Variable]:
-        chosen = outputs_named(self._scene, "*") if self._chosen is None else self._chosen
-        return [one for one in chosen if one.place[0] != "output"]
+        return stepwise_outputs(self._scene, self._chosen)
 
     @property
     def names(self) -> tuple[str, ...]:
         """Of these outputs."""
         return tuple(variable.name for variable in self._variables)
 
-    def columns(self) -> dict[str, np.ndarray]:
+    def columns(self, notify: Notify | None = None, progress: Progress = silent) -> dict[str, np.ndarray]:
         """Run once more, row by row: name → shape (T,).
 
+        ``notify`` and ``progress`` as for ``simulate``.
+
         Raises:
-            SceneError: when they would be too large.
+            SceneError: when they would be too large, or the file of the contact law has changed.
+            BuildError: when the kernel cannot be compiled.
         """
-        scene, driven = self._scene, self._driven
-        check_size(scene.name, scene.simulation.stop_time, scene.simulation.step_size, len(self.names))
-        instance = Instance(scene, None, driven)
+        if not self.names:
+            return {}
+        scene, driven, second = self._scene, self._driven, f"a second run for {self.names[0]}"
+        _check_rows(f"{scene.name}: {second} has", len(driven.times), len(self.names))
+        if _law_text(scene) != self._law:
+            raise SceneError(
+                f"{scene.name}: contact.law_file = {scene.contact.law_file!r} has changed since the "
+                f"simulation, so that {second} would give another motion: simulate again"
+            )
+        instance = Instance(scene, notify, driven)
         dtype = instance.record.dtype
         words = np.array([word_index(dtype, one.place) for one in self._variables], int)
         rows = _StepwiseRows(len(driven.times), words, dtype["output"])
-        done, _ = _filled(rows, instance, driven, silent)
+        done, _ = _filled(rows, instance, driven, progress)
         kept = rows.kept[:done][driven.asked[:done]].T.copy()
         return {
             one.name: column if one.type == "real" else column.view(np.int64)
             for one, column in zip(self._variables, kept, strict=True)
         }
+
+
+def stepwise_outputs(scene: Scene, chosen: Iterable[Variable] | None = None) -> list[Variable]:
+    """Those of the chosen outputs, None for all, that only a second run knows."""
+    chosen = outputs_named(scene, "*") if chosen is None else chosen
+    return [one for one in chosen if one.place[0] != "output"]
+
+
+def _law_text(scene: Scene) -> bytes | None:
+    """What is in the file of the contact law; None if there is none."""
+    try:
+        return Path(scene.contact.law_file).read_bytes() if scene.contact.law_file else None
+    except OSError:
+        return None
 
 
 def with_law(scene: SceneSource, law: Callable[..., float]) -> Scene:

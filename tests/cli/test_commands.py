@@ -129,6 +129,15 @@ def test_simulate_writes_nothing_unless_asked(run, here):
     assert list(here.iterdir()) == []
 
 
+@pytest.mark.parametrize("options", [(), ("--csv", "out.csv")])
+def test_simulate_runs_a_second_time_for_a_table_only(run, monkeypatch, options):
+    runs, library = [], running.kernel_library
+    monkeypatch.setattr(running, "kernel_library", lambda *a, **k: runs.append(k) or library(*a, **k))
+    assert run("simulate", "rod_drop", "-q", *options)[0] == 0
+    assert len(runs) == 1 + bool(options)
+    assert all(one["notify"] for one in runs)
+
+
 def test_csv_has_time_and_the_outputs_of_the_fmu_to_the_last_bit(run, here, fmu):
     code, said, _ = run("simulate", fmu, "--csv", "out.csv")
     assert code == 0

@@ -39,7 +39,7 @@ def report(
     check_folders(csv, picture)
     fault = None
     try:
-        recording = record(source, settings, sensitivities)
+        recording = record(source, settings, sensitivities, complete=csv is not None)
     except RunError as error:
         if error.recording is None:
             raise
@@ -71,10 +71,13 @@ def draw(
         fill_page(window, recording)
 
 
-def record(source: str, settings: Sequence[str], sensitivities: Sequence[str] = ()) -> Recording:
+def record(
+    source: str, settings: Sequence[str], sensitivities: Sequence[str] = (), *, complete: bool = True
+) -> Recording:
     """Simulate a scene or an FMU with parameters set by ``NAME=VALUE``.
 
-    If no ``sensitivities`` are named, they are those that the scene asks for.
+    If no ``sensitivities`` are named, they are those that the scene asks for. ``complete`` as for
+    ``record_scene``.
     """
     values = settings_of(settings)
     if sensitivities and is_fmu(source):
@@ -82,7 +85,9 @@ def record(source: str, settings: Sequence[str], sensitivities: Sequence[str] = 
     with progress() as (notify, advance):
         if is_fmu(source):
             return record_fmu(Path(source), values, advance)
-        return record_scene(load_scene(source), values, notify, advance, sensitivities or None)
+        return record_scene(
+            load_scene(source), values, notify, advance, sensitivities or None, complete=complete
+        )
 
 
 def with_rows(recording: Recording, source: str, settings: Sequence[str]) -> Recording:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol, overload
 
 import numpy as np
 
+from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.reading import UnknownNameError, matching
 from chain_impact.results import summary, tables
 from chain_impact.results.sensitivity import Sensitivities
@@ -50,8 +51,8 @@ class Stepwise(Protocol):
     def names(self) -> tuple[str, ...]:
         """Of these outputs."""
 
-    def columns(self) -> dict[str, np.ndarray]:
-        """Name → shape (T,)."""
+    def columns(self, notify: Notify | None = None, progress: Progress = silent) -> dict[str, np.ndarray]:
+        """Name → shape (T,), by a run that says when it has to compile, and how far it is."""
 
 
 @dataclass(frozen=True, repr=False)
