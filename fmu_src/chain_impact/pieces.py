@@ -27,9 +27,9 @@ LOOKS = 2000  # times in a run at which every function is looked at: what is sho
 POINTS = 16  # values of a piece
 SHORTEST = 4e-13  # of the run: a piece so short is dropped
 NOISE = 4  # pieces in a row that hold jumps: a function that is nowhere smooth
-FINE = 1 / 8192  # of the run: a function with pieces so short is hardly smooth in pieces
-CALLS = 20_000  # times in a run at which functions are called for fine pieces, jumps and kinks
-CALLS_BESIDE = 200  # as many more for each piece of the signals that are held
+FINE = 1 / 65536  # of the run: a function with pieces so short is hardly smooth in pieces
+CALLS = 15_000  # times in a run at which functions are called for fine pieces, jumps and kinks
+CALLS_BESIDE = 50  # as many more with each piece of the signals that are held
 SIMPLE = 4  # degree of a polynomial that may be extrapolated in search of a jump or kink
 NEARER = 0.1  # of the larger miss of two polynomials: the smaller one, if a value belongs to one of them
 ROUND_OFF = 4e-15  # of a function's largest value: what its values may err …
@@ -195,9 +195,9 @@ class Follower:
         Raises:
             NotSmoothError: where there are none.
         """
-        self._calls_left += CALLS_BESIDE * (len(held.start) - 1)
         found, powers = [], []
         for k, (start, end) in enumerate(zip(held.start.tolist(), held.end.tolist(), strict=True)):
+            self._calls_left += CALLS_BESIDE
             pieces = self.pieces(start, end)
             starts = np.array([start, *(piece.start for piece in pieces[1:])])
             found.append((starts, [(piece.start, piece.end) for piece in pieces]))
