@@ -8,8 +8,9 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.scene import SceneError, with_values
 from chain_impact.variables import with_sensitivities
-from tests.test_signals import ELBOW, SHOULDER, arm, exact, motion, push, wave
+from tests.test_signals import ELBOW, SHOULDER, STOP, arm, exact, motion, push, wave
 
+DRAWN = iter(np.random.default_rng(1).uniform, None)
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10)
 
 
@@ -109,10 +110,81 @@ def test_a_piece_costs_no_restart():
     assert followed.statistics["rhs_evaluations"] < 1.7 * free.statistics["rhs_evaluations"]
 
 
-def test_noise_is_refused_in_a_sentence():
-    random = np.random.default_rng(1)
-    with pytest.raises(
-        SceneError, match=r"^PinnedArm: joint\[1\].torque: the function cannot be followed at t = "
-    ):
-        simulate(arm(), inputs={SHOULDER: lambda _: random.uniform()})
-    simulate(arm(), inputs={SHOULDER: lambda _: random.uniform()}, interpolation="hold")
+class Counted:
+    """A torque [N·m] that counts how often it is called."""
+
+    def __init__(self, function):
+        self.function, self.calls = function, 0
+
+    def __call__(self, time):
+        self.calls += 1
+        return self.function(time)
+
+
+def knots(count):
+    """A table of a torque: times [s] and values [N·m]."""
+    return np.linspace(0.0, STOP, count), np.random.default_rng(1).normal(size=count)
+
+
+def table(count):
+    """A torque [N·m] by a table that is joined by lines."""
+    times, values = knots(count)
+    return lambda time: np.interp(time, times, values)
+
+
+def modulated(frequency):
+    """A torque [N·m] that is switched on and off, with pulses of changing width."""
+    return lambda time: 5.0 * ((time * frequency) % 1.0 < 0.3 + 0.2 * math.sin(time))
+
+
+def noise(_time):
+    """A torque [N·m] that is another one at each call."""
+    return next(DRAWN)
+
+
+@pytest.mark.parametrize(
+    ("torque", "most"),
+    [
+        (table(50), 20_000),
+        (table(200), 70_000),
+        (modulated(200.0), 60_000),
+        (kinked, 4_000),
+        (switched, 4_000),
+    ],
+    ids=["50 knots", "200 knots", "200 Hz", "kink", "jump"],
+)
+def test_jumps_and_kinks_are_located_with_few_calls(torque, most):
+    counted = Counted(torque)
+    simulate(arm(), output_step=0.1, inputs={SHOULDER: counted})
+    assert counted.calls <= most
+
+
+def test_a_table_in_a_function_is_as_good_as_samples():
+    times, values = knots(50)
+    followed = simulate(arm(), output_step=0.1, inputs={SHOULDER: table(50)})
+    joined = simulate(arm(), output_step=0.1, inputs={SHOULDER: (times, values)}, interpolation="linear")
+    assert np.abs(motion(followed)[-1] - motion(joined)[-1]).max() < 1e-10
+
+
+@pytest.mark.parametrize(
+    "torque",
+    [
+        table(2000),
+        modulated(5000.0),
+        lambda t: float(np.float32(math.sin(t))),
+        lambda t: round(math.sin(9.0 * t), 4),
+        noise,
+    ],
+    ids=["2000 knots", "5 kHz", "single precision", "rounded", "noise"],
+)
+def test_a_function_that_is_not_smooth_in_pieces_is_refused_soon(torque):
+    counted = Counted(torque)
+    refusal = (
+        r"^PinnedArm: joint\[2\].torque: the function cannot be followed at t = .* s, as it is not smooth "
+        r'.* give samples \(times, values\), or take interpolation="linear" or "hold"$'
+    )
+    with pytest.raises(SceneError, match=refusal):
+        simulate(arm(), inputs={SHOULDER: wave, ELBOW: counted})
+    assert counted.calls <= 150_000
+    for interpolation in ("linear", "hold"):
+        simulate(arm(), output_step=0.01, inputs={ELBOW: torque}, interpolation=interpolation)

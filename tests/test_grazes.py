@@ -17,6 +17,7 @@ from tests.problems import build, contact_table
 
 CASES = 500  # of each motion
 ROUND_OFF = 2e-14  # m, of positions of some metres
+JUDGED = {"thrown": 0.95, "spinning": 0.6}  # of the cases, at least: those in which the run errs by less
 FAR = 100.0  # m, a wall out of reach
 LAWS = ("hertz", "newton_impact", "kuwabara_kono")
 
@@ -77,4 +78,4 @@ def test_every_graze_is_found_and_no_other(motion):
         if abs(depth) > error:
             clear += 1
             assert (hits > 0) == (depth > 0.0), (case, law, depth, error)
-    assert clear > 0.5 * CASES
+    assert clear >= JUDGED[motion] * CASES

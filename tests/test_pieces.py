@@ -84,3 +84,11 @@ def test_a_single_point_is_one_piece_that_stays(lines):
     assert not pieces.powers[0, 1:].any()
     assert pieces.settings(0)["order"] == 0
     assert pieces.jumps.tolist() == [True]
+
+
+def test_a_long_run_of_a_smooth_function_and_many_held_pieces_are_not_refused():
+    long = Follower(lambda times: np.sin(10.0 * times)[:, np.newaxis], 1000.0, 1e-11)
+    assert len(long.pieces(0.0, 1000.0)) > 1000
+    held = joined_points(np.linspace(0.0, 1.0, 5001), np.arange(10002.0).reshape(5001, 2), lines=False)
+    beside = follower(lambda t: math.sin(9.0 * t), 1e-11).beside(held, np.array([0]))
+    assert len(beside.start) == 5000

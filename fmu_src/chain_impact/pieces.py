@@ -1,8 +1,9 @@
 """Polynomials that follow functions of time, piece by piece, as exactly as is asked for.
 
 A piece of a function is its Chebyshev series from values at Chebyshev–Gauss points, which leave out the ends:
-what it is exactly where it jumps does not matter. A piece whose series does not converge is halved. What is
-left where a function jumps or has a kink is too short to matter, and is dropped.
+what it is exactly where it jumps does not matter. A piece whose series does not converge is halved, or parted
+where the function changes from one polynomial to another. What is left around a jump or a kink is too short
+to matter, and is dropped.
 
 Source: the criterion is that of J. P. Boyd 2001, *Chebyshev and Fourier Spectral Methods*, 2nd ed., Dover,
 section 2.12: the last coefficients bound the error.
@@ -10,6 +11,7 @@ section 2.12: the last coefficients bound the error.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -25,7 +27,11 @@ LOOKS = 2000  # times in a run at which every function is looked at: what is sho
 POINTS = 16  # values of a piece
 SHORTEST = 4e-13  # of the run: a piece so short is dropped
 NOISE = 4  # pieces in a row that hold jumps: a function that is nowhere smooth
-MOST = 1_000_000  # pieces that are tried in a run
+FINE = 1 / 65536  # of the run: a function with pieces so short is hardly smooth in pieces
+CALLS = 15_000  # times in a run at which functions are called for fine pieces, jumps and kinks
+CALLS_BESIDE = 50  # as many more with each piece of the signals that are held
+SIMPLE = 4  # degree of a polynomial that may be extrapolated in search of a jump or kink
+NEARER = 0.1  # of the larger miss of two polynomials: the smaller one, if a value belongs to one of them
 ROUND_OFF = 4e-15  # of a function's largest value: what its values may err …
 RESOLVED = 1e-14  # … and of the time, for what round-off in the time makes of them
 JOINED = 10.0  # of the error allowed: by what two pieces may differ where they meet, without a jump
@@ -43,12 +49,12 @@ for _m in range(DEGREE + 1):
 
 
 class NotSmoothError(Exception):
-    """The functions cannot be followed around a time [s]."""
+    """A function cannot be followed around a time [s]."""
 
-    def __init__(self, time: float) -> None:
-        """Around a time [s]."""
-        super().__init__(time)
-        self.time = time
+    def __init__(self, time: float, which: int) -> None:
+        """Around a time [s], by the number of the function."""
+        super().__init__(time, which)
+        self.time, self.which = time, which
 
 
 @dataclass(frozen=True)
@@ -66,7 +72,7 @@ class Piece:
     def at(self, times: np.ndarray) -> np.ndarray:
         """The values at some times [s], shape (T, M)."""
         x = (2.0 * times - self.start - self.end) / (self.end - self.start)
-        return np.asarray(np.polynomial.polynomial.polyval(x, self.powers)).T
+        return np.asarray(np.vander(x, len(self.powers), increasing=True) @ self.powers)
 
 
 @dataclass(frozen=True)
@@ -164,11 +170,13 @@ class Follower:
             stop: end of the run, which begins at 0 [s].
             accuracy: error that a piece may have, in parts of a function's largest value.
         """
-        self._functions, self._shortest = functions, SHORTEST * stop
+        self._functions, self._shortest, self._fine = functions, SHORTEST * stop, FINE * stop
         self._times = np.linspace(0.0, stop, LOOKS + 1)
         self._values = functions(self._times)
         self._scale = np.abs(self._values).max(axis=0)
         self._accuracy = max(accuracy, ROUND_OFF)
+        self._calls_left = CALLS
+        self._refused = np.zeros(len(self._scale), dtype=int)  # fits that each function has prevented
 
     def pieces(self, start: float, end: float) -> list[Piece]:
         """Pieces of the functions between two times [s], as few as halving and joining find.
@@ -177,11 +185,11 @@ class Follower:
             NotSmoothError: where there are none.
         """
         found: list[Piece] = []
-        count, dropped = 0, 0
-        for piece in self._halved(start, end):
-            count, dropped = count + 1, dropped + 1 if piece is None else 0
-            if dropped > NOISE or count > MOST:
-                raise NotSmoothError(found[-1].end if found else start)
+        dropped = 0
+        for piece in self._parted(start, end):
+            dropped = dropped + 1 if piece is None else 0
+            if dropped > NOISE:
+                raise self._not_smooth(found[-1].end if found else start)
             if piece is not None:
                 self._join(found, piece)
         return found
@@ -194,6 +202,7 @@ class Follower:
         """
         found, powers = [], []
         for k, (start, end) in enumerate(zip(held.start.tolist(), held.end.tolist(), strict=True)):
+            self._calls_left += CALLS_BESIDE
             pieces = self.pieces(start, end)
             starts = np.array([start, *(piece.start for piece in pieces[1:])])
             found.append((starts, [(piece.start, piece.end) for piece in pieces]))
@@ -216,13 +225,14 @@ class Follower:
 
     def _join(self, found: list[Piece], piece: Piece) -> None:
         """Append a piece, as one with the last if that can be."""
-        both = self._fitted(found[-1].start, piece.end) if found else None
+        meets = bool(found) and found[-1].end == piece.start
+        both = self._fitted(found[-1].start, piece.end) if meets else None
         if both is None:
             found.append(piece)
         else:
             found[-1] = both
 
-    def _halved(self, start: float, end: float) -> Iterator[Piece | None]:
+    def _parted(self, start: float, end: float) -> Iterator[Piece | None]:
         """Pieces in order; None for what is too short to matter."""
         if end - start <= self._shortest:
             yield None
@@ -232,22 +242,79 @@ class Follower:
             yield fitted
             return
         middle = 0.5 * (start + end)
-        yield from self._halved(start, middle)
-        yield from self._halved(middle, end)
+        before, after = self._break(start, end) or (middle, middle)
+        for part in itertools.pairwise((start, before, after, end)):
+            if part[0] < part[1]:
+                yield from self._parted(*part)
+
+    def _break(self, start: float, end: float) -> tuple[float, float] | None:
+        """Times [s] just before and just after the only jump or kink, if there seems to be one."""
+        quarter = 0.25 * (end - start)
+        before, after = start + quarter, end - quarter
+        # extrapolated far, polynomials tell the sides apart; beside the break, they tell where it is
+        for until in (0.125 * quarter, self._shortest):
+            left = self._simple(before - quarter, before)
+            right = self._simple(after, after + quarter) if left is not None else None
+            if left is None or right is None:
+                return None
+            before, after = self._narrowed(left, right, until)
+            if after - before > until:
+                return None
+        return before, after
+
+    def _simple(self, start: float, end: float) -> Piece | None:
+        """The piece between two times [s], if it is exact and of a low degree."""
+        piece = self._fitted(start, end)
+        return None if piece is None or piece.powers[SIMPLE + 1 :].any() else piece
+
+    def _narrowed(self, left: Piece, right: Piece, until: float) -> tuple[float, float]:
+        """Times [s] between which values cease to be those of the left piece and begin to be the right one's.
+
+        They are further apart than ``until`` if some values seem to be neither.
+        """
+        before, after = left.end, right.start
+        scale = np.where(self._scale > 0.0, self._scale, 1.0)
+        while after - before > until:
+            middle = np.array([0.5 * (before + after)])
+            value = self._called(middle, costly=True)
+            misses = [float((np.abs(piece.at(middle) - value) / scale).max()) for piece in (left, right)]
+            if max(misses) <= max(DROPPED * self._accuracy, ROUND_OFF):
+                return float(middle[0]), float(middle[0])
+            if until > self._shortest and min(misses) > NEARER * max(misses):
+                break
+            if misses[0] < misses[1]:
+                before = float(middle[0])
+            else:
+                after = float(middle[0])
+        return before, after
+
+    def _called(self, times: np.ndarray, *, costly: bool) -> np.ndarray:
+        """The values at some times [s], of which there may be a limited number of costly ones."""
+        if costly:
+            self._calls_left -= len(times)
+            if self._calls_left < 0:
+                raise self._not_smooth(float(times[0]))
+        return self._functions(times)
+
+    def _not_smooth(self, time: float) -> NotSmoothError:
+        return NotSmoothError(time, int(self._refused.argmax()))
 
     def _fitted(self, start: float, end: float) -> Piece | None:
         """The piece between two times [s], if it is exact."""
         half, middle = 0.5 * (end - start), 0.5 * (start + end)
-        values = self._functions(middle + half * _NODES)
+        costly = end - start < self._fine
+        values = self._called(middle + half * _NODES, costly=costly)
         series = _SERIES @ (values - values[0])
         series[0] += values[0]
         self._scale = np.maximum(self._scale, np.abs(values).max(axis=0))
         allowed = self._accuracy * self._scale
         round_off = RESOLVED * abs(end) / half * np.ptp(values, axis=0)
-        if (np.abs(series[DEGREE + 1 :]).sum(axis=0) > allowed + round_off).any():
+        rough = np.abs(series[DEGREE + 1 :]).sum(axis=0) > allowed + round_off
+        if rough.any():
+            self._refused += rough
             return None
         order = DEGREE
-        while order > 0 and (np.abs(series[order]) <= DROPPED * allowed).all():
+        while order > 0 and (np.abs(series[order]) <= DROPPED * (allowed + round_off)).all():
             order -= 1
         powers = np.zeros((DEGREE + 1, values.shape[1]))
         powers[: order + 1] = _POWERS[: order + 1, : order + 1] @ series[: order + 1]
@@ -256,5 +323,10 @@ class Follower:
         inside = min(0.1 * self._shortest, 0.002 * half)
         ends = np.array([start + inside, end - inside])
         seen = slice(*np.searchsorted(self._times, ends))
-        missed = [piece.at(ends) - self._functions(ends), piece.at(self._times[seen]) - self._values[seen]]
-        return None if (np.abs(np.concatenate(missed)) > 2.0 * (allowed + round_off)).any() else piece
+        missed = [
+            piece.at(ends) - self._called(ends, costly=costly),
+            piece.at(self._times[seen]) - self._values[seen],
+        ]
+        rough = (np.abs(np.concatenate(missed)) > 2.0 * (allowed + round_off)).any(axis=0)
+        self._refused += rough
+        return None if rough.any() else piece

@@ -133,10 +133,11 @@ def _with_functions(scene: Scene, signals: Mapping[str, Any], columns: np.ndarra
     try:
         return follower.beside(held, columns)
     except NotSmoothError as error:
-        which = " and ".join(names[m] for m in columns)
+        which = names[columns[error.which]]
         raise SceneError(
-            f"{scene.name}: {which}: the function cannot be followed at t = {error.time:.9g} s, as it is "
-            'smooth in no time there; give samples (times, values), or take interpolation="hold"'
+            f"{scene.name}: {which}: the function cannot be followed at t = {error.time:.9g} s, as it is not "
+            "smooth in pieces (noise, rounded values), or has too many jumps or kinks (a table, a switch); "
+            'give samples (times, values), or take interpolation="linear" or "hold"'
         ) from None
 
 

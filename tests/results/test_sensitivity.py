@@ -71,8 +71,8 @@ def test_a_share_of_what_is_not_finite_is_none():
 
 def test_columns_are_named_after_both(result, found):
     named = found.named
-    assert list(named)[:2] == [f"sensitivity.contact.restitution.{name}" for name in result.names[:2]]
-    assert len(named) == len(NAMES) * len(result.names)
+    assert list(named)[:2] == [f"sensitivity.contact.restitution.{name}" for name in list(result.motion)[:2]]
+    assert len(named) == len(NAMES) * len(result.motion)
     for output, parameter in (("point[4].x", "initial.vx"), ("energy.total", "gravity.y")):
         right = result.sensitivity(output, parameter)
         assert np.array_equal(named[f"sensitivity.{parameter}.{output}"], right)
