@@ -123,7 +123,9 @@ def test_other_commands_are_known_or_scripts_of_the_repository(page):
         for command in line.partition("  #")[0].split(" && "):
             script = re.match(r"(?:\.venv/bin/)?python (?:([\w/]+)\.py|-m (tests\.\w+))\b", command)
             file = (script[1] or script[2].replace(".", "/")) + ".py" if script else None
-            assert (ROOT / file).is_file() if file else KNOWN.match(re.sub(r"^(?:[A-Z_]+=\S+ )+", "", command)), command
+            assert (
+                (ROOT / file).is_file() if file else KNOWN.match(re.sub(r"^(?:[A-Z_]+=\S+ )+", "", command))
+            ), command
 
 
 @pytest.fixture(scope="module")

@@ -9,6 +9,7 @@ from chain_impact import CONTACT_LAWS, load_scene, simulate
 from chain_impact.candidates import candidates
 from chain_impact.running import Instance
 from chain_impact.scene import with_values
+from tests import random_scenes
 from tests.problems import GRAVITY, default_scene, dropped_ball, of_law
 from tests.reference import momenta
 
@@ -108,3 +109,19 @@ def test_without_them_the_motion_is_the_same_bit_by_bit():
         np.testing.assert_array_equal(one.outputs[name], other.outputs[name])
     assert not other.outputs["impulse"].any()
     assert one.statistics == other.statistics
+
+
+@pytest.mark.parametrize(
+    ("seed", "law"), [(14, "kuwabara_kono"), (30, "kuwabara_kono"), (124, "kelvin_voigt"), (157, "tsuji")]
+)
+def test_none_falls_where_the_force_ends_before_the_contact(seed, law):
+    """From row to row, by more than the tolerance of what all of the chain has as momentum."""
+    drawn = random_scenes.scene(seed)
+    changes = {f"contact.{key}": value for key, value in of_law(law).items()}
+    scene = drawn.with_values(changes | {"contact.restitution": max(0.05, drawn.contact.restitution)})
+    result = simulate(scene, output_step=scene.simulation.stop_time / 2000)
+    links = scene.chain.links
+    speed = max(link.length for link in links) + result.impacts["impact_speed"].max()
+    momentum = sum(link.mass for link in links) * speed
+    falls = -np.diff(result.outputs["impulse"], axis=0).min()
+    assert falls <= scene.solver.tolerance * momentum
