@@ -64,7 +64,7 @@ def test_values_are_those_of_the_kernel(name):
     for field in FIELDS:
         np.testing.assert_allclose(right.impacts[field], result.impacts[field], rtol=bound, err_msg=field)
     rows = np.searchsorted(result.time, np.array(case.times) - 1e-9)
-    for output in result.names:
+    for output in result.motion:
         found, kind = result[output][rows], output.split(".")[-1]
         # an acceleration or a force is as exact as the speed, over the time that a contact takes
         largest = max(np.abs(right.values[output]).max(), 1.0)

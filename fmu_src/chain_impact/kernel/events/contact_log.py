@@ -2,7 +2,7 @@
 
 from chain_impact.kernel import beside
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.events.kinds import NONE, ONSET
+from chain_impact.kernel.events.kinds import KINK, NONE, ONSET
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.impulse import settle_impulses
 from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER, complete, cut_now, see_points, see_rate
@@ -47,7 +47,7 @@ def peaks(d, c, force_rate, time, reader):
     peak, depth = max(touch.peak_force[c], force), max(touch.max_penetration[c], -gap)
     # both have a maximum inside the step when their rate falls through zero
     force_peaked = touch.force_rate[c] > 0.0 and force_rate <= 0.0
-    depth_peaked = touch.speed[c] > 0.0 and gap_rate >= 0.0
+    depth_peaked = touch.speed[c] > 0.0 and gap_rate >= 0.0 and not turns_at_end(d, c)
     if force_peaked or depth_peaked:
         complete(d, reader)
     if force_peaked:
@@ -55,6 +55,11 @@ def peaks(d, c, force_rate, time, reader):
     if depth_peaked:
         depth = max(depth, maximum(d, c, PENETRATION, time))
     return peak, depth, force_peaked or depth_peaked
+
+
+def turns_at_end(d, c):
+    """Whether the last step has landed on the turn of candidate c, which then is deepest there."""
+    return d.contact.approach_only and d.touch.event[c] == KINK
 
 
 def follow_held(d):

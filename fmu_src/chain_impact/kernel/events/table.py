@@ -69,6 +69,8 @@ def pass_kink(d, c):
     """Go on with the force of the other side of its kink."""
     if cut_off(d, c):
         d.touch.force_rate[c] = 1.0  # rising
+    if d.contact.approach_only:
+        d.touch.speed[c] = 0.0  # there it turns, and its depth is noted
     d.touch.beyond[c] = 1 - d.touch.beyond[c]
     return True
 
