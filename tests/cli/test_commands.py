@@ -349,7 +349,7 @@ def test_the_stop_time_can_be_given(run, fmu, kind):
 
 
 def test_an_interrupt_is_no_traceback(run, monkeypatch):
-    def record(*_):
+    def record(*_, **__):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(report, "record", record)
