@@ -31,10 +31,8 @@ EXACT = 1e-8  # the error to reach at the tolerance 1e-12
 # of a state where more is not reached: contacts that overlap have no variable of their own in which their
 # force is smooth, and the f(e) of Kuwabara and Kono is a root of a numerical solution
 STATES = {"sprung": 2e-8, "kuwabara_kono": 3e-8}
-# Of impacts: likewise, and the top of a force that peaks right after the onset is found by parabolas. A law
-# that damps on approach only has its largest depth at its kink, whose side does not matter near it.
+# of impacts: likewise, and the top of a force that peaks right after the onset is found by parabolas
 IMPACTS = {
-    "jankowski": 1e-7,
     "sprung": 1e-7,
     "pressed": 1e-7,
     "kelvin_voigt": 1e-7,
