@@ -5,9 +5,11 @@ import re
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 import pytest
 
+from chain_impact.compilation.errors import BuildError
 from chain_impact.extras import MissingExtraError
 from chain_impact.reading import SceneError
 from chain_impact.runs import RunError
@@ -174,12 +176,24 @@ def test_without_distributed_the_extra_is_named(monkeypatch):
         sweep(SCENE, VARY, scheduler="tcp://127.0.0.1:9")
 
 
-def test_a_piece_that_a_worker_cannot_do(scheduler):
+def test_a_worker_that_can_keep_no_kernel(scheduler):
     scheduler.worker(CHAIN_IMPACT_CACHE="/dev/null/kernels")
-    with pytest.raises(
-        RunError, match=r"FourLinkBox: the cluster could not do the runs .*: NotADirectoryError"
-    ):
+    with pytest.raises(BuildError, match=r"nothing can be kept in /dev/null/kernels \(Not a directory\)"):
         sweep(SCENE, VARY, scheduler=scheduler.address)
+
+
+def test_a_piece_that_a_worker_cannot_do():
+    class Failed:
+        status = "error"
+
+        def result(self, timeout):
+            raise ValueError("odd")
+
+    job = SimpleNamespace(scene=load_scene("four_link_box"))
+    with pytest.raises(
+        RunError, match="FourLinkBox: the cluster could not do the runs 0 to 2: ValueError: odd"
+    ):
+        cluster._result(None, Failed(), (0, 3), job, "tcp://127.0.0.1:9")
 
 
 def test_the_scheduler_dies(scheduler):
