@@ -186,7 +186,7 @@ def test_a_piece_that_a_worker_cannot_do():
     class Failed:
         status = "error"
 
-        def result(self, timeout):
+        def result(self, timeout):  # noqa: ARG002
             raise ValueError("odd")
 
     job = SimpleNamespace(scene=load_scene("four_link_box"))
