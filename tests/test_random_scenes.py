@@ -19,8 +19,8 @@ from tests.random_scenes import SLANTED, SPRUNG, STARTS, drive, scene
 from tests.search import verdict, verdicts
 
 BLOCKS, SLANTED_BLOCKS, SPRUNG_BLOCKS, BLOCK = 6, 2, 2, 500  # seeds
-# A fault that is still there: at the tolerance 5.6e-3, a dip of 1.8 µm behind a wall inside one step of the scene
-# 430 is not found. It may be no deeper.
+# A fault that is still there: at the tolerance 5.6e-3, a dip of 1.8 µm behind a wall inside one step of the
+# scene 430 is not found. It may be no deeper.
 MISSED_DIPS = {430: 3e-6}  # seed → m
 
 
