@@ -130,7 +130,7 @@ def test_a_result_that_is_too_large(refused, fmu, kind):
 
 
 def test_an_extra_that_is_missing(refused, monkeypatch):
-    def record(*_):
+    def record(*_, **__):
         raise MissingExtraError("pandas cannot be imported: pip install 'chain-impact[pandas]'")
 
     monkeypatch.setattr(report, "record", record)
