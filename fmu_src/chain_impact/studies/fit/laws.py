@@ -6,17 +6,17 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+from chain_impact.compilation.work import Progress
 from chain_impact.reading import SceneError
 from chain_impact.scene import Scene
 from chain_impact.studies.compare import law_names, law_values, needed_exponent
 from chain_impact.studies.fit.result import Fit, LawFit
 
 DIGITS = 1  # of the criterion: laws that differ by less stay in order, the scene's own first
-Advance = Callable[[float], None]
-FitOne = Callable[[Sequence[Scene], Advance], Fit]
+FitOne = Callable[[Sequence[Scene], Progress], Fit]
 
 
-def rank(fit: FitOne, scenes: Sequence[Scene], progress: Advance) -> Fit:
+def rank(fit: FitOne, scenes: Sequence[Scene], progress: Progress) -> Fit:
     """Fit every contact law; return the best fit, with the ranking of all.
 
     The scene's own law is fitted first, and the others start from what it found. A law that needs another
@@ -47,7 +47,7 @@ def rank(fit: FitOne, scenes: Sequence[Scene], progress: Advance) -> Fit:
     return replace(best, parameters=started.parameters, ranking=noted)
 
 
-def _fit_law(fit: FitOne, scenes: Sequence[Scene], first: Fit | None, law: str, progress: Advance) -> LawFit:
+def _fit_law(fit: FitOne, scenes: Sequence[Scene], first: Fit | None, law: str, progress: Progress) -> LawFit:
     """The fit of one law, from what the first law found, or else from the start."""
     note = ""
     for origin in (first.scenes, scenes) if first else (scenes,):
@@ -62,7 +62,7 @@ def _fit_law(fit: FitOne, scenes: Sequence[Scene], first: Fit | None, law: str, 
     return LawFit(law, None, note)
 
 
-def _part(progress: Advance, k: int, count: int) -> Advance:
+def _part(progress: Progress, k: int, count: int) -> Progress:
     """The progress of one law of several."""
     return lambda part: progress((k + part) / count)
 
