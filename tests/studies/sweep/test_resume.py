@@ -136,11 +136,14 @@ def test_nothing_is_left_where_no_run_was_done(tmp_path, monkeypatch):
 
 
 ENDLESS = """
+import signal
 import sys
 import time
 from chain_impact.cli import main
 from chain_impact.studies.sweep import sweep
 
+# a shell ignores it for what it starts in the background, as it may have started the tests
+signal.signal(signal.SIGINT, signal.default_int_handler)
 real = sweep.run_in_threads
 
 def endless(*arguments):
