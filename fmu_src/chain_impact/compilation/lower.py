@@ -33,10 +33,7 @@ def lowered(entries: Entries) -> str:
         callback = cfunc(signature, **OPTIONS)(function)
         libraries |= dict.fromkeys(callback._library.and_those_it_calls())
         names[callback.native_name] = name
-    whole = llvm.parse_assembly("")
-    for library in libraries:
-        for module in library.modules:
-            whole.link_in(module)
+    whole = _joined([module for library in libraries for module in library.modules])
     for symbol in (*whole.functions, *whole.global_variables):
         if symbol.name in names:
             symbol.name = names[symbol.name]
@@ -46,6 +43,15 @@ def lowered(entries: Entries) -> str:
             symbol.linkage = llvm.Linkage.internal
     _simplify(whole)
     return "".join(f"{line}\n" for line in str(whole).splitlines() if not line.startswith("target "))
+
+
+def _joined(modules: list[llvm.ModuleRef]) -> llvm.ModuleRef:
+    """All modules as one. They are joined in pairs, as the time to join two grows with the sizes of both."""
+    while len(modules) > 1:
+        for one, next_one in zip(modules[::2], modules[1::2], strict=False):
+            one.link_in(next_one)
+        modules = modules[::2]
+    return modules[0]
 
 
 def _simplify(whole: llvm.ModuleRef) -> None:
