@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.compilation.compilers import INCLUDES, interface_sources
+from chain_impact.compilation import library
+from chain_impact.compilation.compilers import CPUS, INCLUDES, complete, interface_sources
 from chain_impact.compilation.library import kernel_library
 from chain_impact.variables import fmu_variables
 from tests.fmu.contents import description
@@ -25,9 +26,8 @@ NO_COMPILER = pytest.mark.skipif(
 
 @pytest.fixture(scope="module", params=["zig", pytest.param("cc", marks=NO_COMPILER)])
 def fuzzer(request, tmp_path_factory):
-    """The program: the interface compiled with sanitizers, and the kernel's library as it is."""
-    folder = tmp_path_factory.mktemp("fuzzer")
-    kernel = kernel_library(len(load_scene(MODEL).chain.links))
+    """The program, compiled with sanitizers; by cc with the kernel, too, else with its library as it is."""
+    folder, links = tmp_path_factory.mktemp("fuzzer"), len(load_scene(MODEL).chain.links)
     source, program = Path(__file__).with_name("fuzzer.c"), folder / "fuzzer"
     options = [
         "-g",
@@ -37,13 +37,26 @@ def fuzzer(request, tmp_path_factory):
         "-fno-sanitize-recover=undefined",
     ]
     headers = [f"-I{place}" for place in INCLUDES]
-    inputs = [*headers, source, *interface_sources(), kernel, f"-Wl,-rpath,{kernel.parent}", "-lm"]
+    inputs = [*headers, source, *interface_sources(), "-lm"]
     if request.param == "zig":
-        zig(folder, *options, *inputs, "-o", program)
+        kernel = kernel_library(links)
+        zig(folder, *options, *inputs, kernel, f"-Wl,-rpath,{kernel.parent}", "-o", program)
     else:
+        inputs.append(sanitized_kernel(folder, links))
         command = ["cc", "-std=c11", "-D_POSIX_C_SOURCE=200809L", "-fsanitize=address", *options, *inputs]
         subprocess.run([*map(str, command), "-o", str(program)], check=True)
     return program
+
+
+def sanitized_kernel(folder, links):
+    """An object of the kernel in which each access to memory is checked."""
+    text = complete(library._lowered_kernel(library.KERNEL, lambda _: None), links, with_law=False)
+    text, functions = re.subn(r"^(define .*)\{$", r"\1sanitize_address {", text, flags=re.M)
+    assert functions > 500
+    (folder / "kernel.ll").write_text(text)
+    options = ["-target", "x86_64-linux-gnu.2.17", f"-mcpu={CPUS['x86_64']}", "-Wno-everything"]
+    zig(folder, "-c", "-O1", "-fsanitize=address", *options, folder / "kernel.ll", "-o", folder / "kernel.o")
+    return folder / "kernel.o"
 
 
 @pytest.fixture(scope="module")

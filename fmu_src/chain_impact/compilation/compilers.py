@@ -80,11 +80,12 @@ _DECLARED_ABOVE = re.compile(
 )
 
 
-def prelude(links: int | None, with_law: bool) -> str:
-    """What the lowered kernel leaves open: the numbers of links (None: any) and candidates, and the law."""
+def complete(module: str, links: int | None, with_law: bool) -> str:
+    """A lowered kernel with what it leaves open: numbers of links (None: any) and candidates, and the law."""
     name = "chain_links"
     sizes = HELD.format(name=name, word=0) if links is None else CONSTANT.format(name=name, number=links)
-    return sizes + HELD.format(name="chain_candidates", word=1) + (LAW if with_law else NO_LAW)
+    prelude = sizes + HELD.format(name="chain_candidates", word=1) + (LAW if with_law else NO_LAW)
+    return _DECLARED_ABOVE.sub("", module) + prelude
 
 
 def require_compilers(purpose: str) -> None:
@@ -138,7 +139,7 @@ def link(
         BuildError: when the compiler fails.
     """
     kernel = library.with_name("kernel.ll")
-    kernel.write_text(_DECLARED_ABOVE.sub("", module) + prelude(links, law is not None))
+    kernel.write_text(complete(module, links, law is not None))
     prepare_zig(platform)
     _zig(platform, library, kernel, *([law] if law else []), *interface_sources(), cpu=cpu)
 

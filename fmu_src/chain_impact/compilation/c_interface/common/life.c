@@ -16,15 +16,17 @@ static void back_to_the_start(Instance *one) {
     one->stop_time = INFINITY;
 }
 
-/* An instance with its records and its name, in one piece of memory; NULL if there is not enough. */
+/* An instance with its name and its records, in one piece of memory; NULL if there is not enough. The record of the
+   kernel comes last, so that a sanitizer sees when the kernel reads or writes beyond it. */
 static Instance *allocated(const Instance *draft) {
     size_t record = (size_t)draft->table->record_size, name = strlen(draft->name) + 1;
-    Instance *one = draft->allocate(1, sizeof *one + 2 * record + name);
+    size_t words = (name + sizeof(Word) - 1) / sizeof(Word);
+    Instance *one = draft->allocate(1, sizeof *one + words * sizeof(Word) + 2 * record);
     if (!one) return NULL;
     *one = *draft;
-    one->record = (Word *)(one + 1);
-    one->before = (Word *)((char *)one->record + record);
-    one->name = memcpy((char *)one->before + record, draft->name, name);
+    one->name = memcpy(one + 1, draft->name, name);
+    one->before = (Word *)(one + 1) + words;
+    one->record = (Word *)((char *)one->before + record);
     back_to_the_start(one);
     return one;
 }
