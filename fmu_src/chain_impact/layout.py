@@ -277,11 +277,8 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("number", INTEGER, (candidates,)),  # of its onset, counted from 1
         ("peak_force", REAL, (candidates,)),  # N
         ("max_penetration", REAL, (candidates,)),  # m
-        (
-            "gap_error",
-            REAL,
-            (candidates,),
-        ),  # m, of a tried step, in the clearances of the active contacts, packed
+        # m, of two error estimates of a tried step, in the clearances of the active contacts, packed
+        ("gap_error", REAL, (2, candidates)),
     )
     candidate = _record(
         ("point", INTEGER, (candidates,)),  # 0…N

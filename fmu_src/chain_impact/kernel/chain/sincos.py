@@ -37,13 +37,30 @@ def polar(radius, y, first, horizontal, vertical):
             vertical[i] = radius[i] * math.sin(y[first + i])
         return
     # a copy, of which the compiler knows that the results do not overwrite it …
-    for i in range(count):
-        vertical[i] = y[first + i]
+    copy(y, first, count, vertical)
     # … so it turns this into vector instructions
     for i in range(count):
         cosine, sine = cosine_and_sine(vertical[i])
         horizontal[i] = radius[i] * cosine
         vertical[i] = radius[i] * sine
+
+
+@inlined
+def copy(y, first, count, out):
+    """Copy ``count`` numbers of y, from index ``first`` on, in vectors.
+
+    They are read again as vectors, for which a processor has to wait if they were written one by one. All
+    numbers of a group are read before the first is written, so the compiler moves a group as a vector.
+    """
+    fours, pairs = count - count % 4, count - count % 2
+    for i in range(0, fours, 4):
+        a, b, c, d = y[first + i], y[first + i + 1], y[first + i + 2], y[first + i + 3]
+        out[i], out[i + 1], out[i + 2], out[i + 3] = a, b, c, d
+    for i in range(fours, pairs, 2):
+        a, b = y[first + i], y[first + i + 1]
+        out[i], out[i + 1] = a, b
+    for i in range(pairs, count):
+        out[i] = y[first + i]
 
 
 def in_reach(y, first, count):

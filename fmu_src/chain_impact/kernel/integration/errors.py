@@ -6,6 +6,7 @@ from chain_impact.kernel.chain.damped import damping_of
 from chain_impact.kernel.chain.kinematics import move_points
 from chain_impact.kernel.chain.springs import stiffness_of
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, velocity_at
+from chain_impact.kernel.inlining import inlined
 from chain_impact.kernel.model.geometry import along_normal, clearance
 
 # Of a penetration, relative, however loose the tolerance: beyond some hundredths a point that comes to rest
@@ -14,7 +15,13 @@ LARGEST_ERROR = 0.01
 
 
 def scaled_error(d, row):
-    """Largest scaled component of an error estimate in ``work.error``, for the result in ``work.y``.
+    """The largest scaled component of one error estimate: ``scaled_errors`` has two."""
+    worst, _ = scaled_errors(d, row, row)
+    return worst
+
+
+def scaled_errors(d, row, other_row):
+    """The largest scaled components of two error estimates in ``work.error``, for the result in ``work.y``.
 
     The points have to be located there, and ``gap_error`` to hold the errors in the clearances.
 
@@ -27,30 +34,46 @@ def scaled_error(d, row):
     Returns:
         At most 1 when the error keeps the tolerance; infinity when the result is not finite.
     """
-    n = d.links
-    error, y, size = d.work.error[row], d.work.y, d.model.size
-    worst = 0.0
-    for j in range(dissipated_at(n) + 1):
-        # a NaN is lost in max()
-        if not math.isfinite(error[j] + y[j]):
-            return math.inf
-        if j < ANGLES:
-            scale = size
-        elif j < velocity_at(n):
-            scale = 1.0
-        elif j < omega_at(n):
-            scale = size + abs(y[j])
-        elif j < dissipated_at(n):
-            scale = 1.0 + abs(y[j])
-        else:
-            scale = d.model.energy + abs(y[j]) + impact_energy(d)
-        worst = max(worst, abs(error[j]) / scale)
+    n, size = d.links, d.model.size
+    one, other, y = d.work.error[row], d.work.error[other_row], d.work.y
+    speeds, turns, dissipated = velocity_at(n), omega_at(n), dissipated_at(n)
+    if not finite(one, other, y, dissipated + 1):
+        return math.inf, math.inf
+    worst = largest(one, other, y, 0, ANGLES, size, 0.0, (0.0, 0.0))
+    worst = largest(one, other, y, ANGLES, speeds, 1.0, 0.0, worst)
+    worst = largest(one, other, y, speeds, turns, size, 1.0, worst)
+    worst = largest(one, other, y, turns, dissipated, 1.0, 1.0, worst)
+    scale = d.model.energy + abs(y[dissipated]) + impact_energy(d)
+    first, second = largest(one, other, y, dissipated, dissipated + 1, scale, 0.0, worst)
     for k in range(d.touch.active_count):
         scale = penetration_scale(d, d.touch.active_index[k])
-        worst = max(worst, abs(d.touch.gap_error[k]) / scale)
+        first = max(first, abs(d.touch.gap_error[row, k]) / scale)
+        second = max(second, abs(d.touch.gap_error[other_row, k]) / scale)
     if d.contact.impulsive and d.touch.active_count > 0 and d.model.resisting:
-        worst = max(worst, moment_error(d, row))
-    return worst / d.solver.tolerance
+        first, second = max(first, moment_error(d, row)), max(second, moment_error(d, other_row))
+    return first / d.solver.tolerance, second / d.solver.tolerance
+
+
+@inlined
+def finite(one, other, y, count):
+    """Whether the result and both estimates are finite: a NaN is lost in max(), but not in a sum."""
+    total = 0.0
+    for j in range(count):
+        total += abs(one[j] + y[j]) + abs(other[j] + y[j])
+    return math.isfinite(total)
+
+
+@inlined
+def largest(one, other, y, begin, end, least, growth, so_far):
+    """The largest components of two errors, over ``least`` + ``growth`` |y|, from ``begin`` to ``end``.
+
+    ``so_far`` are the largest of the components before.
+    """
+    first, second = so_far
+    for j in range(begin, end):
+        scale = least + growth * abs(y[j])
+        first, second = max(first, abs(one[j]) / scale), max(second, abs(other[j]) / scale)
+    return first, second
 
 
 def moment_error(d, row):
@@ -82,7 +105,7 @@ def set_gap_errors(d, row):
     if d.touch.active_count > 0:
         move_points(d.work.link, d.work.error[row], d.work.motion)
     for k in range(d.touch.active_count):
-        d.touch.gap_error[k] = along_normal(d, d.touch.active_index[k], d.work.motion)
+        d.touch.gap_error[row, k] = along_normal(d, d.touch.active_index[k], d.work.motion)
 
 
 def penetration_scale(d, c):

@@ -3,10 +3,10 @@
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.chain.state import root_at
+from chain_impact.kernel.chain.state import dissipated_at, root_at
 from chain_impact.kernel.integration import dop853
 from chain_impact.kernel.integration.combination import combination, combinations
-from chain_impact.kernel.integration.errors import scaled_error, set_gap_errors
+from chain_impact.kernel.integration.errors import scaled_errors, set_gap_errors
 from chain_impact.kernel.integration.impulse import followed, note, note_end
 from chain_impact.kernel.integration.method import Method
 from chain_impact.kernel.integration.sundman import (
@@ -90,13 +90,13 @@ def attempt(d, h):
     d.statistics.rhs_evaluations += STEP_EVALUATIONS
     if runs_back(d, d.work.y):
         return HALVE
-    _errors(d.work.stage, h, d.work.error[0], d.work.error[1])
+    controlled = dissipated_at(d.links) + 1
+    _errors(d.work.stage, h, d.work.error[0, :controlled], d.work.error[1, :controlled])
     if d.touch.active_count > 0:
         locate_points(d, d.work.y)
     set_gap_errors(d, 0)
-    error_5 = scaled_error(d, 0)
     set_gap_errors(d, 1)
-    error_3 = scaled_error(d, 1)
+    error_5, error_3 = scaled_errors(d, 0, 1)
     if error_5 == 0.0:
         return 0.0
     if max(error_5, error_3) > HUGE:

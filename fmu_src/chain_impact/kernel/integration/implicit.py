@@ -259,9 +259,11 @@ def attempt(d, h):
         work.error[0, j] = abs(d.implicit.stage[ERROR, j])
     work.y[root_at(d.links)], work.y[time_at(d.links)] = 1.0, h
     for k in range(active):
-        d.touch.gap_error[k] = d.implicit.stage[ERROR, gap_at(d, k)]
+        d.touch.gap_error[0, k] = d.implicit.stage[ERROR, gap_at(d, k)]
     for k in range(followed(d)):
         d.impulse.tried[k] = d.implicit.z[impulse_at(d, k)]
+    if active == 0:
+        return scaled_error(d, 0)
     locate_points(d, work.y)
     apart, change = largest_mismatch(d), d.implicit.stage[RIGHT, : coordinate_count(d.links)]
     for derivative in range(2):
