@@ -115,6 +115,22 @@ def test_a_run_again_is_that_of_a_new_one():
         assert (found.status, found.limits) == (0, ())
 
 
+def test_a_run_again_takes_all_parameters():
+    """Each of the scene's is moved: derivatives at the value before would be others."""
+    case = sprung_chain()
+    again = DifferentiatedRun(case.scene, case.parameters, OUTPUTS, inputs=case.inputs)
+    values = {name: case.value(name) for name in case.parameters}
+    moved = {name: 1.001 * value or 1e-4 for name, value in values.items() if name not in case.inputs}
+    at = np.array([*(values | moved).values()])
+    found = again.run(at, TIMES)
+    scene = case.scene.with_values(moved)
+    right = DifferentiatedRun(scene, case.parameters, OUTPUTS, inputs=case.inputs).run(at, TIMES)
+    assert len(moved) > 30
+    assert len(found.impacts) > 0
+    for name in ("values", "slopes", "impacts"):
+        assert getattr(found, name).tobytes() == getattr(right, name).tobytes()
+
+
 def test_shapes():
     names = ("contact.restitution", "link[2].mass")
     values = np.array([CASE.scene.values[name] for name in names])
