@@ -50,6 +50,9 @@ INCLUDES = tuple(INTERFACE / name for name in ("common", "fmi2", "fmi3"))
 LOWER = """import runpy, sys
 sys.path.insert(0, sys.argv.pop(1))
 runpy.run_module("chain_impact.compilation.lower", run_name="__main__", alter_sys=True)"""
+# Parts of the C runtime that Windows has since version 10. Without them zig would first build one of its own,
+# which takes a minute. What Windows lacks is in zig's compiler-rt and in c_interface/common/windows.c.
+WINDOWS_PARTS = ("convert", "heap", "math", "private", "stdio", "string")
 STUB = '__attribute__((visibility("hidden"))) void {}(void) {{}}\n'
 
 # A number that the instance holds does not change while the kernel works on it, and is of a sensible size.
@@ -192,10 +195,20 @@ def _zig(platform: str, library: Path, *inputs: Path, cpu: str | None = None) ->
         options.append("-Wl,-Bsymbolic")
     if "macos" in target:  # else the folder in which it was made
         options.append("-Wl,-install_name,@rpath/kernel.dylib")
+    libraries = _from_windows() if "windows" in target else ["-lm"]
     folders = {"ZIG_GLOBAL_CACHE_DIR": linker_folder(), "ZIG_LOCAL_CACHE_DIR": library.with_name("zig")}
     files = map(str, (*(f"-I{folder}" for folder in INCLUDES), "-o", library, *inputs, stubs))
     places = {name: str(path) for name, path in folders.items()}
-    _check(_run("-m", "ziglang", *options, *files, "-lm", **places))
+    _check(_run("-m", "ziglang", *options, *files, *libraries, **places))
+
+
+def _from_windows() -> list[str]:
+    """Zig's options for a library that takes C's functions from Windows, and for the headers of these."""
+    zig = find_spec("ziglang")
+    headers = Path(str(zig and zig.origin)).parent / "lib" / "libc" / "include" / "any-windows-any"
+    options = ["-nostdlib", "-Wl,--no-entry", "-rtlib=compiler-rt"]
+    options += [f"-isystem{headers}", "-D__MSVCRT_VERSION__=0xE00"]
+    return [*options, *(f"-lapi-ms-win-crt-{part}-l1-1-0" for part in WINDOWS_PARTS), "-lkernel32"]
 
 
 def _run(*arguments: str, **settings: str) -> subprocess.CompletedProcess[str]:

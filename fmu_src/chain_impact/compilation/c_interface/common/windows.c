@@ -1,0 +1,22 @@
+/* Two functions of C that Windows offers in another form: the headers of its C runtime define them inline. */
+#ifdef _WIN32
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { AS_C_SAYS = 2 }; /* the text ends where it is cut, and the length is that of all of it */
+
+int __stdio_common_vsprintf(uint64_t options, char *text, size_t size, const char *format, void *locale, va_list values);
+
+int vsnprintf(char *text, size_t size, const char *format, va_list values) {
+    return __stdio_common_vsprintf(AS_C_SAYS, text, size, format, NULL, values);
+}
+
+int snprintf(char *text, size_t size, const char *format, ...) {
+    va_list values;
+    va_start(values, format);
+    int length = vsnprintf(text, size, format, values);
+    va_end(values);
+    return length;
+}
+#endif
