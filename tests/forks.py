@@ -5,6 +5,7 @@ source of a function, or nothing for one of the module, its name, its arguments,
 prints and for errors. The line that it answers is the exit code, or minus the number of a signal.
 """
 
+import gc
 import json
 import os
 import sys
@@ -23,6 +24,7 @@ def main() -> None:
     """Answer until there are no more lines; a process that was forked returns, and so ends as any program."""
     sys.path.insert(0, sys.argv[1])
     names = {**vars(import_module(sys.argv[2])), "__name__": "__main__"}
+    gc.freeze()  # else a process that ends looks through all that is imported, for longer than most run
     for line in sys.stdin:
         source, function, arguments, printed, errors = json.loads(line)
         child = os.fork()
