@@ -24,6 +24,7 @@ from chain_impact.compilation.places import base_folder
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS, LAW_COUNT
 from chain_impact.kernel.laws.user_law import ARGUMENTS
 from chain_impact.kernel.status import NOT_FINITE
+from chain_impact.law_file import source_of
 from chain_impact.scene import parse_scene, scene_to_dict, with_values
 from chain_impact.variables import fmu_variables
 from tests.problems import ball, own_law, struck_ball
@@ -176,12 +177,11 @@ def kernels(fmu):
 
 
 def test_a_file_that_has_changed_is_another_law(tmp_path):
-    file, peaks = tmp_path / "spring.py", []
-    for factor in (1.0, 2.0):
-        file.write_text(
-            f"def spring(penetration, stiffness):\n    return {factor} * stiffness * penetration\n"
-        )
-        scene = load_scene("rod_drop").with_values({"contact.law_file": str(file), "contact.model": "spring"})
+    file, peaks = tmp_path / "mine.py", []
+    text = source_of(own_law())
+    for version in (text, text.replace("return stiffness", "return 2.0 * stiffness")):
+        file.write_text(version)
+        scene = with_file(load_scene("rod_drop"), str(file))
         peaks.append(simulate(scene, stop_time=0.9).impacts["peak_force"][0])
     assert peaks[1] > 1.2 * peaks[0]
 

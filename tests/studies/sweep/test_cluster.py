@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 import time
+from importlib.util import find_spec
 from types import SimpleNamespace
 
 import pytest
@@ -17,11 +18,12 @@ from chain_impact.scene import load_scene
 from chain_impact.studies.sweep import cluster
 from chain_impact.studies.sweep.sweep import sweep
 
-pytest.importorskip("distributed")
-
 SCENE = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "solver.tolerance": 1e-6})
 VARY = {"contact.restitution": "0.3:0.7:500", "contact.model": "flores,newton_impact"}
-pytestmark = pytest.mark.slow
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(find_spec("distributed") is None, reason="needs dask and distributed"),
+]
 
 
 class Cluster:

@@ -14,6 +14,7 @@ from chain_impact.scene import load_scene, with_values
 from chain_impact.simulate import simulate, with_law
 from chain_impact.studies.sweep.sweep import sweep
 from tests import random_scenes
+from tests.problems import own_law
 
 FORCES = ("peak_force", "max_penetration")
 
@@ -166,11 +167,8 @@ def without_walls():
 
 
 def test_a_law_of_ones_own():
-    def spring(penetration: float, stiffness: float) -> float:
-        return stiffness * penetration
-
-    scene = with_law(short(), spring)
-    found = sweep(scene, {"contact.model": ["hertz", "spring", "newton_impact"]})
+    scene = with_law(short("rod_drop", 0.9), own_law())
+    found = sweep(scene, {"contact.model": ["hertz", "mine", "newton_impact"]})
     for row in found.table:
         assert check(scene, row, found.varied) == "ok"
     assert len(set(found["peak_force"])) == 3
