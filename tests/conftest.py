@@ -1,21 +1,34 @@
 """The order of the tests; for many of them the command line, run in an empty folder, and an FMU."""
 
+import os
+import sys
+from tempfile import TemporaryDirectory
+
 import pytest
 from xdist.scheduler import LoadFileScheduling
 
 from chain_impact import cli
 from tests.shared import once, shared_folder
 
-# What takes longest comes first, so that all cores end together; of the first two, one begins with the plain
-# kernel and the other with the one that carries derivatives, and neither waits for the other's.
+# What takes longest comes first, so that all cores end together. The first two take a minute each: one makes
+# the plain kernels and needs no others, the other the one that carries derivatives. So neither has to wait.
 SLOWEST = (
-    "tests/test_docs.py",
+    "tests/test_random_scenes.py",
     "tests/test_sensitivities.py",
-    "tests/fmu/test_platforms.py",
+    "tests/test_docs.py",
     "tests/test_derivatives.py",
     "tests/test_sensitivity_accuracy.py",
+    "tests/fmu/test_platforms.py",
+    "tests/studies/sweep/test_cluster.py",
+    "tests/test_energy_bound.py",
+    "tests/compilation/test_lower.py",
+    "tests/test_law_file.py",
     "tests/fmu/test_fuzzer.py",
+    "tests/cli/test_commands.py",
     "tests/fmu/test_build.py",
+    "tests/test_models.py",
+    "tests/results/animation/test_browser.py",
+    "tests/kernel/test_soundness.py",
 )
 # a file that is to run in the process of another, for what both work out → that other
 WITH = {"tests/test_sensitivity_accuracy.py": "tests/test_derivatives.py"}
@@ -23,6 +36,16 @@ WITH |= {
     f"tests/results/plots/test_{name}.py": "tests/results/plots/test_overview.py"
     for name in ("motion", "over_time", "room")
 }
+
+
+def pytest_configure(config):
+    """Keep bytecode for this session where the environment keeps none: the tests start Python often."""
+    if sys.dont_write_bytecode:
+        folder = TemporaryDirectory(prefix="chain-impact-bytecode-", ignore_cleanup_errors=True)
+        config.add_cleanup(folder.cleanup)
+        os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+        os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix = folder.name
+        sys.dont_write_bytecode = False
 
 
 def pytest_collection_modifyitems(items):
