@@ -9,7 +9,7 @@ from chain_impact.scene import SOLVER_METHODS
 from tests.problems import build
 
 FIFTH = 0.2
-SECONDS = 10
+SECONDS = 4
 
 
 def strained(count, stiffness, tolerance, base="free"):
