@@ -91,6 +91,12 @@ def time_of(page):
     return float(page.evaluate(TIME_TEXT).removesuffix(" s"))
 
 
+def press(page, key):
+    """Press a key, and wait until what it does is shown."""
+    page.keyboard.press(key)
+    time_of(page)
+
+
 def pixels(page):
     return np.asarray(Image.open(io.BytesIO(page.screenshot())).convert("RGB")).astype(float)
 
@@ -123,8 +129,7 @@ def test_it_stands_still_for_who_asked_for_less_motion(show):
 def test_the_chain_moves_on_the_screen(show):
     page = show()
     before = pixels(page)
-    page.keyboard.press("End")
-    time_of(page)
+    press(page, "End")
     after = pixels(page)
     assert count_of(before, LIGHT_CHAIN) > 1000
     assert count_of(after, LIGHT_CHAIN) > 1000
@@ -157,8 +162,7 @@ def test_impacts_between_two_rows_are_in_the_list(show, tmp_path):
     coarse = simulate(load_scene("four_link_box"), output_step=5e-3)
     coarse.animate(tmp_path / "coarse.html")
     page = show(address=(tmp_path / "coarse.html").as_uri())
-    page.keyboard.press("Shift+ArrowRight")
-    time_of(page)
+    press(page, "Shift+ArrowRight")
     assert page.locator("#impacts tbody tr").count() == 14
     assert f"{coarse.impacts['peak_force'][0] / 1e3:.1f}\u202fkN" in page.inner_text(
         "#impacts tr[aria-current]"
@@ -215,12 +219,10 @@ def test_time_is_slow_at_an_impact_and_real_in_flight(show):
     page.keyboard.press("ArrowRight")
     assert page.inner_text("#rate") == "real time"
     page.keyboard.press("Shift+ArrowRight")
-    page.keyboard.press("ArrowRight")
-    time_of(page)
+    press(page, "ArrowRight")
     slower = int(re.fullmatch(r"(\d+) × slower", page.inner_text("#rate"))[1])
     assert 200 < slower < 2000  # 0.6 s for an impact of 0.3 ms to 3 ms
-    page.keyboard.press("s")
-    time_of(page)
+    press(page, "s")
     assert page.inner_text("#rate") == "real time"
 
 
@@ -244,8 +246,7 @@ def test_the_force_is_an_arrow_from_the_wall_and_a_curve(show):
     assert page.locator(".arrow").count() == 0
     page.keyboard.press("Shift+ArrowRight")
     for _ in range(6):
-        page.keyboard.press("ArrowRight")
-    time_of(page)
+        press(page, "ArrowRight")
     (arrow,) = page.locator(".arrow").all()
     assert float(arrow.get_attribute("y2")) < float(arrow.get_attribute("y1"))  # up, from the floor
     assert arrow.get_attribute("x2") == arrow.get_attribute("x1")
@@ -278,8 +279,7 @@ def test_list_caption_and_force_chart_name_the_same_impact_at_every_moment(show,
         page.keyboard.press("ArrowRight")
         shown = time_of(page)
     assert seen == {(2, False), (3, True), (3, False)}
-    page.keyboard.press("End")
-    time_of(page)
+    press(page, "End")
     assert named(page) == (14, 14, 14)
 
 
@@ -325,8 +325,7 @@ def test_the_speed_is_chosen_by_list_and_keys(show):
     page.locator("h1").click()
     page.get_by_label("Speed").evaluate("(select) => select.blur()")
     page.keyboard.press("ArrowUp")
-    page.keyboard.press("ArrowUp")
-    time_of(page)
+    press(page, "ArrowUp")
     assert page.inner_text("#rate") == "2 × faster"
 
 
@@ -335,8 +334,7 @@ def test_the_trace_can_be_left_out(show):
     page.get_by_role("slider", name="Time").fill("0.9")
     time_of(page)
     assert len(page.get_attribute(".trace", "points")) > 1000
-    page.keyboard.press("t")
-    time_of(page)
+    press(page, "t")
     assert len(page.get_attribute(".trace", "points")) < 100
 
 
@@ -377,8 +375,7 @@ def test_on_a_phone_all_fits_the_width_and_the_controls_are_in_sight(show, viewp
 @pytest.mark.parametrize("viewport", [DESK, PHONE, {"width": 844, "height": 390}])
 def test_the_chain_never_comes_under_the_scale_bar(show, viewport, pinned_arm):
     page = show(viewport, address=pinned_arm)
-    page.keyboard.press("End")
-    time_of(page)
+    press(page, "End")
     bar, trace, mark = (page.locator(kind).first.bounding_box() for kind in (".bar", ".trace", ".pin"))
     lowest = bar["y"] + bar["height"]
     assert min(trace["y"], mark["y"]) > lowest
