@@ -92,9 +92,15 @@ def time_of(page):
 
 
 def press(page, key):
-    """Press a key, and wait until what it does is shown."""
+    """The simulated time that is shown after a key."""
     page.keyboard.press(key)
-    time_of(page)
+    return time_of(page)
+
+
+def go_to(page, time):
+    """The simulated time that is shown after a move of the slider."""
+    page.get_by_role("slider", name="Time").fill(time)
+    return time_of(page)
 
 
 def pixels(page):
@@ -138,8 +144,7 @@ def test_the_chain_moves_on_the_screen(show):
 
 def test_it_stops_at_the_end_and_starts_anew(show):
     page = show()
-    page.keyboard.press("End")
-    assert time_of(page) == 2.0
+    assert press(page, "End") == 2.0
     page.keyboard.press("Space")
     page.wait_for_function(f"parseFloat({TIME_TEXT}) < 1")
 
@@ -152,8 +157,7 @@ def test_positions_alone_make_a_page(show, tmp_path):
     animate(Recording("Bare", time, columns, [], {}), tmp_path / "bare.html")
     page = show(address=(tmp_path / "bare.html").as_uri())
     page.keyboard.press("End")
-    page.keyboard.press("Shift+ArrowLeft")
-    assert time_of(page) == 0.0
+    assert press(page, "Shift+ArrowLeft") == 0.0
     assert page.locator("h2:visible").all_inner_texts() == ["Impacts"]
     assert page.inner_text("#impacts") == "none"
 
@@ -164,9 +168,8 @@ def test_impacts_between_two_rows_are_in_the_list(show, tmp_path):
     page = show(address=(tmp_path / "coarse.html").as_uri())
     press(page, "Shift+ArrowRight")
     assert page.locator("#impacts tbody tr").count() == 14
-    assert f"{coarse.impacts['peak_force'][0] / 1e3:.1f}\u202fkN" in page.inner_text(
-        "#impacts tr[aria-current]"
-    )
+    peak = f"{coarse.impacts['peak_force'][0] / 1e3:.1f}\u202fkN"
+    assert peak in page.inner_text("#impacts tr[aria-current]")
 
 
 # --- jumping ---------------------------------------------------------------------------------------------
@@ -184,28 +187,21 @@ def test_a_click_on_an_impact_goes_to_its_moment(show, recording):
 
 def test_keys_go_from_impact_to_impact(show, recording):
     page = show()
-    times = []
-    for key in ["Shift+ArrowRight"] * 3 + ["Shift+ArrowLeft"]:
-        page.keyboard.press(key)
-        times.append(time_of(page))
+    times = [press(page, key) for key in ["Shift+ArrowRight"] * 3 + ["Shift+ArrowLeft"]]
     expected = [recording.impacts[number].time for number in (0, 1, 2, 1)]
     assert times == pytest.approx(expected, abs=2e-5)
-    page.keyboard.press("Home")
-    assert time_of(page) == 0.0
+    assert press(page, "Home") == 0.0
 
 
 def test_arrow_keys_step_in_time_on_the_screen(show):
     page = show()
-    page.keyboard.press("ArrowRight")
-    assert time_of(page) == pytest.approx(1 / 30, rel=0.01)
-    page.keyboard.press("ArrowLeft")
-    assert time_of(page) == 0.0
+    assert press(page, "ArrowRight") == pytest.approx(1 / 30, rel=0.01)
+    assert press(page, "ArrowLeft") == 0.0
 
 
 def test_the_slider_and_the_chart_go_to_a_time(show):
     page = show()
-    page.get_by_role("slider", name="Time").fill("1.25")
-    assert time_of(page) == pytest.approx(1.25, abs=1e-4)
+    assert go_to(page, "1.25") == pytest.approx(1.25, abs=1e-4)
     box = page.locator("#energy .u-over").bounding_box()
     page.mouse.click(box["x"] + box["width"] / 4, box["y"] + 20)
     assert time_of(page) == pytest.approx(0.5, abs=0.01)
@@ -220,8 +216,8 @@ def test_time_is_slow_at_an_impact_and_real_in_flight(show):
     assert page.inner_text("#rate") == "real time"
     page.keyboard.press("Shift+ArrowRight")
     press(page, "ArrowRight")
-    slower = int(re.fullmatch(r"(\d+) × slower", page.inner_text("#rate"))[1])
-    assert 200 < slower < 2000  # 0.6 s for an impact of 0.3 ms to 3 ms
+    # 0.6 s for an impact of 0.3 ms to 3 ms
+    assert 200 < int(re.fullmatch(r"(\d+) × slower", page.inner_text("#rate"))[1]) < 2000
     press(page, "s")
     assert page.inner_text("#rate") == "real time"
 
@@ -301,15 +297,13 @@ def test_of_contacts_that_overlap_the_latest_is_named(show, tmp_path, until_next
         assert page.inner_text("tr[aria-current] button") == str(number)
         assert page.inner_text("#caption").startswith(f"Impact {number} of 2: point {number - 1} ")
         assert page.text_content("#close-what").startswith(f"impact {number}: point {number - 1} ")
-    page.get_by_role("slider", name="Time").fill("0.0125")
-    time_of(page)
+    go_to(page, "0.0125")
     assert page.inner_text("tr[aria-current] button") == "2"
 
 
 def test_the_ledger_is_that_of_the_recording(show, recording):
     page = show()
-    page.get_by_role("slider", name="Time").fill("0.9")
-    time_of(page)
+    go_to(page, "0.9")
     names, values = (page.locator(f"#ledger {tag}").all_inner_texts() for tag in ("dt", "dd"))
     shown = dict(zip(names, values, strict=True))
     for name in ("kinetic", "potential", "dissipated", "total"):
@@ -331,8 +325,7 @@ def test_the_speed_is_chosen_by_list_and_keys(show):
 
 def test_the_trace_can_be_left_out(show):
     page = show()
-    page.get_by_role("slider", name="Time").fill("0.9")
-    time_of(page)
+    go_to(page, "0.9")
     assert len(page.get_attribute(".trace", "points")) > 1000
     press(page, "t")
     assert len(page.get_attribute(".trace", "points")) < 100
@@ -342,8 +335,7 @@ def test_help_opens_and_keys_rest_while_it_is_open(show):
     page = show()
     page.keyboard.press("?")
     assert page.get_by_role("dialog").is_visible()
-    page.keyboard.press("End")
-    assert time_of(page) == 0.0
+    assert press(page, "End") == 0.0
     page.keyboard.press("Escape")
     assert not page.get_by_role("dialog").is_visible()
 
