@@ -116,7 +116,8 @@ def test_the_kernel_imports_math_numpy_and_itself_only(file):
 def test_only_the_lowering_imports_numba():
     """So that who has ready kernels needs no compiler."""
     users = {file.stem for file in MODULES if any(belongs(m, ("numba", "llvmlite")) for m in imported(file))}
-    assert users == {"collecting", "dual_numbers", "entry_points", "functions", "law", "lower", "record_type"}
+    others = {"collecting", "dual_numbers", "entry_points", "functions", "law", "record_type", "reuse"}
+    assert users == {"lower", *others}
 
 
 def test_the_slave_imports_the_standard_library_and_pythonfmu_only():

@@ -108,9 +108,9 @@ class Compilers:
     def __init__(self):
         self.lowered, self.linked, self.processors = [], [], []
 
-    def lower(self, module, law=None, derivatives=False):
+    def lower(self, module, law=None, plain=None):
         self.lowered.append(law)
-        module.write_text("one with derivatives" if derivatives else "a module")
+        module.write_text(f"{plain} with derivatives" if plain else "a module")
 
     def link(self, module, library, platform, links, law=None, *, cpu=None):
         self.linked.append((platform, links, law is not None))
@@ -142,7 +142,7 @@ def test_the_kernel_is_lowered_once_and_linked_for_each_number_of_links(stand_in
 
 def test_a_kernel_with_derivatives_is_another_one(stand_in):
     plain, other = kernel_library(3), kernel_library(3, derivatives=True, portable=False)
-    assert (plain.read_text(), other.read_text()) == ("a module", "one with derivatives")
+    assert (plain.read_text(), other.read_text()) == ("a module", "a module with derivatives")
     assert kernel_library(3, derivatives=True, portable=False) == other
     assert kernel_library(3, portable=False) == plain
     assert len(stand_in.lowered) == len(stand_in.linked) == 2

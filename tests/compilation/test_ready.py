@@ -19,8 +19,8 @@ from chain_impact.compilation.sources import fingerprint
 ROOT = Path(__file__).parents[2]
 
 
-def lower(module, derivatives=False):
-    module.write_text("one with derivatives" if derivatives else "a module")
+def lower(module, plain=None):
+    module.write_text(f"{plain} with derivatives" if plain else "a module")
 
 
 def link(text, library, platform, links, *, cpu=None):
@@ -80,10 +80,10 @@ def test_who_waits_long_is_told_that_work_goes_on(tmp_path, monkeypatch):
     monkeypatch.setattr(compilers, "prepare_zig", lambda _: None)
     monkeypatch.setattr(compilers, "link", link)
 
-    def slow(module, derivatives=False):
+    def slow(module, plain=None):
         while "still at work" not in said:
             time.sleep(0.01)
-        lower(module, derivatives)
+        lower(module, plain)
 
     monkeypatch.setattr(compilers, "lower", slow)
     ready.make(tmp_path / "ready", say=said.append)
@@ -106,10 +106,10 @@ def test_a_wheel_for_release_carries_the_kernels_with_derivatives(made, tmp_path
         portable: kernel_library(4, derivatives=True, portable=portable).read_text()
         for portable in (True, False)
     }
-    assert found[True] == "one with derivatives for 4"
-    assert found[False] == f"one with derivatives for 4 on {compilers.WIDE_CPU}"
+    assert found[True] == "a module with derivatives for 4"
+    assert found[False] == f"a module with derivatives for 4 on {compilers.WIDE_CPU}"
     monkeypatch.setattr(compilers, "wide_cpu", lambda: None)
-    assert kernel_library(64, derivatives=True, portable=False).read_text() == "one with derivatives for None"
+    assert kernel_library(64, derivatives=True, portable=False).read_text() == "a module with derivatives for None"
 
 
 def test_kernels_of_other_sources_are_not_used(made):

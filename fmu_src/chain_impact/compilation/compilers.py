@@ -103,8 +103,13 @@ def require_compilers(purpose: str) -> None:
         raise BuildError(f"{purpose} needs a compiler: {how} ({', '.join(missing)} missing)")
 
 
-def lower(module: Path, law: Path | None = None, derivatives: bool = False) -> None:
+def lower(module: Path, law: Path | None = None, plain: str | None = None) -> None:
     """Write the kernel, one that carries derivatives, or a user's law, in LLVM's language.
+
+    Args:
+        module: the file to write; another one is put beside it.
+        law: the user's law.
+        plain: the plain kernel in LLVM's language, for one that carries derivatives.
 
     Raises:
         LawError: when the law cannot be compiled.
@@ -112,7 +117,11 @@ def lower(module: Path, law: Path | None = None, derivatives: bool = False) -> N
     """
     # numba takes the features of this machine unless told otherwise, and orders by hash
     settings = {"NUMBA_CPU_NAME": PORTABLE_CPU, "NUMBA_CPU_FEATURES": "", "PYTHONHASHSEED": "0"}
-    what = ["law", str(law)] if law else ["derivatives" if derivatives else "kernel"]
+    what = ["law", str(law)] if law else ["kernel"]
+    if plain is not None:
+        common = module.with_name("plain.ll")
+        common.write_text(plain)
+        what = ["derivatives", str(common)]
     done = _run("-c", LOWER, str(PACKAGE.parent), fingerprint(), str(module), *what, **settings)
     if done.returncode == BAD_LAW:
         raise LawError(done.stderr.splitlines()[-1])

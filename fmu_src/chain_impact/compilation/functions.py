@@ -13,6 +13,7 @@ from numba.extending import models, register_model, typeof_impl
 import chain_impact.kernel
 from chain_impact.compilation.dual_numbers import DUAL, Dual
 from chain_impact.compilation.record_type import TANGENT
+from chain_impact.compilation.reuse import Overloads
 from chain_impact.kernel.laws import user_law
 from chain_impact.kernel.tangent import blocks, directions
 from chain_impact.kernel.tangent.rules import RULES
@@ -39,7 +40,9 @@ BUILT_IN: set[Any] = {directions.value, directions.carried, directions.varies, b
 @cache
 def compiled(function: FunctionType) -> Any:
     """The function as one that numba compiles."""
-    return njit(forceinline=getattr(function, "inlined", False), **OPTIONS)(function)
+    dispatcher = njit(forceinline=getattr(function, "inlined", False), **OPTIONS)(function)
+    dispatcher._cache = Overloads(function)
+    return dispatcher
 
 
 class Function(types.Dispatcher):

@@ -66,8 +66,9 @@ def _lowered_kernel(what: str, notify: Notify) -> str:
     """A kernel in LLVM's language, free of sizes."""
 
     def lower(module: Path) -> None:
+        plain = _lowered_kernel(KERNEL, notify) if what == DERIVATIVES else None
         notify(Work("compiling the kernel", LOWERING[what]))
-        compilers.lower(module, derivatives=what == DERIVATIVES)
+        compilers.lower(module, plain=plain)
 
     packed = ready.module() if what == KERNEL else None
     return packed or cache.made(lowered(what), lower, notify).read_text()

@@ -1,6 +1,7 @@
-"""Lower a kernel, or a user's law, to LLVM's intermediate language: lower.py FINGERPRINT FILE WHAT [LAW].
+"""Lower a kernel, or a user's law, to LLVM's intermediate language: lower.py FINGERPRINT FILE WHAT [FROM].
 
-WHAT is `kernel`, `derivatives`, a kernel that carries them beside the run, or `law`.
+WHAT is `kernel`, `derivatives`, a kernel that carries them beside the run, or `law`. The last two are made
+FROM a file: the lowered plain kernel, and the source of the law.
 
 It is run in a process of its own, because it changes how numba compiles, and because numba reads the
 processor to compile for when it is imported.
@@ -14,15 +15,20 @@ from pathlib import Path
 from llvmlite import binding as llvm
 from numba import cfunc
 
+from chain_impact.compilation import reuse
 from chain_impact.compilation.collecting import Library, collect_only
 from chain_impact.compilation.compilers import BAD_LAW, PORTABLE_CPU
 from chain_impact.compilation.entry_points import Entries, entry_points
 from chain_impact.compilation.functions import OPTIONS
 from chain_impact.compilation.law import law_entry
 from chain_impact.compilation.sources import fingerprint
+from chain_impact.kernel.tangent.entry import HOOKS
 from chain_impact.law_file import LawError, read_law
 
 TRIPLE = "x86_64-unknown-linux-gnu"  # what the passes that are run here take for the target
+# Python keeps its frames in blocks of 16 kB, and gets and returns memory each time that calls go to and fro
+# across the end of one. A block for a frame of so many words has room for all that numba calls.
+FRAME = 2**20
 
 
 def lowered(entries: Entries) -> str:
@@ -33,10 +39,12 @@ def lowered(entries: Entries) -> str:
         callback = cfunc(signature, **OPTIONS)(function)
         libraries |= dict.fromkeys(callback._library.and_those_it_calls())
         names[callback.native_name] = name
+    names |= reuse.names(HOOKS)
     whole = _joined([module for library in libraries for module in library.modules])
     for symbol in (*whole.functions, *whole.global_variables):
         if symbol.name in names:
             symbol.name = names[symbol.name]
+        if symbol.name in entries:
             symbol.linkage = llvm.Linkage.external
         elif not symbol.is_declaration:
             # private to the library, and gone once it is inlined
@@ -55,7 +63,7 @@ def _joined(modules: list[llvm.ModuleRef]) -> llvm.ModuleRef:
 
 
 def _simplify(whole: llvm.ModuleRef) -> None:
-    """Leave out what each linking would have to leave out anew: variables in memory, and code without effect.
+    """Leave out what each linking would have to leave out anew: variables in memory, and code without effect or use.
 
     LLVM does the same first, so that kernels are as fast as without. More, as combining instructions, would
     make them up to 12 % slower: those passes want to come after inlining.
@@ -70,17 +78,22 @@ def _simplify(whole: llvm.ModuleRef) -> None:
     for function in whole.functions:
         if not function.is_declaration:
             passes.run(function, builder)
+    unused = llvm.create_new_module_pass_manager()
+    unused.add_global_dead_code_eliminate_pass()
+    unused.run(whole, builder)
 
 
 def main() -> None:
-    """Write the module of WHAT, which may be the law in the file LAW, to FILE."""
-    expected, file, what, *laws = sys.argv[1:]
+    """Write the module of WHAT to FILE."""
+    expected, file, what, *given = sys.argv[1:]
     path = Path(file)
     collect_only()
     try:
         if what == "law":
-            entries = law_entry(read_law(Path(laws[0])))
+            entries = law_entry(read_law(Path(given[0])))
         else:
+            if what == "derivatives":
+                reuse.take(Path(given[0]).read_text())
             entries = entry_points(derivatives=what == "derivatives")
     except LawError as error:
         print(" ".join(str(error).split()), file=sys.stderr)
@@ -92,4 +105,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
+    main.__code__ = main.__code__.replace(co_stacksize=FRAME)
     main()

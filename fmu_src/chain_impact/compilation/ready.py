@@ -118,8 +118,9 @@ def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Call
 
     def text(name: str) -> str:
         def lower(file: Path) -> None:
+            plain = text(lowered(KERNEL)) if name == lowered(DERIVATIVES) else None
             say(f"compiling {name.removesuffix('.ll')}, for any number of links")
-            compilers.lower(file, derivatives=name == lowered(DERIVATIVES))
+            compilers.lower(file, plain=plain)
 
         return cache.made(name, lower).read_text()
 
