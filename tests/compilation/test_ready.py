@@ -109,7 +109,10 @@ def test_a_wheel_for_release_carries_the_kernels_with_derivatives(made, tmp_path
     assert found[True] == "a module with derivatives for 4"
     assert found[False] == f"a module with derivatives for 4 on {compilers.WIDE_CPU}"
     monkeypatch.setattr(compilers, "wide_cpu", lambda: None)
-    assert kernel_library(64, derivatives=True, portable=False).read_text() == "a module with derivatives for None"
+    assert (
+        kernel_library(64, derivatives=True, portable=False).read_text()
+        == "a module with derivatives for None"
+    )
 
 
 def test_kernels_of_other_sources_are_not_used(made):

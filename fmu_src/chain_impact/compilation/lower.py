@@ -63,7 +63,7 @@ def _joined(modules: list[llvm.ModuleRef]) -> llvm.ModuleRef:
 
 
 def _simplify(whole: llvm.ModuleRef) -> None:
-    """Leave out what each linking would have to leave out anew: variables in memory, and code without effect or use.
+    """Leave out what each linking would have to leave out anew: variables in memory, and idle code.
 
     LLVM does the same first, so that kernels are as fast as without. More, as combining instructions, would
     make them up to 12 % slower: those passes want to come after inlining.

@@ -16,12 +16,13 @@ from types import FunctionType
 from typing import Any
 
 from llvmlite import binding as llvm
-from numba.core import caching, compiler, funcdesc, registry, sigutils, types, typing
+from numba import types
+from numba.core import compiler, funcdesc, registry, sigutils, typing
 
 from chain_impact.compilation.collecting import Library
 
-PAIR_TO_FIVE = [types.UniTuple(types.float64, count) for count in range(2, 6)]
-RESULTS = {str(kind): kind for kind in (types.none, types.boolean, types.int64, types.float64, *PAIR_TO_FIVE)}
+_TUPLES = [types.UniTuple(types.float64, count) for count in range(2, 6)]
+RESULTS = {str(kind): kind for kind in (types.none, types.boolean, types.int64, types.float64, *_TUPLES)}
 """Results of functions that can be taken. Others are rare."""
 ARROW = " -> "
 
@@ -45,7 +46,7 @@ def take(plain: str) -> None:
             symbol.name = f"plain {symbol.name}"
 
 
-def names(replaced: Container[FunctionType]) -> dict[str, str]:
+def names(replaced: Container[Any]) -> dict[str, str]:
     """The names of functions that can be taken, for their symbols in what has been lowered.
 
     None of them calls a function that is ``replaced`` in a kernel with derivatives.
@@ -65,7 +66,7 @@ def _head(function: FunctionType, arguments: Iterable[types.Type]) -> str:
     return f"{function.__module__}.{function.__qualname__}({', '.join(map(str, arguments))})"
 
 
-class Overloads(caching.NullCache):
+class Overloads:
     """Stands for the files in which numba keeps a function that it has compiled for some types."""
 
     def __init__(self, function: FunctionType) -> None:
@@ -80,7 +81,7 @@ class Overloads(caching.NullCache):
         name, library = _taken[head]
         result = RESULTS[name.removeprefix(head + ARROW)]
         return compiler.compile_result(
-            entry_point=object().__reduce__,  # something of its own to know the function by, as nobody calls it
+            entry_point=object().__reduce__,  # a function of its own to be known by; nobody calls it here
             fndesc=funcdesc.ExternalFunctionDescriptor(name, result, tuple(arguments)),
             library=library,
             objectmode=False,
