@@ -12,7 +12,7 @@ from chain_impact.compilation.ready import DERIVATIVES, KERNEL, WIDE, lowered
 from chain_impact.compilation.work import Notify, Work, announce
 from chain_impact.law_file import LawError, UserLaw, read_law
 
-LOWERING, LINKING = {KERNEL: 12.0, DERIVATIVES: 40.0}, {KERNEL: 3.0, DERIVATIVES: 10.0}  # s
+LOWERING, LINKING = {KERNEL: 12.0, DERIVATIVES: 20.0}, {KERNEL: 3.0, DERIVATIVES: 10.0}  # s
 # s, in which zig makes its own libraries
 FIRST_LINKING = {"linux64": 5.0, "win64": 60.0, "darwin64": 5.0, "aarch64-linux": 15.0, "aarch64-darwin": 5.0}
 
