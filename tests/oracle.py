@@ -64,10 +64,10 @@ class Account:
         return self.statistics["status"]
 
 
-def account(scene: Scene, seed: int, memory: Any = None) -> Account:
+def account(scene: Scene, seed: int, memory: Any = None, rows: int = ROWS) -> Account:
     """Run a scene in this process; its record lies in ``memory``, if given, for others to look at."""
     begin = time.process_time()
-    times = np.linspace(0.0, scene.simulation.stop_time, ROWS + 1)
+    times = np.linspace(0.0, scene.simulation.stop_time, rows + 1)
     try:
         instance = Instance(scene)
     except SimulationError as error:

@@ -19,19 +19,11 @@ from tests.random_scenes import SLANTED, SPRUNG, STARTS, drive, scene
 from tests.search import verdict, verdicts
 
 BLOCKS, SLANTED_BLOCKS, SPRUNG_BLOCKS, BLOCK = 6, 2, 2, 500  # seeds
-# A fault that is still there: at the tolerance 5.6e-3, a dip of 1.8 µm behind a wall inside one step of the
-# scene 430 is not found. It may be no deeper.
-MISSED_DIPS = {430: 3e-6}  # seed → m
 
 
 def broken(one):
     """The findings of a run but for two kinds: that it was stopped with a status, or took more than 2 s."""
-    dip = MISSED_DIPS.get(one.seed, 0.0)
-    return [
-        finding
-        for finding in one.findings
-        if finding.kind not in {"stopped", "slow"} and not (finding.kind == "outside" and finding.value < dip)
-    ]
+    return [finding for finding in one.findings if finding.kind not in {"stopped", "slow"}]
 
 
 @pytest.mark.slow
@@ -214,3 +206,9 @@ MENDED = [
 @pytest.mark.parametrize("seed", MENDED)
 def test_a_scene_that_had_findings_has_none(seed):
     assert not verdict(scene(seed), seed, cpu=20.0).findings
+
+
+@pytest.mark.parametrize("seed", [430, 13415, SLANTED + 458, SLANTED + 1952])
+def test_no_output_shows_a_point_behind_a_wall_that_the_search_has_passed(seed):
+    """At a loose tolerance the dense output may be further from the motion than the point from a wall."""
+    assert not judge(account(scene(seed), seed, rows=1000))

@@ -66,13 +66,22 @@ def excludes_events(d):
     # the remainder is h⁶ φ⁽⁶⁾/46080; ten times that of the tip of a stretched chain that turns evenly, and
     # that of a motion which fades or swings with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|
     fade = fading(d)
-    error = d.model.reach * turn**2 * max(turn, fade) ** 4 / 4608.0
+    error = d.model.reach * turn**2 * max(turn, fade) ** 4 / 4608.0 + leeway(d)
     clear = turn < SMALL_TURN
     for c in range(d.candidates):
         clear = clear and stays_positive(d, c, error)
     for k in range(d.touch.active_count):
         clear = clear and is_quiet(d, d.touch.active_index[k])
     return clear
+
+
+def leeway(d):
+    """How far [m] the tolerance allows a point to be off, at the tip.
+
+    The dense output, in which outputs and the search see a point, may be that far from what the ends of a
+    step tell.
+    """
+    return d.solver.tolerance * d.model.reach
 
 
 def fading(d):
@@ -88,7 +97,7 @@ def remains_far(d):
     # no point goes further than that, with twice what its acceleration makes of it
     way = lasted * (max(speed, search.speed) + lasted * max(acceleration, search.acceleration))
     search.safe_distance -= way
-    if not (known(d) >= WITH_CURVES and search.safe_distance > 0.0):
+    if not (known(d) >= WITH_CURVES and search.safe_distance > leeway(d)):
         return False
     if step.regularized == NO_CONTACT:
         far = d.touch.active_count == 0
