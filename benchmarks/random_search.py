@@ -1,9 +1,9 @@
 """The random search of tests/random_scenes.py, longer: ``python benchmarks/random_search.py --count 20000``.
 
-From the seed 1000000 on (``--first``) scenes have walls at any angle. Every scene runs in a process apart,
-is ended after ``--cpu`` seconds of CPU time and judged by tests/oracle.py. What is found is listed by kind,
-law and method, with the seeds, in benchmarks/results/random_search.json. ``--shrink SEED`` makes the scene of
-a seed as small and plain as its finding allows, and prints it.
+Special kinds of scenes begin at whole millions (``--first``), which tests/random_scenes.py lists. Every scene
+runs in a process apart, is ended after ``--cpu`` seconds of CPU time and judged by tests/oracle.py. What is
+found is listed by kind, law and method, with the seeds, in benchmarks/results/random_search.json.
+``--shrink SEED`` makes the scene of a seed as small and plain as its finding allows, and prints it.
 """
 
 from __future__ import annotations

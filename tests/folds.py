@@ -21,8 +21,8 @@ from chain_impact.kernel.events.impulses import STICK
 from chain_impact.kernel.status import ONSET_DUE
 from chain_impact.running import Instance
 from chain_impact.scene import Scene
+from tests.draw import Draw
 from tests.problems import GRAVITY, build
-from tests.random_scenes import Draw
 from tests.reference import clearance_gradient, mass_matrix
 
 LENGTH = 0.5  # m, of 1 kg

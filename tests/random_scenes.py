@@ -1,16 +1,16 @@
 """Random scenes for the search for faults: anything that a user may ask for, made from one integer.
 
-``scene(seed)`` is the same for ever, as long as nobody changes the order of the draws below. Scenes with
-walls at any angle, and those with springs in joints and links without inertia, have seeds and draws of their
-own. A scene is meant to cost milliseconds, whatever it is made of: the stop time is cut to what the links'
-turning, the tolerance and the method call for. Where a scene asks for much work, and nobody could spare the
-solver that, ``solver.work_limit`` ends it early (``hard``); everywhere else it keeps its default, so that
-slowness shows.
+``scene(seed)`` is the same for ever, as long as nobody changes the order of the draws below. Each special
+kind of scenes has seeds and draws of its own. A scene is meant to cost milliseconds, whatever it is made of:
+the stop time is cut to what the links' turning, the tolerance and the method call for. Where a scene asks for
+much work, and nobody could spare the solver that, ``solver.work_limit`` ends it early (``hard``); everywhere
+else it keeps its default, so that slowness shows.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
@@ -20,11 +20,18 @@ from chain_impact.kernel.chain.regular import loose_links
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.scene import SOLVER_METHODS, Scene, scene_from_dict, with_values
+from tests.draw import Draw
+from tests.folds import fold
 from tests.turned import turned
 
-SLANTED = 10**6  # the first seed of scenes with walls at any angle …
-SPRUNG = 2 * 10**6  # … and of those with springs or point masses
-MOST_LINKS = 10
+# The first seeds of scenes with
+SLANTED = 10**6  # walls at any angle,
+SPRUNG = 2 * 10**6  # springs or point masses,
+FOLDED = 3 * 10**6  # folds of equal links,
+TAUT = 4 * 10**6  # stiff springs at loose tolerances,
+UNEVEN = 5 * 10**6  # rigid walls and masses over six decades,
+LONG = 6 * 10**6  # more links than others.
+MOST_LINKS, LONG_LINKS = 10, (11, 60)
 HARD_WORK = 5e4  # evaluations, for a scene that asks for much
 TURNS = 300.0  # rad, at most, that a link turns by, as it starts
 IMPLICIT_STEPS = 1e4  # of the method of order 3, as estimated
@@ -34,48 +41,18 @@ SHARES = (0.25, 0.12, 0.13, 0.2, 0.2, 0.1)
 FLUSH = STARTS[3:]
 
 
-class Draw:
-    """Random numbers of the kinds that a scene needs."""
-
-    def __init__(self, *seed: int) -> None:
-        self.generator = np.random.default_rng(seed)
-
-    def chance(self, share: float) -> bool:
-        return bool(self.generator.random() < share)
-
-    def real(self, low: float, high: float) -> float:
-        return float(self.generator.uniform(low, high))
-
-    def power(self, low: float, high: float) -> float:
-        """Log-uniform."""
-        return float(np.exp(self.generator.uniform(math.log(low), math.log(high))))
-
-    def whole(self, low: int, high: int) -> int:
-        """Both ends included."""
-        return int(self.generator.integers(low, high + 1))
-
-    def one(self, choices: Any, shares: Any = None) -> Any:
-        return choices[int(self.generator.choice(len(choices), p=shares))]
-
-    def direction(self, length: float) -> list[float]:
-        angle = self.real(-math.pi, math.pi)
-        return [length * math.cos(angle), length * math.sin(angle)]
-
-
 def scene(seed: int) -> Scene:
-    """The scene of a seed; from SLANTED on with walls at any angle, from SPRUNG on with springs."""
-    made = upright(seed)
-    if seed < SLANTED:
-        return made
-    return slanted(made, Draw(seed, 2)) if seed < SPRUNG else sprung(made, Draw(seed, 3))
+    """The scene of a seed, of the kind that the last of the first seeds up to it stands for."""
+    return _KINDS[max(first for first in _KINDS if first <= seed)](seed)
 
 
-def sprung(scene: Scene, draw: Draw) -> Scene:
+def sprung(scene: Scene, draw: Draw, weakest: float = 1e-3, stiffest: float = 1e6) -> Scene:
     """The scene with springs in some joints, a few of them strained, and some links without inertia.
 
-    Springs without damping may swing for ever, however stiff they are, so the work is limited.
+    The springs of a scene are within a tenth and ten times of a stiffness that is drawn [N·m/rad]. Without
+    damping they may swing for ever, however stiff they are, so the work is limited.
     """
-    angles, before, size = scene.initial.angles, (0.0, *scene.initial.angles), draw.power(1e-3, 1e6)
+    angles, before, size = scene.initial.angles, (0.0, *scene.initial.angles), draw.power(weakest, stiffest)
     links = [asdict(link) for link in scene.chain.links]
     all_of_them, points = draw.chance(0.5), draw.chance(0.3)
     for i, link in enumerate(links):
@@ -110,6 +87,39 @@ class _Shapes:
         self.pinned = pinned
 
 
+def taut(scene: Scene, draw: Draw) -> Scene:
+    """The scene with springs of 1e3 to 1e6 N·m/rad, at a loose tolerance."""
+    tolerance = draw.power(1e-4, 1e-2)
+    return with_values(sprung(scene, draw, 1e4, 1e5), {("solver", "tolerance"): tolerance})
+
+
+def folded(scene: Scene, draw: Draw) -> Scene:
+    """A fold, most often under a law of force in place of rigid walls, at any tolerance."""
+    contact, solver = asdict(scene.contact), {**asdict(scene.solver), "tolerance": draw.power(1e-12, 1e-2)}
+    if draw.chance(0.7):
+        kept = {"points": contact["points"], "radius": 0.0}
+        contact |= _contact(draw, len(scene.chain.links), "free", rigid=0.0) | kept
+    if hard(solver, contact):
+        solver["work_limit"] = HARD_WORK
+    return with_values(scene, {("contact",): contact, ("solver",): solver})
+
+
+def uneven(scene: Scene, draw: Draw) -> Scene:
+    """The scene with rigid walls, and the masses of its links over six decades."""
+    links = [asdict(link) for link in scene.chain.links]
+    for link in links:
+        times = draw.power(1e-3, 1e3) / link["mass"]
+        link["mass"], link["inertia"] = times * link["mass"], times * link["inertia"]
+    e = draw.one((0.0, draw.real(0.0, 1.0), 1.0), (0.3, 0.6, 0.1))
+    rigid = {("contact", "model"): "newton_impact", ("contact", "restitution"): e}
+    return with_values(scene, {("chain", "links"): links, **rigid})
+
+
+def long(seed: int) -> Scene:
+    """A long chain under a law of force. It may take much work."""
+    return with_values(upright(seed, LONG_LINKS, rigid=0.0), {("solver", "work_limit"): HARD_WORK})
+
+
 def slanted(scene: Scene, draw: Draw) -> Scene:
     """The scene with some walls at any angle around its points, turned as a whole, or both."""
     turns, cuts = draw.one(((True, False), (False, True), (True, True)))
@@ -136,14 +146,14 @@ def _slope(draw: Draw, scene: Scene, number: int) -> dict[str, Any]:
     return {"name": f"slope_{number}", "point": place.tolist(), "angle": angle}
 
 
-def upright(seed: int) -> Scene:
-    """The scene of a seed with a box alone."""
+def upright(seed: int, counts: tuple[int, int] = (1, MOST_LINKS), rigid: float = 0.25) -> Scene:
+    """The scene of a seed with a box alone: links, at least and at most, and the share of rigid walls."""
     draw = Draw(seed, 0)
     start = draw.one(STARTS, SHARES)
     base = draw.one(("free", "pinned"), (0.7, 0.3))
-    links = _links(draw)
+    links = _links(draw, *counts)
     angles, wall = _angles(draw, len(links), start)
-    contact = _contact(draw, len(links), base)
+    contact = _contact(draw, len(links), base, rigid)
     box = _box(draw, links, angles, contact, wall if start in FLUSH else None)
     initial = {"position": _ORIGIN, "angles": angles, **_motion(draw, start, base, len(links), wall)}
     inputs = {"joint_torques": draw.chance(0.2), "tip_force": draw.chance(0.2)}
@@ -205,8 +215,8 @@ def drive(scene: Scene, seed: int) -> tuple[np.ndarray, np.ndarray]:
 _ORIGIN = [0.0, 0.0]
 
 
-def _links(draw: Draw) -> list[dict[str, float]]:
-    count = draw.whole(1, MOST_LINKS)
+def _links(draw: Draw, fewest: int, most: int) -> list[dict[str, float]]:
+    count = draw.whole(fewest, most)
     equal, uneven, shaped = draw.chance(0.3), draw.chance(0.25), draw.chance(0.2)
     damped = draw.one(("none", "some", "all"), (0.65, 0.15, 0.2))
     size = draw.power(0.1, 1.0)
@@ -249,9 +259,9 @@ def _gravity(draw: Draw, start: str, wall: int) -> list[float]:
     return [0.0, -9.81]
 
 
-def _contact(draw: Draw, count: int, base: str) -> dict[str, Any]:
+def _contact(draw: Draw, count: int, base: str, rigid: float) -> dict[str, Any]:
     others = [law for law in CONTACT_LAWS if law != "newton_impact"]
-    law = CONTACT_LAWS["newton_impact" if draw.chance(0.25) else draw.one(others)]
+    law = CONTACT_LAWS["newton_impact" if draw.chance(rigid) else draw.one(others)]
     exponent = law.exponent or draw.one(
         (1.5, 1.0, 2.0, 3.0, draw.real(1.0, 3.0)), (0.5, 0.15, 0.1, 0.05, 0.2)
     )
@@ -326,3 +336,14 @@ def _motion(draw: Draw, start: str, base: str, count: int, wall: int) -> dict[st
     if base == "pinned":
         velocity = [0.0, 0.0]
     return {"velocity": velocity, "angular_velocities": spins}
+
+
+_KINDS: dict[int, Callable[[int], Scene]] = {
+    0: upright,
+    SLANTED: lambda seed: slanted(upright(seed), Draw(seed, 2)),
+    SPRUNG: lambda seed: sprung(upright(seed), Draw(seed, 3)),
+    FOLDED: lambda seed: folded(fold(seed), Draw(seed, 5)),
+    TAUT: lambda seed: taut(upright(seed), Draw(seed, 3)),
+    UNEVEN: lambda seed: uneven(upright(seed), Draw(seed, 6)),
+    LONG: long,
+}

@@ -15,10 +15,15 @@ from chain_impact.kernel.status import EVENT_STORM, TOO_MUCH_WORK
 from chain_impact.scene import Scene, with_values
 from tests.oracle import account, judge
 from tests.problems import default_scene, dropped_ball
-from tests.random_scenes import SLANTED, SPRUNG, STARTS, drive, scene
+from tests.random_scenes import FOLDED, LONG, SLANTED, SPRUNG, STARTS, TAUT, UNEVEN, drive, scene
 from tests.search import verdict, verdicts
 
-BLOCKS, SLANTED_BLOCKS, SPRUNG_BLOCKS, BLOCK = 6, 2, 2, 500  # seeds
+BLOCK = 500  # seeds
+BLOCKS = [
+    range(first + BLOCK * block, first + BLOCK * (block + 1))
+    for first, blocks in ((0, 6), (SLANTED, 2), (SPRUNG, 2), (FOLDED, 1), (TAUT, 1))
+    for block in range(blocks)
+] + [range(first, first + BLOCK // 2) for first in (UNEVEN, LONG)]
 
 
 def broken(one):
@@ -27,18 +32,10 @@ def broken(one):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "first",
-    [
-        first + BLOCK * block
-        for first, blocks in ((0, BLOCKS), (SLANTED, SLANTED_BLOCKS), (SPRUNG, SPRUNG_BLOCKS))
-        for block in range(blocks)
-    ],
-    ids=lambda first: f"{first}-{first + BLOCK - 1}",
-)
-def test_random_scenes_keep_the_laws_of_physics(first):
-    found = [one for one in verdicts(range(first, first + BLOCK)) if broken(one)]
-    assert not found, f"{len(found)} of {BLOCK} scenes:\n" + "\n".join(map(str, found))
+@pytest.mark.parametrize("seeds", BLOCKS, ids=lambda seeds: f"{seeds[0]}-{seeds[-1]}")
+def test_random_scenes_keep_the_laws_of_physics(seeds):
+    found = [one for one in verdicts(seeds) if broken(one)]
+    assert not found, f"{len(found)} of {len(seeds)} scenes:\n" + "\n".join(map(str, found))
 
 
 # --- the generator -----------------------------------------------------------------------------------------
@@ -89,6 +86,39 @@ def test_scenes_with_springs_have_seeds_of_their_own():
     )
     assert sum(any(link.inertia == 0.0 for link in one.chain.links) for one in scenes) > 30
     assert min(map(gap, scenes)) > -1e-12
+
+
+def test_folds_have_seeds_of_their_own():
+    scenes = [scene(seed) for seed in range(FOLDED, FOLDED + 200)]
+    assert all(len({link.length for link in one.chain.links}) == 1 for one in scenes)
+    assert 30 < sum(one.contact.model == "newton_impact" for one in scenes) < 100
+    assert max(one.solver.tolerance for one in scenes) > 1e-3
+    assert min(map(gap, scenes)) > -1e-12
+
+
+def test_stiff_springs_at_loose_tolerances_have_seeds_of_their_own():
+    scenes = [scene(seed) for seed in range(TAUT, TAUT + 200)]
+    springs = [link.joint_stiffness for one in scenes for link in one.chain.links if link.joint_stiffness]
+    assert min(springs) >= 1e3
+    assert max(springs) <= 1e6
+    assert min(one.solver.tolerance for one in scenes) >= 1e-4
+
+
+def test_rigid_walls_with_uneven_masses_have_seeds_of_their_own():
+    scenes = [scene(seed) for seed in range(UNEVEN, UNEVEN + 200)]
+    assert {one.contact.model for one in scenes} == {"newton_impact"}
+    masses = [link.mass for one in scenes for link in one.chain.links]
+    assert max(masses) > 5e5 * min(masses)
+    thick = [12.0 * link.inertia / (link.mass * link.length**2) for one in scenes for link in one.chain.links]
+    assert min(thick) > 0.04
+    assert max(thick) < 6.0
+
+
+def test_long_chains_have_seeds_of_their_own():
+    scenes = [scene(seed) for seed in range(LONG, LONG + 200)]
+    counts = {len(one.chain.links) for one in scenes}
+    assert (min(counts), max(counts)) == (11, 60)
+    assert "newton_impact" not in {one.contact.model for one in scenes}
 
 
 def gap(scene):
