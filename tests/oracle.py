@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.candidates import candidates
+from chain_impact.kernel.events.table import LEFT
 from chain_impact.kernel.status import OK, STATUS_TEXT, TOO_MUCH_WORK
 from chain_impact.running import Instance, SimulationError
 from chain_impact.scene import Scene
@@ -218,13 +219,19 @@ def elastic_scale(run: Account) -> float:
     if contact.model == "newton_impact" or not len(impacts):
         return 0.0
     depth, n, k = impacts["max_penetration"], contact.exponent, contact.stiffness
-    v0 = np.maximum(impacts["impact_speed"], contact.minimum_impact_speed)
-    foreseen = (0.5 * impacts["effective_mass"] * v0**2 * (n + 1) / k) ** (1 / (n + 1))
+    v0, foreseen = expected(run)
     chain = _chain(run.scene)
     leeway = np.maximum(1.0, np.minimum(chain.size / v0, 0.01 / run.scene.solver.tolerance))
     # but a clearance errs no more than the coordinates do
     error = np.minimum(np.maximum(depth, foreseen) * leeway, chain.size + chain.length.sum())
     return float((k * np.maximum(depth, 0.0) ** n * error).max())
+
+
+def expected(run: Account) -> tuple[np.ndarray, np.ndarray]:
+    """v₀ [m/s] of each contact, and the depth δ* [m] with K δ*ⁿ⁺¹/(n+1) = ½ m v₀²."""
+    impacts, n, k = run.impacts, run.scene.contact.exponent, run.scene.contact.stiffness
+    v0 = np.maximum(impacts["impact_speed"], run.scene.contact.minimum_impact_speed)
+    return v0, (0.5 * impacts["effective_mass"] * v0**2 * (n + 1) / k) ** (1 / (n + 1))
 
 
 def brought(run: Account) -> float:
@@ -262,18 +269,35 @@ def containment(run: Account) -> Iterator[tuple[str, float, float, str]]:
     outputs, contact = run.outputs, run.scene.contact
     if not candidates(run.scene):
         return
-    gaps = clearances(run)
-    unseen = float((-gaps - outputs["penetration"]).max())
+    unseen = float((-clearances(run) - outputs["penetration"] - left_inside(run)).max())
     slack = OUTSIDE
     if contact.model == "newton_impact":
         # a held point is put back to its wall after each step; in between it errs as its position does
-        slack += run.scene.solver.tolerance * (_chain(run.scene).size + _chain(run.scene).length.sum())
+        reach = _chain(run.scene).size + _chain(run.scene).length.sum()
+        slack += INTERPOLATED * run.scene.solver.tolerance * reach
     yield "outside", unseen, slack, "outside a wall beyond the reported penetration [m]"
     yield "pulls", float(-outputs["force"].min()), 0.0, "a wall pulls [N]"
     deepest = float(outputs["penetration"].max())
     if run.status == OK:  # else the contacts go on beyond the last row
         deepest = max(deepest, float(run.impacts["max_penetration"].max(initial=0.0)))
     yield "too deep", deepest, depth_bound(run), "penetration [m]"
+
+
+def left_inside(run: Account) -> np.ndarray:
+    """How deep each candidate, in each row, may be after the end of its contact [m].
+
+    A contact ends when its point will be out after LEFT of its time scale δ*/v₀ (kernel/events/table.py).
+    """
+    depth = np.zeros_like(run.outputs["penetration"])
+    if run.scene.contact.model == "newton_impact":
+        return depth
+    column = {candidate: c for c, candidate in enumerate(candidates(run.scene))}
+    v0, foreseen = expected(run)
+    for row, speed, scale in zip(run.impacts, v0, foreseen, strict=True):
+        since = run.time - row["end"]
+        rows = (since >= 0.0) & (since <= SAFETY * LEFT * scale / speed)
+        depth[rows, column[int(row["point"]), int(row["wall"])]] = LEFT * scale
+    return depth
 
 
 def clearances(run: Account) -> np.ndarray:

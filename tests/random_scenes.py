@@ -30,7 +30,8 @@ SPRUNG = 2 * 10**6  # springs or point masses,
 FOLDED = 3 * 10**6  # folds of equal links,
 TAUT = 4 * 10**6  # stiff springs at loose tolerances,
 UNEVEN = 5 * 10**6  # rigid walls and masses over six decades,
-LONG = 6 * 10**6  # more links than others.
+LONG = 6 * 10**6  # more links than others,
+HARSH = 7 * 10**6  # all that is hard, and the default limit of work.
 MOST_LINKS, LONG_LINKS = 10, (11, 60)
 HARD_WORK = 5e4  # evaluations, for a scene that asks for much
 TURNS = 300.0  # rad, at most, that a link turns by, as it starts
@@ -118,6 +119,12 @@ def uneven(scene: Scene, draw: Draw) -> Scene:
 def long(seed: int) -> Scene:
     """A long chain under a law of force. It may take much work."""
     return with_values(upright(seed, LONG_LINKS, rigid=0.0), {("solver", "work_limit"): HARD_WORK})
+
+
+def harsh(seed: int) -> Scene:
+    """A chain of any length with springs, a solver that may choose its method, and no limit of its own."""
+    scene = sprung(upright(seed, (1, LONG_LINKS[1])), Draw(seed, 3), 1e-2, 1e4)
+    return with_values(scene, {("solver", "work_limit"): None, ("solver", "method"): None})
 
 
 def slanted(scene: Scene, draw: Draw) -> Scene:
@@ -346,4 +353,5 @@ _KINDS: dict[int, Callable[[int], Scene]] = {
     TAUT: lambda seed: taut(upright(seed), Draw(seed, 3)),
     UNEVEN: lambda seed: uneven(upright(seed), Draw(seed, 6)),
     LONG: long,
+    HARSH: harsh,
 }

@@ -1,8 +1,7 @@
 """The linearly implicit step of order 3, for sustained contact and stiff joints (its data: ros34pw2.py).
 
-A point resting on a stiff wall makes the equations stiff: the contact's own motions are far faster than the
-chain's, and decay. Their part of the Jacobian has the rank of the active contacts, and all else may be left
-out of it, as the method keeps its order with any A.
+A point on a stiff wall makes the equations stiff: its contact decays far faster than the chain moves.
+Only their part of the Jacobian is kept, as the method has its order with any A.
 
 As the links turn, a stage's coordinates leave the wall's tangent by ½ h² J̇ẏ. That is little, but soon more
 than the penetration of a stiff wall. So the clearances g of the active contacts and their rates are
