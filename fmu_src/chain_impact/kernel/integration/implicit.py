@@ -55,8 +55,7 @@ from chain_impact.kernel.model.inputs import set_inputs
 
 GAMMA = ros34pw2.GAMMA_DIAGONAL
 # rows of implicit.stage, in which 1 to 4 are the stages k_i
-START_RATE, RATE, CORRECTION, RIGHT, ZEROS, ERROR = 0, 5, 6, 7, 8, 9
-ROWS = 10
+START_RATE, RATE, CORRECTION, RIGHT, ZEROS, ERROR, ROWS = 0, 5, 6, 7, 8, 9, 10
 STEP_EVALUATIONS = len(ros34pw2.B) - 1  # the first stage has f at the start of the step
 # Of a penetration: by how much the coordinates may leave the clearance that is integrated beside them over a
 # step. More makes the interpolant of the state wrong by as much; less bounds the step where links turn on a
