@@ -10,8 +10,8 @@ from xdist.scheduler import LoadFileScheduling
 from chain_impact import cli
 from tests.shared import once, shared_folder
 
-# What takes longest comes first, so that all cores end together. The first two take a minute each: one makes
-# the plain kernels and needs no others, the other the one that carries derivatives. So neither has to wait.
+# What takes longest comes first, so that all cores end together. Of the first two, one links plain kernels
+# while the other makes the one that carries derivatives.
 SLOWEST = (
     "tests/test_random_scenes.py",
     "tests/test_sensitivities.py",

@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 
 from chain_impact.candidates import candidates
-from chain_impact.kernel.events.table import LEFT
 from chain_impact.kernel.status import OK, STATUS_TEXT, TOO_MUCH_WORK
 from chain_impact.running import Instance, SimulationError
 from chain_impact.scene import Scene
@@ -30,6 +29,7 @@ SAFETY = 3.0  # of the tolerance: the error control steers by estimates, and sca
 INTERPOLATED = 10.0  # times the error of a step, that of an output between steps
 OUTSIDE = 1e-9  # m, that a point may be outside a wall, of what is not reported as penetration
 DEEPER = 3.0  # times the depth that the energy there is can reach
+LEFT = 0.01  # of the time scale of a contact, for which its point may be inside after the end
 ROUND_OFF = 1e-12  # of the speeds that there are, and of a link length a second: a sign is not known better
 EPSILON = 2.0**-52
 
@@ -286,7 +286,7 @@ def containment(run: Account) -> Iterator[tuple[str, float, float, str]]:
 def left_inside(run: Account) -> np.ndarray:
     """How deep each candidate, in each row, may be after the end of its contact [m].
 
-    A contact ends when its point will be out after LEFT of its time scale δ*/v₀ (kernel/events/table.py).
+    A contact ends when its point will be out after LEFT of its time scale δ*/v₀.
     """
     depth = np.zeros_like(run.outputs["penetration"])
     if run.scene.contact.model == "newton_impact":

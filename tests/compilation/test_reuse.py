@@ -73,7 +73,7 @@ def plain(folder):
 
 
 def constant(number):
-    """As LLVM writes one that needs all its digits, or few."""
+    """As LLVM writes a number of few digits."""
     return f"{number:.6e}"
 
 

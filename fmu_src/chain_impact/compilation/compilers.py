@@ -214,7 +214,9 @@ def _zig(platform: str, library: Path, *inputs: Path, cpu: str | None = None) ->
 def _from_windows() -> list[str]:
     """Zig's options for a library that takes C's functions from Windows, and for the headers of these."""
     zig = find_spec("ziglang")
-    headers = Path(str(zig and zig.origin)).parent / "lib" / "libc" / "include" / "any-windows-any"
+    assert zig
+    assert zig.origin
+    headers = Path(zig.origin).parent / "lib" / "libc" / "include" / "any-windows-any"
     options = ["-nostdlib", "-Wl,--no-entry", "-rtlib=compiler-rt"]
     options += [f"-isystem{headers}", "-D__MSVCRT_VERSION__=0xE00"]
     return [*options, *(f"-lapi-ms-win-crt-{part}-l1-1-0" for part in WINDOWS_PARTS), "-lkernel32"]

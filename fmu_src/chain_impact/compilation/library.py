@@ -14,7 +14,7 @@ from chain_impact.law_file import LawError, UserLaw, read_law
 
 LOWERING, LINKING = {KERNEL: 12.0, DERIVATIVES: 20.0}, {KERNEL: 3.0, DERIVATIVES: 10.0}  # s
 # s, in which zig makes its own libraries
-FIRST_LINKING = {"linux64": 5.0, "win64": 60.0, "darwin64": 5.0, "aarch64-linux": 15.0, "aarch64-darwin": 5.0}
+FIRST_LINKING = {"linux64": 5.0, "win64": 15.0, "darwin64": 5.0, "aarch64-linux": 15.0, "aarch64-darwin": 5.0}
 
 
 def kernel_library(

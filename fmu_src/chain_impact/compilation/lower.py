@@ -27,7 +27,8 @@ from chain_impact.law_file import LawError, read_law
 
 TRIPLE = "x86_64-unknown-linux-gnu"  # what the passes that are run here take for the target
 # Python keeps its frames in blocks of 16 kB, and gets and returns memory each time that calls go to and fro
-# across the end of one. A block for a frame of so many words has room for all that numba calls.
+# across the end of one. A block for a frame of so many words is rounded up to a power of two. This leaves
+# room for the frames of all that numba calls.
 FRAME = 2**20
 
 

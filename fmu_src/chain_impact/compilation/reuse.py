@@ -37,7 +37,7 @@ def take(plain: str) -> None:
     library.finalize()
     for symbol in library.modules[0].functions:
         head, arrow, _ = symbol.name.partition(ARROW)
-        if arrow:
+        if arrow and not symbol.is_declaration:
             symbol.linkage = llvm.Linkage.weak_odr
             _taken[head] = symbol.name, library
         elif not symbol.is_declaration:

@@ -7,14 +7,11 @@ from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.impulse import settle_impulses
 from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER, complete, cut_now, see_points, see_rate
 from chain_impact.kernel.model.contact import contact_force, contact_slopes
-from chain_impact.kernel.model.contact_force import USER_LAW
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import along_normal, clearance
 from chain_impact.kernel.model.latest import note_impact
 
 FORCE, PENETRATION = 0, 1
-# A force that bends down all over a step lies below its tangent; one that does not may rise this much more.
-BEND = 2.0
 HELD_SAMPLES = 5  # of a holding force over a step, its ends included
 
 
@@ -48,14 +45,9 @@ def peaks(d, c, force_rate, time, reader):
     gap, gap_rate = clearance(d, c)
     force = contact_force(d, c, gap, gap_rate)
     peak, depth = max(touch.peak_force[c], force), max(touch.max_penetration[c], -gap)
-    # Both have a maximum inside the step when their rate falls through zero. They matter where the tangent
-    # at the end leads above the largest so far.
-    reach = BEND * (time - d.step.start)
+    # both have a maximum inside the step when their rate falls through zero
     force_peaked = touch.force_rate[c] > 0.0 and force_rate <= 0.0
-    if d.contact.law != USER_LAW:
-        force_peaked = force_peaked and force - reach * force_rate > touch.peak_force[c]
     depth_peaked = touch.speed[c] > 0.0 and gap_rate >= 0.0 and not turns_at_end(d, c)
-    depth_peaked = depth_peaked and reach * gap_rate - gap > touch.max_penetration[c]
     if force_peaked or depth_peaked:
         complete(d, reader)
     if force_peaked:

@@ -66,10 +66,11 @@ def excludes_events(d):
     # the remainder is h⁶ φ⁽⁶⁾/46080; ten times that of the tip of a stretched chain that turns evenly, and
     # that of a motion which fades or swings with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|
     fade = fading(d)
-    error = d.model.reach * turn**2 * max(turn, fade) ** 4 / 4608.0 + leeway(d)
+    error = d.model.reach * turn**2 * max(turn, fade) ** 4 / 4608.0
     clear = turn < SMALL_TURN
     for c in range(d.candidates):
-        clear = clear and stays_positive(d, c, error)
+        # the scale of errors in a penetration is far below that of a position
+        clear = clear and stays_positive(d, c, error if d.touch.active[c] else error + leeway(d))
     for k in range(d.touch.active_count):
         clear = clear and is_quiet(d, d.touch.active_index[k])
     return clear

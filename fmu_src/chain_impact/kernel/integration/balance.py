@@ -157,13 +157,13 @@ def is_long(d):
 
 
 def interpolates(d):
-    """Whether the dense output keeps the ledger in the middle of the last step, and dissipates no more."""
+    """Whether the dense output keeps the ledger in the middle of the last step, and the energy dissipated."""
     y = d.work.y
     complete(d, SOLVER)
     interpolate(d.step, 0.5, y)
-    locate_points(d, y)
     if not dissipates_evenly(d, y[dissipated_at(d.links)]):
         return False
+    locate_points(d, y)
     change = abs(ledger(d, y) - d.balance.ledger)
     return change <= INTERPOLATED * d.balance.least or change <= INTERPOLATED * allowance(d, y)
 
@@ -171,8 +171,9 @@ def interpolates(d):
 def dissipates_evenly(d, middle):
     """Whether the energy that is dissipated by the middle of the last step lies between that at its ends."""
     start, end = d.step.state[dissipated_at(d.links)], d.step.state_end[dissipated_at(d.links)]
-    slack = OF_A_STEP * d.solver.tolerance * (d.model.energy + abs(end) + impact_energy(d))
-    return start - INTERPOLATED * slack <= middle <= end + INTERPOLATED * slack
+    scale = d.model.energy + abs(end) + impact_energy(d)
+    slack = INTERPOLATED * OF_A_STEP * d.solver.tolerance * scale
+    return min(start, end) - slack <= middle <= max(start, end) + slack
 
 
 def allowance(d, y):

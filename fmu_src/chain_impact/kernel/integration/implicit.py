@@ -1,7 +1,8 @@
 """The linearly implicit step of order 3, for sustained contact and stiff joints (its data: ros34pw2.py).
 
-A point on a stiff wall makes the equations stiff: its contact decays far faster than the chain moves.
-Only their part of the Jacobian is kept, as the method has its order with any A.
+A point resting on a stiff wall makes the equations stiff: the contact's own motions are far faster than the
+chain's, and decay. Their part of the Jacobian has the rank of the active contacts, and all else may be left
+out of it, as the method keeps its order with any A.
 
 As the links turn, a stage's coordinates leave the wall's tangent by ½ h² J̇ẏ. That is little, but soon more
 than the penetration of a stiff wall. So the clearances g of the active contacts and their rates are
@@ -55,7 +56,8 @@ from chain_impact.kernel.model.inputs import set_inputs
 
 GAMMA = ros34pw2.GAMMA_DIAGONAL
 # rows of implicit.stage, in which 1 to 4 are the stages k_i
-START_RATE, RATE, CORRECTION, RIGHT, ZEROS, ERROR, ROWS = 0, 5, 6, 7, 8, 9, 10
+START_RATE, RATE, CORRECTION, RIGHT, ZEROS, ERROR = 0, 5, 6, 7, 8, 9
+ROWS = 10
 STEP_EVALUATIONS = len(ros34pw2.B) - 1  # the first stage has f at the start of the step
 # Of a penetration: by how much the coordinates may leave the clearance that is integrated beside them over a
 # step. More makes the interpolant of the state wrong by as much; less bounds the step where links turn on a
@@ -260,8 +262,6 @@ def attempt(d, h):
         d.touch.gap_error[0, k] = d.implicit.stage[ERROR, gap_at(d, k)]
     for k in range(followed(d)):
         d.impulse.tried[k] = d.implicit.z[impulse_at(d, k)]
-    if active == 0:
-        return scaled_error(d, 0)
     locate_points(d, work.y)
     apart, change = largest_mismatch(d), d.implicit.stage[RIGHT, : coordinate_count(d.links)]
     for derivative in range(2):
