@@ -53,10 +53,7 @@ def browser():
 
 @pytest.fixture
 def show(browser, address):
-    """Open the page, which must not complain, and must ask for nothing but itself.
-
-    With ``stopped``, its clock stands still unless a test lets it run.
-    """
+    """Open the page, which must not complain, nor ask for anything; its clock may be ``stopped``."""
     said, opened = [], []
 
     def show(viewport=DESK, motion="reduce", address=address, stopped=False, **options):
