@@ -50,8 +50,8 @@ def sanitized_kernel(folder, links):
     text, functions = re.subn(r"^(define .*)\{$", r"\1sanitize_address {", text, flags=re.M)
     assert functions > 500
     (folder / "kernel.ll").write_text(text)
-    options = ["-target", "x86_64-linux-gnu.2.17", f"-mcpu={CPUS['x86_64']}", "-Wno-everything"]
-    zig(folder, "-c", "-O1", "-fsanitize=address", *options, folder / "kernel.ll", "-o", folder / "kernel.o")
+    options = [f"-mcpu={CPUS['x86_64']}", "-Wno-everything", "-fsanitize=address"]
+    zig(folder, "-c", *options, folder / "kernel.ll", "-o", folder / "kernel.o")
     return folder / "kernel.o"
 
 

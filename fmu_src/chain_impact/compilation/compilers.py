@@ -200,11 +200,12 @@ def _zig(platform: str, library: Path, *inputs: Path, cpu: str | None = None) ->
     options = ["cc", "-target", target, f"-mcpu={cpu or CPUS[target.partition('-')[0]]}", *FLAGS]
     options += ["-fvisibility=hidden", "-shared", "-s"]
     if "linux" in target:
-        # what it calls must not be found in another library that the same process has loaded
-        options.append("-Wl,-Bsymbolic")
+        # what it calls must not be found in another library that the same process has loaded, nor be missing
+        options += ["-Wl,-Bsymbolic", "-Wl,-z,defs"]
     if "macos" in target:  # else the folder in which it was made
         options.append("-Wl,-install_name,@rpath/kernel.dylib")
-    libraries = _from_windows() if "windows" in target else ["-lm"]
+    # Zig's own C runtime, which it would first have to build, is left out: nothing here calls it.
+    libraries = ["-nostdlib", *(_from_windows() if "windows" in target else ["-lm", "-lc"])]
     folders = {"ZIG_GLOBAL_CACHE_DIR": linker_folder(), "ZIG_LOCAL_CACHE_DIR": library.with_name("zig")}
     files = map(str, (*(f"-I{folder}" for folder in INCLUDES), "-o", library, *inputs, stubs))
     places = {name: str(path) for name, path in folders.items()}
@@ -217,7 +218,7 @@ def _from_windows() -> list[str]:
     assert zig
     assert zig.origin
     headers = Path(zig.origin).parent / "lib" / "libc" / "include" / "any-windows-any"
-    options = ["-nostdlib", "-Wl,--no-entry", "-rtlib=compiler-rt"]
+    options = ["-Wl,--no-entry", "-rtlib=compiler-rt"]
     options += [f"-isystem{headers}", "-D__MSVCRT_VERSION__=0xE00"]
     return [*options, *(f"-lapi-ms-win-crt-{part}-l1-1-0" for part in WINDOWS_PARTS), "-lkernel32"]
 

@@ -13,8 +13,7 @@ from chain_impact.compilation.work import Notify, Work, announce
 from chain_impact.law_file import LawError, UserLaw, read_law
 
 LOWERING, LINKING = {KERNEL: 12.0, DERIVATIVES: 20.0}, {KERNEL: 3.0, DERIVATIVES: 10.0}  # s
-# s, in which zig makes its own libraries
-FIRST_LINKING = {"linux64": 5.0, "win64": 15.0, "darwin64": 5.0, "aarch64-linux": 15.0, "aarch64-darwin": 5.0}
+PREPARING = 5.0  # s, at most, in which zig makes what it links with on a platform
 
 
 def kernel_library(
@@ -55,7 +54,7 @@ def kernel_library(
     module = _lowered_kernel(what, notify)
 
     def link(library: Path) -> None:
-        seconds = LINKING[what] if compilers.zig_is_prepared(platform) else FIRST_LINKING[platform]
+        seconds = LINKING[what] + (0.0 if compilers.zig_is_prepared(platform) else PREPARING)
         notify(Work(f"linking the kernel for {platform}", seconds))
         compilers.link(module, library, platform, exact, law_module, cpu=ready.PROCESSORS[kind])
 
