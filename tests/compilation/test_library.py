@@ -112,7 +112,8 @@ class Compilers:
         self.lowered.append(law)
         module.write_text(f"{plain} with derivatives" if plain else "a module")
 
-    def link(self, module, library, platform, links, law=None, *, cpu=None):
+    def link(self, module, library, platform, links, law=None, *, derivatives, cpu=None):
+        assert library.name.startswith("derivatives" if derivatives else "kernel")
         self.linked.append((platform, links, law is not None))
         self.processors.append(cpu)
         library.write_text(module)

@@ -23,7 +23,8 @@ def lower(module, plain=None):
     module.write_text(f"{plain} with derivatives" if plain else "a module")
 
 
-def link(text, library, platform, links, *, cpu=None):
+def link(text, library, platform, links, *, derivatives, cpu=None):
+    assert derivatives == ("derivatives" in text)
     library.write_text(f"{text} for {links}" + (f" on {cpu}" if cpu else ""))
 
 

@@ -38,9 +38,11 @@ CPUS = {"x86_64": "x86_64_v2", "aarch64": "generic"}
 # Where it is there, twice as many numbers fit a vector, and dual numbers are vectors. Values are bit-equal.
 WIDE_CPU = "x86_64_v3"
 WIDE_FLAGS = {"avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe", "xsave"}
-# Twice as much as usual is inlined, which makes steps of four links up to 4 % faster. ARM's instruction that
-# multiplies and adds is not used: it rounds once where the two of x86 round twice.
-FLAGS = ("-O2", "-mllvm", "-inline-threshold=500", "-ffp-contract=off", "-Wno-everything")
+# ARM's instruction that multiplies and adds is not used: it rounds once where the two of x86 round twice.
+FLAGS = ("-O2", "-ffp-contract=off", "-Wno-everything")
+# Twice as much as usual is inlined, which makes steps of four links up to 4 % faster. A kernel that carries
+# derivatives does without: it would be no faster, and take a sixth longer to link.
+INLINE_MORE = ("-mllvm", "-inline-threshold=500")
 # numba's code refers to these on its error paths only, which the kernel never takes: it does not allocate
 PYTHON_SYMBOLS = ("NRT_MemInfo_call_dtor",)
 INTERFACE = PACKAGE / "compilation" / "c_interface"
@@ -135,6 +137,7 @@ def link(
     links: int | None,
     law: Path | None = None,
     *,
+    derivatives: bool = False,
     cpu: str | None = None,
 ) -> None:
     """Make the library of a lowered kernel.
@@ -145,6 +148,7 @@ def link(
         platform: of ``ZIG_TARGETS``.
         links: the number of links that it is for; None for any.
         law: the user's law in LLVM's language, if there is one.
+        derivatives: whether the kernel carries derivatives.
         cpu: zig's name of the processor that it is for; by default that of ``CPUS``.
 
     Raises:
@@ -153,7 +157,8 @@ def link(
     kernel = library.with_name("kernel.ll")
     kernel.write_text(complete(module, links, law is not None))
     prepare_zig(platform)
-    _zig(platform, library, kernel, *([law] if law else []), *interface_sources(), cpu=cpu)
+    flags = () if derivatives else INLINE_MORE
+    _zig(platform, library, kernel, *([law] if law else []), *interface_sources(), cpu=cpu, flags=flags)
 
 
 def wide_cpu() -> str | None:
@@ -192,12 +197,14 @@ def interface_sources() -> list[Path]:
     return sorted(INTERFACE.rglob("*.c"))
 
 
-def _zig(platform: str, library: Path, *inputs: Path, cpu: str | None = None) -> None:
+def _zig(
+    platform: str, library: Path, *inputs: Path, cpu: str | None = None, flags: tuple[str, ...] = ()
+) -> None:
     """Make a library with zig's C compiler, in a cache that no other program uses."""
     stubs = library.with_name("stubs.c")
     stubs.write_text("".join(map(STUB.format, PYTHON_SYMBOLS)))
     target, _ = ZIG_TARGETS[platform]
-    options = ["cc", "-target", target, f"-mcpu={cpu or CPUS[target.partition('-')[0]]}", *FLAGS]
+    options = ["cc", "-target", target, f"-mcpu={cpu or CPUS[target.partition('-')[0]]}", *FLAGS, *flags]
     options += ["-fvisibility=hidden", "-shared", "-s"]
     if "linux" in target:
         # what it calls must not be found in another library that the same process has loaded, nor be missing

@@ -56,7 +56,8 @@ def kernel_library(
     def link(library: Path) -> None:
         seconds = LINKING[what] + (0.0 if compilers.zig_is_prepared(platform) else PREPARING)
         notify(Work(f"linking the kernel for {platform}", seconds))
-        compilers.link(module, library, platform, exact, law_module, cpu=ready.PROCESSORS[kind])
+        cpu = ready.PROCESSORS[kind]
+        compilers.link(module, library, platform, exact, law_module, derivatives=derivatives, cpu=cpu)
 
     return cache.made(name, link, notify)
 

@@ -142,7 +142,8 @@ def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Call
 
             def link(file: Path) -> None:
                 say(f"linking {name}, {list(wanted).index(name) + 1} of {len(wanted)}")
-                compilers.link(texts[lowered(kind)], file, platform, links, cpu=PROCESSORS[kind])
+                text, cpu = texts[lowered(kind)], PROCESSORS[kind]
+                compilers.link(text, file, platform, links, derivatives=kind != KERNEL, cpu=cpu)
 
             cache.made(name, link)
 
