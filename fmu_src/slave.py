@@ -2,8 +2,9 @@
 
 One file that needs nothing but Python's standard library, 3.8 or later, and knows names and status but no
 physics. The instance of the simulation is one block of memory that the kernel works on, laid out by
-chain_impact/layout.py; every variable is one 8-byte word of it. ``model.json`` says which word and what may
-be set when; ``instance.bin`` is the block with the start values. chain_impact/export/fmu.py writes both.
+chain_impact/kernel/record.py; every variable is one 8-byte word of it. ``model.json`` says which word and
+what may be set when; ``instance.bin`` is the block with the start values. chain_impact/fmu/build.py writes
+both.
 
 Errors: to a pythonfmu slave only OK, Discard and, by raising, Fatal are open. Importers take Discard for a
 step that was too long: fmpy ends without a word and returns the results up to there. So whatever goes wrong
@@ -102,7 +103,7 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
     def to_xml(self, model_options: Any = None) -> ElementTree.Element:  # noqa: ARG002
         """Return the complete modelDescription: pythonfmu's own has neither units, types nor unknowns.
 
-        chain_impact/export/description.py has written it, options included.
+        chain_impact/fmu/description.py has written it, options included.
         """
         return ElementTree.parse(Path(self.resources, "description.xml")).getroot()
 

@@ -21,8 +21,8 @@ import numpy as np
 
 from chain_impact.candidates import candidates
 from chain_impact.compilation.library import kernel_library
+from chain_impact.kernel.record import instance_dtype
 from chain_impact.kernel.status import OK
-from chain_impact.layout import instance_dtype
 from chain_impact.running import load_kernel
 from chain_impact.scene import Scene
 from tests import oracle

@@ -10,7 +10,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.kernel import status
-from chain_impact.layout import LOG_SIZE
+from chain_impact.kernel.record import LOG_SIZE
 from chain_impact.models import models_folder
 from chain_impact.running import Instance, SimulationError
 from chain_impact.scene import SOLVER_METHODS, SceneError, with_values

@@ -1,8 +1,9 @@
-"""From a scene to an instance, with its parameters in their places (layout.py)."""
+"""From a scene to an instance, with its parameters in their places (kernel/record.py)."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -12,8 +13,8 @@ from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.contact_force import USER_LAW
 from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.kernel.record import instance_dtype
 from chain_impact.kernel.tangent.directions import DIRECTIONS, tangent_dtype
-from chain_impact.layout import instance_dtype
 from chain_impact.names import Place
 from chain_impact.scene import Scene
 from chain_impact.variables import BEHIND, parameters_of
@@ -34,7 +35,7 @@ def new_instance(scene: Scene) -> np.ndarray:
     """
     pairs = candidates(scene)
     links = scene.chain.links
-    block = np.zeros(1, instance_dtype(len(links), len(pairs)))
+    block = np.zeros(1, _layout(len(links), len(pairs)))
     d = block[0]
     d["links"], d["candidates"] = len(links), len(pairs)
 
@@ -74,6 +75,9 @@ def new_instance(scene: Scene) -> np.ndarray:
         d["solver"][name] = getattr(scene.solver, name)
     varied = parameters_of(scene, scene.outputs.sensitivities)
     return _with_tangents(block, [variable.place for variable in varied]) if varied else block
+
+
+_layout = cache(instance_dtype)  # which takes as long as all else of a new instance
 
 
 def _with_tangents(block: np.ndarray, places: Sequence[Place]) -> np.ndarray:

@@ -31,9 +31,9 @@ from numba.extending import (
 )
 
 from chain_impact.compilation.dual_numbers import DUAL
+from chain_impact.kernel.record import REAL, instance_dtype
 from chain_impact.kernel.tangent import blocks
 from chain_impact.kernel.tangent.directions import dual_dtype, tangent_dtype
-from chain_impact.layout import REAL, instance_dtype
 
 LINKS, CANDIDATES = "chain_links", "chain_candidates"  # the functions that tell N and C for an instance
 WORD = 8  # bytes of every scalar

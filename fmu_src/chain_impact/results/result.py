@@ -67,7 +67,7 @@ class Result:
         scene: the scene as it was simulated.
         time: communication points, shape (T,) [s].
         outputs: the outputs at these times, a structured array of shape (T,): all of them, see
-            ``layout.output_dtype``, or those that ``simulate(output=…)`` asked for, by their names.
+            ``record.output_dtype``, or those that ``simulate(output=…)`` asked for, by their names.
         impacts: one row for each contact in order of onset, see ``IMPACT_DTYPE``.
         statistics: steps, rejected_steps, rhs_evaluations, implicit_steps, status.
         sensitivities: the derivatives that ``simulate(sensitivities=…)`` asked for, if any.
@@ -315,7 +315,7 @@ class Result:
             self._all(field)
 
     def _all(self, field: str) -> np.ndarray:
-        """A field of ``layout.output_dtype``, also if the outputs have other fields."""
+        """A field of ``record.output_dtype``, also if the outputs have other fields."""
         if field in (self.outputs.dtype.names or ()):
             return self.outputs[field]
         parts = [v for v in output_variables(self.scene) if v.place[1] == field]

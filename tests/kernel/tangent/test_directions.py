@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from chain_impact.kernel.record import instance_dtype
 from chain_impact.kernel.tangent.directions import (
     DIRECTIONS,
     carried,
@@ -11,7 +12,6 @@ from chain_impact.kernel.tangent.directions import (
     value,
     varies,
 )
-from chain_impact.layout import instance_dtype
 from tests.kernel.tangent.dual import Dual
 
 REAL = np.dtype(np.float64)

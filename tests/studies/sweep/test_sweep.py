@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.record import LOG_SIZE
 from chain_impact.kernel.status import STATUS_NAME, STATUS_TEXT
-from chain_impact.layout import LOG_SIZE
 from chain_impact.reading import SceneError
 from chain_impact.results.recording import recording_of
 from chain_impact.running import SimulationError

@@ -12,10 +12,6 @@ Every size and offset is a + bN + cC. The compiled kernel relies on it (compilat
 to do with candidates comes last, so that the places of all else do not depend on their number.
 """
 
-from __future__ import annotations
-
-from functools import cache
-
 import numpy as np
 
 from chain_impact.kernel.chain.state import coordinate_count, state_size
@@ -34,7 +30,6 @@ def _record(*fields: tuple[object, ...]) -> np.dtype:
     return np.dtype(list(fields), align=True)
 
 
-@cache
 def output_dtype(links: int, candidates: int) -> np.dtype:
     """What an observer sees at the communication point; one row of a time series."""
     points = links + 1
@@ -58,7 +53,6 @@ def output_dtype(links: int, candidates: int) -> np.dtype:
     )
 
 
-@cache
 def instance_dtype(links: int, candidates: int) -> np.dtype:
     """The record of an instance with N = ``links`` links and C = ``candidates`` candidates."""
     points = links + 1
