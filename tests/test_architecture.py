@@ -36,6 +36,7 @@ TESTED_ELSEWHERE = {
     "compilation/errors.py": "compilation/test_library.py",
     "compilation/functions.py": "compilation/test_record_type.py",
     "compilation/law.py": "test_law_file.py",
+    "compilation/law_file.py": "test_law_file.py",
     "compilation/places.py": "compilation/test_cache.py",
     "compilation/work.py": "cli/test_progress.py",
     "export/arrays.py": "fmu/test_fmi3.py",

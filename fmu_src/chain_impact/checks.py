@@ -10,10 +10,10 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
+from chain_impact.compilation.law_file import LawError, read_law
 from chain_impact.kernel.chain.regular import loose_links
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.law_file import LawError, read_law
 from chain_impact.reading import SceneError, SceneWarning, shown
 from chain_impact.units import radians_hint
 from chain_impact.walls import direction

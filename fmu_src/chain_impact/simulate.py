@@ -12,10 +12,10 @@ import numpy as np
 
 from chain_impact.candidates import candidate_count
 from chain_impact.compilation import cache
+from chain_impact.compilation.law_file import LawError, parse_law, source_of
 from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.kernel.record import output_dtype
 from chain_impact.kernel.status import OK
-from chain_impact.law_file import LawError, parse_law, source_of
 from chain_impact.reading import SceneError
 from chain_impact.results.result import Result
 from chain_impact.results.sensitivity import Sensitivities

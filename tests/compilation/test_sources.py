@@ -35,7 +35,7 @@ def test_equal_sources_have_one_wherever_they_are(copy):
         "compilation/record_type.py",
         "compilation/c_interface/common/states.c",
         "compilation/c_interface/fmi3/fmi3.c",
-        "law_file.py",
+        "compilation/law_file.py",
     ],
 )
 def test_every_source_counts(copy, source):

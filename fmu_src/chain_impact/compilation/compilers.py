@@ -18,9 +18,9 @@ from filelock import FileLock
 
 from chain_impact.compilation.cache import COMPILERS, linker_folder
 from chain_impact.compilation.errors import BuildError
+from chain_impact.compilation.law_file import LawError
 from chain_impact.compilation.sources import PACKAGE, fingerprint
 from chain_impact.extras import how_to_install
-from chain_impact.law_file import LawError
 
 ZIG_TARGETS = {
     "linux64": ("x86_64-linux-gnu.2.17", ".so"),

@@ -8,9 +8,9 @@ from pathlib import Path
 from chain_impact.compilation import cache, compilers, ready
 from chain_impact.compilation.compilers import HOST
 from chain_impact.compilation.errors import BuildError
+from chain_impact.compilation.law_file import LawError, UserLaw, read_law
 from chain_impact.compilation.ready import DERIVATIVES, KERNEL, WIDE, lowered
 from chain_impact.compilation.work import Notify, Work, announce
-from chain_impact.law_file import LawError, UserLaw, read_law
 
 LOWERING, LINKING = {KERNEL: 12.0, DERIVATIVES: 20.0}, {KERNEL: 3.0, DERIVATIVES: 10.0}  # s
 PREPARING = 5.0  # s, at most, in which zig makes what it links with on a platform

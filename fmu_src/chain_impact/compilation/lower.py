@@ -21,9 +21,9 @@ from chain_impact.compilation.compilers import BAD_LAW, PORTABLE_CPU
 from chain_impact.compilation.entry_points import Entries, entry_points
 from chain_impact.compilation.functions import OPTIONS
 from chain_impact.compilation.law import law_entry
+from chain_impact.compilation.law_file import LawError, read_law
 from chain_impact.compilation.sources import fingerprint
 from chain_impact.kernel.tangent.entry import HOOKS
-from chain_impact.law_file import LawError, read_law
 
 TRIPLE = "x86_64-unknown-linux-gnu"  # what the passes that are run here take for the target
 # Python keeps its frames in blocks of 16 kB, and gets and returns memory each time that calls go to and fro

@@ -1,7 +1,7 @@
 /* An instance of the native FMU, and the table from which it knows its model: common to FMI 2.0 and 3.0.
 
    The interface is the same for every scene. What it has to know of one it reads from resources/model.bin, which
-   chain_impact/export/table.py writes: which word of the record a value reference is, what may be set when and in
+   chain_impact/fmu/table.py writes: which word of the record a value reference is, what may be set when and in
    which range, the texts, and the record with the start values. All numbers are little-endian. */
 #ifndef instance_h
 #define instance_h
