@@ -13,7 +13,7 @@ from pathlib import Path
 
 from chain_impact import BuildError, build_fmu, load_scene, simulate
 from chain_impact.compilation import places, ready
-from chain_impact.scene import scene_from_dict, with_values
+from chain_impact.scene.scene import scene_from_dict, with_values
 
 MOST = 350  # MB
 TAG = "Tag: py3-none-manylinux_2_17_x86_64"

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from chain_impact.instance import new_instance
-from chain_impact.scene import Scene, load_scene, scene_from_dict, with_values
+from chain_impact.scene.scene import Scene, load_scene, scene_from_dict, with_values
 
 
 def chain(height: float) -> Scene:

@@ -22,7 +22,7 @@ from looks import GREY, OURS, headline
 
 from chain_impact.export.fmu import build_fmu
 from chain_impact.instance import new_instance
-from chain_impact.scene import Scene, load_scene
+from chain_impact.scene.scene import Scene, load_scene
 from chain_impact.variables import fmu_variables
 
 OUTPUTS = 30

@@ -15,7 +15,7 @@ import numpy as np
 
 from chain_impact import Chain, load_scene, simulate
 from chain_impact.running import Instance
-from chain_impact.scene import Scene
+from chain_impact.scene.scene import Scene
 
 STOP, STEP = 1e-2, 1e-3  # s
 STEP_BY_HAND = 1e-4  # s

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from chain_impact.scene import Scene, load_scene, with_values
+from chain_impact.scene.scene import Scene, load_scene, with_values
 
 STEEL = 2.145e10  # N/m^1.5, a steel sphere of 20 mm on a steel wall
 

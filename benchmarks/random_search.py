@@ -24,7 +24,7 @@ from typing import Any
 sys.path.insert(0, str(common.ROOT))
 
 from chain_impact.kernel.status import STATUS_TEXT
-from chain_impact.scene import Scene, SceneError, scene_from_dict, scene_to_dict
+from chain_impact.scene.scene import Scene, SceneError, scene_from_dict, scene_to_dict
 from tests.oracle import CPU
 from tests.random_scenes import scene as scene_of
 from tests.search import Verdict, verdict, verdicts

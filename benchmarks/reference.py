@@ -19,9 +19,9 @@ import numpy as np
 from problems import PROBLEMS, Problem
 from textbook import Textbook
 
-from chain_impact.candidates import candidates
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.scene import Scene
+from chain_impact.scene.candidates import candidates
+from chain_impact.scene.scene import Scene
 
 REAL = np.longdouble
 LONGEST = 5e-3  # s, so that no visit to a wall is shorter than a few steps

@@ -21,7 +21,7 @@ from table import table
 
 from chain_impact import simulate
 from chain_impact.running import Instance
-from chain_impact.scene import Scene, load_scene, with_values
+from chain_impact.scene.scene import Scene, load_scene, with_values
 from chain_impact.sensitivities import DifferentiatedRun
 
 sys.path.insert(0, str(common.ROOT))

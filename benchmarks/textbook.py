@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.scene import Scene
+from chain_impact.scene.scene import Scene
 
 
 class Textbook:

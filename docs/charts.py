@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.laws.registry import ContactLaw
 from chain_impact.results.plots.style import BLACK, DPI, GREY, PALETTE, STYLE, headline
-from chain_impact.scene import load_scene
+from chain_impact.scene.scene import load_scene
 from chain_impact.studies.compare import free_impact
 
 PICTURE = Path(__file__).parent / "images" / "restitution.png"

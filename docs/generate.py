@@ -20,9 +20,10 @@ from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.laws.registry import ContactLaw
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.kernel.tangent.trust import REASONS
-from chain_impact.limits import Derived, allowed, without_none
-from chain_impact.scene import WALLS, load_scene, model_names, scene_keys, with_values
-from chain_impact.units import UNITS, or_degrees
+from chain_impact.scene.angles import or_degrees
+from chain_impact.scene.limits import Derived, allowed, without_none
+from chain_impact.scene.scene import WALLS, load_scene, model_names, scene_keys, with_values
+from chain_impact.units import UNITS
 from chain_impact.variable import Variable
 from chain_impact.variables import fmu_variables
 

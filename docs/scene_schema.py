@@ -9,9 +9,9 @@ from __future__ import annotations
 import dataclasses
 from typing import Any, get_args, get_origin
 
-from chain_impact.limits import Derived, without_none
-from chain_impact.scene import Scene, Wall
-from chain_impact.units import degrees_pattern
+from chain_impact.scene.angles import degrees_pattern
+from chain_impact.scene.limits import Derived, without_none
+from chain_impact.scene.scene import Scene, Wall
 
 LIMITS = {"minimum": "minimum", "above": "exclusiveMinimum", "maximum": "maximum"}
 TYPES = {bool: "boolean", int: "integer", float: "number", str: "string"}

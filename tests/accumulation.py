@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import quad, solve_ivp
 
-from chain_impact.scene import Scene
+from chain_impact.scene.scene import Scene
 
 Vector = NDArray[np.float64]
 SHORT = 1e-6  # s, a flight so short that the next ones are e times as long each, within 1e-12 s in the sum

@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from chain_impact import Result, simulate
-from chain_impact.scene import Scene, with_values
+from chain_impact.scene.scene import Scene, with_values
 
 Vector = NDArray[np.float64]
 MODES = 40

@@ -15,8 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.candidates import candidates
-from chain_impact.scene import WALLS, Scene
+from chain_impact.scene.candidates import candidates
+from chain_impact.scene.scene import WALLS, Scene
 from tests.complex_laws import FAMILY, WITH_MASS
 from tests.complex_place import Place, Touch, chained
 from tests.complex_step import TINY, power

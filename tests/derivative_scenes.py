@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact import simulate
-from chain_impact.scene import Scene, scene_from_dict
+from chain_impact.scene.scene import Scene, scene_from_dict
 from tests.derivatives import FIELDS, Derivatives, differentiate
 from tests.problems import default_scene, of_law
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import DOP853
 
-from chain_impact.scene import Scene
+from chain_impact.scene.scene import Scene
 from tests.complex_chain import ComplexChain, Place, Touch
 from tests.complex_step import TINY, combine, runge_kutta
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from chain_impact import Result, load_scene, simulate
-from chain_impact.scene import Scene
+from chain_impact.scene.scene import Scene
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import math
 import numpy as np
 
 from chain_impact import load_scene
-from chain_impact.models import models_folder
+from chain_impact.scene.models import models_folder
 from tests.figures import Figure, Problem, problem, run
 from tests.textbook import Chain
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.scene import Scene, with_values
+from chain_impact.scene.scene import Scene, with_values
 from tests.problems import GRAVITY
 
 LAW = "newton_impact"

@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.candidates import candidates
 from chain_impact.kernel.status import OK, STATUS_TEXT, TOO_MUCH_WORK
 from chain_impact.running import Instance, SimulationError
-from chain_impact.scene import Scene
+from chain_impact.scene.candidates import candidates
+from chain_impact.scene.scene import Scene
 from tests.kernel_calls import move
 from tests.random_scenes import drive
 

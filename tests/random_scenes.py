@@ -19,7 +19,7 @@ import numpy as np
 from chain_impact.kernel.chain.regular import loose_links
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.scene import SOLVER_METHODS, Scene, scene_from_dict, with_values
+from chain_impact.scene.scene import SOLVER_METHODS, Scene, scene_from_dict, with_values
 from tests.draw import Draw
 from tests.folds import fold
 from tests.turned import turned

@@ -16,7 +16,7 @@ import mpmath
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from chain_impact.scene import Scene
+from chain_impact.scene.scene import Scene
 
 # --- the exact impact of a point mass -----------------------------------------------------------------
 

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from chain_impact import CONTACT_LAWS, simulate
-from chain_impact.scene import SOLVER_METHODS, with_values
+from chain_impact.scene.scene import SOLVER_METHODS, with_values
 from tests.problems import (
     FAR,
     GRAVITY,

@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from chain_impact import simulate
-from chain_impact.scene import with_values
+from chain_impact.scene.scene import with_values
 from tests.problems import stiff_joint
 from tests.reference import balance, generalized_force, mass_matrix
 

@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact.kernel.status import OK
 from chain_impact.running import Instance
-from chain_impact.scene import SOLVER_METHODS
+from chain_impact.scene.scene import SOLVER_METHODS
 from tests.problems import build
 
 FIFTH = 0.2

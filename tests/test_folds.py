@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from chain_impact.scene import with_values
+from chain_impact.scene.scene import with_values
 from tests.folds import LENGTH, faults, fold, inelastic_loss
 from tests.problems import GRAVITY, build
 

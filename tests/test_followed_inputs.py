@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from chain_impact.scene import SceneError, with_values
+from chain_impact.scene.scene import SceneError, with_values
 from chain_impact.variables import with_sensitivities
 from tests.test_signals import ELBOW, SHOULDER, STOP, arm, exact, motion, push, wave
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from chain_impact.scene import SOLVER_METHODS, with_values
+from chain_impact.scene.scene import SOLVER_METHODS, with_values
 from tests.problems import (
     GRAVITY,
     clattering_rod,

@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact import simulate
 from chain_impact.running import Instance, SimulationError
-from chain_impact.scene import SOLVER_METHODS, WALLS, with_values
+from chain_impact.scene.scene import SOLVER_METHODS, WALLS, with_values
 from tests.newton import LAW, rigid
 from tests.problems import (
     clattering_rod,

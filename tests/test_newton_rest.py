@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 
 from chain_impact import load_scene, simulate
 from chain_impact.running import Instance
-from chain_impact.scene import with_values
+from chain_impact.scene.scene import with_values
 from tests.newton import LAW, WEIGHT, floor_forces, rigid
 from tests.problems import GRAVITY, ball, default_scene, dropped_ball, rod
 

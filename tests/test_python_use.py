@@ -11,7 +11,7 @@ import pytest
 import chain_impact
 from chain_impact import Chain, SceneError, load_scene, record_slowly, simulate
 from tests.refusal import refusal
-from tests.test_scene_text import is_short
+from tests.scene.test_scene_text import is_short
 
 PUBLIC = {name: getattr(chain_impact, name) for name in chain_impact.__all__}
 
@@ -25,7 +25,7 @@ def test_help_shows_no_address(name):
 
 def test_tab_completion_shows_the_public_names_only():
     assert dir(chain_impact) == sorted(chain_impact.__all__)
-    assert inspect.ismodule(chain_impact.scene), "the modules can be imported all the same"
+    assert inspect.ismodule(chain_impact.scene.scene), "the modules can be imported all the same"
 
 
 def test_notify_and_progress_can_be_left_out_or_given():

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.status import EVENT_STORM, TOO_MUCH_WORK
-from chain_impact.scene import Scene, with_values
+from chain_impact.scene.scene import Scene, with_values
 from tests.oracle import account, judge
 from tests.problems import default_scene, dropped_ball
 from tests.random_scenes import FOLDED, HARSH, LONG, SLANTED, SPRUNG, STARTS, TAUT, UNEVEN, drive, scene

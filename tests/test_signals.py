@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from chain_impact import load_scene, simulate
-from chain_impact.scene import SceneError, scene_from_dict, scene_to_dict, with_values
+from chain_impact.scene.scene import SceneError, scene_from_dict, scene_to_dict, with_values
 from tests.reference import generalized_force, mass_matrix
 
 STOP = 0.4  # s, before the first impact

@@ -11,9 +11,9 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.kernel import status
 from chain_impact.kernel.record import LOG_SIZE
-from chain_impact.models import models_folder
 from chain_impact.running import Instance, SimulationError
-from chain_impact.scene import SOLVER_METHODS, SceneError, with_values
+from chain_impact.scene.models import models_folder
+from chain_impact.scene.scene import SOLVER_METHODS, SceneError, with_values
 from chain_impact.simulate import check_size
 from tests import kernel_calls
 from tests.problems import ball, default_scene, dropped_ball, rod, tumbling_chain

@@ -4,7 +4,7 @@ from decimal import Decimal
 
 import pytest
 
-from chain_impact.scene import model_names
+from chain_impact.scene.scene import model_names
 from tests.validation import PROBLEMS
 
 TIGHT = 1e-12

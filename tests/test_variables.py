@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.candidates import candidates
 from chain_impact.instance import new_instance
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.record import output_dtype
 from chain_impact.kernel.status import STATUS_TEXT
-from chain_impact.scene import SOLVER_METHODS, WALLS, Scene, model_names, with_values
+from chain_impact.scene.candidates import candidates
+from chain_impact.scene.scene import SOLVER_METHODS, WALLS, Scene, model_names, with_values
 from chain_impact.units import UNITS
 from chain_impact.variables import fmu_variables, output_columns, parameter_paths, word_index
 

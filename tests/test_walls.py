@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from chain_impact.scene import with_values
-from chain_impact.walls import HalfPlane, direction, half_planes
+from chain_impact.scene.half_planes import HalfPlane, direction, half_planes
+from chain_impact.scene.scene import with_values
 from tests.problems import GRAVITY, ball, default_scene, flat_chain, flat_rod, rest_depth
 from tests.turned import turned
 

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from chain_impact.scene import WALLS, Scene
+from chain_impact.scene.scene import WALLS, Scene
 
 
 def damping_factor(scene: Scene) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from chain_impact.scene import Scene, with_values
+from chain_impact.scene.scene import Scene, with_values
 
 
 def mirrored(scene: Scene) -> Scene:

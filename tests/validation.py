@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipj, ellipk, gamma
 
 from chain_impact import load_scene
-from chain_impact.scene import Scene, with_values
+from chain_impact.scene.scene import Scene, with_values
 from tests.accumulation import Arm, first_accumulation, second_accumulation
 from tests.beam import Bar, impulse
 from tests.figures import Figure, Problem, problem, run

@@ -16,7 +16,7 @@ from plain_chain import Chain, clearance, jit, locate, mechanical_energy, new_wo
 from textbook import Textbook
 
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
-from chain_impact.scene import Scene
+from chain_impact.scene.scene import Scene
 
 AT_ZERO = 1e-12  # s, how far from zero in time a candidate is that has an event
 # m, by which an event comes late: a contact that has just begun or ended is then clear of zero, as peers

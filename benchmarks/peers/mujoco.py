@@ -11,8 +11,8 @@ import math
 import mujoco
 import numpy as np
 
-from chain_impact.candidates import candidates
-from chain_impact.scene import Scene
+from chain_impact.scene.candidates import candidates
+from chain_impact.scene.scene import Scene
 
 RADIUS = 1e-3  # m
 # balls touch walls and nothing else

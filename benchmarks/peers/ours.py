@@ -6,7 +6,7 @@ import numpy as np
 from problems import Problem
 
 from chain_impact.running import Instance
-from chain_impact.scene import Scene
+from chain_impact.scene.scene import Scene
 from chain_impact.simulate import simulate
 from peers import Contender, Outcome
 

@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.candidates import candidates
 from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.contact_force import USER_LAW
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.record import instance_dtype
 from chain_impact.kernel.tangent.directions import DIRECTIONS, tangent_dtype
-from chain_impact.names import Place
-from chain_impact.scene import Scene
+from chain_impact.scene.candidates import candidates
+from chain_impact.scene.names import Place
+from chain_impact.scene.scene import Scene
 from chain_impact.variables import BEHIND, parameters_of
 
 LINK_PARAMETERS = (

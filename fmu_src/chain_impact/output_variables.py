@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from chain_impact.candidates import candidates
 from chain_impact.kernel.status import STATUS_TEXT
-from chain_impact.names import AXES
-from chain_impact.scene import Scene
+from chain_impact.scene.candidates import candidates
+from chain_impact.scene.names import AXES
+from chain_impact.scene.scene import Scene
 from chain_impact.variable import OBSERVED, Variable
 
 _STATUSES = "; ".join(f"{code} {text}" for code, text in STATUS_TEXT.items())

@@ -17,15 +17,15 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.names import input_key
-from chain_impact.reading import SceneError, UnknownNameError
 from chain_impact.results.recording import Recording, impacts_from_outputs, recording_of
 from chain_impact.results.result import Result
 from chain_impact.running import SimulationError
-from chain_impact.scene import Scene
+from chain_impact.scene.angles import in_radians, or_degrees
+from chain_impact.scene.half_planes import HalfPlane, half_planes
+from chain_impact.scene.names import input_key
+from chain_impact.scene.reading import SceneError, UnknownNameError
+from chain_impact.scene.scene import Scene
 from chain_impact.simulate import check_size, simulate, stepwise_outputs
-from chain_impact.units import in_radians, or_degrees
-from chain_impact.walls import HalfPlane, half_planes
 
 EXPERIMENT = ("simulation.stop_time", "simulation.step_size")
 """What can be set of an FMU besides its parameters, for this run only."""

@@ -18,11 +18,11 @@ from chain_impact.compilation.work import Notify
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.kernel.tangent.trust import REASONS, TRUSTED
-from chain_impact.names import Place
-from chain_impact.reading import SceneError
 from chain_impact.results.result import IMPACT_DTYPE
 from chain_impact.running import Instance, SimulationError, in_order
-from chain_impact.scene import Scene, SceneSource, scene_of
+from chain_impact.scene.names import Place
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.signals import Drive, drive
 from chain_impact.variables import BEHIND, output_words, parameters_of, with_sensitivities, word_index
 

@@ -10,17 +10,17 @@ from pathlib import Path
 
 import numpy as np
 
-from chain_impact.candidates import candidate_count
 from chain_impact.compilation import cache
 from chain_impact.compilation.law_file import LawError, parse_law, source_of
 from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.kernel.record import output_dtype
 from chain_impact.kernel.status import OK
-from chain_impact.reading import SceneError
 from chain_impact.results.result import Result
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.running import Instance, SimulationError, in_order
-from chain_impact.scene import Scene, SceneSource, scene_of
+from chain_impact.scene.candidates import candidate_count
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.sensitivities import DifferentiatedInstance
 from chain_impact.signals import Drive, Interpolation, Signal, drive
 from chain_impact.variable import Variable

@@ -14,13 +14,13 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify
 from chain_impact.kernel.status import OK
-from chain_impact.names import input_key
-from chain_impact.reading import SceneError, UnknownNameError, matching, shown
 from chain_impact.results.result import IMPACT_DTYPE
 from chain_impact.results.summary import plural
 from chain_impact.running import Instance, SimulationError, in_order
-from chain_impact.scene import Scene, SceneSource, scene_of
-from chain_impact.units import in_radians, or_degrees
+from chain_impact.scene.angles import in_radians, or_degrees
+from chain_impact.scene.names import input_key
+from chain_impact.scene.reading import SceneError, UnknownNameError, matching, shown
+from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.variable import Variable, variable_row
 from chain_impact.variables import fmu_variables, word_index
 

@@ -7,8 +7,8 @@ import sys
 from dataclasses import dataclass
 from typing import Any
 
-from chain_impact.limits import allowed
-from chain_impact.names import Place
+from chain_impact.scene.limits import allowed
+from chain_impact.scene.names import Place
 
 LARGEST = sys.float_info.max
 OBSERVED = ("output", "latest")

@@ -73,7 +73,7 @@ def draw(path, columns, parameters):
         headline,
     )
     from chain_impact.results.recording import Recording
-    from chain_impact.walls import half_planes
+    from chain_impact.scene.half_planes import half_planes
 
     time, force = columns["time"], columns["contact[2].x_max.force"]
     # the largest force may lie between two communication points

@@ -14,8 +14,8 @@ from matplotlib import pyplot
 from chain_impact import CONTACT_LAWS, load_scene, running
 from chain_impact.cli import report
 from chain_impact.compilation.errors import BuildError
-from chain_impact.models import models_folder
 from chain_impact.runs import record_fmu
+from chain_impact.scene.models import models_folder
 from chain_impact.variables import fmu_variables
 
 LITTLE_WORK = "solver.work_limit=1500"  # too little for the impacts, enough for the flight before

@@ -11,7 +11,7 @@ from matplotlib import pyplot
 
 from chain_impact.cli import report
 from chain_impact.extras import MissingExtraError
-from chain_impact.scene import model_names
+from chain_impact.scene.scene import model_names
 
 
 @pytest.fixture

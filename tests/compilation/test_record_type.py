@@ -10,7 +10,7 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.record import instance_dtype
 from chain_impact.kernel.tangent.directions import tangent_dtype
 from chain_impact.running import Instance
-from chain_impact.scene import scene_from_dict, with_values
+from chain_impact.scene.scene import scene_from_dict, with_values
 from tests.plain import Plain
 
 TABLE = TABLES["instance"]

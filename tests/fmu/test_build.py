@@ -20,7 +20,7 @@ from chain_impact.export.fmu import build_fmu, validate_fmu
 from chain_impact.instance import new_instance
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
-from chain_impact.scene import model_names, with_values
+from chain_impact.scene.scene import model_names, with_values
 from chain_impact.variables import fmu_variables, word_index
 from tests.fmu.conftest import KINDS
 from tests.fmu.contents import description

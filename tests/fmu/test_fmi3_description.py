@@ -11,7 +11,7 @@ from lxml import etree
 
 from chain_impact import load_scene
 from chain_impact.instance import new_instance
-from chain_impact.scene import model_names
+from chain_impact.scene.scene import model_names
 from chain_impact.variables import fmu_variables, word_index
 from tests.fmu.contents import description
 

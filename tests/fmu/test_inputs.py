@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from chain_impact import load_scene, simulate
-from chain_impact.scene import with_values
+from chain_impact.scene.scene import with_values
 from chain_impact.variables import output_columns
 from tests.fmu.importer import Instance
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from chain_impact.models import models_folder
+from chain_impact.scene.models import models_folder
 from chain_impact.variables import output_columns
 
 RUN = """

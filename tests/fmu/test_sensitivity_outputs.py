@@ -6,7 +6,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.export.fmu import build_fmu
-from chain_impact.names import sensitivity_name
+from chain_impact.scene.names import sensitivity_name
 from tests.fmu.conftest import KINDS
 from tests.fmu.importer import Instance
 
@@ -137,7 +137,7 @@ def test_they_are_nan_once_they_cannot_be_trusted(clean, target, tmp_path):
 
 @pytest.mark.parametrize("kind", ["native", "fmi3"])
 def test_a_name_that_is_none_is_refused(kind, tmp_path):
-    from chain_impact.reading import SceneError
+    from chain_impact.scene.reading import SceneError
 
     with pytest.raises(SceneError, match=r"contact\.restituton.*contact\.restitution"):
         build_fmu(scene(**{"outputs.sensitivities": ["contact.restituton"]}), tmp_path, **KINDS[kind])

@@ -11,7 +11,7 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.export import pythonfmu_target
 from chain_impact.export.fmu import build_fmu
 from chain_impact.export.pythonfmu_target import slave_source
-from chain_impact.scene import with_values
+from chain_impact.scene.scene import with_values
 from tests.fmu.importer import Instance, refused
 
 

@@ -12,7 +12,7 @@ from chain_impact.kernel.events.kinds import ONSET, REFUSED
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL, TOO_MUCH_WORK
-from chain_impact.scene import load_scene, with_values
+from chain_impact.scene.scene import load_scene, with_values
 from tests.plain import Plain
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact.results.view import NEAR, PIN, pin_mark, seen
-from chain_impact.walls import half_planes
+from chain_impact.scene.half_planes import half_planes
 
 SQUARE = np.array([[[0.0, 0.0], [2.0, 2.0]], [[0.0, 2.0], [2.0, 0.0]]])
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, SceneError, compare, load_scene, simulate, with_law
-from chain_impact.models import models_folder
-from chain_impact.scene import with_values
+from chain_impact.scene.models import models_folder
+from chain_impact.scene.scene import with_values
 from chain_impact.studies.compare import free_impact, realised_restitution
 from tests.problems import ball, default_scene, flat_rod, of_law, own_law, struck_ball
 from tests.reference import exact_damping_factor, point_impact

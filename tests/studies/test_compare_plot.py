@@ -10,7 +10,7 @@ from matplotlib.text import Text
 
 from chain_impact import CONTACT_LAWS, compare
 from chain_impact.results.plots.style import GREY
-from chain_impact.scene import with_values
+from chain_impact.scene.scene import with_values
 from chain_impact.studies.compare import realised_restitution
 from chain_impact.studies.compare_plot import (
     NAMED,

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from chain_impact import CONTACT_LAWS, compare
-from chain_impact.scene import with_values
+from chain_impact.scene.scene import with_values
 from chain_impact.studies.compare import OVERLAP
 from chain_impact.studies.compare_text import advice
 from tests.problems import default_scene, flat_rod

@@ -12,7 +12,7 @@ from chain_impact.results.csv_file import read_csv
 from chain_impact.results.recording import Recording
 from chain_impact.running import SimulationError
 from chain_impact.runs import RunError, record_fmu, with_settings
-from chain_impact.scene import load_scene
+from chain_impact.scene.scene import load_scene
 
 
 def add(verbs: Verbs) -> None:

@@ -9,7 +9,7 @@ from chain_impact.cli.options import Verbs, add_scene
 from chain_impact.cli.progress import out, progress
 from chain_impact.cli.report import report
 from chain_impact.compilation.compilers import HOST, ZIG_TARGETS
-from chain_impact.scene import load_scene
+from chain_impact.scene.scene import load_scene
 
 OLDEST = 2  # version of FMI
 

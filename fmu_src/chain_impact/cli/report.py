@@ -14,7 +14,7 @@ from chain_impact.cli.progress import err, out, progress
 from chain_impact.cli.screen import plain_lines, sensitivity_tables, summary
 from chain_impact.results.recording import Recording, recording_of
 from chain_impact.runs import RunError, record_fmu, record_scene, with_settings
-from chain_impact.scene import load_scene
+from chain_impact.scene.scene import load_scene
 from chain_impact.simulate import simulate
 
 if TYPE_CHECKING:

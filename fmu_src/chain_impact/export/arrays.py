@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from chain_impact.output_variables import all_outputs
-from chain_impact.scene import Scene
+from chain_impact.scene.scene import Scene
 from chain_impact.variable import Variable
 
 OWNERS = {

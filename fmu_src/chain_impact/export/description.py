@@ -10,9 +10,10 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from chain_impact.instance import new_instance
-from chain_impact.names import Place
-from chain_impact.scene import Scene
-from chain_impact.units import DEGREES, in_order, unit_of
+from chain_impact.scene.angles import DEGREES
+from chain_impact.scene.names import Place
+from chain_impact.scene.scene import Scene
+from chain_impact.units import in_order, unit_of
 from chain_impact.variable import OBSERVED, Variable
 from chain_impact.variables import word_index
 

@@ -14,7 +14,7 @@ import numpy as np
 from chain_impact.compilation.errors import BuildError
 from chain_impact.instance import new_instance
 from chain_impact.kernel.status import STATUS_TEXT
-from chain_impact.scene import Scene
+from chain_impact.scene.scene import Scene
 from chain_impact.variable import Variable
 from chain_impact.variables import fmu_variables, word_index
 

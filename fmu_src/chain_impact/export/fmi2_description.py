@@ -16,7 +16,7 @@ from chain_impact.export.description import (
     type_name,
     values_of,
 )
-from chain_impact.scene import Scene
+from chain_impact.scene.scene import Scene
 from chain_impact.variable import Variable
 from chain_impact.variables import fmu_variables
 

@@ -17,8 +17,8 @@ from chain_impact.export.description import (
     type_name,
     values_of,
 )
-from chain_impact.names import Place
-from chain_impact.scene import Scene
+from chain_impact.scene.names import Place
+from chain_impact.scene.scene import Scene
 from chain_impact.units import UNITS
 from chain_impact.variable import Variable
 from chain_impact.variables import fmu_variables

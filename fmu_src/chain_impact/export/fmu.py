@@ -17,7 +17,7 @@ from chain_impact.export import native_target, pythonfmu_target
 from chain_impact.export.documents import documents
 from chain_impact.export.references import reference_files
 from chain_impact.results.recording import written_whole
-from chain_impact.scene import Scene, SceneSource, scene_of
+from chain_impact.scene.scene import Scene, SceneSource, scene_of
 
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 

@@ -13,7 +13,7 @@ from chain_impact.export import fmi2_description, fmi3_description
 from chain_impact.export.arrays import array_variables
 from chain_impact.export.table import guid_of, model_table, packed
 from chain_impact.instance import new_instance
-from chain_impact.scene import Scene
+from chain_impact.scene.scene import Scene
 from chain_impact.variable import LARGEST, variable_row
 from chain_impact.variables import word_index
 

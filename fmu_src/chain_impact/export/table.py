@@ -11,7 +11,7 @@ from typing import Any
 
 from chain_impact.instance import new_instance
 from chain_impact.kernel.status import STATUS_TEXT
-from chain_impact.scene import Scene
+from chain_impact.scene.scene import Scene
 from chain_impact.variable import variable_row
 from chain_impact.variables import fmu_variables, word_index
 

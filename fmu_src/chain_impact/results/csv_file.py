@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from chain_impact.names import SENSITIVITY
-from chain_impact.reading import SceneError
 from chain_impact.results.animation.contacts import force_columns, impacts_from_forces
 from chain_impact.results.recording import Recording, impacts_from_outputs
-from chain_impact.text_file import check_separator, text_of
-from chain_impact.walls import HalfPlane
+from chain_impact.scene.half_planes import HalfPlane
+from chain_impact.scene.names import SENSITIVITY
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.text_file import check_separator, text_of
 
 PEAK_FORCE = re.compile(r"impact\[\d+\]\.peak_force")
 NEEDED = ("time", "point[0].x", "point[0].y", "point[1].x", "point[1].y")

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any, Protocol, overload
 import numpy as np
 
 from chain_impact.compilation.work import Notify, Progress, silent
-from chain_impact.reading import UnknownNameError, matching
 from chain_impact.results import summary, tables
 from chain_impact.results.sensitivity import Sensitivities
-from chain_impact.scene import Scene
+from chain_impact.scene.reading import UnknownNameError, matching
+from chain_impact.scene.scene import Scene
 from chain_impact.variables import elsewhere, output_columns, output_variables
 
 if TYPE_CHECKING:

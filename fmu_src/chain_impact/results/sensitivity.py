@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.names import sensitivity_name
-from chain_impact.reading import UnknownNameError
 from chain_impact.results.summary import plural
+from chain_impact.scene.names import sensitivity_name
+from chain_impact.scene.reading import UnknownNameError
 
 PART = 0.01
 """Of its value, the change of a parameter for which changes are told; of its unit, where the value is 0."""

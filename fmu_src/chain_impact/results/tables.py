@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from chain_impact.candidates import candidates
 from chain_impact.extras import require
-from chain_impact.names import AXES
 from chain_impact.output_variables import all_outputs
+from chain_impact.scene.candidates import candidates
+from chain_impact.scene.names import AXES
 from chain_impact.variables import output_variables
 
 if TYPE_CHECKING:

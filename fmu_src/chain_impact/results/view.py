@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from chain_impact.walls import HalfPlane
+from chain_impact.scene.half_planes import HalfPlane
 
 NEAR = 0.2  # of the motion's width: a wall farther from the motion is left out
 PIN = 0.08  # of the motion's width: the height of the ground mark of a pinned base

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.joint_rate import joint_bound, joint_rate
-from chain_impact.scene import with_values
+from chain_impact.scene.scene import with_values
 from tests.kernel.chain.test_damped import prepared, random_chain, relative_motion
 from tests.reference import mass_matrix
 

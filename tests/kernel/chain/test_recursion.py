@@ -18,7 +18,7 @@ from chain_impact.kernel.model.contact_force import latch_damping
 from chain_impact.kernel.model.energy import mechanical_energy
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import place_walls
-from chain_impact.scene import WALLS, scene_from_dict
+from chain_impact.scene.scene import WALLS, scene_from_dict
 from tests.plain import Plain
 from tests.reference import (
     exact_damping_factor,

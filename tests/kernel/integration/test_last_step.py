@@ -25,7 +25,7 @@ from chain_impact.kernel.integration.last_step import (
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.methods import DENSE_EVALUATIONS, attempt, prepare
 from chain_impact.kernel.model.equations import state_rate
-from chain_impact.scene import load_scene, with_values
+from chain_impact.scene.scene import load_scene, with_values
 from tests.plain import Plain
 
 H = 0.01  # s

@@ -2,7 +2,7 @@
 
 import pytest
 
-from chain_impact.scene import load_scene, with_values
+from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.simulate import simulate
 
 

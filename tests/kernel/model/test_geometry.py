@@ -19,7 +19,7 @@ from chain_impact.kernel.model.geometry import (
     place_walls,
 )
 from chain_impact.kernel.status import OK, PARAMETER_OUT_OF_RANGE
-from chain_impact.scene import with_values
+from chain_impact.scene.scene import with_values
 from tests.plain import Plain
 from tests.problems import default_scene
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from chain_impact import Chain
-from chain_impact.names import sensitivity_name
 from chain_impact.running import Instance
+from chain_impact.scene.names import sensitivity_name
 from chain_impact.sensitivities import DifferentiatedInstance
 from chain_impact.variables import output_words, with_sensitivities
 from tests.derivative_scenes import table

@@ -13,8 +13,8 @@ from playwright.sync_api import sync_playwright
 from chain_impact import load_scene, simulate
 from chain_impact.results.animation import animate
 from chain_impact.results.recording import Impact, Recording
+from chain_impact.scene.half_planes import half_planes
 from chain_impact.studies.slow_motion import record_slowly
-from chain_impact.walls import half_planes
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium")

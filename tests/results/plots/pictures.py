@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from chain_impact import load_scene, simulate
 from chain_impact.results.plots.overview import SIZE, fill
 from chain_impact.results.recording import Impact, Recording, recording_of
-from chain_impact.scene import model_names
-from chain_impact.walls import half_planes
+from chain_impact.scene.half_planes import half_planes
+from chain_impact.scene.scene import model_names
 from tests.test_models import inputs_of
 
 WITHOUT_IMPACTS = {"simple_pendulum", "triple_pendulum"}

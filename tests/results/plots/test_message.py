@@ -8,7 +8,7 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.results.plots.message import conditions, message
 from chain_impact.results.recording import Impact, recording_of
-from chain_impact.scene import with_values
+from chain_impact.scene.scene import with_values
 from tests.results.plots.pictures import MODELS, recorded, swing
 
 

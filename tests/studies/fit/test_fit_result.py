@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import Fit, fit, load_scene
-from chain_impact.scene import scene_path
+from chain_impact.scene.scene import scene_path
 from tests.measurements import NOISE, TIP, motion, scene
 
 

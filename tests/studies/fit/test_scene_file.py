@@ -3,7 +3,7 @@
 import pytest
 
 from chain_impact import load_scene, model_names
-from chain_impact.scene import parse_scene, scene_path
+from chain_impact.scene.scene import parse_scene, scene_path
 from chain_impact.studies.fit.scene_file import updated, write_scene
 
 TEXT = """# first line

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from chain_impact.extras import MissingExtraError
-from chain_impact.reading import SceneError
-from chain_impact.scene import load_scene
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep.design import MOST_NUMBERS, grid, sampled
 from chain_impact.studies.sweep.variation import variations_of
 

@@ -6,8 +6,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.reading import SceneError
-from chain_impact.scene import load_scene
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep.plot import COLOURS, FAILED_COLOUR, QUANTITIES, fill
 from chain_impact.studies.sweep.sweep import sweep
 

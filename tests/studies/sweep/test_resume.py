@@ -8,8 +8,8 @@ import sys
 import numpy as np
 import pytest
 
-from chain_impact.reading import SceneError
-from chain_impact.scene import load_scene, with_values
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.studies.sweep import resume
 from chain_impact.studies.sweep import sweep as module
 from chain_impact.studies.sweep.sweep import sweep

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from chain_impact.extras import MissingExtraError
-from chain_impact.reading import SceneError
-from chain_impact.scene import load_scene, with_values
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.studies.sweep.sweep import sweep
 from chain_impact.studies.sweep.table import CHUNK
 

@@ -5,8 +5,8 @@ import threading
 import numpy as np
 import pytest
 
-from chain_impact.reading import SceneError
-from chain_impact.scene import load_scene, with_values
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.studies.sweep.design import grid
 from chain_impact.studies.sweep.job import Runner, job_of
 from chain_impact.studies.sweep.sweep import sweep

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.reading import SceneError
-from chain_impact.scene import load_scene
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep.variation import sweepable, variations_of
 
 SCENE = load_scene("four_link_box")

@@ -11,7 +11,7 @@ from chain_impact.results.animation.contacts import Contact, contacts, force_col
 from chain_impact.results.animation.pacing import IMPACT_TIME, frame_times
 from chain_impact.results.recording import Recording
 from chain_impact.results.view import pin_mark, seen
-from chain_impact.walls import HalfPlane
+from chain_impact.scene.half_planes import HalfPlane
 
 ENERGIES = ("kinetic", "potential", "elastic", "dissipated", "supplied", "total")
 NUMBERS = 2_000_000  # coordinates in an animation at most: a long chain has fewer frames

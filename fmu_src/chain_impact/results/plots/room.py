@@ -12,7 +12,7 @@ from matplotlib.patches import Polygon
 from chain_impact.results.plots.style import INK
 from chain_impact.results.recording import Recording
 from chain_impact.results.view import pin_mark, seen
-from chain_impact.walls import HalfPlane, half_planes
+from chain_impact.scene.half_planes import HalfPlane, half_planes
 
 OUTSIDE_COLOUR = "0.93"
 MARGIN, BAND = (

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from chain_impact.names import nearest
-from chain_impact.reading import SceneError, matching, shown
 from chain_impact.results.result import IMPACT_DTYPE
-from chain_impact.scene import Scene
+from chain_impact.scene.names import nearest
+from chain_impact.scene.reading import SceneError, matching, shown
+from chain_impact.scene.scene import Scene
 from chain_impact.studies.fit.table import Source, Table, read_table
 from chain_impact.variables import output_words
 

@@ -12,9 +12,9 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.extras import require
-from chain_impact.reading import SceneError
 from chain_impact.results.summary import plural
-from chain_impact.scene import Scene, SceneSource, scene_of
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.studies.fit.data import Measurements, read_measurements, standard_deviation
 from chain_impact.studies.fit.horizon import Found, freedom_of_columns, search
 from chain_impact.studies.fit.parameters import Bounds, Parameter, parameters_of

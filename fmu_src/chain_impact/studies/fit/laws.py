@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from chain_impact.compilation.work import Progress
-from chain_impact.reading import SceneError
-from chain_impact.scene import Scene
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.scene import Scene
 from chain_impact.studies.compare import law_names, law_values, needed_exponent
 from chain_impact.studies.fit.result import Fit, LawFit
 

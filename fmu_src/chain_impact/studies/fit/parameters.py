@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.names import nearest
-from chain_impact.reading import SceneError, UnknownNameError, shown
-from chain_impact.scene import Scene
-from chain_impact.units import in_radians
+from chain_impact.scene.angles import in_radians
+from chain_impact.scene.names import nearest
+from chain_impact.scene.reading import SceneError, UnknownNameError, shown
+from chain_impact.scene.scene import Scene
 from chain_impact.variable import Variable
 from chain_impact.variables import differentiable, fmu_variables
 

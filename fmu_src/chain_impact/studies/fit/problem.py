@@ -11,9 +11,9 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify
 from chain_impact.kernel.status import OK, STATUS_TEXT
-from chain_impact.reading import SceneError
 from chain_impact.running import SimulationError
-from chain_impact.scene import Scene
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.scene import Scene
 from chain_impact.sensitivities import AT_ONSET, Differentiated, DifferentiatedRun
 from chain_impact.studies.fit.data import DURATION, QUANTITIES, Measurements
 from chain_impact.studies.fit.parameters import Parameter

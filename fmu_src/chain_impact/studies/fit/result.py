@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from chain_impact.candidates import candidate_count
-from chain_impact.scene import Scene
+from chain_impact.scene.candidates import candidate_count
+from chain_impact.scene.scene import Scene
 from chain_impact.sensitivities import Differentiated
 from chain_impact.studies.fit.data import Measurements
 from chain_impact.studies.fit.parameters import Parameter

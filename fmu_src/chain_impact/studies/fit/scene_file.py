@@ -9,8 +9,8 @@ from typing import Any
 
 from chain_impact.extras import require
 from chain_impact.results.recording import written_whole
-from chain_impact.scene import Scene, parse_scene, scene_to_dict
-from chain_impact.text_file import text_of
+from chain_impact.scene.scene import Scene, parse_scene, scene_to_dict
+from chain_impact.scene.text_file import text_of
 
 PASSES = 3  # a default can follow from a value that was left to another default
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from chain_impact.reading import SceneError, decimal_comma, shown
 from chain_impact.results.summary import plural
-from chain_impact.text_file import check_separator, text_of
+from chain_impact.scene.reading import SceneError, decimal_comma, shown
+from chain_impact.scene.text_file import check_separator, text_of
 
 Source = str | Path | Mapping[str, Sequence[Any]]
 """A CSV file, or name of a column → its cells."""

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from chain_impact.extras import require
-from chain_impact.reading import SceneError
+from chain_impact.scene.reading import SceneError
 from chain_impact.studies.sweep.variation import Variation
 
 Sampling = Literal["lhs", "sobol"]

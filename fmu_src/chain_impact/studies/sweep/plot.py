@@ -17,9 +17,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from chain_impact.reading import SceneError
 from chain_impact.results.plots.style import DPI, STYLE, headline, number
 from chain_impact.results.recording import written_whole
+from chain_impact.scene.reading import SceneError
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.table import Sweep
 from chain_impact.studies.sweep.variation import Variation

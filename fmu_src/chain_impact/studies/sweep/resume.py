@@ -22,8 +22,8 @@ import numpy as np
 from filelock import FileLock, Timeout
 
 from chain_impact.compilation.sources import fingerprint
-from chain_impact.reading import SceneError
-from chain_impact.scene import Scene, scene_to_dict
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.scene import Scene, scene_to_dict
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import Job
 from chain_impact.studies.sweep.pieces import Span

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from chain_impact.compilation.work import Fact, Notify, Part, Progress, announce, silent
-from chain_impact.reading import SceneError
-from chain_impact.scene import SceneSource, scene_of
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.studies.sweep.cluster import run_on_cluster
 from chain_impact.studies.sweep.design import Sampling, grid, sampled
 from chain_impact.studies.sweep.job import job_of

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.names import nearest
-from chain_impact.reading import SceneError
-from chain_impact.scene import Scene
-from chain_impact.units import in_radians, or_degrees
+from chain_impact.scene.angles import in_radians, or_degrees
+from chain_impact.scene.names import nearest
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.scene import Scene
 from chain_impact.variable import Variable
 from chain_impact.variables import fmu_variables
 

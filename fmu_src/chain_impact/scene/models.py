@@ -8,8 +8,8 @@ SCENE_FILE = "scene.toml"
 
 def models_folder() -> Path:
     """Return the folder of the models: inside the package when installed, else the repository's."""
-    packaged = Path(__file__).parent / "models"
-    return packaged if packaged.is_dir() else Path(__file__).parents[2] / "models"
+    packaged = Path(__file__).parents[1] / "models"
+    return packaged if packaged.is_dir() else Path(__file__).parents[3] / "models"
 
 
 def model_names() -> list[str]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from chain_impact.kernel.model.geometry import WALLS
 
 if TYPE_CHECKING:
-    from chain_impact.scene import Scene
+    from chain_impact.scene.scene import Scene
 
 LISTED = 6  # numbers of a list
 WIDTH = 100  # characters of a line

@@ -5,9 +5,9 @@ import pytest
 from chain_impact import SceneWarning, load_scene, model_names, parse_scene
 from chain_impact import cli as command_line
 from chain_impact.results.csv_file import read_csv
+from chain_impact.scene.text_file import text_of
 from chain_impact.studies.fit.scene_file import write_scene
 from chain_impact.studies.fit.table import read_table
-from chain_impact.text_file import text_of
 from tests.refusal import refusal
 
 SCENE = """name = "Rod"

@@ -12,8 +12,15 @@ from hypothesis import strategies as st
 
 from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.reading import SceneError
-from chain_impact.scene import Scene, load_scene, model_names, parse_scene, scene_from_dict, scene_to_dict
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.scene import (
+    Scene,
+    load_scene,
+    model_names,
+    parse_scene,
+    scene_from_dict,
+    scene_to_dict,
+)
 from tests.refusal import refusal
 
 SOURCE = "somewhere/scene.toml"

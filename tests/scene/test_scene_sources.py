@@ -8,7 +8,7 @@ import pytest
 
 import chain_impact
 from chain_impact import load_scene, simulate
-from chain_impact.models import models_folder
+from chain_impact.scene.models import models_folder
 from tests.problems import own_law
 from tests.refusal import refusal
 

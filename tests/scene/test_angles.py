@@ -8,11 +8,11 @@ import pytest
 
 from chain_impact import Chain, SceneWarning, build_fmu, parse_scene, record_fmu
 from chain_impact import cli as command_line
-from chain_impact.scene import scene_from_dict, scene_to_dict
+from chain_impact.scene.angles import in_radians, radians_hint
+from chain_impact.scene.scene import scene_from_dict, scene_to_dict
 from chain_impact.studies.fit.parameters import parameters_of
 from chain_impact.studies.fit.scene_file import updated
 from chain_impact.studies.sweep.variation import variations_of
-from chain_impact.units import in_radians, radians_hint
 from tests.refusal import refusal
 
 SCENE = """

@@ -12,12 +12,12 @@ import pytest
 from hypothesis import given
 from jsonschema import Draft7Validator
 
-from chain_impact.models import models_folder
-from chain_impact.reading import SceneError
-from chain_impact.scene import SCENE_FILE, load_scene, model_names, scene_from_dict, scene_to_dict
-from tests.test_reading import scene_dicts
+from chain_impact.scene.models import models_folder
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.scene import SCENE_FILE, load_scene, model_names, scene_from_dict, scene_to_dict
+from tests.scene.test_reading import scene_dicts
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 FILE = ROOT / "docs" / "scene.schema.json"
 SCHEMA = Draft7Validator(json.loads(FILE.read_text(encoding="utf-8")))
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.models import models_folder
-from chain_impact.scene import (
+from chain_impact.scene.models import models_folder
+from chain_impact.scene.scene import (
     MAX_LINKS,
     SOLVER_METHODS,
     Link,

@@ -15,17 +15,17 @@ from numbers import Integral
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from chain_impact import checks, scene_text
 from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.model.latest import LATEST
-from chain_impact.limits import Derived, quantity
-from chain_impact.models import SCENE_FILE, model_names, scene_path
-from chain_impact.names import Place, name_of, parameter_hint, place_in_file
-from chain_impact.reading import Reader, SceneError, UnknownNameError, keys_of, shown
-from chain_impact.text_file import comma_in, text_of
-from chain_impact.walls import HalfPlane, half_planes
+from chain_impact.scene import checks, scene_text
+from chain_impact.scene.half_planes import HalfPlane, half_planes
+from chain_impact.scene.limits import Derived, quantity
+from chain_impact.scene.models import SCENE_FILE, model_names, scene_path
+from chain_impact.scene.names import Place, name_of, parameter_hint, place_in_file
+from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, keys_of, shown
+from chain_impact.scene.text_file import comma_in, text_of
 
 SceneSource: TypeAlias = "Scene | str | os.PathLike[str]"
 """A scene, or what ``load_scene`` takes."""

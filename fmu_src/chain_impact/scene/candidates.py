@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.scene import Scene
+from chain_impact.scene.scene import Scene
 
 
 def candidates(scene: Scene) -> list[tuple[int, int]]:

@@ -9,9 +9,9 @@ from dataclasses import MISSING, Field, fields, is_dataclass
 from numbers import Integral, Real
 from typing import Any, get_args, get_origin
 
-from chain_impact.limits import Derived, allowed, extended, keeps, without_none
-from chain_impact.names import Place, nearest
-from chain_impact.units import in_radians, or_degrees
+from chain_impact.scene.angles import in_radians, or_degrees
+from chain_impact.scene.limits import Derived, allowed, extended, keeps, without_none
+from chain_impact.scene.names import Place, nearest
 
 ALIKE = 0.7  # from this ratio on, a name may be meant for another
 _SHOWN = 60  # characters of a value that a message shows

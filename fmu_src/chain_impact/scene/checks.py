@@ -14,12 +14,12 @@ from chain_impact.compilation.law_file import LawError, read_law
 from chain_impact.kernel.chain.regular import loose_links
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.reading import SceneError, SceneWarning, shown
-from chain_impact.units import radians_hint
-from chain_impact.walls import direction
+from chain_impact.scene.angles import radians_hint
+from chain_impact.scene.half_planes import direction
+from chain_impact.scene.reading import SceneError, SceneWarning, shown
 
 if TYPE_CHECKING:
-    from chain_impact.scene import Chain, Scene
+    from chain_impact.scene.scene import Chain, Scene
 
 _MASSES = ("length", "center_of_mass", "inertia")
 START_TOLERANCE = 1e-12  # m, penetration at the start that counts as round-off

@@ -2,7 +2,7 @@
 
 import pytest
 
-from chain_impact.names import input_key, name_of, nearest, parameter_hint, place_in_file
+from chain_impact.scene.names import input_key, name_of, nearest, parameter_hint, place_in_file
 
 
 @pytest.mark.parametrize(

@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from chain_impact.checks import hints
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.scene import load_scene, model_names, scene_to_dict, with_values
+from chain_impact.scene.checks import hints
+from chain_impact.scene.scene import load_scene, model_names, scene_to_dict, with_values
 from tests.problems import of_law
 from tests.refusal import refusal
 
