@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from chain_impact.instance import new_instance
 from chain_impact.scene.scene import Scene, load_scene, scene_from_dict, with_values
+from chain_impact.variables.model import new_instance
 
 
 def chain(height: float) -> Scene:

@@ -21,9 +21,9 @@ from pathlib import Path
 from looks import GREY, OURS, headline
 
 from chain_impact.export.fmu import build_fmu
-from chain_impact.instance import new_instance
 from chain_impact.scene.scene import Scene, load_scene
-from chain_impact.variables import fmu_variables
+from chain_impact.variables.model import new_instance
+from chain_impact.variables.table import fmu_variables
 
 OUTPUTS = 30
 PROCESSES = 9  # fresh ones for each of the two FMUs

@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from chain_impact.instance import new_instance
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
+from chain_impact.variables.model import new_instance
 
 jit = njit(error_model="numpy")
 # inlined before compilation: a call would count references to every array, at more cost than the recursion

@@ -10,7 +10,7 @@ from scipy.optimize import fsolve
 
 from chain_impact import load_scene, simulate
 from chain_impact.scene.models import models_folder
-from chain_impact.variables import fmu_variables, input_places, output_columns
+from chain_impact.variables.table import fmu_variables, input_places, output_columns
 from tests.test_models import table
 
 MODEL = "controlled_arm"

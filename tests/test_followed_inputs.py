@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.scene.scene import SceneError, with_values
-from chain_impact.variables import with_sensitivities
+from chain_impact.variables.table import with_sensitivities
 from tests.test_signals import ELBOW, SHOULDER, STOP, arm, exact, motion, push, wave
 
 DRAWN = iter(np.random.default_rng(1).uniform, None)

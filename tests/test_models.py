@@ -19,7 +19,7 @@ from chain_impact import load_scene, simulate
 from chain_impact.results.recording import recording_of
 from chain_impact.scene.models import models_folder
 from chain_impact.scene.scene import SCENE_FILE, model_names
-from chain_impact.variables import input_places
+from chain_impact.variables.table import input_places
 from tests.textbook import Chain
 
 DOCS = Path(__file__).parents[1] / "docs" / "models"

@@ -14,7 +14,7 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.runs import RunError, read_fmu, record_fmu, record_scene
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.scene import model_names
-from chain_impact.variables import fmu_variables
+from chain_impact.variables.table import fmu_variables
 from tests.fmu.conftest import OnDemand
 from tests.shared import shared_folder
 

@@ -24,7 +24,7 @@ from chain_impact.scene.names import Place
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.signals import Drive, drive
-from chain_impact.variables import BEHIND, output_words, parameters_of, with_sensitivities, word_index
+from chain_impact.variables.table import BEHIND, output_words, parameters_of, with_sensitivities, word_index
 
 IMPACT_QUANTITIES = tuple(name for name in IMPACT_DTYPE.names or () if name not in ("point", "wall"))
 """The quantities of an impact that have derivatives."""

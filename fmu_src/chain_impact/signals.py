@@ -14,7 +14,7 @@ from chain_impact.pieces import Follower, NotSmoothError, Pieces, joined_points
 from chain_impact.scene.names import Place
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
-from chain_impact.variables import input_places
+from chain_impact.variables.table import input_places
 
 Signal = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
 """One input over time: a number, a function of the time [s], or a pair (times [s], values) of shape (T,)."""

@@ -23,8 +23,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.sensitivities import DifferentiatedInstance
 from chain_impact.signals import Drive, Interpolation, Signal, drive
-from chain_impact.variable import Variable
-from chain_impact.variables import (
+from chain_impact.variables.table import (
     WORD,
     fmu_variables,
     output_words,
@@ -33,6 +32,7 @@ from chain_impact.variables import (
     with_sensitivities,
     word_index,
 )
+from chain_impact.variables.variable import Variable
 
 MOST_BYTES = 2_000_000_000
 """Most bytes that the outputs of a simulation may take: more is refused before anything is computed."""

@@ -21,8 +21,8 @@ from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.names import input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError, matching, shown
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
-from chain_impact.variable import Variable, variable_row
-from chain_impact.variables import fmu_variables, word_index
+from chain_impact.variables.table import fmu_variables, word_index
+from chain_impact.variables.variable import Variable, variable_row
 
 STATE = struct.Struct("<8s16sqq")  # magic, the scene's digest, whether it has started, number of contacts
 MAGIC = b"chainsav"

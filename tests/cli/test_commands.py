@@ -16,7 +16,7 @@ from chain_impact.cli import report
 from chain_impact.compilation.errors import BuildError
 from chain_impact.runs import record_fmu
 from chain_impact.scene.models import models_folder
-from chain_impact.variables import fmu_variables
+from chain_impact.variables.table import fmu_variables
 
 LITTLE_WORK = "solver.work_limit=1500"  # too little for the impacts, enough for the flight before
 PNG = b"\x89PNG\r\n\x1a\n"

@@ -17,11 +17,11 @@ from chain_impact import load_scene
 from chain_impact.compilation.errors import BuildError
 from chain_impact.export import fmu as export
 from chain_impact.export.fmu import build_fmu, validate_fmu
-from chain_impact.instance import new_instance
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import model_names, with_values
-from chain_impact.variables import fmu_variables, word_index
+from chain_impact.variables.model import new_instance
+from chain_impact.variables.table import fmu_variables, word_index
 from tests.fmu.conftest import KINDS
 from tests.fmu.contents import description
 from tests.fmu.importer import Instance

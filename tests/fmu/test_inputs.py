@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from chain_impact import load_scene, simulate
 from chain_impact.scene.scene import with_values
-from chain_impact.variables import output_columns
+from chain_impact.variables.table import output_columns
 from tests.fmu.importer import Instance
 
 # The functions before each test run in the clean process: they hold all that they use.

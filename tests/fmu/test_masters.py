@@ -13,7 +13,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.scene.models import models_folder
-from chain_impact.variables import output_columns
+from chain_impact.variables.table import output_columns
 
 RUN = """
 import json, sys

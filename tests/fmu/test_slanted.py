@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene, simulate
 from chain_impact.scene.scene import with_values
-from chain_impact.variables import output_columns, parameter_paths
+from chain_impact.variables.table import output_columns, parameter_paths
 from tests.fmu.importer import Instance
 from tests.fmu.test_use import trajectory
 

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.instance import new_instance
 from chain_impact.kernel import advance as loop
 from chain_impact.kernel.entry import UNLIMITED
 from chain_impact.kernel.events.kinds import ONSET, REFUSED
@@ -13,6 +12,7 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL, TOO_MUCH_WORK
 from chain_impact.scene.scene import load_scene, with_values
+from chain_impact.variables.model import new_instance
 from tests.plain import Plain
 
 

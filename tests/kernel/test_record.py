@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.record import instance_dtype, output_dtype
-from chain_impact.variables import WORD
+from chain_impact.variables.table import WORD
 
 SIZES = [(1, 0), (1, 1), (2, 2), (4, 20), (7, 32)]  # links N, candidates C
 

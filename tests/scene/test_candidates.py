@@ -1,9 +1,9 @@
 """The pairs of a point and a wall that can touch."""
 
 from chain_impact import load_scene
-from chain_impact.instance import new_instance
 from chain_impact.scene.candidates import candidate_count, candidates
 from chain_impact.scene.scene import WALLS, with_values
+from chain_impact.variables.model import new_instance
 
 
 def test_candidates_are_the_listed_points_at_the_walls_that_are_there():

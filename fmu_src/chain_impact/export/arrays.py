@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from chain_impact.output_variables import all_outputs
 from chain_impact.scene.scene import Scene
-from chain_impact.variable import Variable
+from chain_impact.variables.outputs import all_outputs
+from chain_impact.variables.variable import Variable
 
 OWNERS = {
     "point": ("point_position", "point_velocity", "point_acceleration"),

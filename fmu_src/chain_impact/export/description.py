@@ -9,13 +9,13 @@ from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
-from chain_impact.instance import new_instance
 from chain_impact.scene.angles import DEGREES
 from chain_impact.scene.names import Place
 from chain_impact.scene.scene import Scene
-from chain_impact.units import in_order, unit_of
-from chain_impact.variable import OBSERVED, Variable
-from chain_impact.variables import word_index
+from chain_impact.variables.model import new_instance
+from chain_impact.variables.table import word_index
+from chain_impact.variables.units import in_order, unit_of
+from chain_impact.variables.variable import OBSERVED, Variable
 
 """Units, and those in which a tool may show them."""
 RATES = {

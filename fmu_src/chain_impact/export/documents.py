@@ -12,11 +12,11 @@ from itertools import pairwise
 import numpy as np
 
 from chain_impact.compilation.errors import BuildError
-from chain_impact.instance import new_instance
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import Scene
-from chain_impact.variable import Variable
-from chain_impact.variables import fmu_variables, word_index
+from chain_impact.variables.model import new_instance
+from chain_impact.variables.table import fmu_variables, word_index
+from chain_impact.variables.variable import Variable
 
 SIZE, MARGIN, EDGE = 128, 0.12, 1.5  # of the picture: pixels, a part of it, half a wall in pixels
 WALL, LINK, JOINT, PAPER = (150, 150, 150), (31, 119, 180), (214, 39, 40), (255, 255, 255)

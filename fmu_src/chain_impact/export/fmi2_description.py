@@ -17,8 +17,8 @@ from chain_impact.export.description import (
     values_of,
 )
 from chain_impact.scene.scene import Scene
-from chain_impact.variable import Variable
-from chain_impact.variables import fmu_variables
+from chain_impact.variables.table import fmu_variables
+from chain_impact.variables.variable import Variable
 
 CAPABILITIES = {
     "needsExecutionTool": "false",

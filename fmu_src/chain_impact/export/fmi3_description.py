@@ -19,9 +19,9 @@ from chain_impact.export.description import (
 )
 from chain_impact.scene.names import Place
 from chain_impact.scene.scene import Scene
-from chain_impact.units import UNITS
-from chain_impact.variable import Variable
-from chain_impact.variables import fmu_variables
+from chain_impact.variables.table import fmu_variables
+from chain_impact.variables.units import UNITS
+from chain_impact.variables.variable import Variable
 
 CAPABILITIES = {
     "needsExecutionTool": "false",

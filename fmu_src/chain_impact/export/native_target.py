@@ -12,10 +12,10 @@ from chain_impact.compilation.compilers import ZIG_TARGETS
 from chain_impact.export import fmi2_description, fmi3_description
 from chain_impact.export.arrays import array_variables
 from chain_impact.export.table import guid_of, model_table, packed
-from chain_impact.instance import new_instance
 from chain_impact.scene.scene import Scene
-from chain_impact.variable import LARGEST, variable_row
-from chain_impact.variables import word_index
+from chain_impact.variables.model import new_instance
+from chain_impact.variables.table import word_index
+from chain_impact.variables.variable import LARGEST, variable_row
 
 PLATFORMS = tuple(ZIG_TARGETS)
 """All for which the kernel can be compiled."""

@@ -14,8 +14,8 @@ from xml.etree import ElementTree
 from chain_impact.compilation.errors import BuildError
 from chain_impact.export.fmi2_description import model_description
 from chain_impact.export.table import guid_of, model_table
-from chain_impact.instance import new_instance
 from chain_impact.scene.scene import Scene
+from chain_impact.variables.model import new_instance
 
 PLATFORMS = ("linux64", "win64")
 """Those for which pythonfmu has a wrapper."""

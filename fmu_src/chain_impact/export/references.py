@@ -20,12 +20,12 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify
 from chain_impact.export.description import nominal_values
-from chain_impact.output_variables import all_outputs
 from chain_impact.running import SimulationError
 from chain_impact.scene.scene import Scene
 from chain_impact.stepping import Chain
-from chain_impact.variable import Variable
-from chain_impact.variables import input_places
+from chain_impact.variables.outputs import all_outputs
+from chain_impact.variables.table import input_places
+from chain_impact.variables.variable import Variable
 
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
 MANIFEST = f"{FOLDER}/fmi-ls-manifest.xml"

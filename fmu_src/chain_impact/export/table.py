@@ -9,11 +9,11 @@ import zlib
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from chain_impact.instance import new_instance
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import Scene
-from chain_impact.variable import variable_row
-from chain_impact.variables import fmu_variables, word_index
+from chain_impact.variables.model import new_instance
+from chain_impact.variables.table import fmu_variables, word_index
+from chain_impact.variables.variable import variable_row
 
 # as in compilation/c_interface/common/instance.h
 HEAD, CHECKED_FROM = struct.Struct("<8sQQ40s11q"), 24

@@ -19,7 +19,7 @@ from chain_impact.results.result import Result
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.results.summary import plural
 from chain_impact.scene.half_planes import HalfPlane
-from chain_impact.variables import parameter_paths
+from chain_impact.variables.table import parameter_paths
 
 ROWS_AT_ONCE = 10_000  # that are written
 

@@ -16,7 +16,7 @@ from chain_impact.results import summary, tables
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.scene.reading import UnknownNameError, matching
 from chain_impact.scene.scene import Scene
-from chain_impact.variables import elsewhere, output_columns, output_variables
+from chain_impact.variables.table import elsewhere, output_columns, output_variables
 
 if TYPE_CHECKING:
     import pandas

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from chain_impact.extras import require
-from chain_impact.output_variables import all_outputs
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.names import AXES
-from chain_impact.variables import output_variables
+from chain_impact.variables.outputs import all_outputs
+from chain_impact.variables.table import output_variables
 
 if TYPE_CHECKING:
     from chain_impact.results.result import Result

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from chain_impact.instance import new_instance
 from chain_impact.kernel.chain.damped import factorize_damped, solve_damped
 from chain_impact.kernel.chain.kinematics import link_vectors
 from chain_impact.kernel.chain.recursion import factorize, solve
 from chain_impact.kernel.initialize import derive_chain
 from chain_impact.scene.scene import scene_from_dict, with_values
+from chain_impact.variables.model import new_instance
 from tests.plain import Plain
 from tests.reference import mass_matrix, point_jacobian, random_impedances, set_impedances
 

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 import sympy
 
-from chain_impact.instance import new_instance
 from chain_impact.kernel.chain.kinematics import link_vectors, locate_points, move_points
 from chain_impact.kernel.chain.recursion import accelerations, factorize, solve
 from chain_impact.kernel.initialize import derive_chain, derive_law
@@ -19,6 +18,7 @@ from chain_impact.kernel.model.energy import mechanical_energy
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import place_walls
 from chain_impact.scene.scene import WALLS, scene_from_dict
+from chain_impact.variables.model import new_instance
 from tests.plain import Plain
 from tests.reference import (
     exact_damping_factor,

@@ -6,12 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from chain_impact.instance import new_instance
 from chain_impact.kernel.chain.kinematics import link_vectors
 from chain_impact.kernel.chain.recursion import factorize, no_impedance
 from chain_impact.kernel.chain.regular import loose_links
 from chain_impact.kernel.initialize import derive_chain
 from chain_impact.scene.scene import scene_from_dict
+from chain_impact.variables.model import new_instance
 from tests.plain import Plain
 
 PLACES = (0.0, 0.4, 1.0, 1.3)  # of the centre of mass, over the length

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, simulate
-from chain_impact.instance import new_instance
 from chain_impact.kernel.advance import advance
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events.kinds import KINK
@@ -12,6 +11,7 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.contact import kink_height
 from chain_impact.kernel.model.contact_force import elastic_force
 from chain_impact.kernel.status import OK
+from chain_impact.variables.model import new_instance
 from tests.kernel.model.test_contact_force import MASS, SPEED, STIFFNESS, scaled_impact
 from tests.plain import Plain
 from tests.problems import of_law, struck_ball

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from scipy.special import ellipj
 
-from chain_impact.instance import new_instance
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration import dop853
 from chain_impact.kernel.integration.dense import interpolate, rate_bounds
@@ -16,6 +15,7 @@ from chain_impact.kernel.integration.explicit import attempt
 from chain_impact.kernel.integration.last_step import OUTPUTS, accept, complete
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.running import Instance
+from chain_impact.variables.model import new_instance
 from tests.plain import Plain
 from tests.problems import FAR, ball, build, contact_table, rod
 

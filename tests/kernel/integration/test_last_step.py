@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from chain_impact.instance import new_instance
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events.exclusion import FAR, NOTHING, WITH_CURVES, known, learn
 from chain_impact.kernel.initialize import initialize
@@ -26,6 +25,7 @@ from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.methods import DENSE_EVALUATIONS, attempt, prepare
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.scene.scene import load_scene, with_values
+from chain_impact.variables.model import new_instance
 from tests.plain import Plain
 
 H = 0.01  # s

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.instance import new_instance
 from chain_impact.kernel.advance import begin
 from chain_impact.kernel.events.kinds import ONSET
 from chain_impact.kernel.initialize import initialize
@@ -13,6 +12,7 @@ from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.explicit import attempt
 from chain_impact.kernel.integration.last_step import OUTPUTS, accept, complete
 from chain_impact.running import Instance
+from chain_impact.variables.model import new_instance
 from tests.plain import Plain
 from tests.problems import ball
 

@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.instance import new_instance
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.constraints import complement, meet_walls, press
 from chain_impact.kernel.model.geometry import clearance
 from chain_impact.scene.scene import WALLS, with_values
+from chain_impact.variables.model import new_instance
 from tests.plain import Plain
 from tests.problems import default_scene
 from tests.reference import clearance_gradient, complementary_impulses, mass_matrix

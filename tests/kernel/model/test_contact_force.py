@@ -7,7 +7,6 @@ import pytest
 from scipy.integrate import quad
 
 from chain_impact import CONTACT_LAWS, simulate
-from chain_impact.instance import new_instance
 from chain_impact.kernel.initialize import derive_law
 from chain_impact.kernel.model.contact_force import (
     cut_off,
@@ -22,6 +21,7 @@ from chain_impact.kernel.model.contact_force import (
 from chain_impact.kernel.status import EXPONENT_NOT_ALLOWED, OK
 from chain_impact.running import Instance
 from chain_impact.scene.scene import with_values
+from chain_impact.variables.model import new_instance
 from tests.plain import Plain
 from tests.problems import ball, default_scene, of_law, struck_ball
 from tests.reference import exact_damping_factor, newton_impact, realised_restitution, rebound

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.instance import new_instance
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.geometry import (
@@ -20,6 +19,7 @@ from chain_impact.kernel.model.geometry import (
 )
 from chain_impact.kernel.status import OK, PARAMETER_OUT_OF_RANGE
 from chain_impact.scene.scene import with_values
+from chain_impact.variables.model import new_instance
 from tests.plain import Plain
 from tests.problems import default_scene
 

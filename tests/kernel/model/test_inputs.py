@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.instance import new_instance
 from chain_impact.kernel.model.inputs import (
     AT_ONCE,
     DEGREE,
@@ -15,6 +14,7 @@ from chain_impact.kernel.model.inputs import (
     take_inputs,
     within_piece,
 )
+from chain_impact.variables.model import new_instance
 from tests.plain import Plain
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from chain_impact.sensitivities import DifferentiatedInstance
 from chain_impact.signals import drive
-from chain_impact.variables import output_words
+from chain_impact.variables.table import output_words
 from tests.derivative_scenes import Case
 
 

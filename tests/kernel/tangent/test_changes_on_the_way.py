@@ -7,7 +7,7 @@ from chain_impact import Chain
 from chain_impact.running import Instance
 from chain_impact.scene.names import sensitivity_name
 from chain_impact.sensitivities import DifferentiatedInstance
-from chain_impact.variables import output_words, with_sensitivities
+from chain_impact.variables.table import output_words, with_sensitivities
 from tests.derivative_scenes import table
 from tests.kernel_calls import advance_to_onset, let_happen
 

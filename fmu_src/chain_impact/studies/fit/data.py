@@ -15,7 +15,7 @@ from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError, matching, shown
 from chain_impact.scene.scene import Scene
 from chain_impact.studies.fit.table import Source, Table, read_table
-from chain_impact.variables import output_words
+from chain_impact.variables.table import output_words
 
 TIME, IMPACT, POINT, WALL, DURATION = "time", "impact", "point", "wall", "duration"
 WHICH = (IMPACT, POINT, WALL)

@@ -12,8 +12,8 @@ from chain_impact.scene.angles import in_radians
 from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError, UnknownNameError, shown
 from chain_impact.scene.scene import Scene
-from chain_impact.variable import Variable
-from chain_impact.variables import differentiable, fmu_variables
+from chain_impact.variables.table import differentiable, fmu_variables
+from chain_impact.variables.variable import Variable
 
 Bounds = Mapping[str, str | tuple[float | None, float | None]]
 WIDEST = 1e8  # from the start to the end of a search, as a factor

@@ -12,15 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from chain_impact.compilation.work import Notify
-from chain_impact.instance import new_instance
 from chain_impact.kernel.status import OK
 from chain_impact.running import kernel_for, load_kernel
 from chain_impact.scene.names import SENSITIVITY, Place, nearest
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
 from chain_impact.studies.sweep.variation import Variation
-from chain_impact.variable import Variable
-from chain_impact.variables import fmu_variables, with_sensitivities, word_index
+from chain_impact.variables.model import new_instance
+from chain_impact.variables.table import fmu_variables, with_sensitivities, word_index
+from chain_impact.variables.variable import Variable
 
 PEAKS = ("peak_force", "max_penetration")
 """The largest of all contacts of a run [N], [m]: the first columns that the kernel fills."""

@@ -11,8 +11,8 @@ from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
-from chain_impact.variable import Variable
-from chain_impact.variables import fmu_variables
+from chain_impact.variables.table import fmu_variables
+from chain_impact.variables.variable import Variable
 
 Values = str | float | Sequence[float | str] | np.ndarray
 STOP_TIME = Variable(

@@ -22,13 +22,13 @@ from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.record import output_dtype
 from chain_impact.kernel.tangent.directions import DIRECTIONS
-from chain_impact.output_variables import all_outputs
 from chain_impact.scene.candidates import candidate_count, candidates
 from chain_impact.scene.names import AXES, Place, input_key, name_of, parameter_hint, sensitivity_name
 from chain_impact.scene.reading import matching
 from chain_impact.scene.scene import Box, Contact, Initial, Link, Scene, Solver, Wall
-from chain_impact.units import quotient
-from chain_impact.variable import Item, Variable
+from chain_impact.variables.outputs import all_outputs
+from chain_impact.variables.units import quotient
+from chain_impact.variables.variable import Item, Variable
 
 WORD = 8  # bytes of every scalar in the record
 BEHIND = "behind"

@@ -8,7 +8,7 @@ from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.names import AXES
 from chain_impact.scene.scene import Scene
-from chain_impact.variable import OBSERVED, Variable
+from chain_impact.variables.variable import OBSERVED, Variable
 
 _STATUSES = "; ".join(f"{code} {text}" for code, text in STATUS_TEXT.items())
 

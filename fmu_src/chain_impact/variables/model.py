@@ -17,7 +17,7 @@ from chain_impact.kernel.tangent.directions import DIRECTIONS, tangent_dtype
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.names import Place
 from chain_impact.scene.scene import Scene
-from chain_impact.variables import BEHIND, parameters_of
+from chain_impact.variables.table import BEHIND, parameters_of
 
 LINK_PARAMETERS = (
     *("length", "mass", "center_of_mass", "inertia"),

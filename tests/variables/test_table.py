@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.instance import new_instance
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.record import output_dtype
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import SOLVER_METHODS, WALLS, Scene, model_names, with_values
-from chain_impact.units import UNITS
-from chain_impact.variables import fmu_variables, output_columns, parameter_paths, word_index
+from chain_impact.variables.model import new_instance
+from chain_impact.variables.table import fmu_variables, output_columns, parameter_paths, word_index
+from chain_impact.variables.units import UNITS
 
 DRIVEN = {("inputs", "joint_torques"): True, ("inputs", "tip_force"): True}
 

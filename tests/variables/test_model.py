@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene
-from chain_impact.instance import new_instance
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import SOLVER_METHODS, model_names, scene_to_dict, with_values
-from chain_impact.variables import fmu_variables, word_index
+from chain_impact.variables.model import new_instance
+from chain_impact.variables.table import fmu_variables, word_index
 
 BUFFER = 64 * 1024  # bytes, what an instance of four links in a box shall fit into
 
