@@ -25,7 +25,7 @@ from work_precision import judge
 
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.scene.scene import Scene, SceneError, load_scene, with_values
-from chain_impact.simulate import simulate
+from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.compare import law_values
 
 PROBLEM = PROBLEMS["steel"]

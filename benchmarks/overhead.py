@@ -14,8 +14,8 @@ from collections.abc import Callable
 import numpy as np
 
 from chain_impact import Chain, load_scene, simulate
-from chain_impact.running import Instance
 from chain_impact.scene.scene import Scene
+from chain_impact.simulation.instance import Instance
 
 STOP, STEP = 1e-2, 1e-3  # s
 STEP_BY_HAND = 1e-4  # s

@@ -16,8 +16,8 @@ import numpy as np
 import rest_model
 from looks import BLUE, INK, OURS, headline, number
 
-from chain_impact.running import Instance
 from chain_impact.scene.scene import Scene, load_scene, with_values
+from chain_impact.simulation.instance import Instance
 
 STIFFNESSES = (1e6, 1e8, 1e10, 1e12)
 RESTITUTIONS = (0.05, 0.1, 0.3, 0.7)

@@ -16,8 +16,8 @@ from plain_chain import flight_rate, plain_chain, start
 from rhs_share import load
 from textbook import Textbook
 
-from chain_impact.running import Instance
 from chain_impact.scene.scene import Scene, scene_from_dict
+from chain_impact.simulation.instance import Instance
 
 SIZES = (1, 2, 4, 10, 30, 100, 300, 1000)
 CALLS = {1: 20000, 30: 4000, 300: 400}  # right-hand sides in one compiled loop, from this size on

@@ -20,9 +20,9 @@ import numpy as np
 from table import table
 
 from chain_impact import simulate
-from chain_impact.running import Instance
 from chain_impact.scene.scene import Scene, load_scene, with_values
-from chain_impact.sensitivities import DifferentiatedRun
+from chain_impact.simulation.derivatives import DifferentiatedRun
+from chain_impact.simulation.instance import Instance
 
 sys.path.insert(0, str(common.ROOT))
 

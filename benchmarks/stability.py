@@ -22,8 +22,8 @@ from peers.model import energy_of
 from peers.solve_ivp import Run, Scipy
 from plain_chain import Chain, plain_chain, start
 
-from chain_impact.running import Instance, SimulationError
 from chain_impact.scene.scene import Scene, scene_from_dict
+from chain_impact.simulation.instance import Instance, SimulationError
 
 STIFFNESSES = tuple(10.0**k for k in range(4, 13))
 RESTITUTIONS = (0.02, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0)

@@ -17,7 +17,7 @@ from collections.abc import Callable
 import numpy as np
 
 from chain_impact import Scene, load_scene, simulate, sweep
-from chain_impact.running import Instance
+from chain_impact.simulation.instance import Instance
 
 STOP, TOLERANCE = 0.6, 1e-6
 NAME, FIRST, LAST = "contact.restitution", 0.6, 0.8  # all have two impacts

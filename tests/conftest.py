@@ -14,7 +14,7 @@ from tests.shared import once, shared_folder
 # while the other makes the one that carries derivatives.
 SLOWEST = (
     "tests/test_random_scenes.py",
-    "tests/test_sensitivities.py",
+    "tests/simulation/test_derivatives.py",
     "tests/test_docs.py",
     "tests/test_derivatives.py",
     "tests/test_sensitivity_accuracy.py",

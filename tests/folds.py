@@ -19,8 +19,8 @@ import numpy as np
 
 from chain_impact.kernel.events.impulses import STICK
 from chain_impact.kernel.status import ONSET_DUE
-from chain_impact.running import Instance
 from chain_impact.scene.scene import Scene
+from chain_impact.simulation.instance import Instance
 from tests.draw import Draw
 from tests.problems import GRAVITY, build
 from tests.reference import clearance_gradient, mass_matrix

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.running import Instance
+from chain_impact.simulation.instance import Instance
 
 
 def initialize(instance: Instance, time: float = 0.0) -> int:

@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.status import OK, STATUS_TEXT, TOO_MUCH_WORK
-from chain_impact.running import Instance, SimulationError
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
+from chain_impact.simulation.instance import Instance, SimulationError
 from tests.kernel_calls import move
 from tests.random_scenes import drive
 

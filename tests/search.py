@@ -22,9 +22,9 @@ import numpy as np
 from chain_impact.compilation.library import kernel_library
 from chain_impact.kernel.record import instance_dtype
 from chain_impact.kernel.status import OK
-from chain_impact.running import load_kernel
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
+from chain_impact.simulation.instance import load_kernel
 from tests import oracle
 from tests.oracle import CPU, Finding
 from tests.random_scenes import scene as scene_of

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.status import OK
-from chain_impact.running import Instance
 from chain_impact.scene.scene import SOLVER_METHODS
+from chain_impact.simulation.instance import Instance
 from tests.problems import build
 
 FIFTH = 0.2

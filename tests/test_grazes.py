@@ -12,7 +12,7 @@ import pytest
 
 from chain_impact.kernel.model.geometry import HARMLESS
 from chain_impact.kernel.status import OK
-from chain_impact.running import Instance
+from chain_impact.simulation.instance import Instance
 from tests.problems import build, contact_table
 
 CASES = 500  # of each motion

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from chain_impact.running import Instance, SimulationError
 from chain_impact.scene.scene import SOLVER_METHODS, WALLS, with_values
+from chain_impact.simulation.instance import Instance, SimulationError
 from tests.newton import LAW, rigid
 from tests.problems import (
     clattering_rod,

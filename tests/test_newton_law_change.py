@@ -6,7 +6,7 @@ import pytest
 from chain_impact import SimulationError
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.status import RIGID_WHILE_TOUCHING
-from chain_impact.running import Instance
+from chain_impact.simulation.instance import Instance
 from tests.newton import LAW, WEIGHT, floor_forces, rigid
 from tests.problems import ball, default_scene
 

@@ -8,8 +8,8 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from chain_impact import load_scene, simulate
-from chain_impact.running import Instance
 from chain_impact.scene.scene import with_values
+from chain_impact.simulation.instance import Instance
 from tests.newton import LAW, WEIGHT, floor_forces, rigid
 from tests.problems import GRAVITY, ball, default_scene, dropped_ball, rod
 

@@ -8,8 +8,8 @@ from scipy.integrate import solve_ivp
 
 from chain_impact import simulate
 from chain_impact.kernel.status import MASS_MATRIX_SINGULAR
-from chain_impact.running import Instance
 from chain_impact.scene.scene import SceneError, scene_from_dict, with_values
+from chain_impact.simulation.instance import Instance
 from tests.kernel.chain.test_recursion import lagrange_accelerations
 from tests.kernel_calls import initialize
 from tests.problems import GRAVITY

@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 import chain_impact
+from chain_impact import sensitivities
 
 ROOT = Path(__file__).parents[1]
 REFERENCE = (ROOT / "docs" / "python_api.md").read_text(encoding="utf-8")
@@ -27,3 +28,8 @@ def test_the_reference_has_what_is_public():
 
 def test_type_checkers_may_look_inside():
     assert (Path(chain_impact.__file__).parent / "py.typed").is_file()
+
+
+def test_what_scripts_import_from_sensitivities_is_the_public_one():
+    for name in sensitivities.__all__:
+        assert getattr(sensitivities, name) is getattr(chain_impact, name)

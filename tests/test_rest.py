@@ -7,8 +7,8 @@ import pytest
 
 from chain_impact import CONTACT_LAWS, SimulationError, load_scene, simulate
 from chain_impact.kernel.status import TOO_MUCH_WORK
-from chain_impact.running import Instance
 from chain_impact.scene.scene import SOLVER_METHODS, scene_from_dict, with_values
+from chain_impact.simulation.instance import Instance
 from tests.problems import FLOOR, GRAVITY, ball, dropped_ball, flat_chain, heap, of_law, rest_depth, rod
 from tests.reference import balance
 

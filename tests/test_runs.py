@@ -9,11 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chain_impact import CONTACT_LAWS, SceneError, load_scene, running
+from chain_impact import CONTACT_LAWS, SceneError, load_scene
 from chain_impact.compilation.errors import BuildError
-from chain_impact.runs import RunError, read_fmu, record_fmu, record_scene
+from chain_impact.runs import read_fmu, record_fmu
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.scene import model_names
+from chain_impact.simulation import instance
+from chain_impact.simulation.record_scene import RunError, record_scene
 from chain_impact.variables.table import fmu_variables
 from tests.fmu.conftest import OnDemand
 from tests.shared import shared_folder
@@ -232,13 +234,13 @@ def test_a_missing_file_is_named():
 
 def test_a_second_run_is_made_only_for_all_outputs(monkeypatch):
     """As the motion alone takes one run; both tell the same of compiling and of the progress."""
-    told, seen, library = [], [], running.kernel_library
+    told, seen, library = [], [], instance.kernel_library
 
     def kernel_library(*arguments, **options):
         told.append(options["notify"])
         return library(*arguments, **options)
 
-    monkeypatch.setattr(running, "kernel_library", kernel_library)
+    monkeypatch.setattr(instance, "kernel_library", kernel_library)
 
     def say(_sentence):
         pass
@@ -262,9 +264,9 @@ def test_too_many_rows_are_refused_before_the_first_run(monkeypatch):
     """82 outputs that only a second run knows take more than the motion of one link."""
     scene, settings = load_scene("rod_drop"), {"simulation.stop_time": 1.0}
     rows = 1.0 / scene.simulation.step_size + 1.0
-    monkeypatch.setattr(sys.modules["chain_impact.simulate"], "MOST_BYTES", rows * 8 * 60)
+    monkeypatch.setattr(sys.modules["chain_impact.simulation.simulate"], "MOST_BYTES", rows * 8 * 60)
     record_scene(scene, settings, complete=False)
-    monkeypatch.setattr(running, "kernel_library", None)
+    monkeypatch.setattr(instance, "kernel_library", None)
     with pytest.raises(SceneError, match="rows of 82 outputs"):
         record_scene(scene, settings)
 
@@ -275,7 +277,7 @@ def test_a_scene_says_when_it_has_to_compile(monkeypatch):
         raise BuildError("out of luck")
 
     said = []
-    monkeypatch.setattr(running, "kernel_library", kernel_library)
+    monkeypatch.setattr(instance, "kernel_library", kernel_library)
     with pytest.raises(BuildError, match="out of luck"):
         record_scene(load_scene("rod_drop"), {}, said.append)
     assert said == ["compiling"]

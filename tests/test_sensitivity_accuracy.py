@@ -8,7 +8,7 @@ import pytest
 
 from chain_impact import simulate
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.sensitivities import DifferentiatedRun
+from chain_impact.simulation.derivatives import DifferentiatedRun
 from tests import invariance
 from tests.derivative_scenes import (
     Case,

@@ -9,8 +9,8 @@ from scipy.optimize import brentq
 
 from chain_impact import simulate
 from chain_impact.kernel.integration import ros34pw2
-from chain_impact.running import Instance
 from chain_impact.scene.scene import scene_from_dict, with_values
+from chain_impact.simulation.instance import Instance
 from tests.problems import stiff_joint
 from tests.reference import balance, generalized_force, mass_matrix, momenta
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from problems import Problem
 
-from chain_impact.running import Instance
 from chain_impact.scene.scene import Scene
-from chain_impact.simulate import simulate
+from chain_impact.simulation.instance import Instance
+from chain_impact.simulation.simulate import simulate
 from peers import Contender, Outcome
 
 

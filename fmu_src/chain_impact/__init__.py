@@ -10,16 +10,17 @@ from chain_impact.results.impacts import impacts_of
 from chain_impact.results.recording import Recording
 from chain_impact.results.result import IMPACT_DTYPE, Result
 from chain_impact.results.sensitivity import Sensitivities
-from chain_impact.running import SimulationError
-from chain_impact.runs import RunError, record_fmu
+from chain_impact.runs import record_fmu
 from chain_impact.scene.models import model_names
 from chain_impact.scene.reading import SceneError, SceneWarning, UnknownNameError
 from chain_impact.scene.scene import Scene, load_scene, parse_scene, with_values
 from chain_impact.scene.stiffness import sphere_plane_stiffness
-from chain_impact.sensitivities import Differentiated, DifferentiatedRun
-from chain_impact.signals import Signal
-from chain_impact.simulate import simulate, with_law
-from chain_impact.stepping import Chain
+from chain_impact.simulation.chain import Chain
+from chain_impact.simulation.derivatives import Differentiated, DifferentiatedRun
+from chain_impact.simulation.inputs import Signal
+from chain_impact.simulation.instance import SimulationError
+from chain_impact.simulation.record_scene import RunError
+from chain_impact.simulation.simulate import simulate, with_law
 from chain_impact.studies.animate import animate
 from chain_impact.studies.compare import Comparison, LawRun, compare
 from chain_impact.studies.fit.fit import fit

@@ -11,11 +11,12 @@ import matplotlib as mpl
 import pytest
 from matplotlib import pyplot
 
-from chain_impact import CONTACT_LAWS, load_scene, running
+from chain_impact import CONTACT_LAWS, load_scene
 from chain_impact.cli import report
 from chain_impact.compilation.errors import BuildError
 from chain_impact.runs import record_fmu
 from chain_impact.scene.models import models_folder
+from chain_impact.simulation import instance
 from chain_impact.variables.table import fmu_variables
 
 LITTLE_WORK = "solver.work_limit=1500"  # too little for the impacts, enough for the flight before
@@ -104,7 +105,7 @@ def test_a_kernel_that_does_not_compile(run, here, monkeypatch):
     def kernel_library(*_, **__):
         raise BuildError("could not compile the kernel: zig cc said:\nld: out of memory")
 
-    monkeypatch.setattr(running, "kernel_library", kernel_library)
+    monkeypatch.setattr(instance, "kernel_library", kernel_library)
     monkeypatch.setattr("chain_impact.export.fmu.kernel_library", kernel_library)
     for verb in ("build", "simulate"):
         code, _, said = run(verb)
@@ -131,8 +132,8 @@ def test_simulate_writes_nothing_unless_asked(run, here):
 
 @pytest.mark.parametrize("options", [(), ("--csv", "out.csv")])
 def test_simulate_runs_a_second_time_for_a_table_only(run, monkeypatch, options):
-    runs, library = [], running.kernel_library
-    monkeypatch.setattr(running, "kernel_library", lambda *a, **k: runs.append(k) or library(*a, **k))
+    runs, library = [], instance.kernel_library
+    monkeypatch.setattr(instance, "kernel_library", lambda *a, **k: runs.append(k) or library(*a, **k))
     assert run("simulate", "rod_drop", "-q", *options)[0] == 0
     assert len(runs) == 1 + bool(options)
     assert all(one["notify"] for one in runs)

@@ -8,9 +8,9 @@ import time
 import pytest
 from rich.console import Console
 
-from chain_impact import running
 from chain_impact.cli import commands, progress
 from chain_impact.compilation.work import Part, Work
+from chain_impact.simulation import instance
 
 LITTLE_WORK = "solver.work_limit=1500"  # too little for the impacts, enough for the flight before
 
@@ -39,13 +39,13 @@ def until(holds):
 
 def compiling(monkeypatch):
     """Let the cached kernel look as if it had to be compiled."""
-    cached = running.kernel_library
+    cached = instance.kernel_library
 
     def kernel_library(*arguments, notify, **_):
         notify(Work("compiling the kernel", 12.0))
         return cached(*arguments)
 
-    monkeypatch.setattr(running, "kernel_library", kernel_library)
+    monkeypatch.setattr(instance, "kernel_library", kernel_library)
 
 
 def test_a_bar_shows_on_a_terminal_while_something_compiles(run, monkeypatch, terminal):

@@ -12,8 +12,8 @@ from chain_impact import BuildError, load_scene, simulate
 from chain_impact.compilation import compilers, library, ready
 from chain_impact.compilation.library import kernel_library
 from chain_impact.extras import how_to_install
-from chain_impact.running import load_kernel
 from chain_impact.scene.scene import with_values
+from chain_impact.simulation.instance import load_kernel
 from chain_impact.variables.model import new_instance
 from tests.binaries import read_binary
 from tests.fmu.standard import all_functions_of_fmi3, co_simulation_functions

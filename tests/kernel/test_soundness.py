@@ -4,9 +4,9 @@ import pytest
 
 from chain_impact.kernel.soundness import sound
 from chain_impact.kernel.status import LAST_STATUS, STATUS_TEXT
-from chain_impact.running import Instance
 from chain_impact.scene.scene import load_scene
-from chain_impact.sensitivities import DifferentiatedInstance
+from chain_impact.simulation.derivatives import DifferentiatedInstance
+from chain_impact.simulation.instance import Instance
 from tests.derivative_scenes import table
 from tests.plain import Plain
 

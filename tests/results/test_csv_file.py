@@ -8,8 +8,8 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.results.csv_file import read_csv
 from chain_impact.results.recording import recording_of
-from chain_impact.runs import record_scene
 from chain_impact.scene.reading import SceneError
+from chain_impact.simulation.record_scene import record_scene
 
 HEAD = "time,point[0].x,point[0].y,point[1].x,point[1].y"
 ROWS = "0,0,0,1,0\n0.1,0,0,1,0.1\n"

@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact import impacts_of, load_scene, simulate
 from chain_impact.results.impacts import COLUMNS
-from chain_impact.running import Instance
+from chain_impact.simulation.instance import Instance
 
 EXACT = ("point", "wall", "onset", "impact_speed")
 

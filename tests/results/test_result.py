@@ -64,7 +64,7 @@ def test_they_are_known_in_another_process_and_after_a_fault(result):
 
 
 def test_they_are_refused_when_they_are_too_large(monkeypatch, result):
-    monkeypatch.setattr(sys.modules["chain_impact.simulate"], "MOST_BYTES", 10_000)
+    monkeypatch.setattr(sys.modules["chain_impact.simulation.simulate"], "MOST_BYTES", 10_000)
     again = replace(result)
     assert "must be at most 1e-05 GB" in refusal(lambda: again["impact.count"])
 

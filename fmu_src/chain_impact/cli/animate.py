@@ -10,9 +10,10 @@ from chain_impact.cli.progress import out, progress
 from chain_impact.results.animation import FORMATS, IMPACT_TIME, SIZE, animate
 from chain_impact.results.csv_file import read_csv
 from chain_impact.results.recording import Recording
-from chain_impact.running import SimulationError
-from chain_impact.runs import RunError, record_fmu, with_settings
+from chain_impact.runs import record_fmu
 from chain_impact.scene.scene import load_scene
+from chain_impact.simulation.instance import SimulationError
+from chain_impact.simulation.record_scene import RunError, with_settings
 
 
 def add(verbs: Verbs) -> None:

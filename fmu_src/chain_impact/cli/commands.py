@@ -16,8 +16,8 @@ from chain_impact.cli.progress import err, out
 from chain_impact.compilation.errors import BuildError
 from chain_impact.extras import MissingExtraError
 from chain_impact.results.animation import AnimationError
-from chain_impact.runs import RunError
 from chain_impact.scene.reading import SceneError, SceneWarning
+from chain_impact.simulation.record_scene import RunError
 
 REMEDIES = dict.fromkeys((ENOSPC, EDQUOT), "free some space, or write to another disk") | dict.fromkeys(
     (EROFS, EACCES, EPERM), "ask for the right to use it, or choose another place"

@@ -18,8 +18,8 @@ from chain_impact.cli.options import (
 from chain_impact.cli.progress import out, progress
 from chain_impact.cli.report import show
 from chain_impact.cli.screen import law_table
-from chain_impact.runs import with_settings
 from chain_impact.scene.scene import load_scene
+from chain_impact.simulation.record_scene import with_settings
 
 
 def add(verbs: Verbs) -> None:

@@ -18,9 +18,9 @@ from chain_impact.cli.options import (
     settings_of,
 )
 from chain_impact.cli.progress import out, progress
-from chain_impact.runs import with_settings
 from chain_impact.scene.models import scene_path
 from chain_impact.scene.scene import load_scene
+from chain_impact.simulation.record_scene import with_settings
 
 STOP_TIME = "simulation.stop_time"  # given here, and not in the file alone, later data are not used
 REPEATED = (

@@ -13,9 +13,10 @@ from chain_impact.cli.options import UsageError, check_folders, is_fmu, settings
 from chain_impact.cli.progress import err, out, progress
 from chain_impact.cli.screen import plain_lines, sensitivity_tables, summary
 from chain_impact.results.recording import Recording, recording_of
-from chain_impact.runs import RunError, record_fmu, record_scene, with_settings
+from chain_impact.runs import record_fmu
 from chain_impact.scene.scene import load_scene
-from chain_impact.simulate import simulate
+from chain_impact.simulation.record_scene import RunError, record_scene, with_settings
+from chain_impact.simulation.simulate import simulate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from chain_impact.cli.options import Verbs, add_repeated, add_scene, add_set, names_in, picture
 from chain_impact.cli.report import report
-from chain_impact.runs import RunError
+from chain_impact.simulation.record_scene import RunError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

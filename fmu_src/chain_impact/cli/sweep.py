@@ -18,8 +18,8 @@ from chain_impact.cli.options import (
     settings_of,
 )
 from chain_impact.cli.progress import err, out, progress
-from chain_impact.runs import with_settings
 from chain_impact.scene.scene import load_scene
+from chain_impact.simulation.record_scene import with_settings
 
 
 def add(verbs: Verbs) -> None:

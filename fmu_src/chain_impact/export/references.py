@@ -20,9 +20,9 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify
 from chain_impact.export.description import nominal_values
-from chain_impact.running import SimulationError
 from chain_impact.scene.scene import Scene
-from chain_impact.stepping import Chain
+from chain_impact.simulation.chain import Chain
+from chain_impact.simulation.instance import SimulationError
 from chain_impact.variables.outputs import all_outputs
 from chain_impact.variables.table import input_places
 from chain_impact.variables.variable import Variable

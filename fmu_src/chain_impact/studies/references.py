@@ -23,8 +23,9 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from chain_impact.export.references import MANIFEST, TOLERANCES
-from chain_impact.runs import RunError, read_fmu, simulated
+from chain_impact.runs import read_fmu, simulated
 from chain_impact.scene.reading import SceneError
+from chain_impact.simulation.record_scene import RunError
 
 SHARE = 1e-3  # of the range of an output, tolerated where the FMU does not state its tolerance
 TABLE = "text/csv"

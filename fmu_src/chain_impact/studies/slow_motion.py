@@ -12,10 +12,10 @@ from chain_impact.results.animation.contacts import slow_spans
 from chain_impact.results.animation.pacing import IMPACT_TIME, frame_times
 from chain_impact.results.recording import Recording, recording_of
 from chain_impact.results.result import Result
-from chain_impact.running import Instance
 from chain_impact.scene.scene import SceneSource, scene_of
-from chain_impact.signals import Signal, drive
-from chain_impact.simulate import simulate
+from chain_impact.simulation.inputs import Signal, drive
+from chain_impact.simulation.instance import Instance
+from chain_impact.simulation.simulate import simulate
 
 MOST_ROWS = 40_000
 WITHIN = np.linspace(

@@ -6,7 +6,7 @@ import pytest
 
 from chain_impact.kernel.chain.sincos import LARGEST, polar
 from chain_impact.kernel.status import NOT_FINITE
-from chain_impact.running import Instance
+from chain_impact.simulation.instance import Instance
 from tests.kernel_calls import initialize
 from tests.problems import ball
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chain_impact.running import Instance
+from chain_impact.simulation.instance import Instance
 from tests.problems import GRAVITY, build
 
 STIFFNESS = 1e8

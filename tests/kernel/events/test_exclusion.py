@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from chain_impact.kernel.events.exclusion import FAR, WITH_CURVES, known
-from chain_impact.running import Instance
 from chain_impact.scene.scene import load_scene, with_values
+from chain_impact.simulation.instance import Instance
 from tests.plain import Plain
 
 

@@ -7,8 +7,8 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.integration.balance import check_balance, keeps_balance, start_balance
 from chain_impact.kernel.model.energy import ledger
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
-from chain_impact.running import Instance
 from chain_impact.scene.scene import load_scene
+from chain_impact.simulation.instance import Instance
 from tests.plain import Plain
 from tests.random_scenes import scene
 from tests.search import verdict

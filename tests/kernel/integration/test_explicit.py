@@ -14,7 +14,7 @@ from chain_impact.kernel.integration.dense import interpolate, rate_bounds
 from chain_impact.kernel.integration.explicit import attempt
 from chain_impact.kernel.integration.last_step import OUTPUTS, accept, complete
 from chain_impact.kernel.model.equations import state_rate
-from chain_impact.running import Instance
+from chain_impact.simulation.instance import Instance
 from chain_impact.variables.model import new_instance
 from tests.plain import Plain
 from tests.problems import FAR, ball, build, contact_table, rod

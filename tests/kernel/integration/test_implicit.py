@@ -26,8 +26,8 @@ from chain_impact.kernel.integration.implicit import (
 )
 from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.model.geometry import clearance
-from chain_impact.running import Instance
 from chain_impact.scene.scene import load_scene, with_values
+from chain_impact.simulation.instance import Instance
 from tests.plain import Plain
 from tests.reference import clearance_gradient, mass_matrix
 from tests.turned import turned

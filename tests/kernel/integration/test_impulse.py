@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene, simulate
-from chain_impact.running import Instance
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import with_values
+from chain_impact.simulation.instance import Instance
 from tests import random_scenes
 from tests.problems import GRAVITY, default_scene, dropped_ball, of_law
 from tests.reference import momenta

@@ -3,7 +3,7 @@
 import pytest
 
 from chain_impact.scene.scene import load_scene, with_values
-from chain_impact.simulate import simulate
+from chain_impact.simulation.simulate import simulate
 
 
 @pytest.mark.parametrize("restitution", [0.3, 0.7, 0.95])

@@ -5,8 +5,8 @@ import pytest
 from chain_impact import simulate
 from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.integration.switching import PATIENCE
-from chain_impact.running import Instance
 from chain_impact.scene.scene import with_values
+from chain_impact.simulation.instance import Instance
 from tests.problems import stiff_joint
 
 

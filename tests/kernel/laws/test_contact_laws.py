@@ -11,8 +11,8 @@ from scipy.optimize import brentq
 from chain_impact import CONTACT_LAWS, SceneError, load_scene
 from chain_impact.kernel.laws.contact_laws import LAW_COUNT, viscoelastic_rebound
 from chain_impact.kernel.status import OK, RESTITUTION_NOT_ALLOWED
-from chain_impact.running import Instance
 from chain_impact.scene.scene import with_values
+from chain_impact.simulation.instance import Instance
 from tests.kernel_calls import initialize
 from tests.problems import ball
 from tests.reference import exact_damping_factor, realised_restitution, rebound

@@ -19,8 +19,8 @@ from chain_impact.kernel.model.contact_force import (
     law_slopes,
 )
 from chain_impact.kernel.status import EXPONENT_NOT_ALLOWED, OK
-from chain_impact.running import Instance
 from chain_impact.scene.scene import with_values
+from chain_impact.simulation.instance import Instance
 from chain_impact.variables.model import new_instance
 from tests.plain import Plain
 from tests.problems import ball, default_scene, of_law, struck_ball

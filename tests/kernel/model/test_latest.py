@@ -5,8 +5,8 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.kernel.model.latest import LATEST
-from chain_impact.running import Instance
 from chain_impact.scene.scene import with_values
+from chain_impact.simulation.instance import Instance
 
 FIELDS = {
     "time": "onset",

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.sensitivities import DifferentiatedInstance
-from chain_impact.signals import drive
+from chain_impact.simulation.derivatives import DifferentiatedInstance
+from chain_impact.simulation.inputs import drive
 from chain_impact.variables.table import output_words
 from tests.derivative_scenes import Case
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from chain_impact import Chain
-from chain_impact.running import Instance
 from chain_impact.scene.names import sensitivity_name
-from chain_impact.sensitivities import DifferentiatedInstance
+from chain_impact.simulation.derivatives import DifferentiatedInstance
+from chain_impact.simulation.instance import Instance
 from chain_impact.variables.table import output_words, with_sensitivities
 from tests.derivative_scenes import table
 from tests.kernel_calls import advance_to_onset, let_happen

@@ -7,8 +7,8 @@ import pytest
 
 from chain_impact import SimulationError, load_scene
 from chain_impact.kernel.tangent.directions import DIRECTIONS
-from chain_impact.running import Instance
-from chain_impact.simulate import simulate
+from chain_impact.simulation.instance import Instance
+from chain_impact.simulation.simulate import simulate
 from tests.derivative_scenes import Case, struck_twice
 from tests.kernel.tangent.dual import followed, started
 

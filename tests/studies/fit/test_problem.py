@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact.compilation.work import announce
 from chain_impact.kernel.status import MASS_MATRIX_SINGULAR
-from chain_impact.running import SimulationError
+from chain_impact.simulation.instance import SimulationError
 from chain_impact.studies.fit import problem as module
 from chain_impact.studies.fit.data import read_measurements
 from chain_impact.studies.fit.parameters import parameters_of

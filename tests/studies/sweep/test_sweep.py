@@ -7,11 +7,11 @@ from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.record import LOG_SIZE
 from chain_impact.kernel.status import STATUS_NAME, STATUS_TEXT
 from chain_impact.results.recording import recording_of
-from chain_impact.running import SimulationError
-from chain_impact.runs import with_settings
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene, with_values
-from chain_impact.simulate import simulate, with_law
+from chain_impact.simulation.instance import SimulationError
+from chain_impact.simulation.record_scene import with_settings
+from chain_impact.simulation.simulate import simulate, with_law
 from chain_impact.studies.sweep.sweep import sweep
 from tests import random_scenes
 from tests.problems import own_law

@@ -22,7 +22,7 @@ from chain_impact.results.recording import written_whole
 from chain_impact.results.result import Result
 from chain_impact.results.summary import plural
 from chain_impact.results.tables import IMPACT_UNITS
-from chain_impact.simulate import simulate
+from chain_impact.simulation.simulate import simulate
 from chain_impact.studies.fit.data import QUANTITIES
 from chain_impact.studies.fit.report import rounded
 from chain_impact.studies.fit.result import Fit

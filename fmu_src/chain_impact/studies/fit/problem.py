@@ -11,10 +11,10 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify
 from chain_impact.kernel.status import OK, STATUS_TEXT
-from chain_impact.running import SimulationError
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
-from chain_impact.sensitivities import AT_ONSET, Differentiated, DifferentiatedRun
+from chain_impact.simulation.derivatives import AT_ONSET, Differentiated, DifferentiatedRun
+from chain_impact.simulation.instance import SimulationError
 from chain_impact.studies.fit.data import DURATION, QUANTITIES, Measurements
 from chain_impact.studies.fit.parameters import Parameter
 

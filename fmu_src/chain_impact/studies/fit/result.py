@@ -12,7 +12,7 @@ import numpy as np
 
 from chain_impact.scene.candidates import candidate_count
 from chain_impact.scene.scene import Scene
-from chain_impact.sensitivities import Differentiated
+from chain_impact.simulation.derivatives import Differentiated
 from chain_impact.studies.fit.data import Measurements
 from chain_impact.studies.fit.parameters import Parameter
 

@@ -13,8 +13,8 @@ import numpy as np
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.sources import fingerprint
 from chain_impact.extras import require
-from chain_impact.runs import RunError
 from chain_impact.scene.reading import SceneError
+from chain_impact.simulation.record_scene import RunError
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import Job, Runner
 from chain_impact.studies.sweep.pieces import Pieces, Span

@@ -13,10 +13,10 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify
 from chain_impact.kernel.status import OK
-from chain_impact.running import kernel_for, load_kernel
 from chain_impact.scene.names import SENSITIVITY, Place, nearest
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
+from chain_impact.simulation.instance import kernel_for, load_kernel
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.variables.model import new_instance
 from chain_impact.variables.table import fmu_variables, with_sensitivities, word_index

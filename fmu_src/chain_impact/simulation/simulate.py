@@ -17,12 +17,12 @@ from chain_impact.kernel.record import output_dtype
 from chain_impact.kernel.status import OK
 from chain_impact.results.result import Result
 from chain_impact.results.sensitivity import Sensitivities
-from chain_impact.running import Instance, SimulationError, in_order
 from chain_impact.scene.candidates import candidate_count
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
-from chain_impact.sensitivities import DifferentiatedInstance
-from chain_impact.signals import Drive, Interpolation, Signal, drive
+from chain_impact.simulation.derivatives import DifferentiatedInstance
+from chain_impact.simulation.inputs import Drive, Interpolation, Signal, drive
+from chain_impact.simulation.instance import Instance, SimulationError, in_order
 from chain_impact.variables.table import (
     WORD,
     fmu_variables,

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from chain_impact.kernel.model.inputs import AT_ONCE, GOING_ON
-from chain_impact.pieces import Follower, NotSmoothError, Pieces, joined_points
 from chain_impact.scene.names import Place
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
+from chain_impact.simulation.pieces import Follower, NotSmoothError, Pieces, joined_points
 from chain_impact.variables.table import input_places
 
 Signal = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]

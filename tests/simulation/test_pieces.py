@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.pieces import Follower, NotSmoothError, joined_points
+from chain_impact.simulation.pieces import Follower, NotSmoothError, joined_points
 
 FUNCTIONS = {  # function, what it may take, where it is not smooth
     "sine": (lambda t: 3.0 * math.sin(9.0 * t) + 1.0, 20, ()),

@@ -11,10 +11,10 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.kernel import status
 from chain_impact.kernel.record import LOG_SIZE
-from chain_impact.running import Instance, SimulationError
 from chain_impact.scene.models import models_folder
 from chain_impact.scene.scene import SOLVER_METHODS, SceneError, with_values
-from chain_impact.simulate import check_size
+from chain_impact.simulation.instance import Instance, SimulationError
+from chain_impact.simulation.simulate import check_size
 from tests import kernel_calls
 from tests.problems import ball, default_scene, dropped_ball, rod, tumbling_chain
 
@@ -147,7 +147,7 @@ def test_a_wall_too_stiff_for_the_clock_is_a_fault_and_no_endless_loop(stiffness
     ran = subprocess.run(
         [sys.executable, "-c", program],
         check=False,
-        cwd=Path(__file__).parents[1],
+        cwd=Path(__file__).parents[2],
         timeout=600,  # for a loop without an end, not for a slow machine
         capture_output=True,
         text=True,
@@ -208,7 +208,7 @@ def test_arguments_out_of_range_are_refused(arguments):
     ],
 )
 def test_a_result_that_is_too_large_is_refused_before_anything_is_done(monkeypatch, arguments, pattern):
-    module = sys.modules["chain_impact.simulate"]
+    module = sys.modules["chain_impact.simulation.simulate"]
     monkeypatch.setattr(module, "Instance", None)
     monkeypatch.setattr(module, "_times", None)
     with pytest.raises(SceneError, match=pattern):
@@ -233,7 +233,7 @@ def test_rows_that_inputs_need_count_for_the_size(monkeypatch):
     scene, times = load_scene("pinned_arm"), np.arange(1000) * 1e-4
     inputs = {"joint[1].torque": (times, times)}
     result = simulate(scene, 0.1, math.inf, output=["point[0].x", "solver.*"], inputs=inputs)
-    module = sys.modules["chain_impact.simulate"]
+    module = sys.modules["chain_impact.simulation.simulate"]
     monkeypatch.setattr(module, "MOST_BYTES", 20_000)
     with pytest.raises(SceneError, match=r"^PinnedArm: .* 1001 rows of 5 outputs, 4\.805e-05 GB; must be"):
         result["solver.steps"]

@@ -16,11 +16,11 @@ from chain_impact.compilation.work import Notify
 from chain_impact.kernel.status import OK
 from chain_impact.results.result import IMPACT_DTYPE
 from chain_impact.results.summary import plural
-from chain_impact.running import Instance, SimulationError, in_order
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.names import input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError, matching, shown
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
+from chain_impact.simulation.instance import Instance, SimulationError, in_order
 from chain_impact.variables.table import fmu_variables, word_index
 from chain_impact.variables.variable import Variable, variable_row
 

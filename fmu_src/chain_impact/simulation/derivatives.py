@@ -1,0 +1,280 @@
+"""Runs that carry the derivatives of all they give with respect to some parameters.
+
+Beside the instance lie instances of dual numbers, each with the derivatives in a few directions
+(kernel/tangent/). A derivative with respect to a parameter is for all other parameters of the FMU held; its
+unit is that of the quantity over that of the parameter. Where it does not exist, or cannot be trusted, it is
+NaN, and a sentence says from which impact on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from chain_impact.compilation.work import Notify
+from chain_impact.kernel.status import OK
+from chain_impact.kernel.tangent.directions import DIRECTIONS
+from chain_impact.kernel.tangent.trust import REASONS, TRUSTED
+from chain_impact.results.result import IMPACT_DTYPE
+from chain_impact.scene.names import Place
+from chain_impact.scene.reading import SceneError
+from chain_impact.scene.scene import Scene, SceneSource, scene_of
+from chain_impact.simulation.inputs import Drive, drive
+from chain_impact.simulation.instance import Instance, SimulationError, in_order
+from chain_impact.variables.table import BEHIND, output_words, parameters_of, with_sensitivities, word_index
+
+IMPACT_QUANTITIES = tuple(name for name in IMPACT_DTYPE.names or () if name not in ("point", "wall"))
+"""The quantities of an impact that have derivatives."""
+ROWS_AT_ONCE = 5000  # of derivatives, that the kernel fills in one call
+AT_ONSET = ("onset", "impact_speed", "effective_mass")  # those that are known from its onset on
+
+
+class DifferentiatedInstance(Instance):
+    """An initialized instance with derivatives beside.
+
+    Attributes:
+        scene: what runs.
+        parameters: the names of the P parameters.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        parameters: Sequence[str],
+        looks: Sequence[int],
+        notify: Notify | None = None,
+        driven: Drive | None = None,
+    ) -> None:
+        """As ``Instance``, for P parameters by name and W outputs by their numbers in a row of outputs.
+
+        Raises:
+            UnknownNameError: when there is no parameter of a name.
+            SimulationError: when the scene cannot start.
+        """
+        if not parameters:
+            raise SceneError(f"{scene.name}: name at least one parameter for the derivatives")
+        self.scene = with_sensitivities(scene, parameters)
+        self.parameters = tuple(variable.name for variable in parameters_of(scene, parameters))
+        self._looks = np.array(looks, np.int64)
+        self._impact_slopes: list[np.ndarray] = []
+        self._impact_layout = np.dtype(
+            [(name, np.float64, (len(self.parameters),)) for name in IMPACT_QUANTITIES]
+        )
+        super().__init__(self.scene, notify, driven)
+
+    def initialize(self) -> None:
+        """Set all to their start.
+
+        Raises:
+            SimulationError: when the scene cannot start.
+        """
+        self._impact_slopes = []
+        self._tangents["trust"]["reason"] = TRUSTED
+        super().initialize()
+
+    def restart(self, places: Sequence[Place], values: np.ndarray) -> None:
+        """Set all to their start, with other values of some parameters.
+
+        Raises:
+            SimulationError: when it cannot start.
+        """
+        for place, value in zip(places, values, strict=True):
+            self.words[word_index(self._block.dtype, place)] = value
+        self.initialize()
+
+    def follow_trajectory(self, times: np.ndarray, values: np.ndarray, slopes: np.ndarray) -> int:
+        """Advance to each of the times [s], filling a row of outputs and one of derivatives for each.
+
+        Args:
+            times: shape (T,).
+            values: result, shape (T, W).
+            slopes: result, shape (T, W, P).
+
+        Returns:
+            How many rows are filled.
+        """
+        found = np.zeros((min(len(times), ROWS_AT_ONCE), len(self._looks), self._directions))
+        times = times[: len(found)]
+        looks = (self._looks.ctypes.data, len(self._looks))
+        places = (values.ctypes.data, found.ctypes.data)
+        filled: int = self._kernel.trajectory_with(
+            self._address, times.ctypes.data, len(times), *looks, *places
+        )
+        slopes[:filled] = found[:filled, :, : len(self.parameters)]
+        return filled
+
+    @property
+    def _directions(self) -> int:
+        """How many derivatives are carried: P or a few more."""
+        return len(self._tangents) * DIRECTIONS
+
+    @property
+    def _tangents(self) -> np.ndarray:
+        """The instances of dual numbers."""
+        tangents: np.ndarray = self.record[BEHIND]
+        return tangents
+
+    def collect(self) -> np.ndarray:
+        """Take the finished contacts out of the log, and their derivatives."""
+        rows = super().collect()
+        if not len(rows):
+            return rows
+        log = self._tangents["finished"]
+        # in a step that has failed a contact may have ended, of which there are no derivatives
+        known = (np.arange(len(rows)) < log["count"][0])[:, np.newaxis]
+        slopes = {name: log[name]["slope"][:, : len(rows)] for name in IMPACT_QUANTITIES}
+        self._keep_slopes(rows, {name: np.where(known, slope, np.nan) for name, slope in slopes.items()})
+        log["count"] = 0
+        return rows
+
+    def open_contacts(self) -> np.ndarray:
+        """The contacts that have not ended yet; drops what was solved ahead."""
+        rows = super().open_contacts()
+        if not len(rows):
+            return rows
+        active = self.record["touch"]["active"] == 1
+        touch, impulse = self._tangents["touch"], self._tangents["impulse"]
+        slopes = {
+            name: touch[name]["slope"]
+            for name in ("onset", "peak_force", "max_penetration", "effective_mass")
+        }
+        slopes["impact_speed"] = touch["onset_speed"]["slope"]
+        slopes["impulse"] = impulse["total"]["slope"] - impulse["onset"]["slope"]
+        slopes |= {
+            name: np.full_like(touch["onset"]["slope"], np.nan) for name in ("end", "separation_speed")
+        }
+        if self.status != OK:
+            slopes = {name: np.full_like(slope, np.nan) for name, slope in slopes.items()}
+        self._keep_slopes(rows, {name: slope[:, active] for name, slope in slopes.items()})
+        return rows
+
+    def _keep_slopes(self, rows: np.ndarray, slopes: Mapping[str, np.ndarray]) -> None:
+        """Keep the derivatives of some impacts, of shape (B, I, DIRECTIONS) for each quantity."""
+        kept = np.zeros(len(rows), self._impact_layout)
+        trust = self._tangents["trust"][0]
+        distrusted = np.inf if trust["reason"] == TRUSTED else trust["time"]
+        for name in IMPACT_QUANTITIES:
+            together = slopes[name].transpose(1, 0, 2).reshape(len(rows), self._directions)
+            kept[name] = together[:, : len(self.parameters)]
+            until = (
+                rows["onset"] if name in AT_ONSET else np.where(np.isnan(rows["end"]), self.time, rows["end"])
+            )
+            kept[name][(until >= distrusted) | ~np.isfinite(rows[name])] = np.nan
+        self._impact_slopes.append(kept)
+
+    def slopes_of_impacts(self, order: np.ndarray) -> dict[str, np.ndarray]:
+        """The derivatives of all impacts that were collected, in an order of them: name → shape (I, P)."""
+        if not self._impact_slopes:
+            return {name: np.zeros((0, len(self.parameters))) for name in IMPACT_QUANTITIES}
+        together = np.concatenate(self._impact_slopes)[order]
+        return {name: together[name] for name in IMPACT_QUANTITIES}
+
+    @property
+    def limits(self) -> tuple[str, ...]:
+        """From when on derivatives are NaN, and why."""
+        trust = self._tangents["trust"][0]
+        if trust["reason"] == TRUSTED:
+            return ()
+        wall = self.scene.wall_names[trust["wall"]]
+        impact = f"the impact of point {trust['point']} at {wall}"
+        reason = REASONS[int(trust["reason"])]
+        return (f"there are no derivatives from t = {trust['time']:.9g} s on, {impact}: {reason}",)
+
+
+@dataclass(frozen=True)
+class Differentiated:
+    """The outputs of a run, with derivatives with respect to its P parameters.
+
+    Attributes:
+        values: the outputs, shape (T, W); after a fault NaN.
+        slopes: their derivatives, shape (T, W, P).
+        impacts: one row for each contact in order of onset, as ``Result.impacts``.
+        impact_slopes: derivatives of the impacts' quantities: name → shape (I, P).
+        status: 0 if there is no fault, see ``chain_impact.kernel.status``.
+        limits: sentences: from which impact on derivatives are NaN, and why.
+    """
+
+    values: np.ndarray
+    slopes: np.ndarray
+    impacts: np.ndarray
+    impact_slopes: dict[str, np.ndarray]
+    status: int
+    limits: tuple[str, ...]
+
+
+class DifferentiatedRun:
+    """Repeated runs of one scene, with other values of some parameters."""
+
+    def __init__(
+        self,
+        scene: SceneSource,
+        parameters: Sequence[str],
+        outputs: Sequence[str],
+        inputs: Mapping[str, Any] | None = None,
+        notify: Notify | None = None,
+    ) -> None:
+        """Make ready for the derivatives of some outputs with respect to some parameters, all by name.
+
+        Args:
+            scene: what runs: a scene, or what ``load_scene`` takes.
+            parameters: of the FMU, P of them: real ones and inputs.
+            outputs: of the FMU, W of them.
+            inputs: name of an input → its signal over time, as ``simulate`` takes it.
+            notify: as for ``simulate``.
+
+        Raises:
+            UnknownNameError: when there is none of a name.
+            SceneError: when a signal cannot be one.
+            SimulationError: when the scene cannot start.
+        """
+        self._scene = scene = scene_of(scene)
+        self._inputs = dict(inputs or {})
+        self._places = [variable.place for variable in parameters_of(scene, parameters)]
+        self._count, self._width = len(self._places), len(outputs)
+        words = output_words(scene, outputs)
+        self._instance = DifferentiatedInstance(scene, parameters, [words[name] for name in outputs], notify)
+
+    def run(self, values: np.ndarray, times: np.ndarray) -> Differentiated:
+        """Run with some values of the parameters.
+
+        Args:
+            values: of the parameters, shape (P,); that of an input with a signal does not count.
+            times: when the outputs are wanted, increasing, shape (T,) [s].
+        """
+        instance = self._instance
+        times = np.ascontiguousarray(times, float)
+        driven = drive(self._scene, self._inputs, "follow", times) if self._inputs else None
+        grid = times if driven is None else driven.times
+        found = np.full((len(grid), self._width), np.nan)
+        slopes = np.full((len(grid), self._width, self._count), np.nan)
+        impacts: list[np.ndarray] = []
+        try:
+            if driven:
+                driven.set(instance.record["given"], 0)
+            instance.restart(self._places, values)
+        except SimulationError:
+            return self._told(found, slopes, impacts)
+        done, ends = 0, np.array([len(grid)]) if driven is None else driven.changes
+        while done < len(grid) and instance.status == OK:
+            end = ends[np.searchsorted(ends, done, side="right")]
+            if driven:
+                driven.set(instance.record["given"], done)
+            done += instance.follow_trajectory(grid[done:end], found[done:end], slopes[done:end])
+            impacts.append(instance.collect())
+        impacts.append(instance.open_contacts())
+        asked = slice(None) if driven is None else driven.asked
+        return self._told(found[asked], slopes[asked], impacts)
+
+    def _told(self, found: np.ndarray, slopes: np.ndarray, impacts: list[np.ndarray]) -> Differentiated:
+        order, rows = in_order([np.zeros(0, IMPACT_DTYPE), *impacts])
+        return Differentiated(
+            values=found,
+            slopes=slopes,
+            impacts=rows,
+            impact_slopes=self._instance.slopes_of_impacts(order),
+            status=self._instance.status,
+            limits=self._instance.limits,
+        )

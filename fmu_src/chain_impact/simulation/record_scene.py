@@ -1,0 +1,95 @@
+"""Run a scene with values set by name, into a recording."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from chain_impact.compilation.work import Notify, Progress, silent
+from chain_impact.results.recording import Recording, recording_of
+from chain_impact.results.result import Result
+from chain_impact.scene.scene import Scene
+from chain_impact.simulation.instance import SimulationError
+from chain_impact.simulation.simulate import check_size, simulate, stepwise_outputs
+
+
+class RunError(RuntimeError):
+    """A simulation that could not start or go on; ``recording`` holds what it gave until then."""
+
+    def __init__(self, message: str, recording: Recording | None = None) -> None:
+        """Keep the recording with the message."""
+        super().__init__(message)
+        self.recording = recording
+
+
+def record_scene(
+    scene: Scene,
+    settings: Mapping[str, Any],
+    notify: Notify | None = None,
+    progress: Progress | None = None,
+    sensitivities: Sequence[str] | None = None,
+    *,
+    complete: bool = True,
+) -> Recording:
+    """Simulate a scene with some values set by name, as ``with_settings`` does.
+
+    Args:
+        scene: what to simulate.
+        settings: name → value, or its text.
+        notify: as for ``simulate``.
+        progress: as for ``simulate``.
+        sensitivities: as for ``simulate``.
+        complete: whether the recording has all outputs of the FMU: those that change at events and steps
+            only take a second run, which is slower.
+
+    Raises:
+        SceneError: when a name is unknown, a value is out of range or the recording would be too large.
+        RunError: when the solver cannot go on.
+        BuildError: when the kernel cannot be compiled.
+    """
+    scene, show = with_settings(scene, settings), progress or silent
+    if complete:
+        ends = scene.simulation
+        check_size(scene.name, ends.stop_time, ends.step_size, len(stepwise_outputs(scene)))
+    share = 0.5 if complete else 1.0  # of the progress, that the first run makes
+
+    def recording(result: Result) -> Recording:
+        stepwise = result.stepwise if complete else None
+        others = stepwise.columns(notify, lambda done: show(share + (1.0 - share) * done)) if stepwise else {}
+        slopes = result.sensitivities.named if result.sensitivities else {}
+        return replace(recording_of(result), columns={**result.motion, **others, **slopes})
+
+    try:
+        return recording(
+            simulate(
+                scene, sensitivities=sensitivities, notify=notify, progress=lambda done: show(share * done)
+            )
+        )
+    except SimulationError as error:
+        partial = recording(error.result) if error.result else None
+        raise RunError(f"{scene.name}: {error}", partial) from None
+
+
+def with_settings(scene: Scene, settings: Mapping[str, Any]) -> Scene:
+    """The scene with some values set by name, as ``scene.with_values`` does, values in text as in TOML.
+
+    Raises:
+        SceneError: when a name is unknown or a value is out of range.
+    """
+    return scene.with_values({name: value_of(value) for name, value in settings.items()})
+
+
+def value_of(text: Any) -> Any:
+    """The value that a text stands for: a number, what TOML takes for a value, or itself; others stay."""
+    if not isinstance(text, str):
+        return text
+    try:
+        return int(text) if text.isascii() and text.isdecimal() else float(text)
+    except ValueError:
+        pass
+    try:
+        return tomllib.loads(f"value = {text}")["value"] if len(text.splitlines()) == 1 else text
+    except (ValueError, RecursionError):
+        return text
