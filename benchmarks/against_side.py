@@ -61,7 +61,7 @@ def library(links: int, candidates: int) -> Path:
     try:
         from chain_impact.compilation.library import kernel_library
     except ImportError:  # before there was one for all numbers of candidates
-        from chain_impact.export.aot import kernel_library
+        from chain_impact.fmu.aot import kernel_library
 
         return kernel_library(links, candidates)
     return kernel_library(links)

@@ -20,7 +20,7 @@ from pathlib import Path
 
 from looks import GREY, OURS, headline
 
-from chain_impact.export.fmu import build_fmu
+from chain_impact.fmu.build import build_fmu
 from chain_impact.scene.scene import Scene, load_scene
 from chain_impact.variables.model import new_instance
 from chain_impact.variables.table import fmu_variables

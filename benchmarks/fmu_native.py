@@ -20,7 +20,7 @@ from xml.etree import ElementTree
 
 from chain_impact.compilation.cache import linker_folder
 from chain_impact.compilation.compilers import INCLUDES
-from chain_impact.export.fmu import build_fmu
+from chain_impact.fmu.build import build_fmu
 from chain_impact.scene.scene import load_scene, with_values
 
 SCENE, OUTPUTS, STEP, STEPS, ROUNDS = "four_link_box", 30, 1e-3, 2000, 31

@@ -22,7 +22,7 @@ from fmpy import read_model_description, simulate_fmu
 
 from chain_impact import impacts_of, load_scene, simulate
 from chain_impact.compilation.compilers import INCLUDES
-from chain_impact.export.fmu import build_fmu
+from chain_impact.fmu.build import build_fmu
 
 sys.path[:0] = [str(common.ROOT), str(common.ROOT / "models" / "controlled_arm")]
 

@@ -11,7 +11,7 @@ import pytest
 
 from chain_impact import CONTACT_LAWS, SceneError, load_scene
 from chain_impact.compilation.errors import BuildError
-from chain_impact.runs import read_fmu, record_fmu
+from chain_impact.fmu.run import read_fmu, record_fmu
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.scene import model_names
 from chain_impact.simulation import instance

@@ -1,8 +1,9 @@
 """chain-impact: the impact dynamics of planar robotic chains, as an FMU."""
 
 from chain_impact.compilation.errors import BuildError
-from chain_impact.export.fmu import build_fmu, validate_fmu
 from chain_impact.extras import MissingExtraError
+from chain_impact.fmu.build import build_fmu, validate_fmu
+from chain_impact.fmu.run import record_fmu
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.laws.registry import ContactLaw
 from chain_impact.results.animation import AnimationError
@@ -10,7 +11,6 @@ from chain_impact.results.impacts import impacts_of
 from chain_impact.results.recording import Recording
 from chain_impact.results.result import IMPACT_DTYPE, Result
 from chain_impact.results.sensitivity import Sensitivities
-from chain_impact.runs import record_fmu
 from chain_impact.scene.models import model_names
 from chain_impact.scene.reading import SceneError, SceneWarning, UnknownNameError
 from chain_impact.scene.scene import Scene, load_scene, parse_scene, with_values

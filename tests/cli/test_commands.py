@@ -14,7 +14,7 @@ from matplotlib import pyplot
 from chain_impact import CONTACT_LAWS, load_scene
 from chain_impact.cli import report
 from chain_impact.compilation.errors import BuildError
-from chain_impact.runs import record_fmu
+from chain_impact.fmu.run import record_fmu
 from chain_impact.scene.models import models_folder
 from chain_impact.simulation import instance
 from chain_impact.variables.table import fmu_variables
@@ -65,7 +65,7 @@ def test_build_for_another_platform(run, here, monkeypatch):
         path.write_text(platform)
         return path
 
-    monkeypatch.setattr("chain_impact.export.fmu.kernel_library", library)
+    monkeypatch.setattr("chain_impact.fmu.build.kernel_library", library)
     assert run("build", "rod_drop", "--platform", "linux64,win64", "--target", "pythonfmu")[0] == 0
     assert sorted(asked) == ["linux64", "win64"]
     names = zipfile.ZipFile("build/RodDrop.fmu").namelist()
@@ -106,7 +106,7 @@ def test_a_kernel_that_does_not_compile(run, here, monkeypatch):
         raise BuildError("could not compile the kernel: zig cc said:\nld: out of memory")
 
     monkeypatch.setattr(instance, "kernel_library", kernel_library)
-    monkeypatch.setattr("chain_impact.export.fmu.kernel_library", kernel_library)
+    monkeypatch.setattr("chain_impact.fmu.build.kernel_library", kernel_library)
     for verb in ("build", "simulate"):
         code, _, said = run(verb)
         assert code == 3

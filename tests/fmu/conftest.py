@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from chain_impact.export.fmu import build_fmu
+from chain_impact.fmu.build import build_fmu
 from tests.processes import Processes, make_environment
 from tests.shared import once, shared_folder
 

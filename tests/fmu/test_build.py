@@ -15,8 +15,8 @@ from matplotlib import pyplot
 
 from chain_impact import load_scene
 from chain_impact.compilation.errors import BuildError
-from chain_impact.export import fmu as export
-from chain_impact.export.fmu import build_fmu, validate_fmu
+from chain_impact.fmu import build
+from chain_impact.fmu.build import build_fmu, validate_fmu
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import model_names, with_values
@@ -315,7 +315,7 @@ def test_versions_that_there_are_not_are_refused(tmp_path):
 
 
 def test_an_invalid_fmu_does_not_appear(tmp_path, monkeypatch, fmus):
-    monkeypatch.setattr(export, "validate_fmu", lambda _path: ["no good", "at all"])
+    monkeypatch.setattr(build, "validate_fmu", lambda _path: ["no good", "at all"])
     with pytest.raises(BuildError, match=r"RodDrop\.fmu is not valid: no good; at all"):
         build_fmu("rod_drop", tmp_path)
     assert not list(tmp_path.iterdir())

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from chain_impact import impacts_of, load_scene, simulate
-from chain_impact.export.fmu import build_fmu
+from chain_impact.fmu.build import build_fmu
 from tests.fmu.conftest import KINDS
 
 EXACT = {"onset": 1e-9, "impact_speed": 1e-9, "end": 1e-9}  # s, m/s

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import cli, load_scene
-from chain_impact.export.fmu import build_fmu
+from chain_impact.fmu.build import build_fmu
 from chain_impact.scene.scene import model_names, scene_from_dict
 from tests.binaries import binary
 from tests.fmu.importer import Instance

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from chain_impact.compilation.compilers import INCLUDES, INTERFACE, ZIG_TARGETS
-from chain_impact.export.fmu import build_fmu
+from chain_impact.fmu.build import build_fmu
 from tests.binaries import binary
 from tests.fmu.contents import description
 from tests.fmu.interface import unpacked

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from chain_impact.export.fmu import build_fmu
-from chain_impact.export.references import EXACT, FOLDER, MANIFEST, NAMESPACE, ROWS, reference
+from chain_impact.fmu.build import build_fmu
+from chain_impact.fmu.check_references import check_references
+from chain_impact.fmu.references import EXACT, FOLDER, MANIFEST, NAMESPACE, ROWS, reference
 from chain_impact.results.recording import recording_of
 from chain_impact.scene.scene import model_names
-from chain_impact.studies.references import check_references
 
 every_model = pytest.mark.parametrize("model", model_names())
 OUT, EXPERIMENTS = f"{FOLDER}/FourLinkBox_out.csv", f"{FOLDER}/FourLinkBox.exp"

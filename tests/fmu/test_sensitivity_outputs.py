@@ -5,7 +5,7 @@ import math
 import pytest
 
 from chain_impact import load_scene, simulate
-from chain_impact.export.fmu import build_fmu
+from chain_impact.fmu.build import build_fmu
 from chain_impact.scene.names import sensitivity_name
 from tests.fmu.conftest import KINDS
 from tests.fmu.importer import Instance

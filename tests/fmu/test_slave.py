@@ -8,9 +8,9 @@ import pytest
 
 from chain_impact import load_scene
 from chain_impact.compilation.errors import BuildError
-from chain_impact.export import pythonfmu_target
-from chain_impact.export.fmu import build_fmu
-from chain_impact.export.pythonfmu_target import slave_source
+from chain_impact.fmu import pythonfmu_target
+from chain_impact.fmu.build import build_fmu
+from chain_impact.fmu.pythonfmu_target import slave_source
 from chain_impact.scene.scene import with_values
 from tests.fmu.importer import Instance, refused
 

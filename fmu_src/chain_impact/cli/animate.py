@@ -7,10 +7,10 @@ from pathlib import Path
 
 from chain_impact.cli.options import UsageError, Verbs, add_scene, add_set, check_folders, is_fmu, settings_of
 from chain_impact.cli.progress import out, progress
+from chain_impact.fmu.run import record_fmu
 from chain_impact.results.animation import FORMATS, IMPACT_TIME, SIZE, animate
 from chain_impact.results.csv_file import read_csv
 from chain_impact.results.recording import Recording
-from chain_impact.runs import record_fmu
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import RunError, with_settings

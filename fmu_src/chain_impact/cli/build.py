@@ -46,7 +46,7 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Build the FMU of a scene; if asked, simulate and draw it."""
-    from chain_impact.export.fmu import build_fmu
+    from chain_impact.fmu.build import build_fmu
 
     scene = load_scene(options.source)
     with progress() as (notify, _):

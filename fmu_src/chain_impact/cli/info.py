@@ -12,7 +12,7 @@ from chain_impact.cli.options import Verbs, add_scene, is_fmu
 from chain_impact.cli.progress import out
 from chain_impact.cli.report import show
 from chain_impact.cli.screen import variable_table
-from chain_impact.runs import EXPERIMENT, read_fmu
+from chain_impact.fmu.run import EXPERIMENT, read_fmu
 from chain_impact.scene.scene import load_scene
 
 

@@ -20,8 +20,8 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Check an FMU; the exit code is 1 if something is wrong."""
-    from chain_impact.export.fmu import validate_fmu
-    from chain_impact.studies.references import check_references
+    from chain_impact.fmu.build import validate_fmu
+    from chain_impact.fmu.check_references import check_references
 
     options.fmu.stat()  # a file that is not there is no FMU with problems
     problems = validate_fmu(options.fmu)

@@ -12,8 +12,8 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from chain_impact.compilation.errors import BuildError
-from chain_impact.export.fmi2_description import model_description
-from chain_impact.export.table import guid_of, model_table
+from chain_impact.fmu.fmi2_description import model_description
+from chain_impact.fmu.table import guid_of, model_table
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.model import new_instance
 

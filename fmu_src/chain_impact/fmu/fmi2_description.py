@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from xml.etree.ElementTree import Element, SubElement
 
-from chain_impact.export.description import (
+from chain_impact.fmu.description import (
     about,
     add_categories_and_experiment,
     add_items,

@@ -9,9 +9,9 @@ from typing import Any
 from xml.etree import ElementTree
 
 from chain_impact.compilation.compilers import ZIG_TARGETS
-from chain_impact.export import fmi2_description, fmi3_description
-from chain_impact.export.arrays import array_variables
-from chain_impact.export.table import guid_of, model_table, packed
+from chain_impact.fmu import fmi2_description, fmi3_description
+from chain_impact.fmu.arrays import array_variables
+from chain_impact.fmu.table import guid_of, model_table, packed
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.model import new_instance
 from chain_impact.variables.table import word_index

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from xml.etree.ElementTree import Element, SubElement
 
-from chain_impact.export.arrays import Array, array_variables
-from chain_impact.export.description import (
+from chain_impact.fmu.arrays import Array, array_variables
+from chain_impact.fmu.description import (
     about,
     add_categories_and_experiment,
     add_items,

@@ -13,9 +13,9 @@ from typing import NamedTuple
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.library import kernel_library
 from chain_impact.compilation.work import Notify, announce
-from chain_impact.export import native_target, pythonfmu_target
-from chain_impact.export.documents import documents
-from chain_impact.export.references import reference_files
+from chain_impact.fmu import native_target, pythonfmu_target
+from chain_impact.fmu.documents import documents
+from chain_impact.fmu.references import reference_files
 from chain_impact.results.recording import written_whole
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 

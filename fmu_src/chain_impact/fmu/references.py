@@ -19,7 +19,7 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from chain_impact.compilation.work import Notify
-from chain_impact.export.description import nominal_values
+from chain_impact.fmu.description import nominal_values
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.chain import Chain
 from chain_impact.simulation.instance import SimulationError

@@ -2,7 +2,7 @@
 
 Read are the manifest of FMI-LS-REF, files of experiments as MA-HS-Experiments describes them, and tables of
 results without an experiment, as the Reference-FMUs have them: those of the default experiment. Both drafts
-are named in ``chain_impact.export.references``.
+are named in ``chain_impact.fmu.references``.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
-from chain_impact.export.references import MANIFEST, TOLERANCES
-from chain_impact.runs import read_fmu, simulated
+from chain_impact.fmu.references import MANIFEST, TOLERANCES
+from chain_impact.fmu.run import read_fmu, simulated
 from chain_impact.scene.reading import SceneError
 from chain_impact.simulation.record_scene import RunError
 

@@ -1,1 +1,0 @@
-"""From a scene to files that other tools import."""
