@@ -21,7 +21,7 @@ from chain_impact.results.plots.changes import calm
 from chain_impact.results.plots.labels import label_curves, settle, spread_labels
 from chain_impact.results.plots.over_time import mark_impacts
 from chain_impact.results.plots.style import BLACK, DPI, PALETTE, STYLE, headline, number
-from chain_impact.results.recording import recording_of
+from chain_impact.results.result import recording_of
 
 PICTURE = Path(__file__).parent / "images" / "sensitivity_chart.png"
 SCENE, STOP, TIP = "four_link_box", 1.2, 4  # six impacts

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from chain_impact.results.recording import recording_of
+from chain_impact.results.result import recording_of
 from chain_impact.scene.models import models_folder
 from chain_impact.scene.scene import SCENE_FILE, model_names
 from chain_impact.variables.table import input_places

@@ -15,7 +15,7 @@ import chain_impact
 from chain_impact import cli
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
-from chain_impact.results.result import IMPACT_DTYPE
+from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.scene.scene import load_scene, model_names, scene_keys
 from chain_impact.variables.table import fmu_variables
 

@@ -7,9 +7,9 @@ from chain_impact.fmu.run import record_fmu
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.laws.registry import ContactLaw
 from chain_impact.results.animation import AnimationError
-from chain_impact.results.impacts import impacts_of
+from chain_impact.results.impacts import IMPACT_DTYPE, impacts_of
 from chain_impact.results.recording import Recording
-from chain_impact.results.result import IMPACT_DTYPE, Result
+from chain_impact.results.result import Result
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.scene.models import model_names
 from chain_impact.scene.reading import SceneError, SceneWarning, UnknownNameError

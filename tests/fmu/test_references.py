@@ -13,7 +13,7 @@ from chain_impact import load_scene, simulate
 from chain_impact.fmu.build import build_fmu
 from chain_impact.fmu.check_references import check_references
 from chain_impact.fmu.references import EXACT, FOLDER, MANIFEST, NAMESPACE, ROWS, reference
-from chain_impact.results.recording import recording_of
+from chain_impact.results.result import recording_of
 from chain_impact.scene.scene import model_names
 
 every_model = pytest.mark.parametrize("model", model_names())

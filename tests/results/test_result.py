@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from chain_impact import SimulationError, load_scene, simulate
-from chain_impact.results.recording import recording_of
+from chain_impact.results.result import recording_of
 from chain_impact.variables.table import fmu_variables
 from tests.problems import default_scene
 from tests.refusal import refusal

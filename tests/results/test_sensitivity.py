@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact import UnknownNameError, load_scene, simulate
 from chain_impact.results.csv_file import read_csv
-from chain_impact.results.recording import recording_of
+from chain_impact.results.result import recording_of
 from chain_impact.simulation.record_scene import record_scene
 from tests.problems import flat_rod
 

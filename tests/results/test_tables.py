@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact import simulate
 from chain_impact.extras import MissingExtraError
-from chain_impact.results.result import IMPACT_DTYPE
+from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.tables import IMPACT_UNITS
 from tests.problems import default_scene
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, Chain, SceneError, SimulationError, load_scene, simulate
-from chain_impact.results.result import IMPACT_DTYPE
+from chain_impact.results.impacts import IMPACT_DTYPE
 from tests.problems import ball, default_scene, dropped_ball
 from tests.refusal import refusal
 

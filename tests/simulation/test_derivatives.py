@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact import Chain, SceneError, SimulationError, UnknownNameError, load_scene, simulate
-from chain_impact.results.result import IMPACT_DTYPE
+from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.simulation.derivatives import IMPACT_QUANTITIES, DifferentiatedRun
 from chain_impact.variables.table import parameters_of
 from tests.derivative_scenes import sprung_chain, struck_twice

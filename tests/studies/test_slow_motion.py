@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.results.animation.contacts import contacts
-from chain_impact.results.recording import recording_of
+from chain_impact.results.result import recording_of
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.studies.slow_motion import record_slowly
 

@@ -112,7 +112,7 @@ def record(options: argparse.Namespace) -> Recording:
         try:
             return record_slowly(scene, options.impact_time, notify, advance)
         except SimulationError as error:
-            from chain_impact.results.recording import recording_of
+            from chain_impact.results.result import recording_of
 
             partial = recording_of(error.result) if error.result else None
             raise RunError(f"{scene.name}: {error}", partial) from None

@@ -13,7 +13,8 @@ from chain_impact.cli.options import UsageError, check_folders, is_fmu, settings
 from chain_impact.cli.progress import err, out, progress
 from chain_impact.cli.screen import plain_lines, sensitivity_tables, summary
 from chain_impact.fmu.run import record_fmu
-from chain_impact.results.recording import Recording, recording_of
+from chain_impact.results.recording import Recording
+from chain_impact.results.result import recording_of
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.record_scene import RunError, record_scene, with_settings
 from chain_impact.simulation.simulate import simulate

@@ -1,14 +1,36 @@
-"""The table of impacts, from what any importer has recorded of an FMU."""
+"""The table of impacts: its columns, and how it follows from what any importer has recorded of an FMU."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from itertools import count as naturals
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from chain_impact.results.result import IMPACT_DTYPE, Result
+if TYPE_CHECKING:
+    from chain_impact.results.result import Result
+
+
+IMPACT_DTYPE = np.dtype(
+    [
+        ("point", np.int64),
+        ("wall", np.int64),
+        ("onset", np.float64),
+        ("end", np.float64),
+        ("impact_speed", np.float64),
+        ("separation_speed", np.float64),
+        ("peak_force", np.float64),
+        ("max_penetration", np.float64),
+        ("effective_mass", np.float64),
+        ("impulse", np.float64),
+    ]
+)
+"""One contact: point 0…N; wall as index into ``scene.wall_names``; onset and end [s]; impact and separation
+speed [m/s]; peak force [N]; largest penetration [m]; effective mass at onset [kg]; impulse of the wall [N·s],
+as accurate as the momentum of the chain, NaN if the scene asks for no impulses. The end and the separation
+speed of a contact that lasts to the end of the simulation are NaN. Under the law ``newton_impact`` a bounce
+has no duration and an infinite peak force; that of a contact that lasts is the largest force that held it."""
 
 COLUMNS = {
     "point": "point",
@@ -45,8 +67,9 @@ def impacts_of(record: Result | Mapping[str, Any] | np.ndarray | Any) -> np.ndar
     Raises:
         ValueError: when a column is missing.
     """
-    if isinstance(record, Result):
-        return record.impacts
+    known = getattr(record, "impacts", None)
+    if isinstance(known, np.ndarray) and known.dtype == IMPACT_DTYPE:
+        return known
     time, counts = _column(record, "time"), _column(record, "impact.count").astype(np.int64)
     shown = next(j for j in naturals(1) if f"impact[{j}].time" not in names_of(record)) - 1
     if len(time) == 0:

@@ -15,11 +15,9 @@ from typing import Any
 import numpy as np
 
 from chain_impact.results.impacts import impacts_of, names_of
-from chain_impact.results.result import Result
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.results.summary import plural
 from chain_impact.scene.half_planes import HalfPlane
-from chain_impact.variables.table import parameter_paths
 
 ROWS_AT_ONCE = 10_000  # that are written
 
@@ -111,20 +109,6 @@ class Recording:
             for start in range(0, max(map(len, columns)), ROWS_AT_ONCE):  # lists take four times the room
                 values = (column[start : start + ROWS_AT_ONCE].tolist() for column in columns)
                 writer.writerows(zip(*values, strict=True))
-
-
-def recording_of(result: Result) -> Recording:
-    """The recording of a simulated scene."""
-    values = result.scene.values
-    return Recording(
-        name=result.scene.name,
-        time=result.time,
-        columns=result.motion,
-        impacts=impact_list(result.impacts, result.scene.wall_names),
-        walls=result.scene.half_planes,
-        parameters={name: values[name] for name in parameter_paths(result.scene)},
-        sensitivities=result.sensitivities,
-    )
 
 
 @contextmanager

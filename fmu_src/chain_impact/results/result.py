@@ -13,35 +13,16 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.results import summary, tables
+from chain_impact.results.recording import Recording, impact_list
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.scene.reading import UnknownNameError, matching
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.table import elsewhere, output_columns, output_variables
+from chain_impact.variables.table import elsewhere, output_columns, output_variables, parameter_paths
 
 if TYPE_CHECKING:
     import pandas
     import xarray
     from matplotlib.figure import Figure
-
-IMPACT_DTYPE = np.dtype(
-    [
-        ("point", np.int64),
-        ("wall", np.int64),
-        ("onset", np.float64),
-        ("end", np.float64),
-        ("impact_speed", np.float64),
-        ("separation_speed", np.float64),
-        ("peak_force", np.float64),
-        ("max_penetration", np.float64),
-        ("effective_mass", np.float64),
-        ("impulse", np.float64),
-    ]
-)
-"""One contact: point 0…N; wall as index into ``scene.wall_names``; onset and end [s]; impact and separation
-speed [m/s]; peak force [N]; largest penetration [m]; effective mass at onset [kg]; impulse of the wall [N·s],
-as accurate as the momentum of the chain, NaN if the scene asks for no impulses. The end and the separation
-speed of a contact that lasts to the end of the simulation are NaN. Under the law ``newton_impact`` a bounce
-has no duration and an infinite peak force; that of a contact that lasts is the largest force that held it."""
 
 
 class Stepwise(Protocol):
@@ -253,7 +234,6 @@ class Result:
             OSError: when the file cannot be written.
         """
         from chain_impact.results import plots  # a second to load, so not at the top
-        from chain_impact.results.recording import recording_of
 
         self._need("point_position", "kinetic")
         return plots.drawn(recording_of(self), path)
@@ -277,7 +257,6 @@ class Result:
         from functools import partial
 
         from chain_impact.results import plots
-        from chain_impact.results.recording import recording_of
 
         draw = partial(plots.fill_sensitivities, outputs=self._derivatives.drawn(outputs))
         return plots.drawn(recording_of(self), path, draw)
@@ -296,7 +275,6 @@ class Result:
             AnimationError, MissingExtraError, OSError: as ``chain_impact.animate``.
         """
         from chain_impact.results.animation import animate
-        from chain_impact.results.recording import recording_of
 
         self._need("point_position")
         animate(recording_of(self), Path(path), **options)
@@ -323,3 +301,17 @@ class Result:
             raise UnknownNameError(self.scene.name, field, self.names, "no output of the scene")
         values = np.stack([self[variable.name] for variable in parts], axis=-1)
         return values.reshape(len(self.time), *(int(step) + 1 for step in parts[-1].place[2:]))
+
+
+def recording_of(result: Result) -> Recording:
+    """The recording of a simulated scene."""
+    values = result.scene.values
+    return Recording(
+        name=result.scene.name,
+        time=result.time,
+        columns=result.motion,
+        impacts=impact_list(result.impacts, result.scene.wall_names),
+        walls=result.scene.half_planes,
+        parameters={name: values[name] for name in parameter_paths(result.scene)},
+        sensitivities=result.sensitivities,
+    )

@@ -14,7 +14,7 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify
 from chain_impact.kernel.status import OK
-from chain_impact.results.result import IMPACT_DTYPE
+from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.summary import plural
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.names import input_key

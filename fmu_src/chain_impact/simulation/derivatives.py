@@ -18,7 +18,7 @@ from chain_impact.compilation.work import Notify
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.kernel.tangent.trust import REASONS, TRUSTED
-from chain_impact.results.result import IMPACT_DTYPE
+from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.scene.names import Place
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of

@@ -12,7 +12,8 @@ import numpy as np
 from chain_impact.compilation.library import kernel_library
 from chain_impact.compilation.work import Notify
 from chain_impact.kernel.status import OK, PAUSED, STATUS_TEXT
-from chain_impact.results.result import IMPACT_DTYPE, Result
+from chain_impact.results.impacts import IMPACT_DTYPE
+from chain_impact.results.result import Result
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.inputs import Drive
 from chain_impact.variables.model import new_instance

@@ -8,8 +8,8 @@ from dataclasses import replace
 from typing import Any
 
 from chain_impact.compilation.work import Notify, Progress, silent
-from chain_impact.results.recording import Recording, recording_of
-from chain_impact.results.result import Result
+from chain_impact.results.recording import Recording
+from chain_impact.results.result import Result, recording_of
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.simulate import check_size, simulate, stepwise_outputs

@@ -6,8 +6,8 @@ from pathlib import Path
 
 from chain_impact.compilation.work import Progress
 from chain_impact.results import animation
-from chain_impact.results.recording import Recording, recording_of
-from chain_impact.results.result import Result
+from chain_impact.results.recording import Recording
+from chain_impact.results.result import Result, recording_of
 from chain_impact.scene.scene import SceneSource
 from chain_impact.studies.slow_motion import record_slowly
 

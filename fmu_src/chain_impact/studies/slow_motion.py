@@ -10,8 +10,8 @@ from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.kernel.status import OK
 from chain_impact.results.animation.contacts import slow_spans
 from chain_impact.results.animation.pacing import IMPACT_TIME, frame_times
-from chain_impact.results.recording import Recording, recording_of
-from chain_impact.results.result import Result
+from chain_impact.results.recording import Recording
+from chain_impact.results.result import Result, recording_of
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.simulation.inputs import Signal, drive
 from chain_impact.simulation.instance import Instance

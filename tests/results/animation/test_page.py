@@ -14,7 +14,7 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.results.animation.frames import motion_of
 from chain_impact.results.animation.page import MODULES, PAGE, data, page, program
-from chain_impact.results.recording import recording_of
+from chain_impact.results.result import recording_of
 from chain_impact.studies.slow_motion import record_slowly
 
 # file → package of npm, version, path in the package

@@ -7,7 +7,8 @@ from matplotlib.figure import Figure
 
 from chain_impact import load_scene, simulate
 from chain_impact.results.plots.overview import SIZE, fill
-from chain_impact.results.recording import Impact, Recording, recording_of
+from chain_impact.results.recording import Impact, Recording
+from chain_impact.results.result import recording_of
 from chain_impact.scene.half_planes import half_planes
 from chain_impact.scene.scene import model_names
 from tests.test_models import inputs_of

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from chain_impact import UnknownNameError, load_scene, simulate
 from chain_impact.results.plots.changes import calm, fill_sensitivities
 from chain_impact.results.plots.style import GREY, PALETTE
-from chain_impact.results.recording import recording_of
+from chain_impact.results.result import recording_of
 from tests.problems import flat_rod
 
 FEW = ("contact.restitution", "initial.angle[2]")

@@ -7,7 +7,8 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.results.plots.message import conditions, message
-from chain_impact.results.recording import Impact, recording_of
+from chain_impact.results.recording import Impact
+from chain_impact.results.result import recording_of
 from chain_impact.scene.scene import with_values
 from tests.results.plots.pictures import MODELS, recorded, swing
 

@@ -56,7 +56,7 @@ def test_tables_of_one_run():
 
 
 def test_an_impact_is_found_by_its_number_and_place():
-    from chain_impact.results.result import IMPACT_DTYPE
+    from chain_impact.results.impacts import IMPACT_DTYPE
 
     impacts = np.zeros(4, IMPACT_DTYPE)
     impacts["point"], impacts["wall"] = [0, 4, 0, 4], [2, 2, 3, 2]

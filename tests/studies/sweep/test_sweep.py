@@ -6,7 +6,7 @@ import pytest
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.record import LOG_SIZE
 from chain_impact.kernel.status import STATUS_NAME, STATUS_TEXT
-from chain_impact.results.recording import recording_of
+from chain_impact.results.result import recording_of
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.simulation.instance import SimulationError

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from chain_impact.results.result import IMPACT_DTYPE
+from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError, matching, shown
 from chain_impact.scene.scene import Scene
