@@ -11,8 +11,13 @@ from pathlib import Path
 
 import numpy as np
 
-from chain_impact.scene.scene import Scene, load_scene, scene_from_dict, with_values
-from chain_impact.variables.model import new_instance
+try:
+    from chain_impact.scene.scene import Scene, load_scene, scene_from_dict, with_values
+    from chain_impact.variables.model import new_instance
+except ImportError:  # before the package had rooms
+    from chain_impact.instance import new_instance
+
+    from chain_impact.scene import Scene, load_scene, scene_from_dict, with_values
 
 
 def chain(height: float) -> Scene:

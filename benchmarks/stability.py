@@ -21,6 +21,7 @@ from peers.fixed_steps import fixed_steps
 from peers.model import energy_of
 from peers.solve_ivp import Run, Scipy
 from plain_chain import Chain, plain_chain, start
+from stability_chart import ADAPTIVE, METHODS, draw_all
 
 from chain_impact.scene.scene import Scene, scene_from_dict
 from chain_impact.simulation.instance import Instance, SimulationError
@@ -28,8 +29,6 @@ from chain_impact.simulation.instance import Instance, SimulationError
 STIFFNESSES = tuple(10.0**k for k in range(4, 13))
 RESTITUTIONS = (0.02, 0.05, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0)
 FIXED = {f"{name} {dt:g} s": (name, dt) for name in ("Euler", "RK4") for dt in (1e-3, 1e-4, 1e-5, 1e-6)}
-ADAPTIVE = ("RK45", "DOP853", "Radau", "BDF", "LSODA")
-METHODS = ("explicit", "implicit", "auto")
 TOLERANCE = 1e-8
 STOP = 3.0  # s
 SAMPLE = 1e-4  # s, between looks at ours
@@ -225,8 +224,6 @@ def main() -> None:
         "energy gain": GAIN, "deepest": DEEPEST, "peers run": peers_run,
     }  # fmt: skip
     common.save("stability", started, settings, {"tally": tally, "cells": cells})
-    from stability_chart import draw_all
-
     draw_all()
 
 

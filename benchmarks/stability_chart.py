@@ -9,8 +9,9 @@ from matplotlib import colormaps
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from stability import ADAPTIVE, METHODS
 
+ADAPTIVE = ("RK45", "DOP853", "Radau", "BDF", "LSODA")
+METHODS = ("explicit", "implicit", "auto")
 STEPS_AT = 0.1  # restitution
 LEVELS = (1e-3, 1e-2, 1e-1, 1.0)  # errors of the energy, parts of that at the start, where the colour changes
 NAMES = ("below 0.1 %", "to 1 %", "to 10 %", "to 100 %", "more")

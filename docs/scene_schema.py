@@ -1,4 +1,4 @@
-"""The JSON schema of scene files, for editors: made from the fields of the dataclasses in ``scene.py``.
+"""The JSON schema of scene files, for editors: made from the fields of the dataclasses in ``scene/scene.py``.
 
 Draft 7, which Taplo and the editors built on it understand. It knows what each key may hold. What two keys
 say together, such as the number of angles and of links, only the reader can check.

@@ -61,6 +61,7 @@ def draw(path, columns, parameters):
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
+    from chain_impact import Recording
     from chain_impact.results.plots import draw_chain, draw_walls
     from chain_impact.results.plots.style import (
         BLUE,
@@ -72,7 +73,6 @@ def draw(path, columns, parameters):
         VERMILLION,
         headline,
     )
-    from chain_impact.results.recording import Recording
     from chain_impact.scene.half_planes import half_planes
 
     time, force = columns["time"], columns["contact[2].x_max.force"]

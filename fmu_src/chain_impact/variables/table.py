@@ -2,8 +2,8 @@
 
 From it come the modelDescription.xml, the table that the FMU carries, the columns of a CSV file and the names
 that the command line's ``--set`` takes. What a parameter means, its unit and its range stand in the fields of
-``scene.py``; this module adds only where they are found. A scene has the variables that it needs: no wall, no
-candidate and no input that is not in it.
+``scene/scene.py``; this module adds only where they are found. A scene has the variables that it needs: no
+wall, no candidate and no input that is not in it.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from chain_impact.variables.variable import Item, Variable
 
 WORD = 8  # bytes of every scalar in the record
 BEHIND = "behind"
-"""The field of the instances of dual numbers behind an instance (instance.py)."""
+"""The field of the instances of dual numbers behind an instance (model.py)."""
 
 
 _METHODS = tuple(
