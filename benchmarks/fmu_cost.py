@@ -22,8 +22,7 @@ from looks import GREY, OURS, headline
 
 from chain_impact.fmu.build import build_fmu
 from chain_impact.scene.scene import Scene, load_scene
-from chain_impact.variables.model import new_instance
-from chain_impact.variables.table import fmu_variables
+from chain_impact.variables.model import fmu_variables, new_instance
 
 OUTPUTS = 30
 PROCESSES = 9  # fresh ones for each of the two FMUs

@@ -23,7 +23,7 @@ from chain_impact.kernel.tangent.trust import REASONS
 from chain_impact.scene.angles import or_degrees
 from chain_impact.scene.limits import Derived, allowed, without_none
 from chain_impact.scene.scene import WALLS, load_scene, model_names, scene_keys, with_values
-from chain_impact.variables.table import fmu_variables
+from chain_impact.variables.model import fmu_variables
 from chain_impact.variables.units import UNITS
 from chain_impact.variables.variable import Variable
 

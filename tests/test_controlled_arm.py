@@ -10,12 +10,12 @@ from scipy.optimize import fsolve
 
 from chain_impact import load_scene, simulate
 from chain_impact.scene.models import models_folder
-from chain_impact.variables.table import fmu_variables, input_places, output_columns
+from chain_impact.variables.model import Model, fmu_variables
 from tests.test_models import table
 
 MODEL = "controlled_arm"
 SCENE = load_scene(MODEL)
-TORQUES = list(input_places(SCENE))
+TORQUES = [variable.name for variable in Model(SCENE).inputs]
 # as docs/models/controlled_arm.md has them
 TARGET, PROPORTIONAL, DERIVATIVE = np.array([-1.0, 0.6]), np.array([100.0, 40.0]), np.array([10.0, 3.0])
 LIMIT = np.array([30.0, 12.0])  # N·m
@@ -58,7 +58,7 @@ def replayed(time, columns):
     """The outputs of ``simulate`` under the torques of a co-simulation."""
     result = simulate(SCENE, inputs={name: (time, columns[name]) for name in TORQUES})
     np.testing.assert_array_equal(result.time, time)
-    return output_columns(SCENE, result.outputs)
+    return Model(SCENE).series(result.outputs)
 
 
 @pytest.mark.parametrize("target", ["native", "pythonfmu"])

@@ -26,7 +26,7 @@ from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS, LAW_COUNT
 from chain_impact.kernel.laws.user_law import ARGUMENTS
 from chain_impact.kernel.status import NOT_FINITE
 from chain_impact.scene.scene import parse_scene, scene_to_dict, with_values
-from chain_impact.variables.table import fmu_variables
+from chain_impact.variables.model import fmu_variables
 from tests.problems import ball, own_law, struck_ball
 
 # all laws of the tests that simulate are in one, as each is one compilation: the restitution tells which

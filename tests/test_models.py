@@ -19,7 +19,7 @@ from chain_impact import load_scene, simulate
 from chain_impact.results.result import recording_of
 from chain_impact.scene.models import models_folder
 from chain_impact.scene.scene import SCENE_FILE, model_names
-from chain_impact.variables.table import input_places
+from chain_impact.variables.model import Model
 from tests.textbook import Chain
 
 DOCS = Path(__file__).parents[1] / "docs" / "models"
@@ -166,7 +166,9 @@ def write_inputs(model):
         subprocess.run([sys.executable, folder / "co_simulation.py", "-o", scratch], check=True)
         with Path(scratch, "ControlledArm.csv").open(newline="") as file:
             rows = list(csv.reader(file))
-    chosen = [rows[0].index(name) for name in ("time", *input_places(load_scene(model)))]
+    chosen = [
+        rows[0].index(name) for name in ("time", *(one.name for one in Model(load_scene(model)).inputs))
+    ]
     with (folder / "inputs.csv").open("w", newline="") as file:
         csv.writer(file).writerows([row[column] for column in chosen] for row in rows)
 

@@ -16,7 +16,7 @@ from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.scene import model_names
 from chain_impact.simulation import instance
 from chain_impact.simulation.record_scene import RunError, record_scene
-from chain_impact.variables.table import fmu_variables
+from chain_impact.variables.model import fmu_variables
 from tests.fmu.conftest import OnDemand
 from tests.shared import shared_folder
 

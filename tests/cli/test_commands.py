@@ -17,7 +17,7 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.fmu.run import record_fmu
 from chain_impact.scene.models import models_folder
 from chain_impact.simulation import instance
-from chain_impact.variables.table import fmu_variables
+from chain_impact.variables.model import fmu_variables
 
 LITTLE_WORK = "solver.work_limit=1500"  # too little for the impacts, enough for the flight before
 PNG = b"\x89PNG\r\n\x1a\n"

@@ -10,7 +10,7 @@ from chain_impact import CONTACT_LAWS, compare
 from chain_impact.cli.report import show
 from chain_impact.cli.screen import law_table, plain_lines, summary, table_of, variable_table
 from chain_impact.simulation.record_scene import record_scene
-from chain_impact.variables.table import fmu_variables
+from chain_impact.variables.model import fmu_variables
 from tests.problems import default_scene
 
 

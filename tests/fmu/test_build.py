@@ -20,8 +20,8 @@ from chain_impact.fmu.build import build_fmu, validate_fmu
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import model_names, with_values
-from chain_impact.variables.model import new_instance
-from chain_impact.variables.table import fmu_variables, word_index
+from chain_impact.variables.model import fmu_variables, new_instance
+from chain_impact.variables.table import word_index
 from tests.fmu.conftest import KINDS
 from tests.fmu.contents import description
 from tests.fmu.importer import Instance

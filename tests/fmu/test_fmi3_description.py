@@ -11,8 +11,8 @@ from lxml import etree
 
 from chain_impact import load_scene
 from chain_impact.scene.scene import model_names
-from chain_impact.variables.model import new_instance
-from chain_impact.variables.table import fmu_variables, word_index
+from chain_impact.variables.model import fmu_variables, new_instance
+from chain_impact.variables.table import word_index
 from tests.fmu.contents import description
 
 every_model = pytest.mark.parametrize("model", model_names())

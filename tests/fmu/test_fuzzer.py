@@ -11,7 +11,7 @@ from chain_impact import load_scene
 from chain_impact.compilation import library
 from chain_impact.compilation.compilers import CPUS, INCLUDES, complete, interface_sources
 from chain_impact.compilation.library import kernel_library
-from chain_impact.variables.table import fmu_variables
+from chain_impact.variables.model import fmu_variables
 from tests.fmu.contents import description
 from tests.fmu.interface import unpacked
 from tests.fmu.zig import zig

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from chain_impact import load_scene, simulate
 from chain_impact.scene.scene import with_values
-from chain_impact.variables.table import output_columns
+from chain_impact.variables.model import Model
 from tests.fmu.importer import Instance
 
 # The functions before each test run in the clean process: they hold all that they use.
@@ -142,7 +142,7 @@ def test_simulate_follows_inputs_as_the_fmu_does(fmus, clean):
     signals = {"joint[1].torque": 3.0 * np.sin(9.0 * times), "joint[2].torque": np.cos(7.0 * times)}
     result = simulate(scene, stop_time=0.8, inputs={name: (times, u) for name, u in signals.items()})
     assert len(result.impacts) > 0
-    expected = output_columns(scene, result.outputs)
+    expected = Model(scene).series(result.outputs)
     table = {"time": times.tolist()} | {name: values.tolist() for name, values in signals.items()}
     time, *columns = clean(followed, fmus["pinned_arm"], table, 0.8, 1e-3, list(expected))
     np.testing.assert_allclose(time, result.time, rtol=0, atol=1e-12)

@@ -13,7 +13,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.scene.models import models_folder
-from chain_impact.variables.table import output_columns
+from chain_impact.variables.model import Model
 
 RUN = """
 import json, sys
@@ -44,7 +44,7 @@ def test_every_master_runs_one_fmu_to_what_simulate_gives(native, master):
         check=True,
     )
     found = json.loads(done.stdout.splitlines()[-1])
-    for name, expected in output_columns(scene, result.outputs).items():
+    for name, expected in Model(scene).series(result.outputs).items():
         scale = np.abs(expected).max() + 1.0
         np.testing.assert_allclose(found[name], expected, rtol=0, atol=1e-8 * scale, err_msg=name)
 

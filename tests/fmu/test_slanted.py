@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene, simulate
 from chain_impact.scene.scene import with_values
-from chain_impact.variables.table import output_columns, parameter_paths
+from chain_impact.variables.model import Model
 from tests.fmu.importer import Instance
 from tests.fmu.test_use import trajectory
 
@@ -49,12 +49,12 @@ def test_each_wall_has_its_parameters_and_its_contacts(fmus, clean):
 def test_its_parameters_act_as_they_do_in_the_scene(fmus, clean, values):
     names, rows = clean(trajectory, fmus["ramp"], values, STOP, STEP)
     scene = load_scene("ramp")
-    paths = parameter_paths(scene)
+    paths = Model(scene).parameter_paths
     laws = {law.number: law.id for law in CONTACT_LAWS.values()}
     changes = {paths[name]: laws.get(value, value) for name, value in values.items()}
     result = simulate(with_values(scene, changes), STOP, STEP)
     found = dict(zip(names, np.transpose(rows), strict=True))
-    for name, column in output_columns(result.scene, result.outputs).items():
+    for name, column in Model(result.scene).series(result.outputs).items():
         np.testing.assert_array_equal(found[name], column, err_msg=name)
     last = result.impacts[-1]
     assert found["impact.count"][-1] == len(result.impacts) > 1

@@ -5,7 +5,7 @@ import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene, simulate
 from chain_impact.scene.scene import with_values
-from chain_impact.variables.table import output_columns, parameter_paths
+from chain_impact.variables.model import Model
 from tests.fmu.importer import Instance
 
 STOP, STEP = 1.0, 2.0**-8  # s; sums of such a step are exact, so that all clocks agree to the last bit
@@ -55,14 +55,14 @@ def trajectory(fmu, values, stop, step):
 def test_parameters_act_as_they_do_in_the_scene(fmus, clean, values):
     names, rows = clean(trajectory, fmus["four_link_box"], values, STOP, STEP)
     scene = load_scene("four_link_box")
-    paths, laws = parameter_paths(scene), list(CONTACT_LAWS)
+    paths, laws = Model(scene).parameter_paths, list(CONTACT_LAWS)
     changes = {
         paths[name]: laws[value - 1] if name == "contact.model" else value for name, value in values.items()
     }
     result = simulate(with_values(scene, changes), STOP, STEP)
     found = dict(zip(names, np.transpose(rows), strict=True))
     # the very same machine code
-    for name, column in output_columns(result.scene, result.outputs).items():
+    for name, column in Model(result.scene).series(result.outputs).items():
         np.testing.assert_array_equal(found[name], column, err_msg=name)
     for name in ("steps", "rejected_steps", "rhs_evaluations", "implicit_steps", "status"):
         assert found[f"solver.{name}"][-1] == result.statistics[name]

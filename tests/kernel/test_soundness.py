@@ -7,6 +7,7 @@ from chain_impact.kernel.status import LAST_STATUS, STATUS_TEXT
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.instance import Instance
+from chain_impact.variables.model import Model
 from tests.derivative_scenes import table
 from tests.plain import Plain
 
@@ -71,7 +72,7 @@ def test_nor_is_one_behind_it(links, path, value):
     scene = table(
         [{"length": 0.1, "mass": 1.0}] * links, box={"y_min": 0.0}, initial={"angles": [1.0] * links}
     )
-    instance = DifferentiatedInstance(scene, ["contact.stiffness"], [0])
+    instance = DifferentiatedInstance(scene, Model(scene).varied_by(["contact.stiffness"]), [0])
     assert instance.is_sound(instance.words)
     record = instance._tangents[0]
     for step in path[:-1]:

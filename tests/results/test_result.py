@@ -10,7 +10,7 @@ import pytest
 
 from chain_impact import SimulationError, load_scene, simulate
 from chain_impact.results.result import recording_of
-from chain_impact.variables.table import fmu_variables
+from chain_impact.variables.model import fmu_variables
 from tests.problems import default_scene
 from tests.refusal import refusal
 

@@ -22,7 +22,7 @@ from chain_impact.scene.scene import (
     scene_to_dict,
     with_values,
 )
-from chain_impact.variables.table import fmu_variables
+from chain_impact.variables.model import fmu_variables
 from tests.refusal import refusal
 
 SOURCE = "somewhere/scene.toml"

@@ -8,7 +8,7 @@ import pytest
 from chain_impact import Chain, SceneError, SimulationError, UnknownNameError, load_scene, simulate
 from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.simulation.derivatives import IMPACT_QUANTITIES, DifferentiatedRun
-from chain_impact.variables.table import parameters_of
+from chain_impact.variables.model import Model
 from tests.derivative_scenes import sprung_chain, struck_twice
 from tests.problems import ball
 
@@ -18,7 +18,7 @@ TIMES = np.array([0.1, 0.2022, 0.3])
 
 
 def names_of(scene, *wanted):
-    return [variable.name for variable in parameters_of(scene, wanted)]
+    return [variable.name for variable in Model(scene).varied_by(wanted)]
 
 
 # --- names ------------------------------------------------------------------------------------------------

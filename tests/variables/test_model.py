@@ -1,16 +1,18 @@
-"""A new instance: its size, and where the scene's values stand in it."""
+"""A model: what it works out, the size of a new instance, and where the scene's values stand in it."""
 
 import operator
+from collections import Counter
 from functools import reduce
 
 import numpy as np
 import pytest
 
-from chain_impact import CONTACT_LAWS, load_scene
+from chain_impact import CONTACT_LAWS, load_scene, simulate
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import SOLVER_METHODS, model_names, scene_to_dict, with_values
-from chain_impact.variables.model import new_instance
-from chain_impact.variables.table import fmu_variables, word_index
+from chain_impact.variables import model
+from chain_impact.variables.model import fmu_variables, new_instance
+from chain_impact.variables.table import word_index
 
 BUFFER = 64 * 1024  # bytes, what an instance of four links in a box shall fit into
 
@@ -75,3 +77,21 @@ def test_a_new_instance_holds_nothing_but_the_scene():
     assert instance.tobytes() == new_instance(scene).tobytes()
     for field in ("step", "touch", "search", "implicit", "rigid", "finished", "statistics", "output", "work"):
         assert not any(instance[0][field].tobytes()), field
+
+
+def test_a_run_with_derivatives_works_each_part_out_once(monkeypatch):
+    counts = Counter()
+
+    def count(name):
+        function = getattr(model, name)
+
+        def counted(*arguments):
+            counts[name] += 1
+            return function(*arguments)
+
+        monkeypatch.setattr(model, name, counted)
+
+    for name in ("candidates", "parameters", "inputs", "all_outputs"):
+        count(name)
+    simulate("rod_drop", stop_time=0.1, output=["point[1].*"], sensitivities=["link[1].*", "gravity.y"])
+    assert counts == {"candidates": 1, "parameters": 1, "inputs": 1, "all_outputs": 1}

@@ -12,8 +12,8 @@ from chain_impact.kernel.record import output_dtype
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import SOLVER_METHODS, WALLS, Scene, model_names, with_values
-from chain_impact.variables.model import new_instance
-from chain_impact.variables.table import fmu_variables, output_columns, parameter_paths, word_index
+from chain_impact.variables.model import Model, fmu_variables, new_instance
+from chain_impact.variables.table import word_index
 from chain_impact.variables.units import UNITS
 
 DRIVEN = {("inputs", "joint_torques"): True, ("inputs", "tip_force"): True}
@@ -199,7 +199,7 @@ def test_a_scene_without_walls_has_no_contact_variables():
 
 @every_scene
 def test_each_parameter_sets_its_place_and_nothing_else(scene):
-    paths = parameter_paths(scene)
+    paths = Model(scene).parameter_paths
     before = new_instance(scene)
     for variable in fmu_variables(scene):
         if variable.causality != "parameter":
@@ -254,7 +254,7 @@ def test_columns_are_those_of_the_recorded_outputs(scene):
     outputs = np.zeros(3, output_dtype(len(scene.chain.links), len(candidates(scene))))
     width = outputs.dtype.itemsize // 8
     outputs.view(np.float64)[:] = np.arange(3 * width)
-    columns = output_columns(scene, outputs)
+    columns = Model(scene).series(outputs)
     layout = new_instance(scene).dtype
     start = layout.fields["output"][1] // 8
     for variable in fmu_variables(scene):

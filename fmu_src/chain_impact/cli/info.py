@@ -38,7 +38,7 @@ def run(options: argparse.Namespace) -> int:
             facts += zip(EXPERIMENT, times, strict=True)
         facts += [(v.name, _start(v)) for v in variables if v.causality == "parameter"]
     else:
-        from chain_impact.variables.table import fmu_variables
+        from chain_impact.variables.model import fmu_variables
 
         scene = load_scene(options.source)
         name, description, variables = scene.name, scene.description, fmu_variables(scene)

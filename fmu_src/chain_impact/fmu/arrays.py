@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.outputs import all_outputs
+from chain_impact.variables.model import Model
 from chain_impact.variables.variable import Variable
 
 OWNERS = {
@@ -43,7 +43,7 @@ class Array(NamedTuple):
 def array_variables(scene: Scene) -> list[Array]:
     """The arrays of the outputs that the scene asks for, in the order of their value references."""
     groups: dict[tuple[str | int, ...], list[Variable]] = {}
-    for variable in all_outputs(scene):
+    for variable in Model(scene).outputs:
         record, field, *index = variable.place
         if index:
             groups.setdefault((record, field), []).append(variable)

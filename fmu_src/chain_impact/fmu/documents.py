@@ -14,8 +14,8 @@ import numpy as np
 from chain_impact.compilation.errors import BuildError
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.model import new_instance
-from chain_impact.variables.table import fmu_variables, word_index
+from chain_impact.variables.model import Model
+from chain_impact.variables.table import word_index
 from chain_impact.variables.variable import Variable
 
 SIZE, MARGIN, EDGE = 128, 0.12, 1.5  # of the picture: pixels, a part of it, half a wall in pixels
@@ -62,7 +62,8 @@ def documents(scene: Scene, fmi: int) -> dict[str, bytes]:
 
 def page(scene: Scene, fmi: int) -> str:
     """The documentation, as HTML."""
-    instance, variables = new_instance(scene), fmu_variables(scene)
+    model = Model(scene)
+    instance, variables = model.new_instance(), model.variables
 
     def start(variable: Variable) -> str:
         words = instance.view(np.float64 if variable.type == "real" else np.int64)

@@ -17,7 +17,7 @@ from chain_impact.fmu.description import (
     values_of,
 )
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.table import fmu_variables
+from chain_impact.variables.model import fmu_variables
 from chain_impact.variables.variable import Variable
 
 CAPABILITIES = {

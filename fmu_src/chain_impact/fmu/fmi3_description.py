@@ -19,7 +19,7 @@ from chain_impact.fmu.description import (
 )
 from chain_impact.scene.names import Place
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.table import fmu_variables
+from chain_impact.variables.model import fmu_variables
 from chain_impact.variables.units import UNITS
 from chain_impact.variables.variable import Variable
 

@@ -23,8 +23,7 @@ from chain_impact.fmu.description import nominal_values
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.chain import Chain
 from chain_impact.simulation.instance import SimulationError
-from chain_impact.variables.outputs import all_outputs
-from chain_impact.variables.table import input_places
+from chain_impact.variables.model import Model
 from chain_impact.variables.variable import Variable
 
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
@@ -183,7 +182,7 @@ def _chosen(scene: Scene) -> list[Variable]:
     last = len(scene.chain.links)
     ends = [f"point[{k}].{axis}" for k in (0, last) for axis in "xy"]
     ends += [f"link[{i}].angle" for i in (1, last)]
-    return [v for v in all_outputs(scene) if v.name in ends or v.name.startswith(("energy.", "impact."))]
+    return [v for v in Model(scene).outputs if v.name in ends or v.name.startswith(("energy.", "impact."))]
 
 
 def _inputs(scene: Scene, count: int) -> dict[str, np.ndarray]:
@@ -197,7 +196,7 @@ def _inputs(scene: Scene, count: int) -> dict[str, np.ndarray]:
     }
     return {
         name: size[name.partition(".")[0].partition("[")[0]] * np.cos((1 + i) * turn)
-        for i, name in enumerate(input_places(scene))
+        for i, name in enumerate(variable.name for variable in Model(scene).inputs)
     }
 
 

@@ -11,8 +11,8 @@ from typing import Any
 
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.model import new_instance
-from chain_impact.variables.table import fmu_variables, word_index
+from chain_impact.variables.model import Model
+from chain_impact.variables.table import word_index
 from chain_impact.variables.variable import variable_row
 
 # as in compilation/c_interface/common/instance.h
@@ -24,7 +24,8 @@ TYPES, KINDS = ("real", "integer"), ("fixed", "tunable", "input", "output", "ind
 
 def model_table(scene: Scene) -> dict[str, Any]:
     """What an FMU has to know of its model, but for the start values and the GUID."""
-    variables, layout = fmu_variables(scene), new_instance(scene).dtype
+    model = Model(scene)
+    variables, layout = model.variables, model.new_instance().dtype
     places = {
         "time": ("step", "time"),
         "changed": ("given", "changed"),

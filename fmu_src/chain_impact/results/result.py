@@ -17,7 +17,7 @@ from chain_impact.results.recording import Recording, impact_list
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.scene.reading import UnknownNameError, matching
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.table import elsewhere, output_columns, output_variables, parameter_paths
+from chain_impact.variables.model import Model, elsewhere
 
 if TYPE_CHECKING:
     import pandas
@@ -93,6 +93,10 @@ class Result:
         like = matching(self.scene.name, name, self.names, "no output of this result", elsewhere)
         return {one: self[one] for one in like}
 
+    @cached_property
+    def _model(self) -> Model:
+        return Model(self.scene)
+
     @property
     def names(self) -> tuple[str, ...]:
         """The names of the outputs, in the order of the FMU's."""
@@ -112,7 +116,7 @@ class Result:
     def motion(self) -> dict[str, np.ndarray]:
         """The outputs that change all the time: name → shape (T,)."""
         if "point_position" in (self.outputs.dtype.names or ()):
-            return output_columns(self.scene, self.outputs)
+            return self._model.series(self.outputs)
         return {name: self.outputs[name] for name in self.outputs.dtype.names or ()}
 
     @property
@@ -296,7 +300,7 @@ class Result:
         """A field of ``record.output_dtype``, also if the outputs have other fields."""
         if field in (self.outputs.dtype.names or ()):
             return self.outputs[field]
-        parts = [v for v in output_variables(self.scene) if v.place[1] == field]
+        parts = [v for v in self._model.motion if v.place[1] == field]
         if not parts:
             raise UnknownNameError(self.scene.name, field, self.names, "no output of the scene")
         values = np.stack([self[variable.name] for variable in parts], axis=-1)
@@ -312,6 +316,6 @@ def recording_of(result: Result) -> Recording:
         columns=result.motion,
         impacts=impact_list(result.impacts, result.scene.wall_names),
         walls=result.scene.half_planes,
-        parameters={name: values[name] for name in parameter_paths(result.scene)},
+        parameters={name: values[name] for name in result._model.parameter_paths},
         sensitivities=result.sensitivities,
     )

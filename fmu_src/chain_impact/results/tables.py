@@ -7,10 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from chain_impact.extras import require
-from chain_impact.scene.candidates import candidates
 from chain_impact.scene.names import AXES
-from chain_impact.variables.outputs import all_outputs
-from chain_impact.variables.table import output_variables
+from chain_impact.variables.model import Model
 
 if TYPE_CHECKING:
     from chain_impact.results.result import Result
@@ -43,7 +41,7 @@ def dataframe(result: Result) -> Any:
     """See ``Result.to_dataframe``."""
     pandas = require("pandas", "pandas")
     table = pandas.DataFrame(result.columns, index=pandas.Index(result.time, name="time"))
-    units = {variable.name: variable.unit for variable in all_outputs(result.scene)}
+    units = {variable.name: variable.unit for variable in Model(result.scene).outputs}
     table.attrs["units"] = {name: units[name] for name in result.names}
     return table
 
@@ -63,12 +61,12 @@ def impact_table(result: Result) -> Any:
 def dataset(result: Result) -> Any:
     """See ``Result.to_xarray``."""
     xarray = require("xarray", "xarray")
-    scene = result.scene
-    pairs = [(point, scene.wall_names[wall]) for point, wall in candidates(scene)]
+    scene, model = result.scene, Model(result.scene)
+    pairs = [(point, scene.wall_names[wall]) for point, wall in model.candidates]
     points = len(scene.chain.links) + 1
     sizes = {"point": points, "axis": len(AXES), "link": points - 1, "contact": len(pairs)}
     data: dict[str, Any] = {}
-    for variable in output_variables(scene):
+    for variable in model.motion:
         if variable.name not in result.motion:
             continue
         _, field, *index = variable.place

@@ -21,7 +21,8 @@ from chain_impact.scene.names import input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError, matching, shown
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.simulation.instance import Instance, SimulationError, in_order
-from chain_impact.variables.table import fmu_variables, word_index
+from chain_impact.variables.model import Model
+from chain_impact.variables.table import word_index
 from chain_impact.variables.variable import Variable, variable_row
 
 STATE = struct.Struct("<8s16sqq")  # magic, the scene's digest, whether it has started, number of contacts
@@ -76,12 +77,13 @@ class Chain:
             BuildError: when the kernel cannot be compiled.
         """
         self.scene: Scene = scene_of(scene)
-        self._instance = Instance(self.scene, notify)
+        model = Model(self.scene)
+        self._instance = Instance(model, notify)
         self._reals = self._instance.words
         self._integers = self._reals.view(np.int64)
         self._start = self._reals.copy()
         dtype = self._instance.record.dtype
-        self._places = {v.name: _place(v, word_index(dtype, v.place)) for v in fmu_variables(self.scene)}
+        self._places = {v.name: _place(v, word_index(dtype, v.place)) for v in model.variables}
         self._time_word = word_index(dtype, ("step", "time"))
         self._changed_word = word_index(dtype, ("given", "changed"))
         self._finished_word = word_index(dtype, ("finished", "count"))

@@ -24,7 +24,9 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.simulation.inputs import Drive, drive
 from chain_impact.simulation.instance import Instance, SimulationError, in_order
-from chain_impact.variables.table import BEHIND, output_words, parameters_of, with_sensitivities, word_index
+from chain_impact.variables.model import Model, model_of
+from chain_impact.variables.table import BEHIND, word_index
+from chain_impact.variables.variable import Variable
 
 IMPACT_QUANTITIES = tuple(name for name in IMPACT_DTYPE.names or () if name not in ("point", "wall"))
 """The quantities of an impact that have derivatives."""
@@ -36,34 +38,35 @@ class DifferentiatedInstance(Instance):
     """An initialized instance with derivatives beside.
 
     Attributes:
-        scene: what runs.
-        parameters: the names of the P parameters.
+        varied: the P parameters and inputs.
+        parameters: their names.
     """
 
     def __init__(
         self,
-        scene: Scene,
-        parameters: Sequence[str],
+        source: Scene | Model,
+        varied: Sequence[Variable],
         looks: Sequence[int],
         notify: Notify | None = None,
         driven: Drive | None = None,
     ) -> None:
-        """As ``Instance``, for P parameters by name and W outputs by their numbers in a row of outputs.
+        """As ``Instance``, for P parameters and inputs, and W outputs by their numbers in a row of outputs.
 
         Raises:
-            UnknownNameError: when there is no parameter of a name.
+            SceneError: when there is no parameter.
             SimulationError: when the scene cannot start.
         """
-        if not parameters:
-            raise SceneError(f"{scene.name}: name at least one parameter for the derivatives")
-        self.scene = with_sensitivities(scene, parameters)
-        self.parameters = tuple(variable.name for variable in parameters_of(scene, parameters))
+        model = model_of(source)
+        if not varied:
+            raise SceneError(f"{model.scene.name}: name at least one parameter for the derivatives")
+        self.varied = varied
+        self.parameters = tuple(variable.name for variable in varied)
         self._looks = np.array(looks, np.int64)
         self._impact_slopes: list[np.ndarray] = []
         self._impact_layout = np.dtype(
             [(name, np.float64, (len(self.parameters),)) for name in IMPACT_QUANTITIES]
         )
-        super().__init__(self.scene, notify, driven)
+        super().__init__(model, notify, driven, varied)
 
     def initialize(self) -> None:
         """Set all to their start.
@@ -178,7 +181,7 @@ class DifferentiatedInstance(Instance):
         trust = self._tangents["trust"][0]
         if trust["reason"] == TRUSTED:
             return ()
-        wall = self.scene.wall_names[trust["wall"]]
+        wall = self.model.scene.wall_names[trust["wall"]]
         impact = f"the impact of point {trust['point']} at {wall}"
         reason = REASONS[int(trust["reason"])]
         return (f"there are no derivatives from t = {trust['time']:.9g} s on, {impact}: {reason}",)
@@ -230,12 +233,14 @@ class DifferentiatedRun:
             SceneError: when a signal cannot be one.
             SimulationError: when the scene cannot start.
         """
-        self._scene = scene = scene_of(scene)
+        self._model = Model(scene_of(scene))
         self._inputs = dict(inputs or {})
-        self._places = [variable.place for variable in parameters_of(scene, parameters)]
+        varied = self._model.varied_by(parameters)
+        self._places = [variable.place for variable in varied]
         self._count, self._width = len(self._places), len(outputs)
-        words = output_words(scene, outputs)
-        self._instance = DifferentiatedInstance(scene, parameters, [words[name] for name in outputs], notify)
+        words = self._model.columns_named(outputs)
+        looks = [words[name] for name in outputs]
+        self._instance = DifferentiatedInstance(self._model, varied, looks, notify)
 
     def run(self, values: np.ndarray, times: np.ndarray) -> Differentiated:
         """Run with some values of the parameters.
@@ -246,7 +251,7 @@ class DifferentiatedRun:
         """
         instance = self._instance
         times = np.ascontiguousarray(times, float)
-        driven = drive(self._scene, self._inputs, "follow", times) if self._inputs else None
+        driven = drive(self._model, self._inputs, "follow", times) if self._inputs else None
         grid = times if driven is None else driven.times
         found = np.full((len(grid), self._width), np.nan)
         slopes = np.full((len(grid), self._width, self._count), np.nan)

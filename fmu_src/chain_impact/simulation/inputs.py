@@ -14,7 +14,7 @@ from chain_impact.scene.names import Place
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.pieces import Follower, NotSmoothError, Pieces, joined_points
-from chain_impact.variables.table import input_places
+from chain_impact.variables.model import Model, model_of
 
 Signal = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
 """One input over time: a number, a function of the time [s], or a pair (times [s], values) of shape (T,)."""
@@ -68,11 +68,13 @@ class Drive:
         return np.append(self.first[1:], len(self.times))
 
 
-def drive(scene: Scene, inputs: Mapping[str, Signal], interpolation: str, times: np.ndarray) -> Drive:
+def drive(
+    source: Scene | Model, inputs: Mapping[str, Signal], interpolation: str, times: np.ndarray
+) -> Drive:
     """The inputs for a simulation with some communication points.
 
     Args:
-        scene: what is driven.
+        source: what is driven.
         inputs: name of an input of the FMU → its signal.
         interpolation: ``follow``, ``hold`` or ``linear``, see ``simulate``.
         times: communication points, increasing, shape (T,) [s]. The inputs act from t = 0 on, wherever the
@@ -81,10 +83,12 @@ def drive(scene: Scene, inputs: Mapping[str, Signal], interpolation: str, times:
     Raises:
         SceneError: when a name is no input of the scene, or a signal cannot be one.
     """
+    model = model_of(source)
+    scene = model.scene
     if interpolation not in INTERPOLATIONS:
         allowed = "must be follow, hold or linear"
         raise SceneError(f"{scene.name}: interpolation = {interpolation!r} {allowed}")
-    places = input_places(scene) if inputs else {}
+    places = {variable.name: variable.place for variable in model.inputs} if inputs else {}
     for name in inputs:
         if name not in places:
             raise SceneError(f"{scene.name}: {name!r} is no input of this scene; {inputs_text(places)}")

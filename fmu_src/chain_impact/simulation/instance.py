@@ -16,7 +16,8 @@ from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.result import Result
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.inputs import Drive
-from chain_impact.variables.model import new_instance
+from chain_impact.variables.model import Model, model_of
+from chain_impact.variables.variable import Variable
 
 
 class SimulationError(RuntimeError):
@@ -41,17 +42,27 @@ class SimulationError(RuntimeError):
 class Instance:
     """An initialized instance and the kernel that works on it."""
 
-    def __init__(self, scene: Scene, notify: Notify | None = None, driven: Drive | None = None) -> None:
+    def __init__(
+        self,
+        source: Scene | Model,
+        notify: Notify | None = None,
+        driven: Drive | None = None,
+        varied: Sequence[Variable] | None = None,
+    ) -> None:
         """Load or compile the kernel and set the instance to its start, with the first of the inputs, if any.
+
+        With derivatives with respect to ``varied``, by default as in the scene's FMU.
 
         Raises:
             SimulationError: when the scene cannot start.
         """
-        self._block = new_instance(scene)
+        self.model = model_of(source)
+        varied = self.model.varied if varied is None else varied
+        self._block = self.model.new_instance(varied)
         self.record = self._block[0]
         if driven:
             driven.set(self.record["given"], 0)
-        self._kernel = load_kernel(kernel_for(scene, notify))
+        self._kernel = load_kernel(kernel_for(self.model.scene, notify, derivatives=bool(varied)))
         self._address = self._block.ctypes.data
         self.initialize()
 
@@ -152,7 +163,7 @@ def _impact_rows(count: int, columns: dict[str, np.ndarray]) -> np.ndarray:
     return rows
 
 
-def kernel_for(scene: Scene, notify: Notify | None) -> Path:
+def kernel_for(scene: Scene, notify: Notify | None, *, derivatives: bool) -> Path:
     """The library of the kernel for a scene, for a processor like this one.
 
     Raises:
@@ -162,7 +173,7 @@ def kernel_for(scene: Scene, notify: Notify | None) -> Path:
         len(scene.chain.links),
         notify=notify,
         law_file=scene.contact.law_file,
-        derivatives=bool(scene.outputs.sensitivities),
+        derivatives=derivatives,
         portable=False,
     )
 

@@ -13,25 +13,16 @@ import numpy as np
 from chain_impact.compilation import cache
 from chain_impact.compilation.law_file import LawError, parse_law, source_of
 from chain_impact.compilation.work import Notify, Progress, silent
-from chain_impact.kernel.record import output_dtype
 from chain_impact.kernel.status import OK
 from chain_impact.results.result import Result
 from chain_impact.results.sensitivity import Sensitivities
-from chain_impact.scene.candidates import candidate_count
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.inputs import Drive, Interpolation, Signal, drive
 from chain_impact.simulation.instance import Instance, SimulationError, in_order
-from chain_impact.variables.table import (
-    WORD,
-    fmu_variables,
-    output_words,
-    outputs_named,
-    parameters_of,
-    with_sensitivities,
-    word_index,
-)
+from chain_impact.variables.model import Model, model_of
+from chain_impact.variables.table import WORD, derivatives, word_index
 from chain_impact.variables.variable import Variable
 
 MOST_BYTES = 2_000_000_000
@@ -109,30 +100,27 @@ def simulate(
     scene = scene.with_values(changes) if changes else scene
     stop = scene.simulation.stop_time
     step = stop if output_step == math.inf else scene.simulation.step_size
-    chosen = None if output is None else outputs_named(scene, output)
-    layout = output_dtype(len(scene.chain.links), candidate_count(scene))
+    model = Model(scene)
+    chosen = None if output is None else model.outputs_named(output)
     words = None
     if chosen is not None:
-        motion = (one for one in chosen if one.place[0] == "output")
-        words = {one.name: word_index(layout, one.place[1:]) for one in motion}
-    asked_for = scene.outputs.sensitivities if sensitivities is None else sensitivities
-    names = (asked_for,) if isinstance(asked_for, str) else tuple(asked_for)
-    names = tuple(variable.name for variable in parameters_of(scene, names))
-    columns = layout.itemsize // WORD if words is None else len(words)
-    check_size(scene.name, stop, step, columns * (1 + len(names)))
-    driven = drive(scene, inputs or {}, interpolation, _times(stop, step))
+        words = {one.name: model.columns[one.name] for one in chosen if one.name in model.columns}
+    varied = model.varied if sensitivities is None else model.varied_by(sensitivities)
+    columns = model.row.itemsize // WORD if words is None else len(words)
+    check_size(scene.name, stop, step, columns * (1 + len(varied)))
+    driven = drive(model, inputs or {}, interpolation, _times(stop, step))
     what = f"{scene.name}: the simulation with its inputs has"
-    _check_rows(what, len(driven.times), columns * (1 + len(names)))
-    stepwise = Stepwise(scene, driven, chosen)
+    _check_rows(what, len(driven.times), columns * (1 + len(varied)))
+    stepwise = Stepwise(model, driven, chosen)
     instance: Instance
     rows: _Rows
-    if names:
+    if varied:
         looks = list(range(columns)) if words is None else list(words.values())
-        instance = DifferentiatedInstance(scene, names, looks, notify, driven)
-        rows = _RowsWithSlopes(len(driven.times), layout, words, len(names))
+        instance = DifferentiatedInstance(model, varied, looks, notify, driven)
+        rows = _RowsWithSlopes(len(driven.times), model.row, words, len(varied))
     else:
-        instance = Instance(with_sensitivities(scene, ()), notify, driven)
-        rows = _Rows(len(driven.times), layout, words)
+        instance = Instance(model, notify, driven, ())
+        rows = _Rows(len(driven.times), model.row, words)
     done, impacts = _filled(rows, instance, driven, progress)
     impacts.append(instance.open_contacts())
     asked = slice(done) if driven.asked.all() else np.flatnonzero(driven.asked[:done])
@@ -250,12 +238,15 @@ class _RowsWithSlopes(_Rows):
     ) -> Sensitivities:
         """The derivatives of some rows, and of the impacts in an ``order``."""
         assert isinstance(instance, DifferentiatedInstance)
-        scene = instance.scene
-        names = output_words(scene, "*") if self._words is None else self.kept.dtype.names or ()
+        model = instance.model
+        values = model.scene.values
+        names = model.columns if self._words is None else self.kept.dtype.names or ()
+        slopes = derivatives(model.motion, instance.varied)
+        variables = (*model.parameters, *model.inputs, *model.outputs, *slopes)
         return Sensitivities(
-            source=scene.name,
-            parameters={name: float(scene.values.get(name, 0.0)) for name in instance.parameters},
-            units={variable.name: variable.unit for variable in fmu_variables(scene)},
+            source=model.scene.name,
+            parameters={name: float(values.get(name, 0.0)) for name in instance.parameters},
+            units={variable.name: variable.unit for variable in variables},
             columns=names if isinstance(names, dict) else {name: j for j, name in enumerate(names)},
             slopes=self._slopes[asked],
             impacts=impacts,
@@ -285,14 +276,14 @@ class _StepwiseRows:
 class Stepwise:
     """The outputs that change at events and steps only, from a second run when they are asked for."""
 
-    def __init__(self, scene: Scene, driven: Drive, chosen: Iterable[Variable] | None) -> None:
+    def __init__(self, model: Model, driven: Drive, chosen: Iterable[Variable] | None) -> None:
         """Keep what is about to be run, and the outputs that were chosen, None for all."""
-        self._scene, self._driven, self._chosen = with_sensitivities(scene, ()), driven, chosen
-        self._law = _law_text(scene)
+        self._model, self._driven, self._chosen = model, driven, chosen
+        self._law = _law_text(model.scene)
 
     @cached_property
     def _variables(self) -> list[Variable]:
-        return stepwise_outputs(self._scene, self._chosen)
+        return stepwise_outputs(self._model, self._chosen)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -310,14 +301,14 @@ class Stepwise:
         """
         if not self.names:
             return {}
-        scene, driven, second = self._scene, self._driven, f"a second run for {self.names[0]}"
+        scene, driven, second = self._model.scene, self._driven, f"a second run for {self.names[0]}"
         _check_rows(f"{scene.name}: {second} has", len(driven.times), len(self.names))
         if _law_text(scene) != self._law:
             raise SceneError(
                 f"{scene.name}: contact.law_file = {scene.contact.law_file!r} has changed since the "
                 f"simulation, so that {second} would give another motion: simulate again"
             )
-        instance = Instance(scene, notify, driven)
+        instance = Instance(self._model, notify, driven, ())
         dtype = instance.record.dtype
         words = np.array([word_index(dtype, one.place) for one in self._variables], int)
         rows = _StepwiseRows(len(driven.times), words, dtype["output"])
@@ -329,9 +320,9 @@ class Stepwise:
         }
 
 
-def stepwise_outputs(scene: Scene, chosen: Iterable[Variable] | None = None) -> list[Variable]:
+def stepwise_outputs(source: Scene | Model, chosen: Iterable[Variable] | None = None) -> list[Variable]:
     """Those of the chosen outputs, None for all, that only a second run knows."""
-    chosen = outputs_named(scene, "*") if chosen is None else chosen
+    chosen = model_of(source).outputs if chosen is None else chosen
     return [one for one in chosen if one.place[0] != "output"]
 
 

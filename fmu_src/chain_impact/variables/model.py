@@ -1,9 +1,14 @@
-"""From a scene to an instance, with its parameters in their places (kernel/record.py)."""
+"""The model: a scene compiled once into what all others ask for.
+
+That is its candidates, the variables of its FMU by name, their places in the instance record
+(kernel/record.py), and new instances with its parameters in their places.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import cache
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -12,12 +17,15 @@ from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.contact_force import USER_LAW
 from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.kernel.record import instance_dtype
+from chain_impact.kernel.record import instance_dtype, output_dtype
 from chain_impact.kernel.tangent.directions import DIRECTIONS, tangent_dtype
 from chain_impact.scene.candidates import candidates
-from chain_impact.scene.names import Place
+from chain_impact.scene.names import Place, input_key, parameter_hint
+from chain_impact.scene.reading import matching
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.table import BEHIND, parameters_of
+from chain_impact.variables.outputs import all_outputs
+from chain_impact.variables.table import BEHIND, derivatives, inputs, parameters, word_index
+from chain_impact.variables.variable import Variable
 
 LINK_PARAMETERS = (
     *("length", "mass", "center_of_mass", "inertia"),
@@ -25,18 +33,177 @@ LINK_PARAMETERS = (
 )
 
 
-def new_instance(scene: Scene) -> np.ndarray:
-    """An instance with the parameters of the scene, not yet initialized; an array with one record.
+class Model:
+    """A scene with all that follows from it, each part worked out once, when it is first asked for.
 
-    Behind the instance, in the same record, are those of dual numbers that the scene's sensitivities need.
-
-    Raises:
-        UnknownNameError: when there are no derivatives with respect to one of them.
+    Attributes:
+        scene: what the model is of.
     """
-    pairs = candidates(scene)
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+
+    @cached_property
+    def candidates(self) -> list[tuple[int, int]]:
+        """The C pairs (point, index into ``scene.wall_names``) that can touch."""
+        return candidates(self.scene)
+
+    @cached_property
+    def parameters(self) -> list[Variable]:
+        """The parameters of the FMU."""
+        return list(parameters(self.scene))
+
+    @cached_property
+    def inputs(self) -> list[Variable]:
+        """The inputs of the FMU."""
+        return list(inputs(self.scene))
+
+    @cached_property
+    def outputs(self) -> list[Variable]:
+        """The outputs of the FMU, but for derivatives."""
+        return list(all_outputs(self.scene, self.candidates))
+
+    @cached_property
+    def motion(self) -> list[Variable]:
+        """The outputs that change all the time: those of ``Result.outputs``."""
+        return [variable for variable in self.outputs if variable.place[0] == "output"]
+
+    @cached_property
+    def varied(self) -> list[Variable]:
+        """The parameters and inputs with respect to which the FMU has derivatives.
+
+        Raises:
+            UnknownNameError: when the scene names one without.
+        """
+        return self.varied_by(self.scene.outputs.sensitivities)
+
+    @cached_property
+    def variables(self) -> list[Variable]:
+        """All variables of the FMU, in the order of their value references: outputs come last."""
+        return [*self.parameters, *self.inputs, *self.outputs, *derivatives(self.motion, self.varied)]
+
+    @cached_property
+    def parameter_paths(self) -> dict[str, Place]:
+        """The names of the parameters, and the paths that ``scene.with_values`` takes for them.
+
+        Where the FMU takes the number of a choice, the scene takes its name: ``contact.model`` a law's id.
+        """
+        return {v.name: v.scene_path for v in self.parameters if v.scene_path is not None}
+
+    @cached_property
+    def differentiable(self) -> dict[str, Variable]:
+        """The parameters and inputs with respect to which there are derivatives, by their names."""
+        left_out = ("solver", "contact.model", "contact.minimum_impact_speed")
+        return {v.name: v for v in (*self.parameters, *self.inputs) if not v.name.startswith(left_out)}
+
+    @cached_property
+    def row(self) -> np.dtype:
+        """The record of the outputs, a row of ``Result.outputs``."""
+        return output_dtype(len(self.scene.chain.links), len(self.candidates))
+
+    @cached_property
+    def columns(self) -> dict[str, int]:
+        """The outputs that change all the time: name → index into a row."""
+        return {variable.name: word_index(self.row, variable.place[1:]) for variable in self.motion}
+
+    def varied_by(self, names: str | Iterable[str]) -> list[Variable]:
+        """The parameters and inputs of some names, in which ``*`` stands for any text, each of them once.
+
+        Raises:
+            UnknownNameError: when there is none of a name with respect to which there are derivatives.
+        """
+
+        def hint(name: str) -> str | None:
+            if name in self.columns:
+                return "it is an output: derivatives of it are with respect to parameters and inputs"
+            if name in self.parameter_paths:
+                return "it is a choice, or a setting of the solver, of which the motion is no smooth function"
+            if key := input_key(name):
+                return f"the scene does not have this input: it needs inputs.{key} = true"
+            return parameter_hint(name, len(self.scene.chain.links))
+
+        wanted = (names,) if isinstance(names, str) else tuple(names)
+        if not wanted:
+            return []
+        known, what = self.differentiable, "no parameter with derivatives"
+        return [known[name] for name in self._named(wanted, known, what, hint)]
+
+    def outputs_named(self, wanted: str | Iterable[str]) -> list[Variable]:
+        """The outputs of some names or patterns, each of them once, in the order asked for.
+
+        Raises:
+            UnknownNameError: when there is none of a name, or like a pattern.
+        """
+        there = {variable.name: variable for variable in self.outputs}
+        return [there[name] for name in self._named(wanted, there, "no output")]
+
+    def columns_named(self, wanted: str | Iterable[str]) -> dict[str, int]:
+        """Those of ``columns`` of some names or patterns.
+
+        Raises:
+            UnknownNameError: when there is none of a name, or like a pattern.
+        """
+        found = self._named(wanted, self.columns, "no output", elsewhere)
+        return {name: self.columns[name] for name in found}
+
+    def series(self, outputs: np.ndarray) -> dict[str, np.ndarray]:
+        """The time series in ``Result.outputs`` under the names of the FMU's outputs: name → shape (T,)."""
+        found = {}
+        for variable in self.motion:
+            _, name, *index = variable.place
+            found[variable.name] = outputs[name][(..., *index)]  # type: ignore[arg-type]
+        return found
+
+    def new_instance(self, varied: Sequence[Variable] | None = None) -> np.ndarray:
+        """An instance with the parameters of the scene, not yet initialized; an array with one record.
+
+        Behind the instance, in the same record, are those of dual numbers that the derivatives need.
+
+        Args:
+            varied: with respect to what there are derivatives; by default as in the FMU.
+        """
+        varied = self.varied if varied is None else varied
+        block = np.zeros(1, _layout(len(self.scene.chain.links), len(self.candidates)))
+        _fill(block[0], self.scene, self.candidates)
+        return _with_tangents(block, [variable.place for variable in varied]) if varied else block
+
+    def _named(
+        self,
+        wanted: str | Iterable[str],
+        there: Mapping[str, Any],
+        what: str,
+        hint: Callable[[str], str | None] = lambda _: None,
+    ) -> dict[str, None]:
+        """The names of what is there that are wanted, each once."""
+        names = (wanted,) if isinstance(wanted, str) else wanted
+        return {one: None for name in names for one in matching(self.scene.name, name, there, what, hint)}
+
+
+def model_of(source: Scene | Model) -> Model:
+    """The model itself, or that of a scene."""
+    return source if isinstance(source, Model) else Model(source)
+
+
+def fmu_variables(scene: Scene) -> list[Variable]:
+    """See ``Model.variables``."""
+    return Model(scene).variables
+
+
+def new_instance(scene: Scene) -> np.ndarray:
+    """See ``Model.new_instance``."""
+    return Model(scene).new_instance()
+
+
+def elsewhere(name: str) -> str | None:
+    """Where to find what the FMU tells in outputs, but a result does not tell over time."""
+    if re.match(r"(impact|solver)\b", name):
+        return "impacts are in result.impacts, counts of the solver in result.statistics"
+    return None
+
+
+def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
+    """Put the parameters of a scene, and its candidates, in their places in a new instance."""
     links = scene.chain.links
-    block = np.zeros(1, _layout(len(links), len(pairs)))
-    d = block[0]
     d["links"], d["candidates"] = len(links), len(pairs)
 
     model = d["model"]
@@ -73,8 +240,6 @@ def new_instance(scene: Scene) -> np.ndarray:
     d["solver"]["method"] = SOLVER_METHODS.index(scene.solver.method) + 1
     for name in ("tolerance", "work_limit"):
         d["solver"][name] = getattr(scene.solver, name)
-    varied = parameters_of(scene, scene.outputs.sensitivities)
-    return _with_tangents(block, [variable.place for variable in varied]) if varied else block
 
 
 _layout = cache(instance_dtype)  # which takes as long as all else of a new instance

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from chain_impact.kernel.status import STATUS_TEXT
-from chain_impact.scene.candidates import candidates
 from chain_impact.scene.names import AXES
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.variable import OBSERVED, Variable
@@ -37,15 +36,15 @@ def _output(
     )
 
 
-def all_outputs(scene: Scene) -> Iterator[Variable]:
-    """The outputs that the scene asks for."""
+def all_outputs(scene: Scene, candidates: Sequence[tuple[int, int]]) -> Iterator[Variable]:
+    """The outputs that the scene asks for, with those of its candidates."""
     asked = scene.outputs
     if asked.points:
         yield from _points(scene)
     if asked.links:
         yield from _links(scene)
     if asked.contacts:
-        yield from _contacts(scene)
+        yield from _contacts(scene, candidates)
     if asked.energies:
         yield from _energies(scene)
     yield from _last_impact(scene)
@@ -72,14 +71,14 @@ def _links(scene: Scene) -> Iterator[Variable]:
             yield _output(f"link[{i + 1}].{quantity}", unit, text, "output", quantity, i)
 
 
-def _contacts(scene: Scene) -> Iterator[Variable]:
+def _contacts(scene: Scene, candidates: Sequence[tuple[int, int]]) -> Iterator[Variable]:
     touches = (
         ("force", "N", "force of the wall, along its normal"),
         ("penetration", "m", "penetration, 0 when apart"),
         ("penetration_rate", "m/s", "rate of penetration, positive when closing, 0 when apart"),
         ("impulse", "N.s", "impulse of the wall since the start, along its normal"),
     )
-    for c, (point, number) in enumerate(candidates(scene)):
+    for c, (point, number) in enumerate(candidates):
         wall = scene.wall_names[number]
         for quantity, unit, text in touches:
             name, where = f"contact[{point}].{wall}.{quantity}", f"point {point} at {wall}"

@@ -8,9 +8,8 @@ wall, no candidate and no input that is not in it.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import fields, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -20,13 +19,10 @@ from chain_impact.compilation.law_file import read_law
 from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.kernel.record import output_dtype
 from chain_impact.kernel.tangent.directions import DIRECTIONS
-from chain_impact.scene.candidates import candidate_count, candidates
-from chain_impact.scene.names import AXES, Place, input_key, name_of, parameter_hint, sensitivity_name
-from chain_impact.scene.reading import matching
+from chain_impact.scene.candidates import candidate_count
+from chain_impact.scene.names import AXES, Place, name_of, sensitivity_name
 from chain_impact.scene.scene import Box, Contact, Initial, Link, Scene, Solver, Wall
-from chain_impact.variables.outputs import all_outputs
 from chain_impact.variables.units import quotient
 from chain_impact.variables.variable import Item, Variable
 
@@ -34,72 +30,16 @@ WORD = 8  # bytes of every scalar in the record
 BEHIND = "behind"
 """The field of the instances of dual numbers behind an instance (model.py)."""
 
-
 _METHODS = tuple(
     Item(name, "as each phase needs" if name == "auto" else f"{name} steps only") for name in SOLVER_METHODS
 )
 
 
-def fmu_variables(scene: Scene) -> list[Variable]:
-    """All variables of the scene's FMU, in the order of their value references: outputs come last."""
-    return [*_parameters(scene), *_inputs(scene), *all_outputs(scene), *_sensitivities(scene)]
-
-
-def parameter_paths(scene: Scene) -> dict[str, Place]:
-    """The names of the FMU's parameters, and the paths that ``scene.with_values`` takes for them.
-
-    Where the FMU takes the number of a choice, the scene takes its name: ``contact.model`` a law's id.
-    """
-    return {v.name: v.scene_path for v in _parameters(scene) if v.scene_path is not None}
-
-
-def input_places(scene: Scene) -> dict[str, Place]:
-    """The names of the FMU's inputs, and the place of each in the instance record."""
-    return {variable.name: variable.place for variable in _inputs(scene)}
-
-
-def differentiable(scene: Scene) -> dict[str, Variable]:
-    """The parameters and inputs with respect to which there are derivatives, by their names."""
-    left_out = ("solver", "contact.model", "contact.minimum_impact_speed")
-    known = (*_parameters(scene), *_inputs(scene))
-    return {v.name: v for v in known if not v.name.startswith(left_out)}
-
-
-def parameters_of(scene: Scene, names: Sequence[str]) -> list[Variable]:
-    """The parameters and inputs of some names, in which ``*`` stands for any text, each of them once.
-
-    Raises:
-        UnknownNameError: when there is none of a name with respect to which there are derivatives.
-    """
-    if not names:
-        return []
-    known = differentiable(scene)
-    settings = parameter_paths(scene).keys() - known
-    outputs = output_words(scene, "*")
-
-    def hint(name: str) -> str | None:
-        if name in outputs:
-            return "it is an output: derivatives of it are with respect to parameters and inputs"
-        if name in settings:
-            return "it is a choice, or a setting of the solver, of which the motion is no smooth function"
-        if key := input_key(name):
-            return f"the scene does not have this input: it needs inputs.{key} = true"
-        return parameter_hint(name, len(scene.chain.links))
-
-    found = (matching(scene.name, name, known, "no parameter with derivatives", hint) for name in names)
-    return [known[name] for name in dict.fromkeys(one for part in found for one in part)]
-
-
-def with_sensitivities(scene: Scene, names: Iterable[str]) -> Scene:
-    """The scene with derivatives with respect to other parameters."""
-    return replace(scene, outputs=replace(scene.outputs, sensitivities=tuple(names)))
-
-
-def _sensitivities(scene: Scene) -> Iterator[Variable]:
-    """The derivatives of the outputs that change all the time."""
-    for number, parameter in enumerate(parameters_of(scene, scene.outputs.sensitivities)):
+def derivatives(outputs: Sequence[Variable], varied: Sequence[Variable]) -> Iterator[Variable]:
+    """The derivatives of some outputs with respect to some parameters and inputs."""
+    for number, parameter in enumerate(varied):
         tangent, direction = divmod(number, DIRECTIONS)
-        for of in output_variables(scene):
+        for of in outputs:
             yield Variable(
                 name=sensitivity_name(of.name, parameter.name),
                 type="real",
@@ -109,52 +49,6 @@ def _sensitivities(scene: Scene) -> Iterator[Variable]:
                 description=f"derivative of {of.name} with respect to {parameter.name}",
                 place=(BEHIND, tangent, *of.place, "slope", direction),
             )
-
-
-def output_variables(scene: Scene) -> list[Variable]:
-    """The outputs that change all the time: those of ``Result.outputs``."""
-    return [variable for variable in all_outputs(scene) if variable.place[0] == "output"]
-
-
-def output_columns(scene: Scene, outputs: np.ndarray) -> dict[str, np.ndarray]:
-    """The time series in ``Result.outputs`` under the names of the FMU's outputs: name → shape (T,)."""
-    columns = {}
-    for variable in output_variables(scene):
-        _, name, *index = variable.place
-        columns[variable.name] = outputs[name][(..., *index)]  # type: ignore[arg-type]
-    return columns
-
-
-def outputs_named(scene: Scene, wanted: str | Iterable[str]) -> list[Variable]:
-    """All outputs of some names or patterns, each of them once, in the order asked for.
-
-    Raises:
-        UnknownNameError: when there is none of a name, or like a pattern.
-    """
-    there = {variable.name: variable for variable in all_outputs(scene)}
-    names = (wanted,) if isinstance(wanted, str) else wanted
-    found = (matching(scene.name, name, there, "no output") for name in names)
-    return [there[name] for name in dict.fromkeys(one for part in found for one in part)]
-
-
-def elsewhere(name: str) -> str | None:
-    """Where to find what the FMU tells in outputs, but a result does not tell over time."""
-    if re.match(r"(impact|solver)\b", name):
-        return "impacts are in result.impacts, counts of the solver in result.statistics"
-    return None
-
-
-def output_words(scene: Scene, wanted: str | Iterable[str]) -> dict[str, int]:
-    """The outputs of some names or patterns: name → index into a row of ``Result.outputs``.
-
-    Raises:
-        UnknownNameError: when there is none of a name, or like a pattern.
-    """
-    layout = output_dtype(len(scene.chain.links), candidate_count(scene))
-    words = {variable.name: word_index(layout, variable.place[1:]) for variable in output_variables(scene)}
-    names = (wanted,) if isinstance(wanted, str) else wanted
-    chosen = [one for name in names for one in matching(scene.name, name, words, "no output", elsewhere)]
-    return {name: words[name] for name in chosen}
 
 
 def word_index(dtype: np.dtype, place: Place) -> int:
@@ -203,7 +97,8 @@ def _parameter(
     )
 
 
-def _parameters(scene: Scene) -> Iterator[Variable]:
+def parameters(scene: Scene) -> Iterator[Variable]:
+    """The parameters of the scene's FMU."""
     rules = _rules(Scene) | _rules(Box)
     for j, axis in enumerate(AXES):
         path: Place = ("gravity", j)
@@ -214,7 +109,7 @@ def _parameters(scene: Scene) -> Iterator[Variable]:
     for w, wall in enumerate(WALLS):
         if getattr(scene.box, wall) is not None:
             yield _parameter(rules[wall], ("model", "wall", w), ("box", wall), "position of the {}")
-    if candidates(scene):
+    if candidate_count(scene):
         yield from _wall_parameters(scene)
         yield from _contact_parameters(scene)
     yield from _initial_values(scene)
@@ -272,7 +167,9 @@ def _initial_values(scene: Scene) -> Iterator[Variable]:
             yield _parameter(rules[key], ("initial", name, i), ("initial", key, i), of_link)
 
 
-def _inputs(scene: Scene) -> Iterator[Variable]:
+def inputs(scene: Scene) -> Iterator[Variable]:
+    """The inputs that the scene asks for."""
+
     def entry(name: str, unit: str, description: str, *place: str | int) -> Variable:
         return Variable(
             name=name,

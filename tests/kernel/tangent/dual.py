@@ -9,7 +9,7 @@ import numpy as np
 
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.inputs import drive
-from chain_impact.variables.table import output_words
+from chain_impact.variables.model import Model
 from tests.derivative_scenes import Case
 
 
@@ -69,8 +69,9 @@ class Dual:
 def started(case: Case) -> DifferentiatedInstance:
     """An instance at the start of a case, with derivatives of all outputs."""
     driven = drive(case.scene, case.inputs, "hold", np.array([0.0, case.scene.simulation.stop_time]))
-    looks = list(output_words(case.scene, "*").values())
-    instance = DifferentiatedInstance(case.scene, case.parameters, looks, driven=driven)
+    model = Model(case.scene)
+    varied, looks = model.varied_by(case.parameters), list(model.columns.values())
+    instance = DifferentiatedInstance(model, varied, looks, driven=driven)
     driven.set(instance.record["given"], 0)
     return instance
 
@@ -78,7 +79,7 @@ def started(case: Case) -> DifferentiatedInstance:
 def followed(instance: DifferentiatedInstance, times: Any) -> tuple[np.ndarray, np.ndarray]:
     """Values (T, W) and slopes (T, W, P) of all outputs at some times [s]."""
     times = np.array(times, float)
-    count = len(output_words(instance.scene, "*"))
+    count = len(instance.model.columns)
     values = np.zeros((len(times), count))
     slopes = np.zeros((len(times), count, len(instance.parameters)))
     assert instance.follow_trajectory(times, values, slopes) == len(times)

@@ -7,7 +7,7 @@ from chain_impact import Chain
 from chain_impact.scene.names import sensitivity_name
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.instance import Instance
-from chain_impact.variables.table import output_words, with_sensitivities
+from chain_impact.variables.model import Model
 from tests.derivative_scenes import table
 from tests.kernel_calls import advance_to_onset, let_happen
 
@@ -65,7 +65,7 @@ def difference(run, scene, name, relative=1e-4):
 def test_what_is_set_while_a_point_is_held(model, changes):
     script = [(0.0, {"tip.force.y": -40.0}), (0.15, changes), (0.2, {"tip.force.y": -20.0})]
     scene = pressed_arm(model)
-    asking = with_sensitivities(scene, PARAMETERS)
+    asking = scene.with_values({"outputs.sensitivities": PARAMETERS})
     names = [sensitivity_name(output, name) for name in PARAMETERS for output in OUTPUTS]
     found = played(asking, script, 0.26, names).reshape(len(PARAMETERS), -1)
     for slopes, name in zip(found, PARAMETERS, strict=True):
@@ -104,10 +104,11 @@ def through_onset(instance, changes, stop):
 @pytest.mark.parametrize("changes", [{}, {"restitution": 0.8}, {"stiffness": 3e5}])
 def test_what_is_set_at_an_onset_that_is_due(model, changes):
     scene, names, stop = falling_link(model), ("initial.y", "initial.vy", "gravity.y"), 0.15
-    instance = DifferentiatedInstance(scene, names, [0])
+    compiled = Model(scene)
+    instance = DifferentiatedInstance(compiled, compiled.varied_by(names), [0])
     impacts = through_onset(instance, changes, stop)
     onsets = instance.slopes_of_impacts(np.arange(len(impacts)))["onset"]
-    looks = [output_words(scene, name)[name] for name in ("point[1].y", "link[1].angular_velocity")]
+    looks = [compiled.columns[name] for name in ("point[1].y", "link[1].angular_velocity")]
     seen = instance._tangents["output"].view(np.float64).reshape(-1, 5)[looks, 1 : 1 + len(names)]
 
     def plain(one):

@@ -15,7 +15,7 @@ from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError, matching, shown
 from chain_impact.scene.scene import Scene
 from chain_impact.studies.fit.table import Source, Table, read_table
-from chain_impact.variables.table import output_words
+from chain_impact.variables.model import Model
 
 TIME, IMPACT, POINT, WALL, DURATION = "time", "impact", "point", "wall", "duration"
 WHICH = (IMPACT, POINT, WALL)
@@ -154,7 +154,7 @@ class _Book:
 
     def __init__(self, scene: Scene, sigma: Mapping[str, float | str]) -> None:
         self._scene, self._sigma = scene, sigma
-        self._outputs = list(output_words(scene, "*"))
+        self._outputs = list(Model(scene).columns)
         self._seen: dict[str, str] = {}
         self._impacts: list[ImpactRow] = []
         self._counts: dict[tuple[int | None, int | None], int] = {}

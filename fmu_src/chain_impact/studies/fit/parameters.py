@@ -12,7 +12,7 @@ from chain_impact.scene.angles import in_radians
 from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError, UnknownNameError, shown
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.table import differentiable, fmu_variables
+from chain_impact.variables.model import Model
 from chain_impact.variables.variable import Variable
 
 Bounds = Mapping[str, str | tuple[float | None, float | None]]
@@ -85,8 +85,7 @@ def parameters_of(
         SceneError: when a name is unknown, is given twice, or a bound is not allowed.
     """
     scene = scenes[0]
-    places = differentiable(scene)
-    known = {v.name: v for v in fmu_variables(scene) if v.name in places}
+    known = Model(scene).differentiable
     names = [*free, *free_each]
     if not names:
         raise SceneError(f"{scene.name}: no parameter is free; name at least one")

@@ -27,7 +27,7 @@ from chain_impact.studies.fit.data import QUANTITIES
 from chain_impact.studies.fit.report import rounded
 from chain_impact.studies.fit.result import Fit
 from chain_impact.studies.fit.unknown import size_of
-from chain_impact.variables.table import fmu_variables
+from chain_impact.variables.model import fmu_variables
 
 MOST_PANELS = 8  # columns that are shown
 LETTERS, SMALLER = 9.5, 1.5  # of the headline, in an inch; and how many times as many in the line below it

@@ -18,8 +18,8 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import kernel_for, load_kernel
 from chain_impact.studies.sweep.variation import Variation
-from chain_impact.variables.model import new_instance
-from chain_impact.variables.table import fmu_variables, with_sensitivities, word_index
+from chain_impact.variables.model import Model
+from chain_impact.variables.table import word_index
 from chain_impact.variables.variable import Variable
 
 PEAKS = ("peak_force", "max_penetration")
@@ -48,7 +48,7 @@ class Job:
     @property
     def columns(self) -> dict[str, Variable]:
         """What is read from the record at the end of each run: name → variable."""
-        found = {v.name: v for v in fmu_variables(self.scene) if v.causality == "output"}
+        found = {v.name: v for v in Model(self.scene).variables if v.causality == "output"}
         standard = [name for name in found if name.startswith(("energy.", "solver."))]
         wanted = dict.fromkeys(["impact.count", *standard, *self.outputs])
         return {name: found[name] for name in wanted}
@@ -67,7 +67,7 @@ def job_of(scene: Scene, variations: Sequence[Variation], outputs: Sequence[str]
     Raises:
         SceneError: when there is no such output.
     """
-    known = [v.name for v in fmu_variables(scene) if v.causality == "output"]
+    known = [v.name for v in Model(scene).variables if v.causality == "output"]
     for name in outputs:
         if name not in known:
             near = nearest(name, known)
@@ -92,9 +92,10 @@ class Runner:
             BuildError: when the kernel cannot be compiled.
         """
         asks = any(name.startswith(SENSITIVITY) for name in job.columns)
-        scene = job.scene if asks else with_sensitivities(job.scene, ())
-        self._kernel = load_kernel(kernel_for(scene, notify))
-        self._start, self._work = new_instance(scene), new_instance(scene)
+        model = Model(job.scene)
+        varied = model.varied if asks else []
+        self._kernel = load_kernel(kernel_for(job.scene, notify, derivatives=bool(varied)))
+        self._start, self._work = model.new_instance(varied), model.new_instance(varied)
         layout, self._job, self._dtype = self._start.dtype, job, job.dtype
         self._columns = job.columns
         # to follow impulses of walls takes time: it is done for the columns that have them only

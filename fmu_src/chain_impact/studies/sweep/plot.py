@@ -23,7 +23,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.table import Sweep
 from chain_impact.studies.sweep.variation import Variation
-from chain_impact.variables.table import fmu_variables
+from chain_impact.variables.model import fmu_variables
 
 # P. Tol, Colour schemes, SRON/EPS/TN/09-002 (2021): "muted", for all kinds of colour vision
 COLOURS = (

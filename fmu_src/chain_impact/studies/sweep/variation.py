@@ -11,7 +11,7 @@ from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.table import fmu_variables
+from chain_impact.variables.model import fmu_variables
 from chain_impact.variables.variable import Variable
 
 Values = str | float | Sequence[float | str] | np.ndarray
