@@ -2,7 +2,7 @@
 
 import os
 import sys
-from tempfile import TemporaryDirectory
+import tempfile
 
 import pytest
 from xdist.scheduler import LoadFileScheduling
@@ -39,12 +39,18 @@ WITH |= {
 
 
 def pytest_configure(config):
-    """Keep bytecode for this session where the environment keeps none: the tests start Python often."""
+    """One folder for all that this session leaves behind; pytest's own folders stay where they are."""
+    if hasattr(config, "workerinput"):
+        return  # a process that has the settings of the one that started it
+    os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", tempfile.gettempdir())
+    folder = tempfile.TemporaryDirectory(prefix="chain-impact-", ignore_cleanup_errors=True)
+    config.add_cleanup(folder.cleanup)
+    # an importer unpacks an FMU into a temporary folder, and does not always remove it
+    os.environ["TMPDIR"] = tempfile.tempdir = folder.name
     if sys.dont_write_bytecode:
-        folder = TemporaryDirectory(prefix="chain-impact-bytecode-", ignore_cleanup_errors=True)
-        config.add_cleanup(folder.cleanup)
+        # bytecode is kept where the environment keeps none: the tests start Python often
         os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-        os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix = folder.name
+        os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix = os.path.join(folder.name, "bytecode")
         sys.dont_write_bytecode = False
 
 
