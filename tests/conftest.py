@@ -50,7 +50,7 @@ def pytest_configure(config):
     if sys.dont_write_bytecode:
         # bytecode is kept where the environment keeps none: the tests start Python often
         os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-        os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix = os.path.join(folder.name, "bytecode")
+        os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix = f"{folder.name}/bytecode"
         sys.dont_write_bytecode = False
 
 

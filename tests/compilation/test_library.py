@@ -10,6 +10,7 @@ import pytest
 import chain_impact.kernel
 from chain_impact import BuildError, load_scene, simulate
 from chain_impact.compilation import compilers, library, ready
+from chain_impact.compilation.law_file import LawError
 from chain_impact.compilation.library import kernel_library
 from chain_impact.extras import how_to_install
 from chain_impact.scene.scene import with_values
@@ -93,6 +94,14 @@ def test_the_number_of_candidates_is_no_part_of_a_kernel():
     np.testing.assert_array_equal(one.points, other.points)
     np.testing.assert_array_equal(one.energy, other.energy)
     assert one.statistics == other.statistics
+
+
+def test_a_law_that_calls_what_only_numba_has_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(compilers, "interface_sources", list)  # the law alone
+    (tmp_path / "mine.py").write_text("import math\n\n\ndef mine(rate):\n    return math.gamma(rate)\n")
+    compilers.lower(tmp_path / "mine.ll", tmp_path / "mine.py")
+    with pytest.raises(LawError, match=r"^calls gamma, which a kernel does not have$"):
+        compilers.link("", tmp_path / "kernel.so", compilers.HOST, 1, tmp_path / "mine.ll")
 
 
 def test_all_long_chains_share_a_kernel():

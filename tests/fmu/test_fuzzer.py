@@ -34,9 +34,17 @@ def fuzzer(request, tmp_path_factory):
     inputs = [*headers, source, *interface_sources(), "-lm"]
     if request.param == "zig":
         kernel = kernel_library(links)
-        # it ends at a trap: the library that would say what is undefined takes zig long to make
-        options += ["-fsanitize-trap=undefined", kernel, f"-Wl,-rpath,{kernel.parent}"]
-        zig(folder, *options, *inputs, "-o", program)
+        # zig would take long to make the library that says what is undefined
+        zig(
+            folder,
+            "-g",
+            "-fno-omit-frame-pointer",
+            *inputs,
+            kernel,
+            f"-Wl,-rpath,{kernel.parent}",
+            "-o",
+            program,
+        )
     else:
         inputs += [sanitized_kernel(folder, links), "-fsanitize=address", "-fno-sanitize-recover=undefined"]
         command = ["cc", "-std=c11", "-D_POSIX_C_SOURCE=200809L", *options, *inputs]

@@ -10,6 +10,7 @@ import os
 import re
 import subprocess
 import sys
+from importlib.resources import files
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -83,6 +84,7 @@ declare hidden double @user_law_force(double, double, double, double, double, do
 _DECLARED_ABOVE = re.compile(
     r"^declare .*@(chain_links|chain_candidates|user_law_present|user_law_force)\(.*$\n", re.M
 )
+_OF_NUMBA = re.compile(r"undefined symbol: _?numba_(\w+)")
 
 
 def complete(module: str, links: int | None, with_law: bool) -> str:
@@ -152,13 +154,21 @@ def link(
         cpu: zig's name of the processor that it is for; by default that of ``CPUS``.
 
     Raises:
+        LawError: when the law calls what only numba has.
         BuildError: when the compiler fails.
     """
     kernel = library.with_name("kernel.ll")
     kernel.write_text(complete(module, links, law is not None))
     prepare_zig(platform)
     flags = () if derivatives else INLINE_MORE
-    _zig(platform, library, kernel, *([law] if law else []), *interface_sources(), cpu=cpu, flags=flags)
+    inputs = [kernel, *([law] if law else []), *interface_sources()]
+    try:
+        _zig(platform, library, *inputs, cpu=cpu, flags=flags)
+    except BuildError as error:
+        missing = _OF_NUMBA.search(str(error))
+        if missing:
+            raise LawError(f"calls {missing[1]}, which a kernel does not have") from None
+        raise
 
 
 def wide_cpu() -> str | None:
@@ -211,20 +221,18 @@ def _zig(
         options += ["-Wl,-Bsymbolic", "-Wl,-z,defs"]
     if "macos" in target:  # else the folder in which it was made
         options.append("-Wl,-install_name,@rpath/kernel.dylib")
-    # Zig's own C runtime, which it would first have to build, is left out: nothing here calls it.
+    # Without start files and, but for Windows, zig's runtime, which it would first have to build. Nothing
+    # calls them.
     libraries = ["-nostdlib", *(_from_windows() if "windows" in target else ["-lm", "-lc"])]
     folders = {"ZIG_GLOBAL_CACHE_DIR": linker_folder(), "ZIG_LOCAL_CACHE_DIR": library.with_name("zig")}
-    files = map(str, (*(f"-I{folder}" for folder in INCLUDES), "-o", library, *inputs, stubs))
+    inputs_and_output = map(str, (*(f"-I{folder}" for folder in INCLUDES), "-o", library, *inputs, stubs))
     places = {name: str(path) for name, path in folders.items()}
-    _check(_run("-m", "ziglang", *options, *files, *libraries, **places))
+    _check(_run("-m", "ziglang", *options, *inputs_and_output, *libraries, **places))
 
 
 def _from_windows() -> list[str]:
     """Zig's options for a library that takes C's functions from Windows, and for the headers of these."""
-    zig = find_spec("ziglang")
-    assert zig
-    assert zig.origin
-    headers = Path(zig.origin).parent / "lib" / "libc" / "include" / "any-windows-any"
+    headers = files("ziglang") / "lib" / "libc" / "include" / "any-windows-any"
     options = ["-Wl,--no-entry", "-rtlib=compiler-rt"]
     options += [f"-isystem{headers}", "-D__MSVCRT_VERSION__=0xE00"]
     return [*options, *(f"-lapi-ms-win-crt-{part}-l1-1-0" for part in WINDOWS_PARTS), "-lkernel32"]

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from chain_impact.compilation import cache, compilers, ready
@@ -13,7 +15,7 @@ from chain_impact.compilation.ready import DERIVATIVES, KERNEL, WIDE, lowered
 from chain_impact.compilation.work import Notify, Work, announce
 
 LOWERING, LINKING = {KERNEL: 12.0, DERIVATIVES: 20.0}, {KERNEL: 3.0, DERIVATIVES: 10.0}  # s
-PREPARING = 5.0  # s, at most, in which zig makes what it links with on a platform
+PREPARING = {"win64": 4.0}  # s, in which zig makes what it links with; on other platforms it takes no time
 
 
 def kernel_library(
@@ -54,10 +56,13 @@ def kernel_library(
     module = _lowered_kernel(what, notify)
 
     def link(library: Path) -> None:
-        seconds = LINKING[what] + (0.0 if compilers.zig_is_prepared(platform) else PREPARING)
+        seconds = LINKING[what] + (
+            0.0 if compilers.zig_is_prepared(platform) else PREPARING.get(platform, 0.0)
+        )
         notify(Work(f"linking the kernel for {platform}", seconds))
         cpu = ready.PROCESSORS[kind]
-        compilers.link(module, library, platform, exact, law_module, derivatives=derivatives, cpu=cpu)
+        with _about(law_file):
+            compilers.link(module, library, platform, exact, law_module, derivatives=derivatives, cpu=cpu)
 
     return cache.made(name, link, notify)
 
@@ -80,19 +85,24 @@ def _lowered_law(law: UserLaw, file: str, notify: Notify) -> Path:
     def lower(module: Path) -> None:
         copy = module.with_name(f"{law.id}.py")  # of what was read: the file may be another by now
         copy.write_text(law.source, encoding="utf-8")
-        try:
+        with _about(file):
             compilers.lower(module, copy)
-        except LawError as error:
-            raise BuildError(f"{file} {error}") from None
 
     return cache.made(f"{_law_name(law)}.ll", lower, notify)
 
 
 def _law(file: str) -> UserLaw:
-    try:
+    with _about(file):
         return read_law(Path(file))
+
+
+@contextmanager
+def _about(law_file: str) -> Iterator[None]:
+    """Say of which file an error of a law is."""
+    try:
+        yield
     except LawError as error:
-        raise BuildError(f"{file} {error}") from None
+        raise BuildError(f"{law_file} {error}") from None
 
 
 def _law_name(law: UserLaw) -> str:
