@@ -22,7 +22,7 @@ from looks import GREY, OURS, headline
 
 from chain_impact.fmu.build import build_fmu
 from chain_impact.scene.scene import Scene, load_scene
-from chain_impact.variables.model import fmu_variables, new_instance
+from chain_impact.variables.model import Model, new_instance
 
 OUTPUTS = 30
 PROCESSES = 9  # fresh ones for each of the two FMUs
@@ -55,7 +55,7 @@ BARE = """
 
 def build_empty(scene: Scene, folder: Path, name: str, more: str = "") -> Path:
     """An FMU of an empty slave with as many variables of each kind."""
-    rows = [(v.type, v.causality, v.variability) for v in fmu_variables(scene)]
+    rows = [(v.type, v.causality, v.variability) for v in Model(scene).variables]
     script = folder / f"{name.lower()}_slave.py"
     script.write_text(EMPTY.format(name=name, variables=rows) + more, encoding="utf-8")
     command = [sys.executable, "-m", "pythonfmu", "build", "-f", str(script), "-d", str(folder)]
@@ -149,7 +149,7 @@ def main() -> None:
     print(json.dumps(results, indent=1))
     settings = {
         "scene": "four_link_box, 2 s in steps of 1 ms, tolerance 1e-8", "outputs read": OUTPUTS,
-        "variables": len(fmu_variables(scene)), "processes": PROCESSES,
+        "variables": len(Model(scene).variables), "processes": PROCESSES,
     }  # fmt: skip
     common.save("fmu_cost", started, settings, results)
     common.picture("fmu_cost", draw, SIZE)

@@ -23,7 +23,7 @@ from chain_impact.kernel.tangent.trust import REASONS
 from chain_impact.scene.angles import or_degrees
 from chain_impact.scene.limits import Derived, allowed, without_none
 from chain_impact.scene.scene import WALLS, load_scene, model_names, scene_keys, with_values
-from chain_impact.variables.model import fmu_variables
+from chain_impact.variables.model import Model
 from chain_impact.variables.units import UNITS
 from chain_impact.variables.variable import Variable
 
@@ -131,9 +131,9 @@ def variable_patterns() -> str:
     )
     rows: dict[str, Variable] = {}
     for scene in (everything, *scenes):
-        for variable in fmu_variables(scene):
+        for variable in Model(scene).variables:
             rows.setdefault(_pattern(variable.name), variable)
-    found = [(scene, {_pattern(v.name) for v in fmu_variables(scene)}) for scene in scenes]
+    found = [(scene, {_pattern(v.name) for v in Model(scene).variables}) for scene in scenes]
     blocks = []
     for causality in ("parameter", "input", "output"):
         lines = [

@@ -10,7 +10,7 @@ from scipy.optimize import fsolve
 
 from chain_impact import load_scene, simulate
 from chain_impact.scene.models import models_folder
-from chain_impact.variables.model import Model, fmu_variables
+from chain_impact.variables.model import Model
 from tests.test_models import table
 
 MODEL = "controlled_arm"
@@ -66,7 +66,7 @@ def test_simulate_replays_an_fmu_that_stepped_between_the_same_times(runs, targe
     """Every output to the last bit; the master of fmpy makes its steps so that they have no round-off."""
     time, columns = runs(target, "fmpy")
     replay = replayed(time, columns)
-    reals = {v.name for v in fmu_variables(SCENE) if v.place[0] == "output"}
+    reals = {v.name for v in Model(SCENE).variables if v.place[0] == "output"}
     assert set(replay) == reals
     for name, values in replay.items():
         np.testing.assert_array_equal(columns[name], values, err_msg=name)

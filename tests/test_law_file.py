@@ -26,7 +26,7 @@ from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS, LAW_COUNT
 from chain_impact.kernel.laws.user_law import ARGUMENTS
 from chain_impact.kernel.status import NOT_FINITE
 from chain_impact.scene.scene import parse_scene, scene_to_dict, with_values
-from chain_impact.variables.model import fmu_variables
+from chain_impact.variables.model import Model
 from tests.problems import ball, own_law, struck_ball
 
 # all laws of the tests that simulate are in one, as each is one compilation: the restitution tells which
@@ -145,7 +145,7 @@ def test_the_file_is_sought_beside_the_scene(law, tmp_path):
 
 def test_it_is_the_last_choice_of_the_enumeration(law):
     scene = with_file(load_scene("rod_drop"), law(DAMPED))
-    model = next(v for v in fmu_variables(scene) if v.name == "contact.model")
+    model = next(v for v in Model(scene).variables if v.name == "contact.model")
     assert len(model.items) == LAW_COUNT + 1
     assert (model.items[-1].name, model.items[-1].description) == (
         "damped",

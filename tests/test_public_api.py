@@ -17,7 +17,7 @@ from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.scene.scene import load_scene, model_names, scene_keys
-from chain_impact.variables.model import fmu_variables
+from chain_impact.variables.model import Model
 
 FILE = Path(__file__).with_name("public_api.txt")
 HINT = "run: python tests/test_public_api.py"
@@ -75,7 +75,7 @@ def names():
     yield from command_line()
     yield from (f"model: {name}" for name in model_names())
     for scene in map(load_scene, model_names()):
-        kinds = {re.sub(r"\[\d+\]", "[i]", variable.name) for variable in fmu_variables(scene)}
+        kinds = {re.sub(r"\[\d+\]", "[i]", variable.name) for variable in Model(scene).variables}
         yield from (f"FMU variable: {kind}" for kind in kinds)
 
 

@@ -16,7 +16,7 @@ from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.scene import model_names
 from chain_impact.simulation import instance
 from chain_impact.simulation.record_scene import RunError, record_scene
-from chain_impact.variables.model import fmu_variables
+from chain_impact.variables.model import Model
 from tests.fmu.conftest import OnDemand
 from tests.shared import shared_folder
 
@@ -55,7 +55,7 @@ def test_a_scene_and_its_fmu_give_the_same(fmus, model):
 
 
 def test_the_columns_of_an_fmu_are_its_outputs(fmus):
-    outputs = [v.name for v in fmu_variables(load_scene("pinned_arm")) if v.causality == "output"]
+    outputs = [v.name for v in Model(load_scene("pinned_arm")).variables if v.causality == "output"]
     assert list(record_fmu(fmus["pinned_arm"], {}).columns) == outputs
 
 
@@ -234,13 +234,13 @@ def test_a_missing_file_is_named():
 
 def test_a_second_run_is_made_only_for_all_outputs(monkeypatch):
     """As the motion alone takes one run; both tell the same of compiling and of the progress."""
-    told, seen, library = [], [], instance.kernel_library
+    told, seen, found = [], [], instance.kernel_for
 
-    def kernel_library(*arguments, **options):
-        told.append(options["notify"])
-        return library(*arguments, **options)
+    def kernel_for(scene, notify, **options):
+        told.append(notify)
+        return found(scene, notify, **options)
 
-    monkeypatch.setattr(instance, "kernel_library", kernel_library)
+    monkeypatch.setattr(instance, "kernel_for", kernel_for)
 
     def say(_sentence):
         pass
@@ -266,7 +266,7 @@ def test_too_many_rows_are_refused_before_the_first_run(monkeypatch):
     rows = 1.0 / scene.simulation.step_size + 1.0
     monkeypatch.setattr(sys.modules["chain_impact.simulation.simulate"], "MOST_BYTES", rows * 8 * 60)
     record_scene(scene, settings, complete=False)
-    monkeypatch.setattr(instance, "kernel_library", None)
+    monkeypatch.setattr(instance, "kernel_for", None)
     with pytest.raises(SceneError, match="rows of 82 outputs"):
         record_scene(scene, settings)
 
@@ -278,6 +278,7 @@ def test_a_scene_says_when_it_has_to_compile(monkeypatch):
 
     said = []
     monkeypatch.setattr(instance, "kernel_library", kernel_library)
+    monkeypatch.setattr(instance, "_loaded", {})
     with pytest.raises(BuildError, match="out of luck"):
         record_scene(load_scene("rod_drop"), {}, said.append)
     assert said == ["compiling"]

@@ -17,7 +17,7 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.fmu.run import record_fmu
 from chain_impact.scene.models import models_folder
 from chain_impact.simulation import instance
-from chain_impact.variables.model import fmu_variables
+from chain_impact.variables.model import Model
 
 LITTLE_WORK = "solver.work_limit=1500"  # too little for the impacts, enough for the flight before
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -144,7 +144,7 @@ def test_csv_has_time_and_the_outputs_of_the_fmu_to_the_last_bit(run, here, fmu)
     assert code == 0
     assert said.startswith("results  out.csv\n")
     names, rows = read_csv(here / "out.csv")
-    variables = fmu_variables(load_scene("four_link_box"))
+    variables = Model(load_scene("four_link_box")).variables
     assert names == ["time", *(v.name for v in variables if v.causality == "output")]
     recording = record_fmu(fmu, {})
     columns = [recording.time, *recording.columns.values()]
@@ -232,7 +232,7 @@ def check_variables(listing, scene):
     head, *rows = listing.splitlines()
     assert head.split() == ["name", "causality", "variability", "unit", "meaning"]
     lines = {line.split()[0]: line for line in rows}
-    variables = fmu_variables(scene)
+    variables = Model(scene).variables
     assert lines.keys() == {variable.name for variable in variables}
     for variable in variables:
         line = lines[variable.name]

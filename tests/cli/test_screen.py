@@ -10,7 +10,7 @@ from chain_impact import CONTACT_LAWS, compare
 from chain_impact.cli.report import show
 from chain_impact.cli.screen import law_table, plain_lines, summary, table_of, variable_table
 from chain_impact.simulation.record_scene import record_scene
-from chain_impact.variables.model import fmu_variables
+from chain_impact.variables.model import Model
 from tests.problems import default_scene
 
 
@@ -56,7 +56,7 @@ def test_on_a_terminal_a_table_is_as_wide_as_that(monkeypatch):
     text = io.StringIO()
     console = Console(file=text, force_terminal=True, color_system=None, width=70)
     monkeypatch.setattr("chain_impact.cli.report.out", console)
-    variables = fmu_variables(default_scene())
+    variables = Model(default_scene()).variables
     show(variable_table(variables))
     lines = text.getvalue().splitlines()
     assert max(map(len, lines)) <= 70

@@ -20,7 +20,7 @@ from chain_impact.fmu.build import build_fmu, validate_fmu
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import model_names, with_values
-from chain_impact.variables.model import fmu_variables, new_instance
+from chain_impact.variables.model import Model, new_instance
 from chain_impact.variables.table import word_index
 from tests.fmu.conftest import KINDS
 from tests.fmu.contents import description
@@ -122,7 +122,7 @@ def test_start_values_are_those_of_the_scene_to_the_last_bit(fmi2, model):
     instance = new_instance(scene)
     nodes = description(fmi2[model]).iter("ScalarVariable")
     found = {node.get("name"): node[0].get("start") for node in nodes}
-    for variable in fmu_variables(scene):
+    for variable in Model(scene).variables:
         start = found.pop(variable.name)
         if variable.causality == "output":
             assert start is None
@@ -276,7 +276,7 @@ def test_documents(fmus, target, model):
         assert fmu.read("documentation/licenses/license.txt").startswith(b"MIT License")
         name = "terminalsAndIcons/icon.png" if target == "fmi3" else "model.png"
         picture = pyplot.imread(io.BytesIO(fmu.read(name)), "png")
-    assert all(f"<td>{variable.name}</td>" in page for variable in fmu_variables(load_scene(model)))
+    assert all(f"<td>{variable.name}</td>" in page for variable in Model(load_scene(model)).variables)
     assert all(text in page for text in map(escape, STATUS_TEXT.values()))
     assert picture.shape == (128, 128, 3)
     assert 0.01 < np.mean(picture.min(axis=2) < 0.9) < 0.3

@@ -11,7 +11,7 @@ from chain_impact import load_scene
 from chain_impact.compilation import library
 from chain_impact.compilation.compilers import CPUS, INCLUDES, complete, interface_sources
 from chain_impact.compilation.library import kernel_library
-from chain_impact.variables.model import fmu_variables
+from chain_impact.variables.model import Model
 from tests.fmu.contents import description
 from tests.fmu.interface import unpacked
 from tests.fmu.zig import zig
@@ -68,7 +68,7 @@ def fmu(native):
     """GUID, resources and number of variables of a native FMU."""
     path = native[MODEL]
     location = (unpacked(path) / "resources").as_uri()
-    return [description(path).get("guid"), location, str(len(fmu_variables(load_scene(MODEL))))]
+    return [description(path).get("guid"), location, str(len(Model(load_scene(MODEL)).variables))]
 
 
 @pytest.mark.parametrize("seed", SEEDS)

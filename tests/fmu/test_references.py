@@ -15,6 +15,7 @@ from chain_impact.fmu.check_references import check_references
 from chain_impact.fmu.references import EXACT, FOLDER, MANIFEST, NAMESPACE, ROWS, reference
 from chain_impact.results.result import recording_of
 from chain_impact.scene.scene import model_names
+from chain_impact.variables.model import Model
 
 every_model = pytest.mark.parametrize("model", model_names())
 OUT, EXPERIMENTS = f"{FOLDER}/FourLinkBox_out.csv", f"{FOLDER}/FourLinkBox.exp"
@@ -96,7 +97,7 @@ def test_the_results_are_those_of_another_method_at_a_tight_tolerance(native, mo
 
 def test_no_row_is_close_to_the_begin_or_end_of_a_contact():
     scene = load_scene("four_link_box")
-    found, impacts = reference(scene, print), simulate(scene).impacts
+    found, impacts = reference(Model(scene), print), simulate(scene).impacts
     edges = np.concatenate([impacts["onset"], impacts["end"]])
     assert np.nanmin(np.abs(found.times[:, None] - edges)) > 1e-6
 
@@ -104,14 +105,15 @@ def test_no_row_is_close_to_the_begin_or_end_of_a_contact():
 def test_a_long_run_has_a_short_experiment():
     """Of 1000 s of a chain that amplifies every error, two can be relied on."""
     scene = load_scene("four_link_box").with_values({"simulation.stop_time": 1000.0})
-    found = reference(scene, print)
+    found = reference(Model(scene), print)
     assert 1.0 < found.times[-1] < 10.0
     assert ROWS / 10 < len(found.times) <= ROWS + 1
 
 
 def test_a_coarse_tolerance_has_a_short_experiment():
     scene = load_scene("four_link_box")
-    fine, coarse = (reference(scene.with_values({"solver.tolerance": t}), print) for t in (1e-10, 1e-4))
+    scenes = (scene.with_values({"solver.tolerance": tolerance}) for tolerance in (1e-10, 1e-4))
+    fine, coarse = (reference(Model(one), print) for one in scenes)
     assert coarse.times[-1] < fine.times[-1]
 
 
@@ -122,7 +124,7 @@ def test_inputs_differ_from_each_other_and_act(native):
     values = np.array([row.split(",") for row in rows], float)
     assert np.ptp(values[:, 1:], axis=0).min() > 0.01
     assert np.abs(values[:, 1] - values[:, 2]).max() > 0.01
-    found = reference(load_scene("controlled_arm"), print)
+    found = reference(Model(load_scene("controlled_arm")), print)
     supplied = found.values[:, [v.name for v in found.outputs].index("energy.supplied")]
     assert np.abs(supplied).max() > 0.01
 

@@ -10,7 +10,7 @@ import pytest
 
 from chain_impact import SimulationError, load_scene, simulate
 from chain_impact.results.result import recording_of
-from chain_impact.variables.model import fmu_variables
+from chain_impact.variables.model import Model
 from tests.problems import default_scene
 from tests.refusal import refusal
 
@@ -28,7 +28,7 @@ def test_an_output_is_got_by_its_name(result):
 
 
 def test_the_names_are_those_of_the_fmu(result):
-    outputs = [v for v in fmu_variables(result.scene) if v.causality == "output"]
+    outputs = [v for v in Model(result.scene).variables if v.causality == "output"]
     assert list(result.names) == list(result.columns) == [v.name for v in outputs]
     motion = [v.name for v in outputs if v.place[0] == "output"]
     assert list(result.motion) == list(recording_of(result).columns) == motion

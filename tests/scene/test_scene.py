@@ -22,7 +22,7 @@ from chain_impact.scene.scene import (
     scene_to_dict,
     with_values,
 )
-from chain_impact.variables.model import fmu_variables
+from chain_impact.variables.model import Model
 from tests.refusal import refusal
 
 SOURCE = "somewhere/scene.toml"
@@ -217,7 +217,7 @@ def test_every_value_has_a_name_by_which_it_can_be_set(model):
     scene = load_scene(model)
     assert scene.with_values(scene.values) == scene
     assert scene.values["link[1].mass"] == scene.chain.links[0].mass
-    assert {v.name for v in fmu_variables(scene) if v.causality == "parameter"} <= scene.values.keys()
+    assert {v.name for v in Model(scene).variables if v.causality == "parameter"} <= scene.values.keys()
 
 
 @pytest.mark.parametrize(

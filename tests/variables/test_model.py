@@ -11,7 +11,7 @@ from chain_impact import CONTACT_LAWS, load_scene, simulate
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import SOLVER_METHODS, model_names, scene_to_dict, with_values
 from chain_impact.variables import model
-from chain_impact.variables.model import fmu_variables, new_instance
+from chain_impact.variables.model import Model, new_instance
 from chain_impact.variables.table import word_index
 
 BUFFER = 64 * 1024  # bytes, what an instance of four links in a box shall fit into
@@ -46,7 +46,7 @@ def test_each_value_of_the_scene_stands_where_its_variable_is(model):
     instance = new_instance(scene)
     reals, integers = instance.view(np.float64), instance.view(np.int64)
     checked = 0
-    for variable in fmu_variables(scene):
+    for variable in Model(scene).variables:
         if variable.causality != "parameter" or variable.scene_path is None:
             continue
         value = reduce(operator.getitem, variable.scene_path, scene_to_dict(scene))

@@ -12,7 +12,7 @@ from chain_impact.kernel.record import output_dtype
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import SOLVER_METHODS, WALLS, Scene, model_names, with_values
-from chain_impact.variables.model import Model, fmu_variables, new_instance
+from chain_impact.variables.model import Model, new_instance
 from chain_impact.variables.table import word_index
 from chain_impact.variables.units import UNITS
 
@@ -36,12 +36,12 @@ every_scene = pytest.mark.parametrize("scene", SCENES.values(), ids=SCENES)
 
 
 def names(scene: Scene, causality: str) -> list[str]:
-    return [variable.name for variable in fmu_variables(scene) if variable.causality == causality]
+    return [variable.name for variable in Model(scene).variables if variable.causality == causality]
 
 
 @every_scene
 def test_names_are_unique_and_structured(scene):
-    found = [variable.name for variable in fmu_variables(scene)]
+    found = [variable.name for variable in Model(scene).variables]
     assert len(set(found)) == len(found)
     part = r"[a-z_]\w*(\[\d+\])?"
     assert all(re.fullmatch(rf"{part}(\.{part})*", name) for name in found)
@@ -50,7 +50,7 @@ def test_names_are_unique_and_structured(scene):
 @every_scene
 def test_each_variable_has_a_word_of_its_own(scene):
     layout = new_instance(scene).dtype
-    words = [word_index(layout, variable.place) for variable in fmu_variables(scene)]
+    words = [word_index(layout, variable.place) for variable in Model(scene).variables]
     assert len(set(words)) == len(words)
     assert 0 <= min(words) <= max(words) < layout.itemsize // 8
 
@@ -85,14 +85,14 @@ def test_causality_variability_and_initial_are_a_legal_combination(scene):
         ("output", "continuous", "calculated"),
         ("output", "discrete", "calculated"),
     }
-    for variable in fmu_variables(scene):
+    for variable in Model(scene).variables:
         assert (variable.causality, variable.variability, variable.initial) in legal
         assert variable.variability != "continuous" or variable.type == "real"
 
 
 @every_scene
 def test_reals_have_a_unit_and_all_have_a_description(scene):
-    for variable in fmu_variables(scene):
+    for variable in Model(scene).variables:
         assert variable.description.strip() == variable.description != ""
         assert (variable.unit in UNITS) == (variable.type == "real")
         assert bool(variable.items) == (variable.type == "enumeration")
@@ -100,7 +100,7 @@ def test_reals_have_a_unit_and_all_have_a_description(scene):
 
 @every_scene
 def test_outputs_come_last(scene):
-    causalities = [variable.causality for variable in fmu_variables(scene)]
+    causalities = [variable.causality for variable in Model(scene).variables]
     assert causalities == sorted(causalities, key=["parameter", "input", "output"].index)
 
 
@@ -160,7 +160,7 @@ def test_inputs_exist_only_if_asked_for():
 
 
 def test_only_the_walls_and_points_of_the_scene():
-    arm = [variable.name for variable in fmu_variables(SCENES["pinned_arm"])]
+    arm = [variable.name for variable in Model(SCENES["pinned_arm"]).variables]
     assert [name for name in arm if name.startswith("box.")] == ["box.x_max"]
     touching = {name.rpartition(".")[0] for name in arm if name.startswith("contact[")}
     assert touching == {"contact[1].x_max", "contact[2].x_max"}
@@ -175,7 +175,7 @@ def test_walls_at_any_angle_have_their_own_variables():
     walls = [f"wall.{wall}.{key}" for wall in ("ramp", "stop") for key in ("x", "y", "angle")]
     assert ramp[9:15] == walls
     assert not [name for name in ramp if name.startswith("box")]
-    slanted = {variable.name: variable for variable in fmu_variables(SCENES["slanted"])}
+    slanted = {variable.name: variable for variable in Model(SCENES["slanted"]).variables}
     assert slanted["wall.slope.x"].place == ("walls", "x", 0)
     assert slanted["contact[4].slope.force"].place == ("output", "force", 24)
     assert (
@@ -185,12 +185,12 @@ def test_walls_at_any_angle_have_their_own_variables():
     assert slanted["impact.last_wall"].description.endswith("3 y_min, 4 y_max, 5 slope")
     # a wall that nothing can touch
     assert not [
-        v for v in fmu_variables(SCENES["walls without points"]) if v.name.startswith(("wall", "contact"))
+        v for v in Model(SCENES["walls without points"]).variables if v.name.startswith(("wall", "contact"))
     ]
 
 
 def test_a_scene_without_walls_has_no_contact_variables():
-    found = [variable.name for variable in fmu_variables(SCENES["without walls"])]
+    found = [variable.name for variable in Model(SCENES["without walls"]).variables]
     assert not [name for name in found if name.startswith(("contact", "box"))]
 
 
@@ -201,7 +201,7 @@ def test_a_scene_without_walls_has_no_contact_variables():
 def test_each_parameter_sets_its_place_and_nothing_else(scene):
     paths = Model(scene).parameter_paths
     before = new_instance(scene)
-    for variable in fmu_variables(scene):
+    for variable in Model(scene).variables:
         if variable.causality != "parameter":
             continue
         path, word = paths[variable.name], word_index(before.dtype, variable.place)
@@ -225,14 +225,14 @@ def test_each_parameter_sets_its_place_and_nothing_else(scene):
 
 
 def test_enumerations_number_laws_and_methods_as_the_kernel_does():
-    choices = {variable.name: variable.items for variable in fmu_variables(SCENES["rod_drop"])}
+    choices = {variable.name: variable.items for variable in Model(SCENES["rod_drop"]).variables}
     for number, item in enumerate(choices["contact.model"], 1):
         assert CONTACT_LAWS[item.name].number == number
     assert tuple(item.name for item in choices["solver.method"]) == SOLVER_METHODS
 
 
 def test_limits_come_from_the_scene():
-    found = {variable.name: variable for variable in fmu_variables(SCENES["rod_drop"])}
+    found = {variable.name: variable for variable in Model(SCENES["rod_drop"]).variables}
     assert (found["contact.restitution"].minimum, found["contact.restitution"].maximum) == (0.0, 1.0)
     assert found["link[1].mass"].above == 0.0
     assert found["link[1].mass"].allowed == "a finite number > 0 [kg]"
@@ -242,7 +242,7 @@ def test_limits_come_from_the_scene():
 
 
 def test_every_status_is_in_the_description():
-    status = next(v for v in fmu_variables(SCENES["rod_drop"]) if v.name == "solver.status")
+    status = next(v for v in Model(SCENES["rod_drop"]).variables if v.name == "solver.status")
     assert all(text in status.description for text in STATUS_TEXT.values())
 
 
@@ -257,7 +257,7 @@ def test_columns_are_those_of_the_recorded_outputs(scene):
     columns = Model(scene).series(outputs)
     layout = new_instance(scene).dtype
     start = layout.fields["output"][1] // 8
-    for variable in fmu_variables(scene):
+    for variable in Model(scene).variables:
         if variable.place[0] == "output":
             offset = word_index(layout, variable.place) - start
             assert columns.pop(variable.name).tolist() == [offset, offset + width, offset + 2 * width]
@@ -265,5 +265,5 @@ def test_columns_are_those_of_the_recorded_outputs(scene):
 
 
 def test_every_unit_is_used():
-    used = {variable.unit for scene in SCENES.values() for variable in fmu_variables(scene)}
+    used = {variable.unit for scene in SCENES.values() for variable in Model(scene).variables}
     assert used - {""} == set(UNITS)

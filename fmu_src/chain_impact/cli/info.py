@@ -38,10 +38,10 @@ def run(options: argparse.Namespace) -> int:
             facts += zip(EXPERIMENT, times, strict=True)
         facts += [(v.name, _start(v)) for v in variables if v.causality == "parameter"]
     else:
-        from chain_impact.variables.model import fmu_variables
+        from chain_impact.variables.model import Model
 
         scene = load_scene(options.source)
-        name, description, variables = scene.name, scene.description, fmu_variables(scene)
+        name, description, variables = scene.name, scene.description, Model(scene).variables
         shown = {"name", "description"}  # in the headline
         facts += [
             (name, _as_set(value))

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from chain_impact.scene.scene import Scene
 from chain_impact.variables.model import Model
 from chain_impact.variables.variable import Variable
 
@@ -40,10 +39,10 @@ class Array(NamedTuple):
         return math.prod(self.shape)
 
 
-def array_variables(scene: Scene) -> list[Array]:
+def array_variables(model: Model) -> list[Array]:
     """The arrays of the outputs that the scene asks for, in the order of their value references."""
     groups: dict[tuple[str | int, ...], list[Variable]] = {}
-    for variable in Model(scene).outputs:
+    for variable in model.outputs:
         record, field, *index = variable.place
         if index:
             groups.setdefault((record, field), []).append(variable)

@@ -17,12 +17,13 @@ from chain_impact.fmu import native_target, pythonfmu_target
 from chain_impact.fmu.documents import documents
 from chain_impact.fmu.references import reference_files
 from chain_impact.results.recording import written_whole
-from chain_impact.scene.scene import Scene, SceneSource, scene_of
+from chain_impact.scene.scene import SceneSource, scene_of
+from chain_impact.variables.model import Model
 
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 
 
-Files = Callable[[Scene, Mapping[str, Path], Path], dict[str, bytes]]
+Files = Callable[[Model, Mapping[str, Path], Path], dict[str, bytes]]
 
 
 class Target(NamedTuple):
@@ -95,12 +96,12 @@ def build_fmu(
         platform: kernel_library(links, platform, notify, law_file=law, derivatives=varied)
         for platform in platforms
     }
-    fmu = directory / f"{scene.name}.fmu"
+    fmu, model = directory / f"{scene.name}.fmu", Model(scene)
     # a scratch folder of its own: that of the path is the user's where the FMU is a link
     with written_whole(fmu) as path, tempfile.TemporaryDirectory(prefix="chain-impact-") as scratch:
         notify("packaging the FMU")
-        files = TARGETS[target].files[fmi](scene, kernels, Path(scratch)) | documents(scene, fmi)
-        _pack(files | reference_files(scene, notify), path)
+        files = TARGETS[target].files[fmi](model, kernels, Path(scratch)) | documents(model, fmi)
+        _pack(files | reference_files(model, notify), path)
         notify("validating the FMU")
         problems = validate_fmu(path)
         if problems:

@@ -7,13 +7,10 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from xml.etree.ElementTree import Element, SubElement
 
-import numpy as np
-
 from chain_impact.scene.angles import DEGREES
 from chain_impact.scene.names import Place
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.model import new_instance
-from chain_impact.variables.table import word_index
+from chain_impact.variables.model import Model
 from chain_impact.variables.units import in_order, unit_of
 from chain_impact.variables.variable import OBSERVED, Variable
 
@@ -104,11 +101,10 @@ def attributes_of(variable: Variable, reference: int) -> dict[str, str]:
     return attributes
 
 
-def values_of(variables: Sequence[Variable], scene: Scene) -> list[dict[str, str]]:
+def values_of(model: Model) -> list[dict[str, str]]:
     """What the values of each variable are: type, unit, range, start and nominal value."""
-    instance, nominal = new_instance(scene), nominal_values(scene)
-    reals, integers, found = instance.view(np.float64), instance.view(np.int64), []
-    for variable in variables:
+    nominal, found = nominal_values(model.scene), []
+    for variable in model.variables:
         value = {}
         if variable.type == "real":
             value = {"declaredType": unit_of(variable.unit).quantity, "unit": variable.unit}
@@ -122,9 +118,7 @@ def values_of(variables: Sequence[Variable], scene: Scene) -> list[dict[str, str
         limits = {"min": low, "max": variable.maximum}
         value |= {name: repr(limit) for name, limit in limits.items() if limit is not None}
         if variable.causality != "output":
-            words = reals if variable.type == "real" else integers
-            # repr of a float is the shortest text that reads back as the same number
-            value["start"] = repr(words[word_index(instance.dtype, variable.place)].item())
+            value["start"] = model.start_text(variable)
         found.append(value)
     return found
 

@@ -15,7 +15,6 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.model import Model
-from chain_impact.variables.table import word_index
 from chain_impact.variables.variable import Variable
 
 SIZE, MARGIN, EDGE = 128, 0.12, 1.5  # of the picture: pixels, a part of it, half a wall in pixels
@@ -45,34 +44,32 @@ FURTHER: dict[int, list[str]] = {2: [], 3: [EVENTS]}
 """Version of FMI → what is to be said of it besides."""
 
 
-def documents(scene: Scene, fmi: int) -> dict[str, bytes]:
+def documents(model: Model, fmi: int) -> dict[str, bytes]:
     """The files, by their names in an FMU of version 2 or 3 of FMI."""
     license_text = distribution("chain-impact").read_text("licenses/LICENSE")
     if license_text is None:
         raise BuildError("the license of chain-impact is not installed with it: install the package anew")
     return {
-        "documentation/index.html": page(scene, fmi).encode(),
+        "documentation/index.html": page(model, fmi).encode(),
         "documentation/licenses/license.txt": license_text.encode(),
-        PICTURES[fmi]: picture(scene),
+        PICTURES[fmi]: picture(model.scene),
     }
 
 
 # --- the page --------------------------------------------------------------------------------------------
 
 
-def page(scene: Scene, fmi: int) -> str:
+def page(model: Model, fmi: int) -> str:
     """The documentation, as HTML."""
-    model = Model(scene)
-    instance, variables = model.new_instance(), model.variables
-
-    def start(variable: Variable) -> str:
-        words = instance.view(np.float64 if variable.type == "real" else np.int64)
-        return repr(words[word_index(instance.dtype, variable.place)].item())
+    scene, variables = model.scene, model.variables
 
     def of(causality: str) -> list[Variable]:
         return [variable for variable in variables if variable.causality == causality]
 
-    settable = [(v.name, start(v), v.unit, v.variability, v.allowed, v.description) for v in of("parameter")]
+    settable = [
+        (v.name, model.start_text(v), v.unit, v.variability, v.allowed, v.description)
+        for v in of("parameter")
+    ]
     inputs = [(v.name, v.unit, v.description) for v in of("input")]
     outputs = [(v.name, v.unit, v.variability, v.description) for v in of("output")]
     choices = [

@@ -16,8 +16,7 @@ from chain_impact.fmu.description import (
     type_name,
     values_of,
 )
-from chain_impact.scene.scene import Scene
-from chain_impact.variables.model import fmu_variables
+from chain_impact.variables.model import Model
 from chain_impact.variables.variable import Variable
 
 CAPABILITIES = {
@@ -31,13 +30,13 @@ CAPABILITIES = {
 }
 
 
-def model_description(scene: Scene, tool: str, **capabilities: str) -> Element:
-    """The model description, with the start values of the scene's instance and without a guid.
+def model_description(model: Model, tool: str, **capabilities: str) -> Element:
+    """The model description, with the start values of the model's instance and without a guid.
 
-    Value references are positions in ``fmu_variables(scene)``. ``tool`` is what has made the FMU;
+    Value references are positions in ``model.variables``. ``tool`` is what has made the FMU;
     ``capabilities`` are attributes of CoSimulation in place of the usual ones.
     """
-    variables = fmu_variables(scene)
+    scene, variables = model.scene, model.variables
     root = Element("fmiModelDescription", {"fmiVersion": "2.0", "guid": "", **about(scene, tool)})
     SubElement(root, "CoSimulation", {"modelIdentifier": scene.name, **CAPABILITIES, **capabilities})
     add_units(root, variables)
@@ -50,14 +49,15 @@ def model_description(scene: Scene, tool: str, **capabilities: str) -> Element:
             choice = SubElement(types, "SimpleType", name=type_name(variable), description=text)
             add_items(SubElement(choice, "Enumeration"), variable)
     add_categories_and_experiment(root, scene)
-    _add_variables(root, variables, scene)
+    _add_variables(root, model)
     _add_structure(root, variables)
     return root
 
 
-def _add_variables(root: Element, variables: Sequence[Variable], scene: Scene) -> None:
+def _add_variables(root: Element, model: Model) -> None:
+    variables = model.variables
     indices = {variable.place: str(index) for index, variable in enumerate(variables, 1)}
-    nodes, values = SubElement(root, "ModelVariables"), values_of(variables, scene)
+    nodes, values = SubElement(root, "ModelVariables"), values_of(model)
     for reference, (variable, value) in enumerate(zip(variables, values, strict=True)):
         node = SubElement(nodes, "ScalarVariable", attributes_of(variable, reference))
         rate = rate_of(variable)

@@ -18,8 +18,7 @@ from chain_impact.fmu.description import (
     values_of,
 )
 from chain_impact.scene.names import Place
-from chain_impact.scene.scene import Scene
-from chain_impact.variables.model import fmu_variables
+from chain_impact.variables.model import Model
 from chain_impact.variables.units import UNITS
 from chain_impact.variables.variable import Variable
 
@@ -35,13 +34,13 @@ CAPABILITIES = {
 TYPES = {"real": "Float64", "integer": "Int64", "enumeration": "Enumeration"}
 
 
-def model_description(scene: Scene, tool: str) -> Element:
-    """The model description, with the start values of the scene's instance and without a token.
+def model_description(model: Model, tool: str) -> Element:
+    """The model description, with the start values of the model's instance and without a token.
 
-    Value references are those of FMI 2.0, then that of the time, then those of ``array_variables(scene)``.
+    Value references are those of FMI 2.0, then that of the time, then those of ``array_variables(model)``.
     ``tool`` is what has made the FMU.
     """
-    variables = fmu_variables(scene)
+    scene, variables, arrays = model.scene, model.variables, array_variables(model)
     token = {"fmiVersion": "3.0", "instantiationToken": ""}
     root = Element("fmiModelDescription", {**token, **about(scene, tool)})
     SubElement(root, "CoSimulation", {"modelIdentifier": scene.name, **CAPABILITIES})
@@ -54,14 +53,14 @@ def model_description(scene: Scene, tool: str) -> Element:
             name, text = type_name(variable), variable.description
             add_items(SubElement(types, "EnumerationType", name=name, description=text), variable)
     add_categories_and_experiment(root, scene)
-    _add_variables(root, variables, scene)
-    _add_structure(root, variables, array_variables(scene))
+    _add_variables(root, model, arrays)
+    _add_structure(root, variables, arrays)
     return root
 
 
-def _add_variables(root: Element, variables: Sequence[Variable], scene: Scene) -> None:
-    nodes, values = SubElement(root, "ModelVariables"), values_of(variables, scene)
-    arrays = array_variables(scene)
+def _add_variables(root: Element, model: Model, arrays: Sequence[Array]) -> None:
+    variables = model.variables
+    nodes, values = SubElement(root, "ModelVariables"), values_of(model)
     references = {variable.place: reference for reference, variable in enumerate(variables)}
     first = len(variables) + 1
     of_arrays = {array.variable.place: reference for reference, array in enumerate(arrays, first)}

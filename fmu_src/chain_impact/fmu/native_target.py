@@ -12,8 +12,7 @@ from chain_impact.compilation.compilers import ZIG_TARGETS
 from chain_impact.fmu import fmi2_description, fmi3_description
 from chain_impact.fmu.arrays import array_variables
 from chain_impact.fmu.table import guid_of, model_table, packed
-from chain_impact.scene.scene import Scene
-from chain_impact.variables.model import new_instance
+from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
 from chain_impact.variables.variable import LARGEST, variable_row
 
@@ -28,37 +27,35 @@ TUPLES = {
 }
 """What FMI 3.0 calls the platforms (2.5.1.4.1)."""
 TABLE = "resources/model.bin"
-TOOL = "chain-impact {}"
+TOOL = f"chain-impact {version('chain-impact')}"
 
 
-def native_files(scene: Scene, kernels: Mapping[str, Path], _scratch: Path) -> dict[str, bytes]:
+def native_files(model: Model, kernels: Mapping[str, Path], _scratch: Path) -> dict[str, bytes]:
     """All files of the FMU for FMI 2.0, by their names in it.
 
     Args:
-        scene: what it simulates.
+        model: what it simulates.
         kernels: platform → library.
     """
-    description = fmi2_description.model_description(
-        scene, TOOL.format(version("chain-impact")), canNotUseMemoryManagementFunctions="false"
-    )
-    return _files(scene, kernels, description, "guid", [])
+    description = fmi2_description.model_description(model, TOOL, canNotUseMemoryManagementFunctions="false")
+    return _files(model, kernels, description, "guid", [])
 
 
-def native_fmi3_files(scene: Scene, kernels: Mapping[str, Path], _scratch: Path) -> dict[str, bytes]:
+def native_fmi3_files(model: Model, kernels: Mapping[str, Path], _scratch: Path) -> dict[str, bytes]:
     """Likewise for FMI 3.0."""
-    layout = new_instance(scene).dtype
-    time = ["time", "real", word_index(layout, ("step", "time")), "independent", -LARGEST, LARGEST, ""]
-    further: list[tuple[list[Any], int]] = [(time, 1)]
-    for array in array_variables(scene):
-        row = variable_row(array.variable, word_index(layout, array.variable.place))
-        further.append((row, array.length))
-    description = fmi3_description.model_description(scene, TOOL.format(version("chain-impact")))
+    place = word_index(model.start.dtype, ("step", "time"))
+    time = ["time", "real", place, "independent", -LARGEST, LARGEST, ""]
+    arrays = [
+        (variable_row(array.variable, model.word(array.variable)), array.length)
+        for array in array_variables(model)
+    ]
     kernels = {TUPLES[platform]: library for platform, library in kernels.items()}
-    return _files(scene, kernels, description, "instantiationToken", further)
+    description = fmi3_description.model_description(model, TOOL)
+    return _files(model, kernels, description, "instantiationToken", [(time, 1), *arrays])
 
 
 def _files(
-    scene: Scene,
+    model: Model,
     kernels: Mapping[str, Path],
     description: ElementTree.Element,
     token: str,
@@ -66,14 +63,14 @@ def _files(
 ) -> dict[str, bytes]:
     """The files of a description, whose attribute ``token`` is set, and of a table with further rows."""
     files = {
-        f"binaries/{platform}/{scene.name}{library.suffix}": library.read_bytes()
+        f"binaries/{platform}/{model.scene.name}{library.suffix}": library.read_bytes()
         for platform, library in sorted(kernels.items())
     }
-    model, record = {**model_table(scene), "guid": ""}, new_instance(scene).tobytes()
-    contents = (packed(model, record, further), ElementTree.tostring(description), *files.values())
-    model["guid"] = guid_of(contents)
-    description.set(token, model["guid"])
-    files[TABLE] = packed(model, record, further)
+    table, record = {**model_table(model), "guid": ""}, model.start.tobytes()
+    contents = (packed(table, record, further), ElementTree.tostring(description), *files.values())
+    table["guid"] = guid_of(contents)
+    description.set(token, table["guid"])
+    files[TABLE] = packed(table, record, further)
     ElementTree.indent(description)
     files["modelDescription.xml"] = ElementTree.tostring(description, encoding="UTF-8", xml_declaration=True)
     return files

@@ -14,8 +14,7 @@ from xml.etree import ElementTree
 from chain_impact.compilation.errors import BuildError
 from chain_impact.fmu.fmi2_description import model_description
 from chain_impact.fmu.table import guid_of, model_table
-from chain_impact.scene.scene import Scene
-from chain_impact.variables.model import new_instance
+from chain_impact.variables.model import Model
 
 PLATFORMS = ("linux64", "win64")
 """Those for which pythonfmu has a wrapper."""
@@ -34,18 +33,18 @@ So it does no more than import the slave, which Python does once in a process.
 DESCRIPTION = "description.xml"  # what the slave's to_xml() gives the builder; not part of the FMU
 
 
-def pythonfmu_files(scene: Scene, kernels: Mapping[str, Path], scratch: Path) -> dict[str, bytes]:
+def pythonfmu_files(model: Model, kernels: Mapping[str, Path], scratch: Path) -> dict[str, bytes]:
     """All files of the FMU, by their names in it.
 
     Args:
-        scene: what it simulates.
+        model: what it simulates.
         kernels: platform → library.
         scratch: a folder to work in.
 
     Raises:
         BuildError: when pythonfmu fails.
     """
-    built = _run_builder(_staged(scene, kernels), scene.name, scratch)
+    built = _run_builder(_staged(model, kernels), model.scene.name, scratch)
     with zipfile.ZipFile(built) as fmu:
         return {name: fmu.read(name) for name in fmu.namelist() if _wanted(name, kernels)}
 
@@ -62,17 +61,17 @@ def slave_source() -> bytes:
     return (packaged if packaged.is_file() else Path(__file__).parents[2] / "slave.py").read_bytes()
 
 
-def _staged(scene: Scene, kernels: Mapping[str, Path]) -> dict[str, bytes]:
+def _staged(model: Model, kernels: Mapping[str, Path]) -> dict[str, bytes]:
     """The files that pythonfmu makes the FMU of, the slave's script first: name → content."""
-    files = {"instance.bin": new_instance(scene).tobytes()}
+    files = {"instance.bin": model.start.tobytes()}
     for platform, library in sorted(kernels.items()):
         files[f"kernel-{platform}{library.suffix}"] = library.read_bytes()
-    slave, model = slave_source(), model_table(scene)
-    description = model_description(scene, f"chain-impact with PythonFMU {version('pythonfmu')}")
+    slave, table = slave_source(), model_table(model)
+    description = model_description(model, f"chain-impact with PythonFMU {version('pythonfmu')}")
 
-    guid = guid_of((slave, json.dumps(model).encode(), ElementTree.tostring(description), *files.values()))
+    guid = guid_of((slave, json.dumps(table).encode(), ElementTree.tostring(description), *files.values()))
     description.set("guid", guid)
-    files["model.json"] = json.dumps({**model, "guid": guid}).encode()
+    files["model.json"] = json.dumps({**table, "guid": guid}).encode()
     files[DESCRIPTION] = ElementTree.tostring(description)
     # the guid also names both modules: one process can hold several FMUs, and Python knows modules by name
     script = f"chain_impact_{guid.replace('-', '')[:16]}"

@@ -68,22 +68,22 @@ class Reference:
     inputs: dict[str, np.ndarray]
 
 
-def reference_files(scene: Scene, notify: Notify) -> dict[str, bytes]:
+def reference_files(model: Model, notify: Notify) -> dict[str, bytes]:
     """The files, by their names in the FMU; none if the results cannot be relied on for any time.
 
     Args:
-        scene: what the FMU simulates.
+        model: what the FMU simulates.
         notify: called with a sentence when there are none.
     """
     try:
-        found = reference(scene, notify)
+        found = reference(model, notify)
     except SimulationError as error:
         notify(f"no reference results in the FMU: {error}")
         return {}
     if len(found.times) < FEWEST:
         notify("no reference results in the FMU: they depend too much on the solver's tolerance")
         return {}
-    name = scene.name
+    scene, name = model.scene, model.scene.name
     files = {
         "fmi-ls-manifest.xml": _xml(_manifest(name, found)),
         f"{name}.exp": _xml(_experiments(scene, found)),
@@ -95,7 +95,7 @@ def reference_files(scene: Scene, notify: Notify) -> dict[str, bytes]:
     return {f"{FOLDER}/{file}": content for file, content in files.items()}
 
 
-def reference(scene: Scene, notify: Notify) -> Reference:
+def reference(model: Model, notify: Notify) -> Reference:
     """Simulate a scene at a tolerance of 1e-12 and at its own, as far as the second follows the first.
 
     If that is a small part of the scene's time, in shorter steps.
@@ -103,20 +103,20 @@ def reference(scene: Scene, notify: Notify) -> Reference:
     Raises:
         SimulationError: when it cannot start, or take the first step.
     """
-    stop, shortest = scene.simulation.stop_time, scene.simulation.step_size
+    stop, shortest = model.scene.simulation.stop_time, model.scene.simulation.step_size
     while True:
         step = shortest * max(1, round(stop / shortest / ROWS))
         count = max(1, math.floor(stop / step * (1 + 1e-12)))
-        found = _compared(scene, np.minimum(np.arange(count + 1) * min(step, stop), stop), notify)
+        found = _compared(model, np.minimum(np.arange(count + 1) * min(step, stop), stop), notify)
         if len(found.times) > ROWS / SHORTER or step == shortest:
             return found
         stop /= SHORTER
 
 
-def _compared(scene: Scene, times: np.ndarray, notify: Notify) -> Reference:
+def _compared(model: Model, times: np.ndarray, notify: Notify) -> Reference:
     """The reference with some communication points [s], equally spaced from 0."""
-    step = float(times[1])
-    inputs, chosen = _inputs(scene, len(times)), _chosen(scene)
+    scene, step = model.scene, float(times[1])
+    inputs, chosen = _inputs(model, len(times)), _chosen(model)
     runs = [
         _Run(scene.with_values({"solver.tolerance": tolerance, "outputs.solver": True}), notify)
         for tolerance in (EXACT, scene.solver.tolerance)
@@ -177,17 +177,17 @@ class _Run:
         return bool(self.chain.get("solver.rhs_evaluations") * self._links < MOST_WORK)
 
 
-def _chosen(scene: Scene) -> list[Variable]:
+def _chosen(model: Model) -> list[Variable]:
     """A few outputs that together depend on all that happens."""
-    last = len(scene.chain.links)
+    last = len(model.scene.chain.links)
     ends = [f"point[{k}].{axis}" for k in (0, last) for axis in "xy"]
     ends += [f"link[{i}].angle" for i in (1, last)]
-    return [v for v in Model(scene).outputs if v.name in ends or v.name.startswith(("energy.", "impact."))]
+    return [v for v in model.outputs if v.name in ends or v.name.startswith(("energy.", "impact."))]
 
 
-def _inputs(scene: Scene, count: int) -> dict[str, np.ndarray]:
+def _inputs(model: Model, count: int) -> dict[str, np.ndarray]:
     """A sine for each input, of another frequency each, so that none is taken for another."""
-    nominal, links = nominal_values(scene), len(scene.chain.links)
+    nominal, links = nominal_values(model.scene), len(model.scene.chain.links)
     turn = 2.0 * math.pi * np.arange(count) / count
     # of a torque M L²/s², of a force M L/s², shared by the links
     size = {
@@ -196,7 +196,7 @@ def _inputs(scene: Scene, count: int) -> dict[str, np.ndarray]:
     }
     return {
         name: size[name.partition(".")[0].partition("[")[0]] * np.cos((1 + i) * turn)
-        for i, name in enumerate(variable.name for variable in Model(scene).inputs)
+        for i, name in enumerate(variable.name for variable in model.inputs)
     }
 
 

@@ -10,7 +10,6 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from chain_impact.kernel.status import STATUS_TEXT
-from chain_impact.scene.scene import Scene
 from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
 from chain_impact.variables.variable import variable_row
@@ -22,18 +21,17 @@ MAGIC = b"chaintab"
 TYPES, KINDS = ("real", "integer"), ("fixed", "tunable", "input", "output", "independent")
 
 
-def model_table(scene: Scene) -> dict[str, Any]:
+def model_table(model: Model) -> dict[str, Any]:
     """What an FMU has to know of its model, but for the start values and the GUID."""
-    model = Model(scene)
-    variables, layout = model.variables, model.new_instance().dtype
+    variables, layout = model.variables, model.start.dtype
     places = {
         "time": ("step", "time"),
         "changed": ("given", "changed"),
         "tolerance": ("solver", "tolerance"),
     }
     return {
-        "name": scene.name,
-        "variables": [variable_row(variable, word_index(layout, variable.place)) for variable in variables],
+        "name": model.scene.name,
+        "variables": [variable_row(variable, model.word(variable)) for variable in variables],
         "first_output": sum(variable.causality != "output" for variable in variables),
         "words": {name: word_index(layout, place) for name, place in places.items()},
         "statuses": {str(status): text for status, text in STATUS_TEXT.items()},

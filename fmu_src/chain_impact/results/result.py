@@ -45,7 +45,7 @@ class Result:
     ``result["contact[2].*.force"]``; so does a list of names: ``result[["point[4].x", "energy.*"]]``.
 
     Attributes:
-        scene: the scene as it was simulated.
+        model: the scene as it was simulated, and what follows from it.
         time: communication points, shape (T,) [s].
         outputs: the outputs at these times, a structured array of shape (T,): all of them, see
             ``record.output_dtype``, or those that ``simulate(output=…)`` asked for, by their names.
@@ -56,7 +56,7 @@ class Result:
             when they are asked for; None if they are not known.
     """
 
-    scene: Scene
+    model: Model
     time: np.ndarray
     outputs: np.ndarray
     impacts: np.ndarray
@@ -93,9 +93,10 @@ class Result:
         like = matching(self.scene.name, name, self.names, "no output of this result", elsewhere)
         return {one: self[one] for one in like}
 
-    @cached_property
-    def _model(self) -> Model:
-        return Model(self.scene)
+    @property
+    def scene(self) -> Scene:
+        """The scene as it was simulated."""
+        return self.model.scene
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -116,7 +117,7 @@ class Result:
     def motion(self) -> dict[str, np.ndarray]:
         """The outputs that change all the time: name → shape (T,)."""
         if "point_position" in (self.outputs.dtype.names or ()):
-            return self._model.series(self.outputs)
+            return self.model.series(self.outputs)
         return {name: self.outputs[name] for name in self.outputs.dtype.names or ()}
 
     @property
@@ -300,7 +301,7 @@ class Result:
         """A field of ``record.output_dtype``, also if the outputs have other fields."""
         if field in (self.outputs.dtype.names or ()):
             return self.outputs[field]
-        parts = [v for v in self._model.motion if v.place[1] == field]
+        parts = [v for v in self.model.motion if v.place[1] == field]
         if not parts:
             raise UnknownNameError(self.scene.name, field, self.names, "no output of the scene")
         values = np.stack([self[variable.name] for variable in parts], axis=-1)
@@ -316,6 +317,6 @@ def recording_of(result: Result) -> Recording:
         columns=result.motion,
         impacts=impact_list(result.impacts, result.scene.wall_names),
         walls=result.scene.half_planes,
-        parameters={name: values[name] for name in result._model.parameter_paths},
+        parameters={name: values[name] for name in result.model.parameter_paths},
         sensitivities=result.sensitivities,
     )

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from chain_impact.results.summary import plural
 from chain_impact.scene.names import sensitivity_name
 from chain_impact.scene.reading import UnknownNameError
+from chain_impact.variables.model import Model
+from chain_impact.variables.variable import Variable
 
 PART = 0.01
 """Of its value, the change of a parameter for which changes are told; of its unit, where the value is 0."""
@@ -21,24 +23,45 @@ class Sensitivities:
     """Derivatives of outputs and of impacts with respect to P parameters.
 
     Attributes:
-        source: of the errors: the name of the scene.
-        parameters: name in the FMU → value; of an input 0.
-        units: name of a parameter or an output → its unit.
-        columns: name of an output → its column in ``slopes``.
+        model: of the scene.
+        varied: the parameters and inputs.
+        chosen: the names of the outputs; None for all that change all the time.
         slopes: derivatives of the outputs, shape (T, W, P).
         impacts: one row for each contact, shape (I,), as ``Result.impacts``.
         impact_slopes: quantity of an impact → derivatives, shape (I, P).
         limits: sentences: from which impact on there are none, and why.
     """
 
-    source: str
-    parameters: Mapping[str, float]
-    units: Mapping[str, str]
-    columns: Mapping[str, int]
+    model: Model
+    varied: Sequence[Variable]
+    chosen: Sequence[str] | None
     slopes: np.ndarray
     impacts: np.ndarray
     impact_slopes: Mapping[str, np.ndarray]
     limits: tuple[str, ...]
+
+    @property
+    def source(self) -> str:
+        """Of the errors: the name of the scene."""
+        return self.model.scene.name
+
+    @cached_property
+    def parameters(self) -> dict[str, float]:
+        """Name in the FMU → value; of an input 0."""
+        values = self.model.scene.values
+        return {variable.name: float(values.get(variable.name, 0.0)) for variable in self.varied}
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """Name of a parameter or an output → its unit."""
+        return {variable.name: variable.unit for variable in self.model.variables}
+
+    @cached_property
+    def columns(self) -> dict[str, int]:
+        """Name of an output → its column in ``slopes``."""
+        if self.chosen is None:
+            return self.model.columns
+        return {name: column for column, name in enumerate(self.chosen)}
 
     def __repr__(self) -> str:
         """Of how much there are derivatives, and with respect to what."""
@@ -62,7 +85,7 @@ class Sensitivities:
 
     def drawn(self, outputs: Sequence[str]) -> list[str]:
         """Some outputs by name; if none are named, the place of the last point, and the energy."""
-        last = sum(re.fullmatch(r"link\[\d+\]\.length", name) is not None for name in self.units)
+        last = len(self.model.scene.chain.links)
         usual = (f"point[{last}].x", f"point[{last}].y", "energy.total")
         return [self._output(name) for name in outputs or usual]
 

@@ -8,7 +8,6 @@ import numpy as np
 
 from chain_impact.extras import require
 from chain_impact.scene.names import AXES
-from chain_impact.variables.model import Model
 
 if TYPE_CHECKING:
     from chain_impact.results.result import Result
@@ -41,7 +40,7 @@ def dataframe(result: Result) -> Any:
     """See ``Result.to_dataframe``."""
     pandas = require("pandas", "pandas")
     table = pandas.DataFrame(result.columns, index=pandas.Index(result.time, name="time"))
-    units = {variable.name: variable.unit for variable in Model(result.scene).outputs}
+    units = {variable.name: variable.unit for variable in result.model.outputs}
     table.attrs["units"] = {name: units[name] for name in result.names}
     return table
 
@@ -61,7 +60,7 @@ def impact_table(result: Result) -> Any:
 def dataset(result: Result) -> Any:
     """See ``Result.to_xarray``."""
     xarray = require("xarray", "xarray")
-    scene, model = result.scene, Model(result.scene)
+    scene, model = result.scene, result.model
     pairs = [(point, scene.wall_names[wall]) for point, wall in model.candidates]
     points = len(scene.chain.links) + 1
     sizes = {"point": points, "axis": len(AXES), "link": points - 1, "contact": len(pairs)}

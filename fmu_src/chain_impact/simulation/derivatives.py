@@ -187,6 +187,26 @@ class DifferentiatedInstance(Instance):
         return (f"there are no derivatives from t = {trust['time']:.9g} s on, {impact}: {reason}",)
 
 
+class RowsWithSlopes:
+    """Rows of W outputs with their derivatives in P directions.
+
+    Attributes:
+        numbers: the outputs, shape (T, W).
+        slopes: their derivatives, shape (T, W, P).
+    """
+
+    at_once = ROWS_AT_ONCE
+
+    def __init__(self, numbers: np.ndarray, slopes: np.ndarray) -> None:
+        """Keep the arrays that are filled."""
+        self.numbers, self.slopes = numbers, slopes
+
+    def fill(self, instance: DifferentiatedInstance, times: np.ndarray, start: int) -> int:
+        """See ``Rows``."""
+        place = slice(start, start + len(times))
+        return instance.follow_trajectory(times, self.numbers[place], self.slopes[place])
+
+
 @dataclass(frozen=True)
 class Differentiated:
     """The outputs of a run, with derivatives with respect to its P parameters.
@@ -251,27 +271,17 @@ class DifferentiatedRun:
         """
         instance = self._instance
         times = np.ascontiguousarray(times, float)
-        driven = drive(self._model, self._inputs, "follow", times) if self._inputs else None
-        grid = times if driven is None else driven.times
-        found = np.full((len(grid), self._width), np.nan)
-        slopes = np.full((len(grid), self._width, self._count), np.nan)
+        driven = drive(self._model, self._inputs, "follow", times)
+        found = np.full((len(driven.times), self._width), np.nan)
+        rows = RowsWithSlopes(found, np.full((*found.shape, self._count), np.nan))
         impacts: list[np.ndarray] = []
         try:
-            if driven:
-                driven.set(instance.record["given"], 0)
+            driven.set(instance.record["given"], 0)
             instance.restart(self._places, values)
-        except SimulationError:
-            return self._told(found, slopes, impacts)
-        done, ends = 0, np.array([len(grid)]) if driven is None else driven.changes
-        while done < len(grid) and instance.status == OK:
-            end = ends[np.searchsorted(ends, done, side="right")]
-            if driven:
-                driven.set(instance.record["given"], done)
-            done += instance.follow_trajectory(grid[done:end], found[done:end], slopes[done:end])
-            impacts.append(instance.collect())
-        impacts.append(instance.open_contacts())
-        asked = slice(None) if driven is None else driven.asked
-        return self._told(found[asked], slopes[asked], impacts)
+            impacts = [*instance.run(driven, rows)[1], instance.open_contacts()]
+        except SimulationError:  # it cannot start
+            pass
+        return self._told(found[driven.asked], rows.slopes[driven.asked], impacts)
 
     def _told(self, found: np.ndarray, slopes: np.ndarray, impacts: list[np.ndarray]) -> Differentiated:
         order, rows = in_order([np.zeros(0, IMPACT_DTYPE), *impacts])

@@ -47,6 +47,8 @@ class Drive:
 
     def set(self, given: Any, row: int) -> None:
         """Set the inputs of an instance to those of a row; the solver starts anew if one jumps."""
+        if not self.places:
+            return
         at = int(np.searchsorted(self.first, row, side="right")) - 1
         powers, course, changed = self.pieces.powers[at], given["course"], False
         for m, (_, name, index) in enumerate(self.places):
@@ -61,11 +63,6 @@ class Drive:
         if changed:
             anew = row != self.first[at] or self.pieces.jumps[at]
             given["changed"] = AT_ONCE if anew else GOING_ON
-
-    @property
-    def changes(self) -> np.ndarray:
-        """The rows with which pieces begin, but for the first, and the number of rows."""
-        return np.append(self.first[1:], len(self.times))
 
 
 def drive(

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import ctypes
 import functools
+import os
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any, Protocol
 
 import numpy as np
 
 from chain_impact.compilation.library import kernel_library
-from chain_impact.compilation.work import Notify
+from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.kernel.status import OK, PAUSED, STATUS_TEXT
 from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.result import Result
@@ -39,6 +41,19 @@ class SimulationError(RuntimeError):
         return type(self), (self.status, self.time, self.result)
 
 
+class Rows(Protocol):
+    """What a run fills, row by row.
+
+    Attributes:
+        at_once: rows that are filled between two calls of the run's ``progress``, at most.
+    """
+
+    at_once: int
+
+    def fill(self, instance: Any, times: np.ndarray, start: int) -> int:
+        """Advance an instance to each of the times [s], keeping rows from ``start`` on; return how many."""
+
+
 class Instance:
     """An initialized instance and the kernel that works on it."""
 
@@ -62,7 +77,7 @@ class Instance:
         self.record = self._block[0]
         if driven:
             driven.set(self.record["given"], 0)
-        self._kernel = load_kernel(kernel_for(self.model.scene, notify, derivatives=bool(varied)))
+        self._kernel = kernel_for(self.model.scene, notify, derivatives=bool(varied))
         self._address = self._block.ctypes.data
         self.initialize()
 
@@ -99,6 +114,18 @@ class Instance:
         """Advance to each of the times [s], filling a row of outputs for each; return how many are filled."""
         rows: int = self._kernel.trajectory(self._address, times.ctypes.data, len(times), outputs.ctypes.data)
         return rows
+
+    def run(self, driven: Drive, rows: Rows, progress: Progress = silent) -> tuple[int, list[np.ndarray]]:
+        """Fill rows at the communication points; return how many, before a fault, and what contacts ended."""
+        done, impacts, ends = 0, [], np.append(driven.first[1:], len(driven.times))
+        while done < len(driven.times) and self.status == OK:
+            # the inputs are those of one piece at a time
+            end = min(done + rows.at_once, ends[np.searchsorted(ends, done, side="right")])
+            driven.set(self.record["given"], done)
+            done += rows.fill(self, driven.times[done:end], done)
+            impacts.append(self.collect())
+            progress(done / len(driven.times))
+        return done, impacts
 
     def collect(self) -> np.ndarray:
         """Take the finished contacts out of the log."""
@@ -163,19 +190,26 @@ def _impact_rows(count: int, columns: dict[str, np.ndarray]) -> np.ndarray:
     return rows
 
 
-def kernel_for(scene: Scene, notify: Notify | None, *, derivatives: bool) -> Path:
-    """The library of the kernel for a scene, for a processor like this one.
+_loaded: dict[tuple[int, bool, str | None], ctypes.CDLL] = {}
+"""The kernels without a law of the user's: number of links, derivatives, cache folder → kernel."""
+
+
+def kernel_for(scene: Scene, notify: Notify | None, *, derivatives: bool) -> ctypes.CDLL:
+    """The kernel for a scene and a processor like this one; what is loaded is not looked for again.
 
     Raises:
         BuildError: when it cannot be compiled.
     """
-    return kernel_library(
-        len(scene.chain.links),
-        notify=notify,
-        law_file=scene.contact.law_file,
-        derivatives=derivatives,
-        portable=False,
+    links, law = len(scene.chain.links), scene.contact.law_file
+    known = (links, derivatives, os.environ.get("CHAIN_IMPACT_CACHE"))
+    if known in _loaded and not law:
+        return _loaded[known]
+    kernel = load_kernel(
+        kernel_library(links, notify=notify, law_file=law, derivatives=derivatives, portable=False)
     )
+    if not law:
+        _loaded[known] = kernel
+    return kernel
 
 
 @functools.cache

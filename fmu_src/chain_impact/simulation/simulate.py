@@ -18,11 +18,11 @@ from chain_impact.results.result import Result
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
-from chain_impact.simulation.derivatives import DifferentiatedInstance
+from chain_impact.simulation.derivatives import DifferentiatedInstance, RowsWithSlopes
 from chain_impact.simulation.inputs import Drive, Interpolation, Signal, drive
-from chain_impact.simulation.instance import Instance, SimulationError, in_order
+from chain_impact.simulation.instance import Instance, Rows, SimulationError, in_order
 from chain_impact.variables.model import Model, model_of
-from chain_impact.variables.table import WORD, derivatives, word_index
+from chain_impact.variables.table import WORD, word_index
 from chain_impact.variables.variable import Variable
 
 MOST_BYTES = 2_000_000_000
@@ -89,7 +89,7 @@ def simulate(
         SimulationError: when the solver cannot go on; it holds the result up to there.
         BuildError: when the kernel cannot be compiled.
     """
-    scene, progress = scene_of(scene), progress or silent
+    scene = scene_of(scene)
     settings = {
         "simulation.stop_time": stop_time,
         "simulation.step_size": None if output_step == math.inf else output_step,
@@ -101,57 +101,53 @@ def simulate(
     stop = scene.simulation.stop_time
     step = stop if output_step == math.inf else scene.simulation.step_size
     model = Model(scene)
+    varied = model.varied if sensitivities is None else model.varied_by(sensitivities)
     chosen = None if output is None else model.outputs_named(output)
     words = None
     if chosen is not None:
         words = {one.name: model.columns[one.name] for one in chosen if one.name in model.columns}
-    varied = model.varied if sensitivities is None else model.varied_by(sensitivities)
-    columns = model.row.itemsize // WORD if words is None else len(words)
-    check_size(scene.name, stop, step, columns * (1 + len(varied)))
+    columns = (model.row.itemsize // WORD if words is None else len(words)) * (1 + len(varied))
+    check_size(scene.name, stop, step, columns)
     driven = drive(model, inputs or {}, interpolation, _times(stop, step))
-    what = f"{scene.name}: the simulation with its inputs has"
-    _check_rows(what, len(driven.times), columns * (1 + len(varied)))
-    stepwise = Stepwise(model, driven, chosen)
+    if inputs:
+        _check_rows(f"{scene.name}: the simulation with its inputs has", len(driven.times), columns)
+    stepwise = Stepwise(model, driven, chosen)  # before the run, which may take long
+    kept, numbers = _space(len(driven.times), model.row, words)
     instance: Instance
-    rows: _Rows
+    rows: Rows
     if varied:
-        looks = list(range(columns)) if words is None else list(words.values())
+        looks = list(range(numbers.shape[1]) if words is None else words.values())
         instance = DifferentiatedInstance(model, varied, looks, notify, driven)
-        rows = _RowsWithSlopes(len(driven.times), model.row, words, len(varied))
+        rows = RowsWithSlopes(numbers, np.zeros((*numbers.shape, len(varied))))
     else:
         instance = Instance(model, notify, driven, ())
-        rows = _Rows(len(driven.times), model.row, words)
-    done, impacts = _filled(rows, instance, driven, progress)
-    impacts.append(instance.open_contacts())
+        rows = AllOutputs(kept) if words is None else _SomeOutputs(model.row, numbers, words.values())
+    done, impacts = instance.run(driven, rows, progress or silent)
+    order, found = in_order([*impacts, instance.open_contacts()])
     asked = slice(done) if driven.asked.all() else np.flatnonzero(driven.asked[:done])
-    order, found = in_order(impacts)
+    derivatives = None
+    if isinstance(instance, DifferentiatedInstance) and isinstance(rows, RowsWithSlopes):
+        derivatives = Sensitivities(
+            model=model,
+            varied=varied,
+            chosen=None if words is None else tuple(words),
+            slopes=rows.slopes[asked],
+            impacts=found,
+            impact_slopes=instance.slopes_of_impacts(order),
+            limits=instance.limits,
+        )
     result = Result(
-        scene=scene,
+        model=model,
         time=driven.times[asked],
-        outputs=rows.kept[asked],
+        outputs=kept[asked],
         impacts=found,
         statistics=instance.statistics,
-        sensitivities=rows.sensitivities(instance, asked, order, found),
+        sensitivities=derivatives,
         stepwise=stepwise,
     )
     if instance.status != OK:
         raise SimulationError(instance.status, instance.time, result)
     return result
-
-
-def _filled(
-    rows: _Rows | _StepwiseRows, instance: Instance, driven: Drive, progress: Progress
-) -> tuple[int, list[np.ndarray]]:
-    """Fill rows at the communication points; return how many, before a fault, and the contacts that ended."""
-    done, impacts, ends = 0, [], driven.changes
-    while done < len(driven.times) and instance.status == OK:
-        # in chunks, for the progress bar's sake, in which the inputs are constant
-        end = min(done + rows.at_once, ends[np.searchsorted(ends, done, side="right")])
-        driven.set(instance.record["given"], done)
-        done += rows.fill(instance, driven.times[done:end], done)
-        impacts.append(instance.collect())
-        progress(done / len(driven.times))
-    return done, impacts
 
 
 def check_size(source: str, stop: float, step: float, columns: int) -> None:
@@ -187,72 +183,44 @@ def _times(stop: float, step: float) -> np.ndarray:
     return times
 
 
-class _Rows:
-    """The rows of a result: all outputs as the kernel writes them, or only some of its numbers."""
+def _space(count: int, layout: np.dtype, words: Mapping[str, int] | None) -> tuple[np.ndarray, np.ndarray]:
+    """Room for T rows of all outputs, or of some words of them: by name, and as numbers, shape (T, W)."""
+    if words is None:
+        kept = np.zeros(count, layout)
+        return kept, kept.view(np.float64).reshape(count, -1)
+    numbers, named = np.zeros((count, len(words))), np.dtype([(name, np.float64) for name in words])
+    return numbers.view(named)[:, 0] if words else np.zeros(count, named), numbers
 
-    def __init__(self, count: int, layout: np.dtype, words: Mapping[str, int] | None) -> None:
-        self.at_once = max(1, min(CHUNK_ROWS, CHUNK_BYTES // layout.itemsize))
-        self._words = None if words is None else np.array(list(words.values()), int)
-        if words is None:
-            self.kept = np.zeros(count, layout)
-        else:
-            self._numbers = np.zeros((count, len(words)))
-            self._scratch = np.zeros(min(count, self.at_once), layout)
-            named = np.dtype([(name, np.float64) for name in words])
-            self.kept = self._numbers.view(named)[:, 0] if words else np.zeros(count, named)
+
+class AllOutputs:
+    """Rows of all outputs, as the kernel writes them."""
+
+    def __init__(self, kept: np.ndarray) -> None:
+        """Fill an array of shape (T,), of the fields of ``record.output_dtype``."""
+        self.at_once, self._kept = _chunk(kept.dtype), kept
 
     def fill(self, instance: Instance, times: np.ndarray, start: int) -> int:
-        """Advance to each of the times [s], keeping a row from ``start`` on for each; return how many."""
-        if self._words is None:
-            return instance.trajectory(times, self.kept[start : start + len(times)])
+        """See ``Rows``."""
+        return instance.trajectory(times, self._kept[start : start + len(times)])
+
+
+class _SomeOutputs:
+    """Rows of some words of the outputs."""
+
+    def __init__(self, layout: np.dtype, numbers: np.ndarray, words: Iterable[int]) -> None:
+        self.at_once, self._numbers, self._words = _chunk(layout), numbers, np.array(list(words), int)
+        self._scratch = np.zeros(min(len(numbers), self.at_once), layout)
+
+    def fill(self, instance: Instance, times: np.ndarray, start: int) -> int:
+        """See ``Rows``."""
         count = instance.trajectory(times, self._scratch)
         written = self._scratch.view(np.float64).reshape(len(self._scratch), -1)[:count]
         self._numbers[start : start + count] = written[:, self._words]
         return count
 
-    def sensitivities(
-        self, _instance: Instance, _asked: slice | np.ndarray, _order: np.ndarray, _impacts: np.ndarray
-    ) -> Sensitivities | None:
-        """The derivatives that were kept."""
-        return None
 
-
-class _RowsWithSlopes(_Rows):
-    """As ``_Rows``, with the derivatives of each number in P directions."""
-
-    def __init__(
-        self, count: int, layout: np.dtype, words: Mapping[str, int] | None, directions: int
-    ) -> None:
-        super().__init__(count, layout, words)
-        self._numbers = self.kept.view(np.float64).reshape(count, -1) if words is None else self._numbers
-        self._slopes = np.zeros((count, self._numbers.shape[1], directions))
-
-    def fill(self, instance: Instance, times: np.ndarray, start: int) -> int:
-        """As that of ``_Rows``."""
-        assert isinstance(instance, DifferentiatedInstance)
-        place = slice(start, start + len(times))
-        return instance.follow_trajectory(times, self._numbers[place], self._slopes[place])
-
-    def sensitivities(
-        self, instance: Instance, asked: slice | np.ndarray, order: np.ndarray, impacts: np.ndarray
-    ) -> Sensitivities:
-        """The derivatives of some rows, and of the impacts in an ``order``."""
-        assert isinstance(instance, DifferentiatedInstance)
-        model = instance.model
-        values = model.scene.values
-        names = model.columns if self._words is None else self.kept.dtype.names or ()
-        slopes = derivatives(model.motion, instance.varied)
-        variables = (*model.parameters, *model.inputs, *model.outputs, *slopes)
-        return Sensitivities(
-            source=model.scene.name,
-            parameters={name: float(values.get(name, 0.0)) for name in instance.parameters},
-            units={variable.name: variable.unit for variable in variables},
-            columns=names if isinstance(names, dict) else {name: j for j, name in enumerate(names)},
-            slopes=self._slopes[asked],
-            impacts=impacts,
-            impact_slopes=instance.slopes_of_impacts(order),
-            limits=instance.limits,
-        )
+def _chunk(layout: np.dtype) -> int:
+    return max(1, min(CHUNK_ROWS, CHUNK_BYTES // layout.itemsize))
 
 
 class _StepwiseRows:
@@ -264,7 +232,7 @@ class _StepwiseRows:
         self.kept, self._words, self._scratch = np.zeros((count, len(words))), words, np.zeros(1, layout)
 
     def fill(self, instance: Instance, times: np.ndarray, start: int) -> int:
-        """As that of ``_Rows``."""
+        """See ``Rows``."""
         record = instance.words
         for k in range(len(times)):
             if not instance.trajectory(times[k : k + 1], self._scratch):
@@ -279,7 +247,7 @@ class Stepwise:
     def __init__(self, model: Model, driven: Drive, chosen: Iterable[Variable] | None) -> None:
         """Keep what is about to be run, and the outputs that were chosen, None for all."""
         self._model, self._driven, self._chosen = model, driven, chosen
-        self._law = _law_text(model.scene)
+        self._law = _law_text(model.scene) if model.scene.contact.law_file else None
 
     @cached_property
     def _variables(self) -> list[Variable]:
@@ -303,7 +271,7 @@ class Stepwise:
             return {}
         scene, driven, second = self._model.scene, self._driven, f"a second run for {self.names[0]}"
         _check_rows(f"{scene.name}: {second} has", len(driven.times), len(self.names))
-        if _law_text(scene) != self._law:
+        if self._law is not None and _law_text(scene) != self._law:
             raise SceneError(
                 f"{scene.name}: contact.law_file = {scene.contact.law_file!r} has changed since the "
                 f"simulation, so that {second} would give another motion: simulate again"
@@ -312,7 +280,7 @@ class Stepwise:
         dtype = instance.record.dtype
         words = np.array([word_index(dtype, one.place) for one in self._variables], int)
         rows = _StepwiseRows(len(driven.times), words, dtype["output"])
-        done, _ = _filled(rows, instance, driven, progress)
+        done, _ = instance.run(driven, rows, progress)
         kept = rows.kept[:done][driven.asked[:done]].T.copy()
         return {
             one.name: column if one.type == "real" else column.view(np.int64)
@@ -326,12 +294,12 @@ def stepwise_outputs(source: Scene | Model, chosen: Iterable[Variable] | None = 
     return [one for one in chosen if one.place[0] != "output"]
 
 
-def _law_text(scene: Scene) -> bytes | None:
-    """What is in the file of the contact law; None if there is none."""
+def _law_text(scene: Scene) -> bytes:
+    """What is in the file of the contact law; nothing if it cannot be read."""
     try:
-        return Path(scene.contact.law_file).read_bytes() if scene.contact.law_file else None
+        return Path(scene.contact.law_file).read_bytes()
     except OSError:
-        return None
+        return b""
 
 
 def with_law(scene: SceneSource, law: Callable[..., float]) -> Scene:

@@ -7,7 +7,6 @@ from collections.abc import Mapping
 import numpy as np
 
 from chain_impact.compilation.work import Notify, Progress, silent
-from chain_impact.kernel.status import OK
 from chain_impact.results.animation.contacts import slow_spans
 from chain_impact.results.animation.pacing import IMPACT_TIME, frame_times
 from chain_impact.results.recording import Recording
@@ -15,7 +14,7 @@ from chain_impact.results.result import Result, recording_of
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.simulation.inputs import Signal, drive
 from chain_impact.simulation.instance import Instance
-from chain_impact.simulation.simulate import simulate
+from chain_impact.simulation.simulate import AllOutputs, simulate
 
 MOST_ROWS = 40_000
 WITHIN = np.linspace(
@@ -23,7 +22,6 @@ WITHIN = np.linspace(
 )  # of an impact that is too weak to be shown slowly: rows for its peak force
 LONGEST_IMPACT = 5.0  # of penetration over approach speed
 SLOWEST = 1e-6  # m/s, approach speed of a point that comes to rest at a wall
-CHUNK = 2000  # rows between two calls of ``progress``
 
 
 def record_slowly(
@@ -62,17 +60,12 @@ def record_slowly(
     )
     shown, _ = frame_times(0.0, stop, spans, impact_time, MOST_ROWS)
     others = (onsets[:, None] + (ends - onsets)[:, None] * WITHIN).ravel()[:MOST_ROWS]
-    driven = drive(scene, inputs or {}, "follow", np.union1d(shown, others.clip(0.0, stop)))
-    times, changes = driven.times, driven.changes
-
-    instance = Instance(scene, notify, driven)
-    outputs, done = np.zeros(len(times), instance.record.dtype["output"]), 0
-    while done < len(times) and instance.status == OK:
-        end = min(done + CHUNK, changes[np.searchsorted(changes, done, side="right")])
-        driven.set(instance.record["given"], done)
-        done += instance.trajectory(times[done:end], outputs[done:end])
-        instance.collect()
-        show(0.5 + done / len(times) / 2)
+    driven = drive(result.model, inputs or {}, "follow", np.union1d(shown, others.clip(0.0, stop)))
+    instance = Instance(result.model, notify, driven)
+    outputs = np.zeros(len(driven.times), result.model.row)
+    done, _ = instance.run(driven, AllOutputs(outputs), lambda part: show(0.5 + part / 2))
     return recording_of(
-        Result(scene, times[:done], outputs[:done], result.impacts, statistics=instance.statistics)
+        Result(
+            result.model, driven.times[:done], outputs[:done], result.impacts, statistics=instance.statistics
+        )
     )

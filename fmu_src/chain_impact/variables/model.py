@@ -17,7 +17,7 @@ from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.contact_force import USER_LAW
 from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.kernel.record import instance_dtype, output_dtype
+from chain_impact.kernel.record import instance_dtype
 from chain_impact.kernel.tangent.directions import DIRECTIONS, tangent_dtype
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.names import Place, input_key, parameter_hint
@@ -42,6 +42,10 @@ class Model:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
+
+    def __reduce__(self) -> tuple[type[Model], tuple[Scene]]:
+        """So that what follows from the scene does not go to another process."""
+        return type(self), (self.scene,)
 
     @cached_property
     def candidates(self) -> list[tuple[int, int]]:
@@ -75,7 +79,8 @@ class Model:
         Raises:
             UnknownNameError: when the scene names one without.
         """
-        return self.varied_by(self.scene.outputs.sensitivities)
+        names = self.scene.outputs.sensitivities
+        return self.varied_by(names) if names else []
 
     @cached_property
     def variables(self) -> list[Variable]:
@@ -99,7 +104,29 @@ class Model:
     @cached_property
     def row(self) -> np.dtype:
         """The record of the outputs, a row of ``Result.outputs``."""
-        return output_dtype(len(self.scene.chain.links), len(self.candidates))
+        row: np.dtype = self._layout["output"]
+        return row
+
+    @cached_property
+    def _layout(self) -> np.dtype:
+        """The record of an instance without derivatives."""
+        return _layout(len(self.scene.chain.links), len(self.candidates))
+
+    @cached_property
+    def start(self) -> np.ndarray:
+        """An instance as the FMU has it before it is initialized; not to be written to."""
+        start = self.new_instance()
+        start.flags.writeable = False
+        return start
+
+    def word(self, variable: Variable) -> int:
+        """Where a variable stands in an instance of the FMU, counted in words."""
+        return word_index(self.start.dtype, variable.place)
+
+    def start_text(self, variable: Variable) -> str:
+        """The start value of a variable, as the shortest text that reads back as the same number."""
+        words = self.start.view(np.float64 if variable.type == "real" else np.int64)
+        return repr(words[self.word(variable)].item())
 
     @cached_property
     def columns(self) -> dict[str, int]:
@@ -163,7 +190,7 @@ class Model:
             varied: with respect to what there are derivatives; by default as in the FMU.
         """
         varied = self.varied if varied is None else varied
-        block = np.zeros(1, _layout(len(self.scene.chain.links), len(self.candidates)))
+        block = np.zeros(1, self._layout)
         _fill(block[0], self.scene, self.candidates)
         return _with_tangents(block, [variable.place for variable in varied]) if varied else block
 
@@ -182,11 +209,6 @@ class Model:
 def model_of(source: Scene | Model) -> Model:
     """The model itself, or that of a scene."""
     return source if isinstance(source, Model) else Model(source)
-
-
-def fmu_variables(scene: Scene) -> list[Variable]:
-    """See ``Model.variables``."""
-    return Model(scene).variables
 
 
 def new_instance(scene: Scene) -> np.ndarray:

@@ -20,7 +20,7 @@ from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.tangent.directions import DIRECTIONS
-from chain_impact.scene.candidates import candidate_count
+from chain_impact.scene.candidates import candidates
 from chain_impact.scene.names import AXES, Place, name_of, sensitivity_name
 from chain_impact.scene.scene import Box, Contact, Initial, Link, Scene, Solver, Wall
 from chain_impact.variables.units import quotient
@@ -109,7 +109,7 @@ def parameters(scene: Scene) -> Iterator[Variable]:
     for w, wall in enumerate(WALLS):
         if getattr(scene.box, wall) is not None:
             yield _parameter(rules[wall], ("model", "wall", w), ("box", wall), "position of the {}")
-    if candidate_count(scene):
+    if candidates(scene):
         yield from _wall_parameters(scene)
         yield from _contact_parameters(scene)
     yield from _initial_values(scene)

@@ -27,7 +27,7 @@ from chain_impact.studies.fit.data import QUANTITIES
 from chain_impact.studies.fit.report import rounded
 from chain_impact.studies.fit.result import Fit
 from chain_impact.studies.fit.unknown import size_of
-from chain_impact.variables.model import fmu_variables
+from chain_impact.variables.model import Model
 
 MOST_PANELS = 8  # columns that are shown
 LETTERS, SMALLER = 9.5, 1.5  # of the headline, in an inch; and how many times as many in the line below it
@@ -158,7 +158,7 @@ def _colours(count: int) -> list[str]:
 
 
 def _unit(fit: Fit, name: str) -> str:
-    units = {variable.name: variable.unit for variable in fmu_variables(fit.scene)} | IMPACT_UNITS
+    units = {variable.name: variable.unit for variable in Model(fit.scene).variables} | IMPACT_UNITS
     unit = units.get(name, "s")
     return f" [{unit}]" if unit not in ("", "1") else ""
 

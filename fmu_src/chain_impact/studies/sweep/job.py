@@ -16,7 +16,7 @@ from chain_impact.kernel.status import OK
 from chain_impact.scene.names import SENSITIVITY, Place, nearest
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
-from chain_impact.simulation.instance import kernel_for, load_kernel
+from chain_impact.simulation.instance import kernel_for
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
@@ -94,7 +94,7 @@ class Runner:
         asks = any(name.startswith(SENSITIVITY) for name in job.columns)
         model = Model(job.scene)
         varied = model.varied if asks else []
-        self._kernel = load_kernel(kernel_for(job.scene, notify, derivatives=bool(varied)))
+        self._kernel = kernel_for(job.scene, notify, derivatives=bool(varied))
         self._start, self._work = model.new_instance(varied), model.new_instance(varied)
         layout, self._job, self._dtype = self._start.dtype, job, job.dtype
         self._columns = job.columns

@@ -23,7 +23,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.table import Sweep
 from chain_impact.studies.sweep.variation import Variation
-from chain_impact.variables.model import fmu_variables
+from chain_impact.variables.model import Model
 
 # P. Tol, Colour schemes, SRON/EPS/TN/09-002 (2021): "muted", for all kinds of colour vision
 COLOURS = (
@@ -133,7 +133,7 @@ def _varying(design: Design) -> list[Variation]:
 
 def _quantities(found: Sweep) -> list[Quantity]:
     """The main results, then the outputs that were asked for."""
-    units = {variable.name: variable.unit for variable in fmu_variables(found.scene)}
+    units = {variable.name: variable.unit for variable in Model(found.scene).variables}
     known = {quantity.column for quantity in QUANTITIES}
     asked = [name for name in found.outputs if name not in known]
     extra = [

@@ -11,7 +11,7 @@ from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.model import fmu_variables
+from chain_impact.variables.model import Model
 from chain_impact.variables.variable import Variable
 
 Values = str | float | Sequence[float | str] | np.ndarray
@@ -74,7 +74,7 @@ class Variation:
 
 def sweepable(scene: Scene) -> dict[str, Variable]:
     """What can be varied: the parameters of the scene's FMU, and the stop time. Name → variable."""
-    parameters = (variable for variable in fmu_variables(scene) if variable.causality == "parameter")
+    parameters = (variable for variable in Model(scene).variables if variable.causality == "parameter")
     return {variable.name: variable for variable in (*parameters, STOP_TIME)}
 
 
