@@ -1,7 +1,7 @@
 """The reference results that an FMU carries, held against a simulation of it, whoever has made it.
 
 Read are the manifest of FMI-LS-REF, files of experiments as MA-HS-Experiments describes them, and tables of
-results without an experiment, as the Reference-FMUs have them: those of the default experiment. Both drafts
+results without an experiment, as the Reference-FMUs have them: those of the default experiment. Both formats
 are named in ``chain_impact.fmu.references``.
 """
 
@@ -12,8 +12,9 @@ import io
 import math
 import posixpath
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -58,14 +59,12 @@ class Experiment:
     """What an FMU says that it does.
 
     Attributes:
-        name: of the experiment.
         settings: start, stop and step [s], as far as they are stated.
         results: columns of what comes out, ``time`` among them.
         tolerances: name of an output → how far it may be off.
         stimuli: columns of the inputs, ``time`` among them, if any.
     """
 
-    name: str
     settings: Mapping[str, float]
     results: Mapping[str, np.ndarray]
     tolerances: Mapping[str, float]
@@ -97,39 +96,31 @@ def check_references(path: Path) -> list[Outcome]:
 # --- reading ---------------------------------------------------------------------------------------------
 
 
-def _experiments(files: Mapping[str, bytes]) -> Iterator[tuple[str, Any]]:
-    """What to call each experiment, and a function that reads it."""
+def _experiments(files: Mapping[str, bytes]) -> Iterator[tuple[str, Callable[[], Any]]]:
+    """What to call each experiment, and a function that reads it, or fails to."""
     try:
         manifest = _parsed(files, MANIFEST)
-    except UncheckedError as error:
-        yield MANIFEST, _raising(error)
+    except UncheckedError:
+        yield MANIFEST, partial(_parsed, files, MANIFEST)
         return
     related = [(e.get("role", ""), _place(MANIFEST, e)) for e in manifest.iter("Related")]
     compared = set()
-    for role, source in related:
-        if role.partition("/")[0] == "experiment":
-            try:
-                nodes = list(_parsed(files, source).iter("Experiment"))
-            except UncheckedError as error:
-                yield source, _raising(error)
-                continue
-            for node in nodes:
-                compared |= {_place(source, results) for results in node.iter("References")}
-                name = node.get("name", "")
-                yield f"experiment {name}", lambda node=node, source=source: _experiment(files, source, node)
+    for source in (source for role, source in related if role.partition("/")[0] == "experiment"):
+        try:
+            nodes = list(_parsed(files, source).iter("Experiment"))
+        except UncheckedError:
+            yield source, partial(_parsed, files, source)
+            continue
+        for node in nodes:
+            compared |= {_place(source, results) for results in node.iter("References")}
+            yield f"experiment {node.get('name', '')}", partial(_experiment, files, source, node)
     for role, source in related:
         if role == "result" and source not in compared:
-            yield (
-                f"results {posixpath.basename(source)}",
-                lambda source=source: Experiment(source, {}, _columns(files, source), {}),
-            )
+            yield f"results {posixpath.basename(source)}", partial(_default_experiment, files, source)
 
 
-def _raising(error: UncheckedError) -> Any:
-    def read() -> Experiment:
-        raise error
-
-    return read
+def _default_experiment(files: Mapping[str, bytes], table: str) -> Experiment:
+    return Experiment({}, _columns(files, table), {})
 
 
 def _experiment(files: Mapping[str, bytes], file: str, node: Element) -> Experiment:
@@ -142,7 +133,6 @@ def _experiment(files: Mapping[str, bytes], file: str, node: Element) -> Experim
     times = {**node.attrib, **getattr(node.find("TransientSimulation"), "attrib", {})}
     names = ("startTime", "stopTime", "stepSize")
     return Experiment(
-        name=node.get("name", ""),
         settings={name: _number(times[name], f"{file}: {name}") for name in names if name in times},
         results=_time_series(files, file, results),
         tolerances={

@@ -1,9 +1,9 @@
 """Reference results inside the FMU: an experiment, what the FMU shall give in it, and how exactly.
 
-They lie where the layered standard FMI-LS-REF (draft 1.0.0-alpha.1, Modelica Association, 2026) has them: a
-manifest names a file of experiments (draft MA-HS-Experiments, Modelica Association, 2026), which names tables
-of inputs and results. The Reference-FMUs of the Modelica Association carry such a manifest with one table.
-Neither draft has a place for the tolerances of a comparison, so these are an annotation of the results.
+They lie where the layered standard FMI-LS-REF (1.0.0-beta.1, Modelica Association, 2026) has them: a manifest
+names a file of experiments (MA-HS-Experiments, Modelica Association, 2026), which names tables of inputs and
+results. The Reference-FMUs of the Modelica Association carry such a manifest with one table. Neither has a
+place for the tolerances of a comparison, so these are an annotation of the results.
 """
 
 from __future__ import annotations
@@ -13,8 +13,6 @@ import io
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from xml.etree import ElementTree
-from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 
@@ -29,7 +27,6 @@ from chain_impact.variables.variable import Variable
 FOLDER = "extra/org.fmi-standard.fmi-ls-ref"
 MANIFEST = f"{FOLDER}/fmi-ls-manifest.xml"
 NAMESPACE = "http://fmi-standard.org/fmi-ls-manifest"
-EXPERIMENTS = "application/x-ma-hs-experiments"
 TOLERANCES = "chain-impact.tolerances"
 """The type of the annotation."""
 
@@ -44,6 +41,35 @@ CLOSE = 1e-4  # of a step: nearer to the begin or the end of a contact, nothing 
 MOST_WORK = 2_000_000  # evaluations of the equations of motion, times links: about 0.2 s
 SWING = 0.1  # of the inputs, of the magnitudes of the motion
 FEWEST, DIGITS = 2, 12  # rows: the start alone is no simulation; digits of a result
+
+# the version is the one that the document of 1.0.0-beta.1 prescribes
+MANIFEST_TEXT = f"""\
+<?xml version="1.0" encoding="UTF-8"?>
+<fmiReferences xmlns:fmi-ls="{NAMESPACE}" fmi-ls:fmi-ls-name="org.fmi-standard.fmi-ls-ref"
+    fmi-ls:fmi-ls-version="1.0.0-alpha.1"
+    fmi-ls:fmi-ls-description="Layered Standard providing information on related files included in an FMU.">
+  <Related type="application/x-ma-hs-experiments" source="{{name}}.exp" role="experiment/smoke-test"
+      description="An experiment and its results"/>
+  <Related type="text/csv" source="{{name}}_out.csv" role="result" description="Outputs until {{stop}} s"/>
+</fmiReferences>
+"""
+EXPERIMENT_TEXT = f"""\
+<?xml version="1.0" encoding="UTF-8"?>
+<Experiments name="{{name}}" description="Is the import right?">
+  <Experiment name="default" description="Start values of the FMU. The results were computed at a tolerance of
+      {EXACT:g}; the stated tolerances are {MARGIN:g} times what the FMU's own tolerance makes of them"
+      startTime="0.0" stopTime="{{stop}}" stepSize="{{step}}" tolerance="{{tolerance}}">
+    {{stimuli}}
+    <References source="{{name}}_out.csv">
+      <Annotations>
+        <Annotation type="{TOLERANCES}">
+          {{tolerances}}
+        </Annotation>
+      </Annotations>
+    </References>
+  </Experiment>
+</Experiments>
+"""
 
 
 @dataclass(frozen=True)
@@ -85,8 +111,8 @@ def reference_files(model: Model, notify: Notify) -> dict[str, bytes]:
         return {}
     scene, name = model.scene, model.scene.name
     files = {
-        "fmi-ls-manifest.xml": _xml(_manifest(name, found)),
-        f"{name}.exp": _xml(_experiments(scene, found)),
+        "fmi-ls-manifest.xml": MANIFEST_TEXT.format(name=name, stop=f"{found.times[-1]:.9g}").encode(),
+        f"{name}.exp": _experiments(scene, found).encode(),
         f"{name}_out.csv": _table(found.times, [v.name for v in found.outputs], found.values),
     }
     if found.inputs:
@@ -218,51 +244,18 @@ def _scales(values: np.ndarray, outputs: Sequence[Variable]) -> np.ndarray:
 # --- the files -------------------------------------------------------------------------------------------
 
 
-def _manifest(name: str, found: Reference) -> Element:
-    ElementTree.register_namespace("fmi-ls", NAMESPACE)
-    root = Element(
-        "fmiReferences",
-        {
-            f"{{{NAMESPACE}}}fmi-ls-name": "org.fmi-standard.fmi-ls-ref",
-            f"{{{NAMESPACE}}}fmi-ls-version": "1.0.0-alpha.1",
-            f"{{{NAMESPACE}}}fmi-ls-description": "Layered Standard providing information on related files "
-            "included in an FMU.",
-        },
-    )
-    related = [
-        (EXPERIMENTS, f"{name}.exp", "experiment/smoke-test", "An experiment and its results"),
-        ("text/csv", f"{name}_out.csv", "result", f"Outputs until {found.times[-1]:.9g} s"),
-    ]
-    for kind, source, role, text in related:
-        SubElement(root, "Related", type=kind, source=source, role=role, description=text)
-    return root
-
-
-def _experiments(scene: Scene, found: Reference) -> Element:
-    root = Element("Experiments", name=scene.name, description="Is the import right?")
-    experiment = SubElement(
-        root,
-        "Experiment",
-        name="default",
-        description=f"Start values of the FMU. The results were computed at a tolerance of {EXACT:g}; the "
-        f"stated tolerances are {MARGIN:g} times what the FMU's own tolerance makes of them",
-        startTime="0.0",
-        stopTime=repr(float(found.times[-1])),
-        stepSize=repr(found.step),
+def _experiments(scene: Scene, found: Reference) -> str:
+    stimuli = f'<Stimuli source="{scene.name}_in.csv"/>' if found.inputs else ""
+    pairs = zip(found.outputs, found.tolerances, strict=True)
+    tolerances = (f'<Tolerance name="{v.name}" absolute="{allowed:.2g}"/>' for v, allowed in pairs)
+    return EXPERIMENT_TEXT.format(
+        name=scene.name,
+        stop=repr(float(found.times[-1])),
+        step=repr(found.step),
         tolerance=repr(scene.solver.tolerance),
+        stimuli=stimuli,
+        tolerances="\n          ".join(tolerances),
     )
-    if found.inputs:
-        SubElement(experiment, "Stimuli", source=f"{scene.name}_in.csv")
-    results = SubElement(experiment, "References", source=f"{scene.name}_out.csv")
-    annotation = SubElement(SubElement(results, "Annotations"), "Annotation", type=TOLERANCES)
-    for variable, tolerance in zip(found.outputs, found.tolerances, strict=True):
-        SubElement(annotation, "Tolerance", name=variable.name, absolute=f"{tolerance:.2g}")
-    return root
-
-
-def _xml(root: Element) -> bytes:
-    ElementTree.indent(root)
-    return bytes(ElementTree.tostring(root, encoding="UTF-8", xml_declaration=True))
 
 
 def _table(times: np.ndarray, names: Sequence[str] | dict[str, np.ndarray], values: np.ndarray) -> bytes:
