@@ -7,6 +7,7 @@ import os
 import platform
 import statistics
 import subprocess
+import sys
 import time
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
@@ -20,6 +21,7 @@ os.environ["NUMBA_CPU_NAME"], os.environ["NUMBA_CPU_FEATURES"] = PORTABLE_CPU, "
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT))  # for what the tests have, too
 RESULTS = Path(__file__).parent / "results"
 IMAGES = ROOT / "docs" / "images"
 DPI = 140  # of the charts

@@ -24,13 +24,13 @@ from chain_impact import impacts_of, load_scene, simulate
 from chain_impact.compilation.compilers import INCLUDES
 from chain_impact.fmu.build import build_fmu
 
-sys.path[:0] = [str(common.ROOT), str(common.ROOT / "models" / "controlled_arm")]
+sys.path.insert(0, str(common.ROOT / "models" / "controlled_arm"))
 
-import masters  # noqa: E402
+import masters
 
-from tests.fmu.conftest import KINDS  # noqa: E402
-from tests.fmu.interface import unpacked  # noqa: E402
-from tests.fmu.zig import zig  # noqa: E402
+from tests.fmu.conftest import KINDS
+from tests.fmu.interface import unpacked
+from tests.fmu.zig import zig
 
 STEPS = (1e-3, 1e-2, 1e-1)  # s
 CASES = (("four_link_box", 8), ("rod_drop", 8), ("rod_drop", 16))

@@ -21,8 +21,6 @@ from collections import Counter, defaultdict
 from collections.abc import Iterator
 from typing import Any
 
-sys.path.insert(0, str(common.ROOT))
-
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import Scene, SceneError, scene_from_dict, scene_to_dict
 from tests.oracle import CPU

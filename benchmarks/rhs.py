@@ -2,7 +2,7 @@
 
 Contenders: the kernel's ``state_rate``, compiled just as the shipped kernel is (rhs_share.py); the same
 recursion over plain arrays (plain_chain.py), compiled by numba for the same processor; and the textbook
-assembly of M(q) in NumPy with ``np.linalg.solve`` (textbook.py).
+assembly of M(q) in NumPy with ``np.linalg.solve`` (tests/textbook.py).
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from looks import BLUE, INK, OURS, headline, names_at_ends
 from numba import njit
 from plain_chain import flight_rate, plain_chain, start
 from rhs_share import load
-from textbook import Textbook
 
 from chain_impact.scene.scene import Scene, scene_from_dict
 from chain_impact.simulation.instance import Instance
+from tests.textbook import Textbook
 
 SIZES = (1, 2, 4, 10, 30, 100, 300, 1000)
 CALLS = {1: 20000, 30: 4000, 300: 400}  # right-hand sides in one compiled loop, from this size on

@@ -20,9 +20,9 @@ from peers.ours import Kernel, OnInstance
 from problems import Problem
 from rhs import chain
 from scipy.integrate import solve_ivp
-from textbook import Textbook
 
 from chain_impact.scene.scene import Scene, scene_from_dict
+from tests.textbook import Textbook
 
 SIZES = (1, 4, 10, 30, 100, 300, 1000)
 BASE = 10  # links: from here on the cost for each of them should be one

@@ -12,7 +12,6 @@ from __future__ import annotations
 import common  # isort: skip
 
 import argparse
-import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -23,9 +22,6 @@ from chain_impact import simulate
 from chain_impact.scene.scene import Scene, load_scene, with_values
 from chain_impact.simulation.derivatives import DifferentiatedRun
 from chain_impact.simulation.instance import Instance
-
-sys.path.insert(0, str(common.ROOT))
-
 from tests.derivative_scenes import off
 from tests.derivatives import Derivatives, differentiate
 

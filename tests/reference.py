@@ -17,6 +17,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from chain_impact.scene.scene import Scene
+from tests.textbook import Textbook
 
 # --- the exact impact of a point mass -----------------------------------------------------------------
 
@@ -165,29 +166,12 @@ def rebound(n: float, p: float, damping: float, approach_only: bool = False) -> 
 
 def point_jacobian(scene: Scene, angles: Sequence[float], point: int) -> np.ndarray:
     """J with ṗ_k = J q̇ for the point k, shape (2, N+2)."""
-    jacobian = np.zeros((2, len(angles) + 2))
-    jacobian[0, 0] = jacobian[1, 1] = 1.0
-    before = np.array(angles[:point])
-    lengths = np.array([link.length for link in scene.chain.links[:point]])
-    jacobian[:, 2 : 2 + point] = lengths * np.array([-np.sin(before), np.cos(before)])
-    return jacobian
-
-
-def centre_jacobian(scene: Scene, angles: Sequence[float], i: int) -> np.ndarray:
-    """J with ṗ_C = J q̇ for the centre of mass of link i (from 0), shape (2, N+2)."""
-    jacobian = point_jacobian(scene, angles, i)
-    arm = scene.chain.links[i].center_of_mass
-    jacobian[:, 2 + i] = arm * np.array([-np.sin(angles[i]), np.cos(angles[i])])
-    return jacobian
+    return Textbook(scene).jacobian(np.asarray(angles), point)
 
 
 def mass_matrix(scene: Scene, angles: Sequence[float]) -> np.ndarray:
-    """M(q) = Σ m J_Cᵀ J_C + I ∇θ ∇θᵀ over the links, shape (N+2, N+2)."""
-    links = scene.chain.links
-    rows = np.concatenate([centre_jacobian(scene, angles, i) for i in range(len(links))])
-    masses = np.repeat([link.mass for link in links], 2)
-    inertias = np.array([0.0, 0.0, *(link.inertia for link in links)])
-    return rows.T @ (masses[:, None] * rows) + np.diag(inertias)
+    """M(q), shape (N+2, N+2)."""
+    return Textbook(scene).assemble(np.asarray(angles), np.zeros(len(angles)))[0]
 
 
 def generalized_force(
@@ -202,16 +186,10 @@ def generalized_force(
         loads: force on each point 0…N, shape (N+1, 2) [N].
         moments: net moment on each link [N·m].
     """
-    total = np.concatenate([[0.0, 0.0], moments])
-    drift = np.zeros(2)  # p̈ of the proximal joint for q̈ = 0: −Σ ω² L
-    for i, link in enumerate(scene.chain.links):
-        inward = -(omega[i] ** 2) * np.array([np.cos(angles[i]), np.sin(angles[i])])
-        centre_drift = drift + link.center_of_mass * inward
-        total += link.mass * centre_jacobian(scene, angles, i).T @ (np.array(scene.gravity) - centre_drift)
-        drift = drift + link.length * inward
-    for k, load in enumerate(loads):
-        total += point_jacobian(scene, angles, k).T @ load
-    return total
+    book = Textbook(scene)
+    _, total = book.assemble(angles, omega)
+    total[2:] += moments
+    return total + sum(book.jacobian(angles, k).T @ load for k, load in enumerate(loads))
 
 
 def random_impedances(rng: np.random.Generator, count: int, largest: float) -> np.ndarray:

@@ -7,27 +7,20 @@ from scipy.integrate import solve_ivp
 from chain_impact import simulate
 from chain_impact.scene.scene import with_values
 from tests.problems import stiff_joint
-from tests.reference import balance, generalized_force, mass_matrix
+from tests.reference import balance
+from tests.textbook import Textbook
 
 FLIGHT = 0.25  # s, before the first impact
 
 
 def assembled(scene, time):
     """Base, angles, their rates and the dissipated energy by Radau's method on the assembled equations."""
-    n, pinned = len(scene.chain.links), scene.chain.base == "pinned"
-    across = np.eye(n) - np.eye(n, k=-1)
-    damping = across.T @ np.diag([link.joint_damping for link in scene.chain.links]) @ across
-    free = slice(2, None) if pinned else slice(None)
+    book = Textbook(scene)
 
     def rate(_, y):
-        angles, omega = y[2 : n + 2], y[n + 4 : 2 * n + 4]
-        force = generalized_force(scene, angles, omega, np.zeros((n + 1, 2)), -damping @ omega)
-        acceleration = np.zeros(n + 2)
-        acceleration[free] = np.linalg.solve(mass_matrix(scene, angles)[free, free], force[free])
-        return np.concatenate([y[n + 2 : 2 * n + 4], acceleration, [omega @ damping @ omega]])
+        return np.append(book.rate(y[:-1]), book.loss(y[:-1]))
 
-    start = scene.initial
-    y = np.concatenate([start.position, start.angles, start.velocity, start.angular_velocities, [0.0]])
+    y = np.append(book.start, 0.0)
     return solve_ivp(rate, (0.0, time), y, method="Radau", rtol=1e-10, atol=1e-12).y[:, -1]
 
 

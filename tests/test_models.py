@@ -114,9 +114,9 @@ def test_the_reference_agrees_with_an_independent_integration(model):
     chain, rows = Chain(scene, inputs_of(model)), time <= until + 1e-9
     states, onsets = chain.run(time[rows])
 
-    n = chain.count
+    n = chain.n
     values, rates = coordinates(columns, n)
-    places = np.array([[chain.place(y, k - 1, 1.0)[0] for k in range(n + 1)] for y in states])
+    places = np.array([chain.points(y)[0] for y in states])
     assert places.reshape(len(states), -1) == pytest.approx(values[rows, : 2 * n + 2], abs=error)
     assert states[:, 2 : n + 2] == pytest.approx(values[rows, 2 * n + 2 :], abs=error)
     # the speeds change within some milliseconds

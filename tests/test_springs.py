@@ -3,7 +3,6 @@
 import mpmath
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 
@@ -12,7 +11,8 @@ from chain_impact.kernel.integration import ros34pw2
 from chain_impact.scene.scene import scene_from_dict, with_values
 from chain_impact.simulation.instance import Instance
 from tests.problems import stiff_joint
-from tests.reference import balance, generalized_force, mass_matrix, momenta
+from tests.reference import balance, mass_matrix, momenta
+from tests.textbook import Chain
 
 
 def sprung(links, initial, *, base="pinned", stop_time=1.0, gravity=0.0, tolerance=1e-10, step=None):
@@ -92,27 +92,7 @@ def test_a_pendulum_with_a_spring_takes_its_time_by_quadrature():
 
 def textbook(scene, times):
     """Angles at the times, by DOP853 of scipy at 1e-12 on the assembled equations."""
-    links, n = scene.chain.links, len(scene.chain.links)
-    pinned = scene.chain.base == "pinned"
-    across = np.eye(n) - np.eye(n, k=-1)
-    columns = ("joint_stiffness", "joint_damping", "joint_rest_angle")
-    stiffness, damping, rest = (np.array([getattr(link, key) for link in links]) for key in columns)
-    if not pinned:
-        stiffness[0] = damping[0] = 0.0
-    free = slice(2, None) if pinned else slice(None)
-
-    def rate(_, y):
-        angles, omega = y[2 : n + 2], y[n + 4 :]
-        joints = stiffness * (across @ angles - rest) + damping * (across @ omega)
-        force = generalized_force(scene, angles, omega, np.zeros((n + 1, 2)), -across.T @ joints)
-        acceleration = np.zeros(n + 2)
-        acceleration[free] = np.linalg.solve(mass_matrix(scene, angles)[free, free], force[free])
-        return np.concatenate([y[n + 2 :], acceleration])
-
-    start = scene.initial
-    y = np.concatenate([start.position, start.angles, start.velocity, start.angular_velocities])
-    solution = solve_ivp(rate, (0.0, times[-1]), y, method="DOP853", rtol=1e-12, atol=1e-13, t_eval=times)
-    return solution.y[2 : n + 2].T
+    return Chain(scene).run(times)[0][:, 2 : len(scene.chain.links) + 2]
 
 
 @pytest.mark.parametrize("count", [2, 4])

@@ -1,11 +1,15 @@
-"""The chain once more, as a textbook has it: assembled mass matrix, scipy, terminal events.
+"""The chain once more, as a textbook has it: assembled mass matrix, no recursion, scipy, terminal events.
 
-It shares nothing with the kernel: tests and the validation compare with it.
+It shares nothing with the kernel: tests, the validation and the benchmarks compare with it. q = (x₀, y₀, θ).
+With u_i the unit vector along link i, s_ji = ℓ_i for i < j and the centre-of-mass distance for i = j, the
+centre of link j is at p₀ + Σ_i s_ji u_i. Hence, with B = Sᵀ diag(m) S and β = Sᵀ m, M q̈ = Q − h has
+    M = [m_total 1, β_i u⊥_i; ·, B_ij cos(θ_i − θ_j) + I_i δ_ij],
+    h = [−Σ β_i ω_i² u_i; Σ_j B_ij ω_j² sin(θ_i − θ_j)].
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -24,21 +28,115 @@ def damping_factor(scene: Scene) -> float:
     return brentq(lambda x: x * (1 + e) - np.log((1 + x) / (1 - x * e)), 1e-6, (1 - 1e-15) / e, xtol=1e-15)
 
 
-class Chain:
-    """The chain in the coordinates q = (x₀, y₀, θ), its contacts in a set of (point, wall).
+class Textbook:
+    """The chain of a scene in flight, in any floating-point type ``real`` of NumPy; y = (q, q̇)."""
+
+    def __init__(self, scene: Scene, real: type = np.float64, solve: Callable[..., Any] = np.linalg.solve):
+        links = scene.chain.links
+        self.scene, self.links, self.solve = scene, links, solve
+        self.n = n = len(links)
+        self.free = slice(2 if scene.chain.base == "pinned" else 0, None)
+        names = ("length", "mass", "joint_stiffness", "joint_damping", "joint_rest_angle")
+        self.length, mass, *joints = (np.array([getattr(one, name) for one in links], real) for name in names)
+        self.stiffness, self.damping, self.rest = joints
+        if not self.free.start:
+            self.stiffness[0] = self.damping[0] = 0.0
+        self.resisting = self.stiffness.any() or self.damping.any()
+        arms = np.tril(np.tile(self.length, (n, 1)), -1)
+        arms += np.diag(np.array([link.center_of_mass for link in links], real))
+        self.coupling = arms.T @ (mass[:, None] * arms)
+        self.first_moment = arms.T @ mass
+        self.inertia = np.diag(np.array([link.inertia for link in links], real))
+        self.total_mass = mass.sum()
+        self.gravity = np.array(scene.gravity, real)
+        self.matrix = np.zeros((n + 2, n + 2), real)
+        self.matrix[0, 0] = self.matrix[1, 1] = self.total_mass
+        self.right = np.zeros(n + 2, real)
+
+    @property
+    def start(self) -> np.ndarray:
+        """The state at time 0."""
+        first = self.scene.initial
+        return np.array([*first.position, *first.angles, *first.velocity, *first.angular_velocities])
+
+    def assemble(self, angle: np.ndarray, omega: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """M, shape (N+2, N+2), and Q − h of gravity alone, shape (N+2,), until the next call."""
+        matrix, right = self.matrix, self.right
+        cos, sin = np.cos(angle), np.sin(angle)
+        normals = np.stack([-sin, cos])
+        # cos(θ_i − θ_j) and sin(θ_i − θ_j) by the addition theorems
+        matrix[2:, 2:] = self.coupling * (np.outer(cos, cos) + np.outer(sin, sin)) + self.inertia
+        matrix[:2, 2:] = self.first_moment * normals
+        matrix[2:, :2] = matrix[:2, 2:].T
+        w2 = omega * omega
+        right[:2] = self.total_mass * self.gravity
+        right[0] += (self.first_moment * w2) @ cos
+        right[1] += (self.first_moment * w2) @ sin
+        right[2:] = self.first_moment * (self.gravity @ normals)
+        right[2:] -= (self.coupling * (np.outer(sin, cos) - np.outer(cos, sin))) @ w2
+        return matrix, right
+
+    def jacobian(self, angle: np.ndarray, point: int) -> np.ndarray:
+        """J with ṗ = J q̇ for a point 0…N, shape (2, N+2)."""
+        jacobian = np.zeros((2, self.n + 2), self.length.dtype)
+        jacobian[0, 0] = jacobian[1, 1] = 1
+        before = np.asarray(angle)[:point]
+        jacobian[:, 2 : 2 + point] = self.length[:point] * np.stack([-np.sin(before), np.cos(before)])
+        return jacobian
+
+    def rate(
+        self, y: np.ndarray, loads: Iterable[tuple[int, int, Any]] = (), torques: Any = None
+    ) -> np.ndarray:
+        """(q̇, q̈) for loads (point, axis, force), and torques on the links from those before them."""
+        n, angle, omega = self.n, y[2 : self.n + 2], y[self.n + 4 :]
+        matrix, right = self.assemble(angle, omega)
+        for point, axis, force in loads:
+            right += self.jacobian(angle, point)[axis] * force
+        if self.resisting or torques is not None:
+            bend, turn = (np.diff(values, prepend=0) for values in (angle, omega))
+            moment = (0 if torques is None else torques) - self.stiffness * (bend - self.rest)
+            moment = moment - self.damping * turn
+            right[2:] += moment
+            right[2:-1] -= moment[1:]
+        return np.concatenate([y[n + 2 :], self.answer(matrix, right)])
+
+    def answer(self, matrix: np.ndarray, forces: np.ndarray) -> np.ndarray:
+        """M⁻¹ f, of a pinned base zero."""
+        if not self.free.start:
+            return self.solve(matrix, forces)
+        free, answer = self.free, np.zeros_like(forces)
+        answer[free] = self.solve(matrix[free, free], forces[free])
+        return answer
+
+    def loss(self, y: np.ndarray) -> Any:
+        """The power that dampers of joints take [W]."""
+        return self.damping @ np.diff(y[self.n + 4 :], prepend=0) ** 2
+
+    def points(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Positions and velocities of the points 0…N, shape (N+1, 2)."""
+        n = self.n
+        angle, omega = y[2 : n + 2], y[n + 4 :]
+        links = self.length[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        moves = omega[:, None] * np.stack([-links[:, 1], links[:, 0]], axis=1)
+        position = np.concatenate([y[None, :2], y[:2] + np.cumsum(links, axis=0)])
+        velocity = np.concatenate([y[None, n + 2 : n + 4], y[n + 2 : n + 4] + np.cumsum(moves, axis=0)])
+        return position, velocity
+
+
+class Chain(Textbook):
+    """The same with its contacts in a set of (point, wall).
 
     Contacts are those of Zhang & Sharf's law, of Hertz's, or rigid (``newton_impact``).
     """
 
     def __init__(self, scene: Scene, inputs: Mapping[str, Any] | None = None) -> None:
+        super().__init__(scene)
         inputs = inputs or {}
-        self.scene, self.links = scene, scene.chain.links
         # samples of the torques of all joints, which hold until the next
-        torques = [inputs.get(f"joint[{i}].torque") for i in range(1, len(self.links) + 1)]
+        torques = [inputs.get(f"joint[{i}].torque") for i in range(1, self.n + 1)]
         self.samples = torques[-1][0] if inputs else np.zeros(1)
         self.torques = np.transpose([[0.0] if torque is None else torque[1] for torque in torques])
-        self.count = len(self.links)
-        self.free = slice(2 if scene.chain.base == "pinned" else 0, None)
+        self.sample = 0
         self.rigid = scene.contact.model == "newton_impact"
         self.factor = damping_factor(scene)
         # number, a point and the inward normal of each wall
@@ -52,64 +150,27 @@ class Chain:
         self.candidates = [(k, *wall) for k in scene.contact.points for wall in walls]
         self.active = {}  # candidate → v0
 
-    def place(self, y, link, part):
-        """Jacobian of a point at a part of a link, and the acceleration at q̈ = 0."""
-        jacobian, bias = np.zeros((2, 2 + self.count)), np.zeros(2)
-        jacobian[:, :2] = np.eye(2)
-        position = y[:2].copy()
-        for j in range(link + 1):
-            length = self.links[j].length * (part if j == link else 1.0)
-            angle, omega = y[2 + j], y[self.count + 4 + j]
-            along = length * np.array([np.cos(angle), np.sin(angle)])
-            jacobian[:, 2 + j] = -along[1], along[0]
-            bias -= omega**2 * along
-            position += along
-        return position, jacobian, bias
-
     def gap(self, y, candidate):
         """Clearance, its gradient and its rate."""
         point, _, at, normal = candidate
-        position, jacobian, _ = self.place(y, point - 1, 1.0)
-        gradient = normal @ jacobian
-        clearance = normal @ (position - at) - self.scene.contact.radius
-        return clearance, gradient, gradient @ y[self.count + 2 :]
+        gradient = normal @ self.jacobian(y[2 : self.n + 2], point)
+        clearance = normal @ (self.points(y)[0][point] - at) - self.scene.contact.radius
+        return clearance, gradient, gradient @ y[self.n + 2 :]
 
-    def dynamics(self, y):
-        """Mass matrix, and the forces at q̈ = 0 without those of the walls."""
-        n = self.count
-        mass, force = np.zeros((n + 2, n + 2)), np.zeros(n + 2)
-        for i, link in enumerate(self.links):
-            _, jacobian, bias = self.place(y, i, link.center_of_mass / link.length)
-            mass += link.mass * jacobian.T @ jacobian
-            mass[2 + i, 2 + i] += link.inertia
-            force += link.mass * jacobian.T @ (np.array(self.scene.gravity) - bias)
-            if i > 0 or self.free.start:
-                bend = y[2 + i] - (y[1 + i] if i else 0.0) - link.joint_rest_angle
-                torque = link.joint_stiffness * bend
-                torque += link.joint_damping * (y[n + 4 + i] - (y[n + 3 + i] if i else 0.0))
-                torque -= self.torques[self.sample, i]
-                force[2 + i] -= torque
-                force[1 + i] += torque if i else 0.0
-        return mass, force
-
-    def rate(self, _time, y):
-        """(q̇, q̈) of the state (q, q̇)."""
-        n, contact = self.count, self.scene.contact
-        mass, force = self.dynamics(y)
+    def motion(self, _time, y):
+        """(q̇, q̈) of the state (q, q̇), with the forces of the walls."""
+        contact, loads = self.scene.contact, []
         for candidate, speed in self.active.items():
-            gap, gradient, gap_rate = self.gap(y, candidate)
-            depth = max(0.0, -gap)
+            gap, _, gap_rate = self.gap(y, candidate)
+            depth, normal = max(0.0, -gap), candidate[3]
             elastic = contact.stiffness * depth**contact.exponent
-            force += gradient * elastic * max(0.0, 1 - self.factor * gap_rate / speed)
-        acceleration = np.zeros(n + 2)
-        acceleration[self.free] = np.linalg.solve(mass[self.free, self.free], force[self.free])
-        return np.concatenate([y[n + 2 :], acceleration])
+            force = elastic * max(0.0, 1 - self.factor * gap_rate / speed)
+            loads += [(candidate[0], axis, normal[axis] * force) for axis in (0, 1)]
+        return self.rate(y, loads, self.torques[self.sample])
 
     def run(self, times):
         """The state at each of the times, and the onsets (time, point, wall, speed)."""
-        initial = self.scene.initial
-        y = np.array([*initial.position, *initial.angles, *initial.velocity, *initial.angular_velocities])
-        states, onsets, now = np.zeros((len(times), len(y))), [], 0.0
+        y, states, onsets, now = self.start, np.zeros((len(times), 2 * self.n + 4)), [], 0.0
         while now < times[-1]:
             events = [self.event(candidate) for candidate in self.candidates]
             # a contact of usual stiffness lasts some milliseconds
@@ -117,7 +178,7 @@ class Chain:
             self.sample = np.searchsorted(self.samples, now, side="right") - 1
             changes = self.samples[self.sample + 1 :]
             done = solve_ivp(
-                self.rate,
+                self.motion,
                 (now, min([times[-1], *changes[:1]])),
                 y,
                 method="DOP853",
@@ -153,9 +214,8 @@ class Chain:
 
     def reflected(self, y, candidate):
         """The state after an impact of Newton's law: q̇⁺ = q̇ − M⁻¹Jᵀ (1+e) u/(J M⁻¹Jᵀ), u = J q̇."""
-        mass, _ = self.dynamics(y)
         _, gradient, speed = self.gap(y, candidate)
-        answer = np.zeros(self.count + 2)
-        answer[self.free] = np.linalg.solve(mass[self.free, self.free], gradient[self.free])
+        matrix, _ = self.assemble(y[2 : self.n + 2], y[self.n + 4 :])
+        answer = self.answer(matrix, gradient)
         jump = -(1 + self.scene.contact.restitution) * speed / (gradient @ answer) * answer
-        return np.concatenate([y[: self.count + 2], y[self.count + 2 :] + jump])
+        return np.concatenate([y[: self.n + 2], y[self.n + 2 :] + jump])

@@ -13,10 +13,10 @@ from functools import cache
 import numpy as np
 from numba import njit
 from plain_chain import Chain, clearance, jit, locate, mechanical_energy, new_work, plain_chain, rate, start
-from textbook import Textbook
 
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.scene.scene import Scene
+from tests.textbook import Textbook
 
 AT_ZERO = 1e-12  # s, how far from zero in time a candidate is that has an event
 # m, by which an event comes late: a contact that has just begun or ended is then clear of zero, as peers
@@ -90,14 +90,10 @@ class Model:
 
     def first_step(self, y: np.ndarray, c: int, speed: float) -> float:
         """A part of the expected duration of a contact [s], from its effective mass."""
-        n, chain = len(self.chain.length), self.chain
-        point, wall = chain.candidate_point[c], chain.candidate_wall[c]
-        self.book.rate(y)
-        gradient = np.zeros(n + 2)
-        gradient[wall // 2] = 1.0
-        turn = -np.sin(y[2 : 2 + point]) if wall < 2 else np.cos(y[2 : 2 + point])
-        gradient[2 : 2 + point] = chain.length[:point] * turn
-        mass = 1.0 / (gradient @ np.linalg.solve(self.book.matrix, gradient))
+        chain, book = self.chain, self.book
+        angle, omega = y[2 : book.n + 2], y[book.n + 4 :]
+        gradient = book.jacobian(angle, chain.candidate_point[c])[chain.candidate_wall[c] // 2]
+        mass = 1.0 / (gradient @ book.answer(book.assemble(angle, omega)[0], gradient))
         energy, n1 = 0.5 * mass * speed**2, chain.exponent + 1.0
         return FIRST_STEP * (energy * n1 / chain.stiffness) ** (1.0 / n1) / speed
 
