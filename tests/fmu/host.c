@@ -1,20 +1,8 @@
 /* An importer in C: host LIBRARY GUID RESOURCES STEP STEPS REFERENCE... prints these variables at each step, with all
-   bits: Reals, and Integers if their references begin with i.
-
-   It loads the binary of an FMU, as tools without Python do; for Linux and Windows. */
+   bits: Reals, and Integers if their references begin with i. */
+#include "host.h"
 #include <fmi2Functions.h>
 #include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#ifdef _WIN32
-#include <windows.h>
-static void *loaded(const char *path) { return (void *)LoadLibraryA(path); }
-static void *found(void *library, const char *name) { return (void *)GetProcAddress((HMODULE)library, name); }
-#else
-#include <dlfcn.h>
-static void *loaded(const char *path) { return dlopen(path, RTLD_NOW | RTLD_LOCAL); }
-static void *found(void *library, const char *name) { return dlsym(library, name); }
-#endif
 
 static void log_message(void *environment, fmi2String name, fmi2Status status, fmi2String category, fmi2String text, ...) {
     va_list none;
@@ -26,16 +14,6 @@ static void log_message(void *environment, fmi2String name, fmi2Status status, f
     fputc('\n', stderr);
 }
 
-static void need(int right, const char *what) {
-    if (right) return;
-    fprintf(stderr, "failed: %s\n", what);
-    exit(1);
-}
-
-#define FUNCTION(name, type, ...)                                \
-    type (*name)(__VA_ARGS__);                                   \
-    *(void **)&name = found(library, #name);                     \
-    need(name != NULL, #name)
 #define CALL(what) need((what) == fmi2OK, #what)
 
 int main(int count, char **arguments) {

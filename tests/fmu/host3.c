@@ -3,32 +3,20 @@
    The last four are the value references of impact.last_time, impact.count and point.position, and the length of that
    array. It prints a line for each event: the time at which the step returned, that of the impact, and how many impacts
    it is; then the position at the stop time. All with all bits. */
-#include <dlfcn.h>
+#include "host.h"
 #include <fmi3Functions.h>
-#include <stdio.h>
-#include <stdlib.h>
 
 static void log_message(fmi3InstanceEnvironment environment, fmi3Status status, fmi3String category, fmi3String text) {
     (void)environment;
     fprintf(stderr, "%d, %s: %s\n", status, category, text);
 }
 
-static void need(int right, const char *what) {
-    if (right) return;
-    fprintf(stderr, "failed: %s\n", what);
-    exit(1);
-}
-
-#define FUNCTION(name, type, ...)            \
-    type (*name)(__VA_ARGS__);               \
-    *(void **)&name = dlsym(library, #name); \
-    need(name != NULL, #name)
 #define CALL(what) need((what) == fmi3OK, #what)
 
 int main(int count, char **arguments) {
     enum { MOST = 100 };
     need(count == 10, "arguments");
-    void *library = dlopen(arguments[1], RTLD_NOW | RTLD_LOCAL);
+    void *library = loaded(arguments[1]);
     need(library != NULL, "load the library");
     FUNCTION(fmi3InstantiateCoSimulation, fmi3Instance, fmi3String, fmi3String, fmi3String, fmi3Boolean, fmi3Boolean,
              fmi3Boolean, fmi3Boolean, const fmi3ValueReference[], size_t, fmi3InstanceEnvironment,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import tempfile
 import zipfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from ctypes import CFUNCTYPE, byref, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_p
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -43,12 +43,23 @@ def unpacked(fmu: str, folder: str | None = None) -> Path:
     return place
 
 
-class Messages:
-    """What an FMU has logged, the text last."""
+class Binary:
+    """The binary of an FMU, what its model description says, and what it has logged, the text last."""
 
-    def __init__(self) -> None:
-        """Nothing yet."""
+    def __init__(self, fmu: str, folder: str | None = None, mode: int = ctypes.RTLD_LOCAL) -> None:
+        """Unzip and load it."""
         self.messages: list[tuple[Any, ...]] = []
+        self.folder = unpacked(fmu, folder)
+        root = ElementTree.parse(self.folder / "modelDescription.xml").getroot()
+        self.fmi3 = root.get("fmiVersion") == "3.0"
+        self.guid = root.get("instantiationToken" if self.fmi3 else "guid").encode()
+        self.categories = [category.get("name") for category in root.iter("Category")]
+        self.nodes = list(root.find("ModelVariables"))
+        self.references = {node.get("name"): int(node.get("valueReference")) for node in self.nodes}
+        platform = "x86_64-linux" if self.fmi3 else "linux64"
+        self.c: Any = ctypes.CDLL(
+            str(self.folder / "binaries" / platform / f"{root.get('modelName')}.so"), mode
+        )
 
     def said(self) -> list[str]:
         """The texts since the last look."""
@@ -57,33 +68,22 @@ class Messages:
         return texts
 
 
-class Library(Messages):
-    """The binary of an FMU, what its model description says, and callbacks that count."""
+class Library(Binary):
+    """An FMU with the functions of FMI 2.0, and callbacks that count."""
 
     def __init__(self, fmu: str, folder: str | None = None, mode: int = ctypes.RTLD_LOCAL) -> None:
         """Unzip and load it."""
-        super().__init__()  # messages: instance, status, category, text
-        self.folder = unpacked(fmu, folder)
-        root = ElementTree.parse(self.folder / "modelDescription.xml").getroot()
-        fmi3 = root.get("fmiVersion") == "3.0"
-        self.guid = root.get("instantiationToken" if fmi3 else "guid").encode()
-        self.categories = [category.get("name") for category in root.iter("Category")]
-        self.unfinished = ERROR if fmi3 else DISCARD  # status of a step that cannot be finished
-        nodes = list(root.find("ModelVariables"))
-        self.references = {node.get("name"): int(node.get("valueReference")) for node in nodes}
-        outputs = [node for node in nodes if node.get("causality") == "output"]
-        if fmi3:  # the scalars, which are those of FMI 2.0
-            self.reals = [n.get("name") for n in outputs if n.tag == "Float64" and len(n) == 0]
-        else:
-            self.reals = [n.get("name") for n in outputs if n[0].tag == "Real"]
-        platform = "x86_64-linux" if fmi3 else "linux64"
-        binary = self.folder / "binaries" / platform / f"{root.get('modelName')}.so"
-        self.c: Any = ctypes.CDLL(str(binary), mode)
-        if fmi3:
+        super().__init__(fmu, folder, mode)  # messages: instance, status, category, text
+        self.unfinished = ERROR if self.fmi3 else DISCARD  # status of a step that cannot be finished
+        outputs = [node for node in self.nodes if node.get("causality") == "output"]
+        if self.fmi3:  # the scalars, which are those of FMI 2.0
             from as_fmi2 import Functions
+
+            self.reals = [n.get("name") for n in outputs if n.tag == "Float64" and len(n) == 0]
 
             self.c = Functions(self.c, self._log)
         else:
+            self.reals = [n.get("name") for n in outputs if n[0].tag == "Real"]
             self.c.fmi2Instantiate.restype = c_void_p
             self.c.fmi2GetVersion.restype = self.c.fmi2GetTypesPlatform.restype = c_char_p
         self.blocks: dict[int, Any] = {}
@@ -152,6 +152,10 @@ class Instance:
         """Call a function of the standard."""
         raise NotImplementedError
 
+    def bring_to(self, phase: str) -> Instance:
+        """Bring a new instance to a phase of its life."""
+        raise NotImplementedError
+
     def state(self) -> c_void_p:
         """Keep the present state."""
         state = c_void_p()
@@ -175,6 +179,23 @@ class Instance:
             status = self.call(self.STATES.set, state)
             assert self.call(self.STATES.free, byref(state)) == OK
         return status
+
+
+def each_call(
+    library: Any, new: type[Instance], calls: Mapping[str, Callable[[Any], int]], phases: Iterable[str]
+) -> list[list[Any]]:
+    """Each function in each phase: its status, what it says, and whether it has changed anything."""
+    found = []
+    for phase in phases:
+        for name, call in calls.items():
+            one: Any = new(library).bring_to(phase)
+            before = one.serialized()
+            library.said()
+            status = call(one)
+            messages = library.said()
+            found.append([phase, name, status, messages, before == one.serialized()])
+            one.free()
+    return found
 
 
 def state_calls(names: States) -> dict[str, Callable[[Any], int]]:

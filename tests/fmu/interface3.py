@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable
 from ctypes import CFUNCTYPE, byref, c_bool, c_char_p, c_double, c_int, c_int64, c_size_t, c_uint32, c_void_p
 from typing import Any
-from xml.etree import ElementTree
 
 # by its own name, as the clean process finds it
-from interface import ERROR, OK, Instance, Messages, States, state_calls, unpacked
+from interface import ERROR, OK, Binary, Instance, States, each_call, state_calls  # noqa: F401, for test_fmi3.py
 
 PHASES = ("instantiated", "initialization mode", "event mode", "step mode", "step failed", "terminated")
 LogMessage = CFUNCTYPE(None, c_void_p, c_int, c_char_p, c_char_p)
@@ -22,20 +20,13 @@ TYPES = (
 )
 
 
-class Library(Messages):
-    """The binary of an FMU and what its model description says."""
+class Library(Binary):
+    """An FMU with the functions of FMI 3.0."""
 
     def __init__(self, fmu: str) -> None:
         """Unzip and load it."""
-        super().__init__()  # messages: status, category, text
-        self.folder = unpacked(fmu)
-        root = ElementTree.parse(self.folder / "modelDescription.xml").getroot()
-        self.token = root.get("instantiationToken").encode()
-        self.categories = [category.get("name") for category in root.iter("Category")]
-        nodes = list(root.find("ModelVariables"))
-        self.references = {node.get("name"): int(node.get("valueReference")) for node in nodes}
-        self.shapes = {node.get("name"): [int(size.get("start")) for size in node] for node in nodes}
-        self.c = ctypes.CDLL(str(self.folder / "binaries" / "x86_64-linux" / f"{root.get('modelName')}.so"))
+        super().__init__(fmu)  # messages: status, category, text
+        self.shapes = {node.get("name"): [int(size.get("start")) for size in node] for node in self.nodes}
         for kind in ("CoSimulation", "ModelExchange", "ScheduledExecution"):
             getattr(self.c, f"fmi3Instantiate{kind}").restype = c_void_p
         self.c.fmi3GetVersion.restype = c_char_p
@@ -48,7 +39,7 @@ class Library(Messages):
         """Call fmi3InstantiateCoSimulation, with some other arguments than the usual ones."""
         usual = {
             "name": b"one",
-            "token": self.token,
+            "token": self.guid,
             "resources": f"{self.folder / 'resources'}/".encode(),
             "visible": False,
             "logging": True,

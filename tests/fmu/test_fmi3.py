@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene, simulate
-from tests.fmu.interface3 import ERROR, NEVER, OK, PHASES, Component, Library, calls
+from tests.fmu.interface3 import ERROR, NEVER, OK, PHASES, Component, Library, calls, each_call
 from tests.fmu.standard import all_functions_of_fmi3
 
 
@@ -58,7 +58,7 @@ def not_instantiated(fmu):
     library.messages.clear()
     kinds = {}
     for kind in ("ModelExchange", "ScheduledExecution"):
-        arguments = (b"one", library.token, str(odd).encode(), c_bool(False), c_bool(True), None, library.log)
+        arguments = (b"one", library.guid, str(odd).encode(), c_bool(False), c_bool(True), None, library.log)
         assert getattr(library.c, f"fmi3Instantiate{kind}")(*arguments, None, None, None) is None
         kinds[kind] = library.said()
     forms = [bool(library.instantiate(resources=form.encode())) for form in (str(odd), f"{odd}/")]
@@ -113,18 +113,7 @@ ALLOWED = {
 
 
 def every_call(fmu, phases):
-    """Each function in each phase: its status, what it says, and whether it has changed anything."""
-    library, found = Library(fmu), []
-    for phase in phases:
-        for name, call in calls().items():
-            one = Component(library).bring_to(phase)
-            before = one.serialized()
-            library.said()
-            status = call(one)
-            messages = library.said()
-            found.append([phase, name, status, messages, before == one.serialized()])
-            one.free()
-    return found
+    return each_call(Library(fmu), Component, calls(), phases)
 
 
 def test_the_state_machine(fmi3, run):

@@ -26,6 +26,7 @@ from tests.fmu.interface import (
     Component,
     Library,
     calls,
+    each_call,
 )
 from tests.fmu.standard import HEADERS, co_simulation_functions
 from tests.fmu.zig import WARNINGS, zig
@@ -319,18 +320,8 @@ support, though nothing is asked for. docs/fmu.md says so."""
 
 
 def every_call(fmu, phases):
-    """Each function in each phase: its status, what it says, and whether it has changed anything."""
-    library, found = Library(fmu), []
-    for phase in phases:
-        for name, call in calls().items():
-            one = Component(library).bring_to(phase)
-            before = one.serialized()
-            library.said()
-            status = call(one)
-            messages = library.said()
-            found.append([phase, name, status, messages, before == one.serialized()])
-            one.free()
-    return [found, len(library.blocks)]
+    library = Library(fmu)
+    return [each_call(library, Component, calls(), phases), len(library.blocks)]
 
 
 def test_the_table_of_allowed_calls(native, run):
