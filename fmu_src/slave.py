@@ -103,7 +103,7 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
     def to_xml(self, model_options: Any = None) -> ElementTree.Element:  # noqa: ARG002
         """Return the complete modelDescription: pythonfmu's own has neither units, types nor unknowns.
 
-        chain_impact/fmu/description.py has written it, options included.
+        chain_impact/fmu/model_description.py has written it, options included.
         """
         return ElementTree.parse(Path(self.resources, "description.xml")).getroot()
 

@@ -42,7 +42,7 @@ TESTED_ELSEWHERE = {
     "compilation/work.py": "cli/test_progress.py",
     "fmu/arrays.py": "fmu/test_fmi3.py",
     "fmu/description.py": "fmu/test_build.py",
-    "fmu/fmi2_description.py": "fmu/test_build.py",
+    "fmu/model_description.py": "fmu/test_fmi3_description.py",
     "fmu/documents.py": "fmu/test_build.py",
     "fmu/native_target.py": "fmu/test_native.py",
     "fmu/pythonfmu_target.py": "fmu/test_slave.py",

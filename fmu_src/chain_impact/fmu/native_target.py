@@ -9,8 +9,8 @@ from typing import Any
 from xml.etree import ElementTree
 
 from chain_impact.compilation.compilers import ZIG_TARGETS
-from chain_impact.fmu import fmi2_description, fmi3_description
 from chain_impact.fmu.arrays import array_variables
+from chain_impact.fmu.model_description import TOKEN, model_description
 from chain_impact.fmu.table import guid_of, model_table, packed
 from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
@@ -37,8 +37,8 @@ def native_files(model: Model, kernels: Mapping[str, Path], _scratch: Path) -> d
         model: what it simulates.
         kernels: platform → library.
     """
-    description = fmi2_description.model_description(model, TOOL, canNotUseMemoryManagementFunctions="false")
-    return _files(model, kernels, description, "guid", [])
+    description = model_description(model, TOOL, 2, canNotUseMemoryManagementFunctions="false")
+    return _files(model, kernels, description, TOKEN[2], [])
 
 
 def native_fmi3_files(model: Model, kernels: Mapping[str, Path], _scratch: Path) -> dict[str, bytes]:
@@ -50,8 +50,8 @@ def native_fmi3_files(model: Model, kernels: Mapping[str, Path], _scratch: Path)
         for array in array_variables(model)
     ]
     kernels = {TUPLES[platform]: library for platform, library in kernels.items()}
-    description = fmi3_description.model_description(model, TOOL)
-    return _files(model, kernels, description, "instantiationToken", [(time, 1), *arrays])
+    description = model_description(model, TOOL, 3)
+    return _files(model, kernels, description, TOKEN[3], [(time, 1), *arrays])
 
 
 def _files(

@@ -12,7 +12,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from chain_impact.compilation.errors import BuildError
-from chain_impact.fmu.fmi2_description import model_description
+from chain_impact.fmu.model_description import model_description
 from chain_impact.fmu.table import guid_of, model_table
 from chain_impact.variables.model import Model
 
@@ -67,7 +67,7 @@ def _staged(model: Model, kernels: Mapping[str, Path]) -> dict[str, bytes]:
     for platform, library in sorted(kernels.items()):
         files[f"kernel-{platform}{library.suffix}"] = library.read_bytes()
     slave, table = slave_source(), model_table(model)
-    description = model_description(model, f"chain-impact with PythonFMU {version('pythonfmu')}")
+    description = model_description(model, f"chain-impact with PythonFMU {version('pythonfmu')}", 2)
 
     guid = guid_of((slave, json.dumps(table).encode(), ElementTree.tostring(description), *files.values()))
     description.set("guid", guid)
