@@ -8,7 +8,7 @@ import time
 import pytest
 from rich.console import Console
 
-from chain_impact.cli import commands, progress
+from chain_impact.cli import progress
 from chain_impact.compilation.work import Part, Work
 from chain_impact.simulation import instance
 
@@ -22,8 +22,7 @@ def terminal(monkeypatch):
     def terminal(is_one):
         text = io.StringIO()
         console = Console(file=text, force_terminal=is_one, width=100)
-        for module in (commands, progress):
-            monkeypatch.setattr(module, "err", console)
+        monkeypatch.setattr(progress, "err", console)
         return text
 
     return terminal
@@ -46,6 +45,7 @@ def compiling(monkeypatch):
         return cached(*arguments)
 
     monkeypatch.setattr(instance, "kernel_library", kernel_library)
+    monkeypatch.setattr(instance, "_loaded", {})
 
 
 def test_a_bar_shows_on_a_terminal_while_something_compiles(run, monkeypatch, terminal):

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from chain_impact.cli.options import UsageError, Verbs, add_scene, add_set, check_folders, is_fmu, settings_of
-from chain_impact.cli.progress import out, progress
+from chain_impact.cli.progress import progress, say
 from chain_impact.fmu.run import record_fmu
 from chain_impact.results.animation import FORMATS, IMPACT_TIME, SIZE, animate
 from chain_impact.results.csv_file import read_csv
@@ -90,7 +90,7 @@ def run(options: argparse.Namespace) -> int:
             size=options.size,
             progress=advance,
         )
-    out.print(f"animation  {path}, {path.stat().st_size / 1e6:.2g} MB", markup=False, soft_wrap=True)
+    say(f"animation  {path}, {path.stat().st_size / 1e6:.2g} MB")
     if fault:
         raise fault
     return 0

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from chain_impact.cli.options import Verbs, add_scene
-from chain_impact.cli.progress import out, progress
+from chain_impact.cli.progress import progress, say
 from chain_impact.cli.report import report
 from chain_impact.compilation.compilers import HOST, ZIG_TARGETS
 from chain_impact.scene.scene import load_scene
@@ -59,7 +59,7 @@ def run(options: argparse.Namespace) -> int:
             platforms=options.platform,
             notify=notify,
         )
-    out.print(f"FMU      {fmu}", markup=False, soft_wrap=True)
+    say(f"FMU      {fmu}")
     if options.simulate:
         report(str(fmu), [], fmu.with_suffix(".csv"), fmu.with_suffix(".png"))
     return 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from chain_impact.cli.options import Verbs
-from chain_impact.cli.progress import out
+from chain_impact.cli.progress import say
 from chain_impact.cli.screen import cache_report
 from chain_impact.compilation import cache, places, ready
 
@@ -22,8 +22,8 @@ def run(options: argparse.Namespace) -> int:
     if options.clear:
         where = dict.fromkeys([places.base_folder(), *(entry.path.parent for entry in cache.entries())])
         text = f"removed {cache.clear() / 1e6:.1f} MB from {' and '.join(map(str, where))}"
-        out.print(text, markup=False, soft_wrap=True)
+        say(text)
         return 0
     for line in cache_report(ready.libraries(), cache.entries(), cache.cache_folder()):
-        out.print(line, markup=False, soft_wrap=True)
+        say(line)
     return 0

@@ -12,7 +12,7 @@ from typing import Any, NoReturn
 
 from chain_impact.cli import animate, build, cache, compare, fit, info, simulate, sweep, validate
 from chain_impact.cli.options import UsageError
-from chain_impact.cli.progress import err, out
+from chain_impact.cli.progress import complain, out
 from chain_impact.compilation.errors import BuildError
 from chain_impact.extras import MissingExtraError
 from chain_impact.results.animation import AnimationError
@@ -34,18 +34,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with hints_shown():
             code: int = options.run(options)
     except (AnimationError, SceneError, UsageError, MissingExtraError) as error:
-        err.print(f"chain-impact: {error}", markup=False, soft_wrap=True)
+        complain(error)
         return 2
     except (BuildError, RunError) as error:
-        err.print(f"chain-impact: {error}", markup=False, soft_wrap=True)
+        complain(error)
         return 3
     except OSError as error:
         what = f"{error.filename}: {error.strerror}" if error.filename else str(error)
         what += f"; {REMEDIES[error.errno]}" if error.errno in REMEDIES else ""
-        err.print(f"chain-impact: {what}", markup=False, soft_wrap=True)
+        complain(what)
         return 2
     except KeyboardInterrupt:
-        err.print("chain-impact: interrupted")
+        complain("interrupted")
         return 130
     return code
 
@@ -59,7 +59,7 @@ def hints_shown() -> Iterator[None]:
         if not issubclass(category, SceneWarning):
             usual(message, category, *place, **more)
         elif not out.quiet:
-            err.print(f"chain-impact: {message}", markup=False, soft_wrap=True)
+            complain(message)
 
     with warnings.catch_warnings():
         warnings.simplefilter("always", SceneWarning)

@@ -7,15 +7,15 @@ from pathlib import Path
 
 from chain_impact.cli.options import (
     Verbs,
+    add_plot,
     add_repeated,
     add_scene,
     add_set,
     check_folders,
     names_in,
-    picture,
     settings_of,
 )
-from chain_impact.cli.progress import out, progress
+from chain_impact.cli.progress import progress, say
 from chain_impact.cli.report import show
 from chain_impact.cli.screen import law_table
 from chain_impact.scene.scene import load_scene
@@ -28,12 +28,7 @@ def add(verbs: Verbs) -> None:
     add_scene(compare, "scene")
     add_set(compare)
     add_repeated(compare, "--laws", "NAMES", "compare these laws only, as hertz,flores; default: all")
-    compare.add_argument(
-        "--plot",
-        metavar="FILE",
-        type=picture,
-        help="draw restitution, first impact and energy (png, svg, pdf)",
-    )
+    add_plot(compare, "restitution, first impact and energy")
     compare.add_argument("--csv", metavar="FILE", type=Path, help="write the table")
     compare.set_defaults(run=run)
 
@@ -48,12 +43,12 @@ def run(options: argparse.Namespace) -> int:
         comparison = compare(scene, notify, advance, laws=names_in(*options.laws) or None)
     if options.csv:
         comparison.save_csv(options.csv)
-        out.print(f"table    {options.csv}", markup=False, soft_wrap=True)
+        say(f"table    {options.csv}")
     if options.plot:
         from chain_impact.studies.compare_plot import plot_comparison
 
         with progress("drawing") as (notify, advance):
             plot_comparison(comparison, options.plot, notify, advance)
-        out.print(f"picture  {options.plot}", markup=False, soft_wrap=True)
+        say(f"picture  {options.plot}")
     show(law_table(comparison))
     return 0

@@ -9,15 +9,15 @@ from pathlib import Path
 from chain_impact.cli.options import (
     UsageError,
     Verbs,
+    add_plot,
     add_repeated,
     add_set,
     check_folders,
     name_and_value,
     names_in,
-    picture,
     settings_of,
 )
-from chain_impact.cli.progress import out, progress
+from chain_impact.cli.progress import progress, say
 from chain_impact.scene.models import scene_path
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.record_scene import with_settings
@@ -61,9 +61,7 @@ def add(verbs: Verbs) -> None:
     )
     fit.add_argument("--laws", action="store_true", help="fit every contact law, and rank them")
     add_set(fit)
-    fit.add_argument(
-        "--plot", metavar="FILE", type=picture, help="draw data, model and residuals (png, svg, pdf)"
-    )
+    add_plot(fit, "data, model and residuals")
     fit.add_argument("-o", dest="scene", metavar="FILE", type=Path, help="write the fitted scene (toml)")
     fit.set_defaults(run=run)
 
@@ -93,11 +91,11 @@ def run(options: argparse.Namespace) -> int:
         )
     if options.scene:
         found.save(options.scene, scene_path(options.source))
-        out.print(f"scene    {options.scene}", markup=False, soft_wrap=True)
+        say(f"scene    {options.scene}")
     if options.plot:
         found.plot(options.plot)
-        out.print(f"picture  {options.plot}", markup=False, soft_wrap=True)
-    out.print(repr(found), markup=False, soft_wrap=True)
+        say(f"picture  {options.plot}")
+    say(repr(found))
     return 0
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from rich.markup import escape
 
 from chain_impact.cli.options import Verbs, add_scene, is_fmu
-from chain_impact.cli.progress import out
+from chain_impact.cli.progress import out, say
 from chain_impact.cli.report import show
 from chain_impact.cli.screen import variable_table
 from chain_impact.fmu.run import EXPERIMENT, read_fmu
@@ -50,7 +50,7 @@ def run(options: argparse.Namespace) -> int:
         ]
     out.print(f"[bold]{escape(name)}[/]  {escape(description)}", soft_wrap=True)
     for key, value in facts:
-        out.print(f"  {key} = {value}", markup=False, soft_wrap=True)
+        say(f"  {key} = {value}")
     show(variable_table(variables))
     return 0
 

@@ -52,6 +52,11 @@ def add_repeated(command: argparse.ArgumentParser, option: str, metavar: str, wh
     )
 
 
+def add_plot(command: argparse.ArgumentParser, what: str) -> None:
+    """Add the file of a picture."""
+    command.add_argument("--plot", metavar="FILE", type=picture, help=f"draw {what} (png, svg, pdf)")
+
+
 def picture(text: str) -> Path:
     """The type of an argument: a file that matplotlib can draw into."""
     path = Path(text)

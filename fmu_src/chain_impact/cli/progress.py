@@ -19,6 +19,16 @@ Advance = Callable[[float], None]
 out, err = Console(highlight=False), Console(stderr=True, highlight=False)
 
 
+def say(text: str) -> None:
+    """Print a text as it is."""
+    out.print(text, markup=False, soft_wrap=True)
+
+
+def complain(text: object) -> None:
+    """Say on standard error what is wrong."""
+    err.print(f"chain-impact: {text}", markup=False, soft_wrap=True)
+
+
 class EstimatedBar(BarColumn):
     """A bar that moves with the time, for work of which nothing is known but how long it takes about."""
 

@@ -10,7 +10,7 @@ from rich.console import RenderableType
 from rich.table import Table
 
 from chain_impact.cli.options import UsageError, check_folders, is_fmu, settings_of
-from chain_impact.cli.progress import err, out, progress
+from chain_impact.cli.progress import complain, out, progress, say
 from chain_impact.cli.screen import plain_lines, sensitivity_tables, summary
 from chain_impact.fmu.run import record_fmu
 from chain_impact.results.recording import Recording
@@ -48,7 +48,7 @@ def report(
         recording, fault = error.recording, error
     if csv:
         recording.save_csv(csv)
-        out.print(f"results  {csv}", markup=False, soft_wrap=True)
+        say(f"results  {csv}")
     if picture or window:
         shown = recording if sensitivities or fault else with_rows(recording, source, settings)
         draw(shown, picture, window, sensitivities)
@@ -68,7 +68,7 @@ def draw(
     fill_page = fill_sensitivities if sensitivities else fill
     if picture:
         plot(recording, picture, fill_page)
-        out.print(f"picture  {picture}", markup=False, soft_wrap=True)
+        say(f"picture  {picture}")
     if window:
         fill_page(window, recording)
 
@@ -101,11 +101,9 @@ def with_rows(recording: Recording, source: str, settings: Sequence[str]) -> Rec
     if rows >= ROWS:
         return recording
     if is_fmu(source):
-        err.print(
-            f"chain-impact: the picture has {rows} poses only, one each communication step, and cannot show "
-            "what is between them; --set simulation.step_size=… makes more",
-            markup=False,
-            soft_wrap=True,
+        complain(
+            f"the picture has {rows} poses only, one each communication step, and cannot show "
+            "what is between them; --set simulation.step_size=… makes more"
         )
         return recording
     scene = with_settings(load_scene(source), settings_of(settings))
@@ -119,6 +117,6 @@ def show(parts: Iterable[RenderableType]) -> None:
     for part in parts:
         if isinstance(part, Table) and not out.is_terminal:
             for line in plain_lines(part):
-                out.print(line, markup=False, soft_wrap=True)
+                say(line)
         else:
             out.print(part, soft_wrap=not isinstance(part, Table))

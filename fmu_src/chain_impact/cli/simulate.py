@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chain_impact.cli.options import Verbs, add_repeated, add_scene, add_set, names_in, picture
+from chain_impact.cli.options import Verbs, add_plot, add_repeated, add_scene, add_set, names_in
 from chain_impact.cli.report import report
 from chain_impact.simulation.record_scene import RunError
 
@@ -27,9 +27,7 @@ def add(verbs: Verbs) -> None:
         "contact.stiffness,link[*].mass",
     )
     simulate.add_argument("--show", action="store_true", help="open a window with the picture")
-    simulate.add_argument(
-        "--plot", metavar="FILE", type=picture, help="draw motion, energy and impacts (png, svg, pdf)"
-    )
+    add_plot(simulate, "motion, energy and impacts")
     simulate.add_argument("--csv", metavar="FILE", type=Path, help="write the outputs over time")
     simulate.set_defaults(run=run)
 

@@ -9,15 +9,15 @@ from pathlib import Path
 from chain_impact.cli.options import (
     UsageError,
     Verbs,
+    add_plot,
     add_repeated,
     add_scene,
     add_set,
     check_folders,
     name_and_value,
-    picture,
     settings_of,
 )
-from chain_impact.cli.progress import err, out, progress
+from chain_impact.cli.progress import complain, progress, say
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.record_scene import with_settings
 
@@ -60,9 +60,7 @@ def add(verbs: Verbs) -> None:
         required=True,
         help="write the table (csv, parquet); the same command goes on after an interruption",
     )
-    sweep.add_argument(
-        "--plot", metavar="FILE", type=picture, help="draw the main results over what varies (png, svg, pdf)"
-    )
+    add_plot(sweep, "the main results over what varies")
     sweep.set_defaults(run=run)
 
 
@@ -95,14 +93,13 @@ def run(options: argparse.Namespace) -> int:
             )
     except KeyboardInterrupt:
         if partial_path(options.table).exists():
-            kept = f"chain-impact: what is done is kept in {partial_path(options.table)}; "
-            err.print(kept + "the same command goes on", markup=False, soft_wrap=True)
+            complain(f"what is done is kept in {partial_path(options.table)}; the same command goes on")
         raise
-    out.print(f"table    {options.table}", markup=False, soft_wrap=True)
+    say(f"table    {options.table}")
     if options.plot:
         found.plot(options.plot)
-        out.print(f"picture  {options.plot}", markup=False, soft_wrap=True)
-    out.print(repr(found), markup=False, soft_wrap=True)
+        say(f"picture  {options.plot}")
+    say(repr(found))
     return 0
 
 

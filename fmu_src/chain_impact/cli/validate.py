@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from chain_impact.cli.options import Verbs
-from chain_impact.cli.progress import out
+from chain_impact.cli.progress import say
 
 
 def add(verbs: Verbs) -> None:
@@ -28,5 +28,5 @@ def run(options: argparse.Namespace) -> int:
     # what is no valid FMU is not run
     outcomes = [] if problems else check_references(options.fmu)
     for line in [*(problems or ["no problems found"]), *(outcome.text for outcome in outcomes)]:
-        out.print(f"{options.fmu}: {line}", markup=False, soft_wrap=True)
+        say(f"{options.fmu}: {line}")
     return 0 if not problems and all(outcome.passed for outcome in outcomes) else 1

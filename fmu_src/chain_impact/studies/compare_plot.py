@@ -18,8 +18,7 @@ from matplotlib.text import Annotation
 
 from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.results.plots.labels import label_curves, settle, spread_labels
-from chain_impact.results.plots.style import BLACK, DPI, GREY, INK, PALETTE, STYLE, headline, number
-from chain_impact.results.recording import written_whole
+from chain_impact.results.plots.style import BLACK, GREY, INK, PALETTE, STYLE, headline, number, save
 from chain_impact.studies.compare import Comparison, LawRun, realised_restitution
 
 SIZE = (11.0, 4.5)  # inches
@@ -44,10 +43,7 @@ def plot_comparison(
     ``notify`` and ``progress`` are told of the free impacts that the first panel needs.
     """
     curves = realised_restitution(comparison, PRESCRIBED, notify, progress)
-    with written_whole(path) as fresh:
-        page = Figure(figsize=SIZE, dpi=DPI, layout="constrained")
-        fill(page, comparison, curves)
-        page.savefig(fresh, dpi="figure")
+    save(path, lambda page: fill(page, comparison, curves), SIZE)
 
 
 @mpl.rc_context(STYLE)

@@ -20,8 +20,8 @@ from chain_impact.results.plots.over_time import (
     number_impacts,
 )
 from chain_impact.results.plots.room import view_of
-from chain_impact.results.plots.style import DPI, STYLE, headline
-from chain_impact.results.recording import Recording, written_whole
+from chain_impact.results.plots.style import STYLE, headline, save
+from chain_impact.results.recording import Recording
 
 SIZE = (10.0, 5.4)  # inches
 SLIM, BROAD = 0.6, 1.3  # width of the motion's panel in heights, at least and at most
@@ -62,7 +62,4 @@ def drawn(recording: Recording, path: str | os.PathLike[str] | None, draw: Draw 
 
 def plot(recording: Recording, path: Path, draw: Draw = fill) -> None:
     """Draw the recording into a file; the suffix says which kind (png, svg, pdf)."""
-    with written_whole(path) as fresh:
-        page = Figure(figsize=SIZE, dpi=DPI, layout="constrained")
-        draw(page, recording)
-        page.savefig(fresh, dpi="figure")
+    save(path, lambda page: draw(page, recording), SIZE)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import re
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
@@ -10,6 +13,8 @@ import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+
+from chain_impact.results.recording import written_whole
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#e69f00", "#56b4e9", "#009e73"
 BLUE, VERMILLION, PURPLE = "#0072b2", "#d55e00", "#cc79a7"
@@ -51,6 +56,20 @@ def headline(page: Figure, message: str, conditions: str = "") -> None:
     engine = page.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):
         engine.set(rect=(0.0, 0.0, 1.0, 1.0 - top / height))
+
+
+def save(
+    path: str | os.PathLike[str], fill: Callable[[Figure], None], size: tuple[float, float] | None = None
+) -> None:
+    """Draw what ``fill`` draws on an empty page into a file, whose suffix says which kind (png, svg, pdf).
+
+    Raises:
+        OSError: when the file cannot be written.
+    """
+    with written_whole(Path(path)) as fresh:
+        page = Figure(figsize=size, dpi=DPI, layout="constrained")
+        fill(page)
+        page.savefig(fresh, dpi="figure")
 
 
 def number(value: float, digits: int = 4) -> str:

@@ -17,8 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.ticker import MaxNLocator
 
-from chain_impact.results.plots.style import DPI, GREY, INK, PALE, PALETTE, STYLE, headline, number
-from chain_impact.results.recording import written_whole
+from chain_impact.results.plots.style import GREY, INK, PALE, PALETTE, STYLE, headline, number, save
 from chain_impact.results.result import Result
 from chain_impact.results.summary import plural
 from chain_impact.results.tables import IMPACT_UNITS
@@ -58,8 +57,7 @@ def plot_fit(fit: Fit, path: str | Path) -> None:
     Raises:
         OSError: when the file cannot be written.
     """
-    with written_whole(Path(path)) as fresh:
-        figure(fit).savefig(fresh, dpi=DPI)
+    save(path, lambda page: fill(page, fit))
 
 
 def figure(fit: Fit) -> Figure:

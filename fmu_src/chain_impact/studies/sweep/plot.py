@@ -17,8 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from chain_impact.results.plots.style import DPI, STYLE, headline, number
-from chain_impact.results.recording import written_whole
+from chain_impact.results.plots.style import STYLE, headline, number, save
 from chain_impact.scene.reading import SceneError
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.table import Sweep
@@ -76,10 +75,7 @@ def plot_sweep(found: Sweep, path: str | Path) -> None:
         OSError: when the file cannot be written.
     """
     check_picture(len(found.varied), found.scene.name)
-    with written_whole(Path(path)) as fresh:
-        page = Figure(layout="constrained")
-        fill(page, found)
-        page.savefig(fresh, dpi=DPI)
+    save(path, lambda page: fill(page, found))
 
 
 @mpl.rc_context(STYLE)
