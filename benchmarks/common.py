@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import platform
@@ -62,6 +63,13 @@ def _seconds(call: Callable[[], object], repeats: int) -> float:
     for _ in range(repeats):
         call()
     return (time.process_time() - start) / repeats
+
+
+def rounds(text: str | None, usual: int) -> int:
+    """How many rounds to time: as many as usual, or two if the command line says ``--quick``."""
+    parser = argparse.ArgumentParser(description=text)
+    parser.add_argument("--quick", action="store_true", help="two rounds")
+    return 2 if parser.parse_args().quick else usual
 
 
 def median(values: list[float]) -> float:

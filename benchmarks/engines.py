@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import common  # isort: skip
 
-import argparse
 import sys
 
 import numpy as np
@@ -145,9 +144,7 @@ def draw(page, record) -> None:
 
 def main() -> None:
     """Measure and draw."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="two rounds")
-    rounds = 2 if parser.parse_args().quick else ROUNDS
+    rounds = common.rounds(__doc__, ROUNDS)
     try:
         import mujoco  # noqa: F401
     except ImportError as reason:

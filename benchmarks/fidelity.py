@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import common  # isort: skip
 
-import argparse
 import math
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -185,9 +184,7 @@ def name_point(axes: Any, text: str, x: float, y: float, colour: str, *, right: 
 
 def main() -> None:
     """Measure and draw."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="two rounds")
-    rounds = 2 if parser.parse_args().quick else ROUNDS
+    rounds = common.rounds(__doc__, ROUNDS)
     started = common.environment()
     rows = measure(rounds)
     settings = {"scene": PROBLEM.title, "stop [s]": PROBLEM.times, "rounds": rounds, "unknown": WRONG_BY}

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import common  # isort: skip
 
-import argparse
 import math
 
 import peers
@@ -85,9 +84,7 @@ def draw(page, record) -> None:
 
 def main() -> None:
     """Measure and draw."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="two rounds")
-    rounds = 2 if parser.parse_args().quick else ROUNDS
+    rounds = common.rounds(__doc__, ROUNDS)
     started, rows, missing = common.environment(peers.PACKAGES), [], {}
     for stiffness in STIFFNESSES:
         found, absent = measure(stiffness, rounds)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import common  # isort: skip
 
-import argparse
 import statistics
 import time
 from collections.abc import Callable
@@ -86,9 +85,7 @@ def summary(values: list[float]) -> dict[str, float]:
 
 def main() -> None:
     """Measure."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--quick", action="store_true", help="two rounds")
-    rounds = 2 if parser.parse_args().quick else ROUNDS
+    rounds = common.rounds(__doc__, ROUNDS)
     started, scene = common.environment(), default_scene()
     vary, first = {NAME: f"{FIRST}:{LAST}:{RUNS}"}, sweep(default_scene(), {NAME: f"{FIRST}:{LAST}:{RUNS}"})
     assert set(first["impact.count"]) == {2}
