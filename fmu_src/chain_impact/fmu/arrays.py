@@ -8,17 +8,11 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from chain_impact.variables.model import Model
+from chain_impact.variables.outputs import OWNERS
 from chain_impact.variables.variable import Variable
 
-OWNERS = {
-    "point": ("point_position", "point_velocity", "point_acceleration"),
-    "link": ("angle", "angular_velocity", "angular_acceleration"),
-    "contact": ("force", "penetration", "penetration_rate", "impulse"),
-}
-"""First part of the name → fields of the output record. Of the latest impacts: impact.time and so on."""
-NAMES = {
-    field: f"{owner}.{field.removeprefix('point_')}" for owner, fields in OWNERS.items() for field in fields
-}
+NAMES = {field: f"{owner}.{field.removeprefix('point_')}" for field, owner in OWNERS.items()}
+"""Field of the output record → the array. Of the latest impacts it is impact.time and so on."""
 
 
 class Array(NamedTuple):

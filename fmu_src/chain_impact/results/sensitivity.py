@@ -51,10 +51,10 @@ class Sensitivities:
         values = self.model.scene.values
         return {variable.name: float(values.get(variable.name, 0.0)) for variable in self.varied}
 
-    @cached_property
+    @property
     def units(self) -> dict[str, str]:
         """Name of a parameter or an output → its unit."""
-        return {variable.name: variable.unit for variable in self.model.variables}
+        return self.model.units
 
     @cached_property
     def columns(self) -> dict[str, int]:

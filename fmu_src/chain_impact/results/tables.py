@@ -8,6 +8,7 @@ import numpy as np
 
 from chain_impact.extras import require
 from chain_impact.scene.names import AXES
+from chain_impact.variables.outputs import OWNERS
 
 if TYPE_CHECKING:
     from chain_impact.results.result import Result
@@ -22,26 +23,14 @@ IMPACT_UNITS = {
     "effective_mass": "kg",
     "impulse": "N.s",
 }
-_DIMENSIONS = {
-    "point_position": ("point", "axis"),
-    "point_velocity": ("point", "axis"),
-    "point_acceleration": ("point", "axis"),
-    "angle": ("link",),
-    "angular_velocity": ("link",),
-    "angular_acceleration": ("link",),
-    "force": ("contact",),
-    "penetration": ("contact",),
-    "penetration_rate": ("contact",),
-    "impulse": ("contact",),
-}
+_DIMENSIONS = {field: ("point", "axis") if owner == "point" else (owner,) for field, owner in OWNERS.items()}
 
 
 def dataframe(result: Result) -> Any:
     """See ``Result.to_dataframe``."""
     pandas = require("pandas", "pandas")
     table = pandas.DataFrame(result.columns, index=pandas.Index(result.time, name="time"))
-    units = {variable.name: variable.unit for variable in result.model.outputs}
-    table.attrs["units"] = {name: units[name] for name in result.names}
+    table.attrs["units"] = {name: result.model.units[name] for name in result.names}
     return table
 
 

@@ -275,7 +275,7 @@ def _first_impact(result: Result) -> dict[str, Any]:
     times = np.concatenate(
         [[max(0.0, np.nextafter(impact["onset"], 0.0))], inside, [np.nextafter(impact["end"], np.inf)]]
     )
-    instance = Instance(result.scene)
+    instance = Instance(result.model)
     outputs = np.zeros(len(times), instance.record.dtype["output"])
     instance.trajectory(times, outputs)
     candidate = instance.record["candidate"]

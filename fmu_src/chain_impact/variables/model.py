@@ -68,6 +68,16 @@ class Model:
         return list(all_outputs(self.scene, self.candidates))
 
     @cached_property
+    def outputs_by_name(self) -> dict[str, Variable]:
+        """The outputs of the FMU, derivatives among them, by their names."""
+        return {variable.name: variable for variable in self.variables if variable.causality == "output"}
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """Name of a variable of the FMU → its unit."""
+        return {variable.name: variable.unit for variable in self.variables}
+
+    @cached_property
     def motion(self) -> list[Variable]:
         """The outputs that change all the time: those of ``Result.outputs``."""
         return [variable for variable in self.outputs if variable.place[0] == "output"]

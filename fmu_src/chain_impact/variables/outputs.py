@@ -9,6 +9,12 @@ from chain_impact.scene.names import AXES
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.variable import OBSERVED, Variable
 
+OWNERS = {
+    **dict.fromkeys(("point_position", "point_velocity", "point_acceleration"), "point"),
+    **dict.fromkeys(("angle", "angular_velocity", "angular_acceleration"), "link"),
+    **dict.fromkeys(("force", "penetration", "penetration_rate", "impulse"), "contact"),
+}
+"""Field of the output record with many elements → what each of them is of, the first part of its name."""
 _STATUSES = "; ".join(f"{code} {text}" for code, text in STATUS_TEXT.items())
 
 

@@ -156,7 +156,7 @@ def _colours(count: int) -> list[str]:
 
 
 def _unit(fit: Fit, name: str) -> str:
-    units = {variable.name: variable.unit for variable in Model(fit.scene).variables} | IMPACT_UNITS
+    units = Model(fit.scene).units | IMPACT_UNITS
     unit = units.get(name, "s")
     return f" [{unit}]" if unit not in ("", "1") else ""
 

@@ -18,7 +18,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import kernel_for
 from chain_impact.studies.sweep.variation import Variation
-from chain_impact.variables.model import Model
+from chain_impact.variables.model import Model, model_of
 from chain_impact.variables.table import word_index
 from chain_impact.variables.variable import Variable
 
@@ -33,22 +33,27 @@ class Job:
     """What all runs of a sweep share.
 
     Attributes:
-        scene: from which the runs differ in the values that vary only.
+        model: of the scene from which the runs differ in the values that vary only.
         varied: the places of the parameters in the instance record, in the order of the values; the empty
             place is the stop time.
         kinds: ``real`` or ``enumeration``, of each.
         outputs: names of the outputs that are wanted of the end, besides those of every sweep.
     """
 
-    scene: Scene
+    model: Model
     varied: tuple[Place, ...]
     kinds: tuple[str, ...]
     outputs: tuple[str, ...]
 
     @property
+    def scene(self) -> Scene:
+        """That scene."""
+        return self.model.scene
+
+    @property
     def columns(self) -> dict[str, Variable]:
         """What is read from the record at the end of each run: name → variable."""
-        found = {v.name: v for v in Model(self.scene).variables if v.causality == "output"}
+        found = self.model.outputs_by_name
         standard = [name for name in found if name.startswith(("energy.", "solver."))]
         wanted = dict.fromkeys(["impact.count", *standard, *self.outputs])
         return {name: found[name] for name in wanted}
@@ -61,21 +66,22 @@ class Job:
         return np.dtype([*((name, np.float64) for name in (*PEAKS, ENDED)), *columns])
 
 
-def job_of(scene: Scene, variations: Sequence[Variation], outputs: Sequence[str]) -> Job:
+def job_of(source: Scene | Model, variations: Sequence[Variation], outputs: Sequence[str]) -> Job:
     """What the runs of a sweep share.
 
     Raises:
         SceneError: when there is no such output.
     """
-    known = [v.name for v in Model(scene).variables if v.causality == "output"]
+    model = model_of(source)
+    known = model.outputs_by_name
     for name in outputs:
         if name not in known:
             near = nearest(name, known)
             hint = f"the nearest is {near}" if near else "`chain-impact info` lists them"
-            raise SceneError(f"{scene.name}: {name} is no output; {hint}")
+            raise SceneError(f"{model.scene.name}: {name} is no output; {hint}")
     variables = [variation.variable for variation in variations]
     return Job(
-        scene,
+        model,
         tuple(variable.place for variable in variables),
         tuple(variable.type for variable in variables),
         tuple(dict.fromkeys(outputs)),
@@ -92,8 +98,7 @@ class Runner:
             BuildError: when the kernel cannot be compiled.
         """
         asks = any(name.startswith(SENSITIVITY) for name in job.columns)
-        model = Model(job.scene)
-        varied = model.varied if asks else []
+        model, varied = job.model, job.model.varied if asks else []
         self._kernel = kernel_for(job.scene, notify, derivatives=bool(varied))
         self._start, self._work = model.new_instance(varied), model.new_instance(varied)
         layout, self._job, self._dtype = self._start.dtype, job, job.dtype

@@ -129,7 +129,7 @@ def _varying(design: Design) -> list[Variation]:
 
 def _quantities(found: Sweep) -> list[Quantity]:
     """The main results, then the outputs that were asked for."""
-    units = {variable.name: variable.unit for variable in Model(found.scene).variables}
+    units = Model(found.scene).units
     known = {quantity.column for quantity in QUANTITIES}
     asked = [name for name in found.outputs if name not in known]
     extra = [

@@ -19,6 +19,7 @@ from chain_impact.studies.sweep.resume import kept, partial_path
 from chain_impact.studies.sweep.table import Sweep, table_path
 from chain_impact.studies.sweep.threads import cores, run_in_threads
 from chain_impact.studies.sweep.variation import Values, variations_of
+from chain_impact.variables.model import Model
 
 
 def sweep(
@@ -73,8 +74,9 @@ def sweep(
     threads = cores() if threads is None else threads
     if not isinstance(threads, int) or threads < 1:
         raise SceneError(f"{scene.name}: threads = {threads} must be a whole number >= 1")
-    variations = variations_of(scene, vary)
-    job = job_of(scene, variations, outputs)
+    model = Model(scene)
+    variations = variations_of(model, vary)
+    job = job_of(model, variations, outputs)
     columns = len(variations) + len(job.dtype.names or ())
     if samples is None:
         design = grid(variations, columns, scene.name)

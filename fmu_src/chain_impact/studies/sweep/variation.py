@@ -11,7 +11,7 @@ from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.names import nearest
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.model import Model
+from chain_impact.variables.model import Model, model_of
 from chain_impact.variables.variable import Variable
 
 Values = str | float | Sequence[float | str] | np.ndarray
@@ -72,21 +72,22 @@ class Variation:
         return np.asarray(np.clip(inside, min(low, high), max(low, high)))
 
 
-def sweepable(scene: Scene) -> dict[str, Variable]:
+def sweepable(source: Scene | Model) -> dict[str, Variable]:
     """What can be varied: the parameters of the scene's FMU, and the stop time. Name → variable."""
-    parameters = (variable for variable in Model(scene).variables if variable.causality == "parameter")
-    return {variable.name: variable for variable in (*parameters, STOP_TIME)}
+    return {variable.name: variable for variable in (*model_of(source).parameters, STOP_TIME)}
 
 
-def variations_of(scene: Scene, vary: Mapping[str, Values]) -> tuple[Variation, ...]:
+def variations_of(source: Scene | Model, vary: Mapping[str, Values]) -> tuple[Variation, ...]:
     """What each parameter is varied over.
 
     Raises:
         SceneError: when a name is unknown, or a value is not allowed.
     """
+    model = model_of(source)
+    scene = model.scene
     if not vary:
         raise SceneError(f"{scene.name}: nothing is varied; give at least one parameter")
-    known = sweepable(scene)
+    known = sweepable(model)
     found = []
     for name, values in vary.items():
         if name not in known:
