@@ -274,14 +274,15 @@ class DifferentiatedRun:
         driven = drive(self._model, self._inputs, "follow", times)
         found = np.full((len(driven.times), self._width), np.nan)
         rows = RowsWithSlopes(found, np.full((*found.shape, self._count), np.nan))
-        impacts: list[np.ndarray] = []
+        asked = np.searchsorted(driven.times, times)
+        driven.set(instance.record["given"], 0)
         try:
-            driven.set(instance.record["given"], 0)
             instance.restart(self._places, values)
-            impacts = [*instance.run(driven, rows)[1], instance.open_contacts()]
-        except SimulationError:  # it cannot start
-            pass
-        return self._told(found[driven.asked], rows.slopes[driven.asked], impacts)
+        except SimulationError:
+            return self._told(found[asked], rows.slopes[asked], [])
+        _, impacts = instance.run(driven, rows)
+        impacts.append(instance.open_contacts())
+        return self._told(found[asked], rows.slopes[asked], impacts)
 
     def _told(self, found: np.ndarray, slopes: np.ndarray, impacts: list[np.ndarray]) -> Differentiated:
         order, rows = in_order([np.zeros(0, IMPACT_DTYPE), *impacts])

@@ -113,28 +113,28 @@ def simulate(
         _check_rows(f"{scene.name}: the simulation with its inputs has", len(driven.times), columns)
     stepwise = Stepwise(model, driven, chosen)  # before the run, which may take long
     kept, numbers = _space(len(driven.times), model.row, words)
-    instance: Instance
+    slopes, differentiated = np.zeros((*numbers.shape, len(varied))), None
     rows: Rows
     if varied:
         looks = list(range(numbers.shape[1]) if words is None else words.values())
-        instance = DifferentiatedInstance(model, varied, looks, notify, driven)
-        rows = RowsWithSlopes(numbers, np.zeros((*numbers.shape, len(varied))))
+        differentiated = DifferentiatedInstance(model, varied, looks, notify, driven)
+        rows = RowsWithSlopes(numbers, slopes)
     else:
-        instance = Instance(model, notify, driven, ())
         rows = AllOutputs(kept) if words is None else _SomeOutputs(model.row, numbers, words.values())
+    instance = differentiated or Instance(model, notify, driven, ())
     done, impacts = instance.run(driven, rows, progress or silent)
     order, found = in_order([*impacts, instance.open_contacts()])
     asked = slice(done) if driven.asked.all() else np.flatnonzero(driven.asked[:done])
-    derivatives = None
-    if isinstance(instance, DifferentiatedInstance) and isinstance(rows, RowsWithSlopes):
-        derivatives = Sensitivities(
+    sensitive = None
+    if differentiated:
+        sensitive = Sensitivities(
             model=model,
             varied=varied,
             chosen=None if words is None else tuple(words),
-            slopes=rows.slopes[asked],
+            slopes=slopes[asked],
             impacts=found,
-            impact_slopes=instance.slopes_of_impacts(order),
-            limits=instance.limits,
+            impact_slopes=differentiated.slopes_of_impacts(order),
+            limits=differentiated.limits,
         )
     result = Result(
         model=model,
@@ -142,7 +142,7 @@ def simulate(
         outputs=kept[asked],
         impacts=found,
         statistics=instance.statistics,
-        sensitivities=derivatives,
+        sensitivities=sensitive,
         stepwise=stepwise,
     )
     if instance.status != OK:
