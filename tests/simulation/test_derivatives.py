@@ -61,6 +61,14 @@ def test_no_names():
         DifferentiatedRun(CASE.scene, [], OUTPUTS)
 
 
+def test_there_is_a_row_for_each_time_also_for_equal_ones():
+    name, start = "contact.restitution", CASE.scene.contact.restitution
+    run = DifferentiatedRun(CASE.scene, [name], OUTPUTS)
+    once, twice = (run.run(np.array([start]), np.array(times)) for times in ([0.0, 0.2], [0.0, 0.2, 0.2]))
+    np.testing.assert_array_equal(twice.values, once.values[[0, 1, 1]])
+    np.testing.assert_array_equal(twice.slopes, once.slopes[[0, 1, 1]])
+
+
 # --- the same motion --------------------------------------------------------------------------------------
 
 

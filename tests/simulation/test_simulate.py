@@ -8,11 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import chain_impact
 from chain_impact import load_scene, simulate
 from chain_impact.kernel import status
 from chain_impact.kernel.record import LOG_SIZE
 from chain_impact.scene.models import models_folder
 from chain_impact.scene.scene import SOLVER_METHODS, SceneError, with_values
+from chain_impact.simulation import instance as instance_module
 from chain_impact.simulation.instance import Instance, SimulationError
 from chain_impact.simulation.simulate import check_size
 from tests import kernel_calls
@@ -253,3 +255,40 @@ def test_a_scene_can_be_named(tmp_path):
     expected = simulate(load_scene("rod_drop"), 0.4)
     for source in ("rod_drop", file, str(file)):
         assert simulate(source, 0.4).impacts.tobytes() == expected.impacts.tobytes()
+
+
+# --- the way to a result -----------------------------------------------------------------------------------
+
+
+def test_a_kernel_that_is_loaded_is_not_looked_for_again(monkeypatch):
+    before = simulate("rod_drop").outputs
+    monkeypatch.setattr(instance_module, "kernel_library", None)
+    assert simulate("rod_drop").outputs.tobytes() == before.tobytes()
+
+
+@pytest.mark.parametrize(("names", "most", "returns"), [(None, 48, 25), (("contact.stiffness",), 95, 160)])
+def test_the_way_from_a_scene_to_its_result_is_short(names, most, returns):
+    """Functions of the package that it calls, and how often one is in another file than the last."""
+    scene, root = load_scene("four_link_box"), str(Path(chain_impact.__file__).parent)
+    simulate(scene, sensitivities=names)
+    called, files = set(), [root]
+
+    def note(frame, event, _):
+        code, caller = frame.f_code, frame.f_back.f_code.co_filename
+        if event == "call" and code.co_filename.startswith(root):
+            called.add(code)
+            files.append(code.co_filename)
+        elif event == "return" and code.co_filename.startswith(root) and caller.startswith(root):
+            files.append(f"back in {caller}")
+
+    sys.setprofile(note)
+    try:
+        simulate(scene, sensitivities=names)
+    finally:
+        sys.setprofile(None)
+    places = [file.removeprefix("back in ") for file in files]
+    changes = sum(
+        file == place != before for file, place, before in zip(files[1:], places[1:], places, strict=False)
+    )
+    assert len(called) <= most
+    assert changes <= returns

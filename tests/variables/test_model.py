@@ -1,6 +1,7 @@
 """A model: what it works out, the size of a new instance, and where the scene's values stand in it."""
 
 import operator
+import pickle
 from collections import Counter
 from functools import reduce
 
@@ -8,9 +9,11 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene, simulate
+from chain_impact.fmu.documents import documents
+from chain_impact.fmu.native_target import native_fmi3_files
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import SOLVER_METHODS, model_names, scene_to_dict, with_values
-from chain_impact.variables import model
+from chain_impact.variables import model as model_module
 from chain_impact.variables.model import Model, new_instance
 from chain_impact.variables.table import word_index
 
@@ -79,19 +82,55 @@ def test_a_new_instance_holds_nothing_but_the_scene():
         assert not any(instance[0][field].tobytes()), field
 
 
-def test_a_run_with_derivatives_works_each_part_out_once(monkeypatch):
+def count_calls(monkeypatch):
+    """How often each part of a model is worked out from now on."""
     counts = Counter()
 
     def count(name):
-        function = getattr(model, name)
+        function = getattr(model_module, name)
 
         def counted(*arguments):
             counts[name] += 1
             return function(*arguments)
 
-        monkeypatch.setattr(model, name, counted)
+        monkeypatch.setattr(model_module, name, counted)
 
     for name in ("candidates", "parameters", "inputs", "all_outputs"):
         count(name)
-    simulate("rod_drop", stop_time=0.1, output=["point[1].*"], sensitivities=["link[1].*", "gravity.y"])
-    assert counts == {"candidates": 1, "parameters": 1, "inputs": 1, "all_outputs": 1}
+    return counts
+
+
+def test_a_run_with_derivatives_works_each_part_out_once(monkeypatch):
+    made = count_calls(monkeypatch)
+    result = simulate(
+        "rod_drop", stop_time=0.1, output=["point[1].*"], sensitivities=["link[1].*", "gravity.y"]
+    )
+    assert result.sensitivities.units["point[1].x"] == "m"
+    assert made == {"candidates": 1, "parameters": 1, "inputs": 1, "all_outputs": 1}
+
+
+def test_an_fmu_works_each_part_out_once(monkeypatch, tmp_path):
+    made = count_calls(monkeypatch)
+    model = Model(load_scene("pinned_arm"))
+    assert {**native_fmi3_files(model, {}, tmp_path), **documents(model, 3)}
+    assert made == {"candidates": 1, "parameters": 1, "inputs": 1, "all_outputs": 1}
+
+
+def test_the_start_of_a_model_is_that_of_a_new_instance_and_stays_so():
+    model = Model(load_scene("rod_drop"))
+    assert model.start.tobytes() == model.new_instance().tobytes()
+    with pytest.raises(ValueError, match="read-only"):
+        model.start["links"] = 2
+    starts, law = {v.name: model.start_text(v) for v in model.parameters}, CONTACT_LAWS["zhang_sharf"]
+    assert (starts["link[1].length"], starts["contact.model"]) == (
+        "0.6",
+        str(law.number),
+    )
+
+
+def test_a_model_goes_to_another_process_as_its_scene():
+    model = Model(load_scene("rod_drop"))
+    names = [variable.name for variable in model.variables]
+    again = pickle.loads(pickle.dumps(model))
+    assert vars(again) == {"scene": model.scene}
+    assert [variable.name for variable in again.variables] == names
