@@ -22,7 +22,7 @@ from looks import GREY, OURS, headline
 
 from chain_impact.fmu.build import build_fmu
 from chain_impact.scene.scene import Scene, load_scene
-from chain_impact.variables.model import Model, new_instance
+from chain_impact.variables.model import Model
 
 OUTPUTS = 30
 PROCESSES = 9  # fresh ones for each of the two FMUs
@@ -144,7 +144,7 @@ def main() -> None:
         results["bytes"] = {
             "FMU": fmus["ours"].stat().st_size,
             "empty FMU": fmus["empty"].stat().st_size,
-            "instance": new_instance(scene).nbytes,
+            "instance": Model(scene).new_instance().nbytes,
         }
     print(json.dumps(results, indent=1))
     settings = {

@@ -14,7 +14,7 @@ from numba import njit
 
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
-from chain_impact.variables.model import new_instance
+from chain_impact.variables.model import Model
 
 jit = njit(error_model="numpy")
 # inlined before compilation: a call would count references to every array, at more cost than the recursion
@@ -60,7 +60,7 @@ def plain_chain(scene: Scene) -> Chain:
 
     assert scene.chain.base == "free"
     assert scene.contact.radius == 0.0
-    model = new_instance(scene)[0]["model"]
+    model = Model(scene).new_instance()[0]["model"]
     pairs = np.array(candidates(scene), dtype=np.int64).reshape(-1, 2)
     length, mass, centre = (np.array(model[name]) for name in ("length", "mass", "center_of_mass"))
     return Chain(

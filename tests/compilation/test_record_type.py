@@ -10,7 +10,7 @@ from chain_impact.kernel.record import instance_dtype
 from chain_impact.kernel.tangent.directions import tangent_dtype
 from chain_impact.scene.scene import scene_from_dict, with_values
 from chain_impact.simulation.instance import Instance
-from chain_impact.variables.model import new_instance
+from chain_impact.variables.model import Model
 from tests.plain import Plain
 
 TABLE = TABLES["instance"]
@@ -86,7 +86,7 @@ def test_compiled_code_gives_the_bits_of_plain_python(changes):
     rows = np.zeros(len(times), instance.record.dtype["output"])
     assert instance.trajectory(times, rows) == len(times)
 
-    block = new_instance(scene)
+    block = Model(scene).new_instance()
     d = Plain(block[0])
     found = np.zeros_like(rows)
     with np.errstate(all="ignore"):

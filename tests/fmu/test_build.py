@@ -20,7 +20,7 @@ from chain_impact.fmu.build import build_fmu, validate_fmu
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.scene import model_names, with_values
-from chain_impact.variables.model import Model, new_instance
+from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
 from tests.fmu.conftest import KINDS
 from tests.fmu.contents import description
@@ -119,7 +119,7 @@ def test_names_are_sorted_and_nothing_is_dated(fmus):
 @every_model
 def test_start_values_are_those_of_the_scene_to_the_last_bit(fmi2, model):
     scene = load_scene(model)
-    instance = new_instance(scene)
+    instance = Model(scene).new_instance()
     nodes = description(fmi2[model]).iter("ScalarVariable")
     found = {node.get("name"): node[0].get("start") for node in nodes}
     for variable in Model(scene).variables:

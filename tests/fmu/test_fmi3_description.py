@@ -11,7 +11,7 @@ from lxml import etree
 
 from chain_impact import load_scene
 from chain_impact.scene.scene import model_names
-from chain_impact.variables.model import Model, new_instance
+from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
 from tests.fmu.contents import description
 
@@ -30,7 +30,7 @@ def test_the_description_keeps_the_schema_of_the_standard(fmi3, model):
 @every_model
 def test_variables_are_those_of_fmi2_and_time_and_arrays(fmi3, model):
     scene = load_scene(model)
-    instance, variables = new_instance(scene), Model(scene).variables
+    instance, variables = Model(scene).new_instance(), Model(scene).variables
     nodes = list(description(fmi3[model]).find("ModelVariables"))
     assert [int(node.get("valueReference")) for node in nodes] == list(range(len(nodes)))
     types = {"real": "Float64", "integer": "Int64", "enumeration": "Enumeration"}

@@ -14,19 +14,19 @@ from chain_impact.fmu.native_target import native_fmi3_files
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import SOLVER_METHODS, model_names, scene_to_dict, with_values
 from chain_impact.variables import model as model_module
-from chain_impact.variables.model import Model, new_instance
+from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
 
 BUFFER = 64 * 1024  # bytes, what an instance of four links in a box shall fit into
 
 
 def test_four_links_in_a_box_fit_into_64_kilobytes():
-    assert new_instance(load_scene("four_link_box")).nbytes < BUFFER
+    assert Model(load_scene("four_link_box")).new_instance().nbytes < BUFFER
 
 
 @pytest.mark.parametrize("model", model_names())
 def test_the_record_holds_no_pointers(model):
-    instance = new_instance(load_scene(model))
+    instance = Model(load_scene(model)).new_instance()
     assert not instance.dtype.hasobject
     assert np.frombuffer(instance.tobytes(), instance.dtype) == instance
 
@@ -34,7 +34,7 @@ def test_the_record_holds_no_pointers(model):
 @pytest.mark.parametrize("model", model_names())
 def test_the_record_names_point_and_wall_of_each_candidate(model):
     scene = load_scene(model)
-    held = new_instance(scene)[0]
+    held = Model(scene).new_instance()[0]
     assert (held["links"], held["candidates"]) == (len(scene.chain.links), len(candidates(scene)))
     assert list(zip(held["candidate"]["point"], held["candidate"]["wall"], strict=True)) == candidates(scene)
 
@@ -46,7 +46,7 @@ def test_a_pinned_base_is_no_candidate_by_default():
 @pytest.mark.parametrize("model", model_names())
 def test_each_value_of_the_scene_stands_where_its_variable_is(model):
     scene = load_scene(model)
-    instance = new_instance(scene)
+    instance = Model(scene).new_instance()
     reals, integers = instance.view(np.float64), instance.view(np.int64)
     checked = 0
     for variable in Model(scene).variables:
@@ -65,19 +65,19 @@ def test_each_value_of_the_scene_stands_where_its_variable_is(model):
 def test_what_the_scene_says_in_words_becomes_a_number():
     box = load_scene("four_link_box")
     changes = {("contact", "model"): "flores", ("solver", "method"): "implicit"}
-    held = new_instance(with_values(box, changes))[0]
+    held = Model(with_values(box, changes)).new_instance()[0]
     assert held["contact"]["law"] == CONTACT_LAWS["flores"].number
     assert held["solver"]["method"] == SOLVER_METHODS.index("implicit") + 1
     assert (held["model"]["pinned"], held["model"]["driven"]) == (0, 0)
-    arm = new_instance(load_scene("pinned_arm"))[0]
+    arm = Model(load_scene("pinned_arm")).new_instance()[0]
     assert (arm["model"]["pinned"], arm["model"]["driven"]) == (1, 1)
 
 
 def test_a_new_instance_holds_nothing_but_the_scene():
     """Two are equal, and all that the kernel fills in is zero."""
     scene = load_scene("four_link_box")
-    instance = new_instance(scene)
-    assert instance.tobytes() == new_instance(scene).tobytes()
+    instance = Model(scene).new_instance()
+    assert instance.tobytes() == Model(scene).new_instance().tobytes()
     for field in ("step", "touch", "search", "implicit", "rigid", "finished", "statistics", "output", "work"):
         assert not any(instance[0][field].tobytes()), field
 

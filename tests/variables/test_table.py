@@ -12,7 +12,7 @@ from chain_impact.kernel.record import output_dtype
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import SOLVER_METHODS, WALLS, Scene, model_names, with_values
-from chain_impact.variables.model import Model, new_instance
+from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
 from chain_impact.variables.units import UNITS
 
@@ -49,14 +49,14 @@ def test_names_are_unique_and_structured(scene):
 
 @every_scene
 def test_each_variable_has_a_word_of_its_own(scene):
-    layout = new_instance(scene).dtype
+    layout = Model(scene).new_instance().dtype
     words = [word_index(layout, variable.place) for variable in Model(scene).variables]
     assert len(set(words)) == len(words)
     assert 0 <= min(words) <= max(words) < layout.itemsize // 8
 
 
 def test_word_index_counts_as_numpy_does():
-    instance = new_instance(SCENES["four_link_box"])
+    instance = Model(SCENES["four_link_box"]).new_instance()
     instance.view(np.int64)[:] = np.arange(instance.nbytes // 8)
     whole = instance.view(instance.dtype)[0]
     assert word_index(instance.dtype, ("candidate", "wall", 7)) == whole["candidate"]["wall"][7]
@@ -67,13 +67,13 @@ def test_word_index_counts_as_numpy_does():
 @pytest.mark.parametrize("place", [("model", "length", 4), ("model", "length", -1), ("model", "lengths", 0)])
 def test_word_index_refuses_what_is_not_there(place):
     with pytest.raises((KeyError, IndexError)):
-        word_index(new_instance(SCENES["four_link_box"]).dtype, place)
+        word_index(Model(SCENES["four_link_box"]).new_instance().dtype, place)
 
 
 @pytest.mark.parametrize("place", [("model",), ("model", "length"), ("step", "dense", 1)])
 def test_word_index_refuses_what_is_not_one_number(place):
     with pytest.raises(KeyError, match="not a scalar"):
-        word_index(new_instance(SCENES["four_link_box"]).dtype, place)
+        word_index(Model(SCENES["four_link_box"]).new_instance().dtype, place)
 
 
 @every_scene
@@ -200,7 +200,7 @@ def test_a_scene_without_walls_has_no_contact_variables():
 @every_scene
 def test_each_parameter_sets_its_place_and_nothing_else(scene):
     paths = Model(scene).parameter_paths
-    before = new_instance(scene)
+    before = Model(scene).new_instance()
     for variable in Model(scene).variables:
         if variable.causality != "parameter":
             continue
@@ -215,7 +215,7 @@ def test_each_parameter_sets_its_place_and_nothing_else(scene):
             value = stored = -1.0
         elif variable.name == "contact.exponent":  # no less than 1
             value = stored = 1.25
-        after = new_instance(with_values(scene, {path: value}))
+        after = Model(with_values(scene, {path: value})).new_instance()
         assert after.view(view)[word] == stored
         changed = np.flatnonzero(after.view(np.int64) != before.view(np.int64))
         # what can be set at any time holds as it is given at the start
@@ -255,7 +255,7 @@ def test_columns_are_those_of_the_recorded_outputs(scene):
     width = outputs.dtype.itemsize // 8
     outputs.view(np.float64)[:] = np.arange(3 * width)
     columns = Model(scene).series(outputs)
-    layout = new_instance(scene).dtype
+    layout = Model(scene).new_instance().dtype
     start = layout.fields["output"][1] // 8
     for variable in Model(scene).variables:
         if variable.place[0] == "output":
