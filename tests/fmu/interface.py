@@ -80,7 +80,6 @@ class Library(Binary):
             from as_fmi2 import Functions
 
             self.reals = [n.get("name") for n in outputs if n.tag == "Float64" and len(n) == 0]
-
             self.c = Functions(self.c, self._log)
         else:
             self.reals = [n.get("name") for n in outputs if n[0].tag == "Real"]

@@ -53,14 +53,17 @@ MANIFEST_TEXT = f"""\
   <Related type="text/csv" source="{{name}}_out.csv" role="result" description="Outputs until {{stop}} s"/>
 </fmiReferences>
 """
+ABOUT = (
+    f"Start values of the FMU. The results were computed at a tolerance of {EXACT:g}; the stated tolerances "
+    f"are {MARGIN:g} times what the FMU's own tolerance makes of them"
+)
 EXPERIMENT_TEXT = f"""\
 <?xml version="1.0" encoding="UTF-8"?>
 <Experiments name="{{name}}" description="Is the import right?">
-  <Experiment name="default" description="Start values of the FMU. The results were computed at a tolerance of
-      {EXACT:g}; the stated tolerances are {MARGIN:g} times what the FMU's own tolerance makes of them"
+  <Experiment name="default"
+      description="{ABOUT}"
       startTime="0.0" stopTime="{{stop}}" stepSize="{{step}}" tolerance="{{tolerance}}">
-    {{stimuli}}
-    <References source="{{name}}_out.csv">
+    {{stimuli}}<References source="{{name}}_out.csv">
       <Annotations>
         <Annotation type="{TOLERANCES}">
           {{tolerances}}
@@ -245,7 +248,7 @@ def _scales(values: np.ndarray, outputs: Sequence[Variable]) -> np.ndarray:
 
 
 def _experiments(scene: Scene, found: Reference) -> str:
-    stimuli = f'<Stimuli source="{scene.name}_in.csv"/>' if found.inputs else ""
+    stimuli = f'<Stimuli source="{scene.name}_in.csv"/>\n    ' if found.inputs else ""
     pairs = zip(found.outputs, found.tolerances, strict=True)
     tolerances = (f'<Tolerance name="{v.name}" absolute="{allowed:.2g}"/>' for v, allowed in pairs)
     return EXPERIMENT_TEXT.format(
