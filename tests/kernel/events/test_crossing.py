@@ -1,0 +1,321 @@
+"""Crossings of clearances over a step, against dense sampling of motions in closed form."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from chain_impact.kernel.chain.state import root_at, time_at
+from chain_impact.kernel.events import crossing
+from chain_impact.kernel.events.crossing import (
+    QUIET,
+    SPLIT,
+    bound_curvature,
+    find_crossing,
+    kind_of,
+    locate,
+    measure,
+    root,
+)
+from chain_impact.kernel.events.exclusion import keep_start
+from chain_impact.kernel.events.kinds import END, NONE, ONSET
+from chain_impact.kernel.integration.method import IMPLICIT
+from chain_impact.kernel.model.geometry import clearance
+from tests.kernel.chains import chain, touch
+from tests.kernel.steps import (
+    Motion,
+    free_motion,
+    gaps_of,
+    normals_of,
+    set_step,
+    translation,
+    wall_at,
+    walls_away,
+)
+
+SAMPLES = np.linspace(0.0, 1.0, 2001)
+
+
+def moving(seed, *, count=2, size=0.4, near=3, touching=0, base="free"):
+    """A step near some walls, of which some candidates are in contact, searched as ``find_event`` does."""
+    rng = np.random.default_rng(seed)
+    _, d = chain(rng, count, base)
+    motion = free_motion(rng, d)
+    walls_away(d)
+    set_step(d, motion, size, start=rng.uniform(0.0, 3.0))
+    chosen = rng.choice(d.candidates, near + touching, replace=False)
+    for c in chosen[:near]:
+        wall_at(d, c, motion.at(0.0), rng.uniform(0.05, 0.5))
+    for c in chosen[near:]:
+        wall_at(d, c, motion.at(0.0), -rng.uniform(0.05, 0.5))
+    touch(d, chosen[near:])
+    prepare(d)
+    return d, motion
+
+
+def prepare(d):
+    measure(d, 0.0)
+    keep_start(d)
+    bound_curvature(d)
+
+
+def phi(d, motion, theta):
+    """φ of all candidates at fractions of the step: clearances, and penetrations of those in contact."""
+    states = motion.at(np.atleast_1d(theta) * d.step.size).T
+    return gaps_of(d, states) * np.where(d.touch.active == 1, -1.0, 1.0)
+
+
+def first_fall(d, motion):
+    """The first θ at which some φ falls through zero, by samples and Brent's method; and whose it is."""
+    values, best = phi(d, motion, SAMPLES), (-1.0, -1)
+    for c in range(d.candidates):
+        falls = np.flatnonzero((values[:-1, c] > 0.0) & (values[1:, c] <= 0.0))
+        if len(falls):
+            low, high = SAMPLES[falls[0]], SAMPLES[falls[0] + 1]
+            theta = brentq(lambda t, c=c: phi(d, motion, t)[0, c], low, high, xtol=1e-15)
+            if best[0] < 0.0 or theta < best[0]:
+                best = (theta, c)
+    return best
+
+
+@pytest.mark.parametrize("base", ["free", "pinned"])
+@pytest.mark.parametrize(("near", "touching"), [(1, 0), (3, 0), (0, 1), (2, 2)])
+@pytest.mark.parametrize("seed", range(8))
+def test_the_first_crossing_is_where_the_first_clearance_or_depth_falls_through_zero(
+    seed, near, touching, base
+):
+    d, motion = moving([seed, near, touching], near=near, touching=touching, base=base)
+    d.touch.event[:] = 7
+    theta, whose = first_fall(d, motion)
+    found = find_crossing(d)
+    if theta < 0.0:
+        assert found == -1.0
+        return
+    assert found * d.step.size == pytest.approx(theta * d.step.size, abs=1e-13)
+    assert d.touch.event[whose] == (END if d.touch.active[whose] else ONSET) == kind_of(d, whose)
+    assert not np.delete(d.touch.event, whose).any()
+    # measured there
+    np.testing.assert_allclose(d.search.clear_end, phi(d, motion, found)[0], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("depth", [1e-2, 1e-6, 1e-9])
+@pytest.mark.parametrize("falling", [1.0, -1.0])
+def test_a_dip_between_the_ends_of_a_step_is_found(falling, depth):
+    """g = a (t − ½)² − depth: a point of a chain that does not turn dips and returns."""
+    _, d = chain(np.random.default_rng(1), 1)
+    motion = free_motion(np.random.default_rng(2), d, speed=0.0, bend=0.0)
+    c = 1  # the base at the floor
+    a = 2.0
+    half = 3
+    motion.coefficients[:, 1] = 0.25 * a, -a, a
+    motion.coefficients[:2, half + 1] = -a, 2.0 * a
+    walls_away(d)
+    set_step(d, motion, 1.0)
+    wall_at(d, c, motion.at(0.5), -falling * depth)
+    prepare(d)
+    found = find_crossing(d)
+    if falling < 0.0:
+        assert found == -1.0
+    else:
+        expected = 0.5 - math.sqrt(depth / a)
+        assert found == pytest.approx(expected, abs=1e-12 + 1e-16 / depth)
+        assert d.touch.event.tolist() == [int(k == c) * ONSET for k in range(d.candidates)]
+
+
+@pytest.mark.parametrize(("clock", "counted"), [(0.0, False), (1e4, True)])
+def test_points_that_arrive_at_one_moment_are_one_event(clock, counted):
+    """To 1e-12 s, and to what a time can be told by."""
+    _, d = chain(np.random.default_rng(1), 4)
+    motion = translation(d, [0.3], [0.5, -2.0])
+    walls_away(d)
+    set_step(d, motion, 1.0, start=clock)
+    floor = [c for c in range(d.candidates) if d.candidate.wall[c] == 2]
+    for c, late in zip(floor, (0.0, 1e-9, 1e-13, 0.3, 3e-12), strict=True):
+        wall_at(d, c, motion.at(0.0), 2.0 * (0.4 + late))
+    prepare(d)
+    assert find_crossing(d) == pytest.approx(0.4, abs=1e-11)
+    assert d.touch.event[floor].tolist() == [ONSET, NONE, ONSET, NONE, ONSET if counted else NONE]
+
+
+@pytest.mark.parametrize("hard", [0.001, 0.3, 0.5, 0.77, 0.999])
+def test_intervals_are_halved_where_they_are_unsettled_and_as_wide_as_may_be_elsewhere(hard, monkeypatch):
+    """A dyadic partition of the step: each interval is settled, and the one twice as wide is not."""
+    d, motion = moving(0, near=1)
+    settled = []
+
+    def judge(record, a, b):
+        np.testing.assert_allclose(record.search.clear_start, phi(d, motion, a)[0], rtol=0, atol=1e-11)
+        np.testing.assert_allclose(record.search.clear_end, phi(d, motion, b)[0], rtol=0, atol=1e-11)
+        if a < hard <= b and b - a > 1.0 / 64.0:
+            return SPLIT
+        settled.append((a, b))
+        return QUIET
+
+    monkeypatch.setattr(crossing, "inspect", judge)
+    assert find_crossing(d) == -1.0
+    assert [a for a, _ in settled] == [0.0, *(b for _, b in settled[:-1])]
+    assert settled[-1][1] == 1.0
+    for a, b in settled:
+        width = b - a
+        assert a % width == 0.0
+        begin = 2.0 * width * (a // (2.0 * width))
+        assert width == 1.0 / 64.0 or begin < hard <= begin + 2.0 * width
+
+
+def test_a_search_ends_when_there_is_no_work_left():
+    d, _ = moving(0, near=1)
+    d.solver.work_limit, d.statistics.rhs_evaluations = 10.0, 1000
+    work = d.limits.other_work
+    assert find_crossing(d) == -1.0
+    assert d.limits.other_work == work
+
+
+def test_the_curvature_of_a_point_on_a_link_that_turns_evenly_is_exact():
+    """|n·a| + L ω², along an axis and along a wall at any angle."""
+    _, d = chain(np.random.default_rng(3), 1)
+    motion = free_motion(np.random.default_rng(4), d)
+    motion.coefficients[2, 2] = motion.coefficients[1, 5] = 0.0
+    walls_away(d)
+    set_step(d, motion, 0.5)
+    prepare(d)
+    omega, a = motion.at(0.0)[5], motion.at(0.0, 1)[3] + 1j * motion.at(0.0, 1)[4]
+    turning = d.model.length[0] * omega**2 * d.candidate.point
+    expected = np.abs((a * normals_of(d).conj()).real) + turning
+    np.testing.assert_allclose(d.search.curvature, expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("base", ["free", "pinned"])
+@pytest.mark.parametrize("seed", range(5))
+def test_the_curvature_of_a_clearance_is_bounded_and_not_by_too_much(seed, base):
+    """|g̈| over the step, by second differences; along a wall at an angle as along an axis."""
+    d, motion = moving(seed, count=3, size=0.2, base=base)
+    h = 1e-4
+    for t in np.linspace(h, 0.2 - h, 9):
+        parts = [gaps_of(d, motion.at(t + k * h)) for k in (-1, 0, 1)]
+        second = np.abs(parts[0] - 2.0 * parts[1] + parts[2]) / h**2
+        assert (second <= d.search.curvature + 1e-4).all()  # round-off of differences
+    # L (|α| + ω²) of all links before it and the base's acceleration, whose bounds are sharp at the ends
+    n = d.links
+    turns = [np.abs(motion.at(t)[n + 4 : 2 * n + 4]).max(axis=0) for t in (0.0, 0.2)]
+    bends = np.abs(motion.at(0.0, 1)[n + 2 : 2 * n + 4]).sum()
+    most = bends * (1.0 + d.model.length.max()) + d.model.reach * np.max(turns) ** 2 * 4.0
+    assert (d.search.curvature < 3.0 * most + 1.0).all()
+
+
+def test_the_points_of_an_implicit_step_that_are_in_contact_have_their_own_bound():
+    d, _ = moving(3, touching=2)
+    held = d.touch.active_index[:2]
+    before = d.search.curvature.copy()
+    touch(d, [])
+    bound_curvature(d)
+    np.testing.assert_array_equal(d.search.curvature, before)
+    touch(d, held)
+    d.step.made_by = IMPLICIT
+    bound_curvature(d)
+    assert (d.search.curvature[held] != before[held]).all()
+    np.testing.assert_array_equal(np.delete(d.search.curvature, held), np.delete(before, held))
+
+
+# --- roots -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_root_is_found_to_the_resolution_of_time(seed):
+    """Also from a bracket in which the first guess of Newton's method lies outside."""
+    d, motion = moving(seed, near=4, size=1.0)
+    values = phi(d, motion, SAMPLES)
+    falls = [
+        (i, c)
+        for c in range(d.candidates)
+        for i in np.flatnonzero((values[:-1, c] > 0) & (values[1:, c] < 0))
+    ]
+    assert falls
+    for i, c in falls:
+        exact = brentq(lambda t, c=c: phi(d, motion, t)[0, c], SAMPLES[i], SAMPLES[i + 1], xtol=1e-15)
+        low = SAMPLES[max(0, i - 200)] if (values[max(0, i - 200) : i + 1, c] > 0).all() else SAMPLES[i]
+        high = SAMPLES[i + 1]
+        measure(d, low)
+        keep_start(d)
+        measure(d, high)
+        work = d.limits.other_work
+        found = root(d, c, low, high)
+        assert d.limits.other_work - work <= 30
+        assert found == pytest.approx(exact, abs=2e-15)
+        np.testing.assert_allclose(d.search.clear_end, phi(d, motion, found)[0], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(("rate", "curvature"), [(-1.0, 0.0), (-1.0, 1e9), (1.0, 0.0)])
+def test_an_overdue_event_is_where_the_clearance_falls(rate, curvature):
+    """At the start of a bracket in which it only falls, or at its end if it rises but for round-off."""
+    d, motion = moving(0, near=1)
+    c = 0
+    measure(d, 0.75)
+    d.search.clear_start[c], d.search.clear_start_rate[c], d.search.curvature[c] = -1e-3, rate, curvature
+    expected = 0.25 if rate < 0.0 else 0.75
+    assert root(d, c, 0.25, 0.75) == expected
+    np.testing.assert_allclose(d.search.clear_end, phi(d, motion, expected)[0], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_of_settled_candidates_the_earliest_is_marked(seed):
+    d, motion = moving([seed, 9], near=3)
+    theta, whose = first_fall(d, motion)
+    if theta < 0.0:
+        theta, whose = 2.0, -1
+    high = min(1.0, theta + 1e-3)
+    low = max(0.0, theta - 1e-3)
+    measure(d, low)
+    keep_start(d)
+    measure(d, high)
+    d.search.curvature[:] = 0.0
+    d.touch.event[:] = 7
+    found = locate(d, low, high)
+    if whose >= 0:
+        assert found == pytest.approx(theta, abs=1e-13)
+        assert d.touch.event.tolist() == [int(c == whose) * kind_of(d, c) for c in range(d.candidates)]
+    else:
+        assert found == high
+        assert not d.touch.event.any()
+
+
+def test_a_regularized_contact_ends_at_the_root_of_u():
+    rng = np.random.default_rng(4)
+    _, d = chain(rng, 2)
+    motion = free_motion(rng, d)
+    motion.coefficients[:, root_at(2)] = 0.6, -1.0, 0.2
+    motion.coefficients[:, time_at(2)] = 0.0, 0.3, 0.0
+    walls_away(d)
+    set_step(d, motion, 1.0)
+    rates = [clearance(d, c)[1] for c in range(d.candidates)]
+    c = int(np.argmax(rates))
+    d.step.regularized = c
+    touch(d, [c])
+    # so that u′ is about that of the motion: where u falls to zero, the point leaves
+    d.touch.depth_scale[c], d.touch.impact_speed[c] = 0.5 * rates[c] / 0.7, 1.0
+    prepare(d)
+    assert find_crossing(d) == pytest.approx((1.0 - math.sqrt(1.0 - 0.8 * 0.6)) / 0.4, abs=1e-12)
+    assert d.touch.event[c] == END
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_clearances_bend_in_a_regularized_step_by_no_more_than_its_bound(seed):
+    """d²g/ds² = p d(ġ)/ds + p′ ġ, p = u/(1 + u²), with dy/ds = p dy/dt in a step of s."""
+    rng = np.random.default_rng(seed)
+    _, d = chain(rng, 2)
+    fine, h = np.linspace(0.0, 0.5, 2001), 0.5 / 2000
+    u = 0.8 - 0.6 * fine
+    p = u / (1.0 + u * u)
+    time = np.concatenate([[0.0], np.cumsum(0.5 * h * (p[1:] + p[:-1]))])
+    free = free_motion(rng, d)
+    states = free.at(time).T
+    states[:, root_at(2)], states[:, time_at(2)] = u, time
+    parts = np.polynomial.polynomial.polyfit(fine, states, 7)
+    walls_away(d)
+    set_step(d, Motion(parts), 0.5, regularized=0)
+    d.touch.depth_scale[:] = d.touch.impact_speed[:] = 1.0
+    bound_curvature(d)
+    gaps = gaps_of(d, states[::20])
+    second = np.abs(gaps[2:] - 2.0 * gaps[1:-1] + gaps[:-2]) / (20 * h) ** 2
+    assert (second <= d.search.curvature + 1e-4).all()
+    assert (d.search.curvature < 1e3).all()
