@@ -8,7 +8,7 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 from chain_impact import simulate
-from chain_impact.kernel.integration import ros34pw2
+from chain_impact.kernel.integration import radau
 from chain_impact.scene.scene import scene_from_dict, with_values
 from chain_impact.simulation.instance import Instance
 from tests.problems import stiff_joint
@@ -158,7 +158,7 @@ def test_the_implicit_method_keeps_its_order_on_springs():
     exact = textbook(scene, np.array([0.0, 1.0]))[-1]
     runs = [simulate(scene, tolerance=tolerance, method="implicit") for tolerance in (1e-5, 1e-8)]
     assert runs[1].statistics["steps"] / runs[0].statistics["steps"] == pytest.approx(
-        1000.0 ** (1 / ros34pw2.ORDER), rel=0.15
+        1000.0 ** (1 / radau.ORDER), rel=0.15
     )
     errors = [np.abs(run.angles[-1] - exact).max() for run in runs]
     assert errors[0] < 1e-3

@@ -17,7 +17,8 @@ import numpy as np
 from chain_impact.kernel.chain.state import coordinate_count, state_size
 from chain_impact.kernel.integration.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.integration.explicit import STAGES
-from chain_impact.kernel.integration.implicit import ROWS
+from chain_impact.kernel.integration.radau import PAIRS
+from chain_impact.kernel.integration.radau import STAGES as IMPLICIT_STAGES
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.model.inputs import DEGREE
 from chain_impact.kernel.model.latest import LATEST
@@ -144,6 +145,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("size", REAL),  # s, of the variable that the step runs in, see kernel/integration/sundman.py
         ("kept", REAL),  # the fraction of `size` at which it ends
         ("next_size", REAL),  # … proposed, likewise
+        ("ease", REAL),  # … and what part of that its cost allows, of the step that is tried
         ("flight_size", REAL),  # s, of the last step before the first of the present contacts
         ("state", REAL, (state,)),  # y at `start`
         ("state_end", REAL, (state,)),  # y at `end`
@@ -221,6 +223,14 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("damper", REAL, (links,)),  # kg·m², κ
         ("impulse", REAL, (links,)),  # N·m·s, μ
         ("base", REAL, (3,)),  # 1/kg, A⁻¹ of the base: xx, xy, yy
+    )
+    # both parts of complex numbers, one below the other, for each pair of shifts
+    shifted = _record(
+        *(
+            (name, REAL, (2 * PAIRS, links))
+            for name in ("gain_x", "gain_y", "inverse", "own", "damper")  # as in `damped`
+        ),
+        ("base", REAL, (2 * PAIRS, 3)),
     )
     inner = _record(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse")),
@@ -304,18 +314,36 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("clear_end_curve", REAL, (candidates,)),
     )
     # of the implicit step, z = (y, and of the active contacts clearances, their rates, impulses):
-    # integration/implicit.py
-    extended = state + 3 * candidates
+    # integration/extended.py
+    extended, stages = state + 3 * candidates, IMPLICIT_STAGES
     implicit = _record(
-        ("start", REAL, (extended,)),  # z at the start of a step
+        ("start", REAL, (extended,)),  # z at the start of a step …
+        ("start_rate", REAL, (extended,)),  # … and ż
         ("z", REAL, (extended,)),
+        ("weight", REAL, (extended,)),  # of errors, over the tolerance
+        ("stages", REAL, (stages, extended)),  # increments of z to the nodes …
+        ("rates", REAL, (stages, extended)),  # … and ż there
+        ("parts", REAL, (stages, extended)),  # what is missing in the eigenvectors of Q, then the corrections
+        ("last", REAL, (stages, extended)),  # the increments of the last step, …
+        ("began", REAL),  # s, … its start, …
+        ("span", REAL),  # s, … its size, …
+        ("ready", INTEGER),  # … and 1 if they foretell the next step
+        ("iterations", INTEGER),  # of the step that is tried, …
+        ("correction", REAL),  # … the largest component of the last one's, over the tolerance, …
+        ("contraction", REAL),  # … and the last θ
+        ("slowness", REAL),  # θ/(1 − θ) of the last step
         ("thirds", REAL, (2, state)),  # what the dense output is off the clearances, at thirds of the step
-        ("stage", REAL, (ROWS, extended)),
-        ("link", vectors),  # m, L_i at the start of a step
+        ("link", vectors),  # m, L_i where A was taken
         ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts, packed, …
-        ("damping", REAL, (candidates,)),  # N·s/m, … and ∂F/∂δ̇, at the start of a step
+        ("damping", REAL, (candidates,)),  # N·s/m, … and ∂F/∂δ̇, likewise
         ("impedance", REAL, (candidates,)),  # kg, … what they add to the inertia of their points
         ("normal", REAL, (candidates,)),  # N·s or m/s, … along their normals
+        ("factors", shifted),  # for the complex shifts
+        ("reactance", impedance),  # kg, the imaginary part of D of each point, …
+        ("load", vectors),  # N·s, … of the impulses …
+        ("motion", vectors),  # … and of what they move
+        ("impulse", REAL, (2, links)),  # N·m·s, μ in the joints, both parts
+        ("answer", REAL, (2, coordinate_count(links))),  # Δ, likewise
     )
     # the touching candidates of a rigid wall, packed, see kernel/model/constraints.py
     rigid = _record(

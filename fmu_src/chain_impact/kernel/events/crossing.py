@@ -11,7 +11,7 @@ from chain_impact.kernel.events.exclusion import keep_start, root_now, set_clear
 from chain_impact.kernel.events.kinds import END, ONSET
 from chain_impact.kernel.events.sampling import locate_at
 from chain_impact.kernel.integration.dense import rate_bounds, rate_bounds_along
-from chain_impact.kernel.integration.implicit import clearance_curvature
+from chain_impact.kernel.integration.collocation_dense import clearance_curvature
 from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.model.geometry import harmless_depth, normal

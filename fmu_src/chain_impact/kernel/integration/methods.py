@@ -1,10 +1,10 @@
 """The list of the methods, and what the kernel asks of the one at work."""
 
 from chain_impact.kernel.dispatch import dispatch
-from chain_impact.kernel.integration import explicit, implicit
+from chain_impact.kernel.integration import collocation, explicit
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 
-_NUMBERED = {EXPLICIT: explicit.METHOD, IMPLICIT: implicit.METHOD}
+_NUMBERED = {EXPLICIT: explicit.METHOD, IMPLICIT: collocation.METHOD}
 _METHODS = tuple(_NUMBERED[number] for number in range(len(_NUMBERED)))
 METHOD_COUNT = len(_METHODS)
 

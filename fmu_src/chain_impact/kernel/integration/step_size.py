@@ -22,7 +22,7 @@ TURN, FIRST = 2.8, 4.5
 def factor(d, error):
     """What the size of a step is to be multiplied with, for its error relative to the tolerance."""
     method = d.step.method
-    return max(SHRINK, SAFETY[method] * error ** EXPONENT[method])
+    return max(SHRINK, SAFETY[method] * d.step.ease * error ** EXPONENT[method])
 
 
 def in_flight(d, y, rate):

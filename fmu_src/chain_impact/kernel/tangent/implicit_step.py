@@ -1,0 +1,46 @@
+"""An implicit step in dual numbers: the same iteration, from the stages that d has found.
+
+A is of no consequence for what the iteration converges to, nor are its derivatives. The derivatives of the
+stages converge as the stages have, by the factor θ each time, but begin with what the last step foretells of
+them. They are no part of the tolerance, so they are iterated further.
+"""
+
+import math
+
+from chain_impact.kernel.integration.collocation import foretell, iterate, set_result
+from chain_impact.kernel.integration.extended import extend_start, extended_size
+from chain_impact.kernel.integration.projection import meet_clearances
+from chain_impact.kernel.integration.radau import STAGES
+from chain_impact.kernel.tangent.directions import carried
+
+LEFT_OVER = 1e-9  # of what the derivatives of the stages are off at first
+FEWEST, MOST = 3, 20  # iterations
+
+
+def make_implicit(d, t, h):
+    """Make the step of size h that d has made last; the result stands in ``work.y`` of t."""
+    extend_start(t)
+    size = extended_size(t)
+    foretell(t, h, size)
+    take_stages(d, t, size)
+    for k in range(iterations(d)):
+        iterate(t, h, size, k == 0)
+        take_stages(d, t, size)
+    set_result(t, h)
+    if t.touch.active_count > 0:
+        meet_clearances(t, t.implicit.z, t.work.y)
+
+
+def take_stages(d, t, size):
+    """Let the values of the stages be those of d."""
+    for i in range(STAGES):
+        for j in range(size):
+            t.implicit.stages[i, j] = carried(d.implicit.last[i, j], 1.0, t.implicit.stages[i, j])
+
+
+def iterations(d):
+    """How many iterations the derivatives need, as fast as those of d have converged."""
+    slowness = d.implicit.slowness
+    # θ/(1 − θ)
+    theta = min(0.5, max(1e-6, slowness / (1.0 + slowness)))
+    return max(FEWEST, min(MOST, math.ceil(math.log(LEFT_OVER) / math.log(theta))))
