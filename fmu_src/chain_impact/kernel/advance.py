@@ -12,7 +12,7 @@ from chain_impact.kernel import beside
 from chain_impact.kernel.events.contact_log import follow_contacts, follow_to_now
 from chain_impact.kernel.events.impulses import end_contacts, judge
 from chain_impact.kernel.events.kinds import KINK, ONSET, REFUSED
-from chain_impact.kernel.events.search import find_event
+from chain_impact.kernel.events.search import arrival, find_event
 from chain_impact.kernel.events.table import apply_events, bends_force
 from chain_impact.kernel.initialize import derive_law, first_size, take_given
 from chain_impact.kernel.integration import step_size
@@ -35,7 +35,7 @@ from chain_impact.kernel.integration.last_step import (
     take_back,
 )
 from chain_impact.kernel.integration.method import IMPLICIT
-from chain_impact.kernel.integration.methods import attempt, prepare
+from chain_impact.kernel.integration.methods import LANDS, attempt, prepare
 from chain_impact.kernel.integration.sundman import regularize, time_rate_now
 from chain_impact.kernel.integration.switching import choose_method
 from chain_impact.kernel.model.contact import clear_loads, drop_events, forget_stages, take_sides
@@ -254,17 +254,20 @@ def ends_well(d, theta):
     """End the last step at its fraction θ, if it is not −1; returns whether it keeps the ledger up to there.
 
     The end of a contact and the kink of a force are landed on by a step anew: the force is not smooth there,
-    and the interpolant of a step across it less accurate than the step.
+    and the interpolant of a step across it less accurate than the step. So is that of an implicit step
+    anywhere: all its events are landed on.
     """
     if theta == REFUSED:
         return False
-    if theta > 0.0 and bends_force(d):
+    if theta > 0.0 and (bends_force(d) or LANDS[d.step.made_by]):
         h = theta * d.step.size
         take_back(d)
         if not attempt(d, h) <= 1.0:
             return False
         accept(d, h)
-        theta = -1.0
+        theta = arrival(d)
+        if theta == REFUSED:
+            return False
     if not keeps_balance(d, theta):
         return False
     if theta >= 0.0:

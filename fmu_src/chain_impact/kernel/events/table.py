@@ -133,6 +133,8 @@ def choose_size(d, onset, goes_on):
         d.step.next_size = step_size.at_onset(d, onset if onset >= 0 else d.touch.active_index[0])
     if onset >= 0:
         begin_impact(d)
+        if d.step.method == IMPLICIT:
+            d.step.next_size = min(d.step.next_size, step_size.implicit_at_onset(d, onset))
 
 
 def bends_force(d):

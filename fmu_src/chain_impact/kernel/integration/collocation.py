@@ -26,6 +26,7 @@ from chain_impact.kernel.integration.extended import (
     extended_slopes,
     gap_at,
     impulse_at,
+    rate_at,
 )
 from chain_impact.kernel.integration.impulse import followed
 from chain_impact.kernel.integration.linear_system import (
@@ -58,6 +59,7 @@ LATE, DIVERGED = 40.0, 700.0
 FORETOLD = (1.2, 2.0, 3.0)
 # In evaluations: a real factorization costs 1 and a solution .7, complex ones 2.5 times as much.
 FACTORIZATIONS, SOLUTIONS = 6, 4
+BEYOND = 1.04  # times the way to the end of a contact: the end foretold is right to some hundredths
 FADED = 3.0  # of the time constant of a fast motion: the first step after an event at a tolerance of 1
 
 
@@ -78,22 +80,48 @@ def _solve(d, h):
         solve_complex(d, pair, h * real, h * imaginary, parts[1 + 2 * pair], parts[2 + 2 * pair])
 
 
-iterate, _converge = simplified_newton(forget_stages, extended_rate, extended_slopes, _factorize, _solve)
-
-
 def foretells(d):
     """Whether the polynomial of the last step, with the same contacts, tells where the stages will be."""
     return d.implicit.ready and d.step.made_by == IMPLICIT
 
 
-def prepare(d, h):
-    """Make ready for a step; after an event its size is what a fast motion allows."""
+def linearize(d, z):
+    """Take A where f was evaluated just now, in the middle of the step, if that is known well.
+
+    Else it is that of the start, which tells a fast motion there from others.
+    """
+    if foretells(d):
+        extended_slopes(d, z)
+
+
+iterate, _converge = simplified_newton(forget_stages, extended_rate, linearize, _factorize, _solve)
+
+
+def begin(d):
+    """Set z, its rate and A at the start of a step."""
     extend_start(d)
+    extended_slopes(d, d.implicit.start)
+
+
+def prepare(d, h):
+    """Make ready for a step; its size is at most what the end of a contact or a fast motion allows."""
+    begin(d)
     weigh(d, d.step.state_end, d.implicit.weight)
+    h = toward_end(d, h)
     if foretells(d):
         return h
     d.implicit.ready, d.implicit.slowness = 0, UNKNOWN
     return first_size(d, h)
+
+
+def toward_end(d, h):
+    """A size that does not go far beyond the end of a contact, where the force is not smooth."""
+    for k in range(d.touch.active_count):
+        gap, gap_rate = d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)]
+        # −g/ġ, as the force has almost gone
+        if gap_rate > 0.0 and BEYOND * -gap < h * gap_rate:
+            h = BEYOND * -gap / gap_rate
+    return h
 
 
 def first_size(d, h):
@@ -102,7 +130,6 @@ def first_size(d, h):
     (1 − h μ A)⁻¹, applied twice to what it takes from the rate, tells how fast and how large that is.
     """
     own, shift, size = d.implicit, h * REAL_EIGENVALUE, extended_size(d)
-    extended_slopes(d, own.start)
     factorize_real(d, shift)
     fast, left = own.parts[0], own.parts[1]
     for j in range(size):
@@ -234,6 +261,7 @@ METHOD = Method(
     order=ERROR_ORDER,
     safety=0.85,
     rate_at_end=False,
+    lands=True,
     dense_evaluations=0,
     prepare=prepare,
     attempt=attempt,

@@ -138,6 +138,7 @@ METHOD = Method(
     order=dop853.ORDER,
     safety=0.8,
     rate_at_end=True,
+    lands=False,
     dense_evaluations=STAGES - LAST,
     prepare=toward_end,
     attempt=attempt,

@@ -15,6 +15,7 @@ AUTO = 1
 SAFETY = tuple(method.safety for method in _METHODS)
 EXPONENT = tuple(-1.0 / method.order for method in _METHODS)
 RATE_AT_END = tuple(int(method.rate_at_end) for method in _METHODS)
+LANDS = tuple(int(method.lands) for method in _METHODS)
 DENSE_EVALUATIONS = tuple(method.dense_evaluations for method in _METHODS)
 _prepare = dispatch([method.prepare for method in _METHODS])
 _attempt = dispatch([method.attempt for method in _METHODS])

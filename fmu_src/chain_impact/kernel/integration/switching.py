@@ -28,7 +28,7 @@ STIFF = 2.5
 NOT_STIFF = 2.0
 STABLE = 4.0  # hρ of the explicit step to begin a flight with: two thirds of what is stable
 # The size of an implicit step in an impact over that of an explicit one, at tolerances about 1e-8.
-IMPACT = 0.05
+IMPACT = 0.4
 # Steps in a row that have to call for the other method: fewer would change it in the compression of an
 # impact.
 PATIENCE = 4

@@ -7,8 +7,8 @@ them. They are no part of the tolerance, so they are iterated further.
 
 import math
 
-from chain_impact.kernel.integration.collocation import foretell, iterate, set_result
-from chain_impact.kernel.integration.extended import extend_start, extended_size
+from chain_impact.kernel.integration.collocation import begin, foretell, iterate, set_result
+from chain_impact.kernel.integration.extended import extended_size
 from chain_impact.kernel.integration.projection import meet_clearances
 from chain_impact.kernel.integration.radau import STAGES
 from chain_impact.kernel.tangent.directions import carried
@@ -19,7 +19,7 @@ FEWEST, MOST = 3, 20  # iterations
 
 def make_implicit(d, t, h):
     """Make the step of size h that d has made last; the result stands in ``work.y`` of t."""
-    extend_start(t)
+    begin(t)
     size = extended_size(t)
     foretell(t, h, size)
     take_stages(d, t, size)
