@@ -63,7 +63,7 @@ BEYOND = 1.04  # times the way to the end of a contact: the end foretold is righ
 FADED = 3.0  # of the time constant of a fast motion: the first step after an event at a tolerance of 1
 
 
-def _factorize(d, h):
+def factorize(d, h):
     """Make the linear systems of a step ready."""
     factorize_real(d, h * REAL_EIGENVALUE)
     for pair in range(PAIRS):
@@ -94,18 +94,13 @@ def linearize(d, z):
         extended_slopes(d, z)
 
 
-iterate, _converge = simplified_newton(forget_stages, extended_rate, linearize, _factorize, _solve)
-
-
-def begin(d):
-    """Set z, its rate and A at the start of a step."""
-    extend_start(d)
-    extended_slopes(d, d.implicit.start)
+iterate, _converge = simplified_newton(forget_stages, extended_rate, linearize, factorize, _solve)
 
 
 def prepare(d, h):
     """Make ready for a step; its size is at most what the end of a contact or a fast motion allows."""
-    begin(d)
+    extend_start(d)
+    extended_slopes(d, d.implicit.start)
     weigh(d, d.step.state_end, d.implicit.weight)
     h = toward_end(d, h)
     if foretells(d):

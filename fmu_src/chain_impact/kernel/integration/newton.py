@@ -82,7 +82,7 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
         ``implicit.stages`` to the tolerance, and returns whether that has come about.
     """
 
-    def evaluate(d, h, size, first):
+    def evaluate(d, h, size):
         own = d.implicit
         begin(d)
         for i in range(STAGES):
@@ -91,13 +91,12 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
             for j in range(size):
                 own.z[j] = own.start[j] + own.stages[stage, j]
             rate(d, own.z, h * NODES[stage], own.rates[stage])
-        if first:
-            linearize(d, own.z)
 
-    def iterate(d, h, size, first):
-        evaluate(d, h, size, first)
-        if first:
-            factorize(d, h)
+    def iterate(d, h, size):
+        evaluate(d, h, size)
+        correct(d, h, size)
+
+    def correct(d, h, size):
         _transform(d, h, size)
         solve(d, h)
         d.implicit.correction = 0.0
@@ -107,7 +106,11 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
         own = d.implicit
         ratio, before, theta = max(own.slowness, TRUST) ** POWER, 0.0, 0.0
         for k in range(1, ITERATIONS + 1):
-            iterate(d, h, size, k == 1)
+            evaluate(d, h, size)
+            if k == 1:
+                linearize(d, own.z)
+                factorize(d, h)
+            correct(d, h, size)
             own.iterations = k
             if not own.correction < FARTHEST:
                 own.contraction = DIVERGES
