@@ -152,7 +152,7 @@ def test_a_free_base_has_no_spring():
 
 
 def test_the_implicit_method_keeps_its_order_on_springs():
-    """Steps go as the third root of the tolerance, and the error with it."""
+    """Steps go as the ninth root of the error, and the error as the tolerance."""
     links = [ROD | {"joint_stiffness": 50.0, "joint_rest_angle": 0.2}] * 3
     scene = sprung(links, {"angles": [0.3, -0.5, 1.0], "angular_velocities": [1.0, -3.0, 2.0]}, gravity=9.81)
     exact = textbook(scene, np.array([0.0, 1.0]))[-1]

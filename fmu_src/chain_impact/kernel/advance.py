@@ -34,7 +34,7 @@ from chain_impact.kernel.integration.last_step import (
     stand,
     take_back,
 )
-from chain_impact.kernel.integration.method import IMPLICIT
+from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.methods import LANDS, attempt, prepare
 from chain_impact.kernel.integration.sundman import regularize, time_rate_now
 from chain_impact.kernel.integration.switching import choose_method
@@ -281,7 +281,7 @@ def begin(d):
     if d.given.changed:
         d.given.changed = 0
         take_inputs(d)
-    if events > 0 and d.contact.impulsive:
+    if events > 0 and d.contact.impulsive and d.step.method == EXPLICIT:
         d.step.next_size = min(d.step.next_size, step_size.in_flight(d, d.step.state_end, d.work.rate_start))
     if events > 0 or d.balance.breaks != d.step.breaks:
         take_stock(d)

@@ -9,9 +9,9 @@ from tests.kernel.chain.test_damped import prepared, random_chain, relative_moti
 from tests.reference import mass_matrix, point_jacobian, random_impedances, set_impedances
 
 
-def answer(d, impedance, shift, impulses, joint_impulses, pair=1):
+def answer(d, impedance, shift, impulses, joint_impulses):
     """What the recursion finds, complex, shape (N+2,)."""
-    work, own = d.work, d.implicit
+    work, own, pair = d.work, d.implicit, 1
     set_impedances(work.impedance, impedance.real)
     set_impedances(own.reactance, impedance.imag)
     factorize_shifted(d, work.link, work.impedance, own.reactance, pair, shift.real, shift.imag, own.factors)
@@ -37,7 +37,9 @@ def test_it_solves_the_assembled_equations(count, base, largest):
         shift = rng.uniform(0.1, 2.0) * np.exp(1j * angle)
         impulses = rng.normal(size=(count + 1, 2)) + 1j * rng.normal(size=(count + 1, 2))
         impedance = shift * random_impedances(rng, count + 1, 20.0)
-        joint = (rng.normal(size=count) + 1j * rng.normal(size=count)) * (np.arange(count) >= (base == "free"))
+        joint = (rng.normal(size=count) + 1j * rng.normal(size=count)) * (
+            np.arange(count) >= (base == "free")
+        )
         damper = shift * (d.model.joint_damping + shift * d.model.joint_stiffness)
         across = relative_motion(count)
         matrix = mass_matrix(scene, angles) + across.T @ np.diag(damper) @ across

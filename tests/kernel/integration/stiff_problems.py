@@ -52,9 +52,7 @@ def swinging(stiffness: float = 1e6) -> Scene:
 def tipping(damping: float = 1e4) -> Scene:
     """Two light links that turn over on one end."""
     links = [{"length": 0.25, "mass": 0.05}, {"length": 0.25, "mass": 0.05, "joint_damping": damping}]
-    return on_floor(
-        links, [0], 1e8, angles=[1.0, 1.4], angular_velocities=[-2.0, -2.0], velocity=[0.2, 0.0]
-    )
+    return on_floor(links, [0], 1e8, angles=[1.0, 1.4], angular_velocities=[-2.0, -2.0], velocity=[0.2, 0.0])
 
 
 def hanging() -> Scene:

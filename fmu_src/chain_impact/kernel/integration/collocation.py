@@ -16,10 +16,10 @@ import math
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, root_at, time_at, velocity_at
-from chain_impact.kernel.integration import radau
 from chain_impact.kernel.integration.collocation_dense import finish, keep_clearances, lagrange
-from chain_impact.kernel.integration.errors import weigh
+from chain_impact.kernel.integration.errors import moment_error, weigh
 from chain_impact.kernel.integration.extended import (
+    compliant,
     extend_start,
     extended_rate,
     extended_size,
@@ -47,6 +47,7 @@ from chain_impact.kernel.integration.radau import (
     REAL_EIGENVALUE,
     STAGES,
 )
+from chain_impact.kernel.model.constraints import holding
 from chain_impact.kernel.model.contact import forget_stages
 
 LAST = STAGES - 1
@@ -60,6 +61,7 @@ FORETOLD = (1.2, 2.0, 3.0)
 # In evaluations: a real factorization costs 1 and a solution .7, complex ones 2.5 times as much.
 FACTORIZATIONS, SOLUTIONS = 6, 4
 BEYOND = 1.04  # times the way to the end of a contact: the end foretold is right to some hundredths
+LEFT = 1e-3  # of a step, in which a point leaves its wall and has no force any more
 FADED = 3.0  # of the time constant of a fast motion: the first step after an event at a tolerance of 1
 
 
@@ -111,10 +113,10 @@ def prepare(d, h):
 
 def toward_end(d, h):
     """A size that does not go far beyond the end of a contact, where the force is not smooth."""
-    for k in range(d.touch.active_count):
+    for k in range(compliant(d)):
         gap, gap_rate = d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)]
-        # −g/ġ, as the force has almost gone
-        if gap_rate > 0.0 and BEYOND * -gap < h * gap_rate:
+        # −g/ġ, as the force has almost gone; one that has all but left is not waited for
+        if gap_rate > 0.0 and LEFT * h * gap_rate < -gap < h * gap_rate / BEYOND:
             h = BEYOND * -gap / gap_rate
     return h
 
@@ -159,12 +161,12 @@ def foretell(d, h, size):
             own.stages[i, j] = 0.0
         for j in range(velocity_at(d.links)):
             own.stages[i, j] = part * own.start_rate[j]
-        for k in range(d.touch.active_count):
+        for k in range(compliant(d)):
             own.stages[i, gap_at(d, k)] = part * own.start_rate[gap_at(d, k)]
 
 
 def follow_polynomial(d, h, size):
-    """Set the stages by the polynomial of the last step, of a degree that falls as they are further beyond."""
+    """Set the stages by the polynomial of the last step, of lower degree where they are far beyond."""
     own = d.implicit
     base = (d.step.end - own.began) / own.span
     beyond = base + h / own.span - 1.0
@@ -201,7 +203,7 @@ def attempt(d, h):
     d.step.ease = ease(own)
     set_result(d, h)
     error = estimate(d, h, size)
-    if d.touch.active_count > 0:
+    if compliant(d) > 0:
         change, apart = meet_clearances(d, own.z, d.work.y)
         error = max(error, change, apart)
     if not error <= 1.0:
@@ -248,6 +250,11 @@ def estimate(d, h, size):
         one, other, total = max(one, first), max(other, second), total + first + second
     if not math.isfinite(total):
         return math.inf
+    if holding(d):
+        for j in range(dissipated_at(d.links)):
+            d.work.error[0, j], d.work.error[1, j] = own.parts[0, j], own.parts[1, j]
+        one = max(one, moment_error(d, 0) / d.solver.tolerance)
+        other = max(other, moment_error(d, 1) / d.solver.tolerance)
     return one * min(1.0, one / other) if other > 0.0 else one
 
 

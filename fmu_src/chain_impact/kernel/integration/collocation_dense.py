@@ -7,9 +7,9 @@ last two vanish at both its ends, and keep the coordinates at the clearances in 
 import numpy as np
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import coordinate_count, dissipated_at, root_at, velocity_at
+from chain_impact.kernel.chain.state import dissipated_at, root_at, velocity_at
 from chain_impact.kernel.integration.dense import POWERS, interpolate
-from chain_impact.kernel.integration.extended import gap_at, impulse_at, rate_at
+from chain_impact.kernel.integration.extended import compliant, gap_at, impulse_at, rate_at
 from chain_impact.kernel.integration.impulse import followed
 from chain_impact.kernel.integration.projection import meet
 from chain_impact.kernel.integration.radau import NODES, STAGES
@@ -82,13 +82,13 @@ def keep_impulse(d, k):
 def keep_clearances(d, _h):
     """Make the dense output keep the clearances in between, too, at thirds of the last step."""
     dense, own, change = d.step.dense, d.implicit, d.implicit.answer[0]
-    if d.touch.active_count == 0:
+    if compliant(d) == 0:
         return
     for third in range(1, 3):
         interpolate(d.step, third / 3.0, d.work.y)
         locate_points(d, d.work.y)
         for derivative in range(2):
-            for k in range(d.touch.active_count):
+            for k in range(compliant(d)):
                 at = rate_at(d, k) if derivative else gap_at(d, k)
                 own.normal[k] = interpolated(d, at, third / 3.0)
             meet(d, d.work.y, derivative, change)

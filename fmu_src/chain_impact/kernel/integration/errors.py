@@ -76,7 +76,7 @@ def weigh(d, y, weight):
     )
     for j in range(supplied_at(n), len(weight)):
         weight[j] = 0.0
-    for k in range(d.touch.active_count):
+    for k in range(0 if d.contact.impulsive else d.touch.active_count):
         weight[root_at(n) + k] = 1.0 / (tolerance * penetration_scale(d, d.touch.active_index[k]))
 
 

@@ -1,9 +1,9 @@
 """The linear systems of an implicit step, (1 − s A) x = r, for a real and for complex shifts s.
 
 A is the stiff part of the Jacobian. A point resting on a stiff wall makes the equations stiff: the contact's
-own motions are far faster than the chain's, and decay. Joints that resist do so, too; their moments −C v − S q,
-but for constants, have C = Σ c_i g_i g_iᵀ and S = Σ k_i g_i g_iᵀ with g_i the gradient of ω_i − ω_{i−1}.
-All else is left out: Newton's iteration takes care of it. For z of extended.py
+own motions are far faster than the chain's, and decay. Joints that resist do so, too; their moments
+−C v − S q, but for constants, have C = Σ c_i g_i g_iᵀ and S = Σ k_i g_i g_iᵀ with g_i the gradient of
+ω_i − ω_{i−1}. All else is left out: Newton's iteration takes care of it. For z of extended.py
 
     ∂v̇/∂(g, ġ, v, q) = −M⁻¹ (Jᵀk, Jᵀc, C, S),   g̈ likewise with −J M⁻¹,   ∂(ẋ, ġ)/∂(v, ġ) = 1,
 
@@ -15,7 +15,8 @@ recursion. With x_v = r_v − Δ the rows of v̇ are M Δ = s (Jᵀ (k x_g + c x
 
 with Δ the response of the chain to impulses at the touching points and moments in the joints. The contacts'
 impedance D adds to the articulated inertia at their points. κ_i = s (c_i + s k_i) is a damper in its joint,
-which K r_v + s S r_q gives an impulse: chain/damped.py, and chain/shifted.py for a complex s.
+which K r_v + s S r_q gives an impulse: chain/damped.py, and chain/shifted.py for a complex s. A point that a
+rigid wall holds, J Δ = 0, has an impedance far beyond the mass of the chain.
 """
 
 from chain_impact.kernel.chain.kinematics import move_points, zero
@@ -23,9 +24,10 @@ from chain_impact.kernel.chain.recursion import no_impedance
 from chain_impact.kernel.chain.shifted import factorize_shifted, solve_shifted, times
 from chain_impact.kernel.chain.springs import stiffness_of
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, omega_at, velocity_at
-from chain_impact.kernel.integration.extended import gap_at, impulse_at, rate_at
+from chain_impact.kernel.integration.extended import compliant, gap_at, impulse_at, rate_at
 from chain_impact.kernel.integration.impulse import followed
 from chain_impact.kernel.model.compliance import give_way, give_way_damped, stiffen, stiffen_damped
+from chain_impact.kernel.model.constraints import holding_impedance
 from chain_impact.kernel.model.geometry import add_along_normal, add_impedance, along_normal
 
 
@@ -34,7 +36,8 @@ def factorize_real(d, shift):
     own = d.implicit
     for k in range(d.touch.active_count):
         # D = s c + s² k
-        own.impedance[k] = shift * (own.damping[k] + shift * own.stiffness[k])
+        law = shift * (own.damping[k] + shift * own.stiffness[k])
+        own.impedance[k] = holding_impedance(d) if d.contact.impulsive else law
     if d.model.resisting:
         stiffen_damped(d, own.link, own.impedance, shift)
     else:
@@ -59,6 +62,8 @@ def solve_real(d, shift, x):
     """Solve (1 − s A) x = r for the real s = ``shift`` [s] that was factorized; r stands in x."""
     n, own, change = d.links, d.implicit, d.implicit.answer[0]
     for k in range(d.touch.active_count):
+        own.normal[k] = 0.0
+    for k in range(compliant(d)):
         # D r_ġ + s k r_g
         own.normal[k] = own.impedance[k] * x[rate_at(d, k)] + shift * own.stiffness[k] * x[gap_at(d, k)]
     if d.model.resisting:
@@ -71,10 +76,10 @@ def solve_real(d, shift, x):
     for j in range(coordinate_count(n)):
         x[velocity_at(n) + j] -= change[j]
         x[j] += shift * x[velocity_at(n) + j]
-    for k in range(d.touch.active_count):
+    for k in range(compliant(d)):
         x[rate_at(d, k)] -= own.normal[k]
         x[gap_at(d, k)] += shift * x[rate_at(d, k)]
-    for k in range(followed(d)):
+    for k in range(min(followed(d), compliant(d))):
         x[impulse_at(d, k)] -= shift * (
             own.stiffness[k] * x[gap_at(d, k)] + own.damping[k] * x[rate_at(d, k)]
         )
@@ -92,10 +97,13 @@ def factorize_complex(d, pair, s_r, s_i):
     no_impedance(reactance)
     square_r, square_i = times(s_r, s_i, s_r, s_i)
     for k in range(d.touch.active_count):
-        # D = s c + s² k
         c = d.touch.active_index[k]
-        add_impedance(d, c, impedance, s_r * own.damping[k] + square_r * own.stiffness[k])
-        add_impedance(d, c, reactance, s_i * own.damping[k] + square_i * own.stiffness[k])
+        if d.contact.impulsive:
+            add_impedance(d, c, impedance, holding_impedance(d))
+        else:
+            # D = s c + s² k
+            add_impedance(d, c, impedance, s_r * own.damping[k] + square_r * own.stiffness[k])
+            add_impedance(d, c, reactance, s_i * own.damping[k] + square_i * own.stiffness[k])
     factorize_shifted(d, own.link, impedance, reactance, pair, s_r, s_i, own.factors)
 
 
@@ -106,7 +114,7 @@ def solve_complex(d, pair, s_r, s_i, x, y):
     square_r, square_i = times(s_r, s_i, s_r, s_i)
     zero(work.load)
     zero(own.load)
-    for k in range(d.touch.active_count):
+    for k in range(compliant(d)):
         # D r_ġ + s k r_g
         c, stiffness = d.touch.active_index[k], own.stiffness[k]
         impedance = s_r * own.damping[k] + square_r * stiffness
@@ -123,11 +131,11 @@ def solve_complex(d, pair, s_r, s_i, x, y):
         at = velocity_at(n) + j
         x[at], y[at] = x[at] - change[j], y[at] - change_i[j]
         add(x, y, j, s_r, s_i, x[at], y[at])
-    for k in range(d.touch.active_count):
+    for k in range(compliant(d)):
         c, at = d.touch.active_index[k], rate_at(d, k)
         x[at], y[at] = x[at] - along_normal(d, c, work.motion), y[at] - along_normal(d, c, own_motion)
         add(x, y, gap_at(d, k), s_r, s_i, x[at], y[at])
-    for k in range(followed(d)):
+    for k in range(min(followed(d), compliant(d))):
         deep, fast = gap_at(d, k), rate_at(d, k)
         force_r = own.stiffness[k] * x[deep] + own.damping[k] * x[fast]
         force_i = own.stiffness[k] * y[deep] + own.damping[k] * y[fast]

@@ -12,7 +12,7 @@ part of the tolerance.
 import math
 
 from chain_impact.kernel.integration.combination import sequence
-from chain_impact.kernel.integration.radau import LEFT, NODES, PAIRS, Q, RIGHT, STAGES
+from chain_impact.kernel.integration.radau import LEFT, NODES, RIGHT, STAGES, Q
 
 LEFT_Q = tuple(
     tuple(math.fsum(left * row[j] for left, row in zip(one, Q, strict=True)) for j in range(STAGES))

@@ -4,9 +4,8 @@ They differ from them by little, which a stiff wall would feel as a blow. How fa
 an error of the step.
 """
 
-from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import coordinate_count, velocity_at
-from chain_impact.kernel.integration.extended import gap_at, rate_at
+from chain_impact.kernel.integration.extended import compliant, gap_at, rate_at
 from chain_impact.kernel.integration.linear_system import respond
 from chain_impact.kernel.model.geometry import clearance
 
@@ -22,7 +21,7 @@ def meet(d, y, derivative, change):
     The points have to be located for y. The ``change``, shape (N+2,), is left.
     """
     own, first = d.implicit, derivative * velocity_at(d.links)
-    for k in range(d.touch.active_count):
+    for k in range(compliant(d)):
         gap, gap_rate = clearance(d, d.touch.active_index[k])
         own.normal[k] = own.impedance[k] * (own.normal[k] - (gap_rate if derivative else gap))
     for i in range(d.links):
@@ -42,7 +41,7 @@ def meet_clearances(d, z, y):
     own, change, worst = d.implicit, d.implicit.answer[0], 0.0
     apart = largest_mismatch(d, z) / APART
     for derivative in range(2):
-        for k in range(d.touch.active_count):
+        for k in range(compliant(d)):
             own.normal[k] = z[rate_at(d, k) if derivative else gap_at(d, k)]
         meet(d, y, derivative, change)
         for j in range(coordinate_count(d.links)):
@@ -53,7 +52,7 @@ def meet_clearances(d, z, y):
 def largest_mismatch(d, z):
     """How far the located coordinates have left the clearances in z, in parts of the penetration."""
     worst = 0.0
-    for k in range(d.touch.active_count):
+    for k in range(compliant(d)):
         c = d.touch.active_index[k]
         gap, _ = clearance(d, c)
         depth = max(d.touch.depth_scale[c], -gap)

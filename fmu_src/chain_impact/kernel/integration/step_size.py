@@ -48,5 +48,5 @@ def time_scale(d, c):
 
 
 def implicit_at_onset(d, c):
-    """As ``at_onset``, for an implicit step: its error goes as the force, the power 3/2 of time, twice more."""
+    """As ``at_onset``, for an implicit step, whose error goes as the force, δ^(3/2), integrated twice."""
     return FIRST_IMPLICIT * time_scale(d, c) * d.solver.tolerance ** (1.0 / 3.5)

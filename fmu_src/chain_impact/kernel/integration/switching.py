@@ -10,7 +10,7 @@ NOT_STIFF, explicit steps get further for the same work, and more accurately.
 A joint with a damper or a spring has a rate of its own, in flight as in contact (chain/joint_rate.py). A
 spring swings rather than decays. As long as the tolerance can see that, it takes explicit steps with hρ below
 STIFF; when they are longer, the swing is so small that implicit steps, which let it decay, may lose it.
-Points that rigid walls hold are a matter of the explicit method alone.
+Rigid walls make nothing stiff: with them only joints do.
 """
 
 import math
@@ -38,8 +38,8 @@ def choose_method(d):
     """Decide on the method of the next step, with the points located at its start."""
     step = d.step
     touching = d.touch.active_count > 0
-    if d.contact.impulsive and (touching or not d.model.resisting):
-        begin_explicit(step)
+    if d.contact.impulsive and not d.model.resisting:
+        begin_explicit(step)  # what rigid walls hold is not stiff
     elif d.solver.method != AUTO:
         step.method = chosen(d.solver.method)
     elif not (touching or d.model.resisting):
@@ -69,7 +69,7 @@ def begin_impact(d):
 
 
 def begin_flight(d):
-    """Begin a new phase after the last contact, likewise."""
+    """Begin a new phase after the last contact, or after a blow by a rigid wall, likewise."""
     z = joints_over(d, d.step.next_size)
     if z <= STIFF:
         d.step.method = EXPLICIT

@@ -8,7 +8,7 @@ them. They are no part of the tolerance, so they are iterated further.
 import math
 
 from chain_impact.kernel.integration.collocation import factorize, foretell, iterate, set_result
-from chain_impact.kernel.integration.extended import extend_start, extended_size
+from chain_impact.kernel.integration.extended import compliant, extend_start, extended_size
 from chain_impact.kernel.integration.projection import meet_clearances
 from chain_impact.kernel.integration.radau import STAGES
 from chain_impact.kernel.tangent.directions import carried
@@ -29,7 +29,7 @@ def make_implicit(d, t, h):
         iterate(t, h, size)
         take_stages(d, t, size)
     set_result(t, h)
-    if t.touch.active_count > 0:
+    if compliant(t) > 0:
         meet_clearances(t, t.implicit.z, t.work.y)
 
 
