@@ -60,6 +60,9 @@ SHORTEST_STEP = 1e-18
 # The error that stands for a step in which an event cannot be located, or that does not keep the ledger. It
 # makes the next try a seventh as long, or a tenth if it is implicit.
 COARSE = 1e6
+NEAR = (
+    1e-3  # of an implicit step: its dense output is exact at its start, and better than the rest so near it
+)
 
 
 def advance(d, time, room, work):
@@ -255,11 +258,11 @@ def ends_well(d, theta):
 
     The end of a contact and the kink of a force are landed on by a step anew: the force is not smooth there,
     and the interpolant of a step across it less accurate than the step. So is that of an implicit step
-    anywhere: all its events are landed on.
+    but at its ends: all its events are landed on.
     """
     if theta == REFUSED:
         return False
-    if theta > 0.0 and (bends_force(d) or LANDS[d.step.made_by]):
+    if theta > 0.0 and (bends_force(d) or (LANDS[d.step.made_by] and NEAR < theta < 1.0)):
         h = theta * d.step.size
         take_back(d)
         if not attempt(d, h) <= 1.0:

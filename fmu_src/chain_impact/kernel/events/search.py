@@ -118,9 +118,11 @@ def arrival(d):
     """The fraction θ of the last step, which has landed on events, at which onsets among them are; or −1.
 
     It is 1 but for what the interpolant was off where they were found: a step of Newton's method settles it.
-    REFUSED when it is not.
+    REFUSED when it is not. In a step that time hardly resolves it is the end.
     """
     theta = -1.0
+    if d.step.end - d.step.start <= SIMULTANEOUS + RESOLVED * abs(d.step.end):
+        return theta
     locate_points(d, d.step.state_end)
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET:

@@ -4,8 +4,8 @@ The explicit one is better as long as accuracy limits its step: in flight and in
 contact its stability does, or the order that it loses there. The fastest motion of a contact has the rate
 ρ = max(c/m, √(k/m)), with m the effective mass at its onset; the explicit method is stable for about hρ < 6.
 Impacts are resolved with hρ below 1, so explicit steps beyond STIFF tell that the contact lasts; that needs
-no evaluation to see. An implicit step costs a third of an explicit one: when it is shorter than
-NOT_STIFF, explicit steps get further for the same work, and more accurately.
+no evaluation to see. An implicit step costs two or three explicit ones: when it is shorter than NOT_STIFF,
+explicit steps get further for the same work.
 
 A joint with a damper or a spring has a rate of its own, in flight as in contact (chain/joint_rate.py). A
 spring swings rather than decays. As long as the tolerance can see that, it takes explicit steps with hρ below
@@ -22,16 +22,15 @@ from chain_impact.kernel.model.contact import contact_slopes
 
 # hρ of explicit steps beyond which implicit ones could replace them. Impacts are resolved with less than 1,
 # and DOP853 is stable to about 6.
-STIFF = 2.5
-# hρ of implicit steps below which explicit ones, which cost three times as much, get further for the same
-# work.
-NOT_STIFF = 2.0
+STIFF = 2.0
+# hρ of implicit steps below which explicit ones get further for the same work.
+NOT_STIFF = 5.0
 STABLE = 4.0  # hρ of the explicit step to begin a flight with: two thirds of what is stable
 # The size of an implicit step in an impact over that of an explicit one, at tolerances about 1e-8.
 IMPACT = 0.4
 # Steps in a row that have to call for the other method: fewer would change it in the compression of an
 # impact.
-PATIENCE = 4
+PATIENCE = 3
 
 
 def choose_method(d):
@@ -105,9 +104,9 @@ def stiffness_of(d, h):
 
 
 def joints_over(d, h):
-    """hρ of a step [s] for the joints that resist; no more than a bound if they are not stiff."""
+    """hρ of a step [s] for the joints that resist; a bound on it if they are not stiff."""
     z = h * d.model.joint_bound
-    return h * joint_rate(d, d.step.state_end) if z > NOT_STIFF else z
+    return h * joint_rate(d, d.step.state_end) if z > STIFF else z
 
 
 def fastest_contact(d):
