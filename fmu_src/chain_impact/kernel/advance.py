@@ -58,11 +58,10 @@ LONGEST_STEP = 1.0
 # s. Far below the resolution of time but at its very start, where that has none. A run that needs less ends.
 SHORTEST_STEP = 1e-18
 # The error that stands for a step in which an event cannot be located, or that does not keep the ledger. It
-# makes the next try a seventh as long, or a tenth if it is implicit.
+# makes the next try about an eighth as long.
 COARSE = 1e6
-NEAR = (
-    1e-3  # of an implicit step: its dense output is exact at its start, and better than the rest so near it
-)
+# Of an implicit step: so near its start the dense output is as good as its end.
+NEAR = 1e-3
 
 
 def advance(d, time, room, work):
