@@ -157,6 +157,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("breaks", INTEGER),  # how often the next step did not go on where the last one ended
         ("regularized", INTEGER),  # the candidate in whose fictitious time the step runs, −1: in time
         ("method", INTEGER),  # the method at work, see kernel/integration/method.py
+        ("explicit_size", REAL),  # s, of the last explicit step before implicit ones; 0: not known
         ("doubts", INTEGER),  # steps in a row for which the other method would do better …
         ("patience", INTEGER),  # … and how many make the solver change
     )

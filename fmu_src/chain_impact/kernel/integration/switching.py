@@ -4,8 +4,9 @@ The explicit one is better as long as accuracy limits its step: in flight and in
 contact its stability does, or the order that it loses there. The fastest motion of a contact has the rate
 ρ = max(c/m, √(k/m)), with m the effective mass at its onset; the explicit method is stable for about hρ < 6.
 Impacts are resolved with hρ below 1, so explicit steps beyond STIFF tell that the contact lasts; that needs
-no evaluation to see. An implicit step costs two or three explicit ones: when it is shorter than NOT_STIFF,
-explicit steps get further for the same work.
+no evaluation to see. A contact that has lasted for long may still ring, with shorter steps: there, too,
+implicit ones may get further. As an implicit step costs two or three explicit ones, it has to be as much
+longer than the last of these.
 
 A joint with a damper or a spring has a rate of its own, in flight as in contact (chain/joint_rate.py). A
 spring swings rather than decays. As long as the tolerance can see that, it takes explicit steps with hρ below
@@ -23,8 +24,12 @@ from chain_impact.kernel.model.contact import contact_slopes
 # hρ of explicit steps beyond which implicit ones could replace them. Impacts are resolved with less than 1,
 # and DOP853 is stable to about 6.
 STIFF = 2.0
-# hρ of implicit steps below which explicit ones get further for the same work.
-NOT_STIFF = 5.0
+# The same of steps in contacts that last, which have been there for so many of their time scales: an impact
+# takes three to ten.
+RINGS, LASTS = 0.1, 20.0
+# Implicit steps over explicit ones, with which these get further for the same work; and their hρ, where no
+# explicit ones are known.
+LONGER, NOT_STIFF = 2.5, 5.0
 STABLE = 4.0  # hρ of the explicit step to begin a flight with: two thirds of what is stable
 # The size of an implicit step in an impact over that of an explicit one, at tolerances about 1e-8.
 IMPACT = 0.4
@@ -44,9 +49,7 @@ def choose_method(d):
     elif not (touching or d.model.resisting):
         begin_explicit(step)  # nothing is stiff
     elif step.end > step.start:  # not just restarted
-        z = stiffness_of(d, step.end - step.start)
-        doubtful = z < NOT_STIFF if step.method == IMPLICIT else z > STIFF
-        step.doubts = step.doubts + 1 if doubtful else 0
+        step.doubts = step.doubts + 1 if doubtful(d, step.end - step.start) else 0
         if step.doubts >= step.patience:
             step.doubts = 0
             if step.method == IMPLICIT:
@@ -54,7 +57,30 @@ def choose_method(d):
                 step.patience *= 2
                 step.method = EXPLICIT
             else:
+                step.explicit_size = step.end - step.start
                 step.method = IMPLICIT
+
+
+def doubtful(d, h):
+    """Whether the last step, of size h [s], calls for the other method."""
+    if d.step.method == IMPLICIT and d.step.explicit_size > 0.0:
+        return h < LONGER * d.step.explicit_size
+    z = stiffness_of(d, h)
+    if d.step.method == IMPLICIT:
+        return z < NOT_STIFF
+    return z > STIFF or (z > RINGS and lasts(d))
+
+
+def lasts(d):
+    """Whether there are active contacts with a force law, and all have lasted for long."""
+    if d.contact.impulsive or d.touch.active_count == 0:
+        return False
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        scale = d.touch.depth_scale[c] / d.touch.impact_speed[c]
+        if d.step.end - d.touch.onset[c] < LASTS * scale:
+            return False
+    return True
 
 
 def begin_impact(d):
@@ -93,7 +119,7 @@ def begin_explicit(step):
 
 def forget_doubts(step):
     """Let the present method have its turn."""
-    step.doubts = 0
+    step.doubts, step.explicit_size = 0, 0.0
     step.patience = PATIENCE
 
 
