@@ -1,7 +1,5 @@
 """The record of the implicit step, a part of that of an instance (record.py)."""
 
-
-
 import numpy as np
 
 from chain_impact.kernel.chain.state import coordinate_count, state_size

@@ -14,8 +14,8 @@ from chain_impact.kernel.integration.extended import gap_at
 from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.integration.radau import STAGES
 from chain_impact.kernel.model.geometry import clearance
-from chain_impact.simulation.instance import Instance
 from chain_impact.scene.scene import with_values
+from chain_impact.simulation.instance import Instance
 from tests.kernel.integration.stiff_problems import PROBLEMS, exact, swinging, tipping
 from tests.kernel.integration.touching import touching
 from tests.plain import Plain

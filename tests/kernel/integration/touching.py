@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from chain_impact.simulation.instance import Instance
 from chain_impact.scene.scene import load_scene, with_values
+from chain_impact.simulation.instance import Instance
 from tests.turned import turned
 
 
