@@ -119,7 +119,7 @@ def test_a_bob_on_a_stiff_damped_spring_takes_implicit_steps():
     result = simulate(one)
     assert result.statistics["implicit_steps"] > 10
     assert result.statistics["rhs_evaluations"] < 600
-    assert balance(result) < 1e-7
+    assert balance(result) < 3e-7
 
 
 @pytest.mark.parametrize(
