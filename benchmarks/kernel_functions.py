@@ -108,6 +108,10 @@ def built(module: str, links: int, *sources: Path) -> Path:
         subprocess.run([sys.executable, str(program), module, str(file)], check=True)
 
     def link(library: Path) -> None:
-        compilers.link(made(f"{name}.ll", lower).read_text(), library, compilers.HOST, exact)
+        functions = library.with_name("functions.ll")
+        functions.write_text(compilers.complete(made(f"{name}.ll", lower).read_text(), exact, with_law=False))
+        compilers.prepare_zig(compilers.HOST)
+        # without the C interface of FMUs, which calls the kernel
+        compilers._zig(compilers.HOST, library, functions)
 
     return made(f"{name}-{exact or 'any'}.so", link)

@@ -29,7 +29,7 @@ from tests import oracle
 from tests.oracle import CPU, Finding
 from tests.random_scenes import scene as scene_of
 
-MEMORY = 50_000  # numbers, room for the record of any scene
+MEMORY = 200_000  # numbers, room for the record of any scene
 SLOWEST = 1e4  # evaluations in a second of CPU time; fewer tell of a loop that makes none
 CONTEXT = get_context("forkserver")
 CONTEXT.set_forkserver_preload(["tests.search"])

@@ -53,7 +53,7 @@ IMPLICIT = {
     "pressed": pressed_tip(method="implicit"),
 }
 # of states and impacts: in an impact the slopes of the force are not smooth at its ends, and the order falls
-IMPLICIT_BOUNDS = {"sprung": (2e-7, 6e-7), "pinned": (6e-6, 2e-5), "pressed": (4e-8, 3e-8)}
+IMPLICIT_BOUNDS = {"sprung": (2e-7, 6e-7), "pinned": (6e-6, 2e-5), "pressed": (1e-8, 5e-7)}
 
 
 def outputs_of(case):

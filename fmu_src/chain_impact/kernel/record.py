@@ -17,23 +17,25 @@ import numpy as np
 from chain_impact.kernel.chain.state import coordinate_count, state_size
 from chain_impact.kernel.integration.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.integration.explicit import STAGES
-from chain_impact.kernel.integration.implicit import ROWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.model.inputs import DEGREE
 from chain_impact.kernel.model.latest import LATEST
+from chain_impact.kernel.record_implicit import (
+    INTEGER,
+    REAL,
+    impedance_dtype,
+    implicit_dtype,
+    record,
+    vectors_dtype,
+)
 
-REAL, INTEGER = np.float64, np.int64
 LOG_SIZE = 32  # finished contacts kept until they are collected, besides one for each candidate
-
-
-def _record(*fields: tuple[object, ...]) -> np.dtype:
-    return np.dtype(list(fields), align=True)
 
 
 def output_dtype(links: int, candidates: int) -> np.dtype:
     """What an observer sees at the communication point; one row of a time series."""
     points = links + 1
-    return _record(
+    return record(
         ("point_position", REAL, (points, 2)),  # m
         ("point_velocity", REAL, (points, 2)),  # m/s
         ("point_acceleration", REAL, (points, 2)),  # m/s²
@@ -58,7 +60,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
     points = links + 1
     state = state_size(links)
     log = LOG_SIZE + candidates
-    model = _record(
+    model = record(
         ("gravity", REAL, (2,)),  # m/s²
         ("length", REAL, (links,)),  # m
         ("mass", REAL, (links,)),  # kg
@@ -84,7 +86,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("size", REAL),  # m, longest link: the absolute scale of positions
         ("energy", REAL),  # J, of the whole mass at one `size` a second: the absolute scale of energies
     )
-    contact = _record(
+    contact = record(
         ("law", INTEGER),  # id of the force law, counted from 1
         ("stiffness", REAL),  # N/m^exponent
         ("exponent", REAL),
@@ -99,19 +101,19 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("derived_restitution", REAL),  # … restitution that these are for
         ("impulsive", INTEGER),  # 1: rigid walls, with impulses in place of a force law
     )
-    initial = _record(
+    initial = record(
         ("position", REAL, (2,)),  # m
         ("velocity", REAL, (2,)),  # m/s
         ("angle", REAL, (links,)),  # rad
         ("angular_velocity", REAL, (links,)),  # rad/s
     )
-    solver = _record(
+    solver = record(
         ("method", INTEGER),  # index into SOLVER_METHODS of kernel/integration/methods.py, from 1
         ("tolerance", REAL),
         ("work_limit", REAL),  # 1/s, evaluations for a second of simulated time
     )
     # polynomials that the inputs follow over time, see kernel/model/inputs.py
-    course = _record(
+    course = record(
         ("order", INTEGER),  # 0: the inputs are constant
         ("middle", REAL),  # s, where x is 0 …
         ("scale", REAL),  # 1/s, … and how fast it grows
@@ -121,7 +123,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("tip_force", REAL, (DEGREE + 1, 2)),  # N
     )
     # what an importer can set at any time; it is taken over at the next step or look
-    given = _record(
+    given = record(
         ("changed", INTEGER),  # AT_ONCE: something was set since the last step; GOING_ON: only the course
         ("law", INTEGER),  # as in `contact`, …
         ("stiffness", REAL),
@@ -130,13 +132,13 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("tip_force", REAL, (2,)),
         ("course", course),
     )
-    inputs = _record(
+    inputs = record(
         ("joint_torque", REAL, (links,)),  # N·m
         ("tip_force", REAL, (2,)),  # N
         ("course", course),
     )
     # the last accepted step and its dense output, valid from `start` to `end`
-    step = _record(
+    step = record(
         ("time", REAL),  # s, the communication point; start ≤ time ≤ end
         ("start", REAL),  # s
         ("clock", REAL),  # s, when the time in the state is 0: the start of a step, or of one that is tried
@@ -144,6 +146,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("size", REAL),  # s, of the variable that the step runs in, see kernel/integration/sundman.py
         ("kept", REAL),  # the fraction of `size` at which it ends
         ("next_size", REAL),  # … proposed, likewise
+        ("ease", REAL),  # … and what part of that its cost allows, of the step that is tried
         ("flight_size", REAL),  # s, of the last step before the first of the present contacts
         ("state", REAL, (state,)),  # y at `start`
         ("state_end", REAL, (state,)),  # y at `end`
@@ -154,17 +157,18 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("breaks", INTEGER),  # how often the next step did not go on where the last one ended
         ("regularized", INTEGER),  # the candidate in whose fictitious time the step runs, −1: in time
         ("method", INTEGER),  # the method at work, see kernel/integration/method.py
+        ("explicit_size", REAL),  # s, of the last explicit step before implicit ones; 0: not known
         ("doubts", INTEGER),  # steps in a row for which the other method would do better …
         ("patience", INTEGER),  # … and how many make the solver change
     )
-    impact = _record(
+    impact = record(
         ("count", INTEGER),  # onsets since the start
         ("last_time", REAL),  # s
         ("last_point", INTEGER),  # 0…N, −1 before the first impact
         ("last_wall", INTEGER),  # 1 + index into the scene's wall_names, 0 before the first impact
         ("last_speed", REAL),  # m/s
     )
-    statistics = _record(
+    statistics = record(
         ("steps", INTEGER),  # accepted
         ("rejected_steps", INTEGER),
         ("rhs_evaluations", INTEGER),  # by the solver; looking at outputs is not counted
@@ -172,7 +176,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("status", INTEGER),  # see kernel/status.py
     )
     # events and work are counted over windows of time, and must not be too many
-    limits = _record(
+    limits = record(
         ("event_start", REAL),  # s
         ("event_count", INTEGER),
         ("work_start", REAL),  # s
@@ -181,7 +185,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("other_work", INTEGER),  # besides evaluations: looks at points, responses to impulses
     )
     # the latest impacts, the newest first, see kernel/model/latest.py
-    latest = _record(
+    latest = record(
         ("kept", INTEGER),  # how many of them are wanted
         ("point", INTEGER, (LATEST,)),  # 0…N, −1 for none
         ("wall", INTEGER, (LATEST,)),  # 1 + index into the scene's wall_names, 0 for none
@@ -194,7 +198,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("impulse", REAL, (LATEST,)),  # N·s
     )
     # the ledger of energies, see kernel/integration/balance.py
-    balance = _record(
+    balance = record(
         ("ledger", REAL),  # J, at the end of the last step …
         ("before", REAL),  # … and at its start
         ("breaks", INTEGER),  # of the steps, when it was taken anew
@@ -208,25 +212,24 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("unit_scale", REAL),  # J, the parts of S that do not change
         ("weight", REAL),  # N
     )
-    vectors = _record(("x", REAL, (points,)), ("y", REAL, (points,)))
-    impedance = _record(*((name, REAL, (points,)) for name in ("xx", "xy", "yy")))
-    elimination = _record(*((name, REAL, (links,)) for name in ("gain_x", "gain_y", "bias")))
-    factors = _record(
+    vectors, impedance = vectors_dtype(points), impedance_dtype(points)
+    elimination = record(*((name, REAL, (links,)) for name in ("gain_x", "gain_y", "bias")))
+    factors = record(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse")),
         ("middle", REAL, (3,)),  # 1/kg, A⁻¹ of the middle joint: xx, xy, yy
     )
-    damped = _record(
+    damped = record(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse")),
         ("own", REAL, (links,)),  # kg·m², H
         ("damper", REAL, (links,)),  # kg·m², κ
         ("impulse", REAL, (links,)),  # N·m·s, μ
         ("base", REAL, (3,)),  # 1/kg, A⁻¹ of the base: xx, xy, yy
     )
-    inner = _record(
+    inner = record(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse")),
         *((name, REAL, (links,)) for name in ("xx", "xy", "yy")),  # kg, Ā
     )
-    work = _record(
+    work = record(
         ("stage", REAL, (STAGES, state)),  # dy/ds at the stages
         ("rate_start", REAL, (state,)),  # ẏ at the start …
         ("rate_end", REAL, (state,)),  # … and the end of the step
@@ -250,7 +253,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("inner", inner),  # arms from each joint inward, see kernel/chain/joint_rate.py
     )
     # per candidate; what is latched at onset holds until the contact ends, or v₀ is latched anew
-    touch = _record(
+    touch = record(
         ("active_count", INTEGER),
         ("active_index", INTEGER, (candidates,)),  # the candidates in contact, packed
         ("active", INTEGER, (candidates,)),  # 1: in contact
@@ -274,7 +277,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         # m, of two error estimates of a tried step, in the clearances of the active contacts, packed
         ("gap_error", REAL, (2, candidates)),
     )
-    candidate = _record(
+    candidate = record(
         ("point", INTEGER, (candidates,)),  # 0…N
         ("wall", INTEGER, (candidates,)),  # index into WALLS, or 4 and the index into `walls`
         # derived at initialization
@@ -283,13 +286,13 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("offset", REAL, (candidates,)),  # m, … and n·p of the points on it
     )
     # the walls at any angle: there are never more than candidates
-    walls = _record(
+    walls = record(
         ("x", REAL, (candidates,)),  # m, a point on each …
         ("y", REAL, (candidates,)),
         ("angle", REAL, (candidates,)),  # rad, … and its direction from +x: the free side is to its left
     )
     # for events, at the ends of the interval that is searched
-    search = _record(
+    search = record(
         ("known", INTEGER),  # what is known at the end of a step, see kernel/events/exclusion.py, …
         ("known_for", INTEGER),  # … for so many breaks
         ("safe_distance", REAL),  # m, at least, from there to a touch, where nobody looked again …
@@ -303,22 +306,8 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("clear_start_curve", REAL, (candidates,)),  # m/s², second derivative
         ("clear_end_curve", REAL, (candidates,)),
     )
-    # of the implicit step, z = (y, and of the active contacts clearances, their rates, impulses):
-    # integration/implicit.py
-    extended = state + 3 * candidates
-    implicit = _record(
-        ("start", REAL, (extended,)),  # z at the start of a step
-        ("z", REAL, (extended,)),
-        ("thirds", REAL, (2, state)),  # what the dense output is off the clearances, at thirds of the step
-        ("stage", REAL, (ROWS, extended)),
-        ("link", vectors),  # m, L_i at the start of a step
-        ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts, packed, …
-        ("damping", REAL, (candidates,)),  # N·s/m, … and ∂F/∂δ̇, at the start of a step
-        ("impedance", REAL, (candidates,)),  # kg, … what they add to the inertia of their points
-        ("normal", REAL, (candidates,)),  # N·s or m/s, … along their normals
-    )
     # the touching candidates of a rigid wall, packed, see kernel/model/constraints.py
-    rigid = _record(
+    rigid = record(
         ("factors", factors),  # with an impedance at the pressed points
         (
             "change",
@@ -336,7 +325,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("sample", REAL, (2, candidates)),  # N, the last two forces looked at
         ("least", REAL, (candidates,)),  # N, smallest holding force in the stages of the step; not packed
     )
-    finished = _record(
+    finished = record(
         ("count", INTEGER),  # contacts ended since last collected
         ("point", INTEGER, (log,)),
         ("wall", INTEGER, (log,)),
@@ -350,7 +339,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("impulse", REAL, (log,)),  # N·s
     )
     # ∫F dt of the walls on the points, packed but for what is said, see kernel/integration/impulse.py
-    impulse = _record(
+    impulse = record(
         ("wanted", INTEGER),  # 1: followed
         ("total", REAL, (candidates,)),  # N·s since the start, not packed
         ("onset", REAL, (candidates,)),  # N·s, that at the onset of the contact, not packed
@@ -360,7 +349,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("dense", REAL, (DENSE_COEFFICIENTS, candidates)),  # the interpolant of the last step
         ("stage", REAL, (STAGES, candidates)),  # dp/ds at the stages
     )
-    return _record(
+    return record(
         ("links", INTEGER),  # N
         ("candidates", INTEGER),  # C
         ("tangents", INTEGER),  # instances of dual numbers behind this one (kernel/tangent/)
@@ -381,7 +370,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("candidate", candidate),
         ("walls", walls),
         ("search", search),
-        ("implicit", implicit),
+        ("implicit", implicit_dtype(links, candidates)),
         ("rigid", rigid),
         ("finished", finished),
         ("impulse", impulse),

@@ -2,7 +2,7 @@
 
 K = Σ κ_i g_i g_iᵀ with g_i the gradient of ω_i − ω_{i−1}: each joint resists a change of its relative angular
 velocity by κ_i (Δ_i − Δ_{i−1}) − μ_i, with μ_i an impulse in the joint. The base has a damper only if it is
-pinned. A spring k_i is, for a step, one more damper (integration/implicit.py): in a
+pinned. A spring k_i is, for a step, one more damper (integration/linear_system.py): in a
 time s κ_i = s c_i + s² k_i.
 
 A damped joint transmits a moment. What hangs from it therefore answers the motion a of the joint and β, that

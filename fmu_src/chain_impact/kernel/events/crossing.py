@@ -10,8 +10,9 @@ from chain_impact.kernel.chain.state import omega_at, root_at, velocity_at
 from chain_impact.kernel.events.exclusion import keep_start, root_now, set_clearance, set_clearances
 from chain_impact.kernel.events.kinds import END, ONSET
 from chain_impact.kernel.events.sampling import locate_at
+from chain_impact.kernel.integration.collocation_dense import clearance_curvature
 from chain_impact.kernel.integration.dense import rate_bounds, rate_bounds_along
-from chain_impact.kernel.integration.implicit import clearance_curvature
+from chain_impact.kernel.integration.extended import compliant
 from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.model.geometry import harmless_depth, normal
@@ -168,7 +169,7 @@ def bound_curvature(d):
             v, a = rate_bounds_along(d.step, velocity_at(n), nx, ny)
         d.search.curvature[c] = p * a + change * v + links[d.candidate.point[c]]
     if d.step.made_by == IMPLICIT:
-        for k in range(d.touch.active_count):
+        for k in range(compliant(d)):
             d.search.curvature[d.touch.active_index[k]] = clearance_curvature(d, k)
 
 

@@ -33,6 +33,8 @@ DEEP = 1e-9
 # Of a step: a touch so early has to agree with the Taylor polynomial at its start, whose third-order
 # remainder is a part of 1e-9 there. The interpolant of a stiff step can be off by more.
 EARLY = 1e-3
+# Of a step: how far from an onset one may have landed that was made anew for it.
+LANDED = 1e-2
 RESOLVED = (
     4e-15  # of the time: ten times what a step can be told from none by, as a try may be a tenth of the last
 )
@@ -110,6 +112,26 @@ def starts_clear(d, lasted):
             clear = clear or (sign * gap >= 0.0 and sign * (0.5 * gap + move) > 0.0)
     locate_points(d, d.work.y)
     return clear
+
+
+def arrival(d):
+    """The fraction θ of the last step, which has landed on events, at which onsets among them are; or −1.
+
+    It is 1 but for what the interpolant was off where they were found: a step of Newton's method settles it.
+    REFUSED when it is not. In a step that time hardly resolves it is the end.
+    """
+    theta = -1.0
+    if d.step.end - d.step.start <= SIMULTANEOUS + RESOLVED * abs(d.step.end):
+        return theta
+    locate_points(d, d.step.state_end)
+    for c in range(d.candidates):
+        if d.touch.event[c] == ONSET:
+            gap, gap_rate = clearance(d, c)
+            late = gap / (gap_rate * d.step.size)
+            if not (gap_rate < 0.0 and abs(late) <= LANDED):
+                return REFUSED
+            theta = 1.0 - late if theta < 0.0 else min(theta, 1.0 - late)
+    return theta
 
 
 def drop_leaving(d, theta):

@@ -22,7 +22,7 @@ from chain_impact.kernel.events.impulses import collide
 from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, RELATCH, RELEASE
 from chain_impact.kernel.integration import step_size
 from chain_impact.kernel.integration.method import IMPLICIT
-from chain_impact.kernel.integration.switching import begin_explicit, begin_flight, begin_impact
+from chain_impact.kernel.integration.switching import begin_flight, begin_impact
 from chain_impact.kernel.model.contact import clear_loads, latch, list_touching, take_side
 from chain_impact.kernel.model.contact_force import cut_off, foresee_depth, latch_damping, may_jump
 from chain_impact.kernel.model.geometry import clearance
@@ -99,7 +99,7 @@ def apply_events(d):
     """
     if d.contact.impulsive:
         collide(d)
-        begin_explicit(d.step)  # blows move what damping slows down
+        begin_flight(d)
         return True
     touch, onset, jumped, goes_on = d.touch, -1, False, False
     locate_points(d, d.step.state_end)
@@ -133,6 +133,8 @@ def choose_size(d, onset, goes_on):
         d.step.next_size = step_size.at_onset(d, onset if onset >= 0 else d.touch.active_index[0])
     if onset >= 0:
         begin_impact(d)
+        if d.step.method == IMPLICIT:
+            d.step.next_size = min(d.step.next_size, step_size.implicit_at_onset(d, onset))
 
 
 def bends_force(d):

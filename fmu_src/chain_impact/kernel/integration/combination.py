@@ -39,3 +39,16 @@ def combinations(one, two):
             first[j], second[j] = h * total_1, h * total_2
 
     return combine
+
+
+def sequence(first, *others):
+    """Make the call of several functions of the same arguments in turn, which return nothing."""
+    if not others:
+        return first
+    rest = sequence(*others)
+
+    def both(d, h, *more):
+        first(d, h, *more)
+        rest(d, h, *more)
+
+    return both

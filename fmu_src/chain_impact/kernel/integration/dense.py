@@ -4,7 +4,8 @@ import numpy as np
 
 from chain_impact.kernel.chain.state import root_at, time_at
 
-DENSE_COEFFICIENTS = 7
+POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))  # p, q of θᵖ (1−θ)^q, with F₀ to F₆
+DENSE_COEFFICIENTS = len(POWERS)
 RESOLUTION = 1e-15  # of a step, in which a time is found
 
 
@@ -66,9 +67,8 @@ def _basis_bounds():
     """Largest size on [0, 1] of the interpolant's basis functions and of their slopes."""
     theta = np.linspace(0.0, 1.0, 10001)
     rest = 1.0 - theta
-    powers = [(1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3)]
-    values = [theta**p * rest**q for p, q in powers]
-    slopes = [p * theta ** (p - 1) * rest**q - q * theta**p * rest ** max(q - 1, 0) for p, q in powers]
+    values = [theta**p * rest**q for p, q in POWERS]
+    slopes = [p * theta ** (p - 1) * rest**q - q * theta**p * rest ** max(q - 1, 0) for p, q in POWERS]
     return (
         tuple(float(np.abs(v).max()) for v in values),
         tuple(float(np.abs(s).max()) for s in slopes),

@@ -5,7 +5,14 @@ import math
 from chain_impact.kernel.chain.damped import damping_of
 from chain_impact.kernel.chain.kinematics import move_points
 from chain_impact.kernel.chain.springs import stiffness_of
-from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, velocity_at
+from chain_impact.kernel.chain.state import (
+    ANGLES,
+    dissipated_at,
+    omega_at,
+    root_at,
+    supplied_at,
+    velocity_at,
+)
 from chain_impact.kernel.inlining import inlined
 from chain_impact.kernel.model.geometry import along_normal, clearance
 
@@ -52,6 +59,25 @@ def scaled_errors(d, row, other_row):
     if d.contact.impulsive and d.touch.active_count > 0 and d.model.resisting:
         first, second = max(first, moment_error(d, row)), max(second, moment_error(d, other_row))
     return first / d.solver.tolerance, second / d.solver.tolerance
+
+
+def weigh(d, y, weight):
+    """Set one over the scales of ``scaled_errors`` and the tolerance, for z of extended.py at located points.
+
+    What is not controlled has a weight of 0: energy supplied by inputs, the rates of clearances, impulses.
+    """
+    n, size, tolerance = d.links, d.model.size, d.solver.tolerance
+    for j in range(velocity_at(n)):
+        weight[j] = 1.0 / (tolerance * (size if j < ANGLES else 1.0))
+    for j in range(velocity_at(n), dissipated_at(n)):
+        weight[j] = 1.0 / (tolerance * ((size if j < omega_at(n) else 1.0) + abs(y[j])))
+    weight[dissipated_at(n)] = 1.0 / (
+        tolerance * (d.model.energy + abs(y[dissipated_at(n)]) + impact_energy(d))
+    )
+    for j in range(supplied_at(n), len(weight)):
+        weight[j] = 0.0
+    for k in range(0 if d.contact.impulsive else d.touch.active_count):
+        weight[root_at(n) + k] = 1.0 / (tolerance * penetration_scale(d, d.touch.active_index[k]))
 
 
 @inlined

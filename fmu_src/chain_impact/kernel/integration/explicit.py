@@ -5,7 +5,7 @@ import math
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import dissipated_at, root_at
 from chain_impact.kernel.integration import dop853
-from chain_impact.kernel.integration.combination import combination, combinations
+from chain_impact.kernel.integration.combination import combination, combinations, sequence
 from chain_impact.kernel.integration.errors import scaled_errors, set_gap_errors
 from chain_impact.kernel.integration.impulse import followed, note, note_end
 from chain_impact.kernel.integration.method import Method
@@ -43,22 +43,9 @@ def _stage(i, accepted):
     return stage
 
 
-def _sequence(first, *others):
-    """The call of several functions of (d, h) in turn."""
-    if not others:
-        return first
-    rest = _sequence(*others)
-
-    def both(d, h):
-        first(d, h)
-        rest(d, h)
-
-    return both
-
-
-_stages = _sequence(*(_stage(i, accepted=False) for i in range(1, LAST)))
+_stages = sequence(*(_stage(i, accepted=False) for i in range(1, LAST)))
 _step_end = combination(dop853.B)
-_dense_stages = _sequence(*(_stage(i, accepted=True) for i in range(LAST + 1, STAGES)))
+_dense_stages = sequence(*(_stage(i, accepted=True) for i in range(LAST + 1, STAGES)))
 _errors = combinations(dop853.E5, dop853.E3)
 _high_01, _high_23 = combinations(*dop853.D[:2]), combinations(*dop853.D[2:])
 
@@ -87,6 +74,7 @@ def attempt(d, h):
         The error relative to the tolerance: at most 1 for a step to accept; not finite when f was not.
     """
     make(d, h)
+    d.step.ease = 1.0
     d.statistics.rhs_evaluations += STEP_EVALUATIONS
     if runs_back(d, d.work.y):
         return HALVE
@@ -150,6 +138,7 @@ METHOD = Method(
     order=dop853.ORDER,
     safety=0.8,
     rate_at_end=True,
+    lands=False,
     dense_evaluations=STAGES - LAST,
     prepare=toward_end,
     attempt=attempt,

@@ -40,6 +40,7 @@ def stand(d, time, y):
     stand_impulses(d)
     step.regularized = NO_CONTACT
     step.dense_for = SOLVER
+    d.implicit.ready = 0
     break_off(d)
 
 

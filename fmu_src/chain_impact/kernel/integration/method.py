@@ -13,6 +13,7 @@ class Method:
         order: the error of a step over its length goes as this power of h.
         safety: part of the size that the last error suggests, for the next step.
         rate_at_end: whether it has the rate at the end of a step, as the first stage of the next one.
+        lands: whether a step is made anew to land on an event, as its end is better than its dense output.
         dense_evaluations: right-hand sides that the dense output takes.
         prepare: make ready at the start of a step; returns the h to begin with, at most the given one.
         attempt: try a step from `step.state_end`; the result is in `work.y`. Returns the error relative to
@@ -25,6 +26,7 @@ class Method:
     order: int
     safety: float
     rate_at_end: bool
+    lands: bool
     dense_evaluations: int
     prepare: object
     attempt: object

@@ -1,10 +1,10 @@
 """The list of the methods, and what the kernel asks of the one at work."""
 
 from chain_impact.kernel.dispatch import dispatch
-from chain_impact.kernel.integration import explicit, implicit
+from chain_impact.kernel.integration import collocation, explicit
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 
-_NUMBERED = {EXPLICIT: explicit.METHOD, IMPLICIT: implicit.METHOD}
+_NUMBERED = {EXPLICIT: explicit.METHOD, IMPLICIT: collocation.METHOD}
 _METHODS = tuple(_NUMBERED[number] for number in range(len(_NUMBERED)))
 METHOD_COUNT = len(_METHODS)
 
@@ -15,6 +15,7 @@ AUTO = 1
 SAFETY = tuple(method.safety for method in _METHODS)
 EXPONENT = tuple(-1.0 / method.order for method in _METHODS)
 RATE_AT_END = tuple(int(method.rate_at_end) for method in _METHODS)
+LANDS = tuple(int(method.lands) for method in _METHODS)
 DENSE_EVALUATIONS = tuple(method.dense_evaluations for method in _METHODS)
 _prepare = dispatch([method.prepare for method in _METHODS])
 _attempt = dispatch([method.attempt for method in _METHODS])

@@ -17,12 +17,13 @@ SHRINK, GROW = 0.1, 6.0
 # its time scale: the largest for which few first steps are rejected
 # (tests/kernel/integration/test_step_size.py).
 TURN, FIRST = 2.8, 4.5
+FIRST_IMPLICIT = 1.2  # likewise, for an implicit step
 
 
 def factor(d, error):
     """What the size of a step is to be multiplied with, for its error relative to the tolerance."""
     method = d.step.method
-    return max(SHRINK, SAFETY[method] * error ** EXPONENT[method])
+    return max(SHRINK, SAFETY[method] * d.step.ease * error ** EXPONENT[method])
 
 
 def in_flight(d, y, rate):
@@ -36,7 +37,16 @@ def in_flight(d, y, rate):
 
 def at_onset(d, c):
     """A size for the first step of the contact of candidate c, which has just been latched."""
+    return FIRST * time_scale(d, c) * d.solver.tolerance ** -EXPONENT[EXPLICIT]
+
+
+def time_scale(d, c):
+    """The time [s] in which the force of candidate c, which has just been latched, rises: δ*/v₀ or less."""
     share, power = damping_share(d, c), 1.0 / (d.contact.rate_exponent + 1.0)
-    # δ*/v₀, or less where damping stops the point
-    scale = d.touch.depth_scale[c] / d.touch.impact_speed[c] * (1.0 + share) ** -power
-    return FIRST * scale * d.solver.tolerance ** -EXPONENT[EXPLICIT]
+    # less where damping stops the point
+    return d.touch.depth_scale[c] / d.touch.impact_speed[c] * (1.0 + share) ** -power
+
+
+def implicit_at_onset(d, c):
+    """As ``at_onset``, for an implicit step, whose error goes as the force, δ^(3/2), integrated twice."""
+    return FIRST_IMPLICIT * time_scale(d, c) * d.solver.tolerance ** (1.0 / 3.5)

@@ -4,13 +4,14 @@ The explicit one is better as long as accuracy limits its step: in flight and in
 contact its stability does, or the order that it loses there. The fastest motion of a contact has the rate
 ρ = max(c/m, √(k/m)), with m the effective mass at its onset; the explicit method is stable for about hρ < 6.
 Impacts are resolved with hρ below 1, so explicit steps beyond STIFF tell that the contact lasts; that needs
-no evaluation to see. An implicit step costs a third of an explicit one: when it is shorter than
-NOT_STIFF, explicit steps get further for the same work, and more accurately.
+no evaluation to see. A contact that has lasted for long may still ring, with shorter steps: there, too,
+implicit ones may get further. As an implicit step costs two or three explicit ones, it has to be as much
+longer than the last of these.
 
 A joint with a damper or a spring has a rate of its own, in flight as in contact (chain/joint_rate.py). A
 spring swings rather than decays. As long as the tolerance can see that, it takes explicit steps with hρ below
 STIFF; when they are longer, the swing is so small that implicit steps, which let it decay, may lose it.
-Points that rigid walls hold are a matter of the explicit method alone.
+Rigid walls make nothing stiff: with them only joints do.
 """
 
 import math
@@ -22,32 +23,33 @@ from chain_impact.kernel.model.contact import contact_slopes
 
 # hρ of explicit steps beyond which implicit ones could replace them. Impacts are resolved with less than 1,
 # and DOP853 is stable to about 6.
-STIFF = 2.5
-# hρ of implicit steps below which explicit ones, which cost three times as much, get further for the same
-# work.
-NOT_STIFF = 2.0
+STIFF = 2.0
+# The same of steps in contacts that last, which have been there for so many of their time scales: an impact
+# takes three to ten.
+RINGS, LASTS = 0.1, 20.0
+# Implicit steps over explicit ones, with which these get further for the same work; and their hρ, where no
+# explicit ones are known.
+LONGER, NOT_STIFF = 2.5, 5.0
 STABLE = 4.0  # hρ of the explicit step to begin a flight with: two thirds of what is stable
 # The size of an implicit step in an impact over that of an explicit one, at tolerances about 1e-8.
-IMPACT = 0.05
+IMPACT = 0.4
 # Steps in a row that have to call for the other method: fewer would change it in the compression of an
 # impact.
-PATIENCE = 4
+PATIENCE = 3
 
 
 def choose_method(d):
     """Decide on the method of the next step, with the points located at its start."""
     step = d.step
     touching = d.touch.active_count > 0
-    if d.contact.impulsive and (touching or not d.model.resisting):
-        begin_explicit(step)
+    if d.contact.impulsive and not d.model.resisting:
+        begin_explicit(step)  # what rigid walls hold is not stiff
     elif d.solver.method != AUTO:
         step.method = chosen(d.solver.method)
     elif not (touching or d.model.resisting):
         begin_explicit(step)  # nothing is stiff
     elif step.end > step.start:  # not just restarted
-        z = stiffness_of(d, step.end - step.start)
-        doubtful = z < NOT_STIFF if step.method == IMPLICIT else z > STIFF
-        step.doubts = step.doubts + 1 if doubtful else 0
+        step.doubts = step.doubts + 1 if doubtful(d, step.end - step.start) else 0
         if step.doubts >= step.patience:
             step.doubts = 0
             if step.method == IMPLICIT:
@@ -55,7 +57,30 @@ def choose_method(d):
                 step.patience *= 2
                 step.method = EXPLICIT
             else:
+                step.explicit_size = step.end - step.start
                 step.method = IMPLICIT
+
+
+def doubtful(d, h):
+    """Whether the last step, of size h [s], calls for the other method."""
+    if d.step.method == IMPLICIT and d.step.explicit_size > 0.0:
+        return h < LONGER * d.step.explicit_size
+    z = stiffness_of(d, h)
+    if d.step.method == IMPLICIT:
+        return z < NOT_STIFF
+    return z > STIFF or (z > RINGS and lasts(d))
+
+
+def lasts(d):
+    """Whether there are active contacts with a force law, and all have lasted for long."""
+    if d.contact.impulsive or d.touch.active_count == 0:
+        return False
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        scale = d.touch.depth_scale[c] / d.touch.impact_speed[c]
+        if d.step.end - d.touch.onset[c] < LASTS * scale:
+            return False
+    return True
 
 
 def begin_impact(d):
@@ -69,7 +94,7 @@ def begin_impact(d):
 
 
 def begin_flight(d):
-    """Begin a new phase after the last contact, likewise."""
+    """Begin a new phase after the last contact, or after a blow by a rigid wall, likewise."""
     z = joints_over(d, d.step.next_size)
     if z <= STIFF:
         d.step.method = EXPLICIT
@@ -94,7 +119,7 @@ def begin_explicit(step):
 
 def forget_doubts(step):
     """Let the present method have its turn."""
-    step.doubts = 0
+    step.doubts, step.explicit_size = 0, 0.0
     step.patience = PATIENCE
 
 
@@ -105,9 +130,9 @@ def stiffness_of(d, h):
 
 
 def joints_over(d, h):
-    """hρ of a step [s] for the joints that resist; no more than a bound if they are not stiff."""
+    """hρ of a step [s] for the joints that resist; a bound on it if they are not stiff."""
     z = h * d.model.joint_bound
-    return h * joint_rate(d, d.step.state_end) if z > NOT_STIFF else z
+    return h * joint_rate(d, d.step.state_end) if z > STIFF else z
 
 
 def fastest_contact(d):

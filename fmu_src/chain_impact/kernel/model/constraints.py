@@ -44,6 +44,16 @@ PATIENCE = 3
 ROUNDS = 30  # and 4 for each candidate, far more than was ever seen: the bound of a loop
 
 
+def holding_impedance(d):
+    """An impedance [kg] with which a point moves no more than if it were held, to a millionth."""
+    return STIFF * mean_mass(d)
+
+
+def mean_mass(d):
+    """The mean mass of a link [kg]."""
+    return d.model.energy / (d.model.size * d.model.size * d.links)
+
+
 def set_impedance(d, amount):
     """Set the impedance at the pressed points to an amount [kg], and that at the others to zero."""
     own = d.rigid
@@ -60,8 +70,7 @@ def press(d, scale):
         scale: the largest motion of a point, which round-off is relative to.
     """
     own, link = d.rigid, d.work.link
-    mean = d.model.energy / (d.model.size * d.model.size * d.links)
-    impedance = STIFF * mean
+    mean, impedance = mean_mass(d), holding_impedance(d)
     set_impedance(d, 0.0)
     stiffen(d, link, own.impedance, d.work.factors)
     set_impedance(d, impedance)

@@ -114,9 +114,9 @@ def forget_stages(d):
 
 
 def list_touching(d):
-    """Pack the candidates in contact."""
+    """Pack the candidates in contact, also for the implicit step, which knows no last one with these."""
     touch = d.touch
-    touch.active_count = 0
+    touch.active_count, d.implicit.ready = 0, 0
     for c in range(d.candidates):
         if touch.active[c]:
             touch.active_index[touch.active_count] = c

@@ -20,7 +20,7 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import root_at, time_at
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.kinds import END, ONSET, RELATCH
-from chain_impact.kernel.integration import explicit, implicit
+from chain_impact.kernel.integration import explicit
 from chain_impact.kernel.integration.impulse import followed
 from chain_impact.kernel.integration.last_step import (
     accept,
@@ -33,6 +33,7 @@ from chain_impact.kernel.integration.last_step import (
 from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.model.geometry import along_normal, clearance
 from chain_impact.kernel.tangent.directions import carried, value
+from chain_impact.kernel.tangent.implicit_step import make_implicit
 from chain_impact.kernel.tangent.start import follow_inputs
 from chain_impact.kernel.tangent.trust import judge_onsets, judge_turns
 
@@ -45,13 +46,13 @@ def replay(d, t):
     choose_variable(t, True)
     start_in_variable(t)
     lands = ends_regularized(d)
-    make(t, d.step.size * d.step.kept if lands else d.step.size)
+    make(d, t, d.step.size * d.step.kept if lands else d.step.size)
     judge_turns(t)
     if lands:
         take_values(d, t)
         break_off(t)
     else:
-        if d.step.kept < 1.0:
+        if d.step.kept != 1.0:
             cut(t, d.step.kept)
         take_values(d, t)
     for c in range(d.candidates):
@@ -59,11 +60,10 @@ def replay(d, t):
     move_end(t)
 
 
-def make(t, h):
+def make(d, t, h):
     """Make a step of size h as d did, without its error control."""
     if t.step.method == IMPLICIT:
-        implicit.prepare(t, h)
-        implicit.attempt(t, h)
+        make_implicit(d, t, h)
     else:
         explicit.make(t, h)
         if t.touch.active_count > 0:

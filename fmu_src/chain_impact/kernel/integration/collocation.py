@@ -1,0 +1,272 @@
+"""The implicit step of order 9, for sustained contact and stiff joints: Radau IIA (its data: radau.py).
+
+The polynomial of degree 5 that starts at z_0 and keeps ż = f(z) at five nodes; its end is the result. The
+equations are those of extended.py, their solution is that of newton.py with the linear systems of
+linear_system.py, and the coordinates of the result are moved to the clearances by projection.py.
+
+Two estimates of the error compare f with the polynomials through its values F at the nodes,
+
+    E = (1 − h μ A)⁻¹ h μ (f(z_0) − P(0)),   E′ = (1 − h μ A)⁻¹ h μ (F_5 − P′(1)),
+
+P through all F, P′ through all but the last, μ the real eigenvalue. E′ is of one order less, and
+|E|²/|E′| of order 7, closer to the order of the result.
+"""
+
+import math
+
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.state import dissipated_at, root_at, time_at, velocity_at
+from chain_impact.kernel.integration.collocation_dense import finish, keep_clearances, lagrange
+from chain_impact.kernel.integration.errors import moment_error, weigh
+from chain_impact.kernel.integration.extended import (
+    compliant,
+    extend_start,
+    extended_rate,
+    extended_size,
+    extended_slopes,
+    gap_at,
+    impulse_at,
+    rate_at,
+)
+from chain_impact.kernel.integration.impulse import followed
+from chain_impact.kernel.integration.linear_system import (
+    factorize_complex,
+    factorize_real,
+    solve_complex,
+    solve_real,
+)
+from chain_impact.kernel.integration.method import IMPLICIT, Method
+from chain_impact.kernel.integration.newton import ITERATIONS, UNKNOWN, simplified_newton
+from chain_impact.kernel.integration.projection import meet_clearances
+from chain_impact.kernel.integration.radau import (
+    AT_END,
+    AT_START,
+    COMPLEX_EIGENVALUES,
+    NODES,
+    PAIRS,
+    REAL_EIGENVALUE,
+    STAGES,
+)
+from chain_impact.kernel.model.constraints import holding
+from chain_impact.kernel.model.contact import forget_stages
+
+LAST = STAGES - 1
+ERROR_ORDER = STAGES + 2
+SLOW = 0.2  # θ of Newton's iteration from which on shorter steps are cheaper
+# Errors that stand for equations that were not solved in time, and whose iteration diverged: the next try is
+# half or a third as long.
+LATE, DIVERGED = 40.0, 700.0
+# how far beyond its step the last polynomial of degree 5, 4 and 3 foretells the next stages, in its steps
+FORETOLD = (1.2, 2.0, 3.0)
+# In evaluations: a real factorization costs 1 and a solution .7, complex ones 2.5 times as much.
+FACTORIZATIONS, SOLUTIONS = 6, 4
+BEYOND = 1.04  # times the way to the end of a contact: the end foretold is right to some hundredths
+LEFT = 1e-3  # of a step, in which a point leaves its wall and has no force any more
+FADED = 3.0  # of the time constant of a fast motion: the first step after an event at a tolerance of 1
+
+
+def factorize(d, h):
+    """Make the linear systems of a step ready."""
+    factorize_real(d, h * REAL_EIGENVALUE)
+    for pair in range(PAIRS):
+        real, imaginary = COMPLEX_EIGENVALUES[pair]
+        factorize_complex(d, pair, h * real, h * imaginary)
+
+
+def _solve(d, h):
+    """Solve them in place."""
+    parts = d.implicit.parts
+    solve_real(d, h * REAL_EIGENVALUE, parts[0])
+    for pair in range(PAIRS):
+        real, imaginary = COMPLEX_EIGENVALUES[pair]
+        solve_complex(d, pair, h * real, h * imaginary, parts[1 + 2 * pair], parts[2 + 2 * pair])
+
+
+def foretells(d):
+    """Whether the polynomial of the last step, with the same contacts, tells where the stages will be."""
+    return d.implicit.ready and d.step.made_by == IMPLICIT
+
+
+def linearize(d, z):
+    """Take A where f was evaluated just now, in the middle of the step, if that is known well.
+
+    Else it is that of the start, which tells a fast motion there from others.
+    """
+    if foretells(d):
+        extended_slopes(d, z)
+
+
+iterate, _converge = simplified_newton(forget_stages, extended_rate, linearize, factorize, _solve)
+
+
+def prepare(d, h):
+    """Make ready for a step; its size is at most what the end of a contact or a fast motion allows."""
+    extend_start(d)
+    extended_slopes(d, d.implicit.start)
+    weigh(d, d.step.state_end, d.implicit.weight)
+    h = toward_end(d, h)
+    if foretells(d):
+        return h
+    d.implicit.ready, d.implicit.slowness = 0, UNKNOWN
+    return first_size(d, h)
+
+
+def toward_end(d, h):
+    """A size that does not go far beyond the end of a contact, where the force is not smooth."""
+    for k in range(compliant(d)):
+        gap, gap_rate = d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)]
+        # −g/ġ, as the force has almost gone; one that has all but left is not waited for
+        if gap_rate > 0.0 and LEFT * h * gap_rate < -gap < h * gap_rate / BEYOND:
+            h = BEYOND * -gap / gap_rate
+    return h
+
+
+def first_size(d, h):
+    """A size that resolves a fast motion at the start, if the tolerance can see it; h without one.
+
+    (1 − h μ A)⁻¹, applied twice to what it takes from the rate, tells how fast and how large that is.
+    """
+    own, shift, size = d.implicit, h * REAL_EIGENVALUE, extended_size(d)
+    factorize_real(d, shift)
+    fast, left = own.parts[0], own.parts[1]
+    for j in range(size):
+        fast[j] = own.start_rate[j]
+    solve_real(d, shift, fast)
+    for j in range(size):
+        fast[j] = own.start_rate[j] - fast[j]
+        left[j] = fast[j]
+    solve_real(d, shift, left)
+    d.limits.other_work += 3
+    most, remains = 0.0, 0.0
+    for j in range(velocity_at(d.links), dissipated_at(d.links)):
+        most, remains = max(most, abs(fast[j]) * own.weight[j]), max(remains, abs(left[j]) * own.weight[j])
+    if not (math.isfinite(most) and most > remains > 0.0):
+        return h
+    # what decays with a rate ρ is left as 1/(1 + ρ h μ)
+    rho = (most / remains - 1.0) / shift
+    if rho * h > 1.0 and most > rho:
+        return min(h, FADED / rho * (rho / most) ** (1.0 / (ERROR_ORDER - 1)))
+    return h
+
+
+def foretell(d, h, size):
+    """Set the stages to where the last step, or the rate at the start, tells that they will be."""
+    own = d.implicit
+    if foretells(d):
+        follow_polynomial(d, h, size)
+        return
+    for i in range(STAGES):
+        part = h * NODES[i]
+        for j in range(size):
+            own.stages[i, j] = 0.0
+        for j in range(velocity_at(d.links)):
+            own.stages[i, j] = part * own.start_rate[j]
+        for k in range(compliant(d)):
+            own.stages[i, gap_at(d, k)] = part * own.start_rate[gap_at(d, k)]
+
+
+def follow_polynomial(d, h, size):
+    """Set the stages by the polynomial of the last step, of lower degree where they are far beyond."""
+    own = d.implicit
+    base = (d.step.end - own.began) / own.span
+    beyond = base + h / own.span - 1.0
+    dropped = 0
+    while dropped < len(FORETOLD) and beyond > FORETOLD[dropped]:
+        dropped += 1
+    dropped = STAGES - 1 if dropped == len(FORETOLD) else dropped
+    for i in range(STAGES):
+        for j in range(size):
+            own.stages[i, j] = 0.0
+        at = base + h * NODES[i] / own.span
+        for m in range(max(1, dropped), STAGES + 1):
+            weight = lagrange(dropped, m, at) - lagrange(dropped, m, base)
+            for j in range(size):
+                own.stages[i, j] += weight * own.last[m - 1, j]
+
+
+def attempt(d, h):
+    """Try a step of size h [s] from where it was prepared; the result stands in ``work.y``.
+
+    Returns:
+        The error relative to the tolerance: at most 1 for a step to accept; not finite when f was not.
+    """
+    own, size = d.implicit, extended_size(d)
+    foretell(d, h, size)
+    solved = _converge(d, h, size)
+    d.statistics.rhs_evaluations += STAGES * own.iterations
+    d.limits.other_work += FACTORIZATIONS + SOLUTIONS * own.iterations
+    d.step.ease = 1.0
+    if not solved:
+        own.slowness = UNKNOWN
+        refused = DIVERGED if own.contraction > 1.0 else LATE
+        return refused if math.isfinite(own.correction) else math.inf
+    d.step.ease = ease(own)
+    set_result(d, h)
+    error = estimate(d, h, size)
+    if compliant(d) > 0:
+        change, apart = meet_clearances(d, own.z, d.work.y)
+        error = max(error, change, apart)
+    if not error <= 1.0:
+        own.slowness = UNKNOWN
+    return error
+
+
+def ease(own):
+    """By how much the next step shall be shorter than its error allows: iterations cost, too."""
+    share = (2.0 * ITERATIONS + 1.0) / (2.0 * ITERATIONS + own.iterations)
+    if own.contraction > SLOW:
+        share = min(share, math.sqrt(max(0.5, SLOW / own.contraction)))
+    return share
+
+
+def set_result(d, h):
+    """Set z and the state at the end of the step, whose points are located."""
+    own, work = d.implicit, d.work
+    for j in range(extended_size(d)):
+        own.z[j] = own.start[j] + own.stages[LAST, j]
+    for j in range(root_at(d.links)):
+        work.y[j] = own.z[j]
+    work.y[root_at(d.links)], work.y[time_at(d.links)] = 1.0, h
+    for k in range(followed(d)):
+        d.impulse.tried[k] = own.z[impulse_at(d, k)]
+    locate_points(d, work.y)
+
+
+def estimate(d, h, size):
+    """The error of the step, relative to the tolerance."""
+    own, shift, total = d.implicit, h * REAL_EIGENVALUE, 0.0
+    for j in range(size):
+        start, end = own.start_rate[j], own.rates[LAST, j]
+        for i in range(STAGES):
+            start -= AT_START[i] * own.rates[i, j]
+        for i in range(LAST):
+            end -= AT_END[i] * own.rates[i, j]
+        own.parts[0, j], own.parts[1, j] = shift * start, shift * end
+    solve_real(d, shift, own.parts[0])
+    solve_real(d, shift, own.parts[1])
+    one, other = 0.0, 0.0
+    for j in range(size):
+        first, second = abs(own.parts[0, j]) * own.weight[j], abs(own.parts[1, j]) * own.weight[j]
+        one, other, total = max(one, first), max(other, second), total + first + second
+    if not math.isfinite(total):
+        return math.inf
+    if holding(d):
+        for j in range(dissipated_at(d.links)):
+            d.work.error[0, j], d.work.error[1, j] = own.parts[0, j], own.parts[1, j]
+        one = max(one, moment_error(d, 0) / d.solver.tolerance)
+        other = max(other, moment_error(d, 1) / d.solver.tolerance)
+    return one * min(1.0, one / other) if other > 0.0 else one
+
+
+METHOD = Method(
+    name="implicit",
+    order=ERROR_ORDER,
+    safety=0.85,
+    rate_at_end=False,
+    lands=True,
+    dense_evaluations=0,
+    prepare=prepare,
+    attempt=attempt,
+    finish=finish,
+    dense_output=keep_clearances,
+)

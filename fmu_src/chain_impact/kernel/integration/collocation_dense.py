@@ -1,0 +1,117 @@
+"""The dense output of an implicit step: its polynomial, of degree 5 and with an error of h⁶.
+
+The first five functions of dense.py span the polynomials of degree 5 that are 0 at the start of the step. The
+last two vanish at both its ends, and keep the coordinates at the clearances in between.
+"""
+
+import numpy as np
+
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.state import dissipated_at, root_at, velocity_at
+from chain_impact.kernel.integration.dense import POWERS, interpolate
+from chain_impact.kernel.integration.extended import compliant, gap_at, impulse_at, rate_at
+from chain_impact.kernel.integration.impulse import followed
+from chain_impact.kernel.integration.projection import meet
+from chain_impact.kernel.integration.radau import NODES, STAGES
+
+WITH_START = (0.0, *NODES)
+
+
+def _functions(theta):
+    """The functions of the dense output at some θ, as rows."""
+    return np.array([[t**p * (1.0 - t) ** q for p, q in POWERS[:STAGES]] for t in theta])
+
+
+def _curve_bounds():
+    """The largest second derivatives of these functions on [0, 1]."""
+    theta, bounds = np.linspace(0.0, 1.0, 1001), []
+    for p, q in POWERS[:STAGES]:
+        function = np.polynomial.Polynomial([0.0, 1.0]) ** p * np.polynomial.Polynomial([1.0, -1.0]) ** q
+        bounds.append(float(np.abs(function.deriv(2)(theta)).max()))
+    return tuple(bounds)
+
+
+# row m: the coefficient of the m-th function, from the increments of the stages
+SHAPE = tuple(tuple(float(x) for x in row) for row in np.linalg.inv(_functions(NODES)))
+CURVE_BOUND = _curve_bounds()
+
+
+def lagrange(first, m, x):
+    """The m-th Lagrange polynomial through the start of a step and its nodes, from the ``first`` on, at x."""
+    value = 1.0
+    for k in range(first, STAGES + 1):
+        if k != m:
+            value *= (x - WITH_START[k]) / (WITH_START[m] - WITH_START[k])
+    return value
+
+
+def coefficient(stages, m, j):
+    """The coefficient of the m-th function of the dense output, for component j of z."""
+    total = 0.0
+    for i in range(STAGES):
+        total += SHAPE[m][i] * stages[i, j]
+    return total
+
+
+def finish(d, h):
+    """Keep the stages of the step that was tried, for the next one, and its dense output for the state."""
+    own, dense = d.implicit, d.step.dense
+    for i in range(STAGES):
+        for j in range(impulse_at(d, followed(d))):
+            own.last[i, j] = own.stages[i, j]
+    own.began, own.span, own.ready = d.step.start, h, 1
+    for j in range(len(d.work.y)):
+        dense[0, j] = d.step.state_end[j] - d.step.state[j]
+        for m in range(1, len(dense)):
+            dense[m, j] = 0.0
+    for m in range(1, STAGES):
+        for j in range(root_at(d.links)):
+            dense[m, j] = coefficient(own.last, m, j)
+    for k in range(followed(d)):
+        keep_impulse(d, k)
+
+
+def keep_impulse(d, k):
+    """Keep the dense output of the k-th impulse, as of the state."""
+    dense, at = d.impulse.dense, impulse_at(d, k)
+    dense[0, k] = d.impulse.state_end[k] - d.impulse.state[k]
+    for m in range(1, len(dense)):
+        dense[m, k] = coefficient(d.implicit.last, m, at) if m < STAGES else 0.0
+
+
+def keep_clearances(d, _h):
+    """Make the dense output keep the clearances in between, too, at thirds of the last step."""
+    dense, own, change = d.step.dense, d.implicit, d.implicit.answer[0]
+    if compliant(d) == 0:
+        return
+    for third in range(1, 3):
+        interpolate(d.step, third / 3.0, d.work.y)
+        locate_points(d, d.work.y)
+        for derivative in range(2):
+            for k in range(compliant(d)):
+                at = rate_at(d, k) if derivative else gap_at(d, k)
+                own.normal[k] = interpolated(d, at, third / 3.0)
+            meet(d, d.work.y, derivative, change)
+            for j in range(len(change)):
+                own.thirds[third - 1, derivative * velocity_at(d.links) + j] = change[j]
+    for j in range(dissipated_at(d.links)):
+        one, two = own.thirds[0, j], own.thirds[1, j]
+        # 8/729 F₅ + 8/2187 F₆ and 8/729 F₅ + 16/2187 F₆ are to be the changes
+        dense[6, j] = 2187.0 / 8.0 * (two - one)
+        dense[5, j] = 729.0 / 8.0 * one - dense[6, j] / 3.0
+
+
+def interpolated(d, j, theta):
+    """Component j of z at the fraction θ of the last step."""
+    total = d.implicit.start[j]
+    for m in range(1, STAGES + 1):
+        total += lagrange(0, m, theta) * d.implicit.last[m - 1, j]
+    return total
+
+
+def clearance_curvature(d, k):
+    """Bound on |g̈| [m/s²] of the k-th active contact over the last step."""
+    bound = 0.0
+    for m in range(STAGES):
+        bound += CURVE_BOUND[m] * abs(coefficient(d.implicit.last, m, gap_at(d, k)))
+    return bound / (d.step.size * d.step.size)

@@ -1,0 +1,98 @@
+"""The equations of an implicit step: those of motion, and beside them the clearances of the active contacts.
+
+As the links turn, a stage's coordinates leave the wall's tangent by ½ h² J̇ẏ. That is little, but soon more
+than the penetration of a stiff wall. So the clearances g of the active contacts and their rates are
+integrated beside y, z = (y, g, ġ, p), with g̈ the acceleration of the point along the normal and p the
+impulses, if any are asked for. The forces are those at g and ġ, in which the fast motions are linear but for
+the law of force.
+
+A rigid wall has no force law and holds its points as in all other steps (model/constraints.py): nothing
+stands beside y for them.
+"""
+
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.chain.state import root_at
+from chain_impact.kernel.integration.impulse import followed
+from chain_impact.kernel.model.constraints import hold, holding
+from chain_impact.kernel.model.contact import apply_contact, clear_loads
+from chain_impact.kernel.model.contact_force import law_slopes
+from chain_impact.kernel.model.equations import loaded_rate
+from chain_impact.kernel.model.geometry import along_normal, clearance
+from chain_impact.kernel.model.inputs import set_inputs
+
+
+def gap_at(d, k):
+    """Where the clearance of the k-th active contact stands in z: from the place of u on, which is 1."""
+    return root_at(d.links) + k
+
+
+def compliant(d):
+    """How many contacts have clearances in z: the active ones of a law of force."""
+    return 0 if d.contact.impulsive else d.touch.active_count
+
+
+def rate_at(d, k):
+    """Where the rate of that clearance stands in z."""
+    return gap_at(d, compliant(d) + k)
+
+
+def impulse_at(d, k):
+    """Where the impulse of that contact stands in z."""
+    return gap_at(d, 2 * compliant(d) + k)
+
+
+def extended_size(d):
+    """The length of z."""
+    return impulse_at(d, followed(d))
+
+
+def extend_start(d):
+    """Set z and ż at the start of the step to come, from the state and the rate there."""
+    work, own, n = d.work, d.implicit, d.links
+    if not work.at_end:
+        locate_points(d, d.step.state_end)
+    accelerate_points(d, d.step.state_end, work.rate_start)
+    for j in range(root_at(n)):
+        own.start[j], own.start_rate[j] = d.step.state_end[j], work.rate_start[j]
+    for k in range(compliant(d)):
+        own.start[gap_at(d, k)], own.start[rate_at(d, k)] = clearance(d, d.touch.active_index[k])
+    for k in range(followed(d)):
+        own.start[impulse_at(d, k)] = d.impulse.state_end[k]
+        own.start_rate[impulse_at(d, k)] = d.touch.force_end[d.touch.active_index[k]]
+    clearance_rates(d, own.start, own.start_rate)
+
+
+def clearance_rates(d, z, rate):
+    """Set the rates of g and ġ, for accelerated points."""
+    for k in range(compliant(d)):
+        rate[gap_at(d, k)] = z[rate_at(d, k)]
+        rate[rate_at(d, k)] = along_normal(d, d.touch.active_index[k], d.work.acceleration)
+
+
+def extended_rate(d, z, elapsed, rate):
+    """Set rate = ż, ``elapsed`` [s] after the start, with the contact forces at clearances and rates in z."""
+    if d.inputs.course.order > 0:
+        set_inputs(d, d.step.clock + elapsed)
+    locate_points(d, z)
+    clear_loads(d)
+    dissipated = 0.0
+    for k in range(compliant(d)):
+        dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
+    loaded_rate(d, z, dissipated, rate)  # … and of u and time, in whose place other things are here
+    if holding(d):
+        hold(d, z, rate)
+    for k in range(followed(d)):
+        rate[impulse_at(d, k)] = d.touch.force[d.touch.active_index[k]]
+    accelerate_points(d, z, rate)
+    clearance_rates(d, z, rate)
+
+
+def extended_slopes(d, z):
+    """Set ∂F/∂δ and ∂F/∂δ̇ of the active contacts for z, and keep its link vectors, which are located."""
+    own, link = d.implicit, d.work.link
+    for i in range(d.links):
+        own.link.x[i], own.link.y[i] = link.x[i], link.y[i]
+    for k in range(compliant(d)):
+        c = d.touch.active_index[k]
+        depth, rate = max(0.0, -z[gap_at(d, k)]), -z[rate_at(d, k)]
+        own.stiffness[k], own.damping[k] = law_slopes(d, c, depth, rate)

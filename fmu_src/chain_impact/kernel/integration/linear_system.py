@@ -1,0 +1,163 @@
+"""The linear systems of an implicit step, (1 − s A) x = r, for a real and for complex shifts s.
+
+A is the stiff part of the Jacobian. A point resting on a stiff wall makes the equations stiff: the contact's
+own motions are far faster than the chain's, and decay. Joints that resist do so, too; their moments
+−C v − S q, but for constants, have C = Σ c_i g_i g_iᵀ and S = Σ k_i g_i g_iᵀ with g_i the gradient of
+ω_i − ω_{i−1}. All else is left out: Newton's iteration takes care of it. For z of extended.py
+
+    ∂v̇/∂(g, ġ, v, q) = −M⁻¹ (Jᵀk, Jᵀc, C, S),   g̈ likewise with −J M⁻¹,   ∂(ẋ, ġ)/∂(v, ġ) = 1,
+
+k = ∂F/∂δ, c = ∂F/∂δ̇, J the gradient of the clearances. The solution takes no linear algebra but the
+recursion. With x_v = r_v − Δ the rows of v̇ are M Δ = s (Jᵀ (k x_g + c x_ġ) + C x_v + S x_q), hence
+
+    (M + Jᵀ D J + K) Δ = Jᵀ (D r_ġ + s k r_g) + K r_v + s S r_q,   D = s c + s² k,   K = s C + s² S,
+    x_v = r_v − Δ,   x_ġ = r_ġ − J Δ,   x_q = r_q + s x_v,   x_g = r_g + s x_ġ,
+
+with Δ the response of the chain to impulses at the touching points and moments in the joints. The contacts'
+impedance D adds to the articulated inertia at their points. κ_i = s (c_i + s k_i) is a damper in its joint,
+which K r_v + s S r_q gives an impulse: chain/damped.py, and chain/shifted.py for a complex s. A point that a
+rigid wall holds, J Δ = 0, has an impedance far beyond the mass of the chain.
+"""
+
+from chain_impact.kernel.chain.kinematics import move_points, zero
+from chain_impact.kernel.chain.recursion import no_impedance
+from chain_impact.kernel.chain.shifted import factorize_shifted, solve_shifted, times
+from chain_impact.kernel.chain.springs import stiffness_of
+from chain_impact.kernel.chain.state import ANGLES, coordinate_count, omega_at, velocity_at
+from chain_impact.kernel.integration.extended import compliant, gap_at, impulse_at, rate_at
+from chain_impact.kernel.integration.impulse import followed
+from chain_impact.kernel.model.compliance import give_way, give_way_damped, stiffen, stiffen_damped
+from chain_impact.kernel.model.constraints import holding_impedance
+from chain_impact.kernel.model.geometry import add_along_normal, add_impedance, along_normal
+
+
+def factorize_real(d, shift):
+    """Eliminate M + Jᵀ D J + K for a real s = ``shift`` [s]."""
+    own = d.implicit
+    for k in range(d.touch.active_count):
+        # D = s c + s² k
+        law = shift * (own.damping[k] + shift * own.stiffness[k])
+        own.impedance[k] = holding_impedance(d) if d.contact.impulsive else law
+    if d.model.resisting:
+        stiffen_damped(d, own.link, own.impedance, shift)
+    else:
+        stiffen(d, own.link, own.impedance, d.work.factors)
+
+
+def respond(d, change):
+    """Solve (M + Jᵀ D J + K) Δ = Jᵀ p + K r for Δ = ``change`` and J Δ.
+
+    p stands in ``normal``, and then J Δ; the impulses K r in the joints in ``work.damped.impulse``.
+    """
+    own = d.implicit
+    if d.model.resisting:
+        give_way_damped(d, own.link, own.normal, change)
+    else:
+        give_way(d, own.link, d.work.factors, own.normal, change)
+    for k in range(d.touch.active_count):
+        own.normal[k] = along_normal(d, d.touch.active_index[k], d.work.motion)
+
+
+def solve_real(d, shift, x):
+    """Solve (1 − s A) x = r for the real s = ``shift`` [s] that was factorized; r stands in x."""
+    n, own, change = d.links, d.implicit, d.implicit.answer[0]
+    for k in range(d.touch.active_count):
+        own.normal[k] = 0.0
+    for k in range(compliant(d)):
+        # D r_ġ + s k r_g
+        own.normal[k] = own.impedance[k] * x[rate_at(d, k)] + shift * own.stiffness[k] * x[gap_at(d, k)]
+    if d.model.resisting:
+        damped = d.work.damped
+        for i in range(n):
+            # K r_v + s S r_q
+            turning, turned = relative(x, omega_at(n), i), relative(x, ANGLES, i)
+            damped.impulse[i] = damped.damper[i] * turning + shift * stiffness_of(d, i) * turned
+    respond(d, change)
+    for j in range(coordinate_count(n)):
+        x[velocity_at(n) + j] -= change[j]
+        x[j] += shift * x[velocity_at(n) + j]
+    for k in range(compliant(d)):
+        x[rate_at(d, k)] -= own.normal[k]
+        x[gap_at(d, k)] += shift * x[rate_at(d, k)]
+    for k in range(min(followed(d), compliant(d))):
+        x[impulse_at(d, k)] -= shift * (
+            own.stiffness[k] * x[gap_at(d, k)] + own.damping[k] * x[rate_at(d, k)]
+        )
+
+
+def relative(r, first, i):
+    """Entry i of those that begin at ``first``, from the one before; the base has 0."""
+    return r[first + i] - (r[first + i - 1] if i > 0 else 0.0)
+
+
+def factorize_complex(d, pair, s_r, s_i):
+    """Eliminate M + Jᵀ D J + K for a complex s [s], given by its parts."""
+    own, impedance, reactance = d.implicit, d.work.impedance, d.implicit.reactance
+    no_impedance(impedance)
+    no_impedance(reactance)
+    square_r, square_i = times(s_r, s_i, s_r, s_i)
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        if d.contact.impulsive:
+            add_impedance(d, c, impedance, holding_impedance(d))
+        else:
+            # D = s c + s² k
+            add_impedance(d, c, impedance, s_r * own.damping[k] + square_r * own.stiffness[k])
+            add_impedance(d, c, reactance, s_i * own.damping[k] + square_i * own.stiffness[k])
+    factorize_shifted(d, own.link, impedance, reactance, pair, s_r, s_i, own.factors)
+
+
+def solve_complex(d, pair, s_r, s_i, x, y):
+    """Solve (1 − s A) (x + iy) = r for the complex s [s] that was factorized; r stands in x and y."""
+    n, own, work = d.links, d.implicit, d.work
+    change, change_i, own_motion = own.answer[0], own.answer[1], own.motion
+    square_r, square_i = times(s_r, s_i, s_r, s_i)
+    zero(work.load)
+    zero(own.load)
+    for k in range(compliant(d)):
+        # D r_ġ + s k r_g
+        c, stiffness = d.touch.active_index[k], own.stiffness[k]
+        impedance = s_r * own.damping[k] + square_r * stiffness
+        reactance = s_i * own.damping[k] + square_i * stiffness
+        fast_r, fast_i = times(impedance, reactance, x[rate_at(d, k)], y[rate_at(d, k)])
+        deep_r, deep_i = times(s_r, s_i, x[gap_at(d, k)], y[gap_at(d, k)])
+        add_along_normal(d, c, work.load, fast_r + stiffness * deep_r)
+        add_along_normal(d, c, own.load, fast_i + stiffness * deep_i)
+    load_joints(d, pair, s_r, s_i, x, y)
+    solve_shifted(d, own.link, own.factors, pair, work.load, own.load, own.impulse, own.answer)
+    move_points(own.link, change, work.motion)
+    move_points(own.link, change_i, own_motion)
+    for j in range(coordinate_count(n)):
+        at = velocity_at(n) + j
+        x[at], y[at] = x[at] - change[j], y[at] - change_i[j]
+        add(x, y, j, s_r, s_i, x[at], y[at])
+    for k in range(compliant(d)):
+        c, at = d.touch.active_index[k], rate_at(d, k)
+        x[at], y[at] = x[at] - along_normal(d, c, work.motion), y[at] - along_normal(d, c, own_motion)
+        add(x, y, gap_at(d, k), s_r, s_i, x[at], y[at])
+    for k in range(min(followed(d), compliant(d))):
+        deep, fast = gap_at(d, k), rate_at(d, k)
+        force_r = own.stiffness[k] * x[deep] + own.damping[k] * x[fast]
+        force_i = own.stiffness[k] * y[deep] + own.damping[k] * y[fast]
+        add(x, y, impulse_at(d, k), -s_r, -s_i, force_r, force_i)
+
+
+def add(x, y, j, a, b, c, d):
+    """Add (a + ib)(c + id) to entry j of x + iy."""
+    more_r, more_i = times(a, b, c, d)
+    x[j] += more_r
+    y[j] += more_i
+
+
+def load_joints(d, pair, s_r, s_i, x, y):
+    """Set the impulses in the joints: K r_v + s S r_q."""
+    n, own, re, im = d.links, d.implicit, 2 * pair, 2 * pair + 1
+    for i in range(n):
+        own.impulse[0, i], own.impulse[1, i] = 0.0, 0.0
+        if d.model.resisting:
+            damper_r, damper_i = own.factors.damper[re, i], own.factors.damper[im, i]
+            turning_r, turning_i = relative(x, omega_at(n), i), relative(y, omega_at(n), i)
+            add(own.impulse[0], own.impulse[1], i, damper_r, damper_i, turning_r, turning_i)
+            stiffness = stiffness_of(d, i)
+            turned_r, turned_i = relative(x, ANGLES, i), relative(y, ANGLES, i)
+            add(own.impulse[0], own.impulse[1], i, s_r * stiffness, s_i * stiffness, turned_r, turned_i)

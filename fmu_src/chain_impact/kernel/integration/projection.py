@@ -1,0 +1,60 @@
+"""The coordinates of an implicit step, moved to the clearances that are integrated beside them.
+
+They differ from them by little, which a stiff wall would feel as a blow. How far they had left them counts as
+an error of the step.
+"""
+
+from chain_impact.kernel.chain.state import coordinate_count, velocity_at
+from chain_impact.kernel.integration.extended import compliant, gap_at, rate_at
+from chain_impact.kernel.integration.linear_system import respond
+from chain_impact.kernel.model.geometry import clearance
+
+# Of a penetration: by how much the coordinates may leave the clearance that is integrated beside them over a
+# step. More makes the interpolant of the state wrong by as much; less bounds the step where links turn on a
+# stiff wall.
+APART = 0.03
+
+
+def meet(d, y, derivative, change):
+    """Move the coordinates in y (for derivative 1: velocities) to the clearances (rates) in ``normal``.
+
+    The points have to be located for y. The ``change``, shape (N+2,), is left.
+    """
+    own, first = d.implicit, derivative * velocity_at(d.links)
+    for k in range(compliant(d)):
+        gap, gap_rate = clearance(d, d.touch.active_index[k])
+        own.normal[k] = own.impedance[k] * (own.normal[k] - (gap_rate if derivative else gap))
+    for i in range(d.links):
+        d.work.damped.impulse[i] = 0.0
+    respond(d, change)
+    for j in range(coordinate_count(d.links)):
+        y[first + j] += change[j]
+
+
+def meet_clearances(d, z, y):
+    """Move y, whose points are located, to the clearances and rates in z.
+
+    Returns:
+        The largest weighted change, over the tolerance, and by how much the coordinates had left the
+        clearances, in parts of what they may.
+    """
+    own, change, worst = d.implicit, d.implicit.answer[0], 0.0
+    apart = largest_mismatch(d, z) / APART
+    for derivative in range(2):
+        for k in range(compliant(d)):
+            own.normal[k] = z[rate_at(d, k) if derivative else gap_at(d, k)]
+        meet(d, y, derivative, change)
+        for j in range(coordinate_count(d.links)):
+            worst = max(worst, abs(change[j]) * own.weight[derivative * velocity_at(d.links) + j])
+    return worst, apart
+
+
+def largest_mismatch(d, z):
+    """How far the located coordinates have left the clearances in z, in parts of the penetration."""
+    worst = 0.0
+    for k in range(compliant(d)):
+        c = d.touch.active_index[k]
+        gap, _ = clearance(d, c)
+        depth = max(d.touch.depth_scale[c], -gap)
+        worst = max(worst, abs(z[gap_at(d, k)] - gap) / depth)
+    return worst

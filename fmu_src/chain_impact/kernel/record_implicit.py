@@ -1,0 +1,69 @@
+"""The record of the implicit step, a part of that of an instance (record.py)."""
+
+import numpy as np
+
+from chain_impact.kernel.chain.state import coordinate_count, state_size
+from chain_impact.kernel.integration.radau import PAIRS, STAGES
+
+REAL, INTEGER = np.float64, np.int64
+
+
+def record(*fields: tuple[object, ...]) -> np.dtype:
+    """A record of fields (name, type[, shape])."""
+    return np.dtype(list(fields), align=True)
+
+
+def vectors_dtype(points: int) -> np.dtype:
+    """A vector for each point."""
+    return record(("x", REAL, (points,)), ("y", REAL, (points,)))
+
+
+def impedance_dtype(points: int) -> np.dtype:
+    """A symmetric 2×2 matrix for each point."""
+    return record(*((name, REAL, (points,)) for name in ("xx", "xy", "yy")))
+
+
+def implicit_dtype(links: int, candidates: int) -> np.dtype:
+    """What an implicit step works with, and remembers of the last one.
+
+    z = (y, and of the active contacts clearances, their rates, impulses): kernel/integration/extended.py.
+    """
+    vectors, state = vectors_dtype(links + 1), state_size(links)
+    extended = state + 3 * candidates
+    # both parts of complex numbers, one below the other, for each pair of shifts
+    shifted = record(
+        *(
+            (name, REAL, (2 * PAIRS, links))
+            for name in ("gain_x", "gain_y", "inverse", "own", "damper")  # as in `damped`
+        ),
+        ("base", REAL, (2 * PAIRS, 3)),
+    )
+    return record(
+        ("start", REAL, (extended,)),  # z at the start of a step …
+        ("start_rate", REAL, (extended,)),  # … and ż
+        ("z", REAL, (extended,)),
+        ("weight", REAL, (extended,)),  # of errors, over the tolerance
+        ("stages", REAL, (STAGES, extended)),  # increments of z to the nodes …
+        ("rates", REAL, (STAGES, extended)),  # … and ż there
+        ("parts", REAL, (STAGES, extended)),  # what is missing in the eigenvectors of Q, then the corrections
+        ("last", REAL, (STAGES, extended)),  # the increments of the last step, …
+        ("began", REAL),  # s, … its start, …
+        ("span", REAL),  # s, … its size, …
+        ("ready", INTEGER),  # … and 1 if they foretell the next step
+        ("iterations", INTEGER),  # of the step that is tried, …
+        ("correction", REAL),  # … the largest component of the last one's, over the tolerance, …
+        ("contraction", REAL),  # … and the last θ
+        ("slowness", REAL),  # θ/(1 − θ) of the last step
+        ("thirds", REAL, (2, state)),  # what the dense output is off the clearances, at thirds of the step
+        ("link", vectors),  # m, L_i where A was taken
+        ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts, packed, …
+        ("damping", REAL, (candidates,)),  # N·s/m, … and ∂F/∂δ̇, likewise
+        ("impedance", REAL, (candidates,)),  # kg, … what they add to the inertia of their points
+        ("normal", REAL, (candidates,)),  # N·s or m/s, … along their normals
+        ("factors", shifted),  # for the complex shifts
+        ("reactance", impedance_dtype(links + 1)),  # kg, the imaginary part of D of each point, …
+        ("load", vectors),  # N·s, … of the impulses …
+        ("motion", vectors),  # … and of what they move
+        ("impulse", REAL, (2, links)),  # N·m·s, μ in the joints, both parts
+        ("answer", REAL, (2, coordinate_count(links))),  # Δ, likewise
+    )

@@ -1,0 +1,104 @@
+"""The stiff problems with which methods were compared, and their exact solutions by another integrator.
+
+Links of 1 kg lie on a floor while one of them swings; two links of 50 g with a stiff damper turn over on a
+point; five links hang from a pin, with springs and dampers between them.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from chain_impact.scene.scene import Scene
+from tests.problems import FAR, GRAVITY, build
+from tests.reference import clearance_gradient, generalized_force, mass_matrix
+
+STOP = 0.1  # s
+SPEED = 0.05  # m/s, v₀ of contacts that begin at rest
+RESTITUTION = 0.5
+LAMBDA = (1.0 - RESTITUTION**2) / RESTITUTION  # after Gonthier
+
+
+def on_floor(links: list[dict[str, float]], points: list[int], stiffness: float, **initial: Any) -> Scene:
+    """Links some of whose points start at the floor, at rest."""
+    contact = {
+        "model": "gonthier",
+        "stiffness": stiffness,
+        "restitution": RESTITUTION,
+        "points": points,
+        "minimum_impact_speed": SPEED,
+    }
+    return build(
+        "Stiff",
+        links,
+        {"position": [0.0, 0.0], **initial},
+        {"y_min": 0.0},
+        contact,
+        gravity=GRAVITY,
+        stop_time=STOP,
+    )
+
+
+def swinging(stiffness: float = 1e6) -> Scene:
+    """Four links on the floor, of which the last swings down."""
+    links = [{"length": 0.25, "mass": 1.0}] * 4
+    angles, omega = [0.0, 0.0, 0.0, np.pi / 2 - 0.3], [0.0, 0.0, 0.0, -1.0]
+    return on_floor(links, [0, 1, 2, 3], stiffness, angles=angles, angular_velocities=omega)
+
+
+def tipping(damping: float = 1e4) -> Scene:
+    """Two light links that turn over on one end."""
+    links = [{"length": 0.25, "mass": 0.05}, {"length": 0.25, "mass": 0.05, "joint_damping": damping}]
+    return on_floor(links, [0], 1e8, angles=[1.0, 1.4], angular_velocities=[-2.0, -2.0], velocity=[0.2, 0.0])
+
+
+def hanging() -> Scene:
+    """Five links on stiff springs, a little bent, that swing as one."""
+    link = {"length": 0.2, "mass": 1.0, "joint_damping": 10.0, "joint_stiffness": 1e4}
+    angles = -np.pi / 2 + 0.8 + np.cumsum(0.01 * np.linspace(1.0, 0.0, 5) ** 2)
+    initial = {"position": [0.0, 0.0], "angles": list(angles)}
+    walls = {"y_min": -FAR}
+    contact = {"model": "gonthier", "points": []}
+    return build(
+        "Hanging", [link] * 5, initial, walls, contact, gravity=GRAVITY, stop_time=STOP, base="pinned"
+    )
+
+
+@cache
+def exact(name: str) -> np.ndarray:
+    """Base, angles and their rates at the end, by Radau's method of order 5 on the assembled equations."""
+    scene = PROBLEMS[name]()
+    n, pinned = len(scene.chain.links), scene.chain.base == "pinned"
+    free = slice(2, None) if pinned else slice(None)
+    across = (np.eye(n) - np.eye(n, k=-1))[0 if pinned else 1 :]
+    joints = scene.chain.links[0 if pinned else 1 :]
+    damping = across.T @ np.diag([link.joint_damping for link in joints]) @ across
+    springs = across.T @ np.diag([link.joint_stiffness for link in joints]) @ across
+
+    def rate(_: float, y: np.ndarray) -> np.ndarray:
+        q, v = np.split(y, 2)
+        forces = np.zeros((n + 1, 2))
+        for point in scene.contact.points or ():
+            height = q[1] + sum(
+                joint.length * np.sin(angle)
+                for joint, angle in zip(scene.chain.links[:point], q[2:], strict=False)
+            )
+            speed = clearance_gradient(scene, q[2:], point, "y_min") @ v
+            if height < 0.0:
+                force = scene.contact.stiffness * (-height) ** 1.5 * (1.0 - LAMBDA / SPEED * speed)
+                forces[point, 1] = max(0.0, force)
+        force = generalized_force(scene, q[2:], v[2:], forces, -damping @ v[2:] - springs @ q[2:])
+        acceleration = np.zeros(n + 2)
+        acceleration[free] = np.linalg.solve(mass_matrix(scene, q[2:])[free, free], force[free])
+        return np.concatenate([v, acceleration])
+
+    start = scene.initial
+    y = np.concatenate([start.position, start.angles, start.velocity, start.angular_velocities])
+    stop = scene.simulation.stop_time
+    return solve_ivp(rate, (0.0, stop), y, method="Radau", rtol=3e-9, atol=1e-12).y[:, -1]
+
+
+PROBLEMS = {"swinging": swinging, "tipping": tipping, "hanging": hanging}

@@ -1,0 +1,104 @@
+"""The linear systems of implicit steps against the assembled Jacobian, for real and complex shifts."""
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.state import root_at
+from chain_impact.kernel.integration.extended import (
+    extend_start,
+    extended_slopes,
+    gap_at,
+    rate_at,
+)
+from chain_impact.kernel.integration.linear_system import (
+    factorize_complex,
+    factorize_real,
+    solve_complex,
+    solve_real,
+)
+from chain_impact.kernel.integration.radau import COMPLEX_EIGENVALUES
+from chain_impact.scene.scene import load_scene
+from tests.kernel.integration.touching import touching
+from tests.plain import Plain
+from tests.reference import clearance_gradient, mass_matrix
+from tests.turned import turned
+
+N = 4
+
+
+def linearized(turn, stiffness, damping):
+    """A chain that touches the stiffest floor, linearized where it is, with impulses followed."""
+    changes = {("chain", "links", i, "joint_damping"): damping * (1 + i) for i in range(1, N)}
+    instance = touching(1e-4, {} if damping == 0.0 else changes, turn)
+    instance.record["impulse"]["wanted"] = 1
+    instance.advance(0.8)
+    d = Plain(instance.record)
+    # two joints get springs, and one of them loses its damper
+    if stiffness > 0.0:
+        d.model.joint_stiffness[1:3] = stiffness, 0.3 * stiffness
+        d.model.joint_damping[1] = 0.0
+        d.model.sprung = d.model.resisting = 1
+    assert int(d.touch.active_count) > 0
+    locate_points(d, d.step.state_end)
+    extend_start(d)
+    extended_slopes(d, d.implicit.start)
+    return d
+
+
+def jacobian(d, turn):
+    """A, assembled: rows of ẋ, v̇, ġ, g̈ and ṗ in the unknowns x, v, g, ġ and p."""
+    count = int(d.touch.active_count)
+    size = root_at(d.links) + 3 * count
+    angles = d.step.state_end[2 : N + 2]
+    scene, candidate = turned(load_scene("four_link_box"), turn), d.candidate
+    names = list(scene.half_planes)
+    chosen = [int(c) for c in d.touch.active_index[:count]]
+    normals = np.array(
+        [
+            clearance_gradient(scene, angles, int(candidate.point[c]), names[int(candidate.wall[c]) % 4])
+            for c in chosen
+        ]
+    )
+    across = np.hstack([np.zeros((N, 2)), np.eye(N) - np.eye(N, k=-1)])
+    forces = np.zeros((N + 2, size))
+    v, gap = slice(N + 2, 2 * N + 4), slice(gap_at(d, 0), rate_at(d, 0))
+    rate, impulse = slice(rate_at(d, 0), size - count), slice(size - count, size)
+    forces[:, gap] = -normals.T * d.implicit.stiffness[:count]
+    forces[:, rate] = -normals.T * d.implicit.damping[:count]
+    forces[:, v] = -across.T @ np.diag(d.model.joint_damping) @ across
+    forces[:, : N + 2] = -across.T @ np.diag(d.model.joint_stiffness) @ across
+    matrix = np.zeros((size, size))
+    matrix[v] = np.linalg.solve(mass_matrix(scene, angles), forces)
+    matrix[rate] = normals @ matrix[v]
+    matrix[impulse, gap] = -np.diag(d.implicit.stiffness[:count])
+    matrix[impulse, rate] = -np.diag(d.implicit.damping[:count])
+    matrix[: N + 2, v], matrix[gap, rate] = np.eye(N + 2), np.eye(count)
+    return matrix
+
+
+@pytest.mark.parametrize("h", [1e-6, 1e-3, 1.0])
+@pytest.mark.parametrize("damping", [0.0, 1.0, 1e4])
+@pytest.mark.parametrize("stiffness", [0.0, 10.0, 1e5])
+@pytest.mark.parametrize("turn", [0.0, 0.7])
+def test_they_are_solved_as_assembled(turn, stiffness, damping, h):
+    """(1 − s A) x = r."""
+    d = linearized(turn, stiffness, damping)
+    matrix = jacobian(d, turn)
+    size = len(matrix)
+    # an impedance at a slant is rounded in all directions, not along its normal alone
+    slanted = 1e-6 if turn else 0.0
+    for pair, shift in enumerate([complex(*one) * h for one in COMPLEX_EIGENVALUES] + [complex(0.16 * h)]):
+        rng = np.random.default_rng(6)
+        r = rng.uniform(-1.0, 1.0, size) + 1j * rng.uniform(-1.0, 1.0, size) * (shift.imag != 0.0)
+        x, y = r.real.copy(), r.imag.copy()
+        if shift.imag == 0.0:
+            factorize_real(d, shift.real)
+            solve_real(d, shift.real, x)
+        else:
+            factorize_complex(d, pair, shift.real, shift.imag)
+            solve_complex(d, pair, shift.real, shift.imag, x, y)
+        found = x + 1j * y
+        left = found - shift * (matrix @ found)
+        scale = np.abs(found) + abs(shift) * np.abs(matrix) @ np.abs(found) + np.abs(r)
+        assert np.abs((left - r) / scale).max() < 1e-10 + slanted

@@ -1,0 +1,168 @@
+"""The collocation step on generic right-hand sides: its order, and how it takes stiffness."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from chain_impact.kernel.integration.newton import ITERATIONS, UNKNOWN, simplified_newton
+from chain_impact.kernel.integration.radau import (
+    COMPLEX_EIGENVALUES,
+    LEFT,
+    ORDER,
+    REAL_EIGENVALUE,
+    RIGHT,
+    STAGES,
+    Q,
+)
+from tests.plain import Plain
+
+SCALARS = ("correction", "contraction", "slowness")
+
+
+def record(start, weight=1e14):
+    """What the iteration needs of an instance; corrections count times ``weight``."""
+    size = len(start)
+    implicit = np.dtype(
+        [(name, float, (STAGES, size)) for name in ("stages", "rates", "parts")]
+        + [(name, float, (size,)) for name in ("start", "z", "weight")]
+        + [(name, float) for name in SCALARS]
+        + [("iterations", int)]
+    )
+    block = np.zeros(1, [("implicit", implicit)])
+    d = Plain(block[0])
+    d.implicit.start[:], d.implicit.weight[:] = start, weight
+    d.implicit.slowness = UNKNOWN
+    return d
+
+
+@cache
+def problem(rate, jacobian):
+    """For y' = f(y) with an approximate Jacobian A(y): a step (d, h) that returns whether it converged.
+
+    With it comes one (d, h) of so many iterations that it has, whatever A is.
+    """
+
+    def fill(_d, y, _elapsed, out):
+        out[: len(y)] = rate(y)
+
+    def solve(d, h):
+        parts, matrix = d.implicit.parts, h * jacobian(d.implicit.start)
+        one = np.eye(len(matrix))
+        parts[0] = np.linalg.solve(one - REAL_EIGENVALUE * matrix, parts[0])
+        for pair, (real, imaginary) in enumerate(COMPLEX_EIGENVALUES):
+            at = 1 + 2 * pair
+            x = np.linalg.solve(one - complex(real, imaginary) * matrix, parts[at] + 1j * parts[at + 1])
+            parts[at], parts[at + 1] = x.real, x.imag
+
+    iterate, converge = simplified_newton(
+        lambda _d: None, fill, lambda _d, _z: None, lambda _d, _h: None, solve
+    )
+
+    def step(d, h):
+        d.implicit.stages[:] = 0.0
+        return converge(d, h, len(d.implicit.start))
+
+    def patient(d, h):
+        d.implicit.stages[:] = 0.0
+        for _ in range(60):
+            iterate(d, h, len(d.implicit.start))
+
+    return step, patient
+
+
+def integrate(step, start, end, steps):
+    d = record(start)
+    for _ in range(steps):
+        step(d, end / steps)
+        d.implicit.start[:] += d.implicit.stages[-1]
+    return d.implicit.start.copy()
+
+
+def oscillator(y):
+    """Van der Pol with a forcing; y[2] is the time."""
+    return np.array([y[1], (1.0 - y[0] ** 2) * y[1] - y[0] + np.sin(y[2]), 1.0])
+
+
+JACOBIANS = {
+    "exact": lambda y: np.array(
+        [[0.0, 1.0, 0.0], [-2.0 * y[0] * y[1] - 1.0, 1.0 - y[0] ** 2, np.cos(y[2])], [0.0, 0.0, 0.0]]
+    ),
+    "wrong": lambda y: np.array([[0.0, 1.0, 0.0], [-2.0, -0.7, 0.2], [0.1, 0.0, 0.0]]),
+    "none": lambda y: np.zeros((3, 3)),
+}
+
+
+@pytest.mark.parametrize("kind", JACOBIANS)
+def test_order_is_nine_with_any_jacobian(kind):
+    start = np.array([1.0, 0.5, 0.0])
+    exact = solve_ivp(lambda _, y: oscillator(y), (0, 2), start, method="DOP853", rtol=1e-13, atol=1e-15)
+    _, step = problem(oscillator, JACOBIANS[kind])
+    errors = [np.abs(integrate(step, start, 2.0, n) - exact.y[:, -1]).max() for n in (5, 7, 10)]
+    slope = np.log(errors[0] / errors[-1]) / np.log(2.0)
+    assert slope == pytest.approx(ORDER, abs=0.7)
+
+
+def test_linear_problem_with_its_own_matrix_is_solved_at_once_as_the_stability_function_says():
+    matrix = np.array([[-2.0, 1.0], [0.5, -3.0]])
+    step, _ = problem(lambda y: matrix @ y, lambda y: matrix)
+    start = np.array([1.0, -2.0])
+    d = record(start)
+    assert step(d, 0.3)
+    assert d.implicit.iterations == 2
+    # Z = 1 ⊗ y + (Q ⊗ h A) Z
+    stages = np.linalg.solve(np.eye(2 * STAGES) - np.kron(Q, 0.3 * matrix), np.kron(np.ones(STAGES), start))
+    np.testing.assert_allclose(start + d.implicit.stages, stages.reshape(STAGES, 2), rtol=1e-13)
+
+
+def decay(y):
+    """y' = −λ y; y[1] is λ."""
+    return np.array([-y[1] * y[0], 0.0])
+
+
+@pytest.mark.parametrize("rate", [1e3, 1e6, 1e9, 1e12])
+def test_infinitely_stiff_component_is_damped_at_once(rate):
+    step, _ = problem(decay, lambda y: np.array([[-y[1], 0.0], [0.0, 0.0]]))
+    d = record(np.array([1.0, rate]), 1e9)
+    assert step(d, 1.0)
+    # L-stable: R(∞) = 0, approached as 1/z
+    assert abs(1.0 + d.implicit.stages[-1, 0]) < max(10.0 / rate, 1e-9)
+
+
+def follow(y):
+    """y' = −λ(y − φ(t)) + φ'(t), φ = sin; y[1] is the time, y[2] is λ."""
+    return np.array([-y[2] * (y[0] - np.sin(y[1])) + np.cos(y[1]), 1.0, 0.0])
+
+
+def follow_jacobian(y):
+    return np.array(
+        [[-y[2], y[2] * np.cos(y[1]) - np.sin(y[1]), np.sin(y[1]) - y[0]], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
+    )
+
+
+@pytest.mark.parametrize("rate", [1e4, 1e6, 1e8])
+def test_prothero_robinson_error_does_not_grow_with_stiffness(rate):
+    """It follows φ, however large λ is, with an error of the stage order, 6, at the least."""
+    (_, step), start = problem(follow, follow_jacobian), np.array([0.0, 0.0, rate])
+    error = abs(integrate(step, start, 1.0, 5)[0] - np.sin(1.0))
+    assert error < 1e-9
+
+
+def test_it_is_given_up_when_it_does_not_converge():
+    """Without a Jacobian, h λ = 100 lets corrections grow."""
+    step, _ = problem(decay, lambda y: np.zeros((2, 2)))
+    d = record(np.array([1.0, 1e2]))
+    assert not step(d, 1.0)
+    assert d.implicit.iterations < ITERATIONS
+    assert d.implicit.contraction > 1.0
+
+
+def test_what_is_not_finite_does_not_converge():
+    step, _ = problem(lambda y: np.array([np.nan, 0.0]), lambda y: np.zeros((2, 2)))
+    assert not step(record(np.array([1.0, 1.0])), 1.0)
+
+
+def test_the_parts_are_taken_apart_and_put_together():
+    parts = np.random.default_rng(3).normal(size=(STAGES, 4))
+    np.testing.assert_allclose(np.array(RIGHT) @ (np.array(LEFT) @ parts), parts, rtol=0, atol=1e-13)
