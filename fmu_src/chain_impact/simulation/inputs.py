@@ -24,6 +24,8 @@ INTERPOLATIONS = ("follow", "hold", "linear")
 FINER = 1e-3  # of the tolerance: the error of an input that is followed, in parts of its largest value
 SAME_TIME = 1e-12  # of the stop time: samples and communication points no further apart are one
 LISTED = 8  # names in an error's sentence
+NOTHING = joined_points(np.zeros(1), np.zeros((1, 0)), lines=False)
+"""The pieces of no input."""
 
 
 @dataclass(frozen=True)
@@ -85,13 +87,14 @@ def drive(
     if interpolation not in INTERPOLATIONS:
         allowed = "must be follow, hold or linear"
         raise SceneError(f"{scene.name}: interpolation = {interpolation!r} {allowed}")
-    places = {variable.name: variable.place for variable in model.inputs} if inputs else {}
+    run = np.union1d(0.0, times)
+    if not inputs:
+        return Drive(run, _marked(run, times), (), NOTHING, np.zeros(1, int))
+    places = {variable.name: variable.place for variable in model.inputs}
     for name in inputs:
         if name not in places:
             raise SceneError(f"{scene.name}: {name!r} is no input of this scene; {inputs_text(places)}")
     signals = {name: _checked(f"{scene.name}: {name}", signal) for name, signal in inputs.items()}
-
-    run = np.union1d(0.0, times)
     same = SAME_TIME * run[-1]
     sampled = [signal[0] for signal in signals.values() if isinstance(signal, tuple)]
     grid = _with_samples(run, np.concatenate(sampled), same) if sampled else run
@@ -103,7 +106,7 @@ def drive(
         else _at_points(f"{scene.name}: {name}", signal, interpolation, grid, same)
         for (name, signal), followed in zip(signals.items(), functions, strict=True)
     ]
-    values = np.stack(points, axis=1) if points else np.zeros((len(grid), 0))
+    values = np.stack(points, axis=1)
     pieces = joined_points(grid, values, lines=interpolation == "linear")
     if any(functions):
         pieces = _with_functions(scene, signals, np.flatnonzero(functions), pieces)
@@ -111,11 +114,18 @@ def drive(
     together = np.union1d(run, begin)
     return Drive(
         times=together,
-        asked=np.isin(together, times),
+        asked=_marked(together, times),
         places=tuple(places[name] for name in signals),
         pieces=pieces,
         first=np.append(0, np.searchsorted(together, begin) + 1),
     )
+
+
+def _marked(times: np.ndarray, asked: np.ndarray) -> np.ndarray:
+    """Which of some increasing times are asked for, if all that are asked for are among them."""
+    marks = np.zeros(len(times), bool)
+    marks[np.searchsorted(times, asked)] = True
+    return marks
 
 
 def _with_functions(scene: Scene, signals: Mapping[str, Any], columns: np.ndarray, held: Pieces) -> Pieces:
