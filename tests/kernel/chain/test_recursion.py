@@ -19,6 +19,7 @@ from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import place_walls
 from chain_impact.scene.scene import WALLS, scene_from_dict
 from chain_impact.variables.model import new_instance
+from tests.kernel.chains import random_links
 from tests.plain import Plain
 from tests.reference import (
     exact_damping_factor,
@@ -31,20 +32,6 @@ from tests.reference import (
 
 RESTITUTION, STIFFNESS, DEPTH = 0.5, 2e4, 1e-3
 IMPACT_SPEED = 60.0  # m/s, so high that the wall pushes at any speed of the point
-
-
-def random_links(rng, count):
-    """Links without any symmetry; the centre of mass may lie beyond the distal joint."""
-    return [
-        {
-            "length": rng.uniform(0.2, 1.5),
-            "mass": rng.uniform(0.2, 3.0),
-            "center_of_mass": rng.uniform(0.0, 1.6),
-            "inertia": rng.uniform(0.01, 0.5),
-            "joint_damping": rng.uniform(0.1, 2.0),
-        }
-        for _ in range(count)
-    ]
 
 
 def random_scene(

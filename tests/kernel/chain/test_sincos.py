@@ -4,7 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.sincos import LARGEST, polar
+from chain_impact.kernel.chain.sincos import LARGEST, copy, cosine_and_sine, in_reach, polar
 from chain_impact.kernel.status import NOT_FINITE
 from chain_impact.simulation.instance import Instance
 from tests.kernel_calls import initialize
@@ -43,6 +43,39 @@ def test_each_angle_alone_gives_what_all_give():
     together = kernel(angles)
     for i in range(len(angles)):
         assert kernel(angles[i : i + 1]) == (together[0][i], together[1][i])
+
+
+@pytest.mark.parametrize("quarter", range(-6, 7))
+def test_the_cosine_and_sine_of_an_angle_are_those_of_each_quarter_turn(quarter):
+    for part in (-0.49, -0.2, 0.0, 0.3, 0.49):
+        angle = (quarter + part) * np.pi / 2
+        np.testing.assert_allclose(cosine_and_sine(angle), (np.cos(angle), np.sin(angle)), rtol=0, atol=3e-16)
+
+
+def test_angles_are_in_reach_as_long_as_their_sizes_add_up_to_less_than_the_largest():
+    angles = np.array([9 * LARGEST, -0.6 * LARGEST, 0.39 * LARGEST, 9 * LARGEST])
+    assert in_reach(angles, 1, 2)
+    assert in_reach(angles, 1, 0)
+    assert not in_reach(angles, 1, 3)
+    assert not in_reach(angles, 0, 2)
+    angles[2] = 0.4 * LARGEST
+    assert not in_reach(angles, 1, 2)
+
+
+@pytest.mark.parametrize("count", range(10))
+@pytest.mark.parametrize("first", [0, 3])
+def test_numbers_are_copied_from_where_they_begin(count, first):
+    numbers, out = np.arange(20.0) + 1.0, np.full(12, -1.0)
+    copy(numbers, first, count, out)
+    np.testing.assert_array_equal(out, [*numbers[first : first + count], *[-1.0] * (12 - count)])
+
+
+@pytest.mark.parametrize("largest", [3.0, 3.0 * LARGEST])
+def test_a_radius_scales_both_and_angles_begin_where_they_are_said_to(largest):
+    angles, radius = np.array([1.0, 2.0, -largest, 0.5]), np.array([0.7, 2.5])
+    across, along = np.zeros(2), np.zeros(2)
+    polar(radius, angles, 1, across, along)
+    np.testing.assert_allclose(across + 1j * along, radius * np.exp(1j * angles[1:3]), rtol=0, atol=1e-15)
 
 
 def test_larger_angles_are_left_to_the_c_library():

@@ -8,13 +8,17 @@ import pytest
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.geometry import (
+    HARMLESS,
     NORMALS,
     WALLS,
     add_along_normal,
     add_impedance,
     along_normal,
     clearance,
+    harmless_depth,
     normal,
+    place_side,
+    place_slope,
     place_walls,
 )
 from chain_impact.kernel.status import OK, PARAMETER_OUT_OF_RANGE
@@ -119,3 +123,34 @@ def test_a_wall_that_is_nowhere_is_refused(name, bad):
     assert initialize(d, 0.0) == OK
     d.walls[name][3] = bad
     assert initialize(d, 0.0) == PARAMETER_OUT_OF_RANGE
+
+
+@pytest.mark.parametrize("c", [0, 3])
+def test_a_candidate_can_be_given_any_wall(c):
+    """Points on the wall have no clearance and those to its free side have their distance."""
+    scene, d = prepared(box=True)
+    planes = list(scene.half_planes.values())
+    for side in range(len(WALLS)):
+        place_side(d, c, side)
+        assert normal(d, c) == planes[side].normal
+        assert d.candidate.offset[c] == planes[side].offset
+    for w, (angle, point) in enumerate(SLOPES):
+        place_slope(d, c, w)
+        along, n = np.array([math.cos(angle), math.sin(angle)]), np.array(normal(d, c))
+        assert along[0] * n[1] - along[1] * n[0] == pytest.approx(1.0, abs=1e-15)  # n is to the left
+        for distance in (0.0, 0.7):
+            place = np.array(point) - 3.0 * along + distance * n
+            d.work.position.x[:], d.work.position.y[:] = place
+            gap, _ = clearance(d, c)
+            assert gap + d.contact.radius == pytest.approx(distance, abs=3e-14)
+
+
+def test_a_depth_is_harmless_by_round_off_of_a_link_and_none_in_a_rigid_wall():
+    _, d = prepared(box=True)
+    d.model.size, d.contact.impulsive = 2.5, 0
+    assert harmless_depth(d) == 2.5 * HARMLESS
+    # a force of 1e-10 N at 1e8 N/m^1.5, and more than round-off of positions
+    assert 1e8 * harmless_depth(d) ** 1.5 < 1e-9
+    assert harmless_depth(d) > 1e3 * 2.0**-53 * d.model.size
+    d.contact.impulsive = 1
+    assert harmless_depth(d) == 0.0

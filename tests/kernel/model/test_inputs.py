@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene
+from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.model.inputs import (
     AT_ONCE,
     DEGREE,
     GOING_ON,
     goes_on,
     polynomial,
+    see_inputs,
     set_inputs,
     take_inputs,
     within_piece,
@@ -62,3 +64,42 @@ def test_inputs_go_on_where_the_last_step_ends_with_the_piece():
     assert not goes_on(d)
     d.step.end, d.given.changed = 2.0, AT_ONCE
     assert not goes_on(d)
+
+
+def test_a_state_sees_the_inputs_at_its_time():
+    """The time in a state counts from the clock; inputs that are constant are left as they are."""
+    d = driven()
+    y = d.step.state.copy()
+    d.step.clock, y[time_at(d.links)] = 1.25, 0.5
+    see_inputs(d, y)
+    assert list(d.inputs.joint_torque) == [1.0 + 2.0 * 0.75 + 3.0 * 0.75**2, 4.0]
+    d = driven(order=0)
+    d.inputs.joint_torque[0] = 77.0
+    see_inputs(d, y)
+    assert d.inputs.joint_torque[0] == 77.0
+
+
+@pytest.mark.parametrize("order", [0, 1, DEGREE])
+def test_what_was_given_holds_for_all_torques_and_the_force_on_the_tip(order):
+    d, rng = driven(order), np.random.default_rng(order)
+    own, given = d.given.course, d.given
+    own.middle, own.scale, own.until, own.pace = 0.4, 2.0, 3.0, 7.0
+    own.joint_torque[:], own.tip_force[:] = rng.normal(size=(DEGREE + 1, 2)), rng.normal(size=(DEGREE + 1, 2))
+    given.joint_torque[:], given.tip_force[:] = rng.normal(size=2), rng.normal(size=2)
+    take_inputs(d)
+    np.testing.assert_array_equal(d.inputs.joint_torque, given.joint_torque)
+    np.testing.assert_array_equal(d.inputs.tip_force, given.tip_force)
+    assert (d.inputs.course.until, d.inputs.course.pace) == (3.0, 7.0)
+    set_inputs(d, 1.1)
+    for name in ("joint_torque", "tip_force"):
+        powers = np.vstack([given[name], own[name][1 : order + 1]])
+        expected = np.polynomial.polynomial.polyval((1.1 - 0.4) * 2.0, powers)
+        np.testing.assert_allclose(d.inputs[name], expected, rtol=1e-12, atol=1e-12)
+
+
+def test_a_regularized_step_or_one_at_the_end_of_its_piece_is_not_cut():
+    d = driven()
+    d.step.end, d.step.regularized = 1.0, 0
+    assert within_piece(d, 5.0) == 5.0
+    d.step.regularized, d.step.end = -1, 2.0
+    assert within_piece(d, 5.0) == 5.0

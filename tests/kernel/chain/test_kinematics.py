@@ -1,0 +1,98 @@
+"""Where the points are, how fast they move and how they accelerate, against complex numbers and differences."""
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain.kinematics import (
+    accelerate_points,
+    largest,
+    link_vectors,
+    locate_points,
+    move_points,
+    place_points,
+    zero,
+)
+from tests.kernel.chains import chain, random_state, vectors
+from tests.reference import point_jacobian
+
+BASES = pytest.mark.parametrize("base", ["free", "pinned"])
+COUNTS = pytest.mark.parametrize("count", [1, 2, 5])
+
+
+def places(d, y):
+    """The points for a state, as complex numbers."""
+    turns = d.model.length * np.exp(1j * y[2 : d.links + 2])
+    return y[0] + 1j * y[1] + np.concatenate([[0.0], np.cumsum(turns)])
+
+
+def as_complex(points):
+    return points.x + 1j * points.y
+
+
+@BASES
+@COUNTS
+def test_points_are_at_the_ends_of_the_links_and_move_with_them(count, base):
+    """p = p₀ + Σ L e^{iθ}; velocities and accelerations by central differences along a motion."""
+    rng = np.random.default_rng([count, len(base)])
+    _, d = chain(rng, count, base)
+    y, rate = random_state(rng, d), random_state(rng, d)
+    half = count + 2
+    rate[:half] = y[half : 2 * half]
+    d.work.at_end = 1
+    locate_points(d, y)
+    # these are the points at the end of a step no longer
+    assert d.work.at_end == 0
+    np.testing.assert_allclose(as_complex(d.work.position), places(d, y), rtol=0, atol=1e-14)
+    np.testing.assert_allclose(
+        d.work.link.x[:count] + 1j * d.work.link.y[:count], np.diff(places(d, y)), rtol=0, atol=1e-14
+    )
+    accelerate_points(d, y, rate)
+
+    def on_the_way(t):
+        return places(d, y[:half] + t * rate[:half] + 0.5 * t * t * rate[half : 2 * half])
+
+    h = 1e-4
+    ahead, here, behind = on_the_way(h), on_the_way(0.0), on_the_way(-h)
+    np.testing.assert_allclose(as_complex(d.work.velocity), (ahead - behind) / (2 * h), rtol=0, atol=1e-6)
+    np.testing.assert_allclose(
+        as_complex(d.work.acceleration), (ahead - 2 * here + behind) / h**2, rtol=0, atol=1e-5
+    )
+
+
+def test_points_can_be_placed_for_link_vectors_that_are_known():
+    rng = np.random.default_rng(1)
+    _, d = chain(rng, 3)
+    y = random_state(rng, d)
+    link_vectors(d, y)
+    d.work.at_end = 1
+    place_points(d, y)
+    np.testing.assert_allclose(as_complex(d.work.position), places(d, y), rtol=0, atol=1e-14)
+    assert d.work.at_end == 1
+    link_vectors(d, y)
+    assert d.work.at_end == 0
+
+
+@BASES
+@COUNTS
+def test_a_change_of_the_coordinates_moves_the_points_as_their_jacobians_say(count, base):
+    rng = np.random.default_rng([2, count])
+    scene, d = chain(rng, count, base)
+    y, change = random_state(rng, d), rng.normal(size=count + 2)
+    link_vectors(d, y)
+    move_points(d.work.link, change, d.work.motion)
+    expected = [point_jacobian(scene, y[2 : count + 2], k) @ change for k in range(count + 1)]
+    np.testing.assert_allclose(vectors(d.work.motion), expected, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("row", range(3))
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_largest_component_is_found_wherever_it_stands(row, axis, sign):
+    _, d = chain(np.random.default_rng(0), 2)
+    motion, part = d.work.motion, (d.work.motion.x, d.work.motion.y)[axis]
+    motion.x[:], motion.y[:] = (0.1, -0.3, 0.2), (-0.2, 0.1, 0.3)
+    part[row] = 0.5 * sign
+    assert largest(motion) == 0.5
+    zero(motion)
+    assert not vectors(motion).any()
+    assert largest(motion) == 0.0

@@ -1,0 +1,139 @@
+"""Chains without any symmetry as records in plain Python, and what dense algebra needs of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.state import root_at, time_at
+from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.model.geometry import along_normal
+from chain_impact.kernel.status import OK
+from chain_impact.scene.scene import Scene, scene_from_dict
+from chain_impact.variables.model import new_instance
+from tests.plain import Plain
+from tests.reference import point_jacobian
+
+FAR = 1e3  # m, how far the walls are off
+ANGLES = (0.4, 2.9)  # rad, of the walls besides the box
+
+
+def random_links(rng: np.random.Generator, count: int) -> list[dict[str, float]]:
+    """Links without any symmetry; the centre of mass may lie beyond the distal joint."""
+    return [
+        {
+            "length": rng.uniform(0.2, 1.5),
+            "mass": rng.uniform(0.2, 3.0),
+            "center_of_mass": rng.uniform(0.0, 1.6),
+            "inertia": rng.uniform(0.01, 0.5),
+            "joint_damping": rng.uniform(0.1, 2.0),
+        }
+        for _ in range(count)
+    ]
+
+
+def chain(
+    rng: np.random.Generator,
+    count: int,
+    base: str = "free",
+    *,
+    springs: bool = False,
+    dampers: bool = False,
+    inputs: bool = False,
+    **contact: Any,
+) -> tuple[Scene, Plain]:
+    """A chain of ``count`` links, of which all points that move may touch four far walls; its record, initialized.
+
+    Args:
+        rng: what makes it random.
+        count: links.
+        base: "free" or "pinned".
+        springs: whether its joints have springs.
+        dampers: whether its joints have dampers.
+        inputs: whether there are torques and a force on the tip.
+        contact: keys of the [contact] table.
+    """
+    links = random_links(rng, count)
+    for link in links:
+        link["joint_damping"] *= dampers
+        if springs:
+            link["joint_stiffness"], link["joint_rest_angle"] = rng.uniform(0.1, 20.0), rng.uniform(-3.0, 3.0)
+    walls = [
+        {"name": f"w{w}", "point": [FAR * np.sin(angle), -FAR * np.cos(angle)], "angle": angle}
+        for w, angle in enumerate(ANGLES)
+    ]
+    table = {
+        "name": "Chain",
+        "gravity": [2.3, -9.81],
+        "chain": {"base": base, "links": links},
+        "box": {"x_max": FAR, "y_min": -FAR},
+        "walls": walls,
+        "contact": {"points": list(range(base == "pinned", count + 1)), "radius": 0.03} | contact,
+        "initial": {"angles": [0.0] * count},
+    }
+    if inputs:
+        table["inputs"] = {"joint_torques": True, "tip_force": True}
+    scene = scene_from_dict(table, "chain")
+    d = Plain(new_instance(scene)[0])
+    assert initialize(d, 0.0) == OK
+    return scene, d
+
+
+def random_state(rng: np.random.Generator, d: Plain) -> np.ndarray:
+    """Some state y of a record; u and the time are those at the start of a step."""
+    n = d.links
+    y = rng.uniform(-2.0, 2.0, len(d.step.state))
+    if d.model.pinned:
+        y[:2] = y[n + 2 : n + 4] = 0.0
+    y[root_at(n)], y[time_at(n)] = 1.0, 0.0
+    return y
+
+
+def touch(d: Plain, candidates: Iterable[int]) -> None:
+    """Let these candidates be in contact, as the solver packs them, and no others."""
+    candidates = sorted(int(c) for c in candidates)
+    d.touch.active[:] = 0
+    d.touch.active[candidates] = 1
+    d.touch.active_index[: len(candidates)] = candidates
+    d.touch.active_count = len(candidates)
+
+
+def press_in(d: Plain, c: int, depth: float) -> None:
+    """Put the wall of candidate c where its point, as it is located, is ``depth`` [m] deep in it."""
+    d.candidate.offset[c] = along_normal(d, c, d.work.position) - d.contact.radius + depth
+
+
+def struck(rng: np.random.Generator, d: Plain, candidates: Iterable[int], depth: float = 1e-3) -> np.ndarray:
+    """Locate some state, at which these candidates are in contact, as deep as that; returns the state."""
+    y = random_state(rng, d)
+    locate_points(d, y)
+    touch(d, candidates)
+    for c in candidates:
+        press_in(d, c, depth)
+    return y
+
+
+def gradients(scene: Scene, d: Plain, angles: Sequence[float], candidates: Iterable[int]) -> np.ndarray:
+    """∇g of candidates, shape (count, N+2), from the scene's walls and the textbook's Jacobians."""
+    normals = [plane.normal for plane in scene.half_planes.values()]
+    walls = sorted(set(d.candidate.wall.tolist()))
+    return np.array(
+        [
+            np.array(normals[walls.index(d.candidate.wall[c])])
+            @ point_jacobian(scene, angles, int(d.candidate.point[c]))
+            for c in candidates
+        ]
+    ).reshape(-1, len(angles) + 2)
+
+
+def free_coordinates(d: Plain) -> slice:
+    """Those of the coordinates that can move."""
+    return slice(2, None) if d.model.pinned else slice(None)
+
+
+def vectors(record: Any) -> np.ndarray:
+    """The vectors of all points of a record with ``x, y``, shape (N+1, 2)."""
+    return np.transpose([record.x, record.y]).copy()
