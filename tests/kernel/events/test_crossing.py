@@ -1,0 +1,358 @@
+"""Crossings of clearances over a step, against dense sampling of motions in closed form."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from chain_impact.kernel.chain.state import root_at, time_at
+from chain_impact.kernel.events.crossing import (
+    CROSSES,
+    QUIET,
+    SPLIT,
+    barely,
+    bound_curvature,
+    find_crossing,
+    inspect,
+    inspect_candidate,
+    kind_of,
+    locate,
+    measure,
+    root,
+)
+from chain_impact.kernel.events.exclusion import keep_start
+from chain_impact.kernel.events.kinds import END, NONE, ONSET
+from chain_impact.kernel.integration.method import IMPLICIT
+from chain_impact.kernel.model.geometry import clearance
+from tests.kernel.chains import chain, touch
+from tests.kernel.steps import Motion, free_motion, gaps_of, set_step, wall_at, walls_away
+
+SAMPLES = np.linspace(0.0, 1.0, 2001)
+
+
+def moving(seed, *, count=2, size=0.4, near=3, touching=0, base="free"):
+    """A step near some walls, of which some candidates are in contact, searched as ``find_event`` does."""
+    rng = np.random.default_rng(seed)
+    _, d = chain(rng, count, base)
+    motion = free_motion(rng, d)
+    walls_away(d)
+    set_step(d, motion, size, start=rng.uniform(0.0, 3.0))
+    chosen = rng.choice(d.candidates, near + touching, replace=False)
+    for c in chosen[:near]:
+        wall_at(d, c, motion.at(0.0), rng.uniform(0.05, 0.5))
+    for c in chosen[near:]:
+        wall_at(d, c, motion.at(0.0), -rng.uniform(0.05, 0.5))
+    touch(d, chosen[near:])
+    prepare(d)
+    return d, motion
+
+
+def prepare(d):
+    measure(d, 0.0)
+    keep_start(d)
+    bound_curvature(d)
+
+
+def phi(d, motion, theta):
+    """φ of all candidates at fractions of the step: clearances, and penetrations of those in contact."""
+    states = motion.at(np.atleast_1d(theta) * d.step.size).T
+    return gaps_of(d, states) * np.where(d.touch.active == 1, -1.0, 1.0)
+
+
+def first_fall(d, motion):
+    """The first θ at which some φ falls through zero, by samples and Brent's method; and whose it is."""
+    values, best = phi(d, motion, SAMPLES), (-1.0, -1)
+    for c in range(d.candidates):
+        falls = np.flatnonzero((values[:-1, c] > 0.0) & (values[1:, c] <= 0.0))
+        if len(falls):
+            low, high = SAMPLES[falls[0]], SAMPLES[falls[0] + 1]
+            theta = brentq(lambda t, c=c: phi(d, motion, t)[0, c], low, high, xtol=1e-15)
+            if best[0] < 0.0 or theta < best[0]:
+                best = (theta, c)
+    return best
+
+
+@pytest.mark.parametrize("base", ["free", "pinned"])
+@pytest.mark.parametrize(("near", "touching"), [(1, 0), (3, 0), (0, 1), (2, 2)])
+@pytest.mark.parametrize("seed", range(8))
+def test_the_first_crossing_is_where_the_first_clearance_or_depth_falls_through_zero(
+    seed, near, touching, base
+):
+    d, motion = moving([seed, near, touching], near=near, touching=touching, base=base)
+    d.touch.event[:] = 7
+    theta, whose = first_fall(d, motion)
+    found = find_crossing(d)
+    if theta < 0.0:
+        assert found == -1.0
+        return
+    assert found * d.step.size == pytest.approx(theta * d.step.size, abs=1e-13)
+    assert d.touch.event[whose] == (END if d.touch.active[whose] else ONSET) == kind_of(d, whose)
+    assert not np.delete(d.touch.event, whose).any()
+    # measured there
+    np.testing.assert_allclose(d.search.clear_end, phi(d, motion, found)[0], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("depth", [1e-2, 1e-6, 1e-9])
+@pytest.mark.parametrize("falling", [1.0, -1.0])
+def test_a_dip_between_the_ends_of_a_step_is_found(falling, depth):
+    """g = a (t − ½)² − depth: from the first link of a chain that does not turn, a point that dips and returns."""
+    _, d = chain(np.random.default_rng(1), 1)
+    motion = free_motion(np.random.default_rng(2), d, speed=0.0, bend=0.0)
+    c = 1  # the base at the floor
+    a = 2.0
+    half = 3
+    motion.coefficients[:, 1] = 0.25 * a, -a, a
+    motion.coefficients[:2, half + 1] = -a, 2.0 * a
+    walls_away(d)
+    set_step(d, motion, 1.0)
+    wall_at(d, c, motion.at(0.5), -falling * depth)
+    prepare(d)
+    found = find_crossing(d)
+    if falling < 0.0:
+        assert found == -1.0
+    else:
+        expected = 0.5 - math.sqrt(depth / a)
+        assert found == pytest.approx(expected, abs=1e-12 + 1e-16 / depth)
+        assert d.touch.event.tolist() == [int(k == c) * ONSET for k in range(d.candidates)]
+
+
+def test_points_that_arrive_at_one_moment_are_one_event():
+    _, d = chain(np.random.default_rng(1), 3)
+    motion = free_motion(np.random.default_rng(2), d, speed=0.0, bend=0.0)
+    motion.coefficients[0, 2:5] = 0.0
+    motion.coefficients[1, [1, 6]] = -1.0, 0.0  # falls level
+    motion.coefficients[0, 6] = -1.0
+    walls_away(d)
+    set_step(d, motion, 1.0)
+    floor = [c for c in range(d.candidates) if d.candidate.wall[c] == 2]
+    for c, late in zip(floor, (0.0, 1e-9, 1e-13, 0.3), strict=True):
+        wall_at(d, c, motion.at(0.0), 0.4 + late)
+    prepare(d)
+    assert find_crossing(d) == pytest.approx(0.4, abs=1e-13)
+    assert d.touch.event[floor].tolist() == [ONSET, NONE, ONSET, NONE]
+
+
+@pytest.mark.parametrize("base", ["free", "pinned"])
+@pytest.mark.parametrize("seed", range(5))
+def test_the_curvature_of_a_clearance_is_bounded_and_not_by_too_much(seed, base):
+    """|g̈| over the step, by second differences; along a wall at an angle as along an axis."""
+    d, motion = moving(seed, count=3, size=0.2, base=base)
+    h = 1e-4
+    for t in np.linspace(h, 0.2 - h, 9):
+        parts = [gaps_of(d, motion.at(t + k * h)) for k in (-1, 0, 1)]
+        second = np.abs(parts[0] - 2.0 * parts[1] + parts[2]) / h**2
+        assert (second <= d.search.curvature + 1e-4).all()  # round-off of differences
+    # L (|α| + ω²) of all links before it and the base's acceleration, whose bounds are sharp at the ends
+    n = d.links
+    turns = [np.abs(motion.at(t)[n + 4 : 2 * n + 4]).max(axis=0) for t in (0.0, 0.2)]
+    bends = np.abs(motion.at(0.0, 1)[n + 2 : 2 * n + 4]).sum()
+    most = bends * (1.0 + d.model.length.max()) + d.model.reach * np.max(turns) ** 2 * 4.0
+    assert (d.search.curvature < 3.0 * most + 1.0).all()
+
+
+def test_the_points_of_an_implicit_step_that_are_in_contact_have_their_own_bound():
+    d, _ = moving(3, touching=1)
+    (c,) = d.touch.active_index[:1]
+    before = d.search.curvature.copy()
+    d.step.made_by = IMPLICIT
+    bound_curvature(d)
+    assert d.search.curvature[c] != before[c]
+    np.testing.assert_array_equal(np.delete(d.search.curvature, c), np.delete(before, c))
+
+
+# --- one interval ------------------------------------------------------------------------------------------
+
+
+def interval(start, end, rates, curvature, *, active=0, size=2.0):
+    """Candidate 0 with these φ and φ′ at the ends of the step, and a bound on |φ″|."""
+    _, d = chain(np.random.default_rng(0), 1)
+    d.step.size, d.step.regularized, d.model.size = size, -1, 1.0
+    d.touch.active[0] = active
+    search = d.search
+    search.clear_start[:], search.clear_end[:] = 9.0, 9.0
+    search.clear_start_rate[:] = search.clear_end_rate[:] = search.curvature[:] = 0.0
+    search.clear_start[0], search.clear_end[0] = start, end
+    search.clear_start_rate[0], search.clear_end_rate[0] = rates
+    search.curvature[0] = curvature
+    return d
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "rates", "curvature", "verdict"),
+    [
+        # above its chord less A w²/8 = 0.5 A
+        (1.0, 1.0, (0.0, 0.0), 1.9, QUIET),
+        (1.0, 1.0, (-1.0, 1.0), 2.1, SPLIT),
+        (0.4, 1.0, (-1.0, 1.0), 1.0, SPLIT),
+        (1.0, 0.4, (-1.0, 1.0), 1.0, SPLIT),
+        # of one sign, as |φ̇_a| + |φ̇_b| > A w: it only falls, or only rises
+        (1.0, -0.5, (-1.5, -1.0), 1.0, CROSSES),
+        (1.0, 0.2, (-1.5, -1.0), 1.2, QUIET),
+        (1.0, -0.5, (-1.0, -0.9), 1.0, SPLIT),
+        (0.1, 0.5, (1.5, 1.0), 1.2, QUIET),
+        (1.0, -0.5, (1.5, -1.0), 1.0, SPLIT),
+        # bends by round-off alone
+        (1.0, -0.5, (-1.0, -1.0), 0.0, CROSSES),
+        (1.0, -0.5, (-1.0, 1.0), 1e-16, CROSSES),
+        (-1.0, -0.5, (-1.0, 1.0), 1e-16, QUIET),
+        (-1.0, -1.5, (-1.0, -1.0), 1e-16, CROSSES),
+        (1.0, 1.0, (0.0, 0.0), math.nan, QUIET),
+        (1.0, 1.0, (0.0, 0.0), math.inf, SPLIT),
+    ],
+)
+def test_an_interval_is_settled_by_the_chord_or_by_the_rates(start, end, rates, curvature, verdict):
+    d = interval(start, end, rates, curvature)
+    assert inspect_candidate(d, 0, 0.0, 1.0) == verdict
+    assert inspect(d, 0.0, 1.0) == verdict
+    # of a part of the step, with the bends of a part: the rates are over s
+    d.step.size = 8.0
+    assert inspect_candidate(d, 0, 0.25, 0.5) == verdict
+
+
+def test_of_several_candidates_the_one_that_is_unsettled_decides():
+    d = interval(1.0, -0.5, (-1.0, -1.0), 0.0)
+    assert inspect(d, 0.0, 1.0) == CROSSES
+    d.search.curvature[1], d.search.clear_end_rate[1] = 100.0, 1.0
+    assert inspect(d, 0.0, 1.0) == SPLIT
+    assert inspect(interval(1.0, 1.0, (0.0, 0.0), 0.0), 0.0, 1.0) == QUIET
+
+
+@pytest.mark.parametrize("active", [0, 1])
+@pytest.mark.parametrize("whole", [False, True])
+def test_who_comes_a_harmless_way_by_the_end_of_the_step_may_never_get_further(whole, active):
+    """A contact that ends, ends there; the onset of one that goes on is in the step, or in the next one."""
+    for end, harmless in ((-0.5e-12, True), (-2e-12, False)):
+        d = interval(1.0, end, (-1.0, -1.0), 0.0, active=active)
+        part = (0.0, 1.0) if whole else (0.0, 0.5)
+        d.step.size = 1.0 if whole else 2.0
+        expected = QUIET if harmless and (whole or active) else CROSSES
+        assert inspect_candidate(d, 0, *part) == expected
+
+
+@pytest.mark.parametrize("active", [0, 1])
+def test_a_point_that_is_deep_without_having_moved_there_is_an_onset_but_no_end(active):
+    d = interval(1e-13, -1e-9, (0.0, 1.0), 0.0, active=active)
+    assert inspect_candidate(d, 0, 0.0, 1.0) == (QUIET if active else CROSSES)
+    d.search.clear_start[0] = -1e-11  # it has been there before
+    assert inspect_candidate(d, 0, 0.0, 1.0) == QUIET
+
+
+@pytest.mark.parametrize(("end", "verdict"), [(-1e-3, CROSSES), (0.0, QUIET), (0.3, QUIET)])
+def test_the_regularized_contact_ends_where_its_root_is_negative(end, verdict):
+    d = interval(1.0, end, (1.0, 1.0), 1e9)
+    d.step.regularized = 0
+    assert inspect_candidate(d, 0, 0.0, 1.0) == verdict
+
+
+@pytest.mark.parametrize("part", [1.0, 0.25])
+def test_what_bends_by_round_off_barely_bends(part):
+    """A w²/8 below 1e-15 of a link length."""
+    d = interval(0.0, 0.0, (0.0, 0.0), 1.0, size=2.0)
+    d.model.size = 3.0
+    limit = 8.0 * 3e-15 / (2.0 * part) ** 2
+    for curvature, expected in ((0.9 * limit, True), (1.1 * limit, False), (math.nan, True)):
+        d.search.curvature[0] = curvature
+        assert barely(d, 0, part) == expected
+
+
+# --- roots -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_root_is_found_to_the_resolution_of_time(seed):
+    """Also from a bracket in which the first guess of Newton's method lies outside."""
+    d, motion = moving(seed, near=4, size=1.0)
+    values = phi(d, motion, SAMPLES)
+    falls = [
+        (i, c)
+        for c in range(d.candidates)
+        for i in np.flatnonzero((values[:-1, c] > 0) & (values[1:, c] < 0))
+    ]
+    assert falls
+    for i, c in falls:
+        exact = brentq(lambda t, c=c: phi(d, motion, t)[0, c], SAMPLES[i], SAMPLES[i + 1], xtol=1e-15)
+        low = SAMPLES[max(0, i - 200)] if (values[max(0, i - 200) : i + 1, c] > 0).all() else SAMPLES[i]
+        high = SAMPLES[i + 1]
+        measure(d, low)
+        keep_start(d)
+        measure(d, high)
+        found = root(d, c, low, high)
+        assert found == pytest.approx(exact, abs=2e-15)
+        np.testing.assert_allclose(d.search.clear_end, phi(d, motion, found)[0], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("rate", [-1.0, 1.0])
+def test_an_overdue_event_is_where_the_clearance_falls(rate):
+    """At the start of a bracket in which it only falls, or at its end if it rises but for round-off."""
+    d, motion = moving(0, near=1)
+    c = 0
+    measure(d, 0.75)
+    d.search.clear_start[c], d.search.clear_start_rate[c], d.search.curvature[c] = -1e-3, rate, 0.0
+    expected = 0.25 if rate < 0.0 else 0.75
+    assert root(d, c, 0.25, 0.75) == expected
+    np.testing.assert_allclose(d.search.clear_end, phi(d, motion, expected)[0], rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_of_settled_candidates_the_earliest_is_marked(seed):
+    d, motion = moving([seed, 9], near=3)
+    theta, whose = first_fall(d, motion)
+    if theta < 0.0:
+        theta, whose = 2.0, -1
+    high = min(1.0, theta + 1e-3)
+    low = max(0.0, theta - 1e-3)
+    measure(d, low)
+    keep_start(d)
+    measure(d, high)
+    d.search.curvature[:] = 0.0
+    d.touch.event[:] = 7
+    found = locate(d, low, high)
+    if whose >= 0:
+        assert found == pytest.approx(theta, abs=1e-13)
+        assert d.touch.event.tolist() == [int(c == whose) * kind_of(d, c) for c in range(d.candidates)]
+    else:
+        assert found == high
+        assert not d.touch.event.any()
+
+
+def test_a_regularized_contact_ends_at_the_root_of_u():
+    rng = np.random.default_rng(4)
+    _, d = chain(rng, 2)
+    motion = free_motion(rng, d)
+    motion.coefficients[:, root_at(2)] = 0.6, -1.0, 0.2
+    motion.coefficients[:, time_at(2)] = 0.0, 0.3, 0.0
+    walls_away(d)
+    set_step(d, motion, 1.0)
+    rates = [clearance(d, c)[1] for c in range(d.candidates)]
+    c = int(np.argmax(rates))
+    d.step.regularized = c
+    touch(d, [c])
+    # so that u′ is about that of the motion: where u falls to zero, the point leaves
+    d.touch.depth_scale[c], d.touch.impact_speed[c] = 0.5 * rates[c] / 0.7, 1.0
+    prepare(d)
+    assert find_crossing(d) == pytest.approx((1.0 - math.sqrt(1.0 - 0.8 * 0.6)) / 0.4, abs=1e-12)
+    assert d.touch.event[c] == END
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_clearances_bend_in_a_regularized_step_by_no_more_than_its_bound(seed):
+    """d²g/ds² = p d(ġ)/ds + p′ ġ, p = u/(1 + u²), with dy/ds = p dy/dt in a step of s."""
+    rng = np.random.default_rng(seed)
+    _, d = chain(rng, 2)
+    fine, h = np.linspace(0.0, 0.5, 2001), 0.5 / 2000
+    u = 0.8 - 0.6 * fine
+    p = u / (1.0 + u * u)
+    time = np.concatenate([[0.0], np.cumsum(0.5 * h * (p[1:] + p[:-1]))])
+    free = free_motion(rng, d)
+    states = free.at(time).T
+    states[:, root_at(2)], states[:, time_at(2)] = u, time
+    parts = np.polynomial.polynomial.polyfit(fine, states, 7)
+    walls_away(d)
+    set_step(d, Motion(parts), 0.5, regularized=0)
+    d.touch.depth_scale[:] = d.touch.impact_speed[:] = 1.0
+    bound_curvature(d)
+    gaps = gaps_of(d, states[::20])
+    second = np.abs(gaps[2:] - 2.0 * gaps[1:-1] + gaps[:-2]) / (20 * h) ** 2
+    assert (second <= d.search.curvature + 1e-4).all()
+    assert (d.search.curvature < 1e3).all()

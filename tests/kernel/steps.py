@@ -1,0 +1,99 @@
+"""Last steps with motions that are known in closed form: polynomials in the variable of the step."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.chain.state import root_at, time_at
+from chain_impact.kernel.integration.dense import DENSE_COEFFICIENTS
+from chain_impact.kernel.integration.last_step import SOLVER
+from chain_impact.kernel.integration.method import EXPLICIT
+from tests.kernel.chains import ANGLES, FAR
+from tests.plain import Plain
+
+# powers of θ and of 1 − θ in the dense output
+POWERS = [(1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3)]
+
+
+class Motion:
+    """y(s), with coefficients of the powers of s, shape (degree + 1, len(y)), of a degree of 7 at most."""
+
+    def __init__(self, coefficients: np.ndarray) -> None:
+        self.coefficients = coefficients
+
+    def at(self, s: float, derivative: int = 0) -> np.ndarray:
+        """The state, or a derivative of it."""
+        parts = np.polynomial.polynomial.polyder(self.coefficients, derivative, axis=0)
+        return np.polynomial.polynomial.polyval(s, parts)
+
+
+def free_motion(rng: np.random.Generator, d: Plain, *, speed: float = 2.0, bend: float = 3.0) -> Motion:
+    """A motion of the coordinates of the second degree in time, with their rates and the time in the state."""
+    n, half = d.links, d.links + 2
+    parts = np.zeros((3, len(d.step.state)))
+    parts[0, :half] = rng.uniform(-2.0, 2.0, half)
+    parts[1, :half] = rng.uniform(-speed, speed, half)
+    parts[2, :half] = 0.5 * rng.uniform(-bend, bend, half)
+    if d.model.pinned:
+        parts[:, :2] = 0.0
+    parts[0, half : 2 * half], parts[1, half : 2 * half] = parts[1, :half], 2.0 * parts[2, :half]
+    parts[0, root_at(n)], parts[1, time_at(n)] = 1.0, 1.0
+    return Motion(parts)
+
+
+def set_step(d: Plain, motion: Motion, size: float, start: float = 0.0, regularized: int = -1) -> None:
+    """Let the last step be the first ``size`` of the motion, with all that is known of such a step.
+
+    The points are located and accelerated at its end.
+    """
+    step, work = d.step, d.work
+    nodes = np.linspace(0.1, 1.0, DENSE_COEFFICIENTS)
+    basis = np.array([[t**p * (1.0 - t) ** q for p, q in POWERS] for t in nodes])
+    values = np.array([motion.at(size * t) - motion.at(0.0) for t in nodes])
+    step.dense[:] = np.linalg.solve(basis, values)
+    step.state[:], step.state_end[:] = motion.at(0.0), motion.at(size)
+    work.rate_start[:], work.rate_end[:] = motion.at(0.0, 1), motion.at(size, 1)
+    step.start, step.clock, step.time = start, start, start
+    step.end = start + step.state_end[time_at(d.links)]
+    step.size, step.kept, step.regularized = size, 1.0, regularized
+    step.made_by = step.method = EXPLICIT
+    step.dense_for, step.rate_known, work.at_end = SOLVER, 1, 1
+    step.breaks += 1
+    locate_points(d, step.state_end)
+    accelerate_points(d, step.state_end, work.rate_end)
+
+
+def points_of(d: Plain, y: np.ndarray) -> np.ndarray:
+    """The points of a state, as complex numbers; of many states, shape (…, N+1)."""
+    n = d.links
+    ends = np.cumsum(d.model.length * np.exp(1j * y[..., 2 : n + 2]), axis=-1)
+    base = y[..., 0:1] + 1j * y[..., 1:2]
+    return base + np.concatenate([np.zeros_like(base), ends], axis=-1)
+
+
+def normals_of(d: Plain) -> np.ndarray:
+    """The inward normals of the candidates of ``tests.kernel.chains.chain``, as complex numbers."""
+    walls = [-1.0 + 0.0j, 1j, *(1j * np.exp(1j * angle) for angle in ANGLES)]
+    kinds = sorted(set(d.candidate.wall.tolist()))
+    return np.array([walls[kinds.index(wall)] for wall in d.candidate.wall])
+
+
+def gaps_of(d: Plain, y: np.ndarray, candidates: Iterable[int] | None = None) -> np.ndarray:
+    """The clearances of candidates for states, shape (…, count), for the offsets of their walls."""
+    chosen = list(range(d.candidates)) if candidates is None else list(candidates)
+    places = points_of(d, y)[..., d.candidate.point[chosen]]
+    along = (places * normals_of(d)[chosen].conj()).real
+    return along - d.candidate.offset[chosen] - d.contact.radius
+
+
+def wall_at(d: Plain, c: int, y: np.ndarray, clearance: float) -> None:
+    """Put the wall of candidate c where its point has this clearance [m] in a state."""
+    d.candidate.offset[c] += gaps_of(d, y, [c])[0] - clearance
+
+
+def walls_away(d: Plain) -> None:
+    """Put all walls far away."""
+    d.candidate.offset[:] = -FAR
