@@ -97,3 +97,15 @@ def wall_at(d: Plain, c: int, y: np.ndarray, clearance: float) -> None:
 def walls_away(d: Plain) -> None:
     """Put all walls far away."""
     d.candidate.offset[:] = -FAR
+
+
+def translation(d: Plain, x: Iterable[float], y: Iterable[float]) -> Motion:
+    """A motion of the chain that does not turn: polynomials in time of its base, from the lowest power."""
+    n, half = d.links, d.links + 2
+    parts = np.zeros((DENSE_COEFFICIENTS + 1, len(d.step.state)))
+    for axis, powers in enumerate((list(x), list(y))):
+        parts[: len(powers), axis] = powers
+        parts[:-1, half + axis] = np.polynomial.polynomial.polyder(parts[:, axis])
+    parts[0, 2:half] = np.linspace(0.2, 1.0, n)
+    parts[0, root_at(n)], parts[1, time_at(n)] = 1.0, 1.0
+    return Motion(parts)

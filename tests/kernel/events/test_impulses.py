@@ -1,0 +1,339 @@
+"""Impacts at rigid walls in plain Python, against Moreau's law by dense matrices and every set of contacts."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain.kinematics import largest, locate_points
+from chain_impact.kernel.events.impulses import (
+    APART,
+    GAIN,
+    NEAR,
+    STICK,
+    bounce,
+    collide,
+    end_contacts,
+    falls_short,
+    find_impulses,
+    join_neighbours,
+    judge,
+    leave,
+    let_go,
+    part,
+    strike,
+)
+from chain_impact.kernel.events.kinds import NEIGHBOUR, NONE, ONSET, RELEASE
+from chain_impact.kernel.model.constraints import DOUBT, RISE
+from chain_impact.kernel.model.contact import latch
+from chain_impact.kernel.model.energy import mechanical_energy
+from chain_impact.kernel.model.geometry import clearance
+from tests.kernel.chains import chain, free_coordinates, gradients, press_in, struck, touch, vectors
+from tests.reference import complementary_impulses, mass_matrix
+
+E, SLOWEST = 0.6, 1e-3
+POINTS = [1, 6, 11, 16]  # of a free chain: a point at each of the walls
+
+
+def touching(seed, candidates=(1, 6, 11), *, base="free", kinds=ONSET, arrive=True):
+    """A chain at rigid walls, at which candidates arrive; its scene, record, state, J, M⁻¹ Jᵀ and W."""
+    rng = np.random.default_rng(seed)
+    scene, d = chain(rng, 4, base, model="newton_impact", restitution=E, minimum_impact_speed=SLOWEST)
+    candidates = [c - (base == "pinned") for c in candidates]
+    y = struck(rng, d, candidates, 0.0)
+    touch(d, candidates if kinds == NONE else [])
+    d.touch.event[candidates] = kinds
+    angles, free = y[2:6], free_coordinates(d)
+    jacobian, response = gradients(scene, d, angles, candidates), np.zeros((6, len(candidates)))
+    response[free] = np.linalg.solve(mass_matrix(scene, angles)[free, free], jacobian[:, free].T)
+    w = jacobian @ response
+    if arrive:  # at speeds that are given
+        aims = -rng.uniform(0.2, 2.0, len(candidates))
+        y[6:12] += response @ np.linalg.solve(w, aims - jacobian @ y[6:12])
+    d.step.state_end[:] = y
+    d.step.start, d.step.end, d.step.time = 1.0, 1.5, 1.2
+    locate_points(d, y)
+    return d, y, jacobian, response, w, candidates
+
+
+def kinetic(d, y):
+    locate_points(d, y)
+    return mechanical_energy(d, y)[0]
+
+
+@pytest.mark.parametrize("base", ["free", "pinned"])
+@pytest.mark.parametrize("count", [1, 2, 3])
+@pytest.mark.parametrize("seed", range(4))
+def test_an_impact_is_moreaus(seed, count, base):
+    """u⁺ = u⁻ + W p, 0 ≤ p ⟂ u⁺ + e u⁻ ≥ 0; what it takes of the energy is dissipated, and all is logged."""
+    d, y, jacobian, response, w, candidates = touching([seed, count], POINTS[:count], base=base)
+    before, there = jacobian @ y[6:12], kinetic(d, y)
+    p = complementary_impulses(w, before, -E * before)
+    collide(d)
+    after = d.step.state_end
+    np.testing.assert_allclose(after[6:12], y[6:12] + response @ p, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(after[:6], y[:6], rtol=0, atol=1e-12)
+    assert after[12] - y[12] == pytest.approx(there - kinetic(d, after), abs=1e-9)
+    np.testing.assert_allclose(d.impulse.total[candidates], p, rtol=1e-9, atol=1e-9)
+    assert d.impact.count == count
+    assert not d.touch.event.any()
+    # all leave with a speed, and no contact has lasted
+    assert d.touch.active_count == 0
+    assert d.finished.count == count
+    rows = slice(0, count)
+    np.testing.assert_array_equal(d.finished.onset[rows], 1.5)
+    np.testing.assert_array_equal(d.finished.end[rows], 1.5)
+    assert np.isinf(d.finished.peak_force[rows]).all()
+    np.testing.assert_allclose(d.finished.impact_speed[rows], -before, rtol=1e-9)
+    np.testing.assert_allclose(d.finished.separation_speed[rows], before + w @ p, rtol=1e-8)
+    np.testing.assert_allclose(d.finished.impulse[rows], p, rtol=1e-9, atol=1e-9)
+    # the loads are those of a flight
+    assert not vectors(d.work.load).any()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_what_arrives_slowly_comes_to_rest_and_is_held_as_long_as_that_takes_a_push(seed):
+    """0 ≤ F ⟂ g̈ ≥ 0, with g̈ by differences along the motion without walls."""
+    d, y, jacobian, response, w, candidates = touching(seed)
+    y[6:12] = 0.0
+    y[6:12] = response @ np.linalg.solve(w, np.full(3, -0.5 * SLOWEST))
+    d.step.state_end[:] = y
+    d.model.gravity[:] = -3.0 * d.model.gravity if seed % 2 else d.model.gravity
+    collide(d)
+    after = d.step.state_end
+    # 0 ≤ p ⟂ u⁺ ≥ 0: who cannot be stopped by a push leaves
+    speeds = np.full(3, -0.5 * SLOWEST)
+    reached = speeds + w @ complementary_impulses(w, speeds, np.zeros(3))
+    np.testing.assert_allclose(jacobian @ after[6:12], reached, rtol=0, atol=1e-12)
+    stay = np.flatnonzero(reached < STICK * SLOWEST)
+    mass = mass_matrix_of(d)
+    accelerations = jacobian @ np.linalg.solve(mass, gravity_force(d))
+    force = complementary_impulses(w[np.ix_(stay, stay)], accelerations[stay], np.zeros(len(stay)))
+    held = [candidates[k] for k, f in zip(stay, force, strict=True) if f > 0.0]
+    assert d.touch.active_index[: d.touch.active_count].tolist() == held
+    assert d.finished.count == 3 - len(held)
+    for k in stay:
+        gap, _ = clearance_now(d, candidates[k])
+        apart = 0.0 if candidates[k] in held else APART * d.model.size
+        assert gap == pytest.approx(apart, abs=3e-14)
+    assert not d.touch.event.any()
+
+
+def gravity_force(d):
+    """The generalized force of gravity, by the slopes of the potential energy."""
+    y, h, slopes = d.step.state_end.copy(), 1e-6, []
+    y[6:12] = 0.0
+    for j in range(6):
+        ends = []
+        for side in (h, -h):
+            moved = y.copy()
+            moved[j] += side
+            locate_points(d, moved)
+            ends.append(mechanical_energy(d, moved)[1])
+        slopes.append((ends[0] - ends[1]) / (2 * h))
+    locate_points(d, y)
+    return -np.array(slopes)
+
+
+def mass_matrix_of(d):
+    """M by the kinetic energy of unit rates and of their sums."""
+    y, n = d.step.state_end.copy(), 6
+    unit = np.eye(n)
+
+    def energy(rates):
+        y[6:12] = rates
+        return kinetic(d, y)
+
+    alone = [energy(one) for one in unit]
+    return np.array([[energy(unit[i] + unit[j]) - alone[i] - alone[j] for j in range(n)] for i in range(n)])
+
+
+def clearance_now(d, c):
+    locate_points(d, d.step.state_end)
+    return clearance(d, c)
+
+
+def test_points_that_all_but_touch_are_neighbours():
+    d, *_ = touching(0, (1,))
+    limit = NEAR * d.model.size
+    for c, part_of in ((2, 0.5), (5, 0.99), (9, 1.5), (13, -3.0)):
+        press_in(d, c, -part_of * limit)
+    d.touch.active[1] = d.touch.active[13] = 1
+    d.touch.event[:] = NONE
+    join_neighbours(d)
+    assert np.flatnonzero(d.touch.active).tolist() == [1, 2, 5, 13]
+    assert np.flatnonzero(d.touch.event == NEIGHBOUR).tolist() == [2, 5]
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
+def test_an_impact_aims_at_rebounds_of_what_arrives_fast_and_brings_the_rest_to_rest(restitution):
+    """e = 0 for a held contact, for one that arrives slowly and for a rebound too slow to leave."""
+    d, y, jacobian, response, w, candidates = touching(1, POINTS, kinds=NONE)
+    d.touch.event[candidates] = ONSET, NEIGHBOUR, NONE, ONSET
+    speeds = np.array([-1.0, -1.0, -1.0, -0.5 * SLOWEST])
+    y[6:12] = response @ np.linalg.solve(w, speeds)
+    locate_points(d, y)
+    lost, moved = find_impulses(d, restitution)
+    own = d.rigid
+    np.testing.assert_allclose(own.start[:4], speeds, rtol=1e-8)
+    np.testing.assert_allclose(own.aim[:4], [restitution, restitution, 0.0, 0.0], rtol=1e-8)
+    p = complementary_impulses(w, speeds, own.aim[:4])
+    np.testing.assert_allclose(own.impulse[:4], p, rtol=0, atol=1e-8)
+    after = y.copy()
+    after[6:12] += response @ p
+    assert lost == pytest.approx(kinetic(d, y) - kinetic(d, after), rel=1e-8)
+    assert moved == pytest.approx(p @ (np.abs(speeds) + np.abs(speeds + w @ p)), rel=1e-8)
+
+
+@pytest.mark.parametrize(("times", "aims"), [(0.9, 0.0), (1.1, 1.0)])
+def test_rebounds_too_slow_to_leave_are_none(times, aims):
+    d, y, _, response, w, _ = touching(1, (1,), kinds=NONE)
+    d.touch.event[1] = ONSET
+    speed = -2.0 * SLOWEST
+    y[6:12] = response @ np.linalg.solve(w, [speed])
+    locate_points(d, y)
+    rebound = times * STICK * SLOWEST
+    find_impulses(d, rebound / -speed)
+    assert d.rigid.aim[0] == pytest.approx(aims * rebound, rel=1e-9)
+
+
+@pytest.mark.parametrize("short", [0.0, 0.5, 2.0])
+def test_impulses_fall_short_by_more_than_round_off(short):
+    d, *_ = touching(1, POINTS, kinds=NONE)
+    d.rigid.aim[:4] = 0.5
+    d.rigid.reached[:4] = 0.5, 0.9, 0.5 - short * GAIN * largest(d.work.velocity), 0.5
+    assert falls_short(d) == (short > 1.0)
+
+
+def test_a_neighbour_on_its_way_from_the_wall_brings_no_energy():
+    """With u⁻ > 0 of a neighbour, u⁺ ≥ −e u⁻ could: the impact is then one with e = 0."""
+    for seed in range(12):
+        d, y, _, response, w, (first, second) = touching(seed, (1, 6))
+        speeds = np.array([-1.0, 0.3])
+        y[6:12] = response @ np.linalg.solve(w, speeds)
+        d.step.state_end[:] = y
+        d.touch.event[second] = NONE
+        there, lost = kinetic(d, y), y[12]
+        collide(d)
+        after = kinetic(d, d.step.state_end)
+        assert after <= there * (1.0 + 1e-9)
+        assert d.step.state_end[12] - lost == pytest.approx(there - after, abs=1e-9 * there)
+        assert d.touch.active[first] == 0
+        rates = [clearance_now(d, c)[1] for c in (first, second)]
+        assert min(rates) > -1e-9
+        # a neighbour that is not met has begun no contact
+        met = d.impulse.total[second] > 0.0
+        assert d.impact.count == 1 + met
+
+
+def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
+    """u²/(2 a) is the height of a throw, RISE that which cannot be told from none."""
+    for times, stays in ((0.5, True), (2.0, False)):
+        d, y, _, response, w, (c,) = touching(1, (1,), kinds=ONSET)
+        latch(d, c)
+        d.step.end = 2.0
+        touch(d, [c])
+        d.contact.minimum_impact_speed = 1e-12
+        d.step.state_end[6:12] = 0.0
+        fall = math.hypot(*d.model.gravity)
+        slow = math.sqrt(2.0 * fall * RISE * d.model.size)
+        locate_points(d, d.step.state_end)
+        d.rigid.impulse[0] = 1.0
+        d.rigid.reached[0] = times * slow
+        bounce(d)
+        assert (d.touch.active_count == 1) == stays
+        assert d.finished.count == (0 if stays else 1)
+
+
+@pytest.mark.parametrize(
+    ("event", "impulse", "met"), [(NEIGHBOUR, 0.0, 0), (NEIGHBOUR, 1.0, 1), (ONSET, 0.0, 1)]
+)
+def test_a_neighbour_without_an_impulse_was_not_met(event, impulse, met):
+    d, *_ = touching(1, (1,), kinds=NONE)
+    d.touch.event[1], d.rigid.impulse[0], d.rigid.reached[0] = event, impulse, 0.0
+    bounce(d)
+    assert d.touch.active[1] == d.touch.active_count == met
+    assert d.finished.count == 0
+
+
+@pytest.mark.parametrize("onset", [1.5, 1.0])
+def test_a_contact_of_no_duration_has_no_finite_force(onset):
+    d, *_ = touching(1, (1, 6), kinds=NONE)
+    d.touch.onset[:], d.touch.peak_force[:] = onset, 3.0
+    leave(d, 6)
+    assert d.finished.peak_force[0] == (math.inf if onset == 1.5 else 3.0)
+    assert d.finished.point[0] == d.candidate.point[6]
+    assert d.touch.active.tolist() == [int(c == 1) for c in range(d.candidates)]
+
+
+def test_contacts_end_where_they_stand_for_another_law():
+    d, y, *_ = touching(1, (1, 6, 11), kinds=NONE, arrive=False)
+    d.work.velocity.x[:] = 99.0
+    rates = []
+    locate_points(d, y)
+    for c in (1, 6, 11):
+        rates.append(max(0.0, clearance(d, c)[1]))
+    d.work.velocity.x[:] = 99.0
+    end_contacts(d)
+    assert d.touch.active_count == 0 and not d.touch.active.any()
+    np.testing.assert_array_equal(d.finished.separation_speed[:3], rates)
+
+
+def test_contacts_that_no_push_can_bring_to_rest_are_let_go():
+    """By more than round-off of the fastest point, and only those that are not pressed."""
+    d, *_ = touching(1, POINTS, kinds=NONE)
+    scale = largest(d.work.velocity)
+    d.rigid.pressed[:4] = 0, 0, 1, 0
+    d.rigid.reached[:4] = 0.5 * DOUBT * scale, 2.0 * DOUBT * scale, 1.0, 0.0
+    let_go(d)
+    assert d.touch.active_index[: d.touch.active_count].tolist() == [1, 11, 16]
+    assert d.finished.point[0] == d.candidate.point[6]
+
+
+def test_points_without_a_force_are_put_off_the_wall_and_the_others_stay_on_it():
+    d, y, *_ = touching(1, POINTS[:3], kinds=NONE)
+    d.rigid.pressed[:3] = 1, 0, 1
+    part(d)
+    locate_points(d, d.step.state_end)
+    gaps = [clearance(d, c)[0] for c in POINTS[:3]]
+    np.testing.assert_allclose(gaps, [0.0, APART * d.model.size, 0.0], rtol=0, atol=3e-14)
+    assert d.touch.active[POINTS].tolist() == [1, 0, 1, 0]
+    # and nothing moves when all are held
+    before = d.step.state_end.copy()
+    d.rigid.pressed[:3] = 1
+    touch(d, POINTS[:1])
+    part(d)
+    np.testing.assert_array_equal(d.step.state_end, before)
+
+
+def test_a_release_is_a_first_guess_of_who_is_let_go():
+    """Whatever the guess, those are held that a force has to hold."""
+    results = []
+    for event in (NONE, RELEASE):
+        d, y, _, response, w, candidates = touching(3, kinds=NONE)
+        y[6:12] = 0.0
+        d.step.state_end[:] = y
+        d.touch.event[candidates] = event
+        judge(d)
+        results.append(d.touch.active.tolist())
+        assert not d.touch.event.any()
+    assert results[0] == results[1]
+
+
+def test_an_impact_of_a_held_contact_is_felt_by_the_one_that_arrives():
+    """The held one has e = 0; both share the impulses, and ``strike`` gives them to the velocities."""
+    d, y, jacobian, response, w, (held, struck_one) = touching(5, (1, 6), kinds=NONE)
+    speeds = np.array([0.0, -1.0])
+    y[6:12] = response @ np.linalg.solve(w, speeds)
+    d.step.state_end[:] = y
+    locate_points(d, y)
+    d.touch.event[[held, struck_one]] = NONE, ONSET
+    p = complementary_impulses(w, speeds, np.array([0.0, E]))
+    strike(d)
+    np.testing.assert_allclose(d.step.state_end[6:12], y[6:12] + response @ p, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(d.impulse.total[[held, struck_one]], p, rtol=0, atol=1e-9)
+    lost = kinetic(d, y) - kinetic(d, d.step.state_end)
+    assert d.step.state_end[12] - y[12] == pytest.approx(lost, abs=1e-9)
+    np.testing.assert_allclose(
+        [clearance(d, c)[1] for c in (held, struck_one)], jacobian @ d.step.state_end[6:12], atol=1e-9
+    )
