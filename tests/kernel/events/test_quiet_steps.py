@@ -35,7 +35,7 @@ from chain_impact.kernel.events.exclusion import (
 from chain_impact.kernel.integration.sundman import root_rate
 from chain_impact.kernel.model.geometry import clearance, harmless_depth
 from tests.kernel.chains import chain, random_state, touch
-from tests.kernel.steps import free_motion, gaps_of, points_of, set_step, wall_at, walls_away
+from tests.kernel.steps import free_motion, gaps_of, set_step, translation, wall_at, walls_away
 
 SAMPLES = np.linspace(0.0, 1.0, 1001)
 
@@ -46,7 +46,7 @@ def stepped(seed, *, size=0.1, near=0.3, count=3, base="free", touching=0, **mor
     _, d = chain(rng, count, base, **more)
     motion = free_motion(rng, d)
     walls_away(d)
-    set_step(d, motion, size)
+    set_step(d, motion, size, start=2.0)
     for c in range(d.candidates):
         wall_at(d, c, motion.at(0.0), near * rng.uniform(0.5, 1.5) * (1.0 if c >= touching else -1.0))
     touch(d, range(touching))
@@ -107,6 +107,29 @@ def test_a_step_in_which_links_turn_far_or_inputs_change_fast_is_looked_at():
             d.model.joint_bound = 20.0 / d.step.size
         assert not excludes_events(d)
         assert excludes_events(stepped(0, near=2.0)[0])
+
+
+@pytest.mark.parametrize("active", [False, True])
+@pytest.mark.parametrize(("turn", "fade"), [(0.0, 0.0), (0.9, 0.0), (0.5, 2.0), (0.9, 3.0)])
+def test_clearances_are_clear_by_more_than_their_interpolants_can_be_off(turn, fade, active):
+    """Ten times h⁶ φ⁽⁶⁾/46080, of a stretched chain that turns by ``turn`` and fades by ``fade``: reach ω² ρ⁴.
+
+    And what the tolerance allows of a position; nothing moves in this step.
+    """
+    _, d = chain(np.random.default_rng(0), 2)
+    off = 10.0 / 46080.0 * d.model.length.sum() * turn**2 * max(turn, fade) ** 4
+    off += 0.0 if active else d.solver.tolerance * d.model.length.sum()
+    for clear in (0.999, 1.001) if off > 0.0 else (-1e-3, 1e-3):
+        motion = translation(d, [0.0], [0.0])
+        walls_away(d)
+        set_step(d, motion, 0.5, start=2.0)
+        d.inputs.course.pace, d.model.joint_bound = turn / 0.5, fade / 0.5
+        touch(d, range(d.candidates) if active else [])
+        d.touch.impact_speed[:], d.touch.speed[:] = 1.0, 0.0
+        gap = (clear * off if off > 0.0 else clear) - harmless_depth(d)
+        for c in range(d.candidates):
+            wall_at(d, c, motion.at(0.0), -gap if active else gap)
+        assert excludes_events(d) == (clear > 1.0 or (off == 0.0 and clear > 0.0))
 
 
 @pytest.mark.parametrize("active", [False, True])
@@ -219,6 +242,8 @@ def test_the_fastest_point_is_bounded_by_the_sum_of_its_components():
     assert fastest(d.work.motion) == 4.0
     d.work.motion.x[1] = -3.0
     assert fastest(d.work.motion) == 4.5
+    d.work.motion.x[:], d.work.motion.y[:] = 0.0, 0.25
+    assert fastest(d.work.motion) == 0.25
 
 
 def test_leeway_and_fading_are_relative_to_the_reach_and_to_the_joints():

@@ -1,0 +1,302 @@
+"""What is followed of a contact and logged at its end, on motions in closed form."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel import beside
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.events import contact_log
+from chain_impact.kernel.events.contact_log import (
+    FORCE,
+    PENETRATION,
+    end_now,
+    finish,
+    follow_contacts,
+    follow_held,
+    follow_to_now,
+    follow_to_present,
+    maximum,
+    note_active,
+    peaks,
+    rate_of_force,
+    sample,
+    turns_at_end,
+)
+from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET
+from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER
+from chain_impact.kernel.model.contact import contact_force
+from chain_impact.kernel.model.contact_force import latch_damping
+from chain_impact.kernel.model.geometry import clearance
+from tests.kernel.chains import chain, touch
+from tests.kernel.events.test_kinks_of_a_step import DEEP, falling
+from tests.kernel.steps import points_of, set_step, translation, wall_at, walls_away
+
+K, N = 4.0, 1.5
+FINE = np.linspace(0.0, 1.0, 20001)
+
+
+def depth(t, height):
+    return DEEP - np.polynomial.polynomial.polyval(t, height)
+
+
+def forces(d, t, height):
+    """F = K δⁿ (1 + λ δ̇/v₀) of the family, by the latched damping."""
+    rate = -np.polynomial.polynomial.polyval(t, np.polynomial.polynomial.polyder(height))
+    return depth(t, height) ** N * (K + d.touch.damping[1] * rate)
+
+
+def pressed(height, law="zhang_sharf", size=1.0):
+    """A step of a contact that has been followed to its start."""
+    d, motion = falling(height, law=law, size=size)
+    d.touch.impact_speed[1] = 3.0
+    latch_damping(d, 1)
+    rate = -height[1]
+    d.touch.peak_force[1] = d.touch.max_penetration[1] = 0.0
+    d.touch.speed[1], d.touch.force_rate[1] = rate, 1.0
+    return d, motion
+
+
+TURNING = [0.0, -0.5, 0.6, 0.1]  # turns within the step
+
+
+def there(d, points):
+    """Whether the points are located at these."""
+    np.testing.assert_allclose(d.work.position.x + 1j * d.work.position.y, points, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("size", [1.0, 0.2])
+def test_peaks_are_the_largest_values_on_the_way(size):
+    """Inside the step, or at its end while it still compresses."""
+    d, motion = pressed(TURNING, size=size)
+    follow_contacts(d)
+    t = FINE * size
+    assert d.touch.peak_force[1] == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
+    assert d.touch.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
+    h = 1e-6
+    slope = (forces(d, size + h, TURNING) - forces(d, size - h, TURNING)) / (2 * h)
+    assert d.touch.force_rate[1] == pytest.approx(slope, rel=1e-6)
+    rate = -np.polynomial.polynomial.polyval(size, np.polynomial.polynomial.polyder(TURNING))
+    assert d.touch.speed[1] == pytest.approx(rate, rel=1e-12)
+    there(d, points_of(d, motion.at(size)))
+
+
+def test_a_peak_that_was_larger_before_is_kept():
+    d, _ = pressed(TURNING)
+    d.touch.peak_force[1], d.touch.max_penetration[1] = 1e3, 2e3
+    follow_contacts(d)
+    assert (d.touch.peak_force[1], d.touch.max_penetration[1]) == (1e3, 2e3)
+
+
+def test_peaks_until_a_time_within_the_step():
+    """As far as an observer has come, who changes nothing in the contact, and whose look is no work."""
+    for until in (0.1, 0.25, 0.9):
+        d, motion = pressed(TURNING)
+        y = motion.at(until)
+        locate_points(d, y)
+        accelerate_points(d, y, motion.at(until, 1))
+        rate = rate_of_force(d, 1)
+        t = FINE * until
+        d.step.dense_for = OUTPUTS
+        evaluations = d.statistics.rhs_evaluations
+        force, deepest, elsewhere = peaks(d, 1, rate, d.step.start + until, OUTPUTS)
+        assert force == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
+        assert deepest == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
+        assert elsewhere == (rate <= 0.0 or y[d.links + 3] >= 0.0)
+        assert d.touch.peak_force[1] == d.touch.max_penetration[1] == 0.0
+        assert d.statistics.rhs_evaluations == evaluations
+
+
+@pytest.mark.parametrize(("approach_only", "event", "lands"), [(1, KINK, 1), (1, END, 0), (0, KINK, 0)])
+def test_a_step_that_lands_on_the_turn_is_deepest_there(approach_only, event, lands):
+    d, _ = pressed(TURNING, law="jankowski")
+    d.contact.approach_only, d.touch.event[1] = approach_only, event
+    assert turns_at_end(d, 1) == bool(lands)
+    d, _ = pressed([0.0, -1.0, 0.5], law="jankowski")  # turns at its end
+    d.touch.event[1] = KINK
+    follow_contacts(d)
+    assert d.touch.max_penetration[1] == pytest.approx(DEEP + 0.5, rel=1e-14)
+
+
+@pytest.mark.parametrize("theta", [0.0, 0.3, 1.0])
+def test_a_sample_is_the_force_or_the_depth_there(theta):
+    d, motion = pressed(TURNING)
+    assert sample(d, 1, PENETRATION, theta) == pytest.approx(depth(theta, TURNING), rel=1e-13)
+    there(d, points_of(d, motion.at(theta)))
+    assert sample(d, 1, FORCE, theta) == pytest.approx(forces(d, theta, TURNING), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "height",
+    [
+        [0.0, -0.5, 0.5],  # a parabola
+        TURNING,
+        [0.0, -0.5, 1.0, 1.0, 1.0],
+        [0.0, -0.05, 0.4],  # at its start
+        [0.0, -0.9, 0.5],  # near its end
+        [0.0, -0.5, -0.2],  # no top
+        [0.0, -0.7, 0.1],
+        [0.0, 0.2, -0.1],
+    ],
+)
+@pytest.mark.parametrize("until", [1.0, 0.5])
+def test_a_maximum_is_found_by_parabolas_wherever_it_is(height, until):
+    d, _ = pressed(height)
+    found = maximum(d, 1, PENETRATION, d.step.start + until)
+    values = depth(FINE * until, height)
+    assert found == pytest.approx(values.max(), rel=2e-6 if 0.2 < FINE[values.argmax()] < 0.9 else 1e-3)
+    assert found <= values.max() * (1.0 + 1e-7)
+
+
+def test_the_rate_of_a_force_is_that_along_the_motion():
+    for t in (0.2, 0.7):
+        d, motion = pressed(TURNING)
+        locate_points(d, motion.at(t))
+        accelerate_points(d, motion.at(t), motion.at(t, 1))
+        h = 1e-5
+        slope = (forces(d, t + h, TURNING) - forces(d, t - h, TURNING)) / (2 * h)
+        assert rate_of_force(d, 1) == pytest.approx(slope, rel=1e-7)
+
+
+@pytest.mark.parametrize("due", [False, True])
+def test_the_last_step_ends_at_the_communication_point_and_events_beyond_are_forgotten(due):
+    """But for an onset that is due just there."""
+    d, motion = pressed(TURNING)
+    d.touch.event[:4] = ONSET, END, KINK, NONE
+    d.step.time = d.step.end if due else d.step.start + 0.4
+    breaks, clock = d.step.breaks, d.step.time
+    end_now(d)
+    assert d.step.end == clock
+    assert d.touch.event[:4].tolist() == [ONSET if due else NONE, NONE, NONE, NONE]
+    expected = motion.at(1.0 if due else 0.4)
+    np.testing.assert_allclose(d.step.state_end[:-2], expected[:-2], rtol=0, atol=1e-13)
+    assert d.step.breaks > breaks
+
+
+def test_contacts_are_followed_to_the_communication_point_at_no_work(monkeypatch):
+    d, motion = pressed(TURNING)
+    d.step.time = d.step.start + 0.25
+    d.impulse.state_end[0], d.impulse.total[1] = 5.0, 1.0
+    d.impulse.state[0], d.impulse.dense[:, 0] = 2.0, 0.0
+    d.impulse.dense[0, 0] = 4.0  # 2 + 4 θ
+    d.impulse.wanted = 1
+    work = d.statistics.rhs_evaluations, d.limits.other_work
+    follow_to_present(d)
+    t = 0.25 * FINE
+    assert d.touch.peak_force[1] == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
+    assert d.touch.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
+    assert d.impulse.total[1] == pytest.approx(3.0, rel=1e-12)
+    assert (d.statistics.rhs_evaluations, d.limits.other_work) == work
+    there(d, points_of(d, motion.at(0.25)))
+    # and what goes on beside
+    told = []
+    monkeypatch.setattr(beside, "follow", told.append)
+    follow_to_now(d)
+    assert told == [d]
+    assert d.step.end == d.step.time
+
+
+@pytest.mark.parametrize("kept", [0, 4])
+@pytest.mark.parametrize("impulsive", [0, 1])
+def test_what_contacts_have_come_to_is_noted_at_the_communication_point(impulsive, kept):
+    for until in (0.1, 0.6):
+        d, motion = pressed(TURNING)
+        d.latest.kept, d.contact.impulsive = kept, impulsive
+        d.latest.end[0] = -1.0
+        d.step.time = d.step.start + until
+        y = motion.at(until)
+        locate_points(d, y)
+        accelerate_points(d, y, motion.at(until, 1))
+        d.output.force[1] = contact_force(d, 1, *clearance(d, 1))
+        d.output.impulse[1], d.impulse.onset[1] = 7.5, 3.0
+        d.touch.peak_force[1] = 0.1 * (1 - impulsive) + 50.0 * impulsive
+        note_active(d)
+        latest = d.latest
+        if kept == 0:
+            assert latest.end[0] == -1.0
+            continue
+        t = until * FINE
+        assert latest.end[0] == d.step.time
+        assert latest.impulse[0] == 4.5
+        assert latest.separation_speed[0] == pytest.approx(y[d.links + 3], rel=1e-12)
+        force = 50.0 if impulsive else forces(d, t, TURNING).max()
+        assert latest.peak_force[0] == pytest.approx(force, rel=1e-6)
+        deepest = 0.0 if impulsive else depth(t, TURNING).max()
+        assert latest.max_penetration[0] == pytest.approx(deepest, rel=1e-6)
+        there(d, points_of(d, y))
+
+
+# --- rigid walls -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("size", [1e-3, 0.2])
+def test_the_peak_of_a_holding_force_is_found_by_parabolas_through_samples(size):
+    """A pinned chain of one link is held at its tip: F L cos θ = m g c cos θ + … − I α is the same in each place.
+
+    So the force is that of the torque, a parabola in time.
+    """
+    _, d = chain(np.random.default_rng(2), 1, "pinned", inputs=True, model="newton_impact")
+    motion = translation(d, [0.0], [0.0])
+    walls_away(d)
+    set_step(d, motion, size)
+    c = next(c for c in range(d.candidates) if d.candidate.point[c] == 1)
+    wall_at(d, c, motion.at(0.0), 0.0)
+    touch(d, [c])
+    d.model.gravity[:] = 0.0
+    course, top = d.inputs.course, 0.6
+    course.order, course.middle, course.scale, course.until = 2, 0.0, 1.0 / size, 10.0
+    normal = np.array([d.candidate.normal_x[c], d.candidate.normal_y[c]])
+    lever = d.model.length[0] * np.array([-math.sin(0.2), math.cos(0.2)]) @ normal
+    # F · lever = −u: a push of 3 − (x − top)²
+    for m, part in enumerate((3.0 - top**2, 2.0 * top, -1.0)):
+        course.joint_torque[m, 0] = -part * lever
+    d.rigid.sample[:] = 0.0
+    evaluations = d.statistics.rhs_evaluations
+    follow_held(d)
+    assert d.touch.peak_force[c] == pytest.approx(3.0, rel=1e-9)
+    assert d.statistics.rhs_evaluations - evaluations == contact_log.HELD_SAMPLES
+    there(d, points_of(d, motion.at(size)))
+    # at the end of a step in which it grows, and through the door of all contacts
+    course.joint_torque[:3, 0] = -np.array([1.0, 2.0, 0.0]) * lever
+    d.touch.peak_force[c] = 0.5
+    follow_contacts(d)
+    assert d.touch.peak_force[c] == pytest.approx(3.0, rel=1e-9)
+    course.joint_torque[:3, 0] = -np.array([1.0, -0.5, 0.0]) * lever
+    d.touch.peak_force[c] = 0.5
+    follow_held(d)
+    assert d.touch.peak_force[c] == pytest.approx(1.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("rate", [0.4, -0.4])
+@pytest.mark.parametrize("impulsive", [0, 1])
+def test_a_contact_that_ends_is_a_row_of_the_log_and_of_the_list(impulsive, rate):
+    d, _ = pressed([0.0, rate, 0.0])
+    d.contact.impulsive, d.latest.kept = impulsive, 3
+    size = len(d.finished.point)
+    for count in (0, 5, size + 2):  # the oldest are lost
+        d.finished.count = count
+        values = {"onset": 1.5, "onset_speed": 0.7, "peak_force": 9.0, "max_penetration": 0.3}
+        for name, value in (values | {"effective_mass": 2.5}).items():
+            d.touch[name][1] = value + count
+        d.impulse.total[1], d.impulse.onset[1] = 8.0, 6.5
+        finish(d, 1)
+        log, row = d.finished, count % size
+        assert log.count == count + 1
+        assert (log.point[row], log.wall[row]) == (d.candidate.point[1], d.candidate.wall[1])
+        assert log.onset[row] == 1.5 + count
+        assert log.end[row] == d.step.end == d.latest.end[0]
+        assert log.impact_speed[row] == 0.7 + count
+        leaves = max(0.0, rate) if impulsive else rate
+        assert log.separation_speed[row] == d.latest.separation_speed[0] == pytest.approx(leaves, rel=1e-12)
+        assert log.peak_force[row] == d.latest.peak_force[0] == 9.0 + count
+        assert log.max_penetration[row] == d.latest.max_penetration[0] == 0.3 + count
+        assert log.effective_mass[row] == 2.5 + count
+        assert log.impulse[row] == d.latest.impulse[0] == 1.5
+
+
+def test_who_needs_the_dense_output_is_noted():
+    d, _ = pressed(TURNING)
+    d.step.dense_for = OUTPUTS
+    follow_contacts(d)
+    assert d.step.dense_for == SOLVER

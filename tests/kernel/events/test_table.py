@@ -1,0 +1,220 @@
+"""What is done at an event, and the step that follows it."""
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, RELATCH, RELEASE
+from chain_impact.kernel.events.table import (
+    LEFT,
+    apply_events,
+    begin_contact,
+    bends_force,
+    choose_size,
+    end_contact,
+    latch_anew,
+    nothing,
+    pass_kink,
+)
+from chain_impact.kernel.integration import step_size
+from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
+from chain_impact.kernel.integration.switching import PATIENCE
+from chain_impact.kernel.model.contact_force import elastic_energy
+from tests.kernel.chains import chain, gradients, press_in, random_state, struck, touch, vectors
+from tests.problems import of_law
+from tests.reference import complementary_impulses, mass_matrix
+
+JUMPS = {"zhang_sharf": False, "kelvin_voigt": True, "jankowski": False}
+LAWS = pytest.mark.parametrize("law", JUMPS)
+C = 6
+
+
+def arrived(law="zhang_sharf", speed=1.0, depth=0.0, touching=()):
+    """A chain at the end of a step, at which candidate C moves into its wall; no step is implicit."""
+    rng = np.random.default_rng(4)
+    scene, d = chain(rng, 3, inputs=True, **of_law(law), restitution=0.5)
+    y = struck(rng, d, [C], depth)
+    touch(d, touching)
+    (gradient,) = gradients(scene, d, y[2:5], [C])
+    y[5:10] -= gradient * (speed + gradient @ y[5:10]) / (gradient @ gradient)
+    locate_points(d, y)
+    d.step.state_end[:], d.step.end = y, 1.5
+    d.work.rate_start[:] = random_state(rng, d)
+    d.step.method, d.step.doubts, d.step.patience = EXPLICIT, 3, 16
+    d.step.next_size, d.step.flight_size = 0.125, 0.25
+    return d
+
+
+@LAWS
+def test_a_contact_begins_on_its_side_of_the_kink(law):
+    d = arrived(law)
+    d.touch.beyond[C] = 1
+    assert begin_contact(d, C) == JUMPS[law]
+    assert d.touch.active[C] == 1 and d.touch.beyond[C] == 0
+    assert d.touch.onset[C] == 1.5
+    assert d.touch.impact_speed[C] == pytest.approx(1.0, rel=1e-9)
+    assert d.impact.count == 1
+
+
+@LAWS
+@pytest.mark.parametrize(
+    ("times", "speed", "ends"),
+    [(0.9, -0.5, 1), (1.1, -0.5, 0), (0.0, 0.5, 0), (-5.0, -0.5, 1), (0.0, 0.0, 1)],
+)
+def test_a_contact_ends_that_is_out_of_its_wall_soon(law, times, speed, ends):
+    """Within LEFT of δ*/v₀; one that moves inward has not left."""
+    d = arrived(law, speed=speed)
+    if speed == 0.0:
+        d.work.velocity.x[:] = d.work.velocity.y[:] = 0.0
+    touch(d, [C])
+    d.touch.depth_scale[C], d.touch.impact_speed[C] = 0.2, 4.0
+    press_in(d, C, times * LEFT * 0.2 / 4.0 * abs(speed))
+    if speed == 0.0:
+        d.candidate.offset[C] -= 1e-9
+    assert end_contact(d, C) == JUMPS[law]
+    assert d.touch.active[C] == 1 - ends
+    assert d.finished.count == ends
+
+
+def test_twice_the_speed_is_latched_with_all_that_follows_from_it():
+    """The depth of an elastic impact at twice v₀, and half of the damping λ K/v₀."""
+    d = arrived()
+    begin_contact(d, C)
+    mass, damping = d.touch.effective_mass[C], d.touch.damping[C]
+    d.touch.beyond[C] = 1
+    assert latch_anew(d, C)
+    assert d.touch.impact_speed[C] == pytest.approx(2.0, rel=1e-9)
+    energy = 0.5 * mass * 2.0**2
+    assert elastic_energy(d.contact, d.touch.depth_scale[C]) == pytest.approx(energy, rel=1e-8)
+    assert d.touch.damping[C] == pytest.approx(0.5 * damping, rel=1e-9)
+    assert d.touch.beyond[C] == 0
+
+
+@LAWS
+@pytest.mark.parametrize("beyond", [0, 1])
+def test_past_its_kink_a_contact_goes_on_with_the_other_force(law, beyond):
+    """One without a force has one again that rises; one that turned does so no more."""
+    d = arrived(law)
+    begin_contact(d, C)
+    d.touch.beyond[C], d.touch.force_rate[C], d.touch.speed[C] = beyond, -7.0, 3.0
+    assert pass_kink(d, C)
+    assert d.touch.beyond[C] == 1 - beyond
+    assert d.touch.force_rate[C] == (1.0 if beyond and law != "jankowski" else -7.0)
+    assert d.touch.speed[C] == (0.0 if law == "jankowski" else 3.0)
+
+
+def test_no_event_leaves_all_as_it_is():
+    d = arrived()
+    before = d._record.tobytes()
+    assert not nothing(d, C)
+    assert d._record.tobytes() == before
+
+
+@pytest.mark.parametrize(
+    ("kind", "active", "law", "jumped"),
+    [
+        (ONSET, 0, "zhang_sharf", False),
+        (ONSET, 0, "kelvin_voigt", True),
+        (END, 1, "zhang_sharf", False),
+        (END, 1, "kelvin_voigt", True),
+        (RELATCH, 1, "zhang_sharf", True),
+        (KINK, 1, "jankowski", True),
+        (RELEASE, 1, "zhang_sharf", False),
+        (NONE, 1, "zhang_sharf", False),
+    ],
+)
+def test_each_event_has_its_own_effect(kind, active, law, jumped):
+    d = arrived(law, speed=-1.0 if kind == END else 1.0)
+    d.touch.depth_scale[:] = d.touch.impact_speed[:] = d.touch.effective_mass[:] = 1.0
+    others = [1]
+    touch(d, [*others, C] if active else others)
+    d.touch.event[C] = kind
+    flight = d.step.flight_size
+    assert apply_events(d) == jumped
+    assert not d.touch.event.any()
+    assert d.impact.count == (kind == ONSET)
+    assert d.finished.count == (kind == END)
+    left = others + [C] * (kind == ONSET or (active and kind != END))
+    assert d.touch.active_index[: d.touch.active_count].tolist() == left
+    assert d.touch.impact_speed[C] == pytest.approx(2.0 if kind == RELATCH else 1.0, rel=1e-9)
+    assert d.touch.beyond[C] == (kind == KINK)
+    assert d.step.flight_size == flight
+    if kind in {RELATCH, KINK}:
+        assert d.step.next_size == 0.125
+    elif kind == ONSET:
+        assert d.step.next_size == step_size.at_onset(d, C)
+    else:
+        assert d.step.next_size == step_size.at_onset(d, 1)
+
+
+def test_rigid_walls_take_all_events_at_once_and_steps_are_explicit():
+    rng = np.random.default_rng(4)
+    scene, d = chain(rng, 3, model="newton_impact", restitution=0.5)
+    y = struck(rng, d, [C], 0.0)
+    touch(d, [])
+    (gradient,) = gradients(scene, d, y[2:5], [C])
+    y[5:10] -= gradient * (1.0 + gradient @ y[5:10]) / (gradient @ gradient)
+    d.step.state_end[:], d.touch.event[C] = y, ONSET
+    d.step.method, d.step.doubts, d.step.patience = IMPLICIT, 3, 16
+    response = np.linalg.solve(mass_matrix(scene, y[2:5]), gradient)
+    p = complementary_impulses(np.array([[gradient @ response]]), np.array([-1.0]), np.array([0.5]))
+    assert apply_events(d)
+    np.testing.assert_allclose(d.step.state_end[5:10], y[5:10] + response * p, rtol=0, atol=1e-9)
+    assert (d.step.method, d.step.doubts, d.step.patience) == (EXPLICIT, 0, PATIENCE)
+
+
+def test_the_size_of_steps_in_flight_is_kept_when_a_first_contact_begins():
+    d = arrived()
+    d.touch.event[C] = ONSET
+    apply_events(d)
+    assert d.step.flight_size == 0.125
+    # with another contact there is no flight
+    d = arrived(touching=[1])
+    d.touch.impact_speed[:] = d.touch.depth_scale[:] = 1.0
+    d.touch.event[C] = ONSET
+    apply_events(d)
+    assert d.step.flight_size == 0.25
+
+
+@pytest.mark.parametrize("flight", [1e-6, 1e6])
+@pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
+def test_a_flight_goes_on_with_the_steps_of_the_last_one_or_as_links_turn(method, flight):
+    d = arrived()
+    d.inputs.tip_force[:] = 0.3, 0.4
+    d.work.load.x[:] = d.work.load.y[:] = 9.0
+    d.step.flight_size, d.step.method = flight, method
+    choose_size(d, -1, False)
+    turning = step_size.in_flight(d, d.step.state_end, d.work.rate_start)
+    assert turning < 1.0
+    assert d.step.next_size == min(flight, turning)
+    assert vectors(d.work.load).tolist() == [[0.0, 0.0]] * 3 + [[0.3, 0.4]]
+    # no joint resists: explicit steps do
+    assert (d.step.method, d.step.doubts, d.step.patience) == (EXPLICIT, 0, PATIENCE)
+
+
+@pytest.mark.parametrize("onset", [-1, C])
+@pytest.mark.parametrize("goes_on", [False, True])
+@pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
+def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
+    d = arrived(touching=[1, C])
+    d.touch.impact_speed[[1, C]], d.touch.depth_scale[[1, C]] = (1.0, 4.0), (1.0, 0.1)
+    d.step.method = method
+    choose_size(d, onset, goes_on)
+    if onset >= 0:
+        assert d.step.next_size == step_size.at_onset(d, C)
+        assert (d.step.method, d.step.doubts, d.step.patience) == (EXPLICIT, 0, PATIENCE)
+    else:
+        kept = method == IMPLICIT or goes_on
+        assert d.step.next_size == (0.125 if kept else step_size.at_onset(d, 1))
+        assert (d.step.method, d.step.doubts, d.step.patience) == (method, 3, 16)
+
+
+@pytest.mark.parametrize("kind", [NONE, ONSET, END, RELATCH, RELEASE, KINK])
+@pytest.mark.parametrize("regularized", [-1, C, 2])
+def test_a_force_bends_where_it_ends_or_has_its_kink_in_time(regularized, kind):
+    """The end of a regularized contact is smooth in its own variable."""
+    d = arrived()
+    d.touch.event[:] = NONE
+    d.touch.event[C], d.step.regularized = kind, regularized
+    smooth = regularized == C and kind == END
+    assert bends_force(d) == (kind in {END, KINK} and not smooth)
