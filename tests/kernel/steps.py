@@ -11,7 +11,7 @@ from chain_impact.kernel.chain.state import root_at, time_at
 from chain_impact.kernel.integration.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.integration.last_step import SOLVER
 from chain_impact.kernel.integration.method import EXPLICIT
-from tests.kernel.chains import ANGLES, FAR
+from tests.kernel.chains import ANGLES, FAR, chain, touch
 from tests.plain import Plain
 
 # powers of θ and of 1 − θ in the dense output
@@ -84,14 +84,18 @@ def normals_of(d: Plain) -> np.ndarray:
 def gaps_of(d: Plain, y: np.ndarray, candidates: Iterable[int] | None = None) -> np.ndarray:
     """The clearances of candidates for states, shape (…, count), for the offsets of their walls."""
     chosen = list(range(d.candidates)) if candidates is None else list(candidates)
-    places = points_of(d, y)[..., d.candidate.point[chosen]]
-    along = (places * normals_of(d)[chosen].conj()).real
-    return along - d.candidate.offset[chosen] - d.contact.radius
+    return along_normals(d, y, chosen) - d.candidate.offset[chosen] - d.contact.radius
+
+
+def along_normals(d: Plain, y: np.ndarray, candidates: list[int]) -> np.ndarray:
+    """n·p of candidates for states, shape (…, count)."""
+    places = points_of(d, y)[..., d.candidate.point[candidates]]
+    return (places * normals_of(d)[candidates].conj()).real
 
 
 def wall_at(d: Plain, c: int, y: np.ndarray, clearance: float) -> None:
     """Put the wall of candidate c where its point has this clearance [m] in a state."""
-    d.candidate.offset[c] += gaps_of(d, y, [c])[0] - clearance
+    d.candidate.offset[c] = along_normals(d, y, [c])[0] - d.contact.radius - clearance
 
 
 def walls_away(d: Plain) -> None:
@@ -109,3 +113,39 @@ def translation(d: Plain, x: Iterable[float], y: Iterable[float]) -> Motion:
     parts[0, 2:half] = np.linspace(0.2, 1.0, n)
     parts[0, root_at(n)], parts[1, time_at(n)] = 1.0, 1.0
     return Motion(parts)
+
+
+def held_tip(size: float, force: Iterable[float]) -> tuple[Plain, int, Motion]:
+    """A pinned link at rest whose tip a rigid wall holds against its torque: the force is a polynomial.
+
+    Args:
+        size: of the step, which begins at 0 [s].
+        force: of the wall [N], as powers of the fraction of the step, from the lowest.
+
+    Returns:
+        The record, the candidate and the motion.
+    """
+    _, d = chain(np.random.default_rng(2), 1, "pinned", inputs=True, model="newton_impact")
+    motion = translation(d, [0.0], [0.0])
+    walls_away(d)
+    set_step(d, motion, size)
+    c = next(c for c in range(d.candidates) if d.candidate.point[c] == 1)
+    wall_at(d, c, motion.at(0.0), 0.0)
+    touch(d, [c])
+    d.model.gravity[:] = d.model.gravity_size = 0.0
+    course = d.inputs.course
+    course.order, course.middle, course.scale, course.until = 3, 0.0, 1.0 / size, 10.0
+    let_push(d, c, force)
+    return d, c, motion
+
+
+def let_push(d: Plain, c: int, force: Iterable[float]) -> None:
+    """Set the torque of ``held_tip`` to one against which the wall pushes with this force."""
+    angle = d.step.state[2]
+    normal = np.array([d.candidate.normal_x[c], d.candidate.normal_y[c]])
+    lever = d.model.length[0] * np.array([-np.sin(angle), np.cos(angle)]) @ normal
+    powers = d.inputs.course.joint_torque
+    powers[:, 0] = 0.0
+    for m, part in enumerate(force):
+        # F · lever = −u
+        powers[m, 0] = -part * lever

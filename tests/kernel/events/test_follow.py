@@ -29,9 +29,8 @@ from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER
 from chain_impact.kernel.model.contact import contact_force
 from chain_impact.kernel.model.contact_force import latch_damping
 from chain_impact.kernel.model.geometry import clearance
-from tests.kernel.chains import chain, touch
 from tests.kernel.events.test_kinks_of_a_step import DEEP, falling
-from tests.kernel.steps import points_of, set_step, translation, wall_at, walls_away
+from tests.kernel.steps import held_tip, let_push, points_of
 
 K, N = 4.0, 1.5
 FINE = np.linspace(0.0, 1.0, 20001)
@@ -232,25 +231,8 @@ def test_what_contacts_have_come_to_is_noted_at_the_communication_point(impulsiv
 
 @pytest.mark.parametrize("size", [1e-3, 0.2])
 def test_the_peak_of_a_holding_force_is_found_by_parabolas_through_samples(size):
-    """A pinned chain of one link is held at its tip: F L cos θ = m g c cos θ + … − I α is the same in each place.
-
-    So the force is that of the torque, a parabola in time.
-    """
-    _, d = chain(np.random.default_rng(2), 1, "pinned", inputs=True, model="newton_impact")
-    motion = translation(d, [0.0], [0.0])
-    walls_away(d)
-    set_step(d, motion, size)
-    c = next(c for c in range(d.candidates) if d.candidate.point[c] == 1)
-    wall_at(d, c, motion.at(0.0), 0.0)
-    touch(d, [c])
-    d.model.gravity[:] = 0.0
-    course, top = d.inputs.course, 0.6
-    course.order, course.middle, course.scale, course.until = 2, 0.0, 1.0 / size, 10.0
-    normal = np.array([d.candidate.normal_x[c], d.candidate.normal_y[c]])
-    lever = d.model.length[0] * np.array([-math.sin(0.2), math.cos(0.2)]) @ normal
-    # F · lever = −u: a push of 3 − (x − top)²
-    for m, part in enumerate((3.0 - top**2, 2.0 * top, -1.0)):
-        course.joint_torque[m, 0] = -part * lever
+    """3 − (x − 0.6)² is 3 in between; one that only grows or falls is largest at an end."""
+    d, c, motion = held_tip(size, [3.0 - 0.6**2, 1.2, -1.0])
     d.rigid.sample[:] = 0.0
     evaluations = d.statistics.rhs_evaluations
     follow_held(d)
@@ -258,11 +240,11 @@ def test_the_peak_of_a_holding_force_is_found_by_parabolas_through_samples(size)
     assert d.statistics.rhs_evaluations - evaluations == contact_log.HELD_SAMPLES
     there(d, points_of(d, motion.at(size)))
     # at the end of a step in which it grows, and through the door of all contacts
-    course.joint_torque[:3, 0] = -np.array([1.0, 2.0, 0.0]) * lever
+    let_push(d, c, [1.0, 2.0])
     d.touch.peak_force[c] = 0.5
     follow_contacts(d)
     assert d.touch.peak_force[c] == pytest.approx(3.0, rel=1e-9)
-    course.joint_torque[:3, 0] = -np.array([1.0, -0.5, 0.0]) * lever
+    let_push(d, c, [1.0, -0.5])
     d.touch.peak_force[c] = 0.5
     follow_held(d)
     assert d.touch.peak_force[c] == pytest.approx(1.0, rel=1e-9)
