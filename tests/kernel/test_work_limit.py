@@ -1,0 +1,87 @@
+"""Bounds on work and on events: what is counted, over which time, and when it is too much."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.status import EVENT_STORM, OK, STEP_TOO_LONG, TOO_MUCH_WORK
+from chain_impact.kernel.work_limit import (
+    CALL_WORK,
+    EVENT_WINDOW,
+    LONGEST_CALL,
+    MOST_EVENTS,
+    WORK_WINDOW,
+    allow_any_length,
+    check_events,
+    check_work,
+    overdrawn,
+    work_done,
+    work_of_a_call,
+)
+from tests.kernel.chains import chain
+
+
+@pytest.fixture
+def d():
+    """At 5 s, with 700 evaluations at the start of the second and 600 at that of the call."""
+    _, d = chain(np.random.default_rng(0), 3)
+    d.solver.work_limit = 100.0
+    d.statistics.rhs_evaluations, d.limits.other_work = 500, 200
+    d.limits.work_count, d.limits.call_count, d.limits.work_start, d.step.end = 700, 600, 5.0, 5.0
+    return d
+
+
+@pytest.mark.parametrize(("evaluations", "looks", "over"), [(100, 0, False), (0, 100, False), (60, 41, True)])
+def test_all_work_in_a_second_counts(d, evaluations, looks, over):
+    d.statistics.rhs_evaluations += evaluations
+    d.limits.other_work += looks
+    assert work_done(d) == 700 + evaluations + looks
+    assert overdrawn(d) == over
+    assert check_work(d) == (TOO_MUCH_WORK if over else OK)
+    assert WORK_WINDOW == 1.0
+
+
+def test_a_second_begins_where_the_last_one_has_ended(d):
+    d.statistics.rhs_evaluations += 90
+    for end, start, count in ((5.999, 5.0, 700), (6.0, 6.0, 790), (6.5, 6.0, 790), (7.25, 7.25, 790)):
+        d.step.end = end
+        assert check_work(d) == OK
+        assert (d.limits.work_start, d.limits.work_count) == (start, count)
+    d.statistics.rhs_evaluations += 101
+    assert check_work(d) == TOO_MUCH_WORK
+
+
+def test_a_communication_step_may_take_as_much_as_twenty_seconds_may(d):
+    d.limits.work_count = d.limits.call_count + int(LONGEST_CALL) * 100
+    d.statistics.rhs_evaluations, d.limits.other_work = d.limits.work_count, 0
+    assert check_work(d) == OK
+    d.limits.other_work = 1
+    assert check_work(d) == STEP_TOO_LONG
+    allow_any_length(d)
+    assert check_work(d) == OK
+    d.limits.other_work = 101  # but no second may
+    assert check_work(d) == TOO_MUCH_WORK
+
+
+@pytest.mark.parametrize("count", [1, 100])
+def test_a_call_returns_after_as_much_work_of_the_points_of_a_chain(count):
+    _, d = chain(np.random.default_rng(0), count)
+    work = work_of_a_call(d)
+    assert work == int(work)
+    assert CALL_WORK - count <= work * (count + 1) <= CALL_WORK
+
+
+def test_too_many_events_in_a_short_time_are_a_storm(d):
+    limit = MOST_EVENTS * d.candidates
+    d.limits.event_start, d.limits.event_count = 5.0, 7
+    assert check_events(d, limit - 7) == OK
+    assert d.limits.event_count == limit
+    assert check_events(d, 0) == OK
+    assert check_events(d, 1) == EVENT_STORM
+    # a new window
+    d.step.end = math.nextafter(5.0 + EVENT_WINDOW, 0.0)
+    assert check_events(d, 0) == EVENT_STORM
+    d.step.end = 5.0 + EVENT_WINDOW
+    assert check_events(d, 3) == OK
+    assert (d.limits.event_start, d.limits.event_count) == (d.step.end, 3)
