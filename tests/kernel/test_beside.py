@@ -1,13 +1,96 @@
 """What goes on beside a run: nothing in a plain kernel, and all of it in one that carries derivatives."""
 
 import inspect
+from types import SimpleNamespace
+
+import pytest
 
 from chain_impact.kernel import beside
+from chain_impact.kernel.tangent import entry
+from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.kernel.tangent.entry import HOOKS
+from chain_impact.scene.scene import load_scene
+from chain_impact.variables.model import new_instance
+from tests.plain import Plain
+
+FUNCTIONS = [one for _, one in inspect.getmembers(beside, inspect.isfunction)]
+# what each does with every instance of dual numbers: the functions of the kernel, in their order
+DONE = {
+    beside.begin: ["start"],
+    beside.anew: ["start_anew"],
+    beside.step: ["replay"],
+    beside.look: ["set_present"],
+    beside.observe: ["fill_outputs", "trusted"],
+    beside.follow: ["follow_to_present", "move_end"],
+    beside.sound: ["within_bounds"],
+}
 
 
-def test_each_has_a_stand_in_of_the_same_arguments():
-    functions = [one for _, one in inspect.getmembers(beside, inspect.isfunction)]
-    assert set(HOOKS) == set(functions)
-    for function, stand_in in HOOKS.items():
-        assert len(inspect.signature(function).parameters) == len(inspect.signature(stand_in).parameters)
+@pytest.mark.parametrize("function", FUNCTIONS, ids=lambda one: one.__name__)
+def test_nothing_goes_on_beside_a_plain_run(function):
+    d = Plain(new_instance(load_scene("four_link_box"))[0])
+    before = d._record.tobytes()
+    answer = function(*[d, 1.5][: len(inspect.signature(function).parameters)])
+    assert answer is (True if function is beside.sound else None)
+    assert d._record.tobytes() == before
+
+
+@pytest.mark.parametrize("function", FUNCTIONS, ids=lambda one: one.__name__)
+def test_its_stand_in_does_the_same_with_each_instance_of_dual_numbers(function, monkeypatch):
+    count, called = len(inspect.signature(function).parameters), []
+    tangents = [
+        SimpleNamespace(links=4, candidates=20, output=SimpleNamespace(words=[0.0])) for _ in range(3)
+    ]
+    d = SimpleNamespace(tangents=3, beside=tangents, links=4, candidates=20)
+    d.statistics = SimpleNamespace(status=0)
+
+    def note(name):
+        def call(*arguments):
+            assert arguments[0] is d or arguments[0] in tangents
+            called.append((name, next(a for a in arguments if a in tangents), arguments[-1]))
+            return True
+
+        return call
+
+    for name in {name for names in DONE.values() for name in names}:
+        monkeypatch.setattr(entry, name, note(name))
+    answer = HOOKS[function](*[d, 1.5][:count])
+    assert answer is (True if function is beside.sound else None)
+    assert [(name, id(t)) for name, t, _ in called] == [
+        (name, id(t)) for t in tangents for name in DONE[function]
+    ]
+    if function is beside.look:
+        assert all(last == 1.5 for *_, last in called)
+
+
+def test_one_that_does_not_fit_is_not_sound(monkeypatch):
+    tangents = [SimpleNamespace(links=4, candidates=20) for _ in range(2)]
+    d = SimpleNamespace(tangents=2, beside=tangents, links=4, candidates=20)
+    monkeypatch.setattr(entry, "within_bounds", lambda t: t is not d)
+    assert HOOKS[beside.sound](d)
+    for field in ("links", "candidates"):
+        setattr(tangents[1], field, 5)
+        assert not HOOKS[beside.sound](d)
+        setattr(tangents[1], field, getattr(d, field))
+    monkeypatch.setattr(entry, "within_bounds", lambda t: t is not tangents[0])
+    assert not HOOKS[beside.sound](d)
+
+
+@pytest.mark.parametrize(
+    ("trusted", "status", "kept"), [(True, 0, True), (False, 0, False), (True, 3, False)]
+)
+def test_slopes_that_cannot_be_trusted_are_none(trusted, status, kept, monkeypatch):
+    """Their values are."""
+    words = [float(k) for k in range(2 * (1 + DIRECTIONS))]
+    t = SimpleNamespace(output=SimpleNamespace(words=words))
+    d = SimpleNamespace(tangents=1, beside=[t], statistics=SimpleNamespace(status=status))
+    monkeypatch.setattr(entry, "fill_outputs", lambda t: None)
+    monkeypatch.setattr(entry, "trusted", lambda t: trusted)
+    HOOKS[beside.observe](d)
+    found = [number == number for number in words]
+    values = [k % (1 + DIRECTIONS) == 0 for k in range(len(words))]
+    assert found == [one or kept for one in values]
+
+
+def test_each_function_has_a_stand_in():
+    assert set(HOOKS) == set(FUNCTIONS) == set(DONE)

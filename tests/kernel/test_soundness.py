@@ -1,14 +1,25 @@
 """Records that came from outside: what would lead out of them, or keep a caller waiting, is refused."""
 
+import numpy as np
 import pytest
 
-from chain_impact.kernel.soundness import sound
-from chain_impact.kernel.status import LAST_STATUS, STATUS_TEXT
+from chain_impact.kernel import beside, soundness
+from chain_impact.kernel.events.exclusion import FAR
+from chain_impact.kernel.events.kinds import NEIGHBOUR
+from chain_impact.kernel.integration.last_step import SOLVER
+from chain_impact.kernel.integration.methods import METHOD_COUNT, SOLVER_METHODS
+from chain_impact.kernel.integration.sundman import NO_CONTACT
+from chain_impact.kernel.laws.contact_laws import LAW_COUNT
+from chain_impact.kernel.model.inputs import DEGREE
+from chain_impact.kernel.model.latest import LATEST
+from chain_impact.kernel.soundness import sound, within, within_bounds
+from chain_impact.kernel.status import LAST_STATUS, OK, STATUS_TEXT
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.model import Model
 from tests.derivative_scenes import table
+from tests.kernel.chains import chain
 from tests.plain import Plain
 
 
@@ -55,6 +66,85 @@ def test_a_number_out_of_its_range_is_not(d, record, field, value):
 def test_nor_is_one_of_a_candidate(d, field, value):
     d["touch"][field][3] = value
     assert sound(d) == 0
+
+
+# the least and the most of each index of a chain of N links with C candidates and 7 impacts
+BOUNDS = {
+    ("model", "middle"): (0, 3),
+    ("step", "regularized"): (NO_CONTACT, 15),
+    ("step", "method"): (0, METHOD_COUNT - 1),
+    ("step", "made_by"): (0, METHOD_COUNT - 1),
+    ("step", "dense_for"): (0, SOLVER),
+    ("search", "known"): (0, FAR),
+    ("contact", "law"): (1, LAW_COUNT),
+    ("contact", "derived_law"): (0, LAW_COUNT),
+    ("solver", "method"): (1, len(SOLVER_METHODS)),
+    ("statistics", "status"): (OK, LAST_STATUS),
+    ("latest", "kept"): (0, LATEST),
+    ("finished", "count"): (0, None),
+    ("touch", "active_count"): (0, 16),
+    ("touch", "active_index"): (0, 15),
+    ("touch", "active"): (0, 1),
+    ("touch", "event"): (0, NEIGHBOUR),
+    ("touch", "number"): (0, 7),
+    ("candidate", "point"): (0, 3),
+    ("candidate", "wall"): (0, 4 + 15),
+}
+
+
+@pytest.mark.parametrize(("record", "field"), BOUNDS)
+def test_each_index_has_its_least_and_its_most(record, field):
+    least, most = BOUNDS[record, field]
+    _, d = chain(np.random.default_rng(0), 3)
+    d.impact.count = 7
+    assert within_bounds(d)
+    shape = d[record]._record.dtype[field].shape
+    for i in range(shape[0]) if shape else [None]:
+        for bound, beyond in ((least, -1), (most, 1)):
+            for value, fits in ((bound, True), (bound if bound is None else bound + beyond, False)):
+                if value is None:
+                    continue
+                before = d[record][field] if i is None else d[record][field][i]
+                put(d[record], field, i, value)
+                assert bool(within_bounds(d)) == fits
+                put(d[record], field, i, before)
+    assert within_bounds(d)
+
+
+@pytest.mark.parametrize("course", ["given", "inputs"])
+def test_the_order_of_a_course_has_its_bounds(course):
+    _, d = chain(np.random.default_rng(0), 1)
+    for order, fits in ((0, True), (DEGREE, True), (-1, False), (DEGREE + 1, False)):
+        d[course].course.order = order
+        assert bool(within_bounds(d)) == fits
+        d[course].course.order = 0
+
+
+def put(record, field, i, value):
+    if i is None:
+        record[field] = value
+    else:
+        record[field][i] = value
+
+
+def test_a_users_law_is_one_more(monkeypatch):
+    _, d = chain(np.random.default_rng(0), 1)
+    d.contact.law = LAW_COUNT + 1
+    assert not within_bounds(d)
+    monkeypatch.setattr(soundness, "present", lambda: 1)
+    assert within_bounds(d)
+
+
+def test_a_record_is_sound_with_what_is_beside_it(monkeypatch):
+    _, d = chain(np.random.default_rng(0), 1)
+    assert sound(d) == 1
+    monkeypatch.setattr(beside, "sound", lambda d: False)
+    assert sound(d) == 0
+
+
+def test_bounds_belong_to_their_range():
+    found = [within(number, 2, 4) for number in range(1, 6)]
+    assert found == [False, True, True, True, False]
 
 
 @pytest.mark.parametrize(

@@ -9,11 +9,12 @@ from chain_impact.kernel.events.crossing import measure
 from chain_impact.kernel.events.exclusion import FAR, NOTHING, VALUES, known, learn
 from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, REFUSED, RELEASE
 from chain_impact.kernel.events.search import DEEP, EARLY, credible, drop_leaving, find_event, starts_clear
+from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER
 from chain_impact.kernel.integration.method import IMPLICIT
 from tests.kernel.chains import chain, touch
 from tests.kernel.events.test_crossing import first_fall, moving
 from tests.kernel.events.test_kinks_of_a_step import falling
-from tests.kernel.steps import held_tip, points_of, set_step, translation, wall_at, walls_away
+from tests.kernel.steps import gaps_of, held_tip, points_of, set_step, translation, wall_at, walls_away
 
 
 def known_rates(d):
@@ -32,6 +33,8 @@ def test_the_earliest_event_is_that_of_the_motion(seed, near, touching, implicit
     known_rates(d)
     if implicit:
         d.step.made_by = IMPLICIT
+        learn(d, VALUES)  # which a search has left at the end of its interval
+        d.search.clear_start[:] = d.search.clear_start_rate[:] = -7.0
     theta, whose = first_fall(d, motion)
     found = find_event(d)
     if theta < 0.0:
@@ -182,13 +185,23 @@ def test_onsets_of_points_that_move_away_are_dropped():
 def test_an_incredible_touch_refuses_a_step_that_can_be_shorter_and_is_dropped_of_one_that_cannot(
     monkeypatch,
 ):
-    for size, expected in ((1.0, REFUSED), (1e-13, -1.0)):
+    # a step of 1e-12 s, or one that can hardly be told from none, cannot
+    for size, clock, expected in (
+        (1.0, 0.0, REFUSED),
+        (1e-13, 0.0, -1.0),
+        (1e-11, 0.0, REFUSED),
+        (1e-11, 1e4, -1.0),
+    ):
         d = touched(0.3 * size, -1.0, size=size)
+        d.step.start, d.step.end = clock, clock + size
         d.touch.event[:] = NONE
         monkeypatch.setattr(search, "credible", lambda *_: False)
         monkeypatch.setattr(search, "find_crossing", found_leaving)
         assert find_event(d) == expected
         assert d.touch.event[1] == (ONSET if expected == REFUSED else NONE)
+        if expected != REFUSED:
+            # the points are those of its end
+            np.testing.assert_allclose(d.search.clear_end, gaps_of(d, d.step.state_end), rtol=0, atol=1e-11)
 
 
 def found_leaving(d):
@@ -196,3 +209,13 @@ def found_leaving(d):
     measure(d, 0.5)
     d.touch.event[1], d.search.clear_end_rate[1] = ONSET, 1.0
     return 0.5
+
+
+@pytest.mark.parametrize("implicit", [False, True])
+def test_an_explicit_step_whose_ends_do_not_tell_has_its_dense_output_looked_at(implicit):
+    d, _ = moving(0, near=0)
+    d.inputs.course.pace, d.step.dense_for = 1e9, OUTPUTS
+    if implicit:
+        d.step.made_by = IMPLICIT
+    assert find_event(d) == -1.0
+    assert d.step.dense_for == (OUTPUTS if implicit else SOLVER)

@@ -1,7 +1,5 @@
 """What is followed of a contact and logged at its end, on motions in closed form."""
 
-import math
-
 import numpy as np
 import pytest
 

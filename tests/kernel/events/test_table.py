@@ -59,7 +59,7 @@ def test_a_contact_begins_on_its_side_of_the_kink(law):
 @LAWS
 @pytest.mark.parametrize(
     ("times", "speed", "ends"),
-    [(0.9, -0.5, 1), (1.1, -0.5, 0), (0.0, 0.5, 0), (-5.0, -0.5, 1), (0.0, 0.0, 1)],
+    [(0.9, -0.5, 1), (1.1, -0.5, 0), (0.0, 0.5, 0), (-5.0, 0.5, 0), (-5.0, -0.5, 1), (0.0, 0.0, 1)],
 )
 def test_a_contact_ends_that_is_out_of_its_wall_soon(law, times, speed, ends):
     """Within LEFT of δ*/v₀; one that moves inward has not left."""
@@ -192,29 +192,30 @@ def test_a_flight_goes_on_with_the_steps_of_the_last_one_or_as_links_turn(method
     assert (d.step.method, d.step.doubts, d.step.patience) == (EXPLICIT, 0, PATIENCE)
 
 
-@pytest.mark.parametrize("onset", [-1, C])
+@pytest.mark.parametrize("onset", [-1, 0, C])
 @pytest.mark.parametrize("goes_on", [False, True])
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
 def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
-    d = arrived(touching=[1, C])
-    d.touch.impact_speed[[1, C]], d.touch.depth_scale[[1, C]] = (1.0, 4.0), (1.0, 0.1)
+    d = arrived(touching=[0, 1, C])
+    d.touch.impact_speed[[0, 1, C]], d.touch.depth_scale[[0, 1, C]] = (1.0, 1.0, 4.0), (2.0, 1.0, 0.1)
     d.step.method = method
     choose_size(d, onset, goes_on)
     if onset >= 0:
-        assert d.step.next_size == step_size.at_onset(d, C)
+        assert d.step.next_size == step_size.at_onset(d, onset)
         assert (d.step.method, d.step.doubts, d.step.patience) == (EXPLICIT, 0, PATIENCE)
     else:
         kept = method == IMPLICIT or goes_on
-        assert d.step.next_size == (0.125 if kept else step_size.at_onset(d, 1))
+        assert d.step.next_size == (0.125 if kept else step_size.at_onset(d, 0))
         assert (d.step.method, d.step.doubts, d.step.patience) == (method, 3, 16)
 
 
 @pytest.mark.parametrize("kind", [NONE, ONSET, END, RELATCH, RELEASE, KINK])
-@pytest.mark.parametrize("regularized", [-1, C, 2])
-def test_a_force_bends_where_it_ends_or_has_its_kink_in_time(regularized, kind):
+@pytest.mark.parametrize("regularized", [-1, 0, C, 15])
+@pytest.mark.parametrize("whose", [0, C, 15])
+def test_a_force_bends_where_it_ends_or_has_its_kink_in_time(whose, regularized, kind):
     """The end of a regularized contact is smooth in its own variable."""
     d = arrived()
     d.touch.event[:] = NONE
-    d.touch.event[C], d.step.regularized = kind, regularized
-    smooth = regularized == C and kind == END
+    d.touch.event[whose], d.step.regularized = kind, regularized
+    smooth = regularized == whose and kind == END
     assert bends_force(d) == (kind in {END, KINK} and not smooth)

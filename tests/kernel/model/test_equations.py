@@ -5,7 +5,14 @@ import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.springs import spring_energy
-from chain_impact.kernel.chain.state import dissipated_at, omega_at, supplied_at, velocity_at
+from chain_impact.kernel.chain.state import (
+    dissipated_at,
+    omega_at,
+    root_at,
+    supplied_at,
+    time_at,
+    velocity_at,
+)
 from chain_impact.kernel.model.contact import apply_contacts, clear_loads, latch
 from chain_impact.kernel.model.equations import (
     add_spring_moments,
@@ -16,7 +23,16 @@ from chain_impact.kernel.model.equations import (
     state_rate,
 )
 from tests.kernel.chain.test_damped import relative_motion
-from tests.kernel.chains import chain, free_coordinates, gradients, press_in, random_state, struck, vectors
+from tests.kernel.chains import (
+    chain,
+    free_coordinates,
+    gradients,
+    press_in,
+    random_state,
+    struck,
+    touch,
+    vectors,
+)
 from tests.reference import generalized_force, mass_matrix, point_jacobian
 
 CASES = [("free", 1), ("free", 3), ("pinned", 1), ("pinned", 4)]
@@ -105,6 +121,8 @@ def test_the_rate_solves_the_assembled_equations_under_the_present_loads(base, c
     np.testing.assert_allclose(rates(d, rate), expected, rtol=0, atol=1e-10 * np.abs(expected).max())
     assert rate[dissipated_at(count)] == pytest.approx(1.5 + powers[0], rel=1e-13)
     assert rate[supplied_at(count)] == powers[1]
+    # a step in time: there is no root, and time goes on
+    assert (rate[root_at(count)], rate[time_at(count)]) == (0.0, 1.0)
 
 
 @BASES
@@ -182,3 +200,18 @@ def test_in_free_flight_no_point_is_located():
     state_rate(d, y, rate)
     assert rate[supplied_at(3)] == pytest.approx(2.0 * d.work.velocity.x[3])
     assert d.work.velocity.x[3] != 77.0
+    # as does one contact, though nothing drives
+    d.model.driven = 0
+    touch(d, [2])
+    d.work.velocity.x[:] = 77.0
+    state_rate(d, y, rate)
+    assert d.work.velocity.x[3] != 77.0
+
+
+def test_the_inputs_are_those_at_the_time_of_the_state():
+    _, d, y, _ = prepared("pinned", 1)
+    d.inputs.course.order, d.inputs.course.scale, d.step.clock = 1, 1.0, 0.5
+    d.inputs.course.joint_torque[:2, 0] = 1.0, 2.0
+    y[time_at(1)] = 0.25
+    located_rate(d, y, np.zeros(len(y)))
+    assert d.inputs.joint_torque[0] == 1.0 + 2.0 * 0.75
