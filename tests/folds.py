@@ -11,7 +11,6 @@ the least energy whose removal lets no point arrive. It is ½ u⁻·W⁻¹ u⁻ 
 
 from __future__ import annotations
 
-import ctypes
 import math
 from itertools import combinations
 
@@ -22,6 +21,7 @@ from chain_impact.kernel.status import ONSET_DUE
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import Instance
 from tests.draw import Draw
+from tests.kernel_calls import advance_to_onset, let_happen
 from tests.problems import GRAVITY, build
 from tests.reference import clearance_gradient, mass_matrix
 
@@ -85,7 +85,6 @@ def faults(scene: Scene) -> dict[str, float]:
     """
     instance = Instance(scene)
     stop, found = scene.simulation.stop_time, {}
-    address = ctypes.c_void_p(instance._address)
 
     def note(kind: str, value: float, allowed: float) -> None:
         if not value <= allowed:
@@ -98,7 +97,7 @@ def faults(scene: Scene) -> dict[str, float]:
     momentum = math.sqrt(2.0 * mass * there)
     errors = ERRORS * TOLERANCE * there
     for _ in range(MOST_IMPACTS):
-        status = instance._kernel.advance_to_onset(address, ctypes.c_double(stop))
+        status = advance_to_onset(instance, stop)
         before = row(instance)
         note("pull", (after["impulse"] - before["impulse"]).max(), STOP * momentum)
         note("held", before["dissipated"] - after["dissipated"], errors)
@@ -106,7 +105,7 @@ def faults(scene: Scene) -> dict[str, float]:
         if status != ONSET_DUE:
             break
         bound = loss_bound(scene, instance, before)
-        status = instance._kernel.let_happen(address)
+        status = let_happen(instance)
         after = row(instance)
         lost = after["dissipated"] - before["dissipated"]
         note("loss", lost - bound, ROUND_OFF * there)

@@ -45,7 +45,7 @@ def chain(
     inputs: bool = False,
     **contact: Any,
 ) -> tuple[Scene, Plain]:
-    """A chain of ``count`` links, of which all points that move may touch four far walls; its record, initialized.
+    """A chain of ``count`` links, whose points may touch four far walls where they move; its record, initialized.
 
     Args:
         rng: what makes it random.

@@ -31,7 +31,7 @@ class Motion:
 
 
 def free_motion(rng: np.random.Generator, d: Plain, *, speed: float = 2.0, bend: float = 3.0) -> Motion:
-    """A motion of the coordinates of the second degree in time, with their rates and the time in the state."""
+    """A motion of the coordinates of the second degree in time, with their rates and the time."""
     n, half = d.links, d.links + 2
     parts = np.zeros((3, len(d.step.state)))
     parts[0, :half] = rng.uniform(-2.0, 2.0, half)

@@ -122,18 +122,22 @@ def test_nothing_of_an_earlier_run_is_left():
     for name in ("time", "speed", "end", "separation_speed", "peak_force", "max_penetration", "impulse"):
         d.latest[name][:] = 5.0
     forget_run(d)
-    assert not d.work.moment.any() and not d.impulse.total.any()
+    assert not d.work.moment.any()
+    assert not d.impulse.total.any()
     for name in ("active", "active_index", "number"):
         assert not d.touch[name].any()
-    assert (d.touch.event == NONE).all() and d.touch.active_count == 0
+    assert (d.touch.event == NONE).all()
+    assert d.touch.active_count == 0
     assert (d.impact.count, d.impact.last_point, d.impact.last_wall, d.impact.last_speed) == (0, -1, 0, 0.0)
     assert (d.statistics.steps, d.statistics.rejected_steps) == (0, 0)
     assert (d.statistics.rhs_evaluations, d.statistics.implicit_steps) == (0, 0)
     limits = d.limits
     assert (limits.event_count, limits.work_count, limits.call_count, limits.other_work) == (0, 0, 0, 0)
     assert (d.finished.count, d.search.known_for, d.step.breaks) == (0, 0, 0)
-    assert d.latest.kept == 4 and len(d.latest.point) == LATEST
-    assert (d.latest.point == -1).all() and (d.latest.wall == 0).all()
+    assert d.latest.kept == 4
+    assert len(d.latest.point) == LATEST
+    assert (d.latest.point == -1).all()
+    assert (d.latest.wall == 0).all()
     for name in ("time", "speed", "end", "separation_speed", "peak_force", "max_penetration", "impulse"):
         assert not d.latest[name].any()
 
@@ -196,7 +200,8 @@ def test_what_was_given_holds():
     d.given.joint_torque[:], d.given.tip_force[:] = 1.5, (2.0, 3.0)
     take_given(d)
     assert (d.contact.law, d.contact.stiffness, d.contact.restitution) == (3, 5e5, 0.25)
-    assert d.inputs.joint_torque.tolist() == [1.5] * 3 and d.inputs.tip_force.tolist() == [2.0, 3.0]
+    assert d.inputs.joint_torque.tolist() == [1.5] * 3
+    assert d.inputs.tip_force.tolist() == [2.0, 3.0]
 
 
 @pytest.mark.parametrize("law", CONTACT_LAWS.values(), ids=lambda law: law.id)
@@ -290,7 +295,8 @@ def test_a_law_is_derived_when_it_or_its_restitution_has_changed_also_for_contac
     d.touch.depth_scale[:] = 5.0
     d.contact.law = CONTACT_LAWS["newton_impact"].number
     assert derive_law(d) == OK
-    assert d.contact.impulsive and (d.touch.depth_scale == 5.0).all()
+    assert d.contact.impulsive
+    assert (d.touch.depth_scale == 5.0).all()
 
 
 # --- what is refused ---------------------------------------------------------------------------------------

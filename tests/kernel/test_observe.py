@@ -133,6 +133,7 @@ def test_contacts_that_last_are_noted_and_what_goes_on_beside_is_observed(monkey
     monkeypatch.setattr(beside, "observe", lambda d: told.append(d.output.kinetic))
     d.output.kinetic = -1.0
     observe(d)
-    assert told == [d.output.kinetic] and told[0] > 0.0
+    assert told == [d.output.kinetic]
+    assert told[0] > 0.0
     assert d.latest.end[1] == d.step.time
     assert d.latest.impulse[1] == pytest.approx(7.0 + 0.15 - IN, rel=1e-12)

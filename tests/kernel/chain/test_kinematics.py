@@ -1,4 +1,4 @@
-"""Where the points are, how fast they move and how they accelerate, against complex numbers and differences."""
+"""Where the points are, how fast they move and how they accelerate, against complex numbers."""
 
 import numpy as np
 import pytest

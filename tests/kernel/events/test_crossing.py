@@ -102,7 +102,7 @@ def test_the_first_crossing_is_where_the_first_clearance_or_depth_falls_through_
 @pytest.mark.parametrize("depth", [1e-2, 1e-6, 1e-9])
 @pytest.mark.parametrize("falling", [1.0, -1.0])
 def test_a_dip_between_the_ends_of_a_step_is_found(falling, depth):
-    """g = a (t − ½)² − depth: from the first link of a chain that does not turn, a point that dips and returns."""
+    """g = a (t − ½)² − depth: a point of a chain that does not turn dips and returns."""
     _, d = chain(np.random.default_rng(1), 1)
     motion = free_motion(np.random.default_rng(2), d, speed=0.0, bend=0.0)
     c = 1  # the base at the floor

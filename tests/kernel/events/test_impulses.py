@@ -1,4 +1,4 @@
-"""Impacts at rigid walls in plain Python, against Moreau's law by dense matrices and every set of contacts."""
+"""Impacts at rigid walls in plain Python, against Moreau's law by dense matrices."""
 
 import math
 
@@ -171,7 +171,7 @@ def test_points_that_all_but_touch_are_neighbours():
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 1.0])
 def test_an_impact_aims_at_rebounds_of_what_arrives_fast_and_brings_the_rest_to_rest(restitution):
     """e = 0 for a held contact, for one that arrives slowly and for a rebound too slow to leave."""
-    d, y, jacobian, response, w, candidates = touching(1, POINTS, kinds=NONE)
+    d, y, _jacobian, response, w, candidates = touching(1, POINTS, kinds=NONE)
     d.touch.event[candidates] = ONSET, NEIGHBOUR, NONE, ONSET
     speeds = np.array([-1.0, -1.0, -1.0, -0.5 * SLOWEST])
     y[6:12] = response @ np.linalg.solve(w, speeds)
@@ -253,7 +253,7 @@ def test_with_nothing_that_touches_the_loads_are_those_of_a_flight():
 
 
 def test_contacts_that_cannot_be_stopped_by_a_push_are_over():
-    """Their walls would pull by more than errors explain: they leave with what they have, and are put nowhere."""
+    """Their walls would pull by more than errors explain: they leave with what they have."""
     d, y, _, response, w, (first, second) = touching(2, (1, 6), kinds=NONE)
     y[6:12] = response @ (p := np.array([-0.3, 0.7]))
     d.step.state_end[:] = y
@@ -271,7 +271,7 @@ def test_contacts_that_cannot_be_stopped_by_a_push_are_over():
 def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
     """u²/(2 a) is the height of a throw, RISE that which cannot be told from none."""
     for times, stays in ((0.9, True), (1.1, False)):
-        d, y, _, response, w, (c,) = touching(1, (1,), kinds=ONSET)
+        d, _y, _, _response, _w, (c,) = touching(1, (1,), kinds=ONSET)
         latch(d, c)
         d.step.end = 2.0
         touch(d, [c])
@@ -317,7 +317,8 @@ def test_contacts_end_where_they_stand_for_another_law():
         rates.append(max(0.0, clearance(d, c)[1]))
     d.work.velocity.x[:] = 99.0
     end_contacts(d)
-    assert d.touch.active_count == 0 and not d.touch.active.any()
+    assert d.touch.active_count == 0
+    assert not d.touch.active.any()
     np.testing.assert_array_equal(d.finished.separation_speed[:3], rates)
 
 
@@ -333,7 +334,7 @@ def test_contacts_that_no_push_can_bring_to_rest_are_let_go():
 
 
 def test_points_without_a_force_are_put_off_the_wall_and_the_others_stay_on_it():
-    d, y, *_ = touching(1, POINTS[:3], kinds=NONE)
+    d, _y, *_ = touching(1, POINTS[:3], kinds=NONE)
     d.rigid.pressed[:3] = 1, 0, 1
     part(d)
     locate_points(d, d.step.state_end)
@@ -352,7 +353,7 @@ def test_a_release_is_a_first_guess_of_who_is_let_go():
     """Whatever the guess, those are held that a force has to hold."""
     results = []
     for event in (NONE, RELEASE):
-        d, y, _, response, w, candidates = touching(3, kinds=NONE)
+        d, y, _, _response, _w, candidates = touching(3, kinds=NONE)
         y[6:12] = 0.0
         d.step.state_end[:] = y
         d.touch.event[candidates] = event

@@ -41,7 +41,7 @@ SAMPLES = np.linspace(0.0, 1.0, 1001)
 
 
 def stepped(seed, *, size=0.1, near=0.3, count=3, base="free", touching=0, **more):
-    """A step of which all points start at a clearance of about ``near`` [m], and what is in contact as deep."""
+    """A step of which all points start about ``near`` [m] from their walls, or as deep if in contact."""
     rng = np.random.default_rng(seed)
     _, d = chain(rng, count, base, **more)
     motion = free_motion(rng, d)
@@ -97,7 +97,7 @@ def test_contacts_that_cross_their_kink_or_are_pushed_in_are_looked_at():
 
 def test_a_step_in_which_links_turn_far_or_inputs_change_fast_is_looked_at():
     for field in ("turn", "pace", "fade"):
-        d, motion = stepped(0, near=2.0)
+        d, _motion = stepped(0, near=2.0)
         # walls that are no way off the end: what it is known of them is small
         if field == "turn":
             d.work.rate_end[d.links + 4] = 2.0 / d.step.size**2 * 1.1
@@ -112,7 +112,7 @@ def test_a_step_in_which_links_turn_far_or_inputs_change_fast_is_looked_at():
 @pytest.mark.parametrize("active", [False, True])
 @pytest.mark.parametrize(("turn", "fade"), [(0.0, 0.0), (0.9, 0.0), (0.5, 2.0), (0.9, 3.0)])
 def test_clearances_are_clear_by_more_than_their_interpolants_can_be_off(turn, fade, active):
-    """Ten times h⁶ φ⁽⁶⁾/46080, of a stretched chain that turns by ``turn`` and fades by ``fade``: reach ω² ρ⁴.
+    """Ten times h⁶ φ⁽⁶⁾/46080, of a stretched chain that turns and fades: reach ω² ρ⁴.
 
     And what the tolerance allows of a position; nothing moves in this step.
     """

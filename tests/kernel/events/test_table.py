@@ -50,7 +50,8 @@ def test_a_contact_begins_on_its_side_of_the_kink(law):
     d = arrived(law)
     d.touch.beyond[C] = 1
     assert begin_contact(d, C) == JUMPS[law]
-    assert d.touch.active[C] == 1 and d.touch.beyond[C] == 0
+    assert d.touch.active[C] == 1
+    assert d.touch.beyond[C] == 0
     assert d.touch.onset[C] == 1.5
     assert d.touch.impact_speed[C] == pytest.approx(1.0, rel=1e-9)
     assert d.impact.count == 1

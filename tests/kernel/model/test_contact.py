@@ -48,7 +48,7 @@ def in_contact(law="zhang_sharf", touching=3):
 @LAWS
 @pytest.mark.parametrize("touching", [0, 1, 3])
 def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
-    """Q = Σ F ∇g + f_tip·∇p_tip; the power that is lost is what these forces take and the springs do not get."""
+    """Q = Σ F ∇g + f_tip·∇p_tip; the power that is lost is what the springs do not get."""
     scene, d, y, candidates, jacobian = in_contact(law, touching)
     d.work.load.x[:] = d.work.load.y[:] = 9.0  # of another state
     rates = jacobian @ y[5:10]
@@ -122,7 +122,7 @@ def test_a_contact_begins_with_what_the_impact_is(law, speed):
     shift = -speed - gradient @ y[5:10]
     normal = d.candidate.normal_x[c], d.candidate.normal_y[c]
     for part, n in zip((d.work.velocity.x, d.work.velocity.y), normal, strict=True):
-        part += shift * n
+        part[:] = part + shift * n
     for field in ("peak_force", "max_penetration", "force_end", "force_rate"):
         d.touch[field][c] = 7.0
     d.step.end, d.impulse.total[c], d.impact.count = 1.25, 3.5, 4

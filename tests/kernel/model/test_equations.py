@@ -78,7 +78,7 @@ def test_moments_of_the_springs_are_the_slopes_of_their_energy(base, count):
 @BASES
 @pytest.mark.parametrize("sprung", [0, 1])
 def test_moments_of_the_joints_act_on_both_links_and_their_powers_are_theirs(base, count, sprung):
-    """Gᵀ (u − c G ω), with G ω the rates of the joints; lost is Σ c (G ω)², supplied u·G ω and that at the tip."""
+    """Gᵀ (u − c G ω), with G ω the rates of the joints; lost is Σ c (G ω)², supplied u·G ω + f·v."""
     scene, d, y, joints = prepared(base, count)
     d.model.sprung = sprung
     dissipated, supplied = joint_moments(d, y)

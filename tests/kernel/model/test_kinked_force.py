@@ -149,8 +149,9 @@ def test_the_share_of_damping_is_that_of_the_force_at_the_expected_depth(law):
     assert damping_share(d, 0) >= 0.0
 
 
-def own_force(depth, rate, speed, mass, stiffness, exponent, restitution):
+def own_force(*arguments):
     """A user's law of all that it may ask for."""
+    depth, rate, speed, mass, stiffness, exponent, restitution = arguments
     return stiffness * depth**exponent * (1.0 + restitution * rate / speed) + mass * rate * depth
 
 

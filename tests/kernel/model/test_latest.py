@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene, simulate
-from chain_impact.kernel.model.latest import LATEST
+from chain_impact.kernel.model.latest import LATEST, forget_impacts, list_impact, note_impact
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
+from tests.kernel.chains import chain
 
 FIELDS = {
     "time": "onset",
@@ -98,3 +99,40 @@ def test_a_peak_before_the_wall_got_softer_is_kept():
     instance.record["given"]["changed"] = 1
     instance.advance(first["onset"] + 0.1)
     assert instance.collect()[0]["peak_force"] == pytest.approx(first["peak_force"], rel=1e-6)
+
+
+NOTED = ("end", "separation_speed", "peak_force", "max_penetration", "impulse")
+
+
+@pytest.mark.parametrize("kept", [0, 1, 3, LATEST])
+def test_each_row_is_an_impact_and_keeps_what_it_has_come_to(kept):
+    """Against a list in Python: impacts begin at random candidates, and lasting ones are noted later."""
+    rng = np.random.default_rng(kept)
+    _, d = chain(rng, 2)
+    d.latest.kept = kept
+    forget_impacts(d)
+    rows, lasting = [], {}
+    for number in range(1, 2 * LATEST):
+        c, time, speed = int(rng.integers(d.candidates)), float(number), rng.uniform()
+        impact = d.impact
+        impact.count, impact.last_time, impact.last_speed = number, time, speed
+        impact.last_point, impact.last_wall = number % 3, number % 4 + 1
+        list_impact(d, c)
+        assert d.touch.number[c] == number
+        own = {"time": time, "point": number % 3, "wall": number % 4 + 1, "speed": speed}
+        rows.insert(0, own | dict(zip(NOTED, (time, -speed, 0.0, 0.0, 0.0), strict=True)))
+        lasting[c] = rows[0]
+        other = list(lasting)[int(rng.integers(len(lasting)))]
+        values = rng.uniform(size=5)
+        note_impact(d, other, *values)
+        lasting[other].update(zip(NOTED, values, strict=True))
+        for row, expected in enumerate(rows[:kept]):
+            for name, value in expected.items():
+                assert d.latest[name][row] == value
+    # no row is written that is not wanted, but for the newest
+    assert (d.latest.point[max(1, kept) :] == -1).all()
+    assert not d.latest.end[kept:].any()
+    forget_impacts(d)
+    assert (d.latest.point == -1).all()
+    for name in ("time", "wall", "speed", *NOTED):
+        assert not d.latest[name].any()

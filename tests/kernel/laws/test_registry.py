@@ -1,0 +1,58 @@
+"""How laws are registered, and the two relations that several laws share."""
+
+import math
+
+import pytest
+
+from chain_impact.kernel.laws import registry
+from chain_impact.kernel.laws.contact_laws import _logarithmic_damping, _slowing
+from chain_impact.kernel.laws.registry import contact_law
+
+
+@pytest.mark.parametrize("options", [{}, {"allows_zero": False, "exponent": 1.5, "rate_exponent": 0.25}])
+def test_a_law_is_registered_under_the_name_of_its_function(options, monkeypatch):
+    """In the order in which they come; its docstring tells its limits, on one line."""
+    laws = {}
+    monkeypatch.setattr(registry, "CONTACT_LAWS", laws)
+
+    def one(e):
+        """Good for
+        nothing.
+        """
+        return 2.0 * e
+
+    def other(e):
+        """Likewise."""
+        return e
+
+    register = contact_law("Title", "Source", "2e", accurate=(0.25, 0.75), evidence="D", **options)
+    assert register(one) is one
+    contact_law("Other", "Source", "e", accurate=(0.0, 1.0), evidence="E", impulsive=True)(other)
+    assert list(laws) == ["one", "other"]
+    law = laws["one"]
+    assert (law.id, law.number, law.title, law.source, law.formula) == ("one", 1, "Title", "Source", "2e")
+    assert (law.limits, law.evidence) == ("Good for nothing.", "D")
+    assert (law.accurate_from, law.accurate_to, law.damping_factor) == (0.25, 0.75, one)
+    assert law.allows_zero == ("allows_zero" not in options)
+    assert (law.exponent, law.rate_exponent) == (options.get("exponent"), options.get("rate_exponent"))
+    assert (law.mass_power, law.approach_only, law.impulsive) == (0.0, False, False)
+    assert laws["other"].number == 2
+    assert laws["other"].impulsive
+
+
+@pytest.mark.parametrize("e", [0.05, 0.3, 0.9, 1.0])
+@pytest.mark.parametrize("scale", [1.0, 2.0, math.sqrt(5.0)])
+def test_the_half_cycles_of_a_linear_oscillator_shrink_to_the_restitution(scale, e):
+    """By exp(−π ζ/√(1 − ζ²))."""
+    ratio = _logarithmic_damping(scale, e) / scale
+    assert 0.0 <= ratio < 1.0
+    assert math.exp(-math.pi * ratio / math.sqrt(1.0 - ratio**2)) == pytest.approx(e, rel=1e-13)
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.7, 30.0])
+def test_a_viscoelastic_sphere_is_slowed_by_its_force(damping):
+    """dw/ds = −F dt/ds with F = δ^{3/2} + g δ^{1/2} δ̇, δ = z² and dt = 2 z ds."""
+    for z in (0.0, 0.2, 1.3):
+        for w in (-0.8, 0.0, 1.0):
+            force = (z * z) ** 1.5 + damping * math.sqrt(z * z) * w
+            assert _slowing(z, w, damping) == pytest.approx(-force * 2.0 * z, rel=1e-14)
