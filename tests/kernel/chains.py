@@ -45,7 +45,7 @@ def chain(
     inputs: bool = False,
     **contact: Any,
 ) -> tuple[Scene, Plain]:
-    """A chain of ``count`` links, whose points may touch four far walls where they move; its record, initialized.
+    """A chain of ``count`` links, whose points may touch four far walls where they move, and its record.
 
     Args:
         rng: what makes it random.
