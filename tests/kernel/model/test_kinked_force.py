@@ -153,7 +153,7 @@ def test_the_share_of_damping_is_the_factor_of_the_family(law):
 
 @LAWS
 def test_the_share_of_damping_is_that_of_the_force_at_the_expected_depth(law):
-    d = contact_of(law.id, 0.5)
+    d = contact_of(law.id)
     d.touch.depth_scale[0] = 2e-3
     force, elastic = uncut_force(d, 0, 2e-3, SPEED, False)
     assert damping_share(d, 0) == pytest.approx(force / elastic - 1.0, abs=1e-12)
