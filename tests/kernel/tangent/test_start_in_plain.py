@@ -127,7 +127,8 @@ def test_a_course_is_taken_with_the_derivatives_of_its_constants(both, order):
 def test_the_inputs_that_hold_are_the_constants_of_their_course(both):
     d, t = both
     d.inputs.course.order = 1
-    d.inputs.course.joint_torque[:], d.inputs.course.tip_force[:] = 7.0, 8.0
+    d.inputs.course.joint_torque[:], d.inputs.course.tip_force[:] = 9.0, 9.0
+    d.inputs.course.joint_torque[0], d.inputs.course.tip_force[0] = 7.0, 8.0
     follow_inputs(d, t)
     own = t.inputs
     assert list(own.joint_torque) == list(own.course.joint_torque[0])
@@ -140,9 +141,11 @@ def test_what_was_given_holds_with_its_derivatives(both):
     d, t = both
     d.given.law, d.given.stiffness, d.given.restitution = 3, 5e5, 0.25
     d.given.joint_torque[:], d.given.tip_force[:] = 1.5, (2.0, 3.0)
+    d.given.course.order, d.given.course.until = 1, 6.5
     before = {name: slopes(getattr(t.given, name)) for name in GIVEN}
     take_given_of(d, t)
     assert t.contact.law == t.given.law == 3
+    assert (t.inputs.course.order, t.inputs.course.until) == (1, 6.5)
     for place, names in ((t.contact, GIVEN[:2]), (t.inputs, GIVEN[2:])):
         for name in names:
             np.testing.assert_array_equal(values(getattr(place, name)), d.given[name])
@@ -218,7 +221,7 @@ def test_it_starts_as_the_instance_does(twins):
 
 
 @pytest.mark.parametrize("law", ["hunt_crossley", "newton_impact"])
-def test_it_starts_anew_from_the_end_of_its_step_with_what_was_given(twins, law):
+def test_it_starts_anew_from_the_end_of_its_step_with_what_was_given(twins, law, monkeypatch):
     """Contacts that last take the new law; those at rigid walls stay as they are."""
     d, t = twins
     assert initialize(d, 0.0) == OK
@@ -235,7 +238,10 @@ def test_it_starts_anew_from_the_end_of_its_step_with_what_was_given(twins, law)
     d.contact.law, d.contact.stiffness, d.contact.restitution = number, 3e5, 0.8
     assert derive_law(d) == OK
     t.work.load.x[:], t.touch.beyond[4], t.step.time = 9.0, 5, 1.0
+    told = []
+    monkeypatch.setattr(starts, "hold_anew", lambda *arguments: told.append(arguments))
     start_anew(d, t)
+    assert told == [(t, 0)]  # the walls were not rigid
     assert t.step.time == t.step.start == t.step.end == 2.5
     np.testing.assert_array_equal(t.step.state[:-2], y[:-2])
     assert vectors(t.work.load).tolist() == [[0.0, 0.0], [0.0, 0.0], [5.0, 6.0]]
