@@ -1,5 +1,6 @@
 """When implicit steps are taken for joints' damping, and that what is not stiff does without."""
 
+import numpy as np
 import pytest
 
 from chain_impact import simulate
@@ -7,7 +8,7 @@ from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.integration.switching import PATIENCE
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
-from tests.problems import stiff_joint
+from tests.problems import build, contact_table, stiff_joint
 
 
 def test_light_damping_stays_explicit():
@@ -63,6 +64,31 @@ def test_rigid_walls_alone_make_nothing_stiff():
     result = simulate(with_values(stiff_joint(0.0), changes))
     assert len(result.impacts) > 3
     assert result.statistics["implicit_steps"] == 0
+
+
+@pytest.mark.parametrize("stiffness", [1e6, 1e8, 1e10])
+def test_a_contact_that_rings_for_long_has_implicit_steps(stiffness):
+    """A tip settles on a wall and swings there, hardly damped: 4,900 explicit steps at 1e10."""
+    links = [{"length": length, "mass": 1.0, "joint_damping": 0.5} for length in (0.5, 0.4)]
+    start = {"position": [0.0, 0.0], "angles": [-0.6, -0.9]}
+    contact = contact_table(model="flores", stiffness=stiffness, restitution=0.1, points=[2])
+    scene = build(
+        "Tip",
+        links,
+        start,
+        {"y_min": -0.6},
+        contact,
+        gravity=9.81,
+        stop_time=0.5,
+        base="pinned",
+        tolerance=1e-8,
+    )
+    result = simulate(scene)
+    assert len(result.impacts) > 0
+    assert result.statistics["implicit_steps"] > 5
+    assert result.statistics["steps"] < 200
+    exact = simulate(scene, tolerance=1e-12, method="explicit")
+    assert np.abs(result.angles[-1] - exact.angles[-1]).max() < 1e-7
 
 
 def test_the_count_does_not_depend_on_the_communication_step():
