@@ -5,6 +5,8 @@ look at. In the others crossings come first, and then what is looked for up to t
 happen, table.py lists.
 """
 
+import math
+
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.events.crossing import SIMULTANEOUS, bound_curvature, find_crossing, measure
@@ -21,7 +23,7 @@ from chain_impact.kernel.events.kinds import END, ONSET, REFUSED
 from chain_impact.kernel.events.kinks import find_kink
 from chain_impact.kernel.events.relatch import find_relatch
 from chain_impact.kernel.events.release import find_release
-from chain_impact.kernel.integration.dense import interpolate_component
+from chain_impact.kernel.integration.dense import interpolate, interpolate_component
 from chain_impact.kernel.integration.last_step import SOLVER, complete
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.model.constraints import holding
@@ -117,21 +119,49 @@ def starts_clear(d, lasted):
 def arrival(d):
     """The fraction θ of the last step, which has landed on events, at which onsets among them are; or −1.
 
-    It is 1 but for what the interpolant was off where they were found: a step of Newton's method settles it.
-    REFUSED when it is not. In a step that time hardly resolves it is the end.
+    It is 1 but for what the interpolant was off where they were found. Two steps of Newton's method settle
+    it, which may go a little beyond the end. REFUSED when points are deep inside then, or far from an onset.
+    In a step that time hardly resolves it is the end.
     """
-    theta = -1.0
     if d.step.end - d.step.start <= SIMULTANEOUS + RESOLVED * abs(d.step.end):
-        return theta
-    locate_points(d, d.step.state_end)
+        return -1.0
+    late = lateness(d, d.step.state_end)
+    if late == -math.inf:
+        return -1.0
+    theta = 1.0 - late
+    if not abs(late) <= LANDED:
+        return REFUSED
+    complete(d, SOLVER)
+    interpolate(d.step, theta, d.work.y)
+    theta -= lateness(d, d.work.y)
+    interpolate(d.step, theta, d.work.y)
+    late = lateness(d, d.work.y)
+    return theta if abs(late) <= LANDED and deepest_onset(d) <= DEEP * d.model.size else REFUSED
+
+
+def lateness(d, y):
+    """How long before a state of the last step onsets are, over the size of the step; locates the points.
+
+    That of the earliest onset; ∞ when a point does not arrive, or is far from its onset; −∞ without onsets.
+    """
+    locate_points(d, y)
+    latest = -math.inf
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET:
             gap, gap_rate = clearance(d, c)
             late = gap / (gap_rate * d.step.size)
-            if not (gap_rate < 0.0 and abs(late) <= LANDED):
-                return REFUSED
-            theta = 1.0 - late if theta < 0.0 else min(theta, 1.0 - late)
-    return theta
+            latest = max(latest, late if gap_rate < 0.0 and abs(late) <= LANDED else math.inf)
+    return latest
+
+
+def deepest_onset(d):
+    """How deep [m] the points that arrive are inside their walls, as they are located."""
+    deepest = 0.0
+    for c in range(d.candidates):
+        if d.touch.event[c] == ONSET:
+            gap, _ = clearance(d, c)
+            deepest = max(deepest, -gap)
+    return deepest
 
 
 def drop_leaving(d, theta):

@@ -58,8 +58,9 @@ SLOW = 0.2  # θ of Newton's iteration from which on shorter steps are cheaper
 LATE, DIVERGED = 40.0, 700.0
 # how far beyond its step the last polynomial of degree 5, 4 and 3 foretells the next stages, in its steps
 FORETOLD = (1.2, 2.0, 3.0)
-# In evaluations: a real factorization costs 1 and a solution .7, complex ones 2.5 times as much.
-FACTORIZATIONS, SOLUTIONS = 6, 4
+# In evaluations: a real factorization costs 1 and a solution .7, complex ones 2.5 times as much; the estimate
+# of the error and the move to the clearances take four real solutions.
+FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
 BEYOND = 1.04  # times the way to the end of a contact: the end foretold is right to some hundredths
 LEFT = 1e-3  # of a step, in which a point leaves its wall and has no force any more
 FADED = 3.0  # of the time constant of a fast motion: the first step after an event at a tolerance of 1
@@ -194,7 +195,7 @@ def attempt(d, h):
     foretell(d, h, size)
     solved = _converge(d, h, size)
     d.statistics.rhs_evaluations += STAGES * own.iterations
-    d.limits.other_work += FACTORIZATIONS + SOLUTIONS * own.iterations
+    d.limits.other_work += FACTORIZATIONS + SOLUTIONS * own.iterations + ESTIMATE
     d.step.ease = 1.0
     if not solved:
         own.slowness = UNKNOWN

@@ -113,7 +113,7 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
             correct(d, h, size)
             own.iterations = k
             if not own.correction < FARTHEST:
-                own.contraction = DIVERGES
+                own.contraction = math.inf
                 return False
             if k > 1:
                 theta = own.correction / before if before > 0.0 else 0.0

@@ -57,7 +57,8 @@ def choose_method(d):
                 step.patience *= 2
                 step.method = EXPLICIT
             else:
-                step.explicit_size = step.end - step.start
+                # one that an event or an input has cut short tells nothing
+                step.explicit_size = step.end - step.start if step.kept == 1.0 else 0.0
                 step.method = IMPLICIT
 
 
