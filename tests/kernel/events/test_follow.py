@@ -1,10 +1,7 @@
 """What is followed of a contact and logged at its end, on motions in closed form."""
 
-<<<<<<< HEAD
-=======
 import math
 
->>>>>>> unit
 import numpy as np
 import pytest
 
@@ -84,8 +81,6 @@ def test_peaks_are_the_largest_values_on_the_way(size):
     there(d, points_of(d, motion.at(size)))
 
 
-<<<<<<< HEAD
-=======
 def test_all_contacts_are_followed():
     d, _ = falling(TURNING, law="zhang_sharf", touching=(1, 5))
     d.touch.speed[[1, 5]], d.touch.force_rate[[1, 5]] = 0.5, 1.0
@@ -106,7 +101,6 @@ def test_what_only_falls_has_no_peak_to_look_for():
     assert not elsewhere
 
 
->>>>>>> unit
 def test_a_peak_that_was_larger_before_is_kept():
     d, _ = pressed(TURNING)
     d.touch.peak_force[1], d.touch.max_penetration[1] = 1e3, 2e3
@@ -169,18 +163,12 @@ def test_a_sample_is_the_force_or_the_depth_there(theta):
 def test_a_maximum_is_found_by_parabolas_wherever_it_is(height, until):
     d, _ = pressed(height)
     found = maximum(d, 1, PENETRATION, d.step.start + until)
-<<<<<<< HEAD
-    values = depth(FINE * until, height)
-    assert found == pytest.approx(values.max(), rel=2e-6 if 0.2 < FINE[values.argmax()] < 0.9 else 1e-3)
-    assert found <= values.max() * (1.0 + 1e-7)
-=======
     tops = np.polynomial.polynomial.polyroots(np.polynomial.polynomial.polyder(height))
     places = [0.0, until, *(t.real for t in tops if abs(t.imag) < 1e-12 and 0.0 < t.real < until)]
     most, place = max((depth(t, height), t) for t in places)
     # near an end the last parabola does not reach the top
     inside = 0.2 < place / until < 0.9
     assert found == pytest.approx(most, rel=2e-8 if inside else 1e-3)
->>>>>>> unit
 
 
 def test_the_rate_of_a_force_is_that_along_the_motion():
@@ -226,11 +214,6 @@ def test_contacts_are_followed_to_the_communication_point_at_no_work(monkeypatch
     # and what goes on beside
     told = []
     monkeypatch.setattr(beside, "follow", told.append)
-<<<<<<< HEAD
-    follow_to_now(d)
-    assert told == [d]
-    assert d.step.end == d.step.time
-=======
     d, _ = pressed(TURNING)
     d.step.time, d.work.rate_end[:] = d.step.start + 0.25, math.nan
     follow_to_now(d)
@@ -240,7 +223,6 @@ def test_contacts_are_followed_to_the_communication_point_at_no_work(monkeypatch
     # the accelerations are those there
     assert math.isfinite(d.touch.force_rate[1])
     there(d, points_of(d, d.step.state_end))
->>>>>>> unit
 
 
 @pytest.mark.parametrize("kept", [0, 4])
@@ -288,14 +270,9 @@ def test_the_peak_of_a_holding_force_is_found_by_parabolas_through_samples(size)
     there(d, points_of(d, motion.at(size)))
     # at the end of a step in which it grows, and through the door of all contacts
     let_push(d, c, [1.0, 2.0])
-<<<<<<< HEAD
-    d.touch.peak_force[c] = 0.5
-    follow_contacts(d)
-=======
     d.touch.peak_force[c], d.touch.force_rate[c] = 0.5, 77.0
     follow_contacts(d)
     assert d.touch.force_rate[c] == 77.0
->>>>>>> unit
     assert d.touch.peak_force[c] == pytest.approx(3.0, rel=1e-9)
     let_push(d, c, [1.0, -0.5])
     d.touch.peak_force[c] = 0.5

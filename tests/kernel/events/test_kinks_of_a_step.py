@@ -130,15 +130,11 @@ def test_a_force_is_cut_off_where_it_comes_to_zero(law):
     assert d.touch.beyond[1] == 0
     end = 0.55
     locate_at(d, end)
-<<<<<<< HEAD
-    assert find_kink(d, end) == pytest.approx(low, abs=1e-14)
-=======
     found = find_kink(d, end)
     assert found == pytest.approx(low, abs=1e-14)
     # the points are there, and not where it was searched for others
     height = np.polynomial.polynomial.polyval(found, [0.0, -0.1, 0.05, 1.5])
     assert d.work.position.y[0] == pytest.approx(height, abs=1e-13)
->>>>>>> unit
     assert d.touch.event[1] == KINK
 
 
@@ -192,11 +188,7 @@ def test_a_kink_comes_after_the_event_that_was_found_before():
     for touched, found in ((0.3, 0.3), (0.7, 0.5)):
         d.touch.event[:] = NONE
         d.touch.event[4] = END
-<<<<<<< HEAD
-        d.touch.crossed[:] = 0
-=======
         d.touch.crossed[:] = 1  # a stage was beyond it
->>>>>>> unit
         locate_at(d, touched)
         assert find_kink(d, touched) == pytest.approx(found, abs=1e-14)
         assert d.touch.event[4] == (END if found == touched else NONE)
@@ -238,11 +230,7 @@ def test_a_contact_is_latched_anew_where_it_is_pushed_in_at_twice_its_speed():
 def test_only_what_happens_before_counts(touched, expected):
     d, _ = falling([0.0, 0.0, -1.0], law="zhang_sharf")
     d.touch.impact_speed[1] = 0.37 if touched > 0.0 else 1.5
-<<<<<<< HEAD
-    d.touch.event[4] = END
-=======
     d.touch.event[4], d.touch.speed[1] = END, 10.0  # so that it is looked at
->>>>>>> unit
     locate_at(d, abs(touched))
     assert find_relatch(d, touched) == pytest.approx(expected, abs=2e-12)
     assert d.touch.event[4] == (NONE if expected == 0.37 else END)

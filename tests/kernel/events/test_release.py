@@ -89,14 +89,9 @@ def test_the_strongest_force_is_that_of_gravity_and_of_turning_links(omega, alph
     ("theta", "expected"), [(0.1, False), (FALLS - 1e-6, False), (FALLS + 1e-6, True), (1.0, True)]
 )
 def test_a_wall_pulls_from_there_on(theta, expected):
-<<<<<<< HEAD
-    d, c = released()
-    assert pulls(d, -1, theta) == expected
-=======
     d, _ = released()
     assert pulls(d, -1, theta) == expected
     d, c = released()
->>>>>>> unit
     mark_pulling(d, theta)
     assert d.touch.event[c] == (RELEASE if expected else NONE)
     assert not np.delete(d.touch.event, c).any()
@@ -104,13 +99,8 @@ def test_a_wall_pulls_from_there_on(theta, expected):
 
 def test_a_pull_by_round_off_is_none():
     for times in (0.5, 2.0):
-<<<<<<< HEAD
-        d, c = released(force=(0.0,))
-        d, c = released(force=(-times * pull_limit(d),))
-=======
         limit = pull_limit(released()[0])
         d, c = released(force=(-times * limit,))
->>>>>>> unit
         assert pulls(d, -1, 0.5) == (times > 1.0)
         mark_pulling(d, 0.5)
         assert d.touch.event[c] == (RELEASE if times > 1.0 else NONE)

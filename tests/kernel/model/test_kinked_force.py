@@ -1,22 +1,15 @@
 """The force on either side of its kink, and what is found of a contact at its onset."""
 
-<<<<<<< HEAD
-=======
 import functools
->>>>>>> unit
 import math
 
 import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS
-<<<<<<< HEAD
-from chain_impact.kernel.laws import user_law
-=======
 from chain_impact.kernel import initialize
 from chain_impact.kernel.laws import user_law
 from chain_impact.kernel.laws.contact_laws import damping_factor
->>>>>>> unit
 from chain_impact.kernel.model import contact_force as forces
 from chain_impact.kernel.model.contact_force import (
     TURNED,
@@ -44,8 +37,6 @@ DEPTHS, RATES = (1e-6, 1e-3, 0.1), (-40.0, -1.0, -1e-3, 0.0, 1e-3, 1.0)
 EXPONENTS = (0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 2.2)
 
 
-<<<<<<< HEAD
-=======
 FACTOR = functools.cache(damping_factor)  # that of Kuwabara and Kono takes an integration
 
 
@@ -54,7 +45,6 @@ def _factors_once(monkeypatch):
     monkeypatch.setattr(initialize, "damping_factor", FACTOR)
 
 
->>>>>>> unit
 @pytest.mark.parametrize("exponent", EXPONENTS)
 def test_a_power_is_that_of_every_exponent(exponent):
     for depth in (1e-9, 0.3, 1.0, 7.0):
@@ -128,11 +118,7 @@ def test_the_depth_and_the_damping_follow_from_the_impact(law, stiffness, speed,
         0.5 * mass * speed**2, rel=1e-12
     )
     latch_damping(d, 0)
-<<<<<<< HEAD
-    s, f = law.mass_power, law.damping_factor(0.3)
-=======
     s, f = law.mass_power, FACTOR(law.number, 0.3)
->>>>>>> unit
     expected = f * stiffness ** (1 - s) * mass**s / (speed if s == 0.0 else 1.0)
     assert d.touch.damping[0] == pytest.approx(expected, rel=1e-12)
     assert d.touch.kink_margin[0] == (turning_margin(d, 0) if law.approach_only else 0.0)
@@ -162,20 +148,12 @@ def test_a_force_may_jump_where_its_damping_does_not_fade_with_the_depth(law):
 def test_the_share_of_damping_is_the_factor_of_the_family(law):
     d = contact_of(law.id, 0.8)
     foresee_depth(d, 0)
-<<<<<<< HEAD
-    assert damping_share(d, 0) == pytest.approx(law.damping_factor(0.8), abs=1e-12)
-=======
     assert damping_share(d, 0) == pytest.approx(FACTOR(law.number, 0.8), abs=1e-12)
->>>>>>> unit
 
 
 @LAWS
 def test_the_share_of_damping_is_that_of_the_force_at_the_expected_depth(law):
-<<<<<<< HEAD
-    d = contact_of(law.id, 0.5)
-=======
     d = contact_of(law.id)
->>>>>>> unit
     d.touch.depth_scale[0] = 2e-3
     force, elastic = uncut_force(d, 0, 2e-3, SPEED, False)
     assert damping_share(d, 0) == pytest.approx(force / elastic - 1.0, abs=1e-12)
@@ -228,10 +206,6 @@ def test_the_laws_own_force_holds_where_no_users_law_is_linked(own, monkeypatch)
     monkeypatch.undo()
     force, elastic = uncut_force(own, 0, 1e-3, 0.5, False)
     assert force == pytest.approx(
-<<<<<<< HEAD
-        elastic * (1.0 + CONTACT_LAWS["zhang_sharf"].damping_factor(0.3) * 0.5 / SPEED)
-=======
         elastic * (1.0 + FACTOR(CONTACT_LAWS["zhang_sharf"].number, 0.3) * 0.5 / SPEED)
->>>>>>> unit
     )
     assert np.isfinite(law_slopes(own, 0, 1e-3, 0.5)).all()
