@@ -35,7 +35,7 @@ HARSH = 7 * 10**6  # all that is hard, and the default limit of work (benchmarks
 MOST_LINKS, LONG_LINKS = 10, (11, 60)
 HARD_WORK = 5e4  # evaluations, for a scene that asks for much
 TURNS = 300.0  # rad, at most, that a link turns by, as it starts
-IMPLICIT_STEPS = 1e4  # of the method of order 3, as estimated
+IMPLICIT_STEPS = 1e4  # for which stop times are drawn, estimated for a method of order 3
 
 STARTS = ("thrown", "dropped", "spinning", "resting", "gliding", "leaving")
 SHARES = (0.25, 0.12, 0.13, 0.2, 0.2, 0.1)

@@ -21,12 +21,6 @@ from chain_impact.kernel.model.geometry import along_normal, clearance
 LARGEST_ERROR = 0.01
 
 
-def scaled_error(d, row):
-    """The largest scaled component of one error estimate: ``scaled_errors`` has two."""
-    worst, _ = scaled_errors(d, row, row)
-    return worst
-
-
 def scaled_errors(d, row, other_row):
     """The largest scaled components of two error estimates in ``work.error``, for the result in ``work.y``.
 
