@@ -14,7 +14,6 @@ from chain_impact.variables.model import Model
 from chain_impact.variables.units import in_order, unit_of
 from chain_impact.variables.variable import OBSERVED, Variable
 
-"""Units, and those in which a tool may show them."""
 RATES = {
     "point_velocity": "point_position",
     "point_acceleration": "point_velocity",

@@ -27,7 +27,11 @@ TUPLES = {
 }
 """What FMI 3.0 calls the platforms (2.5.1.4.1)."""
 TABLE = "resources/model.bin"
-TOOL = f"chain-impact {version('chain-impact')}"
+
+
+def tool() -> str:
+    """What has made the FMU. The package has no version yet where its wheel is built."""
+    return f"chain-impact {version('chain-impact')}"
 
 
 def native_files(model: Model, kernels: Mapping[str, Path], _scratch: Path) -> dict[str, bytes]:
@@ -37,7 +41,7 @@ def native_files(model: Model, kernels: Mapping[str, Path], _scratch: Path) -> d
         model: what it simulates.
         kernels: platform → library.
     """
-    description = model_description(model, TOOL, 2, canNotUseMemoryManagementFunctions="false")
+    description = model_description(model, tool(), 2, canNotUseMemoryManagementFunctions="false")
     return _files(model, kernels, description, TOKEN[2], [])
 
 
@@ -50,7 +54,7 @@ def native_fmi3_files(model: Model, kernels: Mapping[str, Path], _scratch: Path)
         for array in array_variables(model)
     ]
     kernels = {TUPLES[platform]: library for platform, library in kernels.items()}
-    description = model_description(model, TOOL, 3)
+    description = model_description(model, tool(), 3)
     return _files(model, kernels, description, TOKEN[3], [(time, 1), *arrays])
 
 
