@@ -1,4 +1,4 @@
-"""The collocation step on generic right-hand sides: its order, and how it takes stiffness."""
+"""The collocation step on generic right-hand sides: its order, its error estimates, and stiffness."""
 
 from functools import cache
 
@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from chain_impact.kernel.integration import collocation
+from chain_impact.kernel.integration.collocation import ERROR_ORDER, LATE, estimate
 from chain_impact.kernel.integration.newton import ITERATIONS, UNKNOWN, simplified_newton
 from chain_impact.kernel.integration.radau import (
     COMPLEX_EIGENVALUES,
@@ -26,11 +28,11 @@ def record(start, weight=1e14):
     size = len(start)
     implicit = np.dtype(
         [(name, float, (STAGES, size)) for name in ("stages", "rates", "parts")]
-        + [(name, float, (size,)) for name in ("start", "z", "weight")]
+        + [(name, float, (size,)) for name in ("start", "start_rate", "z", "weight")]
         + [(name, float) for name in SCALARS]
         + [("iterations", int)]
     )
-    block = np.zeros(1, [("implicit", implicit)])
+    block = np.zeros(1, [("implicit", implicit), ("contact", [("impulsive", int)])])
     d = Plain(block[0])
     d.implicit.start[:], d.implicit.weight[:] = start, weight
     d.implicit.slowness = UNKNOWN
@@ -72,6 +74,25 @@ def problem(rate, jacobian):
     return step, patient
 
 
+@pytest.fixture
+def estimated(monkeypatch):
+    """For a problem as above: a function (d, h) for the error of a step that has been made."""
+
+    def of(rate, jacobian):
+        def solve(d, shift, x):
+            matrix = jacobian(d.implicit.start)
+            x[:] = np.linalg.solve(np.eye(len(matrix)) - shift * matrix, x)
+
+        def found(d, h):
+            d.implicit.start_rate[:] = rate(d.implicit.start)
+            return estimate(d, h, len(d.implicit.start))
+
+        monkeypatch.setattr(collocation, "solve_real", solve)
+        return found
+
+    return of
+
+
 def integrate(step, start, end, steps):
     d = record(start)
     for _ in range(steps):
@@ -102,6 +123,21 @@ def test_order_is_nine_with_any_jacobian(kind):
     errors = [np.abs(integrate(step, start, 2.0, n) - exact.y[:, -1]).max() for n in (5, 7, 10)]
     slope = np.log(errors[0] / errors[-1]) / np.log(2.0)
     assert slope == pytest.approx(ORDER, abs=0.7)
+
+
+@pytest.mark.parametrize("kind", JACOBIANS)
+def test_the_error_estimates_are_of_order_six_and_five_and_what_is_made_of_them_of_seven(kind, estimated):
+    """f is interpolated by five values in E, with an error of h⁵, and by four in E′; both are times h."""
+    _, step = problem(oscillator, JACOBIANS[kind])
+    error_of, sizes, found = estimated(oscillator, JACOBIANS[kind]), (0.05, 0.025, 0.0125), []
+    for h in sizes:
+        d = record(np.array([1.5, -1.0, 0.3]), 1.0)
+        step(d, h)
+        error = error_of(d, h)
+        found.append([*np.abs(d.implicit.parts[:2]).max(1), error])
+    slopes = np.diff(np.log(found), axis=0) / np.diff(np.log(sizes))[:, None]
+    expected = [STAGES + 1, STAGES, ERROR_ORDER]
+    np.testing.assert_allclose(slopes, [expected] * 2, rtol=0, atol=0.15)
 
 
 def test_linear_problem_with_its_own_matrix_is_solved_at_once_as_the_stability_function_says():
@@ -147,6 +183,33 @@ def test_prothero_robinson_error_does_not_grow_with_stiffness(rate):
     (_, step), start = problem(follow, follow_jacobian), np.array([0.0, 0.0, rate])
     error = abs(integrate(step, start, 1.0, 5)[0] - np.sin(1.0))
     assert error < 1e-9
+
+
+def test_van_der_pol_with_mu_of_a_million_takes_few_steps(estimated):
+    """ε = 1e−6, one fast transition inside; reference: Hairer & Wanner 1996, Solving ODEs II, IV.10."""
+    epsilon, tolerance = 1e-6, 1e-7
+
+    def rate(y):
+        return np.array([y[1], ((1.0 - y[0] ** 2) * y[1] - y[0]) / epsilon])
+
+    def exact(y):
+        return np.array([[0.0, 1.0], [(-2.0 * y[0] * y[1] - 1.0) / epsilon, (1.0 - y[0] ** 2) / epsilon]])
+
+    (step, _), error_of = problem(rate, exact), estimated(rate, exact)
+    d = record(np.array([2.0, -0.66]))
+    t, h, steps = 0.0, 1e-6, 0
+    while t < 2.0:
+        h = min(h, 2.0 - t)
+        d.implicit.weight[:] = 1.0 / (tolerance * (1.0 + np.abs(d.implicit.start)))
+        solved = step(d, h)
+        error = error_of(d, h) if solved else LATE
+        if error <= 1.0:
+            t, steps = t + h, steps + 1
+            d.implicit.start[:] += d.implicit.stages[-1]
+        h *= min(6.0, max(0.1, 0.85 * max(error, 1e-16) ** (-1.0 / ERROR_ORDER)))
+    np.testing.assert_allclose(d.implicit.start, [1.706167732170469, -0.8928097010248125], rtol=0, atol=1e-6)
+    # a million, were the step bound by stability
+    assert steps < 350
 
 
 def test_it_is_given_up_when_it_does_not_converge():
