@@ -8,7 +8,16 @@ from chain_impact.kernel.events import search
 from chain_impact.kernel.events.crossing import measure
 from chain_impact.kernel.events.exclusion import FAR, NOTHING, VALUES, known, learn
 from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, REFUSED, RELEASE
-from chain_impact.kernel.events.search import DEEP, EARLY, credible, drop_leaving, find_event, starts_clear
+from chain_impact.kernel.events.search import (
+    DEEP,
+    EARLY,
+    LANDED,
+    arrival,
+    credible,
+    drop_leaving,
+    find_event,
+    starts_clear,
+)
 from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER
 from chain_impact.kernel.integration.method import IMPLICIT
 from tests.kernel.chains import chain, touch
@@ -65,14 +74,14 @@ def test_an_implicit_step_begins_where_the_last_search_ended(what, monkeypatch):
 
 def test_later_events_are_those_of_contacts_up_to_the_touch():
     """A turn at ½ s comes before an onset at 0.7 s and after one at 0.3 s."""
-    for arrival, kind in ((0.3, ONSET), (0.7, KINK)):
+    for touches, kind in ((0.3, ONSET), (0.7, KINK)):
         d, motion = falling([0.0, -1.0, 1.0])
         d.touch.depth_scale[:] = d.touch.effective_mass[:] = 1.0
         d.touch.impact_speed[:] = 1e6
         other = 4  # at the wall x_max, to which the base moves at 0.1 m/s
-        wall_at(d, other, motion.at(arrival), 0.0)
+        wall_at(d, other, motion.at(touches), 0.0)
         found = find_event(d)
-        assert found == pytest.approx(min(arrival, 0.5), abs=1e-12)
+        assert found == pytest.approx(min(touches, 0.5), abs=1e-12)
         assert d.touch.event[4 if kind == ONSET else 1] == kind
         assert np.count_nonzero(d.touch.event) == 1
 
@@ -180,6 +189,45 @@ def test_onsets_of_points_that_move_away_are_dropped():
     d = touched(0.3, 1.0, active=1, kind=END)
     d.search.clear_end_rate[1] = 1.0
     assert drop_leaving(d, 0.4) == 0.4
+
+
+def landed(gaps, rate=-2.0, size=0.5, kind=ONSET):
+    """A step that ends with two points this far off their walls, at which events were located."""
+    _, d = chain(np.random.default_rng(0), 2)
+    motion = translation(d, [0.3, 0.1], [0.0, rate])
+    walls_away(d)
+    set_step(d, motion, size)
+    d.touch.event[:] = NONE
+    for c, gap in zip((1, 5), gaps, strict=True):  # two points at the floor
+        wall_at(d, c, motion.at(size), gap)
+        d.touch.event[c] = kind
+    return d
+
+
+@pytest.mark.parametrize("off", [0.0, 0.5 * LANDED, -0.5 * LANDED])
+def test_a_step_made_anew_for_onsets_ends_at_the_first_of_them(off):
+    """A point that is off its wall by a part of its way, |ġ| h, arrives earlier or later by this part."""
+    way = 2.0 * 0.5
+    assert arrival(landed([off * way, 0.9 * LANDED * way])) == pytest.approx(1.0 + off, abs=1e-12)
+    assert arrival(landed([0.9 * LANDED * way, off * way])) == pytest.approx(1.0 + off, abs=1e-12)
+
+
+@pytest.mark.parametrize("other", [0, 1])
+@pytest.mark.parametrize(
+    ("gap", "rate"), [(1.1 * LANDED, -2.0), (-1.1 * LANDED, -2.0), (0.0, 2.0), (0.0, 0.0)]
+)
+def test_a_step_that_does_not_land_on_an_onset_is_refused(gap, rate, other):
+    gaps = [0.0, gap] if other else [gap, 0.0]
+    assert arrival(landed(gaps, rate)) == REFUSED
+
+
+def test_other_events_are_where_a_step_ends_and_so_are_those_of_a_step_that_cannot_be_shorter():
+    assert arrival(landed([0.1, 0.1], kind=KINK)) == -1.0
+    assert arrival(landed([0.1, 0.1], size=1e-13)) == -1.0
+    d = landed([0.1, 0.1], size=1e-11)
+    assert arrival(d) == REFUSED
+    d.step.start, d.step.end = 1e4, 1e4 + 1e-11
+    assert arrival(d) == -1.0
 
 
 def test_an_incredible_touch_refuses_a_step_that_can_be_shorter_and_is_dropped_of_one_that_cannot(

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.model.compliance import effective_mass, stiffen
+from chain_impact.kernel.model.compliance import effective_mass, give_way, stiffen
 from chain_impact.kernel.model.constraints import (
     DOUBT,
     MISPLACED,
     RISE,
+    STIFF,
     complement,
     correct,
     corrected,
@@ -18,6 +19,7 @@ from chain_impact.kernel.model.constraints import (
     find_missing,
     hold,
     holding,
+    holding_impedance,
     least_impulse,
     meet_walls,
     place,
@@ -29,8 +31,8 @@ from chain_impact.kernel.model.constraints import (
     stop,
 )
 from chain_impact.kernel.model.equations import free_rate
-from chain_impact.kernel.model.geometry import clearance
-from tests.kernel.chains import chain, free_coordinates, gradients, press_in, struck
+from chain_impact.kernel.model.geometry import along_normal, clearance
+from tests.kernel.chains import chain, free_coordinates, gradients, press_in, struck, touch
 from tests.reference import complementary_impulses, mass_matrix
 
 CANDIDATES = [1, 6, 11, 16]  # points 0 to 4 of a free chain, each at another wall
@@ -71,6 +73,23 @@ def test_only_the_pressed_have_an_impedance_and_miss_their_aims():
         own.reached[:4] = own.aim[:4] - sign * np.array([0.3, 7.0, 0.5, 0.1])
         assert find_missing(d) == pytest.approx(0.5, rel=1e-9)
         np.testing.assert_allclose(own.missing[:4], sign * np.array([0.3, 0.0, 0.5, 0.1]), atol=1e-9)
+
+
+@pytest.mark.parametrize("base", ["free", "pinned"])
+def test_a_point_with_the_impedance_of_holding_hardly_moves(base):
+    """An impulse p moves it by W/(1 + D W) p, some millionths of W p."""
+    d, _, _, _, w = problem(base)
+    amount = holding_impedance(d)
+    assert amount == pytest.approx(STIFF * d.model.mass.mean(), rel=1e-14)
+    for k, c in enumerate(d.touch.active_index[:4]):
+        touch(d, [c])
+        d.rigid.impedance[0] = amount
+        stiffen(d, d.work.link, d.rigid.impedance, d.rigid.factors)
+        give_way(d, d.work.link, d.rigid.factors, np.ones(len(d.rigid.impulse)), d.rigid.change)
+        moved = along_normal(d, c, d.work.motion)
+        assert moved == pytest.approx(w[k, k] / (1.0 + amount * w[k, k]), rel=1e-6)
+        assert moved < 1e-5 * w[k, k]
+        touch(d, CANDIDATES if base == "free" else [c - 1 for c in CANDIDATES])
 
 
 @pytest.mark.parametrize("base", ["free", "pinned"])

@@ -1,0 +1,226 @@
+"""What a collocation step begins with, its size and its stages, and what it says when it is not solved."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain.state import omega_at, velocity_at
+from chain_impact.kernel.integration import collocation, step_size
+from chain_impact.kernel.integration.collocation import (
+    BEYOND,
+    DIVERGED,
+    ERROR_ORDER,
+    FADED,
+    FORETOLD,
+    LATE,
+    LEFT,
+    attempt,
+    foretell,
+    prepare,
+    toward_end,
+)
+from chain_impact.kernel.integration.extended import extended_size, gap_at, rate_at
+from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
+from chain_impact.kernel.integration.newton import UNKNOWN
+from chain_impact.kernel.integration.radau import NODES, REAL_EIGENVALUE, STAGES
+from chain_impact.kernel.model.equations import state_rate
+from tests.kernel.chains import chain, struck, touch
+from tests.reference import mass_matrix
+
+N = 3
+
+
+def at_start(tolerance=1e-8, **tables):
+    """A chain that moves, at the start of an implicit step."""
+    rng = np.random.default_rng(5)
+    scene, d = chain(rng, N, **tables)
+    d.step.state_end[:] = struck(rng, d, [])
+    d.step.method, d.solver.tolerance = IMPLICIT, tolerance
+    state_rate(d, d.step.state_end, d.work.rate_start)
+    return scene, d
+
+
+# --- the size ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("gap", "gap_rate", "size"),
+    [
+        (-0.5, 1.0, 0.5 * BEYOND),  # s, in which it leaves
+        (-0.99, 1.0, 1.0),  # in this step, but not so long before its end
+        (-2.0, 1.0, 1.0),
+        (-0.5, -1.0, 1.0),  # it goes in
+        (-0.9 * LEFT, 1.0, 1.0),  # it has all but left
+        (-1.1 * LEFT, 1.0, 1.1 * LEFT * BEYOND),
+        (0.1, 1.0, 1.0),
+    ],
+)
+def test_a_step_goes_a_little_beyond_the_end_of_a_contact(gap, gap_rate, size):
+    _, d = chain(np.random.default_rng(0), N)
+    touch(d, [1, 6])
+    d.implicit.start[gap_at(d, 0)], d.implicit.start[rate_at(d, 0)] = gap, gap_rate
+    d.implicit.start[gap_at(d, 1)], d.implicit.start[rate_at(d, 1)] = -1.0, -1.0
+    assert toward_end(d, 1.0) == pytest.approx(size, rel=1e-14)
+
+
+def test_the_first_of_two_ends_counts():
+    _, d = chain(np.random.default_rng(0), N)
+    for gaps in ((-0.5, -0.3), (-0.3, -0.5)):
+        touch(d, [1, 6])
+        for k in range(2):
+            d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)] = gaps[k], 1.0
+        assert toward_end(d, 1.0) == pytest.approx(0.3 * BEYOND, rel=1e-14)
+
+
+def stiff_joint(damping, tolerance=1e-8):
+    """A chain with one damper; the rate with which it decays, and how fast it does [units of the tolerance].
+
+    ∂v̇/∂v = −d M⁻¹ g gᵀ has the one eigenvalue ρ = d gᵀ M⁻¹ g, and M⁻¹ g is its vector.
+    """
+    scene, d = at_start(tolerance)
+    d.model.joint_damping[:] = 0.0, damping, 0.0
+    d.model.resisting, d.implicit.ready = 1, 0
+    state_rate(d, d.step.state_end, d.work.rate_start)
+    across = np.zeros(N + 2)
+    across[2:4] = -1.0, 1.0
+    vector = np.linalg.solve(mass_matrix(scene, d.step.state_end[2 : N + 2]), across)
+    rho = damping * across @ vector
+    fast = vector * (across @ d.work.rate_start[velocity_at(N) : 2 * N + 4]) / (across @ vector)
+    speeds = d.step.state_end[velocity_at(N) : 2 * N + 4]
+    scale = np.where(np.arange(N + 2) < 2, d.model.size, 1.0) + np.abs(speeds)
+    return d, rho, (np.abs(fast) / scale).max() / tolerance
+
+
+@pytest.mark.parametrize("h", [1e-2, 1.0])
+@pytest.mark.parametrize("damping", [1e3, 1e6])
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
+def test_the_first_step_is_some_time_constants_of_a_fast_motion(tolerance, damping, h):
+    """FADED of them at an amplitude of the tolerance, and less as the error of a step goes."""
+    d, rho, fast = stiff_joint(damping, tolerance)
+    taken = 1.0 - 1.0 / (1.0 + rho * h * REAL_EIGENVALUE)  # by one solution with the real shift
+    expected = FADED / rho * (rho / (taken * fast)) ** (1.0 / (ERROR_ORDER - 1))
+    assert prepare(d, h) == pytest.approx(expected, rel=1e-6)
+    assert attempt(d, expected) <= 1.0
+
+
+def test_a_first_step_that_meets_no_fast_motion_is_as_long_as_it_may_be():
+    d, rho, _ = stiff_joint(1e3)
+    assert prepare(d, 0.9 / rho) == 0.9 / rho
+    assert prepare(d, 0.1) < 0.05
+    d.solver.tolerance = 1e6  # does not see it
+    assert prepare(d, 0.1) == 0.1
+    d.solver.tolerance = 1e-8
+    d.step.state_end[omega_at(N) : omega_at(N) + N] = 1.0  # as one body
+    state_rate(d, d.step.state_end, d.work.rate_start)
+    d.work.rate_start[velocity_at(N) :] = 0.0
+    assert prepare(d, 0.1) == 0.1
+    d, _, _ = stiff_joint(0.0)
+    assert prepare(d, 0.1) == 0.1
+
+
+def test_a_step_after_an_implicit_one_is_as_long_as_its_error_allows():
+    d, _, _ = stiff_joint(1e3)
+    d.implicit.slowness = 0.3
+    d.implicit.ready, d.step.made_by = 1, IMPLICIT
+    assert prepare(d, 0.1) == 0.1
+    assert d.implicit.slowness == 0.3
+    for ready, made_by in ((0, IMPLICIT), (1, EXPLICIT)):
+        d.implicit.ready, d.step.made_by = ready, made_by
+        assert prepare(d, 0.1) < 0.05
+        assert (d.implicit.ready, d.implicit.slowness) == (0, UNKNOWN)
+
+
+# --- the stages --------------------------------------------------------------------------------------------
+
+
+def last_polynomial(d, degree, end=1.0):
+    """Let the last step, of 0.2 s, have followed a polynomial of θ with this degree, up to some θ."""
+    rng, size = np.random.default_rng(degree), extended_size(d)
+    parts = np.zeros((degree + 1, size))
+    parts[1:] = rng.uniform(0.5, 1.0, (degree, size))
+    polynomial = np.polynomial.Polynomial
+    columns = [polynomial(column) for column in parts.T]
+    for i, node in enumerate(NODES):
+        d.implicit.last[i, :size] = [column(node) for column in columns]
+    own = d.implicit
+    own.began, own.span, own.ready = 3.0, 0.2, 1
+    d.step.end, d.step.made_by = 3.0 + 0.2 * end, IMPLICIT
+    return columns
+
+
+@pytest.mark.parametrize("end", [1.0, 0.4])
+@pytest.mark.parametrize(("branch", "degree"), [(0, 5), (1, 4), (2, 3), (3, 1)])
+def test_stages_far_beyond_the_last_step_follow_a_polynomial_of_lower_degree(branch, degree, end):
+    """One that is the last one's if that is of no higher degree."""
+    bounds = (0.0, *FORETOLD, 9.0)
+    # as far beyond as the branch reaches, and a little further than the one before does
+    for beyond in (bounds[branch] + 1e-6, min(bounds[branch + 1], 8.0) - 1e-6):
+        d = at_start()[1]
+        size, h = extended_size(d), 0.2 * (1.0 + beyond - end)
+        columns = last_polynomial(d, degree, end)
+        foretell(d, h, size)
+        at = end + h / 0.2 * np.array(NODES)
+        expected = np.transpose([column(at) - column(end) for column in columns])
+        np.testing.assert_allclose(d.implicit.stages[:, :size], expected, rtol=1e-9, atol=1e-13)
+        if degree < STAGES:
+            columns = last_polynomial(d, degree + 1, end)
+            foretell(d, h, size)
+            expected = np.transpose([column(at) - column(end) for column in columns])
+            assert (np.abs(d.implicit.stages[-1, :size] / expected[-1] - 1.0) > 1e-3).all()
+
+
+def test_the_stages_of_a_first_step_go_with_the_rate_at_its_start():
+    d = at_start()[1]
+    touch(d, [1, 6])
+    own, size, half = d.implicit, extended_size(d), velocity_at(N)
+    own.start_rate[:] = np.random.default_rng(0).normal(size=len(own.start_rate))
+    own.stages[:], own.ready = 9.0, 0
+    foretell(d, 0.3, size)
+    expected = 0.3 * np.outer(NODES, own.start_rate[:size])
+    moving = np.zeros(size, bool)
+    moving[:half] = moving[[gap_at(d, 0), gap_at(d, 1)]] = True
+    np.testing.assert_allclose(own.stages[:, :size], np.where(moving, expected, 0.0), rtol=1e-14)
+
+
+# --- what is not solved ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("contraction", "correction", "error", "share"),
+    [(0.97, 1.0, LATE, 1 / 2), (1.3, 1.0, DIVERGED, 1 / 3), (1.3, math.inf, math.inf, None)],
+)
+def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
+    monkeypatch, contraction, correction, error, share
+):
+    d = at_start()[1]
+    prepare(d, 0.01)
+    assert attempt(d, 0.01) <= 1.0
+    assert d.implicit.slowness < UNKNOWN
+
+    def unsolved(d, _h, _size):
+        own = d.implicit
+        own.contraction, own.correction, own.iterations = contraction, correction, 4
+        return False
+
+    monkeypatch.setattr(collocation, "_converge", unsolved)
+    before = d.statistics.rhs_evaluations
+    assert attempt(d, 0.01) == error
+    assert d.implicit.slowness == UNKNOWN
+    assert d.step.ease == 1.0
+    assert d.statistics.rhs_evaluations == before + 4 * STAGES
+    if share:
+        assert step_size.factor(d, error) == pytest.approx(share, rel=0.02)
+
+
+def test_the_iteration_of_a_step_that_is_far_too_long_diverges():
+    d = at_start()[1]
+    errors = []
+    for h in np.geomspace(0.01, 10.0, 25):
+        d.implicit.ready = 0
+        prepare(d, h)
+        errors.append(attempt(d, h))
+    assert errors[0] <= 1.0
+    assert LATE in errors
+    assert DIVERGED in errors
+    assert not any(error <= 1.0 for error in errors[errors.index(DIVERGED) :])
