@@ -39,7 +39,7 @@ def test_the_error_in_flight_goes_with_the_tolerance_however_stiff_the_joints(co
     exact = assembled(scene, FLIGHT)
     for tolerance in (1e-4, 1e-6, 1e-8, 1e-9):
         result = simulate(scene, tolerance=tolerance, method=method)
-        assert np.abs(reached(result) - exact).max() < 1.2 * tolerance
+        assert np.abs(reached(result) - exact).max() < 0.2 * tolerance
 
 
 @pytest.mark.parametrize(
