@@ -191,10 +191,10 @@ def test_onsets_of_points_that_move_away_are_dropped():
     assert drop_leaving(d, 0.4) == 0.4
 
 
-def landed(gaps, rate=-2.0, size=0.5, kind=ONSET):
-    """A step that ends with two points this far off their walls, at which events were located."""
+def landed(gaps, rate=-2.0, size=0.5, kind=ONSET, bend=0.0):
+    """A step that ends with two points this far off their walls, where events were located, at a rate."""
     _, d = chain(np.random.default_rng(0), 2)
-    motion = translation(d, [0.3, 0.1], [0.0, rate])
+    motion = translation(d, [0.3, 0.1], [0.0, rate - bend * size, 0.5 * bend])
     walls_away(d)
     set_step(d, motion, size)
     d.touch.event[:] = NONE
@@ -204,12 +204,27 @@ def landed(gaps, rate=-2.0, size=0.5, kind=ONSET):
     return d
 
 
+@pytest.mark.parametrize("bend", [0.0, 0.1, -0.1])
 @pytest.mark.parametrize("off", [0.0, 0.5 * LANDED, -0.5 * LANDED])
-def test_a_step_made_anew_for_onsets_ends_at_the_first_of_them(off):
-    """A point that is off its wall by a part of its way, |ġ| h, arrives earlier or later by this part."""
-    way = 2.0 * 0.5
-    assert arrival(landed([off * way, 0.9 * LANDED * way])) == pytest.approx(1.0 + off, abs=1e-12)
-    assert arrival(landed([0.9 * LANDED * way, off * way])) == pytest.approx(1.0 + off, abs=1e-12)
+def test_a_step_made_anew_for_onsets_ends_at_the_first_of_them(off, bend):
+    """A point that is off its wall by a part of its way, |ġ| h, arrives later or earlier by this part.
+
+    g = off |ġ| h + ġ t + ½ g̈ t², t after the end of the step.
+    """
+    speed, size = 2.0, 0.5
+    gap = off * speed * size
+    after = 2.0 * gap / (speed + np.sqrt(speed**2 - 2.0 * bend * gap))
+    behind = gap + 0.3 * LANDED * speed * size
+    for gaps in ([gap, behind], [behind, gap]):
+        found = arrival(landed(gaps, -speed, size, bend=bend))
+        assert found == pytest.approx(1.0 + after / size, abs=1e-11)
+
+
+def test_an_onset_that_stays_deep_inside_is_refused():
+    """In two steps of Newton's method the motion bends away from where it was to touch."""
+    gap = -0.8 * LANDED
+    assert arrival(landed([gap, gap], bend=-0.1)) == pytest.approx(1.0 + gap, abs=1e-4)
+    assert arrival(landed([gap, gap], bend=-100.0)) == REFUSED
 
 
 @pytest.mark.parametrize("other", [0, 1])
