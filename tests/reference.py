@@ -169,6 +169,14 @@ def point_jacobian(scene: Scene, angles: Sequence[float], point: int) -> np.ndar
     return Textbook(scene).jacobian(np.asarray(angles), point)
 
 
+def centre_jacobian(scene: Scene, angles: Sequence[float], i: int) -> np.ndarray:
+    """J with ṗ_C = J q̇ for the centre of mass of link i (from 0), shape (2, N+2)."""
+    jacobian = point_jacobian(scene, angles, i)
+    arm = scene.chain.links[i].center_of_mass
+    jacobian[:, 2 + i] = arm * np.array([-np.sin(angles[i]), np.cos(angles[i])])
+    return jacobian
+
+
 def mass_matrix(scene: Scene, angles: Sequence[float]) -> np.ndarray:
     """M(q), shape (N+2, N+2)."""
     return Textbook(scene).assemble(np.asarray(angles), np.zeros(len(angles)))[0]

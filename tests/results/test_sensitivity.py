@@ -31,6 +31,14 @@ def test_a_small_change_is_one_percent_or_a_hundredth_of_the_unit(found):
     assert [found.step_text(name) for name in NAMES] == ["1 %", "0.01 m/s", "1 %", "1 %"]
 
 
+def test_every_derivative_has_a_unit(found):
+    derivatives = found.named
+    assert derivatives.keys() <= found.units.keys()
+    assert found.units["point[4].x"] == "m"
+    (name,) = (name for name in derivatives if "point[4].x" in name and "link[1].mass" in name)
+    assert found.units[name] == "m/(kg)"
+
+
 def test_changes_are_derivatives_times_that(result, found):
     for k, name in enumerate(NAMES):
         slopes = result.sensitivity("point[4].y", name)

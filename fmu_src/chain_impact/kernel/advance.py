@@ -58,7 +58,7 @@ LONGEST_STEP = 1.0
 # s. Far below the resolution of time but at its very start, where that has none. A run that needs less ends.
 SHORTEST_STEP = 1e-18
 # The error that stands for a step in which an event cannot be located, or that does not keep the ledger. It
-# makes the next try about an eighth as long.
+# makes the next try a seventh as long, or an eighth if it is implicit.
 COARSE = 1e6
 # Of an implicit step: so near its start the dense output is as good as its end.
 NEAR = 1e-3

@@ -12,6 +12,7 @@ from chain_impact.results.summary import plural
 from chain_impact.scene.names import sensitivity_name
 from chain_impact.scene.reading import UnknownNameError
 from chain_impact.variables.model import Model
+from chain_impact.variables.table import derivatives
 from chain_impact.variables.variable import Variable
 
 PART = 0.01
@@ -51,10 +52,13 @@ class Sensitivities:
         values = self.model.scene.values
         return {variable.name: float(values.get(variable.name, 0.0)) for variable in self.varied}
 
-    @property
+    @cached_property
     def units(self) -> dict[str, str]:
-        """Name of a parameter or an output → its unit."""
-        return self.model.units
+        """Name of a parameter, an output, or a derivative of one → its unit."""
+        model = self.model
+        own = derivatives(model.motion, self.varied)
+        variables = (*model.parameters, *model.inputs, *model.outputs, *own)
+        return {variable.name: variable.unit for variable in variables}
 
     @cached_property
     def columns(self) -> dict[str, int]:

@@ -30,7 +30,8 @@ def dataframe(result: Result) -> Any:
     """See ``Result.to_dataframe``."""
     pandas = require("pandas", "pandas")
     table = pandas.DataFrame(result.columns, index=pandas.Index(result.time, name="time"))
-    table.attrs["units"] = {name: result.model.units[name] for name in result.names}
+    units = {variable.name: variable.unit for variable in result.model.outputs}
+    table.attrs["units"] = {name: units[name] for name in result.names}
     return table
 
 

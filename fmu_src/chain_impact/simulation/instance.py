@@ -201,8 +201,9 @@ def kernel_for(scene: Scene, notify: Notify | None, *, derivatives: bool) -> cty
         BuildError: when it cannot be compiled.
     """
     links, law = len(scene.chain.links), scene.contact.law_file
+    # who names another folder for kernels means those in it
     known = (links, derivatives, os.environ.get("CHAIN_IMPACT_CACHE"))
-    if known in _loaded and not law:
+    if not law and known in _loaded:
         return _loaded[known]
     kernel = load_kernel(
         kernel_library(links, notify=notify, law_file=law, derivatives=derivatives, portable=False)

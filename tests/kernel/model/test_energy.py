@@ -32,6 +32,18 @@ def prepared(base, count, **more):
 
 
 @BASES
+def test_the_mass_matrix_to_compare_with_is_that_of_the_centres_of_mass(base, count):
+    """M = Σ m Jᵀ J + I ∇θ ∇θᵀ."""
+    scene, _, y, _ = prepared(base, count)
+    angles, mass = y[2 : count + 2], np.zeros((count + 2, count + 2))
+    for i, link in enumerate(scene.chain.links):
+        jacobian = centre_jacobian(scene, angles, i)
+        mass += link.mass * jacobian.T @ jacobian
+        mass[2 + i, 2 + i] += link.inertia
+    np.testing.assert_allclose(mass_matrix(scene, angles), mass, rtol=1e-12, atol=1e-12)
+
+
+@BASES
 def test_kinetic_and_potential_energy_are_those_of_the_centres_of_mass(base, count):
     """½ q̇ᵀ M q̇, and −Σ m g·p_C."""
     scene, d, y, _ = prepared(base, count)
