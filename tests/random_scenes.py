@@ -33,7 +33,7 @@ UNEVEN = 5 * 10**6  # rigid walls and masses over six decades,
 LONG = 6 * 10**6  # more links than others,
 HARSH = 7 * 10**6  # all that is hard, and the default limit of work (benchmarks/random_search.py only).
 MOST_LINKS, LONG_LINKS = 10, (11, 60)
-HARD_WORK = 5e4  # evaluations, for a scene that asks for much
+HARD_WORK = 2e4  # evaluations, for a scene that asks for much
 TURNS = 300.0  # rad, at most, that a link turns by, as it starts
 IMPLICIT_STEPS = 1e4  # for which stop times are drawn, estimated for a method of order 3
 
