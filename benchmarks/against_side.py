@@ -13,7 +13,12 @@ import numpy as np
 
 try:
     from chain_impact.scene.scene import Scene, load_scene, scene_from_dict, with_values
-    from chain_impact.variables.model import new_instance
+    from chain_impact.variables.model import Model
+
+    def new_instance(scene: Scene) -> np.ndarray:
+        """An instance that is not yet initialized."""
+        return Model(scene).new_instance()
+
 except ImportError:  # before the package had rooms
     from chain_impact.instance import new_instance
 

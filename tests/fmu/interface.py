@@ -151,10 +151,6 @@ class Instance:
         """Call a function of the standard."""
         raise NotImplementedError
 
-    def bring_to(self, phase: str) -> Instance:
-        """Bring a new instance to a phase of its life."""
-        raise NotImplementedError
-
     def state(self) -> c_void_p:
         """Keep the present state."""
         state = c_void_p()
@@ -181,13 +177,13 @@ class Instance:
 
 
 def each_call(
-    library: Any, new: type[Instance], calls: Mapping[str, Callable[[Any], int]], phases: Iterable[str]
+    library: Any, new: Callable[[Any], Any], calls: Mapping[str, Callable[[Any], int]], phases: Iterable[str]
 ) -> list[list[Any]]:
     """Each function in each phase: its status, what it says, and whether it has changed anything."""
     found = []
     for phase in phases:
         for name, call in calls.items():
-            one: Any = new(library).bring_to(phase)
+            one = new(library).bring_to(phase)
             before = one.serialized()
             library.said()
             status = call(one)

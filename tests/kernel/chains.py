@@ -10,10 +10,11 @@ import numpy as np
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import root_at, time_at
 from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.model.energy import mechanical_energy
 from chain_impact.kernel.model.geometry import along_normal
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import Scene, scene_from_dict
-from chain_impact.variables.model import new_instance
+from chain_impact.variables.model import Model
 from tests.plain import Plain
 from tests.reference import point_jacobian
 
@@ -77,7 +78,7 @@ def chain(
     if inputs:
         table["inputs"] = {"joint_torques": True, "tip_force": True}
     scene = scene_from_dict(table, "chain")
-    d = Plain(new_instance(scene)[0])
+    d = Plain(Model(scene).new_instance()[0])
     assert initialize(d, 0.0) == OK
     return scene, d
 
@@ -137,3 +138,19 @@ def free_coordinates(d: Plain) -> slice:
 def vectors(record: Any) -> np.ndarray:
     """The vectors of all points of a record with ``x, y``, shape (N+1, 2)."""
     return np.transpose([record.x, record.y]).copy()
+
+
+def potential_slopes(d: Plain, y: np.ndarray) -> np.ndarray:
+    """The slopes of the potential energy by the coordinates, by central differences, shape (N+2,).
+
+    The points of ``d`` are left located beside y.
+    """
+    h = 1e-6
+
+    def potential(j: int, step: float) -> float:
+        moved = y.copy()
+        moved[j] += step
+        locate_points(d, moved)
+        return mechanical_energy(d, moved)[1]
+
+    return np.array([(potential(j, h) - potential(j, -h)) / (2 * h) for j in range(d.links + 2)])

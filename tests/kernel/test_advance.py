@@ -12,13 +12,13 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL, TOO_MUCH_WORK
 from chain_impact.scene.scene import load_scene, with_values
-from chain_impact.variables.model import new_instance
+from chain_impact.variables.model import Model
 from tests.plain import Plain
 
 
 def started(**solver):
     changes = {("solver", key): value for key, value in solver.items()}
-    d = Plain(new_instance(with_values(load_scene("four_link_box"), changes))[0])
+    d = Plain(Model(with_values(load_scene("four_link_box"), changes)).new_instance()[0])
     assert initialize(d, 0.0) == OK
     return d
 

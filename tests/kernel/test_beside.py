@@ -11,7 +11,7 @@ from chain_impact.kernel.tangent import entry
 from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.kernel.tangent.entry import HOOKS
 from chain_impact.scene.scene import load_scene
-from chain_impact.variables.model import new_instance
+from chain_impact.variables.model import Model
 from tests.plain import Plain
 
 FUNCTIONS = [one for _, one in inspect.getmembers(beside, inspect.isfunction)]
@@ -29,7 +29,7 @@ DONE = {
 
 @pytest.mark.parametrize("function", FUNCTIONS, ids=lambda one: one.__name__)
 def test_nothing_goes_on_beside_a_plain_run(function):
-    d = Plain(new_instance(load_scene("four_link_box"))[0])
+    d = Plain(Model(load_scene("four_link_box")).new_instance()[0])
     before = d._record.tobytes()
     answer = function(*[d, 1.5][: len(inspect.signature(function).parameters)])
     assert answer is (True if function is beside.sound else None)

@@ -221,11 +221,6 @@ def model_of(source: Scene | Model) -> Model:
     return source if isinstance(source, Model) else Model(source)
 
 
-def new_instance(scene: Scene) -> np.ndarray:
-    """See ``Model.new_instance``."""
-    return Model(scene).new_instance()
-
-
 def elsewhere(name: str) -> str | None:
     """Where to find what the FMU tells in outputs, but a result does not tell over time."""
     if re.match(r"(impact|solver)\b", name):

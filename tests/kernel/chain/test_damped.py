@@ -8,7 +8,7 @@ from chain_impact.kernel.chain.kinematics import link_vectors
 from chain_impact.kernel.chain.recursion import factorize, solve
 from chain_impact.kernel.initialize import derive_chain
 from chain_impact.scene.scene import scene_from_dict, with_values
-from chain_impact.variables.model import new_instance
+from chain_impact.variables.model import Model
 from tests.plain import Plain
 from tests.reference import mass_matrix, point_jacobian, random_impedances, set_impedances
 
@@ -32,7 +32,7 @@ def random_chain(rng, count, base, largest):
 
 def prepared(scene, angles):
     """The record of a chain, as plain Python takes it, with its link vectors."""
-    d = Plain(new_instance(scene)[0])
+    d = Plain(Model(scene).new_instance()[0])
     derive_chain(d)
     link_vectors(d, np.array([0.0, 0.0, *angles]))
     return d

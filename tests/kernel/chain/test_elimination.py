@@ -61,7 +61,6 @@ class Hanging:
             jacobian = point_jacobian(self.scene, angles, k)
             matrix += jacobian.T @ added[k] @ jacobian
             right += jacobian.T @ loads[k]
-        self.impulses = right
         # the base's coordinates for the joint's: v₀ = v − J ω
         change = np.eye(n + 2)
         change[:2, 2:] = -point_jacobian(self.scene, angles, joint)[:, 2:]

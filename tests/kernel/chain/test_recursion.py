@@ -18,7 +18,7 @@ from chain_impact.kernel.model.energy import mechanical_energy
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import place_walls
 from chain_impact.scene.scene import WALLS, scene_from_dict
-from chain_impact.variables.model import new_instance
+from chain_impact.variables.model import Model
 from tests.kernel.chains import random_links
 from tests.plain import Plain
 from tests.reference import (
@@ -65,7 +65,7 @@ def random_scene(
 
 
 def instance(scene):
-    d = Plain(new_instance(scene)[0])
+    d = Plain(Model(scene).new_instance()[0])
     derive_chain(d)
     derive_law(d)
     return d

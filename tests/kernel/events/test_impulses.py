@@ -28,7 +28,16 @@ from chain_impact.kernel.model.constraints import DOUBT, RISE
 from chain_impact.kernel.model.contact import latch
 from chain_impact.kernel.model.energy import mechanical_energy
 from chain_impact.kernel.model.geometry import clearance
-from tests.kernel.chains import chain, free_coordinates, gradients, press_in, struck, touch, vectors
+from tests.kernel.chains import (
+    chain,
+    free_coordinates,
+    gradients,
+    potential_slopes,
+    press_in,
+    struck,
+    touch,
+    vectors,
+)
 from tests.reference import complementary_impulses, mass_matrix
 
 E, SLOWEST = 0.6, 1e-3
@@ -124,18 +133,11 @@ def test_what_arrives_slowly_comes_to_rest_and_is_held_as_long_as_that_takes_a_p
 
 def gravity_force(d):
     """The generalized force of gravity, by the slopes of the potential energy."""
-    y, h, slopes = d.step.state_end.copy(), 1e-6, []
+    y = d.step.state_end.copy()
     y[6:12] = 0.0
-    for j in range(6):
-        ends = []
-        for side in (h, -h):
-            moved = y.copy()
-            moved[j] += side
-            locate_points(d, moved)
-            ends.append(mechanical_energy(d, moved)[1])
-        slopes.append((ends[0] - ends[1]) / (2 * h))
+    slopes = potential_slopes(d, y)
     locate_points(d, y)
-    return -np.array(slopes)
+    return -slopes
 
 
 def mass_matrix_of(d):

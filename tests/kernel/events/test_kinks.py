@@ -11,7 +11,7 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.contact import kink_height
 from chain_impact.kernel.model.contact_force import elastic_force
 from chain_impact.kernel.status import OK
-from chain_impact.variables.model import new_instance
+from chain_impact.variables.model import Model
 from tests.kernel.model.test_contact_force import MASS, SPEED, STIFFNESS, scaled_impact
 from tests.plain import Plain
 from tests.problems import of_law, struck_ball
@@ -40,7 +40,7 @@ def test_the_realised_restitution_errs_by_the_tolerance(law, e):
 
 @pytest.mark.parametrize("law", KINKED)
 def test_a_step_ends_at_the_kink(law):
-    d = Plain(new_instance(struck(law, 0.4).with_values({"solver.tolerance": 1e-9}))[0])
+    d = Plain(Model(struck(law, 0.4).with_values({"solver.tolerance": 1e-9})).new_instance()[0])
     assert initialize(d, 0.0) == OK
     kinks = []
     while d.finished.count == 0:

@@ -15,7 +15,7 @@ from chain_impact.kernel.integration.explicit import attempt
 from chain_impact.kernel.integration.last_step import OUTPUTS, accept, complete
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.simulation.instance import Instance
-from chain_impact.variables.model import new_instance
+from chain_impact.variables.model import Model
 from tests.plain import Plain
 from tests.problems import FAR, ball, build, contact_table, rod
 
@@ -126,7 +126,7 @@ def test_dense_output_fulfils_every_condition_of_order_7(order):
 
 
 def started(scene):
-    d = Plain(new_instance(scene)[0])
+    d = Plain(Model(scene).new_instance()[0])
     assert initialize(d, 0.0) == 0
     return d
 

@@ -25,7 +25,7 @@ from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.methods import DENSE_EVALUATIONS, attempt, prepare
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.scene.scene import load_scene, with_values
-from chain_impact.variables.model import new_instance
+from chain_impact.variables.model import Model
 from tests.plain import Plain
 
 H = 0.01  # s
@@ -33,7 +33,7 @@ H = 0.01  # s
 
 def started(method=EXPLICIT, **changes):
     scene = with_values(load_scene("four_link_box"), {tuple(k.split("_in_")): v for k, v in changes.items()})
-    d = Plain(new_instance(scene)[0])
+    d = Plain(Model(scene).new_instance()[0])
     assert initialize(d, 0.0) == 0
     d["step"]["method"] = method
     return d

@@ -12,7 +12,7 @@ from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.explicit import attempt
 from chain_impact.kernel.integration.last_step import OUTPUTS, accept, complete
 from chain_impact.simulation.instance import Instance
-from chain_impact.variables.model import new_instance
+from chain_impact.variables.model import Model
 from tests.plain import Plain
 from tests.problems import ball
 
@@ -22,7 +22,7 @@ VELOCITY, ROOT, TIME = 4, -2, -1  # in the state of one link
 
 def at_onset():
     """A ball of 1 kg that touches the floor at this moment, with a law without loss."""
-    block = new_instance(ball(0.0, SPEED, stiffness=STIFFNESS, restitution=1.0))
+    block = Model(ball(0.0, SPEED, stiffness=STIFFNESS, restitution=1.0)).new_instance()
     d = Plain(block[0])
     assert initialize(d, 0.0) == 0
     d["touch"]["event"][0] = ONSET

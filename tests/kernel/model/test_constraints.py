@@ -10,7 +10,7 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.constraints import complement, meet_walls, press
 from chain_impact.kernel.model.geometry import clearance
 from chain_impact.scene.scene import WALLS, with_values
-from chain_impact.variables.model import new_instance
+from chain_impact.variables.model import Model
 from tests.plain import Plain
 from tests.problems import default_scene
 from tests.reference import clearance_gradient, complementary_impulses, mass_matrix
@@ -31,7 +31,7 @@ def located(angles, touching, turn=0.0):
     start = {("initial", "angles"): angles, ("initial", "position"): (0.0, 0.0)}
     scene = turned(with_values(default_scene(model="newton_impact"), start | far), turn)
     d, angles, names = (
-        Plain(new_instance(scene)[0]),
+        Plain(Model(scene).new_instance()[0]),
         scene.initial.angles,
         dict(zip(WALLS, scene.half_planes, strict=True)),
     )

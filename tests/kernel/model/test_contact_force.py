@@ -21,7 +21,7 @@ from chain_impact.kernel.model.contact_force import (
 from chain_impact.kernel.status import EXPONENT_NOT_ALLOWED, OK
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
-from chain_impact.variables.model import new_instance
+from chain_impact.variables.model import Model
 from tests.plain import Plain
 from tests.problems import ball, default_scene, of_law, struck_ball
 from tests.reference import exact_damping_factor, newton_impact, realised_restitution, rebound
@@ -37,7 +37,7 @@ DEPTHS, RATES = np.geomspace(1e-18, 1.0, 10), np.array([-1e9, -30.0, -1.0, -1e-9
 def contact_of(law="zhang_sharf", restitution=0.3, speed=SPEED, **changes):
     """An instance in which the contact of candidate 0 has begun."""
     changes = of_law(law) | {"stiffness": STIFFNESS, "restitution": restitution} | changes
-    d = Plain(new_instance(ball(**changes))[0])
+    d = Plain(Model(ball(**changes)).new_instance()[0])
     assert derive_law(d) == OK
     d["touch"]["impact_speed"][0], d["touch"]["effective_mass"][0] = speed, MASS
     latch_damping(d, 0)
@@ -269,7 +269,7 @@ def test_a_contact_takes_a_new_law_and_restitution_at_once(law):
 
 @OTHERS
 def test_the_kernel_refuses_an_exponent_that_the_law_is_not_for(law):
-    d = Plain(new_instance(ball(exponent=1.2))[0])
+    d = Plain(Model(ball(exponent=1.2)).new_instance()[0])
     assert derive_law(d) == OK
     d["contact"]["law"] = law.number
     assert derive_law(d) == EXPONENT_NOT_ALLOWED

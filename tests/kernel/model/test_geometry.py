@@ -23,7 +23,7 @@ from chain_impact.kernel.model.geometry import (
 )
 from chain_impact.kernel.status import OK, PARAMETER_OUT_OF_RANGE
 from chain_impact.scene.scene import with_values
-from chain_impact.variables.model import new_instance
+from chain_impact.variables.model import Model
 from tests.plain import Plain
 from tests.problems import default_scene
 
@@ -41,7 +41,7 @@ def prepared(box):
     """The record of the default chain between walls at any angle, and in its box or without one."""
     walls = [{"name": f"w{w}", "point": point, "angle": angle} for w, (angle, point) in enumerate(SLOPES)]
     scene = with_values(default_scene(), {("walls",): walls} | ({} if box else {("box",): {}}))
-    return scene, Plain(new_instance(scene)[0])
+    return scene, Plain(Model(scene).new_instance()[0])
 
 
 @pytest.fixture(params=[True, False], ids=["box", "no box"])

@@ -16,13 +16,13 @@ from chain_impact.kernel.model.inputs import (
     take_inputs,
     within_piece,
 )
-from chain_impact.variables.model import new_instance
+from chain_impact.variables.model import Model
 from tests.plain import Plain
 
 
 def driven(order=2):
     """The arm with torques 1 + 2 x + 3 x² and 4 of a piece from 0 to 2 s, x = t − 1."""
-    block = new_instance(load_scene("pinned_arm"))
+    block = Model(load_scene("pinned_arm")).new_instance()
     given = block[0]["given"]
     given["joint_torque"] = 1.0, 4.0
     course = given["course"]

@@ -24,7 +24,7 @@ from chain_impact.kernel.tangent.start import (
     take_parameters,
 )
 from chain_impact.kernel.tangent.trust import TRUSTED
-from chain_impact.variables.model import new_instance
+from chain_impact.variables.model import Model
 from tests.kernel.chains import chain, press_in, random_state, touch, vectors
 from tests.kernel.tangent.dual import Dual
 from tests.plain import Plain
@@ -192,7 +192,7 @@ def twins(monkeypatch):
     dtype = d._record.dtype
     fields = [*((name, dtype[name]) for name in dtype.names), ("trust", TRUST)]
     t = Plain(np.zeros(1, np.dtype(fields))[0])
-    blank = Plain(new_instance(scene)[0])
+    blank = Plain(Model(scene).new_instance()[0])
     for name in ("links", "candidates", "candidate"):
         t._record[name] = blank._record[name]
     t.model.pinned, t.model.driven = d.model.pinned, d.model.driven
