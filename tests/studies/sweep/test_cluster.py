@@ -172,6 +172,21 @@ def test_an_address_that_is_none(address, monkeypatch):
         sweep(SCENE, VARY, scheduler=address)
 
 
+@pytest.mark.parametrize(
+    "address", ["tcp:", "tls://127.0.0.1:9", "inproc://127.0.0.1/1/1", "tcp://127.0.0.1:9"]
+)
+def test_a_client_that_could_not_connect_is_closed(address, monkeypatch):
+    """Else the garbage collector closes it, and waits for ever if that is while another one starts."""
+    monkeypatch.setattr(cluster, "CONNECT", 0.5)
+    from distributed import Client
+
+    made, real = [], Client.__init__
+    monkeypatch.setattr(Client, "__init__", lambda self, *a, **k: (made.append(self), real(self, *a, **k))[1])
+    with pytest.raises(SceneError, match="no dask scheduler answers there"):
+        sweep(SCENE, VARY, scheduler=address)
+    assert [client.status for client in made] == ["closed"]
+
+
 def test_without_distributed_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(MissingExtraError, match=r"^distributed.*pip install .*\[cluster\]"):

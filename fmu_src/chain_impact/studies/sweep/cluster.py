@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Generator, Sequence
 from concurrent.futures import CancelledError
+from contextlib import suppress
 from importlib.metadata import version
 from time import perf_counter
 from typing import Any
@@ -45,12 +46,7 @@ def run_on_cluster(
         RunError: when the cluster gives up a piece, has no workers left, or is lost.
     """
     distributed = require("distributed", "cluster")
-    try:
-        client = distributed.Client(address, timeout=CONNECT, set_as_default=False)
-    except (OSError, ValueError) as error:
-        reason = str(error) or type(error).__name__
-        raise SceneError(f"scheduler {address}: no dask scheduler answers there: {reason}") from None
-    with client:
+    with _connected(distributed.Client, address) as client:
         threads = _check_workers(client, address)
         pieces = Pieces(spans, threads, PIECE)
         at_work: dict[Any, Span] = {}
@@ -83,6 +79,24 @@ def run_piece(job: Job, values: np.ndarray) -> tuple[np.ndarray | None, float]:
 def identity() -> tuple[str, str]:
     """The version of this package, and that of its kernel's sources."""
     return version("chain-impact"), fingerprint()
+
+
+def _connected(kind: Any, address: str) -> Any:
+    """A client of the scheduler.
+
+    One that cannot connect is closed here. If that were left to the garbage collector, it could happen while
+    this thread starts another client and holds the lock that closing takes: neither would ever end.
+    """
+    client = kind.__new__(kind)
+    try:
+        client.__init__(address, timeout=CONNECT, set_as_default=False)
+    except Exception as error:
+        with suppress(Exception):
+            client.close()
+        client.status = "closed"  # whatever came of it, the collector has nothing left to do
+        reason = str(error) or type(error).__name__
+        raise SceneError(f"scheduler {address}: no dask scheduler answers there: {reason}") from None
+    return client
 
 
 def _check_workers(client: Any, address: str) -> int:
