@@ -76,7 +76,6 @@ TESTED_ELSEWHERE = {
     "kernel/integration/collocation_dense.py": "kernel/integration/test_collocation.py",
     "kernel/integration/extended.py": "kernel/integration/test_linear_system.py",
     "kernel/integration/projection.py": "kernel/integration/test_collocation.py",
-    "kernel/tangent/implicit_step.py": "test_sensitivity_accuracy.py",
     "kernel/record_implicit.py": "kernel/test_record.py",
     "variables/outputs.py": "variables/test_table.py",
     "variables/variable.py": "variables/test_table.py",

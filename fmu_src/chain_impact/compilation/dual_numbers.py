@@ -371,6 +371,10 @@ def _carried(
     return _made(builder, number, _times(builder, slope, builder.extract_value(argument, 1)))
 
 
+def _slope(_context: Any, builder: ir.IRBuilder, x: ir.Value, direction: ir.Value) -> ir.Value:
+    return builder.extract_element(builder.extract_value(x, 1), direction)
+
+
 def _varies(_context: Any, builder: ir.IRBuilder, x: ir.Value) -> ir.Value:
     slopes = builder.extract_value(x, 1)
     some: ir.Value = ir.Constant(ir.IntType(1), 0)
@@ -384,5 +388,7 @@ _declare(directions.value, float64)
 _lower(directions.value, _value, Dual)
 _declare(directions.carried, DUAL)
 _lower(directions.carried, _carried, types.Float, types.Float, Dual)
+_declare(directions.slope, float64, types.int64)
+_lower(directions.slope, _slope, Dual, types.Integer)
 _declare(directions.varies, boolean)
 _lower(directions.varies, _varies, Dual)

@@ -34,7 +34,10 @@ _RULES: dict[Any, Any] = RULES
 STAND_INS: dict[Any, Any] = {}
 """Function of the kernel → what stands for it where no argument carries derivatives."""
 # what dual_numbers.py and record_type.py have made numba know
-BUILT_IN: set[Any] = {directions.value, directions.carried, directions.varies, blocks.block, blocks.words}
+BUILT_IN: set[Any] = {
+    *(directions.value, directions.slope, directions.carried, directions.varies),
+    *(blocks.block, blocks.words),
+}
 
 
 @cache

@@ -17,7 +17,7 @@ import numpy as np
 from chain_impact.compilation.work import Notify
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.directions import DIRECTIONS
-from chain_impact.kernel.tangent.trust import REASONS, TRUSTED
+from chain_impact.kernel.tangent.trust import NO_IMPACT, REASONS, TRUSTED
 from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.scene.names import Place
 from chain_impact.scene.reading import SceneError
@@ -181,10 +181,12 @@ class DifferentiatedInstance(Instance):
         trust = self._tangents["trust"][0]
         if trust["reason"] == TRUSTED:
             return ()
-        wall = self.model.scene.wall_names[trust["wall"]]
-        impact = f"the impact of point {trust['point']} at {wall}"
+        where = ""
+        if trust["point"] != NO_IMPACT:
+            wall = self.model.scene.wall_names[trust["wall"]]
+            where = f", the impact of point {trust['point']} at {wall}"
         reason = REASONS[int(trust["reason"])]
-        return (f"there are no derivatives from t = {trust['time']:.9g} s on, {impact}: {reason}",)
+        return (f"there are no derivatives from t = {trust['time']:.9g} s on{where}: {reason}",)
 
 
 class RowsWithSlopes:

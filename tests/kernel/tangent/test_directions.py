@@ -8,6 +8,7 @@ from chain_impact.kernel.tangent.directions import (
     DIRECTIONS,
     carried,
     dual_dtype,
+    slope,
     tangent_dtype,
     value,
     varies,
@@ -48,5 +49,6 @@ def test_what_the_kernel_asks_of_a_dual_number():
     other = carried(5.0, 0.5, number)
     assert other.value == 5.0
     assert other.slope.tolist() == [0.5, 0.0, -1.5]
+    assert [slope(number, k) for k in range(3)] == [1.0, 0.0, -3.0]
     assert varies(number)
     assert not varies(carried(1.0, 0.0, number))

@@ -1,4 +1,4 @@
-"""How far derivatives are trusted: up to an impact, which is named, and why."""
+"""How far derivatives are trusted: up to an impact, which is named, or to a step, and why."""
 
 import math
 
@@ -16,6 +16,7 @@ WORDS = {
     2: "contact.minimum_impact_speed",
     3: "several points arrive at one moment",
     4: "jumps where the point turns",
+    5: "does not converge",
 }
 FLOOR = "contact.minimum_impact_speed"
 

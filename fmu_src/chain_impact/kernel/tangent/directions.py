@@ -27,7 +27,7 @@ TRUST = np.dtype(
     [
         ("reason", np.int64),  # 0: everywhere so far
         ("time", np.float64),  # s, from when on they cannot
-        ("point", np.int64),  # of the impact that begins then
+        ("point", np.int64),  # of the impact that begins then, or −1 without one
         ("wall", np.int64),
     ]
 )
@@ -47,6 +47,11 @@ def value(number):
 def carried(number, slope, argument):
     """A value with the derivatives of a dual number times a slope."""
     return argument.carried(number, slope)
+
+
+def slope(number, direction):
+    """The derivative of a dual number in a direction, from 0."""
+    return number.slope[direction]
 
 
 def varies(number):

@@ -16,7 +16,7 @@ from chain_impact.kernel.tangent.blocks import block, words
 from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.kernel.tangent.replay import move_end, replay
 from chain_impact.kernel.tangent.start import start, start_anew
-from chain_impact.kernel.tangent.trust import trusted
+from chain_impact.kernel.tangent.trust import share_distrust, trusted
 from chain_impact.kernel.work_limit import allow_any_length, work_done, work_of_a_call
 
 
@@ -36,6 +36,9 @@ def replay_step(d):
     """Make the last step of d."""
     for b in range(d.tangents):
         replay(d, block(d, b))
+    for b in range(d.tangents):
+        for other in range(d.tangents):
+            share_distrust(block(d, b), block(d, other))
 
 
 def look_at_all(d, time):

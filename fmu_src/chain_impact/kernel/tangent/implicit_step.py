@@ -1,20 +1,23 @@
 """An implicit step in dual numbers: the same iteration, from the stages that d has found.
 
-A is of no consequence for what the iteration converges to, so it is that of d. The derivatives of the
-stages converge as the stages have, by the factor θ each time, but begin with what the last step foretells of
-them. They are no part of the tolerance, so they are iterated further.
+A is of no consequence for what the iteration converges to, so it is that of d. The derivatives of the stages
+begin with what the last step foretells of them, and converge by a factor θ of their own: where d is at rest
+it solves its equations at once, however long the step is, and a disturbance is not at rest. So they are
+iterated until they have converged themselves, relative to the state's in the same direction.
 """
 
-import math
-
-from chain_impact.kernel.integration.collocation import factorize, foretell, iterate, set_result
+from chain_impact.kernel.integration.collocation import LAST, factorize, foretell, iterate, set_result
 from chain_impact.kernel.integration.extended import compliant, extend_start, extended_size
 from chain_impact.kernel.integration.projection import meet_clearances
 from chain_impact.kernel.integration.radau import STAGES
-from chain_impact.kernel.tangent.directions import carried
+from chain_impact.kernel.tangent.directions import DIRECTIONS, carried, slope
+from chain_impact.kernel.tangent.trust import NO_IMPACT, NOT_SOLVED, TRUSTED, distrust
 
-LEFT_OVER = 1e-9  # of what the derivatives of the stages are off at first
-FEWEST, MOST = 3, 20  # iterations
+ENOUGH = 0.01  # of the tolerance, relative: the last correction of derivatives
+# relative: a correction that falls no more is round-off up to this, and says that the iteration fails beyond
+ROUND_OFF = 1e-6
+MOST = 50  # iterations: a θ of .7 gets to some 1e-8
+FAR_OFF = 1e300  # a correction where there is nothing to compare it with
 
 
 def make_implicit(d, t, h):
@@ -25,9 +28,8 @@ def make_implicit(d, t, h):
     take_stages(d, t, size)
     take_slopes(d, t)
     factorize(t, h)
-    for _ in range(iterations(d)):
-        iterate(t, h, size)
-        take_stages(d, t, size)
+    if not converge(d, t, h, size) and t.trust.reason == TRUSTED:
+        distrust(t, NOT_SOLVED, NO_IMPACT, d.step.start)
     set_result(t, h)
     if compliant(t) > 0:
         meet_clearances(t, t.implicit.z, t.work.y)
@@ -49,9 +51,28 @@ def take_slopes(d, t):
         own.stiffness[k], own.damping[k] = one.stiffness[k], one.damping[k]
 
 
-def iterations(d):
-    """How many iterations the derivatives need, as fast as those of d have converged."""
-    slowness = d.implicit.slowness
-    # θ/(1 − θ)
-    theta = min(0.5, max(1e-6, slowness / (1.0 + slowness)))
-    return max(FEWEST, min(MOST, math.ceil(math.log(LEFT_OVER) / math.log(theta))))
+def converge(d, t, h, size):
+    """Iterate the derivatives of the stages; returns whether they have converged."""
+    correction = 0.0
+    for k in range(MOST):
+        iterate(t, h, size)
+        take_stages(d, t, size)
+        before, correction = correction, last_correction(d, t, size)
+        falls = k == 0 or correction < before
+        if correction <= (ENOUGH * d.solver.tolerance if falls else ROUND_OFF):
+            return True
+    return correction <= ROUND_OFF
+
+
+def last_correction(d, t, size):
+    """The last correction of the derivatives over those at the end of the step, of the worst direction."""
+    own, weight, worst = t.implicit, d.implicit.weight, 0.0
+    for k in range(DIRECTIONS):
+        largest, whole = 0.0, 0.0
+        for j in range(size):
+            whole = max(whole, weight[j] * abs(slope(own.start[j] + own.stages[LAST, j], k)))
+            for i in range(STAGES):
+                largest = max(largest, weight[j] * abs(slope(own.parts[i, j], k)))
+        if largest > worst * whole:
+            worst = largest / whole if whole > 0.0 else FAR_OFF
+    return worst

@@ -1,4 +1,7 @@
-"""How far derivatives can be trusted: up to an impact at which they do not exist, or are known too badly."""
+"""How far derivatives can be trusted: up to where they do not exist, or are known too badly.
+
+That is an impact, or a step whose equations for the derivatives are not solved.
+"""
 
 import math
 
@@ -8,7 +11,8 @@ from chain_impact.kernel.model.contact_force import USER_LAW, uncut_force
 from chain_impact.kernel.model.geometry import clearance
 from chain_impact.kernel.tangent.directions import value
 
-TRUSTED, GRAZING, AT_FLOOR, SIMULTANEOUS, JUMP = 0, 1, 2, 3, 4
+TRUSTED, GRAZING, AT_FLOOR, SIMULTANEOUS, JUMP, NOT_SOLVED = 0, 1, 2, 3, 4, 5
+NO_IMPACT = -1  # in place of a candidate
 # of the approach speed, to either side of rest; and of the force, what counts as a jump between them
 NEAR_REST, JUMPS = 1e-9, 1e-6
 
@@ -17,8 +21,9 @@ REASONS = {
     AT_FLOOR: "its approach speed is below contact.minimum_impact_speed, which the contact law takes instead",
     SIMULTANEOUS: "several points arrive at one moment, and what follows depends on which is first",
     JUMP: "the force of its contact law jumps where the point turns",
+    NOT_SOLVED: "the implicit step from there on is too long for them: their iteration does not converge",
 }
-"""Why derivatives end at an impact."""
+"""Why derivatives end: all but the last at an impact."""
 
 
 def judge_onsets(t):
@@ -34,11 +39,11 @@ def judge_onsets(t):
     if onsets == 0 or t.trust.reason != TRUSTED:
         return
     if least <= math.sqrt(value(t.solver.tolerance)) * fastest(t):
-        distrust(t, GRAZING, first, t.step.end)
+        distrust(t, GRAZING, first, value(t.step.end))
     elif not t.contact.impulsive and least <= value(t.contact.minimum_impact_speed):
-        distrust(t, AT_FLOOR, first, t.step.end)
+        distrust(t, AT_FLOOR, first, value(t.step.end))
     elif onsets > 1:
-        distrust(t, SIMULTANEOUS, first, t.step.end)
+        distrust(t, SIMULTANEOUS, first, value(t.step.end))
 
 
 def fastest(t):
@@ -60,7 +65,7 @@ def judge_turns(t):
         c = t.touch.active_index[k]
         gap, gap_rate = clearance(t, c)
         if value(t.touch.speed[c]) * value(gap_rate) > 0.0 and jumps_at_rest(t, c, max(0.0, -gap)):
-            distrust(t, JUMP, c, t.step.start)
+            distrust(t, JUMP, c, value(t.step.start))
 
 
 def jumps_at_rest(t, c, depth):
@@ -72,10 +77,19 @@ def jumps_at_rest(t, c, depth):
 
 
 def distrust(t, reason, c, time):
-    """Let derivatives end at a ``time`` [s], because of the contact of candidate c."""
+    """Let derivatives end at a ``time`` [s], because of the contact of candidate c, or of NO_IMPACT."""
     trust = t.trust
-    trust.reason, trust.time = reason, value(time)
-    trust.point, trust.wall = t.candidate.point[c], t.candidate.wall[c]
+    trust.reason, trust.time = reason, time
+    trust.point, trust.wall = NO_IMPACT, 0
+    if c != NO_IMPACT:
+        trust.point, trust.wall = t.candidate.point[c], t.candidate.wall[c]
+
+
+def share_distrust(t, other):
+    """Let the derivatives of t end where those of another instance do, if that is earlier."""
+    mine, given = t.trust, other.trust
+    if given.reason != TRUSTED and (mine.reason == TRUSTED or given.time < mine.time):
+        mine.reason, mine.time, mine.point, mine.wall = given.reason, given.time, given.point, given.wall
 
 
 def trusted(t):
