@@ -34,8 +34,7 @@ from chain_impact.kernel.integration.last_step import (
     stand,
     take_back,
 )
-from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
-from chain_impact.kernel.integration.methods import LANDS, attempt, prepare
+from chain_impact.kernel.integration.methods import IS_IMPLICIT, LANDS, MEASURES_START, attempt, prepare
 from chain_impact.kernel.integration.sundman import regularize, time_rate_now
 from chain_impact.kernel.integration.switching import choose_method
 from chain_impact.kernel.model.contact import clear_loads, drop_events, forget_stages, take_sides
@@ -219,7 +218,7 @@ def take_step(d):
         status = find_step(d)
     if status == OK:
         d.statistics.steps += 1
-        d.statistics.implicit_steps += d.step.made_by == IMPLICIT
+        d.statistics.implicit_steps += IS_IMPLICIT[d.step.made_by]
         status = check_balance(d)
     return status if status != OK else check_work(d)
 
@@ -283,7 +282,7 @@ def begin(d):
     if d.given.changed:
         d.given.changed = 0
         take_inputs(d)
-    if events > 0 and d.contact.impulsive and d.step.method == EXPLICIT:
+    if events > 0 and d.contact.impulsive and not MEASURES_START[d.step.method]:
         d.step.next_size = min(d.step.next_size, step_size.in_flight(d, d.step.state_end, d.work.rate_start))
     if events > 0 or d.balance.breaks != d.step.breaks:
         take_stock(d)

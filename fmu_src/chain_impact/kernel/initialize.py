@@ -17,8 +17,7 @@ from chain_impact.kernel.chain.state import (
 )
 from chain_impact.kernel.integration.balance import start_balance
 from chain_impact.kernel.integration.last_step import stand
-from chain_impact.kernel.integration.method import IMPLICIT
-from chain_impact.kernel.integration.methods import SOLVER_METHODS, chosen
+from chain_impact.kernel.integration.methods import IS_IMPLICIT, SOLVER_METHODS, first_method
 from chain_impact.kernel.integration.step_size import in_flight
 from chain_impact.kernel.integration.switching import begin_explicit, stable
 from chain_impact.kernel.laws import user_law
@@ -69,7 +68,7 @@ def initialize(d, time):
     stand(d, time, d.work.y)
     clear_loads(d)
     d.step.next_size = first_size(d)
-    if chosen(d.solver.method) != IMPLICIT:
+    if not IS_IMPLICIT[first_method(d.solver.method)]:
         d.step.next_size = stable(d, d.step.next_size)
     d.step.flight_size = d.step.next_size
     d.impact.last_time = time

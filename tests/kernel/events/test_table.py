@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from chain_impact.kernel.chain.joint_rate import joint_bound
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, RELATCH, RELEASE
 from chain_impact.kernel.events.table import (
@@ -143,9 +144,9 @@ def test_each_event_has_its_own_effect(kind, active, law, jumped):
     if kind in {RELATCH, KINK}:
         assert d.step.next_size == 0.125
     elif kind == ONSET:
-        assert d.step.next_size == step_size.at_onset(d, C)
+        assert d.step.next_size == step_size.at_onset(d, C, EXPLICIT)
     else:
-        assert d.step.next_size == step_size.at_onset(d, 1)
+        assert d.step.next_size == step_size.at_onset(d, 1, EXPLICIT)
 
 
 def test_rigid_walls_take_all_events_at_once_and_steps_are_explicit():
@@ -202,12 +203,25 @@ def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
     d.step.method = method
     choose_size(d, onset, goes_on)
     if onset >= 0:
-        assert d.step.next_size == step_size.at_onset(d, onset)
+        assert d.step.next_size == step_size.at_onset(d, onset, EXPLICIT)
         assert (d.step.method, d.step.doubts, d.step.patience) == (EXPLICIT, 0, PATIENCE)
     else:
         kept = method == IMPLICIT or goes_on
-        assert d.step.next_size == (0.125 if kept else step_size.at_onset(d, 0))
+        assert d.step.next_size == (0.125 if kept else step_size.at_onset(d, 0, EXPLICIT))
         assert (d.step.method, d.step.doubts, d.step.patience) == (method, 3, 16)
+
+
+@pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
+def test_stiff_joints_leave_the_step_of_an_impact_to_the_method_at_work(method):
+    d = arrived(touching=[0, C])
+    d.step.method, d.touch.impact_speed[C], d.touch.depth_scale[C] = method, 4.0, 0.1
+    d.model.joint_damping[:], d.model.damped, d.model.resisting = 1e12, 1, 1
+    d.model.joint_bound = joint_bound(d)
+    choose_size(d, C, False)
+    sizes = [step_size.at_onset(d, C, one) for one in (EXPLICIT, method)]
+    assert d.step.method == method
+    assert d.step.next_size == min(sizes)
+    assert (sizes[1] < sizes[0]) == (method == IMPLICIT)
 
 
 @pytest.mark.parametrize("kind", [NONE, ONSET, END, RELATCH, RELEASE, KINK])

@@ -10,10 +10,8 @@ from chain_impact.kernel.chain.state import omega_at, root_at, velocity_at
 from chain_impact.kernel.events.exclusion import keep_start, root_now, set_clearance, set_clearances
 from chain_impact.kernel.events.kinds import END, ONSET
 from chain_impact.kernel.events.sampling import locate_at
-from chain_impact.kernel.integration.collocation_dense import clearance_curvature
 from chain_impact.kernel.integration.dense import rate_bounds, rate_bounds_along
-from chain_impact.kernel.integration.extended import compliant
-from chain_impact.kernel.integration.method import IMPLICIT
+from chain_impact.kernel.integration.methods import bound_curvatures
 from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.model.geometry import harmless_depth, normal
 from chain_impact.kernel.work_limit import overdrawn
@@ -168,9 +166,7 @@ def bound_curvature(d):
         else:
             v, a = rate_bounds_along(d.step, velocity_at(n), nx, ny)
         d.search.curvature[c] = p * a + change * v + links[d.candidate.point[c]]
-    if d.step.made_by == IMPLICIT:
-        for k in range(compliant(d)):
-            d.search.curvature[d.touch.active_index[k]] = clearance_curvature(d, k)
+    bound_curvatures(d)
 
 
 def measure(d, theta):

@@ -44,10 +44,10 @@ def learn(d, what):
 
 
 def excludes_events(d):
-    """Whether the ends of the last, explicit step tell that there is no event in it.
+    """Whether the ends of the last step tell that there is no event in it.
 
-    Its end has to be located and accelerated. If it cannot be told, φ and φ′ of all candidates are known at
-    either end.
+    Its method has to know the rate at the end, where the points are located and accelerated. If it cannot be
+    told, φ and φ′ of all candidates are known at either end.
     """
     # an input may change the acceleration between the ends as much as turning does
     turn = max(largest_turn(d), (d.step.end - d.step.start) * d.inputs.course.pace)

@@ -25,7 +25,7 @@ from chain_impact.kernel.events.relatch import find_relatch
 from chain_impact.kernel.events.release import find_release
 from chain_impact.kernel.integration.dense import interpolate, interpolate_component
 from chain_impact.kernel.integration.last_step import SOLVER, complete
-from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
+from chain_impact.kernel.integration.methods import DENSE_EVALUATIONS, RATE_AT_END
 from chain_impact.kernel.model.constraints import holding
 from chain_impact.kernel.model.geometry import along_normal, clearance
 
@@ -51,13 +51,13 @@ def find_event(d):
     """
     if d.candidates == 0:
         return -1.0
-    if d.step.made_by == IMPLICIT or holding(d):
+    if holding(d) or not RATE_AT_END[d.step.made_by]:
         if known(d) in (NOTHING, FAR):
             measure(d, 0.0)
         keep_start(d)
     elif excludes_events(d):
         return -1.0
-    if d.step.made_by == EXPLICIT:
+    if DENSE_EVALUATIONS[d.step.made_by] > 0:
         complete(d, SOLVER)
     bound_curvature(d)
     theta = find_crossing(d)

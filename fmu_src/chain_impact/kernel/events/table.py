@@ -21,7 +21,8 @@ from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.impulses import collide
 from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, RELATCH, RELEASE
 from chain_impact.kernel.integration import step_size
-from chain_impact.kernel.integration.method import IMPLICIT
+from chain_impact.kernel.integration.method import EXPLICIT
+from chain_impact.kernel.integration.methods import MEASURES_START
 from chain_impact.kernel.integration.switching import begin_flight, begin_impact
 from chain_impact.kernel.model.contact import clear_loads, latch, list_touching, take_side
 from chain_impact.kernel.model.contact_force import cut_off, foresee_depth, latch_damping, may_jump
@@ -129,12 +130,11 @@ def choose_size(d, onset, goes_on):
         free = step_size.in_flight(d, d.step.state_end, d.work.rate_start)
         d.step.next_size = min(d.step.flight_size, free)
         begin_flight(d)
-    elif onset >= 0 or not (d.step.method == IMPLICIT or goes_on):
-        d.step.next_size = step_size.at_onset(d, onset if onset >= 0 else d.touch.active_index[0])
+    elif onset >= 0 or not (goes_on or MEASURES_START[d.step.method]):
+        c = onset if onset >= 0 else d.touch.active_index[0]
+        d.step.next_size = step_size.at_onset(d, c, EXPLICIT)
     if onset >= 0:
-        begin_impact(d)
-        if d.step.method == IMPLICIT:
-            d.step.next_size = min(d.step.next_size, step_size.implicit_at_onset(d, onset))
+        begin_impact(d, onset)
 
 
 def bends_force(d):

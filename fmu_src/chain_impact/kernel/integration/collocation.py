@@ -16,7 +16,12 @@ import math
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, root_at, time_at, velocity_at
-from chain_impact.kernel.integration.collocation_dense import finish, keep_clearances, lagrange
+from chain_impact.kernel.integration.collocation_dense import (
+    bound_curvatures,
+    finish,
+    keep_clearances,
+    lagrange,
+)
 from chain_impact.kernel.integration.errors import moment_error, weigh
 from chain_impact.kernel.integration.extended import (
     compliant,
@@ -263,6 +268,10 @@ METHOD = Method(
     name="implicit",
     order=ERROR_ORDER,
     safety=0.85,
+    implicit=True,
+    measures_start=True,
+    onset_size=1.2,
+    onset_order=3.5,  # the force, δ^(3/2), integrated twice
     rate_at_end=False,
     lands=True,
     dense_evaluations=0,
@@ -270,4 +279,5 @@ METHOD = Method(
     attempt=attempt,
     finish=finish,
     dense_output=keep_clearances,
+    bound_curvatures=bound_curvatures,
 )

@@ -109,9 +109,10 @@ def interpolated(d, j, theta):
     return total
 
 
-def clearance_curvature(d, k):
-    """Bound on |g̈| [m/s²] of the k-th active contact over the last step."""
-    bound = 0.0
-    for m in range(STAGES):
-        bound += CURVE_BOUND[m] * abs(coefficient(d.implicit.last, m, gap_at(d, k)))
-    return bound / (d.step.size * d.step.size)
+def bound_curvatures(d, h):
+    """Bound |g̈| [m/s²] of the active contacts over the last step, by the polynomials of their clearances."""
+    for k in range(compliant(d)):
+        bound = 0.0
+        for m in range(STAGES):
+            bound += CURVE_BOUND[m] * abs(coefficient(d.implicit.last, m, gap_at(d, k)))
+        d.search.curvature[d.touch.active_index[k]] = bound / (h * h)

@@ -130,13 +130,17 @@ def _interpolant(step, stages, count, h):
 
 
 def nothing(_d, _h):
-    """All that the method keeps of a step is its stages."""
+    """All that the method keeps of a step is its stages, which tell no more of curvatures than all do."""
 
 
 METHOD = Method(
     name="explicit",
     order=dop853.ORDER,
     safety=0.8,
+    implicit=False,
+    measures_start=False,
+    onset_size=4.5,
+    onset_order=dop853.ORDER,
     rate_at_end=True,
     lands=False,
     dense_evaluations=STAGES - LAST,
@@ -144,4 +148,5 @@ METHOD = Method(
     attempt=attempt,
     finish=nothing,
     dense_output=dense_output,
+    bound_curvatures=nothing,
 )

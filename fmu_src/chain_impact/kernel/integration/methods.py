@@ -14,6 +14,10 @@ AUTO = 1
 
 SAFETY = tuple(method.safety for method in _METHODS)
 EXPONENT = tuple(-1.0 / method.order for method in _METHODS)
+IS_IMPLICIT = tuple(int(method.implicit) for method in _METHODS)
+MEASURES_START = tuple(int(method.measures_start) for method in _METHODS)
+ONSET_SIZE = tuple(method.onset_size for method in _METHODS)
+ONSET_EXPONENT = tuple(1.0 / method.onset_order for method in _METHODS)
 RATE_AT_END = tuple(int(method.rate_at_end) for method in _METHODS)
 LANDS = tuple(int(method.lands) for method in _METHODS)
 DENSE_EVALUATIONS = tuple(method.dense_evaluations for method in _METHODS)
@@ -21,6 +25,7 @@ _prepare = dispatch([method.prepare for method in _METHODS])
 _attempt = dispatch([method.attempt for method in _METHODS])
 _finish = dispatch([method.finish for method in _METHODS])
 _dense_output = dispatch([method.dense_output for method in _METHODS])
+_bound_curvatures = dispatch([method.bound_curvatures for method in _METHODS])
 
 
 def prepare(d, h):
@@ -43,6 +48,16 @@ def dense_output(d):
     _dense_output(d.step.made_by, d, d.step.size)
 
 
+def bound_curvatures(d):
+    """Set what the method knows of bounds on |g̈| [m/s²] over the last step, in place of general ones."""
+    _bound_curvatures(d.step.made_by, d, d.step.size)
+
+
 def chosen(choice):
     """The number of the method that `solver.method` demands, or −1 for `auto`."""
     return choice - AUTO - 1
+
+
+def first_method(choice):
+    """The number of the method that a run begins with."""
+    return EXPLICIT if choice == AUTO else chosen(choice)

@@ -1,23 +1,21 @@
 """Sizes of steps: what follows from an error, and what the error control cannot know.
 
 A step that is tried in vain costs as much as one that is taken. So the first step in flight and that of a
-contact are foreseen. They go as the eighth root of the tolerance, as all do that the explicit method takes.
+contact are foreseen.
 """
 
 import math
 
 from chain_impact.kernel.chain.state import omega_at
 from chain_impact.kernel.integration.method import EXPLICIT
-from chain_impact.kernel.integration.methods import EXPONENT, SAFETY
+from chain_impact.kernel.integration.methods import EXPONENT, ONSET_EXPONENT, ONSET_SIZE, SAFETY
 from chain_impact.kernel.model.contact_force import damping_share
 
 # The factors by which the size of a step changes, at most. DOP853's authors have 1/3 and 6.
 SHRINK, GROW = 0.1, 6.0
-# rad that links turn in the first step of a flight at a tolerance of 1, and the first step of a contact over
-# its time scale: the largest for which few first steps are rejected
-# (tests/kernel/integration/test_step_size.py).
-TURN, FIRST = 2.8, 4.5
-FIRST_IMPLICIT = 1.2  # likewise, for an implicit step
+# rad that links turn in the first step of a flight at a tolerance of 1: the most for which few first steps
+# are rejected (tests/kernel/integration/test_step_size.py). So is `onset_size` of the methods.
+TURN = 2.8
 
 
 def factor(d, error):
@@ -35,9 +33,9 @@ def in_flight(d, y, rate):
     return turn / max(fastest, turn)
 
 
-def at_onset(d, c):
-    """A size for the first step of the contact of candidate c, which has just been latched."""
-    return FIRST * time_scale(d, c) * d.solver.tolerance ** -EXPONENT[EXPLICIT]
+def at_onset(d, c, method):
+    """A size for the first step, by a method, of the contact of candidate c, which has just been latched."""
+    return ONSET_SIZE[method] * time_scale(d, c) * d.solver.tolerance ** ONSET_EXPONENT[method]
 
 
 def time_scale(d, c):
@@ -45,8 +43,3 @@ def time_scale(d, c):
     share, power = damping_share(d, c), 1.0 / (d.contact.rate_exponent + 1.0)
     # less where damping stops the point
     return d.touch.depth_scale[c] / d.touch.impact_speed[c] * (1.0 + share) ** -power
-
-
-def implicit_at_onset(d, c):
-    """As ``at_onset``, for an implicit step, whose error goes as the force, δ^(3/2), integrated twice."""
-    return FIRST_IMPLICIT * time_scale(d, c) * d.solver.tolerance ** (1.0 / 3.5)

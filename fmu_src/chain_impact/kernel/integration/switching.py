@@ -19,6 +19,7 @@ import math
 from chain_impact.kernel.chain.joint_rate import joint_rate
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.methods import AUTO, chosen
+from chain_impact.kernel.integration.step_size import at_onset
 from chain_impact.kernel.model.contact import contact_slopes
 
 # hρ of explicit steps beyond which implicit ones could replace them. Impacts are resolved with less than 1,
@@ -84,13 +85,15 @@ def lasts(d):
     return True
 
 
-def begin_impact(d):
-    """Begin a new phase at an onset, with the explicit method, for which the step has been chosen.
+def begin_impact(d, c):
+    """Begin a new phase at the onset of candidate c, with the explicit method, for which the step is chosen.
 
     But not if steps were implicit, and joints that resist will make those of the impact so.
     """
     if joints_over(d, IMPACT * d.step.next_size) <= STIFF:
         d.step.method = EXPLICIT
+    else:
+        d.step.next_size = min(d.step.next_size, at_onset(d, c, d.step.method))
     forget_doubts(d.step)
 
 

@@ -18,6 +18,7 @@ Source: for sensitivities through events, e.g. Galán, Feehery & Barton 1999, Ap
 from chain_impact.kernel.advance import let_events_act, start_in_variable
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import root_at, time_at
+from chain_impact.kernel.dispatch import dispatch
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.kinds import END, ONSET, RELATCH
 from chain_impact.kernel.integration import explicit
@@ -30,7 +31,8 @@ from chain_impact.kernel.integration.last_step import (
     see_points,
     see_rate,
 )
-from chain_impact.kernel.integration.method import IMPLICIT
+from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
+from chain_impact.kernel.integration.methods import METHOD_COUNT
 from chain_impact.kernel.model.geometry import along_normal, clearance
 from chain_impact.kernel.tangent.directions import carried, value
 from chain_impact.kernel.tangent.implicit_step import make_implicit
@@ -62,13 +64,19 @@ def replay(d, t):
 
 def make(d, t, h):
     """Make a step of size h as d did, without its error control."""
-    if t.step.method == IMPLICIT:
-        make_implicit(d, t, h)
-    else:
-        explicit.make(t, h)
-        if t.touch.active_count > 0:
-            locate_points(t, t.work.y)
+    _make(t.step.method, d, t, h)
     accept(t, h)
+
+
+def make_explicit(_d, t, h):
+    """Make an explicit step of size h; the result, whose points are located, stands in ``work.y``."""
+    explicit.make(t, h)
+    if t.touch.active_count > 0:
+        locate_points(t, t.work.y)
+
+
+_MAKERS = {EXPLICIT: make_explicit, IMPLICIT: make_implicit}
+_make = dispatch([_MAKERS[method] for method in range(METHOD_COUNT)])
 
 
 def ends_regularized(d):
