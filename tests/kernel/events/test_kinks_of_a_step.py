@@ -11,7 +11,7 @@ from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.kinds import END, KINK, NONE, RELATCH
 from chain_impact.kernel.events.kinks import crossed, find_kink, first_crossing, root
 from chain_impact.kernel.events.relatch import find_relatch, is_fast
-from chain_impact.kernel.events.sampling import first_passage, locate_at
+from chain_impact.kernel.events.sampling import bisection, first_passage, locate_at
 from chain_impact.kernel.model.contact import latch, take_sides
 from tests.kernel.chains import chain, touch
 from tests.kernel.steps import points_of, set_step, translation, wall_at, walls_away
@@ -61,7 +61,7 @@ def test_the_first_passage_is_where_a_function_comes_true(place, end, size):
         asked.append(theta)
         return theta >= place
 
-    found = first_passage(comes_true, 4)(d, 7, end)
+    found = first_passage(comes_true, 4, bisection(comes_true))(d, 7, end)
     assert 0.0 <= (found - place) * size <= sampling.RESOLUTION
     assert max(asked) <= end
     assert len(asked) <= 4 + math.ceil(math.log2(size / 4 / sampling.RESOLUTION)) + 1
@@ -70,10 +70,12 @@ def test_the_first_passage_is_where_a_function_comes_true(place, end, size):
 def test_what_comes_true_at_no_sample_is_not_found_and_the_first_that_does_is():
     _, d = chain(np.random.default_rng(0), 1)
     d.step.size = 1.0
-    between = first_passage(lambda *a: 0.3 < a[2] < 0.4, 4)
-    assert between(d, 0, 1.0) == -1.0
-    twice = first_passage(lambda *a: 0.2 < a[2] < 0.3 or a[2] > 0.7, 4)
-    assert twice(d, 0, 1.0) == pytest.approx(0.2, abs=1e-11)
+
+    def found(comes_true):
+        return first_passage(comes_true, 4, bisection(comes_true))(d, 0, 1.0)
+
+    assert found(lambda *a: 0.3 < a[2] < 0.4) == -1.0
+    assert found(lambda *a: 0.2 < a[2] < 0.3 or a[2] > 0.7) == pytest.approx(0.2, abs=1e-11)
 
 
 @pytest.mark.parametrize("theta", [0.0, 0.4, 1.0])

@@ -9,7 +9,7 @@ or until it is pressed so fast that the wall pushes again.
 
 from chain_impact.kernel.events.crossing import SIMULTANEOUS
 from chain_impact.kernel.events.kinds import KINK
-from chain_impact.kernel.events.sampling import locate_at
+from chain_impact.kernel.events.sampling import first_contact, first_passage, locate_at
 from chain_impact.kernel.model.contact import drop_events, kink_height
 from chain_impact.kernel.model.contact_force import note_crossing
 
@@ -24,15 +24,7 @@ def find_kink(d, touch):
     The points are located at that event, or at the end of the step.
     """
     end = touch if touch >= 0.0 else 1.0
-    first, found = end, -1
-    for k in range(d.touch.active_count):
-        c = d.touch.active_index[k]
-        note_crossing(d, c, kink_height(d, c))
-        if d.touch.crossed[c]:
-            theta = first_crossing(d, c, first)
-            if theta >= 0.0:
-                found, first = c, theta
-            locate_at(d, first)
+    found, first = _first_kink(d, end)
     if found < 0:
         return touch
     drop_events(d)
@@ -51,16 +43,16 @@ def crossed(d, c):
     return height > 0.0 if d.touch.beyond[c] else height < 0.0
 
 
-def first_crossing(d, c, end):
-    """The first θ ≤ ``end`` at which contact c is on the other side of its kink; −1 if no sample shows it."""
-    low = 0.0
-    for sample in range(1, SAMPLES + 1):
-        high = end * sample / SAMPLES
-        locate_at(d, high)
-        if crossed(d, c):
-            return root(d, c, low, high)
-        low = high
-    return -1.0
+def has_crossed(d, c):
+    """Whether a stage of the last step, or its end, has been on the other side of the kink."""
+    note_crossing(d, c, kink_height(d, c))
+    return d.touch.crossed[c] != 0
+
+
+def crossed_at(d, c, theta):
+    """Whether contact c is on the other side at the fraction θ of the last step."""
+    locate_at(d, theta)
+    return crossed(d, c)
 
 
 def root(d, c, low, high):
@@ -89,3 +81,7 @@ def root(d, c, low, high):
         if height == 0.0 or high - low <= RESOLUTION:
             return theta
     return high
+
+
+first_crossing = first_passage(crossed_at, SAMPLES, root)
+_first_kink = first_contact(has_crossed, first_crossing)

@@ -6,7 +6,7 @@ and the force, grow without bound.
 
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO, nearly_fast
 from chain_impact.kernel.events.kinds import RELATCH
-from chain_impact.kernel.events.sampling import first_passage, locate_at
+from chain_impact.kernel.events.sampling import bisection, first_contact, first_passage, locate_at
 from chain_impact.kernel.model.contact import drop_events
 from chain_impact.kernel.model.geometry import clearance
 
@@ -18,15 +18,7 @@ def find_relatch(d, touch):
 
     A contact whose point is nearly fast enough at either end of the step is looked at in between, too.
     """
-    first = touch if touch >= 0.0 else 1.0  # where the points are located
-    found = -1
-    for k in range(d.touch.active_count):
-        c = d.touch.active_index[k]
-        if nearly_fast(d, c):
-            theta = _when_fast(d, c, first)
-            if theta >= 0.0:
-                found, first = c, theta
-            locate_at(d, first)
+    found, first = _first_fast(d, touch if touch >= 0.0 else 1.0)  # where the points are located
     if found < 0:
         return touch
     drop_events(d)
@@ -41,4 +33,4 @@ def is_fast(d, c, theta):
     return -gap_rate > RELATCH_RATIO * d.touch.impact_speed[c]
 
 
-_when_fast = first_passage(is_fast, SAMPLES)
+_first_fast = first_contact(nearly_fast, first_passage(is_fast, SAMPLES, bisection(is_fast)))

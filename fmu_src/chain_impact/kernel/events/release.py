@@ -3,7 +3,7 @@
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import omega_at
 from chain_impact.kernel.events.kinds import REFUSED, RELEASE
-from chain_impact.kernel.events.sampling import first_passage
+from chain_impact.kernel.events.sampling import bisection, first_passage
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.model.constraints import meet_walls
 from chain_impact.kernel.model.contact import drop_events
@@ -79,4 +79,4 @@ def mark_pulling(d, theta):
             d.touch.event[d.touch.active_index[k]] = RELEASE
 
 
-_when_pulled = first_passage(pulls, SAMPLES)
+_when_pulled = first_passage(pulls, SAMPLES, bisection(pulls))

@@ -125,7 +125,7 @@ def arrival(d):
     """
     if d.step.end - d.step.start <= SIMULTANEOUS + RESOLVED * abs(d.step.end):
         return -1.0
-    late = lateness(d, d.step.state_end)
+    late, _ = lateness(d, d.step.state_end)
     if late == -math.inf:
         return -1.0
     theta = 1.0 - late
@@ -133,35 +133,29 @@ def arrival(d):
         return REFUSED
     complete(d, SOLVER)
     interpolate(d.step, theta, d.work.y)
-    theta -= lateness(d, d.work.y)
+    late, _ = lateness(d, d.work.y)
+    theta -= late
     interpolate(d.step, theta, d.work.y)
-    late = lateness(d, d.work.y)
-    return theta if abs(late) <= LANDED and deepest_onset(d) <= DEEP * d.model.size else REFUSED
+    late, deepest = lateness(d, d.work.y)
+    return theta if abs(late) <= LANDED and deepest <= DEEP * d.model.size else REFUSED
 
 
 def lateness(d, y):
     """How long before a state of the last step onsets are, over the size of the step; locates the points.
 
-    That of the earliest onset; ∞ when a point does not arrive, or is far from its onset; −∞ without onsets.
+    Returns:
+        That of the earliest onset; ∞ when a point does not arrive, or is far from its onset; −∞ without
+        onsets. And how deep [m] the points that arrive are inside their walls.
     """
     locate_points(d, y)
-    latest = -math.inf
+    latest, deepest = -math.inf, 0.0
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET:
             gap, gap_rate = clearance(d, c)
             late = gap / (gap_rate * d.step.size)
             latest = max(latest, late if gap_rate < 0.0 and abs(late) <= LANDED else math.inf)
-    return latest
-
-
-def deepest_onset(d):
-    """How deep [m] the points that arrive are inside their walls, as they are located."""
-    deepest = 0.0
-    for c in range(d.candidates):
-        if d.touch.event[c] == ONSET:
-            gap, _ = clearance(d, c)
             deepest = max(deepest, -gap)
-    return deepest
+    return latest, deepest
 
 
 def drop_leaving(d, theta):
