@@ -37,6 +37,7 @@ def implicit_dtype(links: int, candidates: int) -> np.dtype:
             for name in ("gain_x", "gain_y", "inverse", "own", "damper")  # as in `damped`
         ),
         ("base", REAL, (2 * PAIRS, 3)),
+        ("law", REAL, (2 * PAIRS, candidates)),  # kg, D of the active contacts, packed
     )
     return record(
         ("start", REAL, (extended,)),  # z at the start of a step …
