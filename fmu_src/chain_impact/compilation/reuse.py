@@ -2,7 +2,7 @@
 
 In a lowered kernel, a function has as its name what numba has to know of it to call it:
 
-    chain_impact.kernel.advance.ends_well(instance, float64) -> bool
+    chain_impact.kernel.advance.error_of_end(instance, float64) -> float64
 
 When the kernel with derivatives is lowered, functions with such a name are taken from the plain one. numba
 looks for them where it has compiled functions on disk, a part of its dispatchers that is private to numba.

@@ -236,14 +236,14 @@ def find_step(d):
         error = attempt(d, h)
         if error <= 1.0:
             accept(d, h)
-            if ends_well(d, find_event(d)):
+            error = max(error, error_of_end(d, find_event(d)))
+            if error <= 1.0:
                 step.next_size = h * min(grow, step_size.factor(d, max(error, 1e-16)))
                 if limited < wanted and grow > 1.0:
                     step.next_size = max(step.next_size, wanted)  # the end of a piece tells nothing of it
                 return OK
             take_back(d)
             drop_events(d)
-            error = COARSE
         d.statistics.rejected_steps += 1
         h *= step_size.factor(d, error) if math.isfinite(error) else 0.1
         grow = 1.0
@@ -251,29 +251,31 @@ def find_step(d):
             return TOO_MUCH_WORK
 
 
-def ends_well(d, theta):
-    """End the last step at its fraction θ, if it is not −1; returns whether it keeps the ledger up to there.
+def error_of_end(d, theta):
+    """End the last step at its fraction θ, if it is not −1, and it keeps the ledger up to there.
+
+    Returns an error, at most 1 if it has ended: that of the ledger, or COARSE.
 
     The end of a contact and the kink of a force are landed on by a step anew: the force is not smooth there,
     and the interpolant of a step across it less accurate than the step. So is that of an implicit step
     but at its ends: all its events are landed on.
     """
     if theta == REFUSED:
-        return False
+        return COARSE
     if theta > 0.0 and (bends_force(d) or (LANDS[d.step.made_by] and NEAR < theta < 1.0)):
         h = theta * d.step.size
         take_back(d)
         if not attempt(d, h) <= 1.0:
-            return False
+            return COARSE
         accept(d, h)
         theta = arrival(d)
         if theta == REFUSED:
-            return False
+            return COARSE
     if not keeps_balance(d, theta):
-        return False
+        return d.balance.loss if d.balance.loss > 1.0 else COARSE
     if theta >= 0.0:
         cut(d, theta)
-    return True
+    return d.balance.loss
 
 
 def begin(d):

@@ -206,8 +206,10 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("reference", REAL),  # J, the ledger at its start, less what a parameter has changed since
         ("allowed", REAL),  # J, the most that a step in it was allowed to, …
         ("least", REAL),  # … and that any is
-        ("origin", REAL),  # J, the ledger at the start of the run, likewise
+        ("since", REAL),  # s, the start of the run
+        ("origin", REAL),  # J, the ledger then, likewise
         ("there", REAL),  # J, the most energy that there could be so far
+        ("loss", REAL),  # by the last step, over what it might lose
         ("unit_motion", REAL),  # √J, √E₁
         ("unit_scale", REAL),  # J, the parts of S that do not change
         ("weight", REAL),  # N

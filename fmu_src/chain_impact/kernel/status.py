@@ -38,7 +38,7 @@ STATUS_TEXT = {
     EXPONENT_NOT_ALLOWED: "the contact law is defined for another contact.exponent",
     RIGID_WHILE_TOUCHING: "contact.model can change to newton_impact only while no point touches a wall",
     ENERGY_NOT_KEPT: "the energy drifts in a second of simulated time by more than 100 times what "
-    "solver.tolerance allows for a step, or errors have added a fifth of the energy: tighten it if it is "
+    "solver.tolerance allows for a step, or errors have added or taken a fifth of it: tighten it if it is "
     "above 1e-8, or else loosen it",
     MASS_MATRIX_SINGULAR: "links without inertia can turn about their centres of mass without moving any "
     "mass: the inertia of one of them must be > 0",

@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.integration.balance import check_balance, keeps_balance, start_balance
+from chain_impact.kernel.integration.balance import (
+    check_balance,
+    keeps_balance,
+    loss_budget,
+    restart_balance,
+    start_balance,
+)
 from chain_impact.kernel.model.energy import ledger
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 from chain_impact.scene.scene import load_scene
@@ -74,6 +80,72 @@ def test_a_run_ends_when_the_steps_of_a_second_have_changed_the_ledger_by_far_to
     balance["reference"], d["step"]["end"] = 1e9, 1.5
     assert check_balance(d) == OK
     assert balance["reference"] == ledger_now
+
+
+def losing(so_far, by_the_step):
+    """The chain after a step that loses parts of what all may, after others that have lost parts of it."""
+    d = after_a_step()
+    budget = loss_budget(d, float(d["balance"]["there"]))
+    locate_points(d, d["step"]["state_end"])
+    before = ledger(d, d["step"]["state_end"]) + by_the_step * budget
+    d["balance"]["ledger"], d["balance"]["origin"] = before, before + so_far * budget
+    return d
+
+
+@pytest.mark.parametrize(
+    ("so_far", "by_the_step", "noted"),
+    [
+        (0.0, 0.05, 0.0),  # less than a tenth
+        (0.0, 0.2, 0.2),
+        (0.5, 0.2, 0.4),  # of what is left
+        (2.0, 0.001, 0.2),  # as much as the budget grows in a step of that size
+    ],
+)
+def test_a_step_may_lose_what_is_left(so_far, by_the_step, noted):
+    d = losing(so_far, by_the_step)
+    size = d["step"]["end"] - d["step"]["start"]
+    if so_far > 1.0:
+        noted = by_the_step / (size / (10.0 + d["step"]["end"]))
+        assert 0.1 < noted < 1.0
+    assert keeps_balance(d, -1.0)
+    assert d["balance"]["loss"] == pytest.approx(noted, rel=1e-3)
+
+
+@pytest.mark.parametrize(("so_far", "by_the_step"), [(0.9, 0.2), (2.0, 0.1)])
+def test_a_step_that_would_lose_more_is_refused_and_by_how_much_is_noted(so_far, by_the_step):
+    d = losing(so_far, by_the_step)
+    assert not keeps_balance(d, -1.0)
+    assert d["balance"]["loss"] > 1.9
+
+
+def test_what_all_steps_may_lose_follows_the_tolerance_and_grows_with_time():
+    d = after_a_step()
+    start_balance(d, float(d["step"]["end"]))
+    there = float(d["balance"]["there"])
+    first = loss_budget(d, there)
+    d["step"]["end"] += 10.0
+    assert loss_budget(d, there) == pytest.approx(2.0 * first)
+    d["solver"]["tolerance"] *= 0.1
+    assert loss_budget(d, there) == pytest.approx(0.2 * first)
+
+
+def test_a_run_ends_when_its_steps_have_lost_a_fifth_of_the_energy():
+    d = after_a_step()
+    balance = d["balance"]
+    for share, status in ((0.19, OK), (0.21, ENERGY_NOT_KEPT)):
+        balance["origin"] = balance["ledger"] + share * balance["there"]
+        assert check_balance(d) == status
+
+
+def test_energy_that_a_parameter_takes_is_not_lost():
+    instance = Instance(load_scene("four_link_box"))
+    instance.advance(0.4995)  # in the first impact
+    d = Plain(instance.record)
+    before = d["balance"]["origin"] - d["balance"]["before"]
+    d["contact"]["stiffness"] *= 0.5
+    restart_balance(d)
+    assert d["balance"]["ledger"] < d["balance"]["before"] - 0.05
+    assert d["balance"]["origin"] - d["balance"]["ledger"] == pytest.approx(before, abs=1e-12)
 
 
 def test_a_first_step_that_is_right_at_its_end_by_chance_is_refused():

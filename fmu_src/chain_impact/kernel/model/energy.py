@@ -12,7 +12,12 @@ def ledger(d, y):
     Kinetic, potential and elastic energy, plus the dissipated one, less that supplied by the inputs.
     """
     kinetic, potential = mechanical_energy(d, y)
-    return kinetic + potential + stored_energy(d, y) + y[dissipated_at(d.links)] - y[supplied_at(d.links)]
+    return kinetic + potential + other_energy(d, y)
+
+
+def other_energy(d, y):
+    """What the ledger holds [J] besides mechanical energy, for the located points."""
+    return stored_energy(d, y) + y[dissipated_at(d.links)] - y[supplied_at(d.links)]
 
 
 def stored_energy(d, y):
