@@ -271,7 +271,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("force", REAL, (candidates,)),  # N, where a rate was evaluated last, of the active …
         ("force_end", REAL, (candidates,)),  # N, … and at the end of the last step
         ("beyond", INTEGER, (candidates,)),  # 1: beyond the kink of its force, see kernel/events/kinks.py
-        ("kink_margin", REAL, (candidates,)),  # m/s, of a δ̇ that need not be on its side; else 0
+        ("kink_margin", REAL, (candidates,)),  # m/s, of a δ̇ that need not be on its side
         ("crossed", INTEGER, (candidates,)),  # 1: a stage of the tried step was on the other side of it
         ("number", INTEGER, (candidates,)),  # of its onset, counted from 1
         ("peak_force", REAL, (candidates,)),  # N

@@ -12,6 +12,7 @@ from chain_impact.kernel.events.kinds import KINK
 from chain_impact.kernel.events.sampling import first_contact, first_passage, locate_at
 from chain_impact.kernel.model.contact import drop_events, kink_height
 from chain_impact.kernel.model.contact_force import note_crossing
+from chain_impact.kernel.model.geometry import clearance
 
 SAMPLES = 8  # places in a step to look at
 RESOLUTION = 1e-15  # of a step, in which a kink is located
@@ -45,7 +46,8 @@ def crossed(d, c):
 
 def has_crossed(d, c):
     """Whether a stage of the last step, or its end, has been on the other side of the kink."""
-    note_crossing(d, c, kink_height(d, c))
+    gap, _ = clearance(d, c)
+    note_crossing(d, c, kink_height(d, c), max(0.0, -gap))
     return d.touch.crossed[c] != 0
 
 

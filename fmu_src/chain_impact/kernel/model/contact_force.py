@@ -61,7 +61,10 @@ def foresee_depth(d, c):
 def latch_damping(d, c):
     """Set the damping d [N·s/m^(p+1)] of candidate c, for the v₀ and effective mass of its contact."""
     contact, touch = d.contact, d.touch
-    touch.kink_margin[c] = turning_margin(d, c) if contact.approach_only else 0.0
+    # an error of δ̇ by the tolerance takes a force that comes to 0 slowly, or hovers above it, across
+    touch.kink_margin[c] = (
+        turning_margin(d, c) if contact.approach_only else d.solver.tolerance * d.model.size
+    )
     mass_power = MASS_POWERS[contact.law - 1] if contact.law <= LAW_COUNT else 0.0
     if mass_power == 0.0:
         # λ K/v₀
@@ -93,15 +96,24 @@ def continued_force(d, c, depth, rate):
     """As ``law_force``, continued from that side of its kink on which the contact is; notes a crossing."""
     beyond = d.touch.beyond[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
-    note_crossing(d, c, rate if d.contact.approach_only else force)
+    note_crossing(d, c, rate if d.contact.approach_only else force, depth)
     return 0.0 if beyond and not d.contact.approach_only else force, elastic
 
 
-def note_crossing(d, c, height):
-    """Note it when candidate c, with what changes its sign at the kink, is on the other side of it."""
-    margin = d.touch.kink_margin[c]
-    if height > margin if d.touch.beyond[c] else height < -margin:
+def note_crossing(d, c, height, depth):
+    """Note it when candidate c, with what changes its sign at the kink, is past it by its margin."""
+    over = height if d.touch.beyond[c] else -height
+    if over > 0.0 and over > d.touch.kink_margin[c] * kink_slope(d, c, depth):
         d.touch.crossed[c] = 1
+
+
+def kink_slope(d, c, depth):
+    """What the height over the kink of candidate c changes by with δ̇; 0, so no margin, for a user's law."""
+    if d.contact.approach_only:
+        return 1.0
+    if d.contact.law == USER_LAW:
+        return 0.0
+    return damping_slope(d, c, depth, False, power(depth, d.contact.exponent))
 
 
 def height_over_kink(d, c, depth, rate):
