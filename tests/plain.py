@@ -33,3 +33,8 @@ class Plain:
 
     def __setitem__(self, name: str, value: Any) -> None:
         self._record[name] = value
+
+    def copy_values(self, source: Plain) -> None:
+        """As ``copy_values`` in kernel/tangent/blocks.py, without derivatives."""
+        for name in self._record.dtype.names:
+            self._record[name] = source._record[name]

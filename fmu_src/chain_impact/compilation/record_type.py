@@ -244,6 +244,47 @@ def _words(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) 
     return _array(context, builder, types.float64, _place(context, builder, instance, whole), [size])
 
 
+@type_callable(blocks.copy_values)
+def _type_of_copy_values(_context: Any) -> Any:
+    def typer(source: types.Type, target: types.Type) -> types.Type | None:
+        records = isinstance(source, Record) and isinstance(target, Record)
+        fits = records and (source.what, target.what) == ("instance", "tangent") and source.path == target.path
+        return types.none if fits else None
+
+    return typer
+
+
+@lower_builtin(blocks.copy_values, Record, Record)
+def _copy_values(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
+    source, target = signature.args
+    for path, field in TABLES[source.what].items():
+        if path[: len(source.path)] == source.path and not field.fields:
+            _copy_field(context, builder, [(field, arguments[0]), (TABLES[target.what][path], arguments[1])])
+    return context.get_dummy_value()
+
+
+def _copy_field(context: Any, builder: ir.IRBuilder, ends: Sequence[tuple[Field, ir.Value]]) -> None:
+    """Copy the numbers of a field from one instance to the values of that field in another."""
+    (field, source), _ = ends
+    word = context.get_data_type(field.kind)
+    (first, read), (other, written) = (
+        (
+            builder.bitcast(_place(context, builder, instance, one), word.as_pointer()),
+            context.get_abi_sizeof(context.get_data_type(one.kind)) // WORD,
+        )
+        for one, instance in ends
+    )
+    count: ir.Value = cgutils.intp_t(1)
+    for size in field.shape:
+        count = builder.mul(count, size.built(builder, source))
+    with cgutils.for_range(builder, count) as loop:
+        places = (
+            builder.gep(pointer, [builder.mul(loop.index, cgutils.intp_t(stride))])
+            for pointer, stride in ((first, read), (other, written))
+        )
+        builder.store(builder.load(next(places)), next(places))
+
+
 def _numbers(first: types.CPointer, *counts: types.Integer) -> Any:
     """The signature and the code of an array of numbers, from the address of the first one and its shape."""
     scalar = first.dtype

@@ -8,6 +8,7 @@ from chain_impact.kernel.laws.contact_laws import ANY, LAW_COUNT, RATE_EXPONENTS
 from chain_impact.kernel.model.contact import clear_loads, take_sides
 from chain_impact.kernel.model.contact_force import foresee_depth, latch_damping
 from chain_impact.kernel.model.geometry import place_walls
+from chain_impact.kernel.tangent.blocks import copy_values
 from chain_impact.kernel.tangent.directions import carried
 from chain_impact.kernel.tangent.trust import TRUSTED
 
@@ -45,64 +46,27 @@ def start_anew(d, t):
 
 def take_parameters(d, t):
     """Let the parameters and initial values of d hold for t, with the derivatives that t has of them."""
-    model, own = d.model, t.model
-    take(model.gravity, own.gravity)
-    take(model.length, own.length)
-    take(model.mass, own.mass)
-    take(model.center_of_mass, own.center_of_mass)
-    take(model.inertia, own.inertia)
-    take(model.joint_damping, own.joint_damping)
-    take(model.joint_stiffness, own.joint_stiffness)
-    take(model.joint_rest_angle, own.joint_rest_angle)
-    take(model.wall, own.wall)
-    take(d.walls.x, t.walls.x)
-    take(d.walls.y, t.walls.y)
-    take(d.walls.angle, t.walls.angle)
-    take(d.initial.position, t.initial.position)
-    take(d.initial.velocity, t.initial.velocity)
-    take(d.initial.angle, t.initial.angle)
-    take(d.initial.angular_velocity, t.initial.angular_velocity)
-    t.contact.exponent = carried(d.contact.exponent, 1.0, t.contact.exponent)
-    t.contact.radius = carried(d.contact.radius, 1.0, t.contact.radius)
-    t.contact.minimum_impact_speed = d.contact.minimum_impact_speed
-    t.solver.tolerance = d.solver.tolerance
-
-
-def take(given, own):
-    """Let given values hold, with the derivatives that their own places have."""
-    for j in range(len(given)):
-        own[j] = carried(given[j], 1.0, own[j])
+    copy_values(d.model, t.model)
+    copy_values(d.contact, t.contact)
+    copy_values(d.initial, t.initial)
+    copy_values(d.solver, t.solver)
+    copy_values(d.walls, t.walls)
 
 
 def take_given_of(d, t):
     """Let what was given to d hold for t, with the derivatives that t has of it."""
-    given, own = d.given, t.given
-    own.law = given.law
-    own.stiffness = carried(given.stiffness, 1.0, own.stiffness)
-    own.restitution = carried(given.restitution, 1.0, own.restitution)
-    take(given.joint_torque, own.joint_torque)
-    take(given.tip_force, own.tip_force)
-    follow_course(given.course, own.course)
+    copy_values(d.given, t.given)
     take_given(t)
 
 
 def follow_inputs(d, t):
     """Let the inputs of t be those of d that hold now: a derivative is for a constant added to one."""
     own = t.inputs
-    follow_course(d.inputs.course, own.course)
+    copy_values(d.inputs.course, own.course)
     for i in range(t.links):
         own.joint_torque[i] = own.course.joint_torque[0, i]
     for j in range(2):
         own.tip_force[j] = own.course.tip_force[0, j]
-
-
-def follow_course(course, own):
-    """Let a course of t be that of d, with the derivatives that its constants have."""
-    own.order, own.pace, own.until = course.order, course.pace, course.until
-    own.middle, own.scale = course.middle, course.scale
-    for m in range(course.order + 1):
-        take(course.joint_torque[m], own.joint_torque[m])
-        take(course.tip_force[m], own.tip_force[m])
 
 
 def derive_law_of(d, t):
