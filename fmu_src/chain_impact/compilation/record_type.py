@@ -247,9 +247,9 @@ def _words(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) 
 @type_callable(blocks.copy_values)
 def _type_of_copy_values(_context: Any) -> Any:
     def typer(source: types.Type, target: types.Type) -> types.Type | None:
-        records = isinstance(source, Record) and isinstance(target, Record)
-        fits = records and (source.what, target.what) == ("instance", "tangent") and source.path == target.path
-        return types.none if fits else None
+        if not (isinstance(source, Record) and isinstance(target, Record) and source.path == target.path):
+            return None
+        return types.none if (source.what, target.what) == ("instance", "tangent") else None
 
     return typer
 

@@ -65,7 +65,10 @@ def forget_values(record):
 
 @pytest.mark.parametrize(
     "case",
-    [sprung_chain(), pinned_chain(), struck_twice("tsuji"), Case(load_scene("ramp"), ("contact.stiffness",), ())],
+    [
+        *(sprung_chain(), pinned_chain(), struck_twice("tsuji")),
+        Case(load_scene("ramp"), ("contact.stiffness",), ()),
+    ],
     ids=["sprung", "pinned", "tsuji", "walls at angles"],
 )
 def test_a_start_takes_all_values_of_the_instance(case):
