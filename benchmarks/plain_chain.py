@@ -22,7 +22,7 @@ inlined = njit(error_model="numpy", inline="always")
 
 
 class Chain(NamedTuple):
-    """What stays constant; units as in chain_impact/kernel/record.py."""
+    """What stays constant; units as in chain_impact/kernel/record/given.py."""
 
     gravity: np.ndarray
     length: np.ndarray

@@ -2,7 +2,7 @@
 
 One file that needs nothing but Python's standard library, 3.8 or later, and knows names and status but no
 physics. The instance of the simulation is one block of memory that the kernel works on, laid out by
-chain_impact/kernel/record.py; every variable is one 8-byte word of it. ``model.json`` says which word and
+chain_impact/kernel/record/; every variable is one 8-byte word of it. ``model.json`` says which word and
 what may be set when; ``instance.bin`` is the block with the start values. chain_impact/fmu/build.py writes
 both.
 

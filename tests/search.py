@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.compilation.library import kernel_library
-from chain_impact.kernel.record import instance_dtype
+from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.status import OK
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene

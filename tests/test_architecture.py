@@ -76,7 +76,10 @@ TESTED_ELSEWHERE = {
     "kernel/integration/collocation_dense.py": "kernel/integration/test_collocation.py",
     "kernel/integration/extended.py": "kernel/integration/test_linear_system.py",
     "kernel/integration/projection.py": "kernel/integration/test_collocation.py",
-    "kernel/record_implicit.py": "kernel/test_record.py",
+    **{
+        f"kernel/record/{name}.py": "kernel/test_record.py"
+        for name in ("contacts", "fields", "given", "implicit", "instance", "outputs", "solver")
+    },
     "variables/outputs.py": "variables/test_table.py",
     "variables/variable.py": "variables/test_table.py",
     "results/impacts.py": "results/test_impacts_of.py",

@@ -16,7 +16,7 @@ import pytest
 
 from chain_impact import cli
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.kernel.record import instance_dtype
+from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.scene.scene import scene_keys
 from tests.processes import Processes
 

@@ -6,7 +6,7 @@ import pytest
 from chain_impact.compilation.record_type import TABLES, _affine
 from chain_impact.kernel.entry import observe_now, trajectory
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.record import instance_dtype
+from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent.directions import tangent_dtype
 from chain_impact.scene.scene import scene_from_dict, with_values
 from chain_impact.simulation.instance import Instance

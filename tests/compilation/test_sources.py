@@ -31,7 +31,7 @@ def test_equal_sources_have_one_wherever_they_are(copy):
     [
         "kernel/model/contact.py",
         "kernel/events/search.py",
-        "kernel/record.py",
+        "kernel/record/instance.py",
         "compilation/record_type.py",
         "compilation/c_interface/common/states.c",
         "compilation/c_interface/fmi3/fmi3.c",

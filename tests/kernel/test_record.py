@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.record import instance_dtype, output_dtype
+from chain_impact.kernel.record.instance import instance_dtype
+from chain_impact.kernel.record.outputs import output_dtype
 from chain_impact.variables.table import WORD
 
 SIZES = [(1, 0), (1, 1), (2, 2), (4, 20), (7, 32)]  # links N, candidates C

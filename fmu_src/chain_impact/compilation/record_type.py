@@ -31,8 +31,8 @@ from numba.extending import (
 )
 
 from chain_impact.compilation.dual_numbers import DUAL
-from chain_impact.kernel.record import instance_dtype
-from chain_impact.kernel.record_implicit import REAL
+from chain_impact.kernel.record.fields import REAL
+from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent import blocks
 from chain_impact.kernel.tangent.directions import dual_dtype, tangent_dtype
 

@@ -196,7 +196,7 @@ class AllOutputs:
     """Rows of all outputs, as the kernel writes them."""
 
     def __init__(self, kept: np.ndarray) -> None:
-        """Fill an array of shape (T,), of the fields of ``output_dtype`` in kernel/record.py."""
+        """Fill an array of shape (T,), of the fields of ``output_dtype`` in kernel/record/outputs.py."""
         self.at_once, self._kept = _chunk(kept.dtype), kept
 
     def fill(self, instance: Instance, times: np.ndarray, start: int) -> int:

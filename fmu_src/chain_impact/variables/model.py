@@ -1,7 +1,7 @@
 """The model: a scene compiled once into what all others ask for.
 
 That is its candidates, the variables of its FMU by name, their places in the instance record
-(kernel/record.py), and new instances with its parameters in their places.
+(kernel/record/), and new instances with its parameters in their places.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.contact_force import USER_LAW
 from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.kernel.record import instance_dtype
+from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent.directions import DIRECTIONS, tangent_dtype
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.names import Place, input_key, parameter_hint

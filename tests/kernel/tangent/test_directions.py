@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.record import instance_dtype
+from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent.directions import (
     DIRECTIONS,
     carried,

@@ -93,7 +93,7 @@ def relative(r, first, i):
 def factorize_complex(d, pair, s_r, s_i):
     """Eliminate M + Jᵀ D J + K for a complex s [s], given by its parts."""
     own, impedance, reactance = d.implicit, d.work.impedance, d.implicit.reactance
-    law, re, im = own.factors.law, 2 * pair, 2 * pair + 1
+    complex_d, re, im = own.factors.impedance, 2 * pair, 2 * pair + 1
     no_impedance(impedance)
     no_impedance(reactance)
     square_r, square_i = times(s_r, s_i, s_r, s_i)
@@ -103,10 +103,10 @@ def factorize_complex(d, pair, s_r, s_i):
             add_impedance(d, c, impedance, holding_impedance(d))
         else:
             # D = s c + s² k
-            law[re, k] = s_r * own.damping[k] + square_r * own.stiffness[k]
-            law[im, k] = s_i * own.damping[k] + square_i * own.stiffness[k]
-            add_impedance(d, c, impedance, law[re, k])
-            add_impedance(d, c, reactance, law[im, k])
+            complex_d[re, k] = s_r * own.damping[k] + square_r * own.stiffness[k]
+            complex_d[im, k] = s_i * own.damping[k] + square_i * own.stiffness[k]
+            add_impedance(d, c, impedance, complex_d[re, k])
+            add_impedance(d, c, reactance, complex_d[im, k])
     factorize_shifted(d, own.link, impedance, reactance, pair, s_r, s_i, own.factors)
 
 
@@ -114,13 +114,13 @@ def solve_complex(d, pair, s_r, s_i, x, y):
     """Solve (1 − s A) (x + iy) = r for the complex s [s] that was factorized; r stands in x and y."""
     n, own, work = d.links, d.implicit, d.work
     change, change_i, own_motion = own.answer[0], own.answer[1], own.motion
-    law, re, im = own.factors.law, 2 * pair, 2 * pair + 1
+    complex_d, re, im = own.factors.impedance, 2 * pair, 2 * pair + 1
     zero(work.load)
     zero(own.load)
     for k in range(compliant(d)):
         # D r_ġ + s k r_g
         c, stiffness = d.touch.active_index[k], own.stiffness[k]
-        fast_r, fast_i = times(law[re, k], law[im, k], x[rate_at(d, k)], y[rate_at(d, k)])
+        fast_r, fast_i = times(complex_d[re, k], complex_d[im, k], x[rate_at(d, k)], y[rate_at(d, k)])
         deep_r, deep_i = times(s_r, s_i, x[gap_at(d, k)], y[gap_at(d, k)])
         add_along_normal(d, c, work.load, fast_r + stiffness * deep_r)
         add_along_normal(d, c, own.load, fast_i + stiffness * deep_i)

@@ -1,32 +1,18 @@
-"""The record of the implicit step, a part of that of an instance (record.py)."""
+"""The part of the record that an implicit step works with."""
 
 import numpy as np
 
 from chain_impact.kernel.chain.state import coordinate_count, state_size
 from chain_impact.kernel.integration.radau import PAIRS, STAGES
-
-REAL, INTEGER = np.float64, np.int64
-
-
-def record(*fields: tuple[object, ...]) -> np.dtype:
-    """A record of fields (name, type[, shape])."""
-    return np.dtype(list(fields), align=True)
-
-
-def vectors_dtype(points: int) -> np.dtype:
-    """A vector for each point."""
-    return record(("x", REAL, (points,)), ("y", REAL, (points,)))
-
-
-def impedance_dtype(points: int) -> np.dtype:
-    """A symmetric 2×2 matrix for each point."""
-    return record(*((name, REAL, (points,)) for name in ("xx", "xy", "yy")))
+from chain_impact.kernel.record.fields import INTEGER, REAL, impedance_dtype, record, vectors_dtype
 
 
 def implicit_dtype(links: int, candidates: int) -> np.dtype:
     """What an implicit step works with, and remembers of the last one.
 
     z = (y, and of the active contacts clearances, their rates, impulses): kernel/integration/extended.py.
+
+    Owners: ``collocation`` and ``newton`` in integration/, which call the others that write here.
     """
     vectors, state = vectors_dtype(links + 1), state_size(links)
     extended = state + 3 * candidates
@@ -37,6 +23,7 @@ def implicit_dtype(links: int, candidates: int) -> np.dtype:
             for name in ("gain_x", "gain_y", "inverse", "own", "damper")  # as in `damped`
         ),
         ("base", REAL, (2 * PAIRS, 3)),
+        ("impedance", REAL, (2 * PAIRS, candidates)),  # kg, D of the active contacts, packed
         ("law", REAL, (2 * PAIRS, candidates)),  # kg, D of the active contacts, packed
     )
     return record(

@@ -1,0 +1,20 @@
+"""What records are made of."""
+
+import numpy as np
+
+REAL, INTEGER = np.float64, np.int64
+
+
+def record(*fields: tuple[object, ...]) -> np.dtype:
+    """A record of fields (name, type[, shape])."""
+    return np.dtype(list(fields), align=True)
+
+
+def vectors_dtype(points: int) -> np.dtype:
+    """A vector for each point."""
+    return record(("x", REAL, (points,)), ("y", REAL, (points,)))
+
+
+def impedance_dtype(points: int) -> np.dtype:
+    """A symmetric 2×2 matrix for each point."""
+    return record(*((name, REAL, (points,)) for name in ("xx", "xy", "yy")))

@@ -1,0 +1,144 @@
+"""The parts of the record that the scene and the importer give, and what follows from them."""
+
+import numpy as np
+
+from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.kernel.model.inputs import DEGREE
+from chain_impact.kernel.record.fields import INTEGER, REAL, record
+
+
+def model_dtype(links: int) -> np.dtype:
+    """The chain and its box.
+
+    Owner: variables/model.py; of what is derived, ``derive_chain`` in initialize.py.
+    """
+    return record(
+        ("gravity", REAL, (2,)),  # m/s²
+        ("length", REAL, (links,)),  # m
+        ("mass", REAL, (links,)),  # kg
+        ("center_of_mass", REAL, (links,)),  # m from the proximal joint
+        ("inertia", REAL, (links,)),  # kg·m² about the centre of mass
+        ("joint_damping", REAL, (links,)),  # N·m·s/rad at the proximal joint
+        ("joint_stiffness", REAL, (links,)),  # N·m/rad, likewise
+        ("joint_rest_angle", REAL, (links,)),  # rad, at which the spring is slack
+        ("wall", REAL, (len(WALLS),)),  # m, position of x_min, x_max, y_min, y_max
+        ("pinned", INTEGER),  # 1: the base cannot move
+        ("driven", INTEGER),  # 1: there are inputs
+        # derived at initialization
+        ("damped", INTEGER),  # 1: some joint has damping
+        ("sprung", INTEGER),  # 1: some joint has a spring
+        ("resisting", INTEGER),  # 1: some joint has either …
+        ("joint_bound", REAL),  # 1/s, … and bounds how fast the motions are that it makes
+        ("center_of_mass_ratio", REAL, (links,)),  # centre of mass / length
+        ("proximal_inertia", REAL, (links,)),  # kg·m² about the proximal …
+        ("distal_inertia", REAL, (links,)),  # kg·m² … and about the distal joint
+        ("middle", INTEGER),  # joint at which the two arms of the elimination meet: the base if it is pinned
+        ("gravity_size", REAL),  # m/s²
+        ("reach", REAL),  # m, length of the stretched chain
+        ("size", REAL),  # m, longest link: the absolute scale of positions
+        ("energy", REAL),  # J, of the whole mass at one `size` a second: the absolute scale of energies
+    )
+
+
+def contact_dtype() -> np.dtype:
+    """The contact law that holds.
+
+    Owner: variables/model.py; law, stiffness and restitution: ``take_given`` in initialize.py; of what is
+    derived, ``derive_law`` there.
+    """
+    return record(
+        ("law", INTEGER),  # id of the force law, counted from 1
+        ("stiffness", REAL),  # N/m^exponent
+        ("exponent", REAL),
+        ("restitution", REAL),
+        ("radius", REAL),  # m
+        ("minimum_impact_speed", REAL),  # m/s, floor of the latched impact speed
+        # derived whenever law or restitution changes
+        ("damping_factor", REAL),  # f(e), λ of the Hunt–Crossley family
+        ("rate_exponent", REAL),  # p of the damping d δᵖ δ̇
+        ("approach_only", INTEGER),  # 1: damped while compressing only
+        ("derived_law", INTEGER),  # law and …
+        ("derived_restitution", REAL),  # … restitution that these are for
+        ("impulsive", INTEGER),  # 1: rigid walls, with impulses in place of a force law
+    )
+
+
+def initial_dtype(links: int) -> np.dtype:
+    """The initial values. Owner: variables/model.py."""
+    return record(
+        ("position", REAL, (2,)),  # m
+        ("velocity", REAL, (2,)),  # m/s
+        ("angle", REAL, (links,)),  # rad
+        ("angular_velocity", REAL, (links,)),  # rad/s
+    )
+
+
+def solver_dtype() -> np.dtype:
+    """The settings of the solver. Owner: variables/model.py."""
+    return record(
+        ("method", INTEGER),  # index into SOLVER_METHODS of kernel/integration/methods.py, from 1
+        ("tolerance", REAL),
+        ("work_limit", REAL),  # 1/s, evaluations for a second of simulated time
+    )
+
+
+def course_dtype(links: int) -> np.dtype:
+    """Polynomials that the inputs follow over time, see kernel/model/inputs.py."""
+    return record(
+        ("order", INTEGER),  # 0: the inputs are constant
+        ("middle", REAL),  # s, where x is 0 …
+        ("scale", REAL),  # 1/s, … and how fast it grows
+        ("until", REAL),  # s, the end of the piece
+        ("pace", REAL),  # 1/s, how fast the inputs change
+        ("joint_torque", REAL, (DEGREE + 1, links)),  # N·m, coefficients of the powers of x
+        ("tip_force", REAL, (DEGREE + 1, 2)),  # N
+    )
+
+
+def given_dtype(links: int) -> np.dtype:
+    """What an importer can set at any time.
+
+    Owner: the importer. It is taken over at the next step, or when the time of the outputs is set.
+    """
+    return record(
+        ("changed", INTEGER),  # AT_ONCE: something was set since the last step; GOING_ON: only the course
+        ("law", INTEGER),  # as in `contact`, …
+        ("stiffness", REAL),
+        ("restitution", REAL),
+        ("joint_torque", REAL, (links,)),  # … and as in `inputs`
+        ("tip_force", REAL, (2,)),
+        ("course", course_dtype(links)),
+    )
+
+
+def inputs_dtype(links: int) -> np.dtype:
+    """The inputs that hold. Owner: model/inputs.py."""
+    return record(
+        ("joint_torque", REAL, (links,)),  # N·m
+        ("tip_force", REAL, (2,)),  # N
+        ("course", course_dtype(links)),
+    )
+
+
+def candidate_dtype(candidates: int) -> np.dtype:
+    """The pairs of a point and a wall that may touch.
+
+    Owner: variables/model.py; of what is derived, ``place_walls`` in model/geometry.py.
+    """
+    return record(
+        ("point", INTEGER, (candidates,)),  # 0…N
+        ("wall", INTEGER, (candidates,)),  # index into WALLS, or 4 and the index into `walls`
+        # derived at initialization
+        ("normal_x", REAL, (candidates,)),  # n of the wall …
+        ("normal_y", REAL, (candidates,)),
+        ("offset", REAL, (candidates,)),  # m, … and n·p of the points on it
+    )
+
+
+def walls_dtype(candidates: int) -> np.dtype:
+    """The walls at any angle: there are never more than candidates. Owner: variables/model.py."""
+    return record(
+        ("x", REAL, (candidates,)),  # m, a point on each …
+        ("y", REAL, (candidates,)),
+        ("angle", REAL, (candidates,)),  # rad, … and its direction from +x: the free side is to its left
+    )

@@ -1,0 +1,76 @@
+"""The layout of an instance: one flat record that holds everything a running simulation knows.
+
+Parameters, inputs, the integrator's memory, statistics, outputs and work space are the fields of one NumPy
+record without pointers, so the state of an FMU is a copy of its bytes. Every scalar takes eight bytes (a
+double or an integer), so each has an index counted in doubles from the start of the record: the slave
+needs no other knowledge of the layout.
+
+N links, points 0…N (0 the base, N the tip), C candidates (pairs of a point and a wall), state vector y
+(kernel/chain/state.py).
+
+Every size and offset is a + bN + cC. The compiled kernel relies on it (compilation/record_type.py). What has
+to do with candidates comes last, so that the places of all else do not depend on their number.
+"""
+
+import numpy as np
+
+from chain_impact.kernel.record.contacts import (
+    finished_dtype,
+    impact_dtype,
+    impulse_dtype,
+    latest_dtype,
+    rigid_dtype,
+    touch_dtype,
+)
+from chain_impact.kernel.record.fields import INTEGER, record
+from chain_impact.kernel.record.given import (
+    candidate_dtype,
+    contact_dtype,
+    given_dtype,
+    initial_dtype,
+    inputs_dtype,
+    model_dtype,
+    solver_dtype,
+    walls_dtype,
+)
+from chain_impact.kernel.record.implicit import implicit_dtype
+from chain_impact.kernel.record.outputs import output_dtype
+from chain_impact.kernel.record.solver import (
+    balance_dtype,
+    limits_dtype,
+    search_dtype,
+    statistics_dtype,
+    step_dtype,
+    work_dtype,
+)
+
+
+def instance_dtype(links: int, candidates: int) -> np.dtype:
+    """The record of an instance with N = ``links`` links and C = ``candidates`` candidates."""
+    return record(
+        ("links", INTEGER),  # N
+        ("candidates", INTEGER),  # C
+        ("tangents", INTEGER),  # instances of dual numbers behind this one (kernel/tangent/)
+        ("model", model_dtype(links)),
+        ("contact", contact_dtype()),
+        ("initial", initial_dtype(links)),
+        ("solver", solver_dtype()),
+        ("given", given_dtype(links)),
+        ("inputs", inputs_dtype(links)),
+        ("step", step_dtype(links)),
+        ("impact", impact_dtype()),
+        ("latest", latest_dtype()),
+        ("statistics", statistics_dtype()),
+        ("limits", limits_dtype()),
+        ("balance", balance_dtype()),
+        ("work", work_dtype(links)),
+        ("touch", touch_dtype(candidates)),
+        ("candidate", candidate_dtype(candidates)),
+        ("walls", walls_dtype(candidates)),
+        ("search", search_dtype(candidates)),
+        ("implicit", implicit_dtype(links, candidates)),
+        ("rigid", rigid_dtype(links, candidates)),
+        ("finished", finished_dtype(candidates)),
+        ("impulse", impulse_dtype(candidates)),
+        ("output", output_dtype(links, candidates)),
+    )

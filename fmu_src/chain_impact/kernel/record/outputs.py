@@ -1,0 +1,31 @@
+"""The part of the record that is seen from outside."""
+
+import numpy as np
+
+from chain_impact.kernel.record.fields import REAL, record
+
+
+def output_dtype(links: int, candidates: int) -> np.dtype:
+    """What an observer sees at the communication point; one row of a time series.
+
+    Owner: observe.py.
+    """
+    points = links + 1
+    return record(
+        ("point_position", REAL, (points, 2)),  # m
+        ("point_velocity", REAL, (points, 2)),  # m/s
+        ("point_acceleration", REAL, (points, 2)),  # m/s²
+        ("angle", REAL, (links,)),  # rad, absolute, from +x
+        ("angular_velocity", REAL, (links,)),  # rad/s
+        ("angular_acceleration", REAL, (links,)),  # rad/s²
+        ("force", REAL, (candidates,)),  # N, wall on point, along the inward normal
+        ("penetration", REAL, (candidates,)),  # m, 0 when apart
+        ("penetration_rate", REAL, (candidates,)),  # m/s, > 0 compressing, 0 when apart
+        ("impulse", REAL, (candidates,)),  # N·s, of the wall on the point since the start
+        ("kinetic", REAL),  # J
+        ("potential", REAL),  # J, gravity, zero at the origin
+        ("elastic", REAL),  # J, stored in the contacts and in the springs of joints
+        ("dissipated", REAL),  # J, by contacts and joint damping since the start
+        ("supplied", REAL),  # J, by the inputs since the start
+        ("total", REAL),  # J, kinetic + potential + elastic
+    )
