@@ -22,7 +22,7 @@ from chain_impact.compilation.record_type import INSTANCE
 from chain_impact.kernel.events.kinds import END, NONE, ONSET, RELATCH
 from chain_impact.kernel.events.table import apply_events
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.integration.last_step import stand
+from chain_impact.kernel.integration.last_step import reset_step
 from chain_impact.kernel.model.equations import state_rate
 
 HERE = Path(__file__).parent
@@ -79,7 +79,7 @@ def start_and_stop(prefix: str, left_out: int) -> Entries:
         size = len(d.step.state) - left_out
         for j in range(len(d.step.state)):
             d.work.y[j] = y[j] if j < size else 0.0
-        stand(d, time, d.work.y)
+        reset_step(d, time, d.work.y)
         return 0
 
     return {

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import root_at, time_at
+from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.energy import mechanical_energy
 from chain_impact.kernel.model.geometry import along_normal
@@ -89,7 +89,7 @@ def random_state(rng: np.random.Generator, d: Plain) -> np.ndarray:
     y = rng.uniform(-2.0, 2.0, len(d.step.state))
     if d.model.pinned:
         y[:2] = y[n + 2 : n + 4] = 0.0
-    y[root_at(n)], y[time_at(n)] = 1.0, 0.0
+    y[sundman_u_at(n)], y[time_at(n)] = 1.0, 0.0
     return y
 
 

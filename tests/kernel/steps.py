@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.chain.state import root_at, time_at
+from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.integration.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.integration.last_step import SOLVER
 from chain_impact.kernel.integration.method import EXPLICIT
@@ -40,7 +40,7 @@ def free_motion(rng: np.random.Generator, d: Plain, *, speed: float = 2.0, bend:
     if d.model.pinned:
         parts[:, :2] = 0.0
     parts[0, half : 2 * half], parts[1, half : 2 * half] = parts[1, :half], 2.0 * parts[2, :half]
-    parts[0, root_at(n)], parts[1, time_at(n)] = 1.0, 1.0
+    parts[0, sundman_u_at(n)], parts[1, time_at(n)] = 1.0, 1.0
     return Motion(parts)
 
 
@@ -59,7 +59,7 @@ def set_step(d: Plain, motion: Motion, size: float, start: float = 0.0, regulari
     step.start, step.clock, step.time = start, start, start
     step.end = start + step.state_end[time_at(d.links)]
     step.size, step.kept, step.regularized = size, 1.0, regularized
-    step.made_by = step.method = EXPLICIT
+    step.last_method = step.method = EXPLICIT
     step.dense_for, step.rate_known, work.at_end = SOLVER, 1, 1
     step.breaks += 1
     locate_points(d, step.state_end)
@@ -111,7 +111,7 @@ def translation(d: Plain, x: Iterable[float], y: Iterable[float]) -> Motion:
         parts[: len(powers), axis] = powers
         parts[:-1, half + axis] = np.polynomial.polynomial.polyder(parts[:, axis])
     parts[0, 2:half] = np.linspace(0.2, 1.0, n)
-    parts[0, root_at(n)], parts[1, time_at(n)] = 1.0, 1.0
+    parts[0, sundman_u_at(n)], parts[1, time_at(n)] = 1.0, 1.0
     return Motion(parts)
 
 

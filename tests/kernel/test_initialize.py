@@ -6,21 +6,21 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS
-from chain_impact.kernel import beside
+from chain_impact.kernel import hooks
 from chain_impact.kernel.events.kinds import NONE
 from chain_impact.kernel.initialize import (
     OVERLAP,
+    apply_given,
     check_links,
     check_parameters,
     check_start,
+    clear_run,
     derive_chain,
     derive_damping,
     derive_law,
     first_size,
-    forget_run,
     initialize,
     set_initial_state,
-    take_given,
 )
 from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.integration.methods import METHOD_COUNT, SOLVER_METHODS
@@ -121,7 +121,7 @@ def test_nothing_of_an_earlier_run_is_left():
     d.latest.point[:], d.latest.wall[:] = 5, 5
     for name in ("time", "speed", "end", "separation_speed", "peak_force", "max_penetration", "impulse"):
         d.latest[name][:] = 5.0
-    forget_run(d)
+    clear_run(d)
     assert not d.work.moment.any()
     assert not d.impulse.total.any()
     for name in ("active", "active_index", "number"):
@@ -150,10 +150,10 @@ def test_a_run_begins_anew_whatever_went_before(monkeypatch):
     first = {
         name: d[name]._record.tobytes() for name in ("model", "contact", "step", "statistics", "balance")
     }
-    d.step.next_size, d.step.method, d.step.doubts, d.impact.last_time = 9.0, 1, 3, 9.0
+    d.step.next_size, d.step.method, d.step.stiff_count, d.impact.last_time = 9.0, 1, 3, 9.0
     d.limits.event_start = d.limits.work_start = 9.0
     d.step.breaks, d.statistics.steps, d.given.changed, d.work.y[:] = 7, 7, 1, 9.0
-    monkeypatch.setattr(beside, "begin", told.append)
+    monkeypatch.setattr(hooks, "on_start", told.append)
     assert initialize(d, 2.0) == OK
     assert told == [d]
     for name, values in first.items():
@@ -195,7 +195,7 @@ def test_what_was_given_holds():
     _, d = prepared(inputs=True)
     d.given.law, d.given.stiffness, d.given.restitution = 3, 5e5, 0.25
     d.given.joint_torque[:], d.given.tip_force[:] = 1.5, (2.0, 3.0)
-    take_given(d)
+    apply_given(d)
     assert (d.contact.law, d.contact.stiffness, d.contact.restitution) == (3, 5e5, 0.25)
     assert d.inputs.joint_torque.tolist() == [1.5] * 3
     assert d.inputs.tip_force.tolist() == [2.0, 3.0]

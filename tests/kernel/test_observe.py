@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel import beside
+from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.springs import spring_energy
 from chain_impact.kernel.chain.state import dissipated_at, supplied_at
-from chain_impact.kernel.model.contact import latch, take_sides
+from chain_impact.kernel.model.contact import begin_contact, set_kink_sides
 from chain_impact.kernel.model.contact_force import elastic_energy, law_force
 from chain_impact.kernel.observe import fill_outputs, observe
 from tests.kernel.chains import chain, touch, vectors
@@ -43,8 +43,8 @@ def seen(theta):
     touch(d, [IN, OUT])
     locate_points(d, y)
     for c in (IN, OUT):
-        latch(d, c)
-    take_sides(d)
+        begin_contact(d, c)
+    set_kink_sides(d)
     d.impulse.wanted = 1
     d.impulse.total[:] = d.impulse.onset[:] = np.arange(d.candidates)
     d.impulse.state[:2], d.impulse.dense[:] = (7.0, 8.0), 0.0
@@ -130,7 +130,7 @@ def test_a_holding_force_is_seen_as_long_as_it_pushes():
 def test_contacts_that_last_are_noted_and_what_goes_on_beside_is_observed(monkeypatch):
     _, d, _ = seen(0.3)
     d.latest.kept, told = 2, []
-    monkeypatch.setattr(beside, "observe", lambda d: told.append(d.output.kinetic))
+    monkeypatch.setattr(hooks, "on_observe", lambda d: told.append(d.output.kinetic))
     d.output.kinetic = -1.0
     observe(d)
     assert told == [d.output.kinetic]

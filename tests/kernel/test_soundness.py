@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel import beside, soundness
+from chain_impact.kernel import hooks, soundness
 from chain_impact.kernel.events.exclusion import FAR
 from chain_impact.kernel.events.kinds import NEIGHBOUR
 from chain_impact.kernel.integration.last_step import SOLVER
@@ -45,7 +45,7 @@ def test_the_last_status_is_the_last():
         ("model", "middle"),
         ("step", "regularized"),
         ("step", "method"),
-        ("step", "made_by"),
+        ("step", "last_method"),
         ("step", "dense_for"),
         ("search", "known"),
         ("contact", "law"),
@@ -73,7 +73,7 @@ BOUNDS = {
     ("model", "middle"): (0, 3),
     ("step", "regularized"): (NO_CONTACT, 15),
     ("step", "method"): (0, METHOD_COUNT - 1),
-    ("step", "made_by"): (0, METHOD_COUNT - 1),
+    ("step", "last_method"): (0, METHOD_COUNT - 1),
     ("step", "dense_for"): (0, SOLVER),
     ("search", "known"): (0, FAR),
     ("contact", "law"): (1, LAW_COUNT),
@@ -138,7 +138,7 @@ def test_a_users_law_is_one_more(monkeypatch):
 def test_a_record_is_sound_with_what_is_beside_it(monkeypatch):
     _, d = chain(np.random.default_rng(0), 1)
     assert sound(d) == 1
-    monkeypatch.setattr(beside, "sound", lambda d: False)
+    monkeypatch.setattr(hooks, "indices_valid", lambda d: False)
     assert sound(d) == 0
 
 

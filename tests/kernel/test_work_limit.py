@@ -15,8 +15,8 @@ from chain_impact.kernel.work_limit import (
     allow_any_length,
     check_events,
     check_work,
-    overdrawn,
     work_done,
+    work_exceeded,
     work_of_a_call,
 )
 from tests.kernel.chains import chain
@@ -37,7 +37,7 @@ def test_all_work_in_a_second_counts(d, evaluations, looks, over):
     d.statistics.rhs_evaluations += evaluations
     d.limits.other_work += looks
     assert work_done(d) == 700 + evaluations + looks
-    assert overdrawn(d) == over
+    assert work_exceeded(d) == over
     assert check_work(d) == (TOO_MUCH_WORK if over else OK)
     assert WORK_WINDOW == 1.0
 

@@ -30,8 +30,8 @@ from numba import float64, int32, int64, types
 from chain_impact.compilation import functions
 from chain_impact.compilation.record_type import INSTANCE, matrix, vector
 from chain_impact.kernel import entry
-from chain_impact.kernel.advance import advance_to_onset, let_happen
-from chain_impact.kernel.events.contact_log import follow_to_now
+from chain_impact.kernel.advance import advance_to_onset, event_update
+from chain_impact.kernel.events.contact_log import update_to_output_time
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.soundness import sound
 from chain_impact.kernel.tangent import entry as tangent_entry
@@ -44,7 +44,7 @@ Entries = dict[str, tuple[Any, Callable[..., Any]]]
 
 def follow(d):
     """Follow the contacts up to the communication point."""
-    follow_to_now(d)
+    update_to_output_time(d)
     return 0
 
 
@@ -92,7 +92,7 @@ def entry_points(derivatives: bool = False) -> Entries:
         "advance": (int32(INSTANCE, float64), entry.advance_to),
         "advance_awhile": (int32(INSTANCE, float64), entry.advance_awhile),
         "advance_to_onset": (int32(INSTANCE, float64), advance_to_onset),
-        "let_happen": (int32(INSTANCE), let_happen),
+        "let_happen": (int32(INSTANCE), event_update),
         "observe": (int32(INSTANCE), entry.observe_now),
         "sound": (int32(INSTANCE), sound),
         "follow": (int32(INSTANCE), follow),

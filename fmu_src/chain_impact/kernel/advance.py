@@ -8,38 +8,43 @@ the communication point has passed it.
 
 import math
 
-from chain_impact.kernel import beside
-from chain_impact.kernel.events.contact_log import follow_contacts, follow_to_now
-from chain_impact.kernel.events.impulses import end_contacts, judge
+from chain_impact.kernel import hooks
+from chain_impact.kernel.events.contact_log import update_extremes, update_to_output_time
+from chain_impact.kernel.events.impulses import end_contacts, update_active_set
 from chain_impact.kernel.events.kinds import KINK, ONSET, REFUSED
-from chain_impact.kernel.events.search import arrival, find_event
+from chain_impact.kernel.events.search import find_event, onset_fraction
 from chain_impact.kernel.events.table import apply_events, bends_force
-from chain_impact.kernel.initialize import derive_law, first_size, take_given
+from chain_impact.kernel.initialize import apply_given, derive_law, first_size
 from chain_impact.kernel.integration import step_size
-from chain_impact.kernel.integration.balance import check_balance, keeps_balance, restart_balance, take_stock
+from chain_impact.kernel.integration.balance import (
+    check_balance,
+    energy_step_ok,
+    rebase_energy,
+    reinit_balance,
+)
 from chain_impact.kernel.integration.impulse import (
-    keep_forces,
-    note_end,
-    settle_impulses,
-    stand_impulses,
+    commit_impulses,
+    keep_end_forces,
+    reset_impulse_step,
+    set_impulse_stage_at_end,
 )
 from chain_impact.kernel.integration.last_step import (
     OUTPUTS,
     accept,
     choose_variable,
-    complete,
-    cut,
-    see_points,
-    see_rate,
-    stand,
-    take_back,
+    ensure_dense,
+    ensure_points,
+    ensure_rate,
+    reset_step,
+    roll_back,
+    truncate_step,
 )
 from chain_impact.kernel.integration.methods import IS_IMPLICIT, LANDS, MEASURES_START, attempt, prepare
 from chain_impact.kernel.integration.sundman import regularize, time_rate_now
 from chain_impact.kernel.integration.switching import choose_method
-from chain_impact.kernel.model.contact import clear_loads, drop_events, forget_stages, take_sides
+from chain_impact.kernel.model.contact import clear_loads, clear_stage_notes, drop_events, set_kink_sides
 from chain_impact.kernel.model.equations import state_rate
-from chain_impact.kernel.model.inputs import goes_on, take_inputs, within_piece
+from chain_impact.kernel.model.inputs import apply_inputs, inputs_continue, limit_to_piece
 from chain_impact.kernel.status import (
     LOG_FULL,
     NOT_FINITE,
@@ -50,7 +55,7 @@ from chain_impact.kernel.status import (
     STEP_TOO_SMALL,
     TOO_MUCH_WORK,
 )
-from chain_impact.kernel.work_limit import check_events, check_work, overdrawn, work_done
+from chain_impact.kernel.work_limit import check_events, check_work, work_done, work_exceeded
 
 # s. A chain in flight without spin has no other limit, as its error estimate is round-off.
 LONGEST_STEP = 1.0
@@ -58,28 +63,28 @@ LONGEST_STEP = 1.0
 SHORTEST_STEP = 1e-18
 # The error that stands for a step in which an event cannot be located, or that does not keep the ledger. It
 # makes the next try a seventh as long, or an eighth if it is implicit.
-COARSE = 1e6
+REFUSED_ERROR = 1e6
 # Of an implicit step: so near its start the dense output is as good as its end.
-NEAR = 1e-3
+NEAR_START = 1e-3
 
 
-def advance(d, time, room, work):
+def advance(d, time, log_capacity, work):
     """Bring the instance to ``time`` [s], not before its present time.
 
     Returns:
         A status. After a fault the instance stays at the last time it reached. It can go on after LOG_FULL,
-        once the ``room`` finished contacts that wait are collected, and after PAUSED, which comes when all
+        once the ``log_capacity`` finished contacts that wait are collected, and after PAUSED, which comes when all
         work exceeds ``work`` evaluations.
     """
-    status = renew(d)
+    status = reinit_if_changed(d)
     while status == OK and d.step.end < time:
-        if d.finished.count >= room:
+        if d.finished.count >= log_capacity:
             return LOG_FULL
         if work_done(d) > work:
             return PAUSED
-        status = go_on(d)
+        status = advance_one_step(d)
     if status == OK:
-        look_at(d, time)
+        set_output_time(d, time)
     return status
 
 
@@ -91,28 +96,28 @@ def advance_to_onset(d, time):
     Returns:
         A status; ONSET_DUE where contacts begin at the time reached.
     """
-    status, fresh = renew(d), False
+    status, fresh = reinit_if_changed(d), False
     while status == OK and d.step.end < time:
         if (fresh or d.step.end > d.step.time) and ends_in_onset(d):
             time = d.step.end
         else:
-            status, fresh = go_on(d), True
+            status, fresh = advance_one_step(d), True
     if status == OK:
-        look_at(d, time)
+        set_output_time(d, time)
         status = ONSET_DUE if onset_due(d) else OK
     return status
 
 
-def let_happen(d):
+def event_update(d):
     """Let the onsets at the communication point take effect, under the parameters as they are now.
 
     What holds right after them is then the start of the step ahead. Returns a status.
     """
-    status = renew(d)
+    status = reinit_if_changed(d)
     while status == OK and onset_due(d):
-        status = go_on(d)
+        status = advance_one_step(d)
     if status == OK:
-        look_at(d, d.step.time)
+        set_output_time(d, d.step.time)
     return status
 
 
@@ -129,57 +134,57 @@ def ends_in_onset(d):
     return False
 
 
-def renew(d):
+def reinit_if_changed(d):
     """Start anew from the communication point if an input or parameter has changed; returns a status.
 
     Inputs that go on without a jump from where the last step ends are taken over by the next one.
     """
-    if d.statistics.status == OK and d.given.changed and not goes_on(d):
-        d.statistics.status = restart(d)
+    if d.statistics.status == OK and d.given.changed and not inputs_continue(d):
+        d.statistics.status = reinit(d)
     return d.statistics.status
 
 
-def go_on(d):
+def advance_one_step(d):
     """Take a step; after a fault, stand at the last time reached. Returns a status."""
     d.statistics.status = take_step(d)
     if d.statistics.status == OK:
-        beside.step(d)
+        hooks.on_step(d)
     else:
-        settle_impulses(d)
-        stand(d, d.step.end, d.step.state_end)
+        commit_impulses(d)
+        reset_step(d, d.step.end, d.step.state_end)
     return d.statistics.status
 
 
-def look_at(d, time):
-    """Make a ``time`` [s] in the last step the communication point, also of what goes on beside."""
-    set_present(d, time)
+def set_output_time(d, time):
+    """Make a ``time`` [s] in the last step the communication point, and call the hook."""
+    set_own_output_time(d, time)
     d.limits.call_count = work_done(d)
-    beside.look(d, time)
+    hooks.on_output_time(d, time)
 
 
-def set_present(d, time):
+def set_own_output_time(d, time):
     """Make a ``time`` [s] in the last step the communication point."""
     d.step.time = time
-    complete(d, OUTPUTS)
+    ensure_dense(d, OUTPUTS)
 
 
-def restart(d):
+def reinit(d):
     """Drop what lies beyond the communication point, as an input or parameter changed; returns a status."""
     d.given.changed = 0
-    follow_to_now(d)
+    update_to_output_time(d)
     d.step.next_size *= time_rate_now(d, d.step.state_end)  # in seconds
-    stand(d, d.step.time, d.step.state_end)
-    status = take_over(d)
+    reset_step(d, d.step.time, d.step.state_end)
+    status = apply_pending_inputs(d)
     clear_loads(d)
-    restart_balance(d)
+    reinit_balance(d)
     # a chain at rest takes steps far too long for what an input may do to it
     d.step.next_size = min(d.step.next_size, first_size(d))
     if status == OK:
-        beside.anew(d)
+        hooks.on_reinit(d)
     return status
 
 
-def take_over(d):
+def apply_pending_inputs(d):
     """Take over what was given, and judge anew who is held. What cannot be taken over changes nothing.
 
     Returns:
@@ -187,7 +192,7 @@ def take_over(d):
     """
     contact, rigid = d.contact, d.contact.impulsive
     law, stiffness, restitution = contact.law, contact.stiffness, contact.restitution
-    take_given(d)
+    apply_given(d)
     status = derive_law(d)
     if status == OK and d.touch.active_count > 0 and contact.impulsive and not rigid:
         status = RIGID_WHILE_TOUCHING
@@ -195,30 +200,30 @@ def take_over(d):
         contact.law, contact.stiffness, contact.restitution = law, stiffness, restitution
         derive_law(d)
     else:
-        hold_anew(d, rigid)
-        take_sides(d)  # the law may be another one
+        recompute_active_set(d, rigid)
+        set_kink_sides(d)  # the law may be another one
     return status
 
 
-def hold_anew(d, rigid):
+def recompute_active_set(d, rigid):
     """Judge anew whom walls that were ``rigid`` hold where the last step ends; others hold nobody."""
     if d.touch.active_count == 0 or not rigid:
         return
     if d.contact.impulsive:
-        judge(d)
+        update_active_set(d)
     else:
         end_contacts(d)
-    stand(d, d.step.end, d.step.state_end)
+    reset_step(d, d.step.end, d.step.state_end)
 
 
 def take_step(d):
     """Take one accepted step, up to the first event in it; returns a status."""
-    status = check_events(d, begin(d))
+    status = check_events(d, begin_step(d))
     if status == OK:
         status = find_step(d)
     if status == OK:
         d.statistics.steps += 1
-        d.statistics.implicit_steps += IS_IMPLICIT[d.step.made_by]
+        d.statistics.implicit_steps += IS_IMPLICIT[d.step.last_method]
         status = check_balance(d)
     return status if status != OK else check_work(d)
 
@@ -227,31 +232,31 @@ def find_step(d):
     """Try steps of ever smaller size until one is accepted, up to its first event; returns a status."""
     step, grow, error = d.step, step_size.GROW, 0.0
     wanted = min(step.next_size, LONGEST_STEP)
-    limited = within_piece(d, wanted)
+    limited = limit_to_piece(d, wanted)
     h = prepare(d, limited)
     while True:
         if h < SHORTEST_STEP or step.end + h == step.end:
             return STEP_TOO_SMALL if math.isfinite(error) else NOT_FINITE
-        forget_stages(d)
+        clear_stage_notes(d)
         error = attempt(d, h)
         if error <= 1.0:
             accept(d, h)
-            error = max(error, error_of_end(d, find_event(d)))
+            error = max(error, accept_to_event(d, find_event(d)))
             if error <= 1.0:
                 step.next_size = h * min(grow, step_size.factor(d, max(error, 1e-16)))
                 if limited < wanted and grow > 1.0:
                     step.next_size = max(step.next_size, wanted)  # the end of a piece tells nothing of it
                 return OK
-            take_back(d)
+            roll_back(d)
             drop_events(d)
         d.statistics.rejected_steps += 1
         h *= step_size.factor(d, error) if math.isfinite(error) else 0.1
         grow = 1.0
-        if overdrawn(d):
+        if work_exceeded(d):
             return TOO_MUCH_WORK
 
 
-def error_of_end(d, theta):
+def accept_to_event(d, theta):
     """End the last step at its fraction θ, if it is not −1, and it keeps the ledger up to there.
 
     Returns an error, at most 1 if it has ended: that of the ledger, or COARSE.
@@ -261,66 +266,66 @@ def error_of_end(d, theta):
     but at its ends: all its events are landed on.
     """
     if theta == REFUSED:
-        return COARSE
-    if theta > 0.0 and (bends_force(d) or (LANDS[d.step.made_by] and NEAR < theta < 1.0)):
+        return REFUSED_ERROR
+    if theta > 0.0 and (bends_force(d) or (LANDS[d.step.last_method] and NEAR_START < theta < 1.0)):
         h = theta * d.step.size
-        take_back(d)
+        roll_back(d)
         if not attempt(d, h) <= 1.0:
-            return COARSE
+            return REFUSED_ERROR
         accept(d, h)
-        theta = arrival(d)
+        theta = onset_fraction(d)
         if theta == REFUSED:
-            return COARSE
-    if not keeps_balance(d, theta):
-        return d.balance.loss if d.balance.loss > 1.0 else COARSE
+            return REFUSED_ERROR
+    if not energy_step_ok(d, theta):
+        return d.balance.loss if d.balance.loss > 1.0 else REFUSED_ERROR
     if theta >= 0.0:
-        cut(d, theta)
+        truncate_step(d, theta)
     return d.balance.loss
 
 
-def begin(d):
+def begin_step(d):
     """Let what happened at the end of the last step take effect; returns the number of events."""
-    events, kinked = let_events_act(d)
+    events, kinked = apply_pending_events(d)
     if d.given.changed:
         d.given.changed = 0
-        take_inputs(d)
+        apply_inputs(d)
     if events > 0 and d.contact.impulsive and not MEASURES_START[d.step.method]:
         d.step.next_size = min(d.step.next_size, step_size.in_flight(d, d.step.state_end, d.work.rate_start))
     if events > 0 or d.balance.breaks != d.step.breaks:
-        take_stock(d)
+        rebase_energy(d)
     if not kinked:
         choose_method(d)  # a step that a kink has cut short tells nothing of it
     choose_variable(d, events > 0)
-    start_in_variable(d)
+    set_first_stage(d)
     return events
 
 
-def let_events_act(d):
+def apply_pending_events(d):
     """Let them take effect, and set the rate from there; returns their number, and whether any is a kink."""
     events, kinked = 0, False
     for c in range(d.candidates):
         events += d.touch.event[c] != 0
         kinked = kinked or d.touch.event[c] == KINK
 
-    see_rate(d)
+    ensure_rate(d)
     if d.touch.active_count > 0:
-        see_points(d)
-        follow_contacts(d)
+        ensure_points(d)
+        update_extremes(d)
 
     rate = d.work.rate_start
     for j in range(len(d.work.y)):
         rate[j] = d.work.rate_end[j]
     if events > 0:
-        settle_impulses(d)
+        commit_impulses(d)
         if apply_events(d):
             state_rate(d, d.step.state_end, rate)
-            keep_forces(d)
+            keep_end_forces(d)
             d.statistics.rhs_evaluations += 1
-        stand_impulses(d)
+        reset_impulse_step(d)
     return events, kinked
 
 
-def start_in_variable(d):
+def set_first_stage(d):
     """Set the first stage of a step from the rate there, in the variable that it runs in."""
     regularize(d, d.step.state_end, d.work.rate_start, d.work.stage[0])
-    note_end(d, 0)
+    set_impulse_stage_at_end(d, 0)

@@ -1,7 +1,7 @@
 """What a caller can ask of an instance. The C functions for it are in compilation/entry_points.py."""
 
-from chain_impact.kernel.advance import advance, restart
-from chain_impact.kernel.events.contact_log import follow_to_now
+from chain_impact.kernel.advance import advance, reinit
+from chain_impact.kernel.events.contact_log import update_to_output_time
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import LOG_FULL, OK, PAUSED
@@ -26,7 +26,7 @@ def advance_awhile(d, time):
 
 def observe_now(d):
     """Fill the outputs with what holds at the communication point; returns a status."""
-    if d.statistics.status == OK and d.given.changed and restart(d) != OK:
+    if d.statistics.status == OK and d.given.changed and reinit(d) != OK:
         d.given.changed = 1  # a parameter that goes with the others may yet be set before the next step
     observe(d)
     return d.statistics.status
@@ -105,7 +105,7 @@ def finish_run(d, stop, work, row):
     if status == OK:
         observe(d)
     if status != PAUSED and d.touch.active_count > 0:
-        follow_to_now(d)
+        update_to_output_time(d)
         for k in range(d.touch.active_count):
             c = d.touch.active_index[k]
             see_peaks(row, d.touch.peak_force[c], d.touch.max_penetration[c])

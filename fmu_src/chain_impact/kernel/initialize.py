@@ -2,12 +2,12 @@
 
 import math
 
-from chain_impact.kernel import beside
-from chain_impact.kernel.chain.damped import damping_of
+from chain_impact.kernel import hooks
+from chain_impact.kernel.chain.damped import joint_damping
 from chain_impact.kernel.chain.joint_rate import joint_bound
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.regular import loose_links
-from chain_impact.kernel.chain.springs import resists, stiffness_of
+from chain_impact.kernel.chain.springs import resists, spring_stiffness
 from chain_impact.kernel.chain.state import (
     ANGLES,
     dissipated_at,
@@ -16,7 +16,7 @@ from chain_impact.kernel.chain.state import (
     velocity_at,
 )
 from chain_impact.kernel.integration.balance import start_balance
-from chain_impact.kernel.integration.last_step import stand
+from chain_impact.kernel.integration.last_step import reset_step
 from chain_impact.kernel.integration.methods import IS_IMPLICIT, SOLVER_METHODS, first_method
 from chain_impact.kernel.integration.step_size import in_flight
 from chain_impact.kernel.integration.switching import begin_explicit, stable
@@ -31,11 +31,11 @@ from chain_impact.kernel.laws.contact_laws import (
     damping_factor,
 )
 from chain_impact.kernel.model.contact import clear_loads, drop_events
-from chain_impact.kernel.model.contact_force import USER_LAW, foresee_depth, latch_damping
+from chain_impact.kernel.model.contact_force import USER_LAW, set_damping, set_expected_depth
 from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import clearance, place_walls
-from chain_impact.kernel.model.inputs import take_inputs
+from chain_impact.kernel.model.inputs import apply_inputs
 from chain_impact.kernel.model.latest import forget_impacts
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
@@ -55,9 +55,9 @@ OVERLAP = 1e-12  # m, of a start that counts as touching: round-off of positions
 def initialize(d, time):
     """Set the state at ``time`` [s] from the parameters and initial values; returns a status."""
     derive_chain(d)
-    forget_run(d)
+    clear_run(d)
     d.contact.derived_law = 0  # any parameter may be another now
-    take_given(d)
+    apply_given(d)
     d.statistics.status = check_parameters(d)
     if d.statistics.status == OK:
         d.statistics.status = derive_law(d)
@@ -65,7 +65,7 @@ def initialize(d, time):
         return d.statistics.status
     place_walls(d)
     set_initial_state(d, d.work.y)
-    stand(d, time, d.work.y)
+    reset_step(d, time, d.work.y)
     clear_loads(d)
     d.step.next_size = first_size(d)
     if not IS_IMPLICIT[first_method(d.solver.method)]:
@@ -79,7 +79,7 @@ def initialize(d, time):
     begin_explicit(d.step)
     d.statistics.status = check_start(d)
     if d.statistics.status == OK:
-        beside.begin(d)
+        hooks.on_start(d)
     return d.statistics.status
 
 
@@ -96,7 +96,7 @@ def set_initial_state(d, y):
     y[supplied_at(n)] = 0.0
 
 
-def forget_run(d):
+def clear_run(d):
     """Remove what an earlier run has left: moments, contacts, impacts, the log and all counts."""
     d.touch.active_count = 0
     for i in range(d.links):
@@ -130,9 +130,9 @@ def derive_chain(d):
         model.distal_inertia[i] = model.inertia[i] + model.mass[i] * rest * rest
         model.size = max(model.size, model.length[i])
         model.reach += model.length[i]
-        if resists(damping_of(d, i)):
+        if resists(joint_damping(d, i)):
             model.damped = 1
-        if resists(stiffness_of(d, i)):
+        if resists(spring_stiffness(d, i)):
             model.sprung = 1
     total = 0.0
     for i in range(len(model.length)):
@@ -143,12 +143,12 @@ def derive_chain(d):
     model.joint_bound = joint_bound(d)
 
 
-def take_given(d):
+def apply_given(d):
     """Let what was given hold: the law of contact and the inputs."""
     given = d.given
     d.contact.law, d.contact.stiffness = given.law, given.stiffness
     d.contact.restitution = given.restitution
-    take_inputs(d)
+    apply_inputs(d)
 
 
 def derive_law(d):
@@ -167,8 +167,8 @@ def derive_law(d):
         contact.derived_law, contact.derived_restitution = contact.law, contact.restitution
     for k in range(d.touch.active_count):
         if not contact.impulsive:
-            foresee_depth(d, d.touch.active_index[k])
-        latch_damping(d, d.touch.active_index[k])
+            set_expected_depth(d, d.touch.active_index[k])
+        set_damping(d, d.touch.active_index[k])
     return OK
 
 

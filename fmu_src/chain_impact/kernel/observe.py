@@ -1,11 +1,11 @@
 """What an observer sees at the communication point."""
 
-from chain_impact.kernel import beside
+from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at
-from chain_impact.kernel.events.contact_log import note_active
+from chain_impact.kernel.events.contact_log import update_latest
 from chain_impact.kernel.integration.dense import fraction, interpolate, interpolate_component
-from chain_impact.kernel.integration.impulse import followed
+from chain_impact.kernel.integration.impulse import impulse_count
 from chain_impact.kernel.model.contact import contact_force
 from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
 from chain_impact.kernel.model.equations import located_rate
@@ -13,9 +13,9 @@ from chain_impact.kernel.model.geometry import clearance
 
 
 def observe(d):
-    """Fill the output record with what holds at ``step.time``, also of what goes on beside."""
+    """Fill the output record with what holds at ``step.time``, and call the hook."""
     fill_outputs(d)
-    beside.observe(d)
+    hooks.on_observe(d)
 
 
 def fill_outputs(d):
@@ -54,12 +54,12 @@ def fill_outputs(d):
         elif gap < 0.0:
             out.force[c] = contact_force(d, c, gap, gap_rate)
             out.penetration[c], out.penetration_rate[c] = -gap, -gap_rate
-    for k in range(followed(d)):
+    for k in range(impulse_count(d)):
         out.impulse[d.touch.active_index[k]] = interpolate_component(d.impulse, theta, k)
     out.kinetic, out.potential = mechanical_energy(d, y)
     out.elastic = stored_energy(d, y)
     out.dissipated = y[dissipated_at(n)]
     out.supplied = y[supplied_at(n)]
     out.total = out.kinetic + out.potential + out.elastic
-    note_active(d)
+    update_latest(d)
     d.limits.other_work = work_done  # a look is not the solver's work

@@ -4,7 +4,7 @@ What is checked is what the kernel uses as an index or as the number of rounds o
 absurd: it leads to a status, not out of the record.
 """
 
-from chain_impact.kernel import beside
+from chain_impact.kernel import hooks
 from chain_impact.kernel.events.exclusion import FAR
 from chain_impact.kernel.events.kinds import NEIGHBOUR
 from chain_impact.kernel.integration.last_step import SOLVER
@@ -19,11 +19,11 @@ from chain_impact.kernel.status import LAST_STATUS, OK
 
 
 def sound(d):
-    """1 if every index of the record is one, also of what goes on beside, or 0.
+    """1 if every index of the record is one and the hooks find theirs valid, or 0.
 
     The numbers at its start, as that of links, have to be right.
     """
-    return 1 if within_bounds(d) and beside.sound(d) else 0
+    return 1 if within_bounds(d) and hooks.indices_valid(d) else 0
 
 
 def within_bounds(d):
@@ -34,7 +34,7 @@ def within_bounds(d):
     fits = fits and within(d.contact.law, 1, laws) and within(d.contact.derived_law, 0, laws)
     fits = fits and within(d.solver.method, 1, len(SOLVER_METHODS)) and d.finished.count >= 0
     fits = fits and within(d.step.method, 0, METHOD_COUNT - 1)
-    fits = fits and within(d.step.made_by, 0, METHOD_COUNT - 1)
+    fits = fits and within(d.step.last_method, 0, METHOD_COUNT - 1)
     fits = fits and within(d.search.known, 0, FAR) and within(d.step.dense_for, 0, SOLVER)
     fits = fits and within(d.statistics.status, OK, LAST_STATUS)
     fits = fits and within(d.latest.kept, 0, LATEST)

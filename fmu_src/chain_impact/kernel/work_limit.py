@@ -23,7 +23,7 @@ def work_done(d):
     return d.statistics.rhs_evaluations + d.limits.other_work
 
 
-def overdrawn(d):
+def work_exceeded(d):
     """Whether the work in a second of simulated time exceeds the limit; every long loop asks."""
     return work_done(d) - d.limits.work_count > d.solver.work_limit * WORK_WINDOW
 
@@ -41,7 +41,7 @@ def allow_any_length(d):
 def check_work(d):
     """TOO_MUCH_WORK or STEP_TOO_LONG when a second or a communication step takes too much work, or OK."""
     limits = d.limits
-    if overdrawn(d):
+    if work_exceeded(d):
         return TOO_MUCH_WORK
     if work_done(d) - limits.call_count > d.solver.work_limit * LONGEST_CALL:
         return STEP_TOO_LONG

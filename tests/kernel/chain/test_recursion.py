@@ -13,7 +13,7 @@ import sympy
 from chain_impact.kernel.chain.kinematics import link_vectors, locate_points, move_points
 from chain_impact.kernel.chain.recursion import accelerations, factorize, solve
 from chain_impact.kernel.initialize import derive_chain, derive_law
-from chain_impact.kernel.model.contact_force import latch_damping
+from chain_impact.kernel.model.contact_force import set_damping
 from chain_impact.kernel.model.energy import mechanical_energy
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import place_walls
@@ -204,7 +204,7 @@ def check_against_lagrange(rng, scene, point, wall, has):
         d["touch"]["active"][0] = d["touch"]["active_count"] = 1
         d["touch"]["impact_speed"][0] = IMPACT_SPEED
         place_walls(d)
-        latch_damping(d, 0)
+        set_damping(d, 0)
         speed = -inward @ point_jacobian(scene, angles, point) @ velocities
         elastic = STIFFNESS * DEPTH**1.5
         ratio = max(0.0, 1 + exact_damping_factor(RESTITUTION) * speed / max(IMPACT_SPEED, speed))

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.damped import damping_of
-from chain_impact.kernel.chain.springs import resists, spring_energy, stiffness_of, stretch
+from chain_impact.kernel.chain.damped import joint_damping
+from chain_impact.kernel.chain.springs import resists, spring_energy, spring_stiffness, stretch
 from tests.kernel.chains import chain, random_state
 
 CASES = [(base, count) for base in ("free", "pinned") for count in (1, 2, 5)]
@@ -24,7 +24,7 @@ def test_every_joint_has_its_own_and_a_free_base_is_no_joint(sprung):
     own = [
         (link.joint_stiffness * one, link.joint_damping * one) for link, one in zip(links, held, strict=True)
     ]
-    assert [(stiffness_of(d, i), damping_of(d, i)) for i in range(d.links)] == own
+    assert [(spring_stiffness(d, i), joint_damping(d, i)) for i in range(d.links)] == own
     assert [resists(k) for k, _ in own] == [one > 0.0 for one in held]
 
 

@@ -8,8 +8,8 @@ from chain_impact.kernel.chain.state import (
     coordinate_count,
     dissipated_at,
     omega_at,
-    root_at,
     state_size,
+    sundman_u_at,
     supplied_at,
     time_at,
     velocity_at,
@@ -25,7 +25,7 @@ def test_the_places_of_all_quantities_make_up_the_state(count):
     coordinates = [*range(2), *range(ANGLES, ANGLES + count)]
     rates = [*range(velocity_at(count), velocity_at(count) + 2)]
     rates += range(omega_at(count), omega_at(count) + count)
-    last = [place(count) for place in (dissipated_at, supplied_at, root_at, time_at)]
+    last = [place(count) for place in (dissipated_at, supplied_at, sundman_u_at, time_at)]
     assert [*coordinates, *rates, *last] == list(range(state_size(count)))
     assert len(coordinates) == len(rates) == coordinate_count(count)
 

@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from chain_impact.kernel.chain.state import root_at, time_at
+from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events import crossing
 from chain_impact.kernel.events.crossing import (
     QUIET,
     SPLIT,
     bound_curvature,
     find_crossing,
+    find_root,
     kind_of,
     locate,
     measure,
-    root,
 )
 from chain_impact.kernel.events.exclusion import keep_start
 from chain_impact.kernel.events.kinds import END, NONE, ONSET
@@ -152,7 +152,7 @@ def test_intervals_are_halved_where_they_are_unsettled_and_as_wide_as_may_be_els
         settled.append((a, b))
         return QUIET
 
-    monkeypatch.setattr(crossing, "inspect", judge)
+    monkeypatch.setattr(crossing, "check_interval", judge)
     assert find_crossing(d) == -1.0
     assert [a for a, _ in settled] == [0.0, *(b for _, b in settled[:-1])]
     assert settled[-1][1] == 1.0
@@ -211,7 +211,7 @@ def test_the_points_of_an_implicit_step_that_are_in_contact_have_their_own_bound
     bound_curvature(d)
     np.testing.assert_array_equal(d.search.curvature, before)
     touch(d, held)
-    d.step.made_by = IMPLICIT
+    d.step.last_method = IMPLICIT
     bound_curvature(d)
     assert (d.search.curvature[held] != before[held]).all()
     np.testing.assert_array_equal(np.delete(d.search.curvature, held), np.delete(before, held))
@@ -239,7 +239,7 @@ def test_a_root_is_found_to_the_resolution_of_time(seed):
         keep_start(d)
         measure(d, high)
         work = d.limits.other_work
-        found = root(d, c, low, high)
+        found = find_root(d, c, low, high)
         assert d.limits.other_work - work <= 30
         assert found == pytest.approx(exact, abs=2e-15)
         np.testing.assert_allclose(d.search.clear_end, phi(d, motion, found)[0], rtol=0, atol=1e-12)
@@ -253,7 +253,7 @@ def test_an_overdue_event_is_where_the_clearance_falls(rate, curvature):
     measure(d, 0.75)
     d.search.clear_start[c], d.search.clear_start_rate[c], d.search.curvature[c] = -1e-3, rate, curvature
     expected = 0.25 if rate < 0.0 else 0.75
-    assert root(d, c, 0.25, 0.75) == expected
+    assert find_root(d, c, 0.25, 0.75) == expected
     np.testing.assert_allclose(d.search.clear_end, phi(d, motion, expected)[0], rtol=0, atol=1e-12)
 
 
@@ -283,7 +283,7 @@ def test_a_regularized_contact_ends_at_the_root_of_u():
     rng = np.random.default_rng(4)
     _, d = chain(rng, 2)
     motion = free_motion(rng, d)
-    motion.coefficients[:, root_at(2)] = 0.6, -1.0, 0.2
+    motion.coefficients[:, sundman_u_at(2)] = 0.6, -1.0, 0.2
     motion.coefficients[:, time_at(2)] = 0.0, 0.3, 0.0
     walls_away(d)
     set_step(d, motion, 1.0)
@@ -309,7 +309,7 @@ def test_clearances_bend_in_a_regularized_step_by_no_more_than_its_bound(seed):
     time = np.concatenate([[0.0], np.cumsum(0.5 * h * (p[1:] + p[:-1]))])
     free = free_motion(rng, d)
     states = free.at(time).T
-    states[:, root_at(2)], states[:, time_at(2)] = u, time
+    states[:, sundman_u_at(2)], states[:, time_at(2)] = u, time
     parts = np.polynomial.polynomial.polyfit(fine, states, 7)
     walls_away(d)
     set_step(d, Motion(parts), 0.5, regularized=0)

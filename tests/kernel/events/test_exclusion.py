@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from chain_impact.kernel.events.exclusion import FAR, WITH_CURVES, known
+from chain_impact.kernel.events.exclusion import FAR, WITH_CURVES, known_clearances
 from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.simulation.instance import Instance
 from tests.plain import Plain
@@ -45,7 +45,7 @@ def test_there_is_at_least_the_room_that_is_remembered(angles, speeds, tolerance
     instance = Instance(with_values(load_scene("four_link_box"), place | walls | more))
     seen = 0
     for d in steps(instance, 0.8):
-        if known(Plain(d)) in (WITH_CURVES, FAR):
+        if known_clearances(Plain(d)) in (WITH_CURVES, FAR):
             seen += 1
             assert d["search"]["safe_distance"] <= least_clearance(d) + 1e-12
     assert seen > 0 or tolerance == 1e-2  # whose steps can turn links by more than the test is made for
@@ -54,7 +54,7 @@ def test_there_is_at_least_the_room_that_is_remembered(angles, speeds, tolerance
 def test_far_walls_are_left_alone_through_an_impact():
     instance = Instance(load_scene("four_link_box"))
     kinds = [
-        known(Plain(d))
+        known_clearances(Plain(d))
         for d in steps(instance, 0.5012)
         if d["step"]["start"] > 0.49945 and d["touch"]["active_count"] == 1
     ]

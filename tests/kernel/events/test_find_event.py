@@ -6,16 +6,16 @@ import pytest
 from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.events import search
 from chain_impact.kernel.events.crossing import measure
-from chain_impact.kernel.events.exclusion import FAR, NOTHING, VALUES, known, learn
+from chain_impact.kernel.events.exclusion import FAR, NOTHING, VALUES, known_clearances, remember_clearances
 from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, REFUSED, RELEASE
 from chain_impact.kernel.events.search import (
     DEEP,
     EARLY,
     LANDED,
-    arrival,
     credible,
-    drop_leaving,
+    drop_separating,
     find_event,
+    onset_fraction,
     starts_clear,
 )
 from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER
@@ -28,10 +28,10 @@ from tests.kernel.steps import gaps_of, held_tip, points_of, set_step, translati
 
 def known_rates(d):
     """No contact is near its kink or its second latch."""
-    d.touch.impact_speed[:], d.touch.crossed[:] = 1e6, 0
+    d.touch.impact_speed[:], d.touch.kink_crossed[:] = 1e6, 0
     d.touch.depth_scale[:] = d.touch.effective_mass[:] = 1.0
     d.touch.kink_margin[:] = 1e9
-    d.touch.damping[:] = d.touch.beyond[:] = 0
+    d.touch.damping[:] = d.touch.beyond_kink[:] = 0
 
 
 @pytest.mark.parametrize("implicit", [False, True])
@@ -41,8 +41,8 @@ def test_the_earliest_event_is_that_of_the_motion(seed, near, touching, implicit
     d, motion = moving([seed, near, touching], near=near, touching=touching)
     known_rates(d)
     if implicit:
-        d.step.made_by = IMPLICIT
-        learn(d, VALUES)  # which a search has left at the end of its interval
+        d.step.last_method = IMPLICIT
+        remember_clearances(d, VALUES)  # which a search has left at the end of its interval
         d.search.clear_start[:] = d.search.clear_start_rate[:] = -7.0
     theta, whose = first_fall(d, motion)
     found = find_event(d)
@@ -51,7 +51,7 @@ def test_the_earliest_event_is_that_of_the_motion(seed, near, touching, implicit
     else:
         assert found * d.step.size == pytest.approx(theta * d.step.size, abs=1e-12)
         assert d.touch.event[whose] == (END if d.touch.active[whose] else ONSET)
-        assert known(d) == VALUES
+        assert known_clearances(d) == VALUES
 
 
 def test_without_candidates_there_is_no_event():
@@ -66,8 +66,8 @@ def test_an_implicit_step_begins_where_the_last_search_ended(what, monkeypatch):
     measured = []
     monkeypatch.setattr(search, "measure", lambda d, theta: (measured.append(theta), measure(d, theta)))
     d, _ = moving(0, near=1)
-    d.step.made_by = IMPLICIT
-    learn(d, what)
+    d.step.last_method = IMPLICIT
+    remember_clearances(d, what)
     find_event(d)
     assert measured.count(0.0) == (what != VALUES)
 
@@ -88,7 +88,7 @@ def test_later_events_are_those_of_contacts_up_to_the_touch():
 
 def test_a_held_contact_is_released():
     d, c, _ = held_tip(0.2, [1.0, -2.0])
-    d.rigid.least[c] = -1e-2
+    d.rigid.least_force[c] = -1e-2
     assert find_event(d) == pytest.approx(0.5, abs=1e-10)
     assert d.touch.event[c] == RELEASE
 
@@ -98,7 +98,7 @@ def test_a_time_that_runs_back_refuses_the_step():
     motion.coefficients[1, time_at(2)] = -1.0
     set_step(d, motion, 1.0, start=2.0)
     d.step.end = 3.0
-    d.touch.impact_speed[:], d.touch.crossed[1] = 1e6, 1
+    d.touch.impact_speed[:], d.touch.kink_crossed[1] = 1e6, 1
     assert find_event(d) == REFUSED
 
 
@@ -184,11 +184,11 @@ def test_onsets_of_points_that_move_away_are_dropped():
         d.touch.event[:] = NONE
         d.touch.event[[1, 5]] = ONSET
         d.search.clear_end_rate[[1, 5]] = rates
-        assert drop_leaving(d, 0.4) == left
+        assert drop_separating(d, 0.4) == left
         assert d.touch.event[[1, 5]].tolist() == kinds
     d = touched(0.3, 1.0, active=1, kind=END)
     d.search.clear_end_rate[1] = 1.0
-    assert drop_leaving(d, 0.4) == 0.4
+    assert drop_separating(d, 0.4) == 0.4
 
 
 def landed(gaps, rate=-2.0, size=0.5, kind=ONSET, bend=0.0):
@@ -216,15 +216,15 @@ def test_a_step_made_anew_for_onsets_ends_at_the_first_of_them(off, bend):
     after = 2.0 * gap / (speed + np.sqrt(speed**2 - 2.0 * bend * gap))
     behind = gap + 0.3 * LANDED * speed * size
     for gaps in ([gap, behind], [behind, gap]):
-        found = arrival(landed(gaps, -speed, size, bend=bend))
+        found = onset_fraction(landed(gaps, -speed, size, bend=bend))
         assert found == pytest.approx(1.0 + after / size, abs=1e-11)
 
 
 def test_an_onset_that_stays_deep_inside_is_refused():
     """In two steps of Newton's method the motion bends away from where it was to touch."""
     gap = -0.8 * LANDED
-    assert arrival(landed([gap, gap], bend=-0.1)) == pytest.approx(1.0 + gap, abs=1e-4)
-    assert arrival(landed([gap, gap], bend=-100.0)) == REFUSED
+    assert onset_fraction(landed([gap, gap], bend=-0.1)) == pytest.approx(1.0 + gap, abs=1e-4)
+    assert onset_fraction(landed([gap, gap], bend=-100.0)) == REFUSED
 
 
 @pytest.mark.parametrize("other", [0, 1])
@@ -233,16 +233,16 @@ def test_an_onset_that_stays_deep_inside_is_refused():
 )
 def test_a_step_that_does_not_land_on_an_onset_is_refused(gap, rate, other):
     gaps = [0.0, gap] if other else [gap, 0.0]
-    assert arrival(landed(gaps, rate)) == REFUSED
+    assert onset_fraction(landed(gaps, rate)) == REFUSED
 
 
 def test_other_events_are_where_a_step_ends_and_so_are_those_of_a_step_that_cannot_be_shorter():
-    assert arrival(landed([0.1, 0.1], kind=KINK)) == -1.0
-    assert arrival(landed([0.1, 0.1], size=1e-13)) == -1.0
+    assert onset_fraction(landed([0.1, 0.1], kind=KINK)) == -1.0
+    assert onset_fraction(landed([0.1, 0.1], size=1e-13)) == -1.0
     d = landed([0.1, 0.1], size=1e-11)
-    assert arrival(d) == REFUSED
+    assert onset_fraction(d) == REFUSED
     d.step.start, d.step.end = 1e4, 1e4 + 1e-11
-    assert arrival(d) == -1.0
+    assert onset_fraction(d) == -1.0
 
 
 def test_an_incredible_touch_refuses_a_step_that_can_be_shorter_and_is_dropped_of_one_that_cannot(
@@ -279,6 +279,6 @@ def test_an_explicit_step_whose_ends_do_not_tell_has_its_dense_output_looked_at(
     d, _ = moving(0, near=0)
     d.inputs.course.pace, d.step.dense_for = 1e9, OUTPUTS
     if implicit:
-        d.step.made_by = IMPLICIT
+        d.step.last_method = IMPLICIT
     assert find_event(d) == -1.0
     assert d.step.dense_for == (OUTPUTS if implicit else SOLVER)

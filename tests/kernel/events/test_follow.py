@@ -5,29 +5,29 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.kernel import beside
+from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.events import contact_log
 from chain_impact.kernel.events.contact_log import (
     FORCE,
     PENETRATION,
-    end_now,
-    finish,
-    follow_contacts,
-    follow_held,
-    follow_to_now,
-    follow_to_present,
-    maximum,
-    note_active,
+    end_at_output_time,
+    log_contact,
+    maximum_inside,
     peaks,
     rate_of_force,
-    sample,
     turns_at_end,
+    update_extremes,
+    update_held_extremes,
+    update_latest,
+    update_own_to_output_time,
+    update_to_output_time,
+    value_at,
 )
 from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET
 from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER
 from chain_impact.kernel.model.contact import contact_force
-from chain_impact.kernel.model.contact_force import latch_damping
+from chain_impact.kernel.model.contact_force import set_damping
 from chain_impact.kernel.model.geometry import clearance
 from tests.kernel.events.test_kinks_of_a_step import DEEP, falling
 from tests.kernel.steps import held_tip, let_push, points_of
@@ -50,7 +50,7 @@ def pressed(height, law="zhang_sharf", size=1.0):
     """A step of a contact that has been followed to its start."""
     d, motion = falling(height, law=law, size=size)
     d.touch.impact_speed[1] = 3.0
-    latch_damping(d, 1)
+    set_damping(d, 1)
     rate = -height[1]
     d.touch.peak_force[1] = d.touch.max_penetration[1] = 0.0
     d.touch.speed[1], d.touch.force_rate[1] = rate, 1.0
@@ -69,7 +69,7 @@ def there(d, points):
 def test_peaks_are_the_largest_values_on_the_way(size):
     """Inside the step, or at its end while it still compresses."""
     d, motion = pressed(TURNING, size=size)
-    follow_contacts(d)
+    update_extremes(d)
     t = FINE * size
     assert d.touch.peak_force[1] == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
     assert d.touch.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
@@ -86,8 +86,8 @@ def test_all_contacts_are_followed():
     d.touch.speed[[1, 5]], d.touch.force_rate[[1, 5]] = 0.5, 1.0
     d.touch.impact_speed[[1, 5]] = 3.0
     for c in (1, 5):
-        latch_damping(d, c)
-    follow_contacts(d)
+        set_damping(d, c)
+    update_extremes(d)
     deepest = depth(FINE, TURNING).max()
     np.testing.assert_allclose(d.touch.max_penetration[[1, 5]], deepest, rtol=1e-6)
     np.testing.assert_allclose(d.touch.peak_force[[1, 5]], forces(d, FINE, TURNING).max(), rtol=1e-6)
@@ -104,7 +104,7 @@ def test_what_only_falls_has_no_peak_to_look_for():
 def test_a_peak_that_was_larger_before_is_kept():
     d, _ = pressed(TURNING)
     d.touch.peak_force[1], d.touch.max_penetration[1] = 1e3, 2e3
-    follow_contacts(d)
+    update_extremes(d)
     assert (d.touch.peak_force[1], d.touch.max_penetration[1]) == (1e3, 2e3)
 
 
@@ -134,16 +134,16 @@ def test_a_step_that_lands_on_the_turn_is_deepest_there(approach_only, event, la
     assert turns_at_end(d, 1) == bool(lands)
     d, _ = pressed([0.0, -1.0, 0.5], law="jankowski")  # turns at its end
     d.touch.event[1] = KINK
-    follow_contacts(d)
+    update_extremes(d)
     assert d.touch.max_penetration[1] == pytest.approx(DEEP + 0.5, rel=1e-14)
 
 
 @pytest.mark.parametrize("theta", [0.0, 0.3, 1.0])
 def test_a_sample_is_the_force_or_the_depth_there(theta):
     d, motion = pressed(TURNING)
-    assert sample(d, 1, PENETRATION, theta) == pytest.approx(depth(theta, TURNING), rel=1e-13)
+    assert value_at(d, 1, PENETRATION, theta) == pytest.approx(depth(theta, TURNING), rel=1e-13)
     there(d, points_of(d, motion.at(theta)))
-    assert sample(d, 1, FORCE, theta) == pytest.approx(forces(d, theta, TURNING), rel=1e-12)
+    assert value_at(d, 1, FORCE, theta) == pytest.approx(forces(d, theta, TURNING), rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -162,7 +162,7 @@ def test_a_sample_is_the_force_or_the_depth_there(theta):
 @pytest.mark.parametrize("until", [1.0, 0.5])
 def test_a_maximum_is_found_by_parabolas_wherever_it_is(height, until):
     d, _ = pressed(height)
-    found = maximum(d, 1, PENETRATION, d.step.start + until)
+    found = maximum_inside(d, 1, PENETRATION, d.step.start + until)
     tops = np.polynomial.polynomial.polyroots(np.polynomial.polynomial.polyder(height))
     places = [0.0, until, *(t.real for t in tops if abs(t.imag) < 1e-12 and 0.0 < t.real < until)]
     most, place = max((depth(t, height), t) for t in places)
@@ -188,7 +188,7 @@ def test_the_last_step_ends_at_the_communication_point_and_events_beyond_are_for
     d.touch.event[:4] = ONSET, END, KINK, NONE
     d.step.time = d.step.end if due else d.step.start + 0.4
     breaks, clock = d.step.breaks, d.step.time
-    end_now(d)
+    end_at_output_time(d)
     assert d.step.end == clock
     assert d.touch.event[:4].tolist() == [ONSET if due else NONE, NONE, NONE, NONE]
     expected = motion.at(1.0 if due else 0.4)
@@ -204,7 +204,7 @@ def test_contacts_are_followed_to_the_communication_point_at_no_work(monkeypatch
     d.impulse.dense[0, 0] = 4.0  # 2 + 4 θ
     d.impulse.wanted = 1
     work = d.statistics.rhs_evaluations, d.limits.other_work
-    follow_to_present(d)
+    update_own_to_output_time(d)
     t = 0.25 * FINE
     assert d.touch.peak_force[1] == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
     assert d.touch.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
@@ -213,10 +213,10 @@ def test_contacts_are_followed_to_the_communication_point_at_no_work(monkeypatch
     there(d, points_of(d, motion.at(0.25)))
     # and what goes on beside
     told = []
-    monkeypatch.setattr(beside, "follow", told.append)
+    monkeypatch.setattr(hooks, "on_truncate", told.append)
     d, _ = pressed(TURNING)
     d.step.time, d.work.rate_end[:] = d.step.start + 0.25, math.nan
-    follow_to_now(d)
+    update_to_output_time(d)
     assert told == [d]
     assert d.step.end == d.step.time
     assert d.touch.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
@@ -239,7 +239,7 @@ def test_what_contacts_have_come_to_is_noted_at_the_communication_point(impulsiv
         d.output.force[1] = contact_force(d, 1, *clearance(d, 1))
         d.output.impulse[1], d.impulse.onset[1] = 7.5, 3.0
         d.touch.peak_force[1] = 0.1 * (1 - impulsive) + 50.0 * impulsive
-        note_active(d)
+        update_latest(d)
         latest = d.latest
         if kept == 0:
             assert latest.end[0] == -1.0
@@ -264,19 +264,19 @@ def test_the_peak_of_a_holding_force_is_found_by_parabolas_through_samples(size)
     d, c, motion = held_tip(size, [3.0 - 0.6**2, 1.2, -1.0])
     d.rigid.sample[:] = 0.0
     evaluations = d.statistics.rhs_evaluations
-    follow_held(d)
+    update_held_extremes(d)
     assert d.touch.peak_force[c] == pytest.approx(3.0, rel=1e-9)
     assert d.statistics.rhs_evaluations - evaluations == contact_log.HELD_SAMPLES
     there(d, points_of(d, motion.at(size)))
     # at the end of a step in which it grows, and through the door of all contacts
     let_push(d, c, [1.0, 2.0])
     d.touch.peak_force[c], d.touch.force_rate[c] = 0.5, 77.0
-    follow_contacts(d)
+    update_extremes(d)
     assert d.touch.force_rate[c] == 77.0
     assert d.touch.peak_force[c] == pytest.approx(3.0, rel=1e-9)
     let_push(d, c, [1.0, -0.5])
     d.touch.peak_force[c] = 0.5
-    follow_held(d)
+    update_held_extremes(d)
     assert d.touch.peak_force[c] == pytest.approx(1.0, rel=1e-9)
 
 
@@ -292,7 +292,7 @@ def test_a_contact_that_ends_is_a_row_of_the_log_and_of_the_list(impulsive, rate
         for name, value in (values | {"effective_mass": 2.5}).items():
             d.touch[name][1] = value + count
         d.impulse.total[1], d.impulse.onset[1] = 8.0, 6.5
-        finish(d, 1)
+        log_contact(d, 1)
         log, row = d.finished, count % size
         assert log.count == count + 1
         assert (log.point[row], log.wall[row]) == (d.candidate.point[1], d.candidate.wall[1])
@@ -310,5 +310,5 @@ def test_a_contact_that_ends_is_a_row_of_the_log_and_of_the_list(impulsive, rate
 def test_who_needs_the_dense_output_is_noted():
     d, _ = pressed(TURNING)
     d.step.dense_for = OUTPUTS
-    follow_contacts(d)
+    update_extremes(d)
     assert d.step.dense_for == SOLVER

@@ -7,25 +7,25 @@ import pytest
 
 from chain_impact.kernel.chain.kinematics import largest, locate_points
 from chain_impact.kernel.events.impulses import (
-    APART,
     GAIN,
     NEAR,
+    RELEASE_GAP,
     STICK,
-    bounce,
-    collide,
+    apply_impulses,
     end_contacts,
-    falls_short,
+    end_rebounding_contacts,
+    end_rigid_contact,
+    end_unstopped_contacts,
     find_impulses,
-    join_neighbours,
-    judge,
-    leave,
-    let_go,
-    part,
-    strike,
+    handle_impact,
+    include_near_contacts,
+    lacks_rebound,
+    release_contacts,
+    update_active_set,
 )
 from chain_impact.kernel.events.kinds import NEIGHBOUR, NONE, ONSET, RELEASE
 from chain_impact.kernel.model.constraints import DOUBT, RISE
-from chain_impact.kernel.model.contact import latch
+from chain_impact.kernel.model.contact import begin_contact
 from chain_impact.kernel.model.energy import mechanical_energy
 from chain_impact.kernel.model.geometry import clearance
 from tests.kernel.chains import (
@@ -62,7 +62,7 @@ def touching(seed, candidates=(1, 6, 11), *, base="free", kinds=ONSET, arrive=Tr
     d.step.state_end[:] = y
     d.step.start, d.step.end, d.step.time = 1.0, 1.5, 1.2
     # what an earlier problem has left
-    d.rigid.aim[:], d.rigid.pressed[:], d.rigid.start[:], d.work.load.x[:] = 5.0, 0, 5.0, 9.0
+    d.rigid.target[:], d.rigid.in_active_set[:], d.rigid.start[:], d.work.load.x[:] = 5.0, 0, 5.0, 9.0
     locate_points(d, y)
     return d, y, jacobian, response, w, candidates
 
@@ -81,7 +81,7 @@ def test_an_impact_is_moreaus(seed, count, base):
     before, there = jacobian @ y[6:12], kinetic(d, y)
     p = complementary_impulses(w, before, -E * before)
     d.work.position.x[:], d.work.velocity.x[:] = 9.0, 9.0  # located elsewhere
-    collide(d)
+    handle_impact(d)
     after = d.step.state_end
     np.testing.assert_allclose(after[6:12], y[6:12] + response @ p, rtol=0, atol=1e-9)
     np.testing.assert_allclose(after[:6], y[:6], rtol=0, atol=1e-12)
@@ -111,7 +111,7 @@ def test_what_arrives_slowly_comes_to_rest_and_is_held_as_long_as_that_takes_a_p
     y[6:12] = response @ np.linalg.solve(w, np.full(3, -0.5 * SLOWEST))
     d.step.state_end[:] = y
     d.model.gravity[:] = -3.0 * d.model.gravity if seed % 2 else d.model.gravity
-    collide(d)
+    handle_impact(d)
     after = d.step.state_end
     # 0 ≤ p ⟂ u⁺ ≥ 0: who cannot be stopped by a push leaves
     speeds = np.full(3, -0.5 * SLOWEST)
@@ -126,7 +126,7 @@ def test_what_arrives_slowly_comes_to_rest_and_is_held_as_long_as_that_takes_a_p
     assert d.finished.count == 3 - len(held)
     for k in stay:
         gap, _ = clearance_now(d, candidates[k])
-        apart = 0.0 if candidates[k] in held else APART * d.model.size
+        apart = 0.0 if candidates[k] in held else RELEASE_GAP * d.model.size
         assert gap == pytest.approx(apart, abs=3e-14)
     assert not d.touch.event.any()
 
@@ -165,7 +165,7 @@ def test_points_that_all_but_touch_are_neighbours():
         press_in(d, c, -part_of * limit)
     d.touch.active[1] = d.touch.active[13] = 1
     d.touch.event[:] = NONE
-    join_neighbours(d)
+    include_near_contacts(d)
     assert np.flatnonzero(d.touch.active).tolist() == [1, 2, 5, 13]
     assert np.flatnonzero(d.touch.event == NEIGHBOUR).tolist() == [2, 5]
 
@@ -181,8 +181,8 @@ def test_an_impact_aims_at_rebounds_of_what_arrives_fast_and_brings_the_rest_to_
     lost, moved = find_impulses(d, restitution)
     own = d.rigid
     np.testing.assert_allclose(own.start[:4], speeds, rtol=1e-8)
-    np.testing.assert_allclose(own.aim[:4], [restitution, restitution, 0.0, 0.0], rtol=1e-8)
-    p = complementary_impulses(w, speeds, own.aim[:4])
+    np.testing.assert_allclose(own.target[:4], [restitution, restitution, 0.0, 0.0], rtol=1e-8)
+    p = complementary_impulses(w, speeds, own.target[:4])
     np.testing.assert_allclose(own.impulse[:4], p, rtol=0, atol=1e-8)
     after = y.copy()
     after[6:12] += response @ p
@@ -199,15 +199,15 @@ def test_rebounds_too_slow_to_leave_are_none(times, aims):
     locate_points(d, y)
     rebound = times * STICK * SLOWEST
     find_impulses(d, rebound / -speed)
-    assert d.rigid.aim[0] == pytest.approx(aims * rebound, rel=1e-9)
+    assert d.rigid.target[0] == pytest.approx(aims * rebound, rel=1e-9)
 
 
 @pytest.mark.parametrize("short", [0.0, 0.5, 2.0])
 def test_impulses_fall_short_by_more_than_round_off(short):
     d, *_ = touching(1, POINTS, kinds=NONE)
-    d.rigid.aim[:4] = 0.5
+    d.rigid.target[:4] = 0.5
     d.rigid.reached[:4] = 0.5, 0.9, 0.5 - short * GAIN * largest(d.work.velocity), 0.5
-    assert falls_short(d) == (short > 1.0)
+    assert lacks_rebound(d) == (short > 1.0)
 
 
 @pytest.mark.parametrize("speed", [-0.7, 0.3])
@@ -225,7 +225,7 @@ def test_a_neighbour_takes_part_in_an_impact_and_brings_no_energy(speed):
         if p[1] > 1e-9 and speed > 0.0:
             gains += 1
             p = complementary_impulses(w, speeds, np.zeros(2))
-        collide(d)
+        handle_impact(d)
         np.testing.assert_allclose(d.impulse.total[[first, second]], p, rtol=1e-7, atol=1e-9)
         after = kinetic(d, d.step.state_end)
         assert d.step.state_end[12] - lost == pytest.approx(there - after, abs=1e-9 * there)
@@ -236,7 +236,7 @@ def test_a_neighbour_takes_part_in_an_impact_and_brings_no_energy(speed):
 
 
 def test_errors_of_held_contacts_are_corrected_by_impulses_of_the_wall():
-    for act in (collide, judge):
+    for act in (handle_impact, update_active_set):
         d, y, jacobian, response, w, candidates = touching(2, (1, 6), kinds=NONE)
         # so that it takes a push to hold them, and to stop them
         y[6:12] = response @ np.linalg.solve(w, w @ np.array([-1e-9, -2e-9]))
@@ -250,7 +250,7 @@ def test_errors_of_held_contacts_are_corrected_by_impulses_of_the_wall():
 
 def test_with_nothing_that_touches_the_loads_are_those_of_a_flight():
     d, *_ = touching(2, (), arrive=False)
-    collide(d)
+    handle_impact(d)
     assert not vectors(d.work.load).any()
 
 
@@ -261,7 +261,7 @@ def test_contacts_that_cannot_be_stopped_by_a_push_are_over():
     d.step.state_end[:] = y
     assert (np.linalg.solve(w, -(w @ p)) < 0.0).any()
     expected = complementary_impulses(w, w @ p, np.zeros(2))
-    judge(d)
+    update_active_set(d)
     np.testing.assert_allclose(d.impulse.total[[first, second]], expected, rtol=0, atol=1e-9)
     over = (w @ (p + expected)) > 1e-9
     assert over.any()
@@ -274,7 +274,7 @@ def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
     """u²/(2 a) is the height of a throw, RISE that which cannot be told from none."""
     for times, stays in ((0.9, True), (1.1, False)):
         d, _y, _, _response, _w, (c,) = touching(1, (1,), kinds=ONSET)
-        latch(d, c)
+        begin_contact(d, c)
         d.step.end = 2.0
         touch(d, [c])
         d.contact.minimum_impact_speed = 1e-12
@@ -284,7 +284,7 @@ def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
         locate_points(d, d.step.state_end)
         d.rigid.impulse[0] = 1.0
         d.rigid.reached[0] = times * slow
-        bounce(d)
+        end_rebounding_contacts(d)
         assert (d.touch.active_count == 1) == stays
         assert d.finished.count == (0 if stays else 1)
 
@@ -295,7 +295,7 @@ def test_points_that_leave_by_no_more_than_can_be_told_from_rest_stay():
 def test_a_neighbour_without_an_impulse_was_not_met(event, impulse, met):
     d, *_ = touching(1, (1,), kinds=NONE)
     d.touch.event[1], d.rigid.impulse[0], d.rigid.reached[0] = event, impulse, 0.0
-    bounce(d)
+    end_rebounding_contacts(d)
     assert d.touch.active[1] == d.touch.active_count == met
     assert d.finished.count == 0
 
@@ -304,7 +304,7 @@ def test_a_neighbour_without_an_impulse_was_not_met(event, impulse, met):
 def test_a_contact_of_no_duration_has_no_finite_force(onset):
     d, *_ = touching(1, (1, 6), kinds=NONE)
     d.touch.onset[:], d.touch.peak_force[:] = onset, 3.0
-    leave(d, 6)
+    end_rigid_contact(d, 6)
     assert d.finished.peak_force[0] == (math.inf if onset == 1.5 else 3.0)
     assert d.finished.point[0] == d.candidate.point[6]
     assert d.touch.active.tolist() == [int(c == 1) for c in range(d.candidates)]
@@ -328,26 +328,26 @@ def test_contacts_that_no_push_can_bring_to_rest_are_let_go():
     """By more than round-off of the fastest point, and only those that are not pressed."""
     d, *_ = touching(1, POINTS, kinds=NONE)
     scale = largest(d.work.velocity)
-    d.rigid.pressed[:4] = 0, 0, 1, 0
+    d.rigid.in_active_set[:4] = 0, 0, 1, 0
     d.rigid.reached[:4] = 0.5 * DOUBT * scale, 2.0 * DOUBT * scale, 1.0, 0.0
-    let_go(d)
+    end_unstopped_contacts(d)
     assert d.touch.active_index[: d.touch.active_count].tolist() == [1, 11, 16]
     assert d.finished.point[0] == d.candidate.point[6]
 
 
 def test_points_without_a_force_are_put_off_the_wall_and_the_others_stay_on_it():
     d, _y, *_ = touching(1, POINTS[:3], kinds=NONE)
-    d.rigid.pressed[:3] = 1, 0, 1
-    part(d)
+    d.rigid.in_active_set[:3] = 1, 0, 1
+    release_contacts(d)
     locate_points(d, d.step.state_end)
     gaps = [clearance(d, c)[0] for c in POINTS[:3]]
-    np.testing.assert_allclose(gaps, [0.0, APART * d.model.size, 0.0], rtol=0, atol=3e-14)
+    np.testing.assert_allclose(gaps, [0.0, RELEASE_GAP * d.model.size, 0.0], rtol=0, atol=3e-14)
     assert d.touch.active[POINTS].tolist() == [1, 0, 1, 0]
     # and nothing moves when all are held
     before = d.step.state_end.copy()
-    d.rigid.pressed[:3] = 1
+    d.rigid.in_active_set[:3] = 1
     touch(d, POINTS[:1])
-    part(d)
+    release_contacts(d)
     np.testing.assert_array_equal(d.step.state_end, before)
 
 
@@ -359,14 +359,14 @@ def test_a_release_is_a_first_guess_of_who_is_let_go():
         y[6:12] = 0.0
         d.step.state_end[:] = y
         d.touch.event[candidates] = event
-        judge(d)
+        update_active_set(d)
         results.append(d.touch.active.tolist())
         assert not d.touch.event.any()
     assert results[0] == results[1]
 
 
 def test_an_impact_of_a_held_contact_is_felt_by_the_one_that_arrives():
-    """The held one has e = 0; both share the impulses, and ``strike`` gives them to the velocities."""
+    """The held one has e = 0; both share the impulses that ``apply_impulses`` gives to the velocities."""
     d, y, jacobian, response, w, (held, struck_one) = touching(5, (1, 6), kinds=NONE)
     speeds = np.array([0.0, -1.0])
     y[6:12] = response @ np.linalg.solve(w, speeds)
@@ -374,7 +374,7 @@ def test_an_impact_of_a_held_contact_is_felt_by_the_one_that_arrives():
     locate_points(d, y)
     d.touch.event[[held, struck_one]] = NONE, ONSET
     p = complementary_impulses(w, speeds, np.array([0.0, E]))
-    strike(d)
+    apply_impulses(d)
     np.testing.assert_allclose(d.step.state_end[6:12], y[6:12] + response @ p, rtol=0, atol=1e-9)
     np.testing.assert_allclose(d.impulse.total[[held, struck_one]], p, rtol=0, atol=1e-9)
     lost = kinetic(d, y) - kinetic(d, d.step.state_end)

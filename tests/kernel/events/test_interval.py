@@ -5,7 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.kernel.events.crossing import CROSSES, QUIET, SPLIT, barely, inspect, inspect_candidate
+from chain_impact.kernel.events.crossing import (
+    CROSSES,
+    QUIET,
+    SPLIT,
+    check_candidate,
+    check_interval,
+    nearly_linear,
+)
 from tests.kernel.chains import chain
 
 
@@ -48,19 +55,19 @@ def interval(start, end, rates, curvature, *, active=0, size=2.0):
 )
 def test_an_interval_is_settled_by_the_chord_or_by_the_rates(start, end, rates, curvature, verdict):
     d = interval(start, end, rates, curvature)
-    assert inspect_candidate(d, 0, 0.0, 1.0) == verdict
-    assert inspect(d, 0.0, 1.0) == verdict
+    assert check_candidate(d, 0, 0.0, 1.0) == verdict
+    assert check_interval(d, 0.0, 1.0) == verdict
     # of a part of the step, with the bends of a part: the rates are over s
     d.step.size = 8.0
-    assert inspect_candidate(d, 0, 0.25, 0.5) == verdict
+    assert check_candidate(d, 0, 0.25, 0.5) == verdict
 
 
 def test_of_several_candidates_the_one_that_is_unsettled_decides():
     d = interval(1.0, -0.5, (-1.0, -1.0), 0.0)
-    assert inspect(d, 0.0, 1.0) == CROSSES
+    assert check_interval(d, 0.0, 1.0) == CROSSES
     d.search.curvature[1], d.search.clear_end_rate[1] = 100.0, 1.0
-    assert inspect(d, 0.0, 1.0) == SPLIT
-    assert inspect(interval(1.0, 1.0, (0.0, 0.0), 0.0), 0.0, 1.0) == QUIET
+    assert check_interval(d, 0.0, 1.0) == SPLIT
+    assert check_interval(interval(1.0, 1.0, (0.0, 0.0), 0.0), 0.0, 1.0) == QUIET
 
 
 @pytest.mark.parametrize("active", [0, 1])
@@ -72,22 +79,22 @@ def test_who_comes_a_harmless_way_by_the_end_of_the_step_may_never_get_further(w
         part = (0.0, 1.0) if whole else (0.0, 0.5)
         d.step.size = 1.0 if whole else 2.0
         expected = QUIET if harmless and (whole or active) else CROSSES
-        assert inspect_candidate(d, 0, *part) == expected
+        assert check_candidate(d, 0, *part) == expected
 
 
 @pytest.mark.parametrize("active", [0, 1])
 def test_a_point_that_is_deep_without_having_moved_there_is_an_onset_but_no_end(active):
     d = interval(1e-13, -1e-9, (0.0, 1.0), 0.0, active=active)
-    assert inspect_candidate(d, 0, 0.0, 1.0) == (QUIET if active else CROSSES)
+    assert check_candidate(d, 0, 0.0, 1.0) == (QUIET if active else CROSSES)
     d.search.clear_start[0] = -1e-11  # it has been there before
-    assert inspect_candidate(d, 0, 0.0, 1.0) == QUIET
+    assert check_candidate(d, 0, 0.0, 1.0) == QUIET
 
 
 @pytest.mark.parametrize(("end", "verdict"), [(-1e-3, CROSSES), (0.0, QUIET), (0.3, QUIET)])
 def test_the_regularized_contact_ends_where_its_root_is_negative(end, verdict):
     d = interval(1.0, end, (1.0, 1.0), 1e9)
     d.step.regularized = 0
-    assert inspect_candidate(d, 0, 0.0, 1.0) == verdict
+    assert check_candidate(d, 0, 0.0, 1.0) == verdict
 
 
 @pytest.mark.parametrize("part", [1.0, 0.25])
@@ -98,4 +105,4 @@ def test_what_bends_by_round_off_barely_bends(part):
     limit = 8.0 * 3e-15 / (2.0 * part) ** 2
     for curvature, expected in ((0.9 * limit, True), (1.1 * limit, False), (math.nan, True)):
         d.search.curvature[0] = curvature
-        assert barely(d, 0, part) == expected
+        assert nearly_linear(d, 0, part) == expected

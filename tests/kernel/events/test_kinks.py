@@ -48,7 +48,7 @@ def test_a_step_ends_at_the_kink(law):
         if d.touch.event[0] == KINK:
             locate_points(d, d.step.state_end)
             off = kink_height(d, 0) / (SPEED if d.contact.approach_only else elastic_force(d.contact, 1e-3))
-            kinks.append((d.touch.beyond[0], off))
+            kinks.append((d.touch.beyond_kink[0], off))
     ((beyond, off),) = kinks
     assert beyond == 0
     assert abs(off) < 1e-9

@@ -9,10 +9,10 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events import sampling
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.kinds import END, KINK, NONE, RELATCH
-from chain_impact.kernel.events.kinks import crossed, find_kink, first_crossing, root
+from chain_impact.kernel.events.kinks import crossed, find_kink, find_kink_root, first_crossing
 from chain_impact.kernel.events.relatch import find_relatch, is_fast
 from chain_impact.kernel.events.sampling import bisection, first_passage, locate_at
-from chain_impact.kernel.model.contact import latch, take_sides
+from chain_impact.kernel.model.contact import begin_contact, set_kink_sides
 from tests.kernel.chains import chain, touch
 from tests.kernel.steps import points_of, set_step, translation, wall_at, walls_away
 from tests.problems import of_law
@@ -39,9 +39,9 @@ def falling(height, law="jankowski", size=1.0, touching=(1,)):
     locate_points(d, motion.at(0.0))
     touch(d, touching)
     for c in touching:
-        latch(d, c)
+        begin_contact(d, c)
     d.touch.kink_margin[:] = 0.0
-    take_sides(d)
+    set_kink_sides(d)
     set_step(d, motion, size, start=2.0)
     return d, motion
 
@@ -129,7 +129,7 @@ def test_a_force_is_cut_off_where_it_comes_to_zero(law):
     while high - low > 1e-15:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if force(middle) > 0.0 else (low, middle)
-    assert d.touch.beyond[1] == 0
+    assert d.touch.beyond_kink[1] == 0
     end = 0.55
     locate_at(d, end)
     found = find_kink(d, end)
@@ -144,7 +144,7 @@ def test_a_force_is_cut_off_where_it_comes_to_zero(law):
 def test_a_contact_on_one_side_of_its_kink_has_crossed_it_on_the_other(beyond):
     """h = −t + t² moves inward until ½ s, and outward from then on; it is not on the other side at rest."""
     d, _ = falling([0.0, -1.0, 1.0])
-    d.touch.beyond[1] = beyond
+    d.touch.beyond_kink[1] = beyond
     for theta in (0.2, 0.5, 0.8):
         locate_at(d, theta)
         d.work.velocity.y[:] = np.round(d.work.velocity.y, 9)
@@ -157,19 +157,19 @@ def test_a_kink_is_crossed_first_where_a_sample_shows_it():
     d, _ = falling(height)
     assert first_crossing(d, 1, 1.0) == pytest.approx(1.0 / 6.0, abs=1e-14)
     assert first_crossing(d, 1, 0.16) == -1.0
-    d.touch.beyond[1] = 1
+    d.touch.beyond_kink[1] = 1
     # at the start it is on the other side already
     assert first_crossing(d, 1, 1.0) == 0.0
 
 
 def test_a_bracket_that_begins_beyond_the_kink_is_its_own_root():
     d, _ = falling([0.0, 1.0, 0.5])
-    d.touch.beyond[1] = 0
+    d.touch.beyond_kink[1] = 0
     locate_at(d, 0.6)
-    assert root(d, 1, 0.2, 0.6) == 0.2
+    assert find_kink_root(d, 1, 0.2, 0.6) == 0.2
     d, _ = falling([0.0, -1.0, 1.0])
     locate_at(d, 0.9)
-    assert root(d, 1, 0.1, 0.9) == pytest.approx(0.5, abs=1e-14)
+    assert find_kink_root(d, 1, 0.1, 0.9) == pytest.approx(0.5, abs=1e-14)
 
 
 def test_the_first_of_several_kinks_counts_and_those_at_one_moment_are_one_event():
@@ -179,8 +179,8 @@ def test_the_first_of_several_kinks_counts_and_those_at_one_moment_are_one_event
     assert d.touch.event[[1, 5, 9]].tolist() == [KINK] * 3
     # a contact that is on its own side is none of it
     d, _ = falling([0.0, -1.0, 1.0], touching=(1, 5, 9))
-    d.touch.beyond[5] = 1
-    d.touch.crossed[:] = 0
+    d.touch.beyond_kink[5] = 1
+    d.touch.kink_crossed[:] = 0
     assert find_kink(d, -1.0) == pytest.approx(0.5, abs=1e-14)
     assert d.touch.event[[1, 5, 9]].tolist() == [KINK, NONE, KINK]
 
@@ -190,7 +190,7 @@ def test_a_kink_comes_after_the_event_that_was_found_before():
     for touched, found in ((0.3, 0.3), (0.7, 0.5)):
         d.touch.event[:] = NONE
         d.touch.event[4] = END
-        d.touch.crossed[:] = 1  # a stage was beyond it
+        d.touch.kink_crossed[:] = 1  # a stage was beyond it
         locate_at(d, touched)
         assert find_kink(d, touched) == pytest.approx(found, abs=1e-14)
         assert d.touch.event[4] == (END if found == touched else NONE)
@@ -201,7 +201,7 @@ def test_a_kink_comes_after_the_event_that_was_found_before():
 def test_a_kink_that_only_a_stage_has_shown_is_looked_for(stage):
     """δ̇ < 0 between 0.3 and 0.45 s, and inward again at the end."""
     d, _ = falling([0.0, -0.135, 0.375, -1.0 / 3.0])
-    d.touch.crossed[1] = stage
+    d.touch.kink_crossed[1] = stage
     found = find_kink(d, -1.0)
     if stage:
         assert found == pytest.approx(0.3, abs=1e-13)

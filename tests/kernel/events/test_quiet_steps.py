@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import BPoly
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.chain.state import root_at, time_at
+from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events.exclusion import (
     FAR,
     MARGIN,
@@ -18,19 +18,19 @@ from chain_impact.kernel.events.exclusion import (
     WITH_CURVES,
     excludes_events,
     fading,
-    fastest,
     is_quiet,
     keep_start,
-    known,
-    learn,
+    known_clearances,
     leeway,
     measure_all,
     nearly_fast,
     remains_far,
-    root_now,
+    remember_clearances,
     set_clearance,
     set_clearances,
+    speed_bound,
     stays_positive,
+    sundman_u_now,
 )
 from chain_impact.kernel.integration.sundman import root_rate
 from chain_impact.kernel.model.geometry import clearance, harmless_depth
@@ -51,7 +51,7 @@ def stepped(seed, *, size=0.1, near=0.3, count=3, base="free", touching=0, **mor
         wall_at(d, c, motion.at(0.0), near * rng.uniform(0.5, 1.5) * (1.0 if c >= touching else -1.0))
     touch(d, range(touching))
     d.touch.impact_speed[:] = 1e3
-    d.touch.crossed[:] = d.touch.speed[:] = 0
+    d.touch.kink_crossed[:] = d.touch.speed[:] = 0
     d.solver.tolerance = 1e-6
     return d, motion
 
@@ -74,7 +74,7 @@ def test_no_event_is_excluded_that_happens_and_none_is_looked_for_far_from_walls
     if values.min() > 0.3 * near and near >= 0.2:
         assert excluded
     # φ and φ′ of all at either end, and φ″
-    assert known(d) == WITH_CURVES
+    assert known_clearances(d) == WITH_CURVES
     np.testing.assert_allclose(d.search.clear_start, values[0], rtol=0, atol=1e-11)
     np.testing.assert_allclose(d.search.clear_end, values[-1], rtol=0, atol=1e-11)
     h = d.step.size / 1000
@@ -87,7 +87,7 @@ def test_no_event_is_excluded_that_happens_and_none_is_looked_for_far_from_walls
 
 
 def test_contacts_that_cross_their_kink_or_are_pushed_in_are_looked_at():
-    for change in ("crossed", "speed"):
+    for change in ("kink_crossed", "speed"):
         d, _ = stepped(0, near=2.0, touching=2)
         assert excludes_events(d)
         d, _ = stepped(0, near=2.0, touching=2)
@@ -163,10 +163,10 @@ def test_the_root_of_the_regularized_contact_decides_by_its_end(end, expected):
 def test_what_is_learned_is_known_until_the_steps_break(what):
     _, d = chain(np.random.default_rng(0), 1)
     d.step.breaks = 3
-    learn(d, what)
-    assert known(d) == what
+    remember_clearances(d, what)
+    assert known_clearances(d) == what
     d.step.breaks = 4
-    assert known(d) == NOTHING
+    assert known_clearances(d) == NOTHING
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -176,8 +176,8 @@ def test_walls_are_far_as_long_as_no_point_can_have_come_near(seed):
     assert excludes_events(d)
     least = phi_all(d, motion)[-1].min()
     assert d.search.safe_distance == pytest.approx(least, rel=1e-9)
-    d.search.speed = fastest(d.work.velocity)
-    d.search.acceleration = fastest(d.work.acceleration)
+    d.search.speed = speed_bound(d.work.velocity)
+    d.search.acceleration = speed_bound(d.work.acceleration)
     lasted = 0
     for k in range(1, 40):
         y = motion.at(0.01 * (k + 1))
@@ -191,19 +191,19 @@ def test_walls_are_far_as_long_as_no_point_can_have_come_near(seed):
         assert far == (d.search.safe_distance > leeway(d))
         if not far:
             break
-        assert known(d) == FAR
+        assert known_clearances(d) == FAR
         lasted += 1
     assert lasted >= 2
     # nobody goes further than its speed and acceleration say: no point nor wall has been looked at
-    assert d.search.speed == fastest(d.work.velocity)
-    assert d.search.acceleration == fastest(d.work.acceleration)
+    assert d.search.speed == speed_bound(d.work.velocity)
+    assert d.search.acceleration == speed_bound(d.work.acceleration)
 
 
 def quiet_start(regularized=-1):
     d, _ = stepped(0, size=0.01, near=1.0)
     d.search.safe_distance, d.search.speed, d.search.acceleration = 5.0, 0.0, 0.0
     d.step.regularized = regularized
-    learn(d, WITH_CURVES)
+    remember_clearances(d, WITH_CURVES)
     return d
 
 
@@ -212,7 +212,7 @@ def test_walls_are_not_far_for_who_touches_unless_its_contact_is_regularized_and
     assert remains_far(d)
     for what in (NOTHING, VALUES):
         d = quiet_start()
-        learn(d, what)
+        remember_clearances(d, what)
         assert not remains_far(d)
     d = quiet_start()
     touch(d, [2])
@@ -220,9 +220,9 @@ def test_walls_are_not_far_for_who_touches_unless_its_contact_is_regularized_and
     for u, crossed, expected in ((0.5, 0, True), (0.0, 0, False), (-0.1, 0, False), (0.5, 1, False)):
         d = quiet_start(regularized=2)
         touch(d, [2])
-        d.step.state_end[root_at(d.links)], d.touch.crossed[2] = u, crossed
+        d.step.state_end[sundman_u_at(d.links)], d.touch.kink_crossed[2] = u, crossed
         assert remains_far(d) == expected
-        assert known(d) == (FAR if expected else WITH_CURVES)
+        assert known_clearances(d) == (FAR if expected else WITH_CURVES)
 
 
 def test_the_way_that_points_can_have_come_is_bounded_by_what_they_do_at_the_ends():
@@ -231,7 +231,7 @@ def test_the_way_that_points_can_have_come_is_bounded_by_what_they_do_at_the_end
         d = quiet_start()
         d.search.speed, d.search.acceleration = speed, acceleration
         h = d.step.end - d.step.start
-        v, a = max(speed, fastest(d.work.velocity)), max(acceleration, fastest(d.work.acceleration))
+        v, a = max(speed, speed_bound(d.work.velocity)), max(acceleration, speed_bound(d.work.acceleration))
         remains_far(d)
         assert d.search.safe_distance == pytest.approx(5.0 - h * (v + h * a), rel=1e-12)
 
@@ -239,11 +239,11 @@ def test_the_way_that_points_can_have_come_is_bounded_by_what_they_do_at_the_end
 def test_the_fastest_point_is_bounded_by_the_sum_of_its_components():
     _, d = chain(np.random.default_rng(0), 2)
     d.work.motion.x[:], d.work.motion.y[:] = (0.3, -2.0, 1.0), (-0.4, 1.5, 3.0)
-    assert fastest(d.work.motion) == 4.0
+    assert speed_bound(d.work.motion) == 4.0
     d.work.motion.x[1] = -3.0
-    assert fastest(d.work.motion) == 4.5
+    assert speed_bound(d.work.motion) == 4.5
     d.work.motion.x[:], d.work.motion.y[:] = 0.0, 0.25
-    assert fastest(d.work.motion) == 0.25
+    assert speed_bound(d.work.motion) == 0.25
 
 
 def test_leeway_and_fading_are_relative_to_the_reach_and_to_the_joints():
@@ -264,9 +264,9 @@ def test_a_contact_is_nearly_fast_at_three_quarters_of_the_speed_that_latches_an
     d.work.velocity.y[point] = -3.0 * end * d.candidate.normal_y[0]
     expected = max(speed, end) > NEARLY * RELATCH_RATIO
     assert nearly_fast(d, 0) == expected
-    d.touch.crossed[0] = 0
+    d.touch.kink_crossed[0] = 0
     assert is_quiet(d, 0) == (not expected)
-    d.touch.crossed[0] = 1
+    d.touch.kink_crossed[0] = 1
     assert not is_quiet(d, 0)
 
 
@@ -277,13 +277,13 @@ def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regula
     rng = np.random.default_rng(5)
     _, d = chain(rng, 2)
     y, u = random_state(rng, d), 0.6
-    y[root_at(2)] = u
+    y[sundman_u_at(2)] = u
     locate_points(d, y)
     d.step.regularized, d.contact.impulsive = regularized, impulsive
     d.touch.depth_scale[:] = 0.3
     touch(d, [2, 4])
     pace = 1.0 if regularized < 0 else u / (1.0 + u * u)
-    found = root_now(d, y)
+    found = sundman_u_now(d, y)
     slope = 0.0 if regularized < 0 else -0.5 * clearance(d, 2)[1] / (0.3 * (1.0 + u * u))
     assert found == pytest.approx((1.0, 0.0) if regularized < 0 else (u, slope), rel=1e-12)
     assert set_clearances(d, y) == found[1]
@@ -314,13 +314,13 @@ def test_second_derivatives_are_those_in_the_variable_of_the_step(regularized):
     d.touch.depth_scale[:], d.step.regularized = 0.3, regularized
     u, h, rates = 0.6, 1e-5, []
     y, rate = motion.at(0.0), motion.at(0.0, 1)
-    y[root_at(2)] = u
+    y[sundman_u_at(2)] = u
     locate_points(d, y)
     pace = 1.0 if regularized < 0 else u / (1.0 + u * u)
     change = 0.0 if regularized < 0 else root_rate(d, u)
     for side in (h, -h):
         moved = motion.at(side * pace)
-        moved[root_at(2)] = u + side * change
+        moved[sundman_u_at(2)] = u + side * change
         locate_points(d, moved)
         set_clearances(d, moved)
         rates.append(d.search.clear_end_rate.copy())

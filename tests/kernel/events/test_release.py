@@ -22,8 +22,8 @@ SIZE = 0.2
 def released(force=(1.0, -0.5, -2.0), least=-1e-2, size=SIZE):
     """A step in which the force of a wall is a polynomial, of which the stages have seen the least."""
     d, c, _ = held_tip(size, force)
-    d.rigid.least[:] = -1e9
-    d.rigid.least[c] = least
+    d.rigid.least_force[:] = -1e9
+    d.rigid.least_force[c] = least
     return d, c
 
 
@@ -66,7 +66,7 @@ def test_what_no_stage_has_shown_is_not_looked_for():
 )
 def test_a_stage_beyond_a_place_of_infinite_forces_spoils_the_step(times, size, refused):
     d, _ = released(size=size)
-    d.rigid.least[d.touch.active_index[0]] = -times * strongest(d)
+    d.rigid.least_force[d.touch.active_index[0]] = -times * strongest(d)
     found = find_release(d, -1.0)
     assert (found == REFUSED) == refused
     if not refused:

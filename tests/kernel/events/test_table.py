@@ -9,13 +9,13 @@ from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, RELATCH, RE
 from chain_impact.kernel.events.table import (
     LEFT,
     apply_events,
-    begin_contact,
     bends_force,
     choose_size,
-    end_contact,
-    latch_anew,
-    nothing,
-    pass_kink,
+    handle_end,
+    handle_kink,
+    handle_none,
+    handle_onset,
+    handle_relatch,
 )
 from chain_impact.kernel.integration import step_size
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
@@ -41,7 +41,7 @@ def arrived(law="zhang_sharf", speed=1.0, depth=0.0, touching=()):
     locate_points(d, y)
     d.step.state_end[:], d.step.end = y, 1.5
     d.work.rate_start[:] = random_state(rng, d)
-    d.step.method, d.step.doubts, d.step.patience = EXPLICIT, 3, 16
+    d.step.method, d.step.stiff_count, d.step.switch_hysteresis = EXPLICIT, 3, 16
     d.step.next_size, d.step.flight_size = 0.125, 0.25
     return d
 
@@ -49,10 +49,10 @@ def arrived(law="zhang_sharf", speed=1.0, depth=0.0, touching=()):
 @LAWS
 def test_a_contact_begins_on_its_side_of_the_kink(law):
     d = arrived(law)
-    d.touch.beyond[C] = 1
-    assert begin_contact(d, C) == JUMPS[law]
+    d.touch.beyond_kink[C] = 1
+    assert handle_onset(d, C) == JUMPS[law]
     assert d.touch.active[C] == 1
-    assert d.touch.beyond[C] == 0
+    assert d.touch.beyond_kink[C] == 0
     assert d.touch.onset[C] == 1.5
     assert d.touch.impact_speed[C] == pytest.approx(1.0, rel=1e-9)
     assert d.impact.count == 1
@@ -73,7 +73,7 @@ def test_a_contact_ends_that_is_out_of_its_wall_soon(law, times, speed, ends):
     press_in(d, C, times * LEFT * 0.2 / 4.0 * abs(speed))
     if speed == 0.0:
         d.candidate.offset[C] -= 1e-9
-    assert end_contact(d, C) == JUMPS[law]
+    assert handle_end(d, C) == JUMPS[law]
     assert d.touch.active[C] == 1 - ends
     assert d.finished.count == ends
 
@@ -81,15 +81,15 @@ def test_a_contact_ends_that_is_out_of_its_wall_soon(law, times, speed, ends):
 def test_twice_the_speed_is_latched_with_all_that_follows_from_it():
     """The depth of an elastic impact at twice v₀, and half of the damping λ K/v₀."""
     d = arrived()
-    begin_contact(d, C)
+    handle_onset(d, C)
     mass, damping = d.touch.effective_mass[C], d.touch.damping[C]
-    d.touch.beyond[C] = 1
-    assert latch_anew(d, C)
+    d.touch.beyond_kink[C] = 1
+    assert handle_relatch(d, C)
     assert d.touch.impact_speed[C] == pytest.approx(2.0, rel=1e-9)
     energy = 0.5 * mass * 2.0**2
     assert elastic_energy(d.contact, d.touch.depth_scale[C]) == pytest.approx(energy, rel=1e-8)
     assert d.touch.damping[C] == pytest.approx(0.5 * damping, rel=1e-9)
-    assert d.touch.beyond[C] == 0
+    assert d.touch.beyond_kink[C] == 0
 
 
 @LAWS
@@ -97,10 +97,10 @@ def test_twice_the_speed_is_latched_with_all_that_follows_from_it():
 def test_past_its_kink_a_contact_goes_on_with_the_other_force(law, beyond):
     """One without a force has one again that rises; one that turned does so no more."""
     d = arrived(law)
-    begin_contact(d, C)
-    d.touch.beyond[C], d.touch.force_rate[C], d.touch.speed[C] = beyond, -7.0, 3.0
-    assert pass_kink(d, C)
-    assert d.touch.beyond[C] == 1 - beyond
+    handle_onset(d, C)
+    d.touch.beyond_kink[C], d.touch.force_rate[C], d.touch.speed[C] = beyond, -7.0, 3.0
+    assert handle_kink(d, C)
+    assert d.touch.beyond_kink[C] == 1 - beyond
     assert d.touch.force_rate[C] == (1.0 if beyond and law != "jankowski" else -7.0)
     assert d.touch.speed[C] == (0.0 if law == "jankowski" else 3.0)
 
@@ -108,7 +108,7 @@ def test_past_its_kink_a_contact_goes_on_with_the_other_force(law, beyond):
 def test_no_event_leaves_all_as_it_is():
     d = arrived()
     before = d._record.tobytes()
-    assert not nothing(d, C)
+    assert not handle_none(d, C)
     assert d._record.tobytes() == before
 
 
@@ -139,7 +139,7 @@ def test_each_event_has_its_own_effect(kind, active, law, jumped):
     left = others + [C] * (kind == ONSET or (active and kind != END))
     assert d.touch.active_index[: d.touch.active_count].tolist() == left
     assert d.touch.impact_speed[C] == pytest.approx(2.0 if kind == RELATCH else 1.0, rel=1e-9)
-    assert d.touch.beyond[C] == (kind == KINK)
+    assert d.touch.beyond_kink[C] == (kind == KINK)
     assert d.step.flight_size == flight
     if kind in {RELATCH, KINK}:
         assert d.step.next_size == 0.125
@@ -157,12 +157,12 @@ def test_rigid_walls_take_all_events_at_once_and_steps_are_explicit():
     (gradient,) = gradients(scene, d, y[2:5], [C])
     y[5:10] -= gradient * (1.0 + gradient @ y[5:10]) / (gradient @ gradient)
     d.step.state_end[:], d.touch.event[C] = y, ONSET
-    d.step.method, d.step.doubts, d.step.patience = IMPLICIT, 3, 16
+    d.step.method, d.step.stiff_count, d.step.switch_hysteresis = IMPLICIT, 3, 16
     response = np.linalg.solve(mass_matrix(scene, y[2:5]), gradient)
     p = complementary_impulses(np.array([[gradient @ response]]), np.array([-1.0]), np.array([0.5]))
     assert apply_events(d)
     np.testing.assert_allclose(d.step.state_end[5:10], y[5:10] + response * p, rtol=0, atol=1e-9)
-    assert (d.step.method, d.step.doubts, d.step.patience) == (EXPLICIT, 0, PATIENCE)
+    assert (d.step.method, d.step.stiff_count, d.step.switch_hysteresis) == (EXPLICIT, 0, PATIENCE)
 
 
 def test_the_size_of_steps_in_flight_is_kept_when_a_first_contact_begins():
@@ -191,7 +191,7 @@ def test_a_flight_goes_on_with_the_steps_of_the_last_one_or_as_links_turn(method
     assert d.step.next_size == min(flight, turning)
     assert vectors(d.work.load).tolist() == [[0.0, 0.0]] * 3 + [[0.3, 0.4]]
     # no joint resists: explicit steps do
-    assert (d.step.method, d.step.doubts, d.step.patience) == (EXPLICIT, 0, PATIENCE)
+    assert (d.step.method, d.step.stiff_count, d.step.switch_hysteresis) == (EXPLICIT, 0, PATIENCE)
 
 
 @pytest.mark.parametrize("onset", [-1, 0, C])
@@ -204,11 +204,11 @@ def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
     choose_size(d, onset, goes_on)
     if onset >= 0:
         assert d.step.next_size == step_size.at_onset(d, onset, EXPLICIT)
-        assert (d.step.method, d.step.doubts, d.step.patience) == (EXPLICIT, 0, PATIENCE)
+        assert (d.step.method, d.step.stiff_count, d.step.switch_hysteresis) == (EXPLICIT, 0, PATIENCE)
     else:
         kept = method == IMPLICIT or goes_on
         assert d.step.next_size == (0.125 if kept else step_size.at_onset(d, 0, EXPLICIT))
-        assert (d.step.method, d.step.doubts, d.step.patience) == (method, 3, 16)
+        assert (d.step.method, d.step.stiff_count, d.step.switch_hysteresis) == (method, 3, 16)
 
 
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])

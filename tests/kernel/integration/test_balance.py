@@ -6,12 +6,12 @@ import pytest
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.integration.balance import (
     check_balance,
-    keeps_balance,
+    energy_step_ok,
     loss_budget,
-    restart_balance,
+    reinit_balance,
     start_balance,
 )
-from chain_impact.kernel.model.energy import ledger
+from chain_impact.kernel.model.energy import energy_balance
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.instance import Instance
@@ -26,7 +26,7 @@ def after_a_step():
     instance.advance(0.2)
     d = Plain(instance.record)
     locate_points(d, d["step"]["state"])
-    d["balance"]["ledger"] = ledger(d, d["step"]["state"])
+    d["balance"]["at_end"] = energy_balance(d, d["step"]["state"])
     return d
 
 
@@ -39,15 +39,15 @@ def test_the_ledger_is_that_of_the_outputs():
     y = d["work"]["y"]
     locate_points(d, y)
     expected = output["total"] + output["dissipated"] - output["supplied"]
-    assert ledger(d, y) == pytest.approx(float(expected), rel=1e-14)
+    assert energy_balance(d, y) == pytest.approx(float(expected), rel=1e-14)
     assert float(expected) == pytest.approx(61.6630096858, rel=1e-8)
 
 
 def test_a_step_of_the_solver_keeps_the_ledger():
     d = after_a_step()
-    before = float(d["balance"]["ledger"])
-    assert keeps_balance(d, -1.0)
-    assert float(d["balance"]["ledger"]) == pytest.approx(before, abs=1e-6)
+    before = float(d["balance"]["at_end"])
+    assert energy_step_ok(d, -1.0)
+    assert float(d["balance"]["at_end"]) == pytest.approx(before, abs=1e-6)
 
 
 @pytest.mark.parametrize("theta", [-1.0, 0.7])
@@ -56,22 +56,22 @@ def test_a_step_that_changes_the_ledger_is_refused(entry, theta):
     d = after_a_step()
     d["step"]["state_end"][entry] += 1e-5
     d["step"]["dense"][0, entry] += 1e-5
-    before = float(d["balance"]["ledger"])
-    assert not keeps_balance(d, theta)
-    assert before == d["balance"]["ledger"]
+    before = float(d["balance"]["at_end"])
+    assert not energy_step_ok(d, theta)
+    assert before == d["balance"]["at_end"]
 
 
 def test_a_step_that_is_not_finite_is_refused():
     d = after_a_step()
     d["step"]["state_end"][8] = np.nan
-    assert not keeps_balance(d, -1.0)
+    assert not energy_step_ok(d, -1.0)
 
 
 def test_a_run_ends_when_the_steps_of_a_second_have_changed_the_ledger_by_far_too_much():
     d = after_a_step()
     start_balance(d, 0.0)
-    balance, ledger_now = d["balance"], float(d["balance"]["ledger"])
-    balance["reference"] = ledger_now - 200.0 * balance["least"]
+    balance, ledger_now = d["balance"], float(d["balance"]["at_end"])
+    balance["reference"] = ledger_now - 200.0 * balance["least_allowed"]
     assert check_balance(d) == ENERGY_NOT_KEPT
     # a larger energy allows for larger errors
     d["step"]["state_end"][6:12] *= 10.0
@@ -85,10 +85,10 @@ def test_a_run_ends_when_the_steps_of_a_second_have_changed_the_ledger_by_far_to
 def losing(so_far, by_the_step):
     """The chain after a step that loses parts of what all may, after others that have lost parts of it."""
     d = after_a_step()
-    budget = loss_budget(d, float(d["balance"]["there"]))
+    budget = loss_budget(d, float(d["balance"]["available"]))
     locate_points(d, d["step"]["state_end"])
-    before = ledger(d, d["step"]["state_end"]) + by_the_step * budget
-    d["balance"]["ledger"], d["balance"]["origin"] = before, before + so_far * budget
+    before = energy_balance(d, d["step"]["state_end"]) + by_the_step * budget
+    d["balance"]["at_end"], d["balance"]["origin"] = before, before + so_far * budget
     return d
 
 
@@ -107,21 +107,21 @@ def test_a_step_may_lose_what_is_left(so_far, by_the_step, noted):
     if so_far > 1.0:
         noted = by_the_step / (size / (10.0 + d["step"]["end"]))
         assert 0.1 < noted < 1.0
-    assert keeps_balance(d, -1.0)
+    assert energy_step_ok(d, -1.0)
     assert d["balance"]["loss"] == pytest.approx(noted, rel=1e-3)
 
 
 @pytest.mark.parametrize(("so_far", "by_the_step"), [(0.9, 0.2), (2.0, 0.1)])
 def test_a_step_that_would_lose_more_is_refused_and_by_how_much_is_noted(so_far, by_the_step):
     d = losing(so_far, by_the_step)
-    assert not keeps_balance(d, -1.0)
+    assert not energy_step_ok(d, -1.0)
     assert d["balance"]["loss"] > 1.9
 
 
 def test_what_all_steps_may_lose_follows_the_tolerance_and_grows_with_time():
     d = after_a_step()
     start_balance(d, float(d["step"]["end"]))
-    there = float(d["balance"]["there"])
+    there = float(d["balance"]["available"])
     first = loss_budget(d, there)
     d["step"]["end"] += 10.0
     assert loss_budget(d, there) == pytest.approx(2.0 * first)
@@ -133,7 +133,7 @@ def test_a_run_ends_when_its_steps_have_lost_a_fifth_of_the_energy():
     d = after_a_step()
     balance = d["balance"]
     for share, status in ((0.19, OK), (0.21, ENERGY_NOT_KEPT)):
-        balance["origin"] = balance["ledger"] + share * balance["there"]
+        balance["origin"] = balance["at_end"] + share * balance["available"]
         assert check_balance(d) == status
 
 
@@ -141,11 +141,11 @@ def test_energy_that_a_parameter_takes_is_not_lost():
     instance = Instance(load_scene("four_link_box"))
     instance.advance(0.4995)  # in the first impact
     d = Plain(instance.record)
-    before = d["balance"]["origin"] - d["balance"]["before"]
+    before = d["balance"]["origin"] - d["balance"]["at_start"]
     d["contact"]["stiffness"] *= 0.5
-    restart_balance(d)
-    assert d["balance"]["ledger"] < d["balance"]["before"] - 0.05
-    assert d["balance"]["origin"] - d["balance"]["ledger"] == pytest.approx(before, abs=1e-12)
+    reinit_balance(d)
+    assert d["balance"]["at_end"] < d["balance"]["at_start"] - 0.05
+    assert d["balance"]["origin"] - d["balance"]["at_end"] == pytest.approx(before, abs=1e-12)
 
 
 def test_a_first_step_that_is_right_at_its_end_by_chance_is_refused():

@@ -5,8 +5,8 @@ import pytest
 
 from chain_impact import simulate
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import root_at
-from chain_impact.kernel.events.exclusion import NOTHING, known
+from chain_impact.kernel.chain.state import sundman_u_at
+from chain_impact.kernel.events.exclusion import NOTHING, known_clearances
 from chain_impact.kernel.integration.collocation import ERROR_ORDER
 from chain_impact.kernel.integration.collocation_dense import bound_curvatures, interpolated
 from chain_impact.kernel.integration.dense import interpolate
@@ -58,7 +58,7 @@ def implicit_phase(tolerance=1e-8):
     """An instance in the middle of implicit steps."""
     instance = Instance(with_values(tipping(), {("solver", "tolerance"): tolerance}))
     assert instance.advance(0.05) == 0
-    assert instance.record["step"]["made_by"] == IMPLICIT
+    assert instance.record["step"]["last_method"] == IMPLICIT
     return instance
 
 
@@ -107,7 +107,7 @@ def test_the_curvature_of_a_clearance_is_bounded():
     d, checked = Plain(instance.record), 0
     for time in np.arange(0.7, 1.1, 5e-3):
         instance.advance(time)
-        if d.step.made_by != IMPLICIT or known(d) == NOTHING:
+        if d.step.last_method != IMPLICIT or known_clearances(d) == NOTHING:
             continue
         d.search.curvature[:] = np.nan
         bound_curvatures(d, d.step.size)
@@ -130,7 +130,7 @@ def test_the_coordinates_keep_the_clearances_that_were_integrated(tolerance):
     y = np.zeros(len(d.work.y))
     for time in np.arange(0.7, 1.2, 1e-3):
         instance.advance(time)
-        if d.step.made_by != IMPLICIT or known(d) == NOTHING or d.step.start in seen:
+        if d.step.last_method != IMPLICIT or known_clearances(d) == NOTHING or d.step.start in seen:
             continue
         seen[d.step.start] = d.step.size
         for theta, found in errors.items():
@@ -138,7 +138,7 @@ def test_the_coordinates_keep_the_clearances_that_were_integrated(tolerance):
             locate_points(d, y)
             for k in range(int(d.touch.active_count)):
                 gap, _ = clearance(d, int(d.touch.active_index[k]))
-                found.append(abs(gap / interpolated(d, root_at(d.links) + k, theta) - 1.0))
+                found.append(abs(gap / interpolated(d, sundman_u_at(d.links) + k, theta) - 1.0))
     assert max(seen.values()) > 1e-3
     for found in errors.values():
         assert len(found) > 60

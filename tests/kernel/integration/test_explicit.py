@@ -12,7 +12,7 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration import dop853
 from chain_impact.kernel.integration.dense import interpolate, rate_bounds
 from chain_impact.kernel.integration.explicit import attempt
-from chain_impact.kernel.integration.last_step import OUTPUTS, accept, complete
+from chain_impact.kernel.integration.last_step import OUTPUTS, accept, ensure_dense
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.model import Model
@@ -137,7 +137,7 @@ def step(d, h):
     state_rate(d, d["step"]["state_end"], d["work"]["stage"][0])
     error = attempt(d, h)
     accept(d, h)
-    complete(d, OUTPUTS)
+    ensure_dense(d, OUTPUTS)
     return error
 
 

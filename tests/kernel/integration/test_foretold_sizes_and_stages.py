@@ -16,7 +16,7 @@ from chain_impact.kernel.integration.collocation import (
     LATE,
     LEFT,
     attempt,
-    foretell,
+    extrapolate_stages,
     prepare,
     toward_end,
 )
@@ -122,11 +122,11 @@ def test_a_first_step_that_meets_no_fast_motion_is_as_long_as_it_may_be():
 def test_a_step_after_an_implicit_one_is_as_long_as_its_error_allows():
     d, _, _ = stiff_joint(1e3)
     d.implicit.slowness = 0.3
-    d.implicit.ready, d.step.made_by = 1, IMPLICIT
+    d.implicit.ready, d.step.last_method = 1, IMPLICIT
     assert prepare(d, 0.1) == 0.1
     assert d.implicit.slowness == 0.3
     for ready, made_by in ((0, IMPLICIT), (1, EXPLICIT)):
-        d.implicit.ready, d.step.made_by = ready, made_by
+        d.implicit.ready, d.step.last_method = ready, made_by
         assert prepare(d, 0.1) < 0.05
         assert (d.implicit.ready, d.implicit.slowness) == (0, UNKNOWN)
 
@@ -145,7 +145,7 @@ def last_polynomial(d, degree, end=1.0):
         d.implicit.last[i, :size] = [column(node) for column in columns]
     own = d.implicit
     own.began, own.span, own.ready = 3.0, 0.2, 1
-    d.step.end, d.step.made_by = 3.0 + 0.2 * end, IMPLICIT
+    d.step.end, d.step.last_method = 3.0 + 0.2 * end, IMPLICIT
     return columns
 
 
@@ -159,13 +159,13 @@ def test_stages_far_beyond_the_last_step_follow_a_polynomial_of_lower_degree(bra
         d = at_start()[1]
         size, h = extended_size(d), 0.2 * (1.0 + beyond - end)
         columns = last_polynomial(d, degree, end)
-        foretell(d, h, size)
+        extrapolate_stages(d, h, size)
         at = end + h / 0.2 * np.array(NODES)
         expected = np.transpose([column(at) - column(end) for column in columns])
         np.testing.assert_allclose(d.implicit.stages[:, :size], expected, rtol=1e-9, atol=1e-13)
         if degree < STAGES:
             columns = last_polynomial(d, degree + 1, end)
-            foretell(d, h, size)
+            extrapolate_stages(d, h, size)
             expected = np.transpose([column(at) - column(end) for column in columns])
             assert (np.abs(d.implicit.stages[-1, :size] / expected[-1] - 1.0) > 1e-3).all()
 
@@ -176,7 +176,7 @@ def test_the_stages_of_a_first_step_go_with_the_rate_at_its_start():
     own, size, half = d.implicit, extended_size(d), velocity_at(N)
     own.start_rate[:] = np.random.default_rng(0).normal(size=len(own.start_rate))
     own.stages[:], own.ready = 9.0, 0
-    foretell(d, 0.3, size)
+    extrapolate_stages(d, 0.3, size)
     expected = 0.3 * np.outer(NODES, own.start_rate[:size])
     moving = np.zeros(size, bool)
     moving[:half] = moving[[gap_at(d, 0), gap_at(d, 1)]] = True
@@ -207,7 +207,7 @@ def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
     before = d.statistics.rhs_evaluations
     assert attempt(d, 0.01) == error
     assert d.implicit.slowness == UNKNOWN
-    assert d.step.ease == 1.0
+    assert d.step.cost_factor == 1.0
     assert d.statistics.rhs_evaluations == before + 4 * STAGES
     if share:
         assert step_size.factor(d, error) == pytest.approx(share, rel=0.02)

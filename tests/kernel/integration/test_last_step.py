@@ -4,22 +4,28 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.events.exclusion import FAR, NOTHING, WITH_CURVES, known, learn
+from chain_impact.kernel.events.exclusion import (
+    FAR,
+    NOTHING,
+    WITH_CURVES,
+    known_clearances,
+    remember_clearances,
+)
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.last_step import (
     OUTPUTS,
     SOLVER,
     accept,
-    break_off,
     choose_variable,
-    complete,
-    cut,
-    cut_now,
-    see_points,
-    see_rate,
-    stand,
-    take_back,
+    ensure_dense,
+    ensure_points,
+    ensure_rate,
+    mark_jump,
+    reset_step,
+    roll_back,
+    truncate_step,
+    truncate_to_output_time,
 )
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.methods import DENSE_EVALUATIONS, attempt, prepare
@@ -41,8 +47,8 @@ def started(method=EXPLICIT, **changes):
 
 def with_a_step(d, h=H):
     """The instance after one step of size h, whatever its error."""
-    see_rate(d)
-    see_points(d)
+    ensure_rate(d)
+    ensure_points(d)
     for name in ("rate_start", "stage"):
         target = d["work"][name] if name == "rate_start" else d["work"]["stage"][0]
         target[:] = d["work"]["rate_end"]
@@ -68,7 +74,7 @@ def test_an_accepted_step_goes_on_where_the_last_one_ended(method):
     step = d["step"]
     np.testing.assert_array_equal(step["state"][:-1], before[:-1])
     assert (float(step["start"]), float(step["end"])) == pytest.approx((H, 2 * H), rel=1e-14)
-    assert step["made_by"] == method
+    assert step["last_method"] == method
     assert step["breaks"] == breaks  # what was known of the end holds for the start
 
 
@@ -77,8 +83,8 @@ def test_the_rate_at_the_end_is_known_after_an_explicit_step_and_found_after_an_
         d = with_a_step(started(method))
         count = int(d["statistics"]["rhs_evaluations"])
         assert d["step"]["rate_known"] == known_rate
-        see_rate(d)
-        see_rate(d)
+        ensure_rate(d)
+        ensure_rate(d)
         assert int(d["statistics"]["rhs_evaluations"]) - count == 1 - known_rate
         np.testing.assert_allclose(d["work"]["rate_end"], exact_rate(d, d["step"]["state_end"]), atol=1e-12)
 
@@ -89,12 +95,12 @@ def test_points_are_those_at_the_end_whoever_has_moved_them(points):
     for size in (H, 2 * H):
         d["step"]["state_end"][-1] = 0.0
         with_a_step(d, size)
-        see_points(d)
+        ensure_points(d)
         found = np.array([d["work"]["position"]["x"], d["work"]["velocity"]["y"]])
         locate_points(d, d["step"]["state_end"])
         np.testing.assert_array_equal(found, [d["work"]["position"]["x"], d["work"]["velocity"]["y"]])
         locate_points(d, d["step"]["state"])
-    see_points(d)
+    ensure_points(d)
     np.testing.assert_array_equal(found[0], d["work"]["position"]["x"])
 
 
@@ -102,15 +108,15 @@ def test_points_are_those_at_the_end_whoever_has_moved_them(points):
 def test_a_step_can_be_cut_and_taken_back(method):
     d = with_a_step(started(method))
     start, expected = d["step"]["state"].copy(), np.zeros(len(d["step"]["state"]))
-    complete(d, SOLVER)
+    ensure_dense(d, SOLVER)
     interpolate(d["step"], 0.3, expected)
-    cut(d, 0.3)
+    truncate_step(d, 0.3)
     np.testing.assert_array_equal(d["step"]["state_end"], expected)
     assert float(d["step"]["end"]) == pytest.approx(0.3 * H, rel=1e-15)
     assert not d["step"]["rate_known"]
-    see_rate(d)
+    ensure_rate(d)
     np.testing.assert_allclose(d["work"]["rate_end"], exact_rate(d, expected), atol=1e-12)
-    take_back(d)
+    roll_back(d)
     np.testing.assert_array_equal(d["step"]["state_end"], start)
     assert float(d["step"]["end"]) == 0.0
 
@@ -118,34 +124,34 @@ def test_a_step_can_be_cut_and_taken_back(method):
 def test_a_step_ends_at_the_communication_point():
     d = with_a_step(started())
     d["step"]["time"] = 0.25 * H
-    cut_now(d)
+    truncate_to_output_time(d)
     assert float(d["step"]["end"]) == 0.25 * H
     assert d["step"]["state_end"][-1] == pytest.approx(0.25 * H, rel=1e-14)
 
 
 @pytest.mark.parametrize(
-    "how", [break_off, take_back, lambda d: cut(d, 0.5), lambda d: stand(d, 0.0, d.work.y)]
+    "how", [mark_jump, roll_back, lambda d: truncate_step(d, 0.5), lambda d: reset_step(d, 0.0, d.work.y)]
 )
 def test_what_is_known_of_clearances_does_not_outlive_the_step(how):
     d = with_a_step(started())
-    learn(d, WITH_CURVES)
-    assert known(d) == WITH_CURVES
+    remember_clearances(d, WITH_CURVES)
+    assert known_clearances(d) == WITH_CURVES
     how(d)
-    assert known(d) == NOTHING
-    learn(d, FAR)
-    assert known(d) == FAR
+    assert known_clearances(d) == NOTHING
+    remember_clearances(d, FAR)
+    assert known_clearances(d) == FAR
 
 
 def test_the_dense_output_is_made_once_and_counts_if_the_solver_needs_it():
     d = with_a_step(started())
     before = int(d["statistics"]["rhs_evaluations"])
-    complete(d, OUTPUTS)
+    ensure_dense(d, OUTPUTS)
     assert d["statistics"]["rhs_evaluations"] == before
     dense = d["step"]["dense"].copy()
     for _ in range(2):
-        complete(d, SOLVER)
+        ensure_dense(d, SOLVER)
         assert d["statistics"]["rhs_evaluations"] == before + DENSE_EVALUATIONS[EXPLICIT]
-    complete(d, OUTPUTS)
+    ensure_dense(d, OUTPUTS)
     np.testing.assert_array_equal(d["step"]["dense"], dense)
 
 

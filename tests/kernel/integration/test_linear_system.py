@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import root_at
+from chain_impact.kernel.chain.state import sundman_u_at
 from chain_impact.kernel.integration.extended import (
     extend_start,
     extended_slopes,
@@ -51,7 +51,7 @@ def linearized(turn, stiffness, damping):
 def jacobian(d, turn):
     """A, assembled: rows of ẋ, v̇, ġ, g̈ and ṗ in the unknowns x, v, g, ġ and p."""
     count = int(d.touch.active_count)
-    size = root_at(d.links) + 3 * count
+    size = sundman_u_at(d.links) + 3 * count
     angles = d.step.state_end[2 : N + 2]
     scene, candidate = turned(load_scene("four_link_box"), turn), d.candidate
     names = list(scene.half_planes)
@@ -134,7 +134,7 @@ def held(base, stiffness, damping):
     response = inverse @ normals.T
     inverse -= response @ np.linalg.solve(normals @ response, response.T)
     across = np.hstack([np.zeros((N, 2)), np.eye(N) - np.eye(N, k=-1)])
-    matrix = np.zeros((root_at(N), root_at(N)))
+    matrix = np.zeros((sundman_u_at(N), sundman_u_at(N)))
     v, q = np.arange(N + 2, 2 * N + 4)[free], np.arange(N + 2)
     matrix[np.ix_(v, v)] = -inverse @ (across.T @ np.diag(d.model.joint_damping) @ across)[free, free]
     matrix[np.ix_(v, q[free])] = -inverse @ (across.T @ np.diag(d.model.joint_stiffness) @ across)[free, free]

@@ -5,12 +5,12 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.kernel.advance import begin
+from chain_impact.kernel.advance import begin_step
 from chain_impact.kernel.events.kinds import ONSET
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.explicit import attempt
-from chain_impact.kernel.integration.last_step import OUTPUTS, accept, complete
+from chain_impact.kernel.integration.last_step import OUTPUTS, accept, ensure_dense
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.model import Model
 from tests.plain import Plain
@@ -26,7 +26,7 @@ def at_onset():
     d = Plain(block[0])
     assert initialize(d, 0.0) == 0
     d["touch"]["event"][0] = ONSET
-    assert begin(d) == 1
+    assert begin_step(d) == 1
     assert d["step"]["regularized"] == 0
     return block
 
@@ -57,7 +57,7 @@ def test_time_is_found_in_a_step_that_runs_in_another_variable():
     h = 0.8 * time_scale(d)
     attempt(d, h)
     accept(d, h)
-    complete(d, OUTPUTS)
+    ensure_dense(d, OUTPUTS)
     step = d["step"]
     lasts = step["end"] - step["start"]
     assert lasts < 0.3 * h  # u rises from 0 to 0.7, and p = u/(1 + u²)

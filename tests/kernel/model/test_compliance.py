@@ -8,11 +8,11 @@ from chain_impact.kernel.model.compliance import (
     LEAST_MOBILITY,
     add_impedances,
     effective_mass,
-    give_way,
-    give_way_damped,
+    factorize_contacts,
+    factorize_contacts_damped,
     load_contacts,
-    stiffen,
-    stiffen_damped,
+    solve_contacts,
+    solve_contacts_damped,
 )
 from tests.kernel.chain.test_damped import relative_motion
 from tests.kernel.chains import chain, free_coordinates, gradients, struck, vectors
@@ -50,8 +50,8 @@ def test_it_gives_way_as_assembled(case):
     scene, d, angles, matrix, jacobian, rng = case
     count, active = d.links, len(jacobian)
     impedance, impulse = rng.uniform(0.0, 30.0, d.candidates), rng.normal(size=d.candidates)
-    stiffen(d, d.work.link, impedance, d.rigid.factors)
-    give_way(d, d.work.link, d.rigid.factors, impulse, d.rigid.change)
+    factorize_contacts(d, d.work.link, impedance, d.rigid.factors)
+    solve_contacts(d, d.work.link, d.rigid.factors, impulse, d.rigid.change)
     stiff = matrix + jacobian.T @ np.diag(impedance[:active]) @ jacobian
     expected = solved(d, stiff, jacobian.T @ impulse[:active])
     np.testing.assert_allclose(d.rigid.change, expected, rtol=0, atol=1e-10)
@@ -64,10 +64,10 @@ def test_it_gives_way_as_assembled_when_joints_resist(case):
     scene, d, angles, matrix, jacobian, rng = case
     count, active, time = d.links, len(jacobian), 0.3
     impedance, impulse = rng.uniform(0.0, 30.0, d.candidates), rng.normal(size=d.candidates)
-    stiffen_damped(d, d.work.link, impedance, time)
+    factorize_contacts_damped(d, d.work.link, impedance, time)
     d.work.damped.impulse[:] = rng.normal(size=count)
     change = np.full(count + 2, np.nan)
-    give_way_damped(d, d.work.link, impulse, change)
+    solve_contacts_damped(d, d.work.link, impulse, change)
     links, across = scene.chain.links, relative_motion(count)
     resistance = np.array([time * link.joint_damping + time**2 * link.joint_stiffness for link in links])
     resistance[0] *= d.model.pinned  # a free base is no joint

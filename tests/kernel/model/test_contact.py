@@ -8,16 +8,16 @@ import pytest
 from chain_impact.kernel.model.contact import (
     apply_contact,
     apply_contacts,
+    begin_contact,
     clear_loads,
+    clear_stage_notes,
     contact_force,
     contact_slopes,
     drop_events,
-    forget_stages,
     kink_height,
-    latch,
     list_touching,
-    take_side,
-    take_sides,
+    set_kink_side,
+    set_kink_sides,
 )
 from chain_impact.kernel.model.contact_force import elastic_energy, law_force
 from chain_impact.kernel.model.geometry import clearance
@@ -38,10 +38,10 @@ def in_contact(law="zhang_sharf", touching=3):
     candidates = [1, 6, 15][:touching]
     y = struck(rng, d, candidates)
     for c in candidates:
-        latch(d, c)
+        begin_contact(d, c)
     for k, c in enumerate(candidates):
         press_in(d, c, DEPTH * (k + 1))
-    take_sides(d)
+    set_kink_sides(d)
     return scene, d, y, candidates, gradients(scene, d, y[2:5], candidates)
 
 
@@ -75,7 +75,7 @@ def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
 @LAWS
 def test_a_force_acts_along_the_inward_normal_of_its_point_alone(law):
     _scene, d, _y, (c, *_), _jacobian = in_contact(law)
-    d.touch.beyond[c] = 0
+    d.touch.beyond_kink[c] = 0
     clear_loads(d)
     before = vectors(d.work.load)
     apply_contact(d, c, -DEPTH, -0.7)
@@ -126,7 +126,7 @@ def test_a_contact_begins_with_what_the_impact_is(law, speed):
     for field in ("peak_force", "max_penetration", "force_end", "force_rate"):
         d.touch[field][c] = 7.0
     d.step.end, d.impulse.total[c], d.impact.count = 1.25, 3.5, 4
-    latch(d, c)
+    begin_contact(d, c)
     touched = d.touch
     first = max(speed, 1e-2)
     mass = 1.0 / (gradient @ np.linalg.solve(mass_matrix(scene, y[2:5]), gradient))
@@ -163,28 +163,28 @@ def test_the_side_of_its_kink_is_that_on_which_a_contact_is(law):
         sides.append(int(rate > 0.0))
         assert (kink_height(d, c) < 0.0) == (rate > 0.0)
     assert len({int(point[c]) for c in candidates}) == 3
-    d.touch.beyond[:] = [*[5] * d.candidates]
+    d.touch.beyond_kink[:] = [*[5] * d.candidates]
     d.contact.impulsive = law == "newton_impact"
-    take_sides(d)
+    set_kink_sides(d)
     if d.contact.impulsive:  # a rigid wall has no force
-        assert (d.touch.beyond == 5).all()
+        assert (d.touch.beyond_kink == 5).all()
         return
-    assert d.touch.beyond[candidates].tolist() == sides
-    assert (np.delete(d.touch.beyond, candidates) == 5).all()
-    take_side(d, candidates[2])
-    assert d.touch.beyond[candidates[2]] == 1
+    assert d.touch.beyond_kink[candidates].tolist() == sides
+    assert (np.delete(d.touch.beyond_kink, candidates) == 5).all()
+    set_kink_side(d, candidates[2])
+    assert d.touch.beyond_kink[candidates[2]] == 1
 
 
 def test_only_what_the_contacts_have_noted_is_forgotten():
     _, d = chain(np.random.default_rng(0), 3)
     touch(d, [1, 4, 7])
-    d.touch.crossed[:], d.rigid.least[:], d.touch.event[:] = 1, -2.0, 3
-    forget_stages(d)
+    d.touch.kink_crossed[:], d.rigid.least_force[:], d.touch.event[:] = 1, -2.0, 3
+    clear_stage_notes(d)
     others = [c for c in range(d.candidates) if c not in (1, 4, 7)]
-    assert not d.touch.crossed[[1, 4, 7]].any()
-    assert not d.rigid.least[[1, 4, 7]].any()
-    assert d.touch.crossed[others].all()
-    assert (d.rigid.least[others] == -2.0).all()
+    assert not d.touch.kink_crossed[[1, 4, 7]].any()
+    assert not d.rigid.least_force[[1, 4, 7]].any()
+    assert d.touch.kink_crossed[others].all()
+    assert (d.rigid.least_force[others] == -2.0).all()
     drop_events(d)
     assert not d.touch.event.any()
 

@@ -14,9 +14,9 @@ from chain_impact.kernel.model.contact_force import (
     elastic_energy,
     elastic_force,
     height_over_kink,
-    latch_damping,
     law_force,
     law_slopes,
+    set_damping,
 )
 from chain_impact.kernel.status import EXPONENT_NOT_ALLOWED, OK
 from chain_impact.scene.scene import with_values
@@ -40,13 +40,13 @@ def contact_of(law="zhang_sharf", restitution=0.3, speed=SPEED, **changes):
     d = Plain(Model(ball(**changes)).new_instance()[0])
     assert derive_law(d) == OK
     d["touch"]["impact_speed"][0], d["touch"]["effective_mass"][0] = speed, MASS
-    latch_damping(d, 0)
+    set_damping(d, 0)
     return d
 
 
 def slopes_of(d, depth, rate):
     """Those on the side of the kink on which the contact is with this penetration and rate."""
-    d.touch.beyond[0] = height_over_kink(d, 0, depth, rate) < 0.0
+    d.touch.beyond_kink[0] = height_over_kink(d, 0, depth, rate) < 0.0
     return law_slopes(d, 0, depth, rate)
 
 

@@ -5,9 +5,9 @@ import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.springs import spring_energy
-from chain_impact.kernel.model.contact import latch, take_sides
+from chain_impact.kernel.model.contact import begin_contact, set_kink_sides
 from chain_impact.kernel.model.contact_force import elastic_energy
-from chain_impact.kernel.model.energy import ledger, mechanical_energy, stored_energy
+from chain_impact.kernel.model.energy import energy_balance, mechanical_energy, stored_energy
 from chain_impact.kernel.model.equations import state_rate
 from tests.kernel.chains import chain, potential_slopes, press_in, struck
 from tests.reference import centre_jacobian, mass_matrix
@@ -24,9 +24,9 @@ def prepared(base, count, **more):
     y = struck(rng, d, candidates)
     for k, c in enumerate(candidates):
         if not d.contact.impulsive:
-            latch(d, c)
+            begin_contact(d, c)
         press_in(d, c, 1e-3 * (k + 1))
-    take_sides(d)
+    set_kink_sides(d)
     d.inputs.joint_torque[:], d.inputs.tip_force[:] = rng.normal(size=count), rng.normal(size=2)
     return scene, d, y, candidates
 
@@ -96,14 +96,14 @@ def test_no_motion_changes_the_ledger(base, count, law):
     for side in (h, -h):
         moved = y + side * rate
         locate_points(d, moved)
-        ends.append(ledger(d, moved))
+        ends.append(energy_balance(d, moved))
         scale.append(sum(mechanical_energy(d, moved)))
     assert (ends[0] - ends[1]) / (2 * h) == pytest.approx(0.0, abs=2e-5 * max(1.0, abs(ends[0])))
     # of which the motion alone does change something
     assert abs(scale[0] - scale[1]) / (2 * h) > 1e-2
     y[2 * count + 4] += 3.0
     y[2 * count + 5] += 10.0
-    before = ledger(d, y - 0.0)
+    before = energy_balance(d, y - 0.0)
     y[2 * count + 4] += 3.0
     y[2 * count + 5] += 10.0
-    assert ledger(d, y) - before == pytest.approx(3.0 - 10.0, abs=1e-8 * max(1.0, abs(before)))
+    assert energy_balance(d, y) - before == pytest.approx(3.0 - 10.0, abs=1e-8 * max(1.0, abs(before)))

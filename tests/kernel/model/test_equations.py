@@ -8,12 +8,12 @@ from chain_impact.kernel.chain.springs import spring_energy
 from chain_impact.kernel.chain.state import (
     dissipated_at,
     omega_at,
-    root_at,
+    sundman_u_at,
     supplied_at,
     time_at,
     velocity_at,
 )
-from chain_impact.kernel.model.contact import apply_contacts, clear_loads, latch
+from chain_impact.kernel.model.contact import apply_contacts, begin_contact, clear_loads
 from chain_impact.kernel.model.equations import (
     add_spring_moments,
     free_rate,
@@ -122,14 +122,14 @@ def test_the_rate_solves_the_assembled_equations_under_the_present_loads(base, c
     assert rate[dissipated_at(count)] == pytest.approx(1.5 + powers[0], rel=1e-13)
     assert rate[supplied_at(count)] == powers[1]
     # a step in time: there is no root, and time goes on
-    assert (rate[root_at(count)], rate[time_at(count)]) == (0.0, 1.0)
+    assert (rate[sundman_u_at(count)], rate[time_at(count)]) == (0.0, 1.0)
 
 
 @BASES
 def test_the_loads_of_a_located_state_are_those_of_its_contacts_and_inputs(base, count):
     _, d, y, _ = prepared(base, count, touching=[0, 3])
     for k, c in enumerate((0, 3)):
-        latch(d, c)
+        begin_contact(d, c)
         press_in(d, c, 1e-3 * (k + 1))
     rate, expected, whole = (np.full(len(y), np.nan) for _ in range(3))
     located_rate(d, y, rate)

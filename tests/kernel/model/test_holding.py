@@ -6,29 +6,29 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.model.compliance import effective_mass, give_way, stiffen
+from chain_impact.kernel.model.compliance import effective_mass, factorize_contacts, solve_contacts
 from chain_impact.kernel.model.constraints import (
     DOUBT,
     MISPLACED,
     RISE,
     STIFF,
-    complement,
-    correct,
-    corrected,
-    count_wrong,
-    find_missing,
-    hold,
-    holding,
+    activate_all,
+    add_constraint_forces,
+    any_point_held,
+    clear_impulses,
+    correct_impulses,
+    count_violations,
+    find_residual,
     holding_impedance,
     least_impulse,
-    meet_walls,
-    place,
-    press,
-    press_all,
+    project_state,
     set_impedance,
-    start_free,
+    solve_equality,
+    solve_lcp,
+    solve_positions,
+    solve_stopping_impulses,
     start_from_accelerations,
-    stop,
+    tolerated_momentum,
 )
 from chain_impact.kernel.model.equations import free_rate
 from chain_impact.kernel.model.geometry import along_normal, clearance
@@ -51,28 +51,28 @@ def problem(base="free", pressed=(1, 0, 1, 1), seed=0):
     response = np.zeros((6, len(candidates)))
     response[free] = np.linalg.solve(mass_matrix(scene, y[2:6])[free, free], jacobian[:, free].T)
     own, count = d.rigid, len(candidates)
-    own.pressed[:count] = pressed
-    own.start[:count], own.aim[:count] = rng.normal(size=count), rng.normal(size=count)
+    own.in_active_set[:count] = pressed
+    own.start[:count], own.target[:count] = rng.normal(size=count), rng.normal(size=count)
     return d, y, jacobian, response, jacobian @ response
 
 
 def test_only_the_pressed_have_an_impedance_and_miss_their_aims():
     d, *_ = problem()
     own = d.rigid
-    own.impedance[:] = own.missing[:] = own.impulse[:] = own.change[:] = 9.0
-    start_free(d)
+    own.impedance[:] = own.residual[:] = own.impulse[:] = own.change[:] = 9.0
+    clear_impulses(d)
     assert not own.change.any()
     assert not own.impulse[:4].any()
     assert (own.impulse[4:] == 9.0).all()
     np.testing.assert_array_equal(own.reached[:4], own.start[:4])
-    own.aim[1] = 1e3  # of one that is not pressed
+    own.target[1] = 1e3  # of one that is not pressed
     for amount in (0.0, 4.5):
         set_impedance(d, amount)
         assert own.impedance[:5].tolist() == [amount, 0.0, amount, amount, 9.0]
     for sign in (1.0, -1.0):
-        own.reached[:4] = own.aim[:4] - sign * np.array([0.3, 7.0, 0.5, 0.1])
-        assert find_missing(d) == pytest.approx(0.5, rel=1e-9)
-        np.testing.assert_allclose(own.missing[:4], sign * np.array([0.3, 0.0, 0.5, 0.1]), atol=1e-9)
+        own.reached[:4] = own.target[:4] - sign * np.array([0.3, 7.0, 0.5, 0.1])
+        assert find_residual(d) == pytest.approx(0.5, rel=1e-9)
+        np.testing.assert_allclose(own.residual[:4], sign * np.array([0.3, 0.0, 0.5, 0.1]), atol=1e-9)
 
 
 @pytest.mark.parametrize("base", ["free", "pinned"])
@@ -84,8 +84,8 @@ def test_a_point_with_the_impedance_of_holding_hardly_moves(base):
     for k, c in enumerate(d.touch.active_index[:4]):
         touch(d, [c])
         d.rigid.impedance[0] = amount
-        stiffen(d, d.work.link, d.rigid.impedance, d.rigid.factors)
-        give_way(d, d.work.link, d.rigid.factors, np.ones(len(d.rigid.impulse)), d.rigid.change)
+        factorize_contacts(d, d.work.link, d.rigid.impedance, d.rigid.factors)
+        solve_contacts(d, d.work.link, d.rigid.factors, np.ones(len(d.rigid.impulse)), d.rigid.change)
         moved = along_normal(d, c, d.work.motion)
         assert moved == pytest.approx(w[k, k] / (1.0 + amount * w[k, k]), rel=1e-6)
         assert moved < 1e-5 * w[k, k]
@@ -99,20 +99,20 @@ def test_a_sweep_is_a_step_of_the_augmented_lagrangian(base, pressed):
     d, _, _, _, w = problem(base, pressed)
     own, count, impedance = d.rigid, len(pressed), 40.0
     set_impedance(d, 0.0)
-    stiffen(d, d.work.link, own.impedance, d.work.factors)
+    factorize_contacts(d, d.work.link, own.impedance, d.work.factors)
     set_impedance(d, impedance)
-    stiffen(d, d.work.link, own.impedance, own.factors)
-    start_free(d)
+    factorize_contacts(d, d.work.link, own.impedance, own.factors)
+    clear_impulses(d)
     p, amounts = np.zeros(count), impedance * np.array(pressed)
     for _ in range(3):
         work = d.limits.other_work
-        find_missing(d)
-        m = np.array(pressed) * (own.aim[:count] - own.start[:count] - w @ p)
-        np.testing.assert_allclose(own.missing[:count], m, rtol=0, atol=1e-10)
+        find_residual(d)
+        m = np.array(pressed) * (own.target[:count] - own.start[:count] - w @ p)
+        np.testing.assert_allclose(own.residual[:count], m, rtol=0, atol=1e-10)
         # J z = W (1 + D W)⁻¹ D m
         moved = w @ np.linalg.solve(np.eye(count) + amounts[:, None] * w, amounts * m)
         p = p + amounts * (m - moved)
-        correct(d, impedance)
+        correct_impulses(d, impedance)
         np.testing.assert_allclose(own.impulse[:count], p, rtol=1e-9, atol=1e-9)
         np.testing.assert_allclose(own.reached[:count], own.start[:count] + w @ p, rtol=1e-9, atol=1e-9)
         assert d.limits.other_work == work + 2
@@ -122,9 +122,9 @@ def test_a_sweep_is_a_step_of_the_augmented_lagrangian(base, pressed):
 def test_all_of_the_pressed_reach_their_aims_and_impulses_are_counted_as_work(pressed):
     d, _, _, response, w = problem(pressed=pressed)
     own, rows, before = d.rigid, np.flatnonzero(pressed), d.limits.other_work
-    press(d, 2.0)
+    solve_equality(d, 2.0)
     expected = np.zeros(4)
-    expected[rows] = np.linalg.solve(w[np.ix_(rows, rows)], (own.aim - own.start)[rows])
+    expected[rows] = np.linalg.solve(w[np.ix_(rows, rows)], (own.target - own.start)[rows])
     np.testing.assert_allclose(own.impulse[:4], expected, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(own.change, response @ expected, rtol=1e-9, atol=1e-9)
     # a few sweeps do
@@ -135,17 +135,17 @@ def test_who_pulls_or_falls_short_is_wrong_but_for_round_off():
     d, *_ = problem(pressed=(1, 1, 0, 0))
     own = d.rigid
     scale = 3.0
-    own.aim[:4] = 0.5
+    own.target[:4] = 0.5
     for pull, short in ((2.0, 2.0), (0.5, 2.0), (2.0, 0.5), (0.5, 0.5)):
-        own.wrong[:] = 7
+        own.violated[:] = 7
         own.impulse[:4] = 4.0, -pull * DOUBT * 4.0, 0.0, 0.0
         own.reached[:4] = -9.0, 0.5, 0.7, 0.5 - short * DOUBT * scale
         expected = [0, int(pull > 1.0), 0, int(short > 1.0)]
-        assert count_wrong(d, scale) == sum(expected)
-        assert own.wrong[:4].tolist() == expected
+        assert count_violations(d, scale) == sum(expected)
+        assert own.violated[:4].tolist() == expected
     # the largest may be one that pulls
     own.impulse[:4], own.reached[:4] = (1.0, -4.0, 0.0, 0.0), 1.0
-    assert count_wrong(d, scale) == 1
+    assert count_violations(d, scale) == 1
     assert least_impulse(d) == -4.0
     own.impulse[:4] = 1.0
     assert least_impulse(d) == 0.0
@@ -156,25 +156,25 @@ def test_who_pulls_or_falls_short_is_wrong_but_for_round_off():
 def test_the_complementary_impulses_do_not_depend_on_the_guess(seed, guess):
     d, _, _, _, w = problem(pressed=guess, seed=seed)
     own = d.rigid
-    expected = complementary_impulses(w, own.start[:4], own.aim[:4])
-    complement(d, np.abs(own.start).max())
+    expected = complementary_impulses(w, own.start[:4], own.target[:4])
+    solve_lcp(d, np.abs(own.start).max())
     np.testing.assert_allclose(own.impulse[:4], expected, rtol=0, atol=1e-9 * max(1.0, expected.max()))
-    assert ((own.impulse[:4] > 0.0) <= (own.pressed[:4] == 1)).all()
+    assert ((own.impulse[:4] > 0.0) <= (own.in_active_set[:4] == 1)).all()
 
 
 @pytest.mark.parametrize(("impulsive", "touching"), [(0, 0), (0, 2), (1, 0), (1, 2)])
 def test_rigid_walls_hold_what_touches(impulsive, touching):
     d, *_ = problem()
     d.contact.impulsive, d.touch.active_count = impulsive, touching
-    assert bool(holding(d)) == (impulsive == 1 and touching > 0)
+    assert bool(any_point_held(d)) == (impulsive == 1 and touching > 0)
 
 
 def test_all_that_touch_are_pressed_to_rest():
     d, *_ = problem()
-    d.rigid.pressed[:] = d.rigid.aim[:] = 7
-    press_all(d)
-    assert d.rigid.pressed[:5].tolist() == [1, 1, 1, 1, 7]
-    assert d.rigid.aim[:5].tolist() == [0.0, 0.0, 0.0, 0.0, 7.0]
+    d.rigid.in_active_set[:] = d.rigid.target[:] = 7
+    activate_all(d)
+    assert d.rigid.in_active_set[:5].tolist() == [1, 1, 1, 1, 7]
+    assert d.rigid.target[:5].tolist() == [0.0, 0.0, 0.0, 0.0, 7.0]
 
 
 @pytest.mark.parametrize("base", ["free", "pinned"])
@@ -198,14 +198,14 @@ def test_held_points_have_no_acceleration_and_the_least_of_each_force_is_kept(ba
     np.testing.assert_allclose(own.start[:4], second, rtol=1e-4, atol=1e-4)
     assert most == max(np.abs(d.work.acceleration.x).max(), np.abs(d.work.acceleration.y).max())
     force = np.linalg.solve(w, -own.start[:4])
-    own.least[:] = np.where(np.arange(d.candidates) % 2, -1e9, 0.0)
-    hold(d, y, rate)
+    own.least_force[:] = np.where(np.arange(d.candidates) % 2, -1e9, 0.0)
+    add_constraint_forces(d, y, rate)
     np.testing.assert_allclose(own.impulse[:4], force, rtol=1e-8, atol=1e-8)
     np.testing.assert_allclose(rate[6:12], before[6:12] + response @ force, rtol=1e-8, atol=1e-8)
     np.testing.assert_array_equal(np.delete(rate, range(6, 12)), np.delete(before, range(6, 12)))
     for k, c in enumerate(candidates):
         assert d.touch.force[c] == own.impulse[k]
-        assert own.least[c] == (-1e9 if c % 2 else min(0.0, own.impulse[k]))
+        assert own.least_force[c] == (-1e9 if c % 2 else min(0.0, own.impulse[k]))
 
 
 def test_the_momentum_that_errors_explain_is_that_of_the_tolerance_and_of_a_fall():
@@ -216,7 +216,7 @@ def test_the_momentum_that_errors_explain_is_that_of_the_tolerance_and_of_a_fall
     for tolerance, speed in ((1e-4, 0.0), (1e-8, 7.0)):
         d.solver.tolerance = tolerance
         expected = total * (rise + tolerance * (d.model.size + speed))
-        assert corrected(d, speed) == pytest.approx(expected, rel=1e-12)
+        assert tolerated_momentum(d, speed) == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -225,12 +225,12 @@ def test_walls_stop_by_impulses_unless_these_would_pull_by_more_than_errors_expl
     own = d.rigid
     for size in (1.0, 1e-9):  # of a motion, and of errors
         own.start[:4] = size * np.array([-0.5, 0.8, -0.2, 0.3])
-        press_all(d)
+        activate_all(d)
         d.work.velocity.x[:], d.work.velocity.y[:] = size, 0.0
         d.solver.tolerance = 1e-7
         equal = np.linalg.solve(w, -own.start[:4])
-        stop(d)
-        if equal.min() < -corrected(d, size):
+        solve_stopping_impulses(d)
+        if equal.min() < -tolerated_momentum(d, size):
             expected = complementary_impulses(w, own.start[:4], np.zeros(4))
             assert (own.reached[:4] > -1e-11).all()
         else:
@@ -253,9 +253,9 @@ def test_points_are_put_onto_their_walls_unless_that_takes_far_more_than_is_miss
         d.candidate.normal_x[second], d.candidate.normal_y[second] = c * nx - s * ny, s * nx + c * ny
         response = np.transpose([response_of(d, k) for k in (first, second)])
     own.start[:2] = 1e-6, -1e-6
-    press_all(d)
+    activate_all(d)
     d.solver.tolerance = tolerance
-    place(d)
+    solve_positions(d)
     moved = np.abs(own.change / np.array([size, size, 1.0, 1.0, 1.0, 1.0])).max()
     if bad and tolerance < 1.0:
         # the point that is inside is brought out, and the other one stays where it is, or goes further off
@@ -281,7 +281,7 @@ def test_what_meeting_the_walls_takes_of_the_kinetic_energy_is_dissipated(base):
         press_in(d, c, 1e-9 * (k - 1.5))
     d.solver.tolerance, before = 1e3, y.copy()
     y[12] = 5.0
-    meet_walls(d, y)
+    project_state(d, y)
     rates = jacobian @ before[6:12]
     impulses = -np.linalg.solve(w, rates)
     np.testing.assert_allclose(y[6:12], before[6:12] + response @ impulses, rtol=1e-5, atol=1e-5)

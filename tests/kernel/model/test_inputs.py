@@ -9,12 +9,12 @@ from chain_impact.kernel.model.inputs import (
     AT_ONCE,
     DEGREE,
     GOING_ON,
-    goes_on,
+    apply_inputs,
+    ensure_inputs,
+    inputs_continue,
+    limit_to_piece,
     polynomial,
-    see_inputs,
     set_inputs,
-    take_inputs,
-    within_piece,
 )
 from chain_impact.variables.model import Model
 from tests.plain import Plain
@@ -30,7 +30,7 @@ def driven(order=2):
     course["joint_torque"][1:3, 0] = 2.0, 3.0
     block[0]["step"]["regularized"] = -1
     d = Plain(block[0])
-    take_inputs(d)
+    apply_inputs(d)
     return d
 
 
@@ -52,18 +52,18 @@ def test_the_inputs_are_those_of_a_time():
 def test_a_step_ends_with_the_piece_or_well_before(size, expected):
     d = driven()
     d.step.end = 1.0
-    assert within_piece(d, size) == expected
-    assert within_piece(driven(order=0), size) == size
+    assert limit_to_piece(d, size) == expected
+    assert limit_to_piece(driven(order=0), size) == size
 
 
 def test_inputs_go_on_where_the_last_step_ends_with_the_piece():
     d = driven()
     d.step.time, d.step.end, d.given.changed = 2.0, 2.0 + 1e-15, GOING_ON
-    assert goes_on(d)
+    assert inputs_continue(d)
     d.step.end = 2.1
-    assert not goes_on(d)
+    assert not inputs_continue(d)
     d.step.end, d.given.changed = 2.0, AT_ONCE
-    assert not goes_on(d)
+    assert not inputs_continue(d)
 
 
 def test_a_state_sees_the_inputs_at_its_time():
@@ -71,11 +71,11 @@ def test_a_state_sees_the_inputs_at_its_time():
     d = driven()
     y = d.step.state.copy()
     d.step.clock, y[time_at(d.links)] = 1.25, 0.5
-    see_inputs(d, y)
+    ensure_inputs(d, y)
     assert list(d.inputs.joint_torque) == [1.0 + 2.0 * 0.75 + 3.0 * 0.75**2, 4.0]
     d = driven(order=0)
     d.inputs.joint_torque[0] = 77.0
-    see_inputs(d, y)
+    ensure_inputs(d, y)
     assert d.inputs.joint_torque[0] == 77.0
 
 
@@ -86,7 +86,7 @@ def test_what_was_given_holds_for_all_torques_and_the_force_on_the_tip(order):
     own.middle, own.scale, own.until, own.pace = 0.4, 2.0, 3.0, 7.0
     own.joint_torque[:], own.tip_force[:] = rng.normal(size=(DEGREE + 1, 2)), rng.normal(size=(DEGREE + 1, 2))
     given.joint_torque[:], given.tip_force[:] = rng.normal(size=2), rng.normal(size=2)
-    take_inputs(d)
+    apply_inputs(d)
     np.testing.assert_array_equal(d.inputs.joint_torque, given.joint_torque)
     np.testing.assert_array_equal(d.inputs.tip_force, given.tip_force)
     assert (d.inputs.course.until, d.inputs.course.pace) == (3.0, 7.0)
@@ -100,6 +100,6 @@ def test_what_was_given_holds_for_all_torques_and_the_force_on_the_tip(order):
 def test_a_regularized_step_or_one_at_the_end_of_its_piece_is_not_cut():
     d = driven()
     d.step.end, d.step.regularized = 1.0, 0
-    assert within_piece(d, 5.0) == 5.0
+    assert limit_to_piece(d, 5.0) == 5.0
     d.step.regularized, d.step.end = -1, 2.0
-    assert within_piece(d, 5.0) == 5.0
+    assert limit_to_piece(d, 5.0) == 5.0

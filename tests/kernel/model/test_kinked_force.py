@@ -19,15 +19,15 @@ from chain_impact.kernel.model.contact_force import (
     damping_share,
     damping_slope,
     elastic_energy,
-    foresee_depth,
     height_over_kink,
     kink_slope,
-    latch_damping,
     law_force,
     law_slopes,
     may_jump,
     note_crossing,
     power,
+    set_damping,
+    set_expected_depth,
     turning_margin,
     uncut_force,
     user_slopes,
@@ -78,10 +78,10 @@ def test_a_force_continued_from_its_own_side_is_the_force_as_long_as_it_stays_th
             height = height_over_kink(d, 0, depth, rate)
             force, elastic = law_force(d, 0, depth, rate)
             for beyond in (0, 1):
-                d.touch.beyond[0], d.touch.crossed[0] = beyond, 0
+                d.touch.beyond_kink[0], d.touch.kink_crossed[0] = beyond, 0
                 found = continued_force(d, 0, depth, rate)
                 stays = height <= 0.0 if beyond else height >= 0.0
-                assert d.touch.crossed[0] == (not stays)
+                assert d.touch.kink_crossed[0] == (not stays)
                 if stays:
                     assert found == pytest.approx((force, elastic), rel=1e-13, abs=1e-9)
                 elif beyond and not law.approach_only:
@@ -100,13 +100,13 @@ def test_a_force_continued_from_its_own_side_is_the_force_as_long_as_it_stays_th
 def test_a_crossing_is_noted_when_it_is_by_more_than_the_margin(beyond, height, margin):
     d = contact_of()
     d.touch.damping[0] = 1e3
-    d.touch.beyond[0], d.touch.kink_margin[0], d.touch.crossed[0] = beyond, margin, 0
+    d.touch.beyond_kink[0], d.touch.kink_margin[0], d.touch.kink_crossed[0] = beyond, margin, 0
     note_crossing(d, 0, height, 0.01)
     over = height if beyond else -height
-    assert d.touch.crossed[0] == (over > 0.0 and over > margin * kink_slope(d, 0, 0.01))
-    d.touch.crossed[0] = 1
+    assert d.touch.kink_crossed[0] == (over > 0.0 and over > margin * kink_slope(d, 0, 0.01))
+    d.touch.kink_crossed[0] = 1
     note_crossing(d, 0, 0.0, 0.01)
-    assert d.touch.crossed[0] == 1  # by an earlier stage
+    assert d.touch.kink_crossed[0] == 1  # by an earlier stage
 
 
 @LAWS
@@ -115,11 +115,11 @@ def test_the_depth_and_the_damping_follow_from_the_impact(law, stiffness, speed,
     """K δⁿ⁺¹/(n+1) = ½ m v², d = λ K/v₀ or f K^(1−s) m^s, and the margin of a turn errs by the tolerance."""
     d = contact_of(law.id, stiffness=stiffness, tolerance=1e-6)
     d.touch.impact_speed[0], d.touch.effective_mass[0], d.touch.kink_margin[0] = speed, mass, 9.0
-    foresee_depth(d, 0)
+    set_expected_depth(d, 0)
     assert elastic_energy(d.contact, d.touch.depth_scale[0]) == pytest.approx(
         0.5 * mass * speed**2, rel=1e-12
     )
-    latch_damping(d, 0)
+    set_damping(d, 0)
     s, f = law.mass_power, FACTOR(law.number, 0.3)
     expected = f * stiffness ** (1 - s) * mass**s / (speed if s == 0.0 else 1.0)
     assert d.touch.damping[0] == pytest.approx(expected, rel=1e-12)
@@ -149,7 +149,7 @@ def test_a_force_may_jump_where_its_damping_does_not_fade_with_the_depth(law):
 @FAMILY
 def test_the_share_of_damping_is_the_factor_of_the_family(law):
     d = contact_of(law.id, 0.8)
-    foresee_depth(d, 0)
+    set_expected_depth(d, 0)
     assert damping_share(d, 0) == pytest.approx(FACTOR(law.number, 0.8), abs=1e-12)
 
 
@@ -195,7 +195,7 @@ def test_a_users_law_gives_the_force_and_its_slopes_are_differences(own):
     # where there is no depth to differ by there is no stiffness, and one that falls counts as none
     assert user_slopes(own, 0, 0.0, 1.0)[0] == 0.0
     assert law_force(own, 0, 1e-3, -1e3)[0] == 0.0
-    own.touch.beyond[0] = 1
+    own.touch.beyond_kink[0] = 1
     assert law_slopes(own, 0, 1e-3, -0.4) == (0.0, 0.0)
 
 

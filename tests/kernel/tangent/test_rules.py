@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain import sincos
-from chain_impact.kernel.chain.state import root_at, time_at
+from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.integration import dense
 from chain_impact.kernel.laws import contact_laws, user_law
 from chain_impact.kernel.model import contact_force
@@ -124,7 +124,7 @@ def step_of(numbers, regularized, make=lambda number, _: number):
 @pytest.mark.parametrize("regularized", [-1, 0])
 def test_the_fraction_of_a_step_varies_with_the_step_and_the_time(regularized):
     """Against differences of the function of plain numbers, in a step in which time goes steadily."""
-    clock, root = time_at(1), root_at(1)
+    clock, root = time_at(1), sundman_u_at(1)
     size, depth_root, elapsed = 0.5, 0.6, 0.09
     numbers = np.concatenate([np.random.default_rng(5).normal(size=8 * COUNT), [0.25, size]])
     dense_output, state = numbers[: 7 * COUNT].reshape(7, COUNT), numbers[7 * COUNT : 8 * COUNT]

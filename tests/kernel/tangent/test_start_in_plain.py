@@ -8,18 +8,18 @@ import pytest
 from chain_impact import CONTACT_LAWS
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.initialize import derive_law, initialize
-from chain_impact.kernel.model.contact import latch
+from chain_impact.kernel.model.contact import begin_contact
 from chain_impact.kernel.model.contact_force import elastic_energy
 from chain_impact.kernel.status import OK
-from chain_impact.kernel.tangent import start as starts
+from chain_impact.kernel.tangent import start_tangent as starts
 from chain_impact.kernel.tangent.directions import DIRECTIONS, TRUST
 from chain_impact.kernel.tangent.start import (
+    apply_given_of,
+    copy_inputs,
+    copy_parameters,
     derive_law_of,
-    follow_inputs,
-    start,
-    start_anew,
-    take_given_of,
-    take_parameters,
+    reinit_tangent,
+    start_tangent,
 )
 from chain_impact.kernel.tangent.trust import TRUSTED
 from chain_impact.variables.model import Model
@@ -106,7 +106,7 @@ def test_parameters_are_taken_with_the_derivatives_that_it_has_of_them(both):
         for record in PARAMETERS
         for name in PARAMETERS[record]
     }
-    take_parameters(d, t)
+    copy_parameters(d, t)
     for (record, name), own in before.items():
         found = getattr(getattr(t, record), name)
         np.testing.assert_array_equal(values(found), d[record][name], err_msg=name)
@@ -120,7 +120,7 @@ def test_the_inputs_that_hold_are_the_constants_of_their_course(both):
     d.inputs.course.order = 1
     d.inputs.course.joint_torque[:], d.inputs.course.tip_force[:] = 9.0, 9.0
     d.inputs.course.joint_torque[0], d.inputs.course.tip_force[0] = 7.0, 8.0
-    follow_inputs(d, t)
+    copy_inputs(d, t)
     own = t.inputs
     assert list(own.joint_torque) == list(own.course.joint_torque[0])
     assert list(own.tip_force) == list(own.course.tip_force[0])
@@ -134,7 +134,7 @@ def test_what_was_given_holds_with_its_derivatives(both):
     d.given.joint_torque[:], d.given.tip_force[:] = 1.5, (2.0, 3.0)
     d.given.course.order, d.given.course.until = 1, 6.5
     before = {name: slopes(getattr(t.given, name)) for name in GIVEN}
-    take_given_of(d, t)
+    apply_given_of(d, t)
     assert t.contact.law == t.given.law == 3
     assert (t.inputs.course.order, t.inputs.course.until) == (1, 6.5)
     for place, names in ((t.contact, GIVEN[:2]), (t.inputs, GIVEN[2:])):
@@ -196,14 +196,14 @@ def test_it_starts_as_the_instance_does(twins):
     d.given.tip_force[:] = 1.0, 2.0
     assert initialize(d, 1.5) == OK
     t.work.load.x[:], t.touch.active_count, t.step.method, t.trust.reason = 9.0, 3, 1, 7
-    start(d, t)
+    start_tangent(d, t)
     for record in ("model", "initial", "candidate", "walls", "inputs", "impact", "touch"):
         for name in d[record]._record.dtype.names:
             if not d[record]._record.dtype[name].names:
                 np.testing.assert_array_equal(t[record][name], d[record][name], err_msg=f"{record}.{name}")
     for name in ("law", "stiffness", "exponent", "damping_factor", "rate_exponent", "radius"):
         assert t.contact[name] == d.contact[name]
-    for name in ("time", "start", "end", "clock", "size", "regularized", "method", "patience"):
+    for name in ("time", "start", "end", "clock", "size", "regularized", "method", "switch_hysteresis"):
         assert t.step[name] == d.step[name], name
     np.testing.assert_array_equal(t.step.state_end, d.step.state_end)
     np.testing.assert_array_equal(vectors(t.work.load), vectors(d.work.load))
@@ -216,22 +216,22 @@ def test_it_starts_anew_from_the_end_of_its_step_with_what_was_given(twins, law,
     """Contacts that last take the new law; those at rigid walls stay as they are."""
     d, t = twins
     assert initialize(d, 0.0) == OK
-    start(d, t)
+    start_tangent(d, t)
     rng = np.random.default_rng(1)
     y = random_state(rng, t)
     t.step.state_end[:], t.step.end = y, 2.5
     locate_points(t, y)
     touch(t, [4])
     press_in(t, 4, 1e-3)
-    latch(t, 4)
+    begin_contact(t, 4)
     damping, number = t.touch.damping[4], CONTACT_LAWS[law].number
     d.given.law, d.given.stiffness, d.given.restitution, d.given.tip_force[:] = number, 3e5, 0.8, (5.0, 6.0)
     d.contact.law, d.contact.stiffness, d.contact.restitution = number, 3e5, 0.8
     assert derive_law(d) == OK
-    t.work.load.x[:], t.touch.beyond[4], t.step.time = 9.0, 5, 1.0
+    t.work.load.x[:], t.touch.beyond_kink[4], t.step.time = 9.0, 5, 1.0
     told = []
-    monkeypatch.setattr(starts, "hold_anew", lambda *arguments: told.append(arguments))
-    start_anew(d, t)
+    monkeypatch.setattr(starts, "recompute_active_set", lambda *arguments: told.append(arguments))
+    reinit_tangent(d, t)
     assert told == [(t, 0)]  # the walls were not rigid
     assert t.step.time == t.step.start == t.step.end == 2.5
     np.testing.assert_array_equal(t.step.state[:-2], y[:-2])
@@ -240,11 +240,11 @@ def test_it_starts_anew_from_the_end_of_its_step_with_what_was_given(twins, law,
     assert t.touch.active_count == 1
     if law == "newton_impact":
         assert t.touch.damping[4] == damping
-        assert t.touch.beyond[4] == 5
+        assert t.touch.beyond_kink[4] == 5
     else:
         mass, speed = t.touch.effective_mass[4], t.touch.impact_speed[4]
         expected = CONTACT_LAWS[law].damping_factor(0.8) * 3e5 / speed
         assert t.touch.damping[4] == pytest.approx(expected, rel=1e-12)
         energy = elastic_energy(t.contact, t.touch.depth_scale[4])
         assert energy == pytest.approx(0.5 * mass * speed**2, rel=1e-9)
-        assert t.touch.beyond[4] in {0, 1}
+        assert t.touch.beyond_kink[4] in {0, 1}

@@ -27,7 +27,7 @@ in which nothing cancels, however large κ is. The elimination goes from the tip
 """
 
 from chain_impact.kernel.chain.recursion import arm
-from chain_impact.kernel.chain.springs import stiffness_of
+from chain_impact.kernel.chain.springs import spring_stiffness
 from chain_impact.kernel.chain.state import ANGLES
 
 
@@ -53,7 +53,7 @@ def factorize_damped(d, links, impedance, shift, factors):
         hx, hy = ux - sy, uy + sx
         # H = I + m c² + L⊥·(A' L⊥ + e') + L⊥·e' + p'
         own = inertia + p + lx * (uy + ey) - ly * (ux + ex)
-        damper = shift * (damping_of(d, i) + shift * stiffness_of(d, i))
+        damper = shift * (joint_damping(d, i) + shift * spring_stiffness(d, i))
         inverse = 1.0 / (own + damper)
         share = damper * inverse
         factors.gain_x[i], factors.gain_y[i], factors.inverse[i] = hx * inverse, hy * inverse, inverse
@@ -70,7 +70,7 @@ def factorize_damped(d, links, impedance, shift, factors):
     factors.base[0], factors.base[1], factors.base[2] = ayy * scale, -axy * scale, axx * scale
 
 
-def damping_of(d, i):
+def joint_damping(d, i):
     """c_i [N·m·s/rad]: a free base has no joint."""
     return d.model.joint_damping[i] if i > 0 or d.model.pinned else 0.0
 

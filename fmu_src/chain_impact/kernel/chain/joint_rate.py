@@ -23,10 +23,10 @@ resists at a link without inertia makes it infinite.
 
 import math
 
-from chain_impact.kernel.chain.damped import damping_of
+from chain_impact.kernel.chain.damped import joint_damping
 from chain_impact.kernel.chain.kinematics import link_vectors
 from chain_impact.kernel.chain.recursion import factorize_link, no_impedance
-from chain_impact.kernel.chain.springs import stiffness_of
+from chain_impact.kernel.chain.springs import spring_stiffness
 
 HELD = 1e6  # of the mass of the first link: the inertia that stands for a pin, whose rates it changes by 1e-6
 
@@ -35,10 +35,10 @@ def joint_bound(d):
     """A bound [1/s] on how fast a motion decays or swings by the joints' dampers and springs."""
     damping, stiffness = 0.0, 0.0
     for i in range(d.links):
-        c, k = damping_of(d, i), stiffness_of(d, i)
+        c, k = joint_damping(d, i), spring_stiffness(d, i)
         if i + 1 < d.links:
-            c += damping_of(d, i + 1)
-            k += stiffness_of(d, i + 1)
+            c += joint_damping(d, i + 1)
+            k += spring_stiffness(d, i + 1)
         damping = max(damping, over(2.0 * c, d.model.inertia[i]))
         stiffness = max(stiffness, over(2.0 * k, d.model.inertia[i]))
     return damping + math.sqrt(stiffness)
@@ -68,7 +68,7 @@ def joint_rate(d, y):
         i = d.links - 1 - k
         axx, axy, ayy = factorize_link(d, link, impedance, factors, i, True, axx, axy, ayy)
         free = mobility(d, i, axx, axy, ayy)
-        fastest = max(fastest, damping_of(d, i) * free, math.sqrt(stiffness_of(d, i) * free))
+        fastest = max(fastest, joint_damping(d, i) * free, math.sqrt(spring_stiffness(d, i) * free))
     return fastest
 
 

@@ -7,9 +7,9 @@ quadratic forms lie in a sector of less than 122°, and no pivot can vanish.
 Rows 2p and 2p + 1 of an array hold the real and the imaginary parts for the pair p.
 """
 
-from chain_impact.kernel.chain.damped import damping_of
+from chain_impact.kernel.chain.damped import joint_damping
 from chain_impact.kernel.chain.recursion import arm
-from chain_impact.kernel.chain.springs import stiffness_of
+from chain_impact.kernel.chain.springs import spring_stiffness
 from chain_impact.kernel.chain.state import ANGLES
 from chain_impact.kernel.inlining import inlined
 
@@ -58,7 +58,7 @@ def factorize_shifted(d, links, impedance, reactance, pair, time_r, time_i, fact
         own_r = inertia + p + lx * (uy + ey) - ly * (ux + ex)
         own_i = q + lx * (vy + fy) - ly * (vx + fx)
         # κ = s c + s² k
-        c, stiffness = damping_of(d, i), stiffness_of(d, i)
+        c, stiffness = joint_damping(d, i), spring_stiffness(d, i)
         damper_r, damper_i = time_r * c + square_r * stiffness, time_i * c + square_i * stiffness
         inverse_r, inverse_i = reciprocal(own_r + damper_r, own_i + damper_i)
         share_r, share_i = times(damper_r, damper_i, inverse_r, inverse_i)

@@ -7,7 +7,7 @@ no joint, and no spring.
 from chain_impact.kernel.chain.state import ANGLES
 
 
-def stiffness_of(d, i):
+def spring_stiffness(d, i):
     """k_i [N·m/rad]: a free base has no joint."""
     return d.model.joint_stiffness[i] if i > 0 or d.model.pinned else 0.0
 
@@ -28,5 +28,5 @@ def spring_energy(d, y):
     energy = 0.0
     for i in range(d.links):
         angle = stretch(d, y, i)
-        energy += 0.5 * stiffness_of(d, i) * angle * angle
+        energy += 0.5 * spring_stiffness(d, i) * angle * angle
     return energy

@@ -36,7 +36,7 @@ def supplied_at(n):
     return 2 * n + 5
 
 
-def root_at(n):
+def sundman_u_at(n):
     """The root u, behind all that belongs to the chain."""
     return 2 * n + 6
 

@@ -1,11 +1,18 @@
 """What is known of each impact: its peak values, followed during contact, and the log of finished ones."""
 
-from chain_impact.kernel import beside
+from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events.kinds import KINK, NONE, ONSET
 from chain_impact.kernel.integration.dense import fraction, interpolate
-from chain_impact.kernel.integration.impulse import settle_impulses
-from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER, complete, cut_now, see_points, see_rate
+from chain_impact.kernel.integration.impulse import commit_impulses
+from chain_impact.kernel.integration.last_step import (
+    OUTPUTS,
+    SOLVER,
+    ensure_dense,
+    ensure_points,
+    ensure_rate,
+    truncate_to_output_time,
+)
 from chain_impact.kernel.model.contact import contact_force, contact_slopes
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import along_normal, clearance
@@ -15,14 +22,14 @@ FORCE, PENETRATION = 0, 1
 HELD_SAMPLES = 5  # of a holding force over a step, its ends included
 
 
-def follow_contacts(d):
+def update_extremes(d):
     """Follow every active contact over the last step: peak force and largest penetration.
 
     The points have to be located and accelerated at the end of the step, and are so afterwards.
     """
     touch = d.touch
     if d.contact.impulsive:
-        follow_held(d)
+        update_held_extremes(d)
         return
     for k in range(touch.active_count):
         c = touch.active_index[k]
@@ -49,11 +56,11 @@ def peaks(d, c, force_rate, time, reader):
     force_peaked = touch.force_rate[c] > 0.0 and force_rate <= 0.0
     depth_peaked = touch.speed[c] > 0.0 and gap_rate >= 0.0 and not turns_at_end(d, c)
     if force_peaked or depth_peaked:
-        complete(d, reader)
+        ensure_dense(d, reader)
     if force_peaked:
-        peak = max(peak, maximum(d, c, FORCE, time))
+        peak = max(peak, maximum_inside(d, c, FORCE, time))
     if depth_peaked:
-        depth = max(depth, maximum(d, c, PENETRATION, time))
+        depth = max(depth, maximum_inside(d, c, PENETRATION, time))
     return peak, depth, force_peaked or depth_peaked
 
 
@@ -62,7 +69,7 @@ def turns_at_end(d, c):
     return d.contact.approach_only and d.touch.event[c] == KINK
 
 
-def follow_held(d):
+def update_held_extremes(d):
     """Follow the forces of rigid walls over the last step: their peaks, by parabolas through samples."""
     step, samples = d.step, d.rigid.sample
     end = fraction(d, step.end)
@@ -81,37 +88,37 @@ def follow_held(d):
     locate_points(d, step.state_end)
 
 
-def follow_to_now(d):
-    """Follow the active contacts up to the communication point, also of what goes on beside."""
-    follow_to_present(d)
-    beside.follow(d)
+def update_to_output_time(d):
+    """Follow the active contacts up to the communication point, and call the hook."""
+    update_own_to_output_time(d)
+    hooks.on_truncate(d)
 
 
-def follow_to_present(d):
+def update_own_to_output_time(d):
     """Follow the active contacts up to the communication point, where the last step ends from now on."""
     evaluations, work = d.statistics.rhs_evaluations, d.limits.other_work
-    end_now(d)
-    see_rate(d)
-    see_points(d)
-    follow_contacts(d)
-    settle_impulses(d)
+    end_at_output_time(d)
+    ensure_rate(d)
+    ensure_points(d)
+    update_extremes(d)
+    commit_impulses(d)
     # a look is not the solver's work
     d.statistics.rhs_evaluations, d.limits.other_work = evaluations, work
 
 
-def end_now(d):
+def end_at_output_time(d):
     """End the last step at the communication point, and forget the events beyond: they will be found again.
 
     An onset just there stays, as its point is at the wall and will not arrive once more.
     """
     due = d.step.end == d.step.time
-    cut_now(d)
+    truncate_to_output_time(d)
     for c in range(d.candidates):
         if not (due and d.touch.event[c] == ONSET):
             d.touch.event[c] = NONE
 
 
-def note_active(d):
+def update_latest(d):
     """Note what the active contacts have come to at the communication point, in the list of impacts.
 
     The points have to be located and accelerated there. The outputs have their impulses.
@@ -139,7 +146,7 @@ def rate_of_force(d, c):
     return -(stiffness * gap_rate + damping * along_normal(d, c, d.work.acceleration))
 
 
-def maximum(d, c, quantity, time):
+def maximum_inside(d, c, quantity, time):
     """The maximum of FORCE or PENETRATION of candidate c inside the last step, until a ``time`` [s] in it.
 
     Parabolas through three points, ever closer to the top of the last one; the top of the last of all.
@@ -147,9 +154,9 @@ def maximum(d, c, quantity, time):
     end = fraction(d, time)
     middle, reach, best, summit = 0.5 * end, 0.5 * end, 0.0, 0.0
     for _ in range(3):
-        left = sample(d, c, quantity, middle - reach)
-        top = sample(d, c, quantity, middle)
-        right = sample(d, c, quantity, middle + reach)
+        left = value_at(d, c, quantity, middle - reach)
+        top = value_at(d, c, quantity, middle)
+        right = value_at(d, c, quantity, middle + reach)
         best = max(best, left, top, right)
         bend = left - 2.0 * top + right
         if bend >= 0.0:
@@ -162,7 +169,7 @@ def maximum(d, c, quantity, time):
     return max(best, summit)
 
 
-def sample(d, c, quantity, theta):
+def value_at(d, c, quantity, theta):
     """FORCE [N] or PENETRATION [m] of candidate c at the fraction θ of the last step."""
     interpolate(d.step, theta, d.work.y)
     locate_points(d, d.work.y)
@@ -171,7 +178,7 @@ def sample(d, c, quantity, theta):
     return force if quantity == FORCE else -gap
 
 
-def finish(d, c):
+def log_contact(d, c):
     """Log the contact of candidate c, which ends now. When nobody collects the log the oldest are lost."""
     touch, log = d.touch, d.finished
     _, gap_rate = clearance(d, c)

@@ -6,15 +6,15 @@ A w²/8, and φ̇ keeps its sign if it has the same one at both ends and |φ̇_a
 which neither settles the matter is halved.
 """
 
-from chain_impact.kernel.chain.state import omega_at, root_at, velocity_at
-from chain_impact.kernel.events.exclusion import keep_start, root_now, set_clearance, set_clearances
+from chain_impact.kernel.chain.state import omega_at, sundman_u_at, velocity_at
+from chain_impact.kernel.events.exclusion import keep_start, set_clearance, set_clearances, sundman_u_now
 from chain_impact.kernel.events.kinds import END, ONSET
 from chain_impact.kernel.events.sampling import locate_at
 from chain_impact.kernel.integration.dense import rate_bounds, rate_bounds_along
 from chain_impact.kernel.integration.methods import bound_curvatures
 from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.model.geometry import harmless_depth, normal
-from chain_impact.kernel.work_limit import overdrawn
+from chain_impact.kernel.work_limit import work_exceeded
 
 RESOLUTION = 1e-15  # of a link length: a bend of a clearance below it is round-off, and no interval is halved
 # s. Events closer than this are one event: symmetric chains touch at several points at once, to round-off.
@@ -28,9 +28,9 @@ def find_crossing(d):
     The start of the step is measured.
     """
     a, b = 0.0, 1.0
-    while not overdrawn(d):
+    while not work_exceeded(d):
         measure(d, b)
-        verdict = inspect(d, a, b)
+        verdict = check_interval(d, a, b)
         if verdict == SPLIT:
             b = 0.5 * (a + b)
         elif verdict == CROSSES:
@@ -47,18 +47,18 @@ def find_crossing(d):
     return -1.0  # the run ends: who called looks at the work
 
 
-def inspect(d, a, b):
+def check_interval(d, a, b):
     """QUIET if no candidate can have an event in (a, b], CROSSES if one has, SPLIT if unsettled."""
     verdict = QUIET
     for c in range(d.candidates):
-        judged = inspect_candidate(d, c, a, b)
+        judged = check_candidate(d, c, a, b)
         if judged == SPLIT:
             return SPLIT
         verdict = max(verdict, judged)
     return verdict
 
 
-def inspect_candidate(d, c, a, b):
+def check_candidate(d, c, a, b):
     """The verdict on one candidate over an interval of the step."""
     width = (b - a) * d.step.size
     start, end = d.search.clear_start[c], d.search.clear_end[c]
@@ -82,7 +82,7 @@ def inspect_candidate(d, c, a, b):
     return SPLIT
 
 
-def barely(d, c, part):
+def nearly_linear(d, c, part):
     """Whether φ of candidate c bends by no more than round-off over a part of the step."""
     width = part * d.step.size
     return not d.search.curvature[c] * width * width / 8.0 >= RESOLUTION * d.model.size
@@ -92,11 +92,11 @@ def locate(d, a, b):
     """Find the earliest event in (a, b], in which every candidate is settled, and mark whose it is."""
     first, found = b, -1
     for c in range(d.candidates):
-        d.touch.event[c] = kind_of(d, c) if inspect_candidate(d, c, a, b) == CROSSES else 0
+        d.touch.event[c] = kind_of(d, c) if check_candidate(d, c, a, b) == CROSSES else 0
     for c in range(d.candidates):
         # `first` is measured: whoever is still clear there comes later
         if d.touch.event[c] and d.search.clear_end[c] < 0.0:
-            first = root(d, c, a, first)
+            first = find_root(d, c, a, first)
             found = c
     within = SIMULTANEOUS + 4e-16 * abs(d.step.end)
     for c in range(d.candidates):
@@ -106,13 +106,13 @@ def locate(d, a, b):
     return first
 
 
-def root(d, c, a, b):
+def find_root(d, c, a, b):
     """θ in [a, b] at which φ of candidate c, negative at b, falls through zero; measured there.
 
     Newton's method kept inside a shrinking bracket. When φ is not positive at the start of it, either, the
     event is overdue: it is where φ falls.
     """
-    if d.search.clear_start[c] <= 0.0 and (d.search.clear_start_rate[c] <= 0.0 or barely(d, c, b - a)):
+    if d.search.clear_start[c] <= 0.0 and (d.search.clear_start_rate[c] <= 0.0 or nearly_linear(d, c, b - a)):
         theta = a if d.search.clear_start_rate[c] <= 0.0 else b
         measure(d, theta)
         return theta
@@ -133,7 +133,7 @@ def root(d, c, a, b):
             break
         theta = guess
         locate_at(d, theta)
-        u, slope = root_now(d, d.work.y)
+        u, slope = sundman_u_now(d, d.work.y)
         set_clearance(d, c, u, slope)
     measure(d, theta)
     return theta
@@ -149,7 +149,7 @@ def bound_curvature(d):
     # d²g/ds² = p d(ġ)/ds + p′ ġ, with p ≤ u and |p′| ≤ |u′|
     p, change = 1.0, 0.0
     if d.step.regularized != NO_CONTACT:
-        p, change = rate_bounds(d.step, root_at(n))
+        p, change = rate_bounds(d.step, sundman_u_at(n))
     vx, ax = rate_bounds(d.step, velocity_at(n))
     vy, ay = rate_bounds(d.step, velocity_at(n) + 1)
     links = d.work.reach

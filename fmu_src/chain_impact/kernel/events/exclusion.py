@@ -7,8 +7,8 @@ regularized one, all as functions of the variable that the step runs in.
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.chain.state import root_at
-from chain_impact.kernel.integration.last_step import largest_turn, see_points
+from chain_impact.kernel.chain.state import sundman_u_at
+from chain_impact.kernel.integration.last_step import ensure_points, largest_turn
 from chain_impact.kernel.integration.sundman import (
     NO_CONTACT,
     root_curve,
@@ -33,12 +33,12 @@ NEARLY = 0.75  # of that speed at an end of a step, from which on it is looked a
 NOTHING, VALUES, WITH_CURVES, FAR = 0, 1, 2, 3
 
 
-def known(d):
+def known_clearances(d):
     """What is known of the clearances at the end of the step before the one that is looked at."""
     return d.search.known if d.search.known_for == d.step.breaks else NOTHING
 
 
-def learn(d, what):
+def remember_clearances(d, what):
     """Note what is known of them at the end of the last step, as long as the steps do not break."""
     d.search.known, d.search.known_for = what, d.step.breaks
 
@@ -53,16 +53,16 @@ def excludes_events(d):
     turn = max(largest_turn(d), (d.step.end - d.step.start) * d.inputs.course.pace)
     if turn < SMALL_TURN and remains_far(d):
         return True
-    if known(d) != WITH_CURVES:
+    if known_clearances(d) != WITH_CURVES:
         locate_points(d, d.step.state)
         accelerate_points(d, d.step.state, d.work.rate_start)
         measure_all(d, d.step.state)
-        see_points(d)
+        ensure_points(d)
     keep_start(d)
     for c in range(d.candidates):
         d.search.clear_start_curve[c] = d.search.clear_end_curve[c]
     measure_all(d, d.step.state_end)
-    learn(d, WITH_CURVES)
+    remember_clearances(d, WITH_CURVES)
     # the remainder is h⁶ φ⁽⁶⁾/46080; ten times that of the tip of a stretched chain that turns evenly, and
     # that of a motion which fades or swings with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|
     fade = fading(d)
@@ -94,22 +94,22 @@ def remains_far(d):
     """Whether all are far from touching, as before, but for the regularized contact, which has not ended."""
     step, search, lasted = d.step, d.search, d.step.end - d.step.start
     speed, acceleration = search.speed, search.acceleration
-    search.speed, search.acceleration = fastest(d.work.velocity), fastest(d.work.acceleration)
+    search.speed, search.acceleration = speed_bound(d.work.velocity), speed_bound(d.work.acceleration)
     # no point goes further than that, with twice what its acceleration makes of it
     way = lasted * (max(speed, search.speed) + lasted * max(acceleration, search.acceleration))
     search.safe_distance -= way
-    if not (known(d) >= WITH_CURVES and search.safe_distance > leeway(d)):
+    if not (known_clearances(d) >= WITH_CURVES and search.safe_distance > leeway(d)):
         return False
     if step.regularized == NO_CONTACT:
         far = d.touch.active_count == 0
     else:
-        far = step.state_end[root_at(d.links)] > 0.0 and is_quiet(d, step.regularized)
+        far = step.state_end[sundman_u_at(d.links)] > 0.0 and is_quiet(d, step.regularized)
     if far:
-        learn(d, FAR)
+        remember_clearances(d, FAR)
     return far
 
 
-def fastest(vectors):
+def speed_bound(vectors):
     """A bound on the length of the vectors of all points."""
     most = 0.0
     for k in range(len(vectors.x)):
@@ -119,7 +119,7 @@ def fastest(vectors):
 
 def is_quiet(d, c):
     """Whether contact c in the last step has not crossed its kink, nor may its v₀ be latched anew."""
-    return not (d.touch.crossed[c] or nearly_fast(d, c))
+    return not (d.touch.kink_crossed[c] or nearly_fast(d, c))
 
 
 def nearly_fast(d, c):
@@ -150,7 +150,7 @@ def stays_positive(d, c, error):
 def measure_all(d, y):
     """Set φ, φ′ and φ″ of every candidate for a state and its located and accelerated points."""
     slope = set_clearances(d, y)
-    u = y[root_at(d.links)]
+    u = y[sundman_u_at(d.links)]
     p, change = time_rate_of(d, u), time_rate_change(u, slope)
     d.search.safe_distance = math.inf
     for c in range(d.candidates):
@@ -168,17 +168,17 @@ def measure_all(d, y):
 
 def set_clearances(d, y):
     """Set φ and φ′ of every candidate for the state y and its located points; returns u′."""
-    u, slope = root_now(d, y)
+    u, slope = sundman_u_now(d, y)
     for c in range(d.candidates):
         set_clearance(d, c, u, slope)
     return slope
 
 
-def root_now(d, y):
+def sundman_u_now(d, y):
     """The regularized contact's u and u′ for the state y and its located points; 1 and 0 without one."""
     if d.step.regularized == NO_CONTACT:
         return 1.0, 0.0
-    u = y[root_at(d.links)]
+    u = y[sundman_u_at(d.links)]
     return u, root_rate(d, u)
 
 

@@ -20,18 +20,18 @@ import math
 
 from chain_impact.kernel.chain.kinematics import largest, locate_points
 from chain_impact.kernel.chain.state import coordinate_count, dissipated_at, velocity_at
-from chain_impact.kernel.events.contact_log import finish
+from chain_impact.kernel.events.contact_log import log_contact
 from chain_impact.kernel.events.kinds import NEIGHBOUR, ONSET, RELEASE
 from chain_impact.kernel.integration.impulse import give_impulses
 from chain_impact.kernel.model.constraints import (
     DOUBT,
     RISE,
-    complement,
-    meet_walls,
-    place,
+    project_state,
+    solve_lcp,
+    solve_positions,
     start_from_accelerations,
 )
-from chain_impact.kernel.model.contact import clear_loads, drop_events, latch, list_touching
+from chain_impact.kernel.model.contact import begin_contact, clear_loads, drop_events, list_touching
 from chain_impact.kernel.model.equations import free_rate
 from chain_impact.kernel.model.geometry import clearance
 
@@ -42,33 +42,33 @@ NEAR = 1e-12  # of a link length: no distance, within an impact
 GAIN = 1e-9  # of what is moved in an impact: an energy or a speed beyond it is more than round-off
 # Of a link length: where a point without a force is put, lest round-off make it touch. A hundred times
 # round-off.
-APART = 1e-13
+RELEASE_GAP = 1e-13
 
 
-def collide(d):
+def handle_impact(d):
     """Apply the events at the end of the last step: impulses, and who is held after them."""
     touch = d.touch
     locate_points(d, d.step.state_end)
     # an interpolated state keeps to the walls but for its error
-    meet_walls(d, d.step.state_end)
+    project_state(d, d.step.state_end)
     give_impulses(d)
     struck = False
     for c in range(d.candidates):
         if touch.event[c] == ONSET:
-            latch(d, c)
+            begin_contact(d, c)
             touch.active[c] = 1
             struck = True
     if struck:
-        join_neighbours(d)
+        include_near_contacts(d)
     list_touching(d)
     if struck:
-        strike(d)
-        bounce(d)
-    judge(d)
+        apply_impulses(d)
+        end_rebounding_contacts(d)
+    update_active_set(d)
     clear_loads(d)
 
 
-def join_neighbours(d):
+def include_near_contacts(d):
     """Let points that all but touch take part in an impact.
 
     A link that wedges between two walls would else hit them in turn, infinitely often in a finite time.
@@ -81,17 +81,17 @@ def join_neighbours(d):
             touch.event[c] = NEIGHBOUR
 
 
-def strike(d):
+def apply_impulses(d):
     """Give the impulses of an impact to the velocities, and what they take to the dissipated energy."""
     own, n, state = d.rigid, d.links, d.step.state_end
     lost, moved = find_impulses(d, d.contact.restitution)
-    if lost < -GAIN * moved or falls_short(d):
+    if lost < -GAIN * moved or lacks_rebound(d):
         # only a neighbour on its way from the wall can have brought that about, or a wedged point
         lost, _ = find_impulses(d, 0.0)
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         if d.touch.event[c] == NEIGHBOUR and own.impulse[k] > 0.0:
-            latch(d, c)
+            begin_contact(d, c)
     for j in range(coordinate_count(n)):
         state[velocity_at(n) + j] += own.change[j]
     state[dissipated_at(n)] += max(0.0, lost)
@@ -109,9 +109,9 @@ def find_impulses(d, restitution):
         arrives = fast and d.touch.event[c] in (ONSET, NEIGHBOUR)
         # u⁺ ≥ −e u⁻
         aim = -restitution * own.start[k] if arrives else 0.0
-        own.aim[k] = aim if aim > STICK * d.contact.minimum_impact_speed else 0.0
-        own.pressed[k] = 1
-    complement(d, largest(d.work.velocity))
+        own.target[k] = aim if aim > STICK * d.contact.minimum_impact_speed else 0.0
+        own.in_active_set[k] = 1
+    solve_lcp(d, largest(d.work.velocity))
     for k in range(d.touch.active_count):
         # −½ p (u⁻ + u⁺)
         lost -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
@@ -119,15 +119,15 @@ def find_impulses(d, restitution):
     return lost, moved
 
 
-def falls_short(d):
+def lacks_rebound(d):
     """Whether impulses cannot give all points the speeds that the restitution asks for."""
     short, scale = False, largest(d.work.velocity)
     for k in range(d.touch.active_count):
-        short = short or d.rigid.reached[k] < d.rigid.aim[k] - GAIN * scale
+        short = short or d.rigid.reached[k] < d.rigid.target[k] - GAIN * scale
     return short
 
 
-def bounce(d):
+def end_rebounding_contacts(d):
     """End the contacts that leave with a speed, by more than can be told from rest."""
     free_rate(d, d.step.state_end, d.work.rate)
     fall = start_from_accelerations(d, d.step.state_end, d.work.rate)
@@ -138,7 +138,7 @@ def bounce(d):
         if d.touch.event[c] == NEIGHBOUR and d.rigid.impulse[k] <= 0.0:
             d.touch.active[c] = 0  # not met
         elif d.rigid.reached[k] > slow:
-            leave(d, c)
+            end_rigid_contact(d, c)
     list_touching(d)
 
 
@@ -146,60 +146,60 @@ def end_contacts(d):
     """End all contacts where they stand: another law takes them over as it finds them."""
     locate_points(d, d.step.state_end)
     for k in range(d.touch.active_count):
-        leave(d, d.touch.active_index[k])
+        end_rigid_contact(d, d.touch.active_index[k])
     list_touching(d)
 
 
-def leave(d, c):
+def end_rigid_contact(d, c):
     """End a contact. One of no duration has an impulse, and no finite force."""
     if d.touch.onset[c] == d.step.end:
         d.touch.peak_force[c] = math.inf
-    finish(d, c)
+    log_contact(d, c)
     d.touch.active[c] = 0
 
 
-def judge(d):
+def update_active_set(d):
     """Hold the touching points that a force has to hold, and let go of the others: 0 ≤ F ⟂ g̈ ≥ 0."""
     touch, own, state = d.touch, d.rigid, d.step.state_end
     if touch.active_count > 0:
         locate_points(d, state)
-        meet_walls(d, state)
+        project_state(d, state)
         give_impulses(d)
-        let_go(d)
+        end_unstopped_contacts(d)
         rate = d.work.rate
         free_rate(d, state, rate)
         scale = start_from_accelerations(d, state, rate)
         for k in range(touch.active_count):
-            own.aim[k] = 0.0
-            own.pressed[k] = touch.event[touch.active_index[k]] != RELEASE
-        complement(d, scale)
-        part(d)
+            own.target[k] = 0.0
+            own.in_active_set[k] = touch.event[touch.active_index[k]] != RELEASE
+        solve_lcp(d, scale)
+        release_contacts(d)
         list_touching(d)
     drop_events(d)
 
 
-def let_go(d):
+def end_unstopped_contacts(d):
     """End the contacts that could not be brought to rest by impulses that push."""
     scale = largest(d.work.velocity)
     for k in range(d.touch.active_count):
-        if not d.rigid.pressed[k] and d.rigid.reached[k] > DOUBT * scale:
-            leave(d, d.touch.active_index[k])
+        if not d.rigid.in_active_set[k] and d.rigid.reached[k] > DOUBT * scale:
+            end_rigid_contact(d, d.touch.active_index[k])
     list_touching(d)
 
 
-def part(d):
+def release_contacts(d):
     """End the contacts that no force holds, and put their points APART off the wall."""
     own, n, state = d.rigid, d.links, d.step.state_end
     parting = False
     for k in range(d.touch.active_count):
         own.start[k], _ = clearance(d, d.touch.active_index[k])
-        own.aim[k] = 0.0
-        if not own.pressed[k]:
-            leave(d, d.touch.active_index[k])
-            own.aim[k] = APART * d.model.size
-            own.pressed[k] = 1
+        own.target[k] = 0.0
+        if not own.in_active_set[k]:
+            end_rigid_contact(d, d.touch.active_index[k])
+            own.target[k] = RELEASE_GAP * d.model.size
+            own.in_active_set[k] = 1
             parting = True
     if parting:
-        place(d)
+        solve_positions(d)
         for j in range(coordinate_count(n)):
             state[j] += own.change[j]

@@ -41,14 +41,14 @@ def find_kink(d, touch):
 def crossed(d, c):
     """Whether contact c is on the other side of its kink, for the located points."""
     height = kink_height(d, c)
-    return height > 0.0 if d.touch.beyond[c] else height < 0.0
+    return height > 0.0 if d.touch.beyond_kink[c] else height < 0.0
 
 
 def has_crossed(d, c):
     """Whether a stage of the last step, or its end, has been on the other side of the kink."""
     gap, _ = clearance(d, c)
     note_crossing(d, c, kink_height(d, c), max(0.0, -gap))
-    return d.touch.crossed[c] != 0
+    return d.touch.kink_crossed[c] != 0
 
 
 def crossed_at(d, c, theta):
@@ -57,7 +57,7 @@ def crossed_at(d, c, theta):
     return crossed(d, c)
 
 
-def root(d, c, low, high):
+def find_kink_root(d, c, low, high):
     """The θ at which contact c, located beyond its kink at ``high``, comes over it; ``low`` if it was before.
 
     The rule of false position in its Illinois form (Dowell & Jarratt 1971, BIT 11:168).
@@ -85,5 +85,5 @@ def root(d, c, low, high):
     return high
 
 
-first_crossing = first_passage(crossed_at, SAMPLES, root)
+first_crossing = first_passage(crossed_at, SAMPLES, find_kink_root)
 _first_kink = first_contact(has_crossed, first_crossing)

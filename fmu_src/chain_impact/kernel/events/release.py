@@ -5,7 +5,7 @@ from chain_impact.kernel.chain.state import omega_at
 from chain_impact.kernel.events.kinds import REFUSED, RELEASE
 from chain_impact.kernel.events.sampling import bisection, first_passage
 from chain_impact.kernel.integration.dense import interpolate
-from chain_impact.kernel.model.constraints import meet_walls
+from chain_impact.kernel.model.constraints import project_state
 from chain_impact.kernel.model.contact import drop_events
 from chain_impact.kernel.model.equations import state_rate
 
@@ -25,7 +25,7 @@ def find_release(d, touch):
     """
     least = 0.0
     for k in range(d.touch.active_count):
-        least = min(least, d.rigid.least[d.touch.active_index[k]])
+        least = min(least, d.rigid.least_force[d.touch.active_index[k]])
     if not least < -pull_limit(d):
         return touch
     if least < -strongest(d) and d.step.size > SHORT:
@@ -61,7 +61,7 @@ def pulls(d, _c, theta):
     interpolate(d.step, theta, d.work.y)
     # what the interpolant is off the walls, stiff joints turn into a force
     locate_points(d, d.work.y)
-    meet_walls(d, d.work.y)
+    project_state(d, d.work.y)
     state_rate(d, d.work.y, d.work.rate)
     d.statistics.rhs_evaluations += 1
     least = 0.0

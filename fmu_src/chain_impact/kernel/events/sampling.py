@@ -2,7 +2,7 @@
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.integration.dense import interpolate
-from chain_impact.kernel.integration.last_step import SOLVER, complete
+from chain_impact.kernel.integration.last_step import SOLVER, ensure_dense
 
 RESOLUTION = 1e-12  # s of the variable of the step, as that of onsets that are one event
 
@@ -76,7 +76,7 @@ def locate_at(d, theta):
     """Set ``work.y`` to the state at the fraction θ of the step, and locate its points."""
     d.limits.other_work += 1
     if 0.0 < theta < 1.0:
-        complete(d, SOLVER)
+        ensure_dense(d, SOLVER)
         interpolate(d.step, theta, d.work.y)
     else:
         for j in range(len(d.work.y)):

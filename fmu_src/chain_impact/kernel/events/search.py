@@ -16,17 +16,17 @@ from chain_impact.kernel.events.exclusion import (
     VALUES,
     excludes_events,
     keep_start,
-    known,
-    learn,
+    known_clearances,
+    remember_clearances,
 )
 from chain_impact.kernel.events.kinds import END, ONSET, REFUSED
 from chain_impact.kernel.events.kinks import find_kink
 from chain_impact.kernel.events.relatch import find_relatch
 from chain_impact.kernel.events.release import find_release
 from chain_impact.kernel.integration.dense import interpolate, interpolate_component
-from chain_impact.kernel.integration.last_step import SOLVER, complete
+from chain_impact.kernel.integration.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.integration.methods import DENSE_EVALUATIONS, RATE_AT_END
-from chain_impact.kernel.model.constraints import holding
+from chain_impact.kernel.model.constraints import any_point_held
 from chain_impact.kernel.model.geometry import along_normal, clearance
 
 # Of a link length: an onset is located to round-off, some 1e-15. One found deeper than this is the fault of
@@ -51,27 +51,27 @@ def find_event(d):
     """
     if d.candidates == 0:
         return -1.0
-    if holding(d) or not RATE_AT_END[d.step.made_by]:
-        if known(d) in (NOTHING, FAR):
+    if any_point_held(d) or not RATE_AT_END[d.step.last_method]:
+        if known_clearances(d) in (NOTHING, FAR):
             measure(d, 0.0)
         keep_start(d)
     elif excludes_events(d):
         return -1.0
-    if DENSE_EVALUATIONS[d.step.made_by] > 0:
-        complete(d, SOLVER)
+    if DENSE_EVALUATIONS[d.step.last_method] > 0:
+        ensure_dense(d, SOLVER)
     bound_curvature(d)
     theta = find_crossing(d)
     if theta >= 0.0 and not credible(d, theta):
         if d.step.end - d.step.start > SIMULTANEOUS + RESOLVED * abs(d.step.end):
             return REFUSED
-        theta = drop_leaving(d, theta)
+        theta = drop_separating(d, theta)
         if theta < 0.0:
             measure(d, 1.0)
-    if holding(d):
+    if any_point_held(d):
         theta = find_release(d, theta)
     elif d.touch.active_count > 0:
         theta = find_kink(d, find_relatch(d, theta))
-    learn(d, VALUES)
+    remember_clearances(d, VALUES)
     # the time in a regularized step is not under error control
     if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
         return REFUSED
@@ -116,7 +116,7 @@ def starts_clear(d, lasted):
     return clear
 
 
-def arrival(d):
+def onset_fraction(d):
     """The fraction θ of the last step, which has landed on events, at which onsets among them are; or −1.
 
     It is 1 but for what the interpolant was off where they were found. Two steps of Newton's method settle
@@ -125,22 +125,22 @@ def arrival(d):
     """
     if d.step.end - d.step.start <= SIMULTANEOUS + RESOLVED * abs(d.step.end):
         return -1.0
-    late, _ = lateness(d, d.step.state_end)
+    late, _ = onset_lateness(d, d.step.state_end)
     if late == -math.inf:
         return -1.0
     theta = 1.0 - late
     if not abs(late) <= LANDED:
         return REFUSED
-    complete(d, SOLVER)
+    ensure_dense(d, SOLVER)
     interpolate(d.step, theta, d.work.y)
-    late, _ = lateness(d, d.work.y)
+    late, _ = onset_lateness(d, d.work.y)
     theta -= late
     interpolate(d.step, theta, d.work.y)
-    late, deepest = lateness(d, d.work.y)
+    late, deepest = onset_lateness(d, d.work.y)
     return theta if abs(late) <= LANDED and deepest <= DEEP * d.model.size else REFUSED
 
 
-def lateness(d, y):
+def onset_lateness(d, y):
     """How long before a state of the last step onsets are, over the size of the step; locates the points.
 
     Returns:
@@ -158,7 +158,7 @@ def lateness(d, y):
     return latest, deepest
 
 
-def drop_leaving(d, theta):
+def drop_separating(d, theta):
     """Drop the onsets of points that move away; return the θ of what is left, or −1."""
     left = False
     for c in range(d.candidates):

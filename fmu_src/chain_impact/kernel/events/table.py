@@ -16,16 +16,16 @@ returns whether a force has jumped. Rigid walls settle all events of a moment at
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.dispatch import dispatch
-from chain_impact.kernel.events.contact_log import finish
+from chain_impact.kernel.events.contact_log import log_contact
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
-from chain_impact.kernel.events.impulses import collide
+from chain_impact.kernel.events.impulses import handle_impact
 from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, RELATCH, RELEASE
 from chain_impact.kernel.integration import step_size
 from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.integration.methods import MEASURES_START
 from chain_impact.kernel.integration.switching import begin_flight, begin_impact
-from chain_impact.kernel.model.contact import clear_loads, latch, list_touching, take_side
-from chain_impact.kernel.model.contact_force import cut_off, foresee_depth, latch_damping, may_jump
+from chain_impact.kernel.model.contact import begin_contact, clear_loads, list_touching, set_kink_side
+from chain_impact.kernel.model.contact_force import cut_off, may_jump, set_damping, set_expected_depth
 from chain_impact.kernel.model.geometry import clearance
 
 # Of the time scale of a contact, in which a point that has left is out of the wall. To end none before it is
@@ -33,15 +33,15 @@ from chain_impact.kernel.model.geometry import clearance
 LEFT = 0.01
 
 
-def begin_contact(d, c):
+def handle_onset(d, c):
     """Begin the contact of a point that has arrived at a wall."""
-    latch(d, c)
-    take_side(d, c)
+    begin_contact(d, c)
+    set_kink_side(d, c)
     d.touch.active[c] = 1
     return may_jump(d.contact)
 
 
-def end_contact(d, c):
+def handle_end(d, c):
     """End the contact of a point that has left its wall.
 
     One that still moves inward, or takes long to get out, has not: the tolerance allows the place of an end
@@ -51,43 +51,43 @@ def end_contact(d, c):
     gap, gap_rate = clearance(d, c)
     # −g/ġ ≤ LEFT δ*/v₀
     if gap_rate >= 0.0 and -gap * touch.impact_speed[c] <= LEFT * touch.depth_scale[c] * gap_rate:
-        finish(d, c)
+        log_contact(d, c)
         touch.active[c] = 0
     return may_jump(d.contact)
 
 
-def latch_anew(d, c):
+def handle_relatch(d, c):
     """Take twice the v₀ for a point that is pushed in much faster than it arrived."""
     touch = d.touch
     touch.impact_speed[c] *= RELATCH_RATIO
-    foresee_depth(d, c)
-    latch_damping(d, c)
-    take_side(d, c)
+    set_expected_depth(d, c)
+    set_damping(d, c)
+    set_kink_side(d, c)
     return True
 
 
-def pass_kink(d, c):
+def handle_kink(d, c):
     """Go on with the force of the other side of its kink."""
     if cut_off(d, c):
         d.touch.force_rate[c] = 1.0  # rising
     if d.contact.approach_only:
         d.touch.speed[c] = 0.0  # there it turns, and its depth is noted
-    d.touch.beyond[c] = 1 - d.touch.beyond[c]
+    d.touch.beyond_kink[c] = 1 - d.touch.beyond_kink[c]
     return True
 
 
-def nothing(_d, _c):
+def handle_none(_d, _c):
     """Leave the contact as it is."""
     return False
 
 
 _HANDLERS = {
-    NONE: nothing,
-    ONSET: begin_contact,
-    END: end_contact,
-    RELATCH: latch_anew,
-    RELEASE: nothing,
-    KINK: pass_kink,
+    NONE: handle_none,
+    ONSET: handle_onset,
+    END: handle_end,
+    RELATCH: handle_relatch,
+    RELEASE: handle_none,
+    KINK: handle_kink,
 }
 _handle = dispatch([_HANDLERS[kind] for kind in range(len(_HANDLERS))])
 
@@ -99,7 +99,7 @@ def apply_events(d):
         Whether a force has jumped, where a contact begins or ends or as a v₀ was latched anew.
     """
     if d.contact.impulsive:
-        collide(d)
+        handle_impact(d)
         begin_flight(d)
         return True
     touch, onset, jumped, goes_on = d.touch, -1, False, False

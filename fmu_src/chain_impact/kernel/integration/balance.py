@@ -30,15 +30,21 @@ more. What it loses of that is to the size of the next step like an error relati
 import math
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.springs import stiffness_of, stretch
+from chain_impact.kernel.chain.springs import spring_stiffness, stretch
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, supplied_at
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.errors import impact_energy, penetration_scale
-from chain_impact.kernel.integration.last_step import SOLVER, complete, largest_turn, see_points, see_rate
+from chain_impact.kernel.integration.last_step import (
+    SOLVER,
+    ensure_dense,
+    ensure_points,
+    ensure_rate,
+    largest_turn,
+)
 from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.integration.switching import STABLE, joints_over
 from chain_impact.kernel.model.contact_force import elastic_force
-from chain_impact.kernel.model.energy import ledger, mechanical_energy, other_energy
+from chain_impact.kernel.model.energy import energy_balance, mechanical_energy, other_energy
 from chain_impact.kernel.model.geometry import clearance
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 
@@ -79,40 +85,40 @@ def start_balance(d, time):
     balance.weight = total * model.gravity_size
     balance.unit_scale = balance.weight * reach + model.energy
     balance.start, balance.since, balance.loss = time, time, 0.0
-    take_stock(d)
-    balance.before, balance.origin = balance.ledger, balance.ledger
+    rebase_energy(d)
+    balance.at_start, balance.origin = balance.at_end, balance.at_end
     begin_window(d)
     _, potential = mechanical_energy(d, d.step.state_end)
-    balance.there = 0.0
-    balance.there = most_energy(d, d.step.state_end, potential)
+    balance.available = 0.0
+    balance.available = most_energy(d, d.step.state_end, potential)
 
 
 def begin_window(d):
     """Begin a window: the ledger is compared with what it is now."""
     balance = d.balance
-    balance.reference = balance.ledger
+    balance.reference = balance.at_end
     # what is allowed whatever the state
-    balance.least = OF_A_STEP * d.solver.tolerance * (balance.unit_motion**2 + balance.unit_scale)
-    balance.allowed = balance.least
+    balance.least_allowed = OF_A_STEP * d.solver.tolerance * (balance.unit_motion**2 + balance.unit_scale)
+    balance.allowed = balance.least_allowed
 
 
-def take_stock(d):
+def rebase_energy(d):
     """Note the ledger at the start of a step that does not go on where the last one ended."""
     locate_points(d, d.step.state_end)
-    d.balance.ledger = ledger(d, d.step.state_end)
+    d.balance.at_end = energy_balance(d, d.step.state_end)
     d.balance.breaks = d.step.breaks
 
 
-def restart_balance(d):
+def reinit_balance(d):
     """Go on from the communication point, where a parameter may have changed the energy of the contacts."""
     if d.touch.active_count > 0:
-        balance, before = d.balance, d.balance.before
-        take_stock(d)
-        balance.reference += balance.ledger - before
-        balance.origin += balance.ledger - before
+        balance, before = d.balance, d.balance.at_start
+        rebase_energy(d)
+        balance.reference += balance.at_end - before
+        balance.origin += balance.at_end - before
 
 
-def keeps_balance(d, theta):
+def energy_step_ok(d, theta):
     """Whether the last step keeps the ledger, up to the event at its fraction θ or, for −1, to its end.
 
     What it loses, over what it might, is noted as ``balance.loss``, more than 1 where that is the reason.
@@ -124,13 +130,13 @@ def keeps_balance(d, theta):
         interpolate(d.step, theta, y)
         locate_points(d, y)
     else:
-        see_rate(d)
-        see_points(d)
+        ensure_rate(d)
+        ensure_points(d)
     kinetic, potential = mechanical_energy(d, y)
     present = kinetic + potential + other_energy(d, y)
-    change = present - balance.ledger
+    change = present - balance.at_end
     # not >, in which a NaN would be lost
-    if not abs(change) <= balance.least:
+    if not abs(change) <= balance.least_allowed:
         allowed = allowance(d, y)
         if not abs(change) <= allowed:
             return False
@@ -138,7 +144,7 @@ def keeps_balance(d, theta):
     there = most_energy(d, y, potential)
     if change > SLIP * there and present - balance.origin > GAIN * there:
         return False
-    loss = -change / affordable_loss(d, there)
+    loss = -change / loss_allowed(d, there)
     balance.loss = loss if loss > NOTABLE else 0.0
     if balance.loss > 1.0:
         if -change > round_off(d, y):
@@ -146,21 +152,21 @@ def keeps_balance(d, theta):
         balance.loss = 1.0
     if d.step.rate_known and is_long(d) and not interpolates(d):
         return False
-    balance.before, balance.ledger, balance.there = balance.ledger, present, there
+    balance.at_start, balance.at_end, balance.available = balance.at_end, present, there
     return True
 
 
 def most_energy(d, y, potential):
     """The most energy [J] that there could be so far and in state y, where gravity's is ``potential``."""
     balance, supplied = d.balance, y[supplied_at(d.links)]
-    return max(balance.there, balance.least + balance.origin - potential + max(0.0, supplied))
+    return max(balance.available, balance.least_allowed + balance.origin - potential + max(0.0, supplied))
 
 
-def affordable_loss(d, there):
+def loss_allowed(d, there):
     """What the last step may lose [J], which is > 0."""
     balance, budget = d.balance, loss_budget(d, there)
     share = (d.step.end - d.step.start) / (LASTING + d.step.end - balance.since)
-    left = budget - (balance.origin - balance.ledger)
+    left = budget - (balance.origin - balance.at_end)
     return max(left, share * budget, ROUND_OFF * there)
 
 
@@ -182,20 +188,20 @@ def is_long(d):
         return True
     if d.step.dense_for == SOLVER and largest_turn(d) > LONG_TURN:
         return True
-    resisted = d.model.resisting and d.step.made_by == EXPLICIT
+    resisted = d.model.resisting and d.step.last_method == EXPLICIT
     return resisted and joints_over(d, d.step.end - d.step.start) > STABLE
 
 
 def interpolates(d):
     """Whether the dense output keeps the ledger in the middle of the last step, and the energy dissipated."""
     y = d.work.y
-    complete(d, SOLVER)
+    ensure_dense(d, SOLVER)
     interpolate(d.step, 0.5, y)
     if not dissipates_evenly(d, y[dissipated_at(d.links)]):
         return False
     locate_points(d, y)
-    change = abs(ledger(d, y) - d.balance.ledger)
-    return change <= INTERPOLATED * d.balance.least or change <= INTERPOLATED * allowance(d, y)
+    change = abs(energy_balance(d, y) - d.balance.at_end)
+    return change <= INTERPOLATED * d.balance.least_allowed or change <= INTERPOLATED * allowance(d, y)
 
 
 def dissipates_evenly(d, middle):
@@ -229,7 +235,7 @@ def scales(d, y):
     scale += abs(y[dissipated_at(d.links)]) + abs(y[supplied_at(d.links)])
     if d.model.sprung:
         for i in range(d.links):
-            moment = stiffness_of(d, i) * abs(stretch(d, y, i))
+            moment = spring_stiffness(d, i) * abs(stretch(d, y, i))
             scale += moment
             known += moment * (abs(y[ANGLES + i]) + abs(d.model.joint_rest_angle[i]))
     if not d.contact.impulsive:
@@ -244,14 +250,14 @@ def scales(d, y):
 
 def check_balance(d):
     """ENERGY_NOT_KEPT when the steps of a window, or all, have changed the ledger by far too much, or OK."""
-    balance, most = d.balance, GAIN * d.balance.there
-    gain = balance.ledger - balance.origin
-    if gain > 2.0 * most or -gain > 2.0 * max(most, loss_budget(d, balance.there)):
+    balance, most = d.balance, GAIN * d.balance.available
+    gain = balance.at_end - balance.origin
+    if gain > 2.0 * most or -gain > 2.0 * max(most, loss_budget(d, balance.available)):
         return ENERGY_NOT_KEPT
     if d.step.end >= balance.start + WINDOW:
         balance.start = d.step.end
         begin_window(d)
-    share, drift = OF_A_WINDOW / OF_A_STEP, abs(balance.ledger - balance.reference)
+    share, drift = OF_A_WINDOW / OF_A_STEP, abs(balance.at_end - balance.reference)
     if drift > share * balance.allowed:
         locate_points(d, d.step.state_end)
         balance.allowed = max(balance.allowed, allowance(d, d.step.state_end))

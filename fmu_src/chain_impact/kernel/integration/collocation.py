@@ -15,14 +15,14 @@ P through all F, P′ through all but the last, μ the real eigenvalue. E′ is 
 import math
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import dissipated_at, root_at, time_at, velocity_at
+from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at, time_at, velocity_at
 from chain_impact.kernel.integration.collocation_dense import (
     bound_curvatures,
     finish,
     keep_clearances,
     lagrange,
 )
-from chain_impact.kernel.integration.errors import moment_error, weigh
+from chain_impact.kernel.integration.errors import moment_error, set_weights
 from chain_impact.kernel.integration.extended import (
     compliant,
     extend_start,
@@ -33,7 +33,7 @@ from chain_impact.kernel.integration.extended import (
     impulse_at,
     rate_at,
 )
-from chain_impact.kernel.integration.impulse import followed
+from chain_impact.kernel.integration.impulse import impulse_count
 from chain_impact.kernel.integration.linear_system import (
     factorize_complex,
     factorize_real,
@@ -42,7 +42,7 @@ from chain_impact.kernel.integration.linear_system import (
 )
 from chain_impact.kernel.integration.method import IMPLICIT, Method
 from chain_impact.kernel.integration.newton import ITERATIONS, UNKNOWN, simplified_newton
-from chain_impact.kernel.integration.projection import meet_clearances
+from chain_impact.kernel.integration.projection import project_clearances
 from chain_impact.kernel.integration.radau import (
     AT_END,
     AT_START,
@@ -52,8 +52,8 @@ from chain_impact.kernel.integration.radau import (
     REAL_EIGENVALUE,
     STAGES,
 )
-from chain_impact.kernel.model.constraints import holding
-from chain_impact.kernel.model.contact import forget_stages
+from chain_impact.kernel.model.constraints import any_point_held
+from chain_impact.kernel.model.contact import clear_stage_notes
 
 LAST = STAGES - 1
 ERROR_ORDER = STAGES + 2
@@ -88,30 +88,30 @@ def _solve(d, h):
         solve_complex(d, pair, h * real, h * imaginary, parts[1 + 2 * pair], parts[2 + 2 * pair])
 
 
-def foretells(d):
+def can_extrapolate(d):
     """Whether the polynomial of the last step, with the same contacts, tells where the stages will be."""
-    return d.implicit.ready and d.step.made_by == IMPLICIT
+    return d.implicit.ready and d.step.last_method == IMPLICIT
 
 
-def linearize(d, z):
+def set_jacobian(d, z):
     """Take A where f was evaluated just now, in the middle of the step, if that is known well.
 
     Else it is that of the start, which tells a fast motion there from others.
     """
-    if foretells(d):
+    if can_extrapolate(d):
         extended_slopes(d, z)
 
 
-iterate, _converge = simplified_newton(forget_stages, extended_rate, linearize, factorize, _solve)
+iterate, _converge = simplified_newton(clear_stage_notes, extended_rate, set_jacobian, factorize, _solve)
 
 
 def prepare(d, h):
     """Make ready for a step; its size is at most what the end of a contact or a fast motion allows."""
     extend_start(d)
     extended_slopes(d, d.implicit.start)
-    weigh(d, d.step.state_end, d.implicit.weight)
+    set_weights(d, d.step.state_end, d.implicit.weight)
     h = toward_end(d, h)
-    if foretells(d):
+    if can_extrapolate(d):
         return h
     d.implicit.ready, d.implicit.slowness = 0, UNKNOWN
     return first_size(d, h)
@@ -155,11 +155,11 @@ def first_size(d, h):
     return h
 
 
-def foretell(d, h, size):
+def extrapolate_stages(d, h, size):
     """Set the stages to where the last step, or the rate at the start, tells that they will be."""
     own = d.implicit
-    if foretells(d):
-        follow_polynomial(d, h, size)
+    if can_extrapolate(d):
+        extrapolate_polynomial(d, h, size)
         return
     for i in range(STAGES):
         part = h * NODES[i]
@@ -171,7 +171,7 @@ def foretell(d, h, size):
             own.stages[i, gap_at(d, k)] = part * own.start_rate[gap_at(d, k)]
 
 
-def follow_polynomial(d, h, size):
+def extrapolate_polynomial(d, h, size):
     """Set the stages by the polynomial of the last step, of lower degree where they are far beyond."""
     own = d.implicit
     base = (d.step.end - own.began) / own.span
@@ -197,27 +197,27 @@ def attempt(d, h):
         The error relative to the tolerance: at most 1 for a step to accept; not finite when f was not.
     """
     own, size = d.implicit, extended_size(d)
-    foretell(d, h, size)
+    extrapolate_stages(d, h, size)
     solved = _converge(d, h, size)
     d.statistics.rhs_evaluations += STAGES * own.iterations
     d.limits.other_work += FACTORIZATIONS + SOLUTIONS * own.iterations + ESTIMATE
-    d.step.ease = 1.0
+    d.step.cost_factor = 1.0
     if not solved:
         own.slowness = UNKNOWN
         refused = DIVERGED if own.contraction > 1.0 else LATE
         return refused if math.isfinite(own.correction) else math.inf
-    d.step.ease = ease(own)
+    d.step.cost_factor = cost_factor(own)
     set_result(d, h)
     error = estimate(d, h, size)
     if compliant(d) > 0:
-        change, apart = meet_clearances(d, own.z, d.work.y)
+        change, apart = project_clearances(d, own.z, d.work.y)
         error = max(error, change, apart)
     if not error <= 1.0:
         own.slowness = UNKNOWN
     return error
 
 
-def ease(own):
+def cost_factor(own):
     """By how much the next step shall be shorter than its error allows: iterations cost, too."""
     share = (2.0 * ITERATIONS + 1.0) / (2.0 * ITERATIONS + own.iterations)
     if own.contraction > SLOW:
@@ -230,10 +230,10 @@ def set_result(d, h):
     own, work = d.implicit, d.work
     for j in range(extended_size(d)):
         own.z[j] = own.start[j] + own.stages[LAST, j]
-    for j in range(root_at(d.links)):
+    for j in range(sundman_u_at(d.links)):
         work.y[j] = own.z[j]
-    work.y[root_at(d.links)], work.y[time_at(d.links)] = 1.0, h
-    for k in range(followed(d)):
+    work.y[sundman_u_at(d.links)], work.y[time_at(d.links)] = 1.0, h
+    for k in range(impulse_count(d)):
         d.impulse.tried[k] = own.z[impulse_at(d, k)]
     locate_points(d, work.y)
 
@@ -256,7 +256,7 @@ def estimate(d, h, size):
         one, other, total = max(one, first), max(other, second), total + first + second
     if not math.isfinite(total):
         return math.inf
-    if holding(d):
+    if any_point_held(d):
         for j in range(dissipated_at(d.links)):
             d.work.error[0, j], d.work.error[1, j] = own.parts[0, j], own.parts[1, j]
         one = max(one, moment_error(d, 0) / d.solver.tolerance)

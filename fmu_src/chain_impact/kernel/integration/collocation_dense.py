@@ -7,11 +7,11 @@ last two vanish at both its ends, and keep the coordinates at the clearances in 
 import numpy as np
 
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import dissipated_at, root_at, velocity_at
+from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at, velocity_at
 from chain_impact.kernel.integration.dense import POWERS, interpolate
 from chain_impact.kernel.integration.extended import compliant, gap_at, impulse_at, rate_at
-from chain_impact.kernel.integration.impulse import followed
-from chain_impact.kernel.integration.projection import meet
+from chain_impact.kernel.integration.impulse import impulse_count
+from chain_impact.kernel.integration.projection import project_coordinates
 from chain_impact.kernel.integration.radau import NODES, STAGES
 
 WITH_START = (0.0, *NODES)
@@ -57,7 +57,7 @@ def finish(d, h):
     """Keep the stages of the step that was tried, for the next one, and its dense output for the state."""
     own, dense = d.implicit, d.step.dense
     for i in range(STAGES):
-        for j in range(impulse_at(d, followed(d))):
+        for j in range(impulse_at(d, impulse_count(d))):
             own.last[i, j] = own.stages[i, j]
     own.began, own.span, own.ready = d.step.start, h, 1
     for j in range(len(d.work.y)):
@@ -65,9 +65,9 @@ def finish(d, h):
         for m in range(1, len(dense)):
             dense[m, j] = 0.0
     for m in range(1, STAGES):
-        for j in range(root_at(d.links)):
+        for j in range(sundman_u_at(d.links)):
             dense[m, j] = coefficient(own.last, m, j)
-    for k in range(followed(d)):
+    for k in range(impulse_count(d)):
         keep_impulse(d, k)
 
 
@@ -91,7 +91,7 @@ def keep_clearances(d, _h):
             for k in range(compliant(d)):
                 at = rate_at(d, k) if derivative else gap_at(d, k)
                 own.normal[k] = interpolated(d, at, third / 3.0)
-            meet(d, d.work.y, derivative, change)
+            project_coordinates(d, d.work.y, derivative, change)
             for j in range(len(change)):
                 own.thirds[third - 1, derivative * velocity_at(d.links) + j] = change[j]
     for j in range(dissipated_at(d.links)):

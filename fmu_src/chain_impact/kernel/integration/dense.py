@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from chain_impact.kernel.chain.state import root_at, time_at
+from chain_impact.kernel.chain.state import sundman_u_at, time_at
 
 POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))  # p, q of θᵖ (1−θ)^q, with F₀ to F₆
 DENSE_COEFFICIENTS = len(POWERS)
@@ -38,7 +38,7 @@ def fraction(d, time):
 
 def regularized_fraction(d, elapsed):
     """The fraction θ of the last step, a regularized one, at which some time [s] has elapsed in it."""
-    step, root, clock = d.step, root_at(d.links), time_at(d.links)
+    step, root, clock = d.step, sundman_u_at(d.links), time_at(d.links)
     at_end = step.state[root] + step.dense[0, root]
     if elapsed >= step.dense[0, clock] and at_end >= 0.0:
         return 1.0

@@ -2,14 +2,14 @@
 
 import math
 
-from chain_impact.kernel.chain.damped import damping_of
+from chain_impact.kernel.chain.damped import joint_damping
 from chain_impact.kernel.chain.kinematics import move_points
-from chain_impact.kernel.chain.springs import stiffness_of
+from chain_impact.kernel.chain.springs import spring_stiffness
 from chain_impact.kernel.chain.state import (
     ANGLES,
     dissipated_at,
     omega_at,
-    root_at,
+    sundman_u_at,
     supplied_at,
     velocity_at,
 )
@@ -55,7 +55,7 @@ def scaled_errors(d, row, other_row):
     return first / d.solver.tolerance, second / d.solver.tolerance
 
 
-def weigh(d, y, weight):
+def set_weights(d, y, weight):
     """Set one over the scales of ``scaled_errors`` and the tolerance, for z of extended.py at located points.
 
     What is not controlled has a weight of 0: energy supplied by inputs, the rates of clearances, impulses.
@@ -71,7 +71,7 @@ def weigh(d, y, weight):
     for j in range(supplied_at(n), len(weight)):
         weight[j] = 0.0
     for k in range(0 if d.contact.impulsive else d.touch.active_count):
-        weight[root_at(n) + k] = 1.0 / (tolerance * penetration_scale(d, d.touch.active_index[k]))
+        weight[sundman_u_at(n) + k] = 1.0 / (tolerance * penetration_scale(d, d.touch.active_index[k]))
 
 
 @inlined
@@ -104,8 +104,8 @@ def moment_error(d, row):
     error, first, worst = d.work.error[row], omega_at(d.links), 0.0
     turn, spin = 0.0, 0.0
     for i in range(d.links):
-        moment = stiffness_of(d, i) * abs(error[ANGLES + i] - turn)
-        moment += damping_of(d, i) * abs(error[first + i] - spin)
+        moment = spring_stiffness(d, i) * abs(error[ANGLES + i] - turn)
+        moment += joint_damping(d, i) * abs(error[first + i] - spin)
         worst = max(worst, moment)
         turn, spin = error[ANGLES + i], error[first + i]
     return worst / (d.model.energy * (1.0 + d.model.gravity_size / d.model.size))

@@ -3,11 +3,11 @@
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.chain.state import dissipated_at, root_at
+from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at
 from chain_impact.kernel.integration import dop853
 from chain_impact.kernel.integration.combination import combination, combinations, sequence
 from chain_impact.kernel.integration.errors import scaled_errors, set_gap_errors
-from chain_impact.kernel.integration.impulse import followed, note, note_end
+from chain_impact.kernel.integration.impulse import impulse_count, set_impulse_stage, set_impulse_stage_at_end
 from chain_impact.kernel.integration.method import Method
 from chain_impact.kernel.integration.sundman import (
     NO_CONTACT,
@@ -38,7 +38,7 @@ def _stage(i, accepted):
     def stage(d, h):
         combine(d.work.stage, d.step.state if accepted else d.step.state_end, h, d.work.y)
         regularized_rate(d, d.work.y, d.work.stage[i])
-        note(d, i)
+        set_impulse_stage(d, i)
 
     return stage
 
@@ -54,7 +54,7 @@ def toward_end(d, h):
     """The size of the step that begins, over an end that is near, if the error control allows a size h."""
     if d.step.regularized == NO_CONTACT:
         return h
-    root = root_at(d.links)
+    root = sundman_u_at(d.links)
     u, slope = d.step.state_end[root], d.work.stage[0, root]
     if u + 2.0 * slope * h >= 0.0:
         return h
@@ -74,7 +74,7 @@ def attempt(d, h):
         The error relative to the tolerance: at most 1 for a step to accept; not finite when f was not.
     """
     make(d, h)
-    d.step.ease = 1.0
+    d.step.cost_factor = 1.0
     d.statistics.rhs_evaluations += STEP_EVALUATIONS
     if runs_back(d, d.work.y):
         return HALVE
@@ -101,7 +101,7 @@ def make(d, h):
     """Make a step of size h from ``step.state_end``, without an estimate of its error."""
     _stages(d, h)
     _step_end(d.work.stage, d.step.state_end, h, d.work.y)
-    active = followed(d)
+    active = impulse_count(d)
     if active > 0:
         _step_end(d.impulse.stage, d.impulse.state_end[:active], h, d.impulse.tried[:active])
 
@@ -110,11 +110,11 @@ def dense_output(d, h):
     """Set the dense output of the last step, of size h."""
     locate_points(d, d.step.state_end)
     regularize(d, d.step.state_end, d.work.rate_end, d.work.stage[LAST])
-    note_end(d, LAST)
+    set_impulse_stage_at_end(d, LAST)
     _dense_stages(d, h)
     _interpolant(d.step, d.work.stage, len(d.work.y), h)
-    if followed(d) > 0:
-        _interpolant(d.impulse, d.impulse.stage, followed(d), h)
+    if impulse_count(d) > 0:
+        _interpolant(d.impulse, d.impulse.stage, impulse_count(d), h)
 
 
 def _interpolant(step, stages, count, h):

@@ -11,9 +11,9 @@ stands beside y for them.
 """
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.chain.state import root_at
-from chain_impact.kernel.integration.impulse import followed
-from chain_impact.kernel.model.constraints import hold, holding
+from chain_impact.kernel.chain.state import sundman_u_at
+from chain_impact.kernel.integration.impulse import impulse_count
+from chain_impact.kernel.model.constraints import add_constraint_forces, any_point_held
 from chain_impact.kernel.model.contact import apply_contact, clear_loads
 from chain_impact.kernel.model.contact_force import law_slopes
 from chain_impact.kernel.model.equations import loaded_rate
@@ -23,7 +23,7 @@ from chain_impact.kernel.model.inputs import set_inputs
 
 def gap_at(d, k):
     """Where the clearance of the k-th active contact stands in z: from the place of u on, which is 1."""
-    return root_at(d.links) + k
+    return sundman_u_at(d.links) + k
 
 
 def compliant(d):
@@ -43,7 +43,7 @@ def impulse_at(d, k):
 
 def extended_size(d):
     """The length of z."""
-    return impulse_at(d, followed(d))
+    return impulse_at(d, impulse_count(d))
 
 
 def extend_start(d):
@@ -52,11 +52,11 @@ def extend_start(d):
     if not work.at_end:
         locate_points(d, d.step.state_end)
     accelerate_points(d, d.step.state_end, work.rate_start)
-    for j in range(root_at(n)):
+    for j in range(sundman_u_at(n)):
         own.start[j], own.start_rate[j] = d.step.state_end[j], work.rate_start[j]
     for k in range(compliant(d)):
         own.start[gap_at(d, k)], own.start[rate_at(d, k)] = clearance(d, d.touch.active_index[k])
-    for k in range(followed(d)):
+    for k in range(impulse_count(d)):
         own.start[impulse_at(d, k)] = d.impulse.state_end[k]
         own.start_rate[impulse_at(d, k)] = d.touch.force_end[d.touch.active_index[k]]
     clearance_rates(d, own.start, own.start_rate)
@@ -79,9 +79,9 @@ def extended_rate(d, z, elapsed, rate):
     for k in range(compliant(d)):
         dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
     loaded_rate(d, z, dissipated, rate)  # … and of u and time, in whose place other things are here
-    if holding(d):
-        hold(d, z, rate)
-    for k in range(followed(d)):
+    if any_point_held(d):
+        add_constraint_forces(d, z, rate)
+    for k in range(impulse_count(d)):
         rate[impulse_at(d, k)] = d.touch.force[d.touch.active_index[k]]
     accelerate_points(d, z, rate)
     clearance_rates(d, z, rate)

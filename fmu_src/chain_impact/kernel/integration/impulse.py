@@ -11,26 +11,26 @@ from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.integration.dense import interpolate_component
 
 
-def followed(d):
+def impulse_count(d):
     """How many impulses there are to follow: those of the active contacts, if any are asked for."""
     return d.touch.active_count if d.impulse.wanted else 0
 
 
-def note(d, i):
+def set_impulse_stage(d, i):
     """Set stage i of the impulses, dp/ds = F dt/ds, where the rate of the state was evaluated just now."""
     pace = d.work.stage[i, time_at(d.links)]
-    for k in range(followed(d)):
+    for k in range(impulse_count(d)):
         d.impulse.stage[i, k] = d.touch.force[d.touch.active_index[k]] * pace
 
 
-def note_end(d, i):
+def set_impulse_stage_at_end(d, i):
     """Set stage i of the impulses, at the end of the last step."""
     pace = d.work.stage[i, time_at(d.links)]
-    for k in range(followed(d)):
+    for k in range(impulse_count(d)):
         d.impulse.stage[i, k] = d.touch.force_end[d.touch.active_index[k]] * pace
 
 
-def keep_forces(d):
+def keep_end_forces(d):
     """Keep the forces that were evaluated just now as those at the end of the last step."""
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
@@ -39,33 +39,33 @@ def keep_forces(d):
 
 def append_impulses(d):
     """Append those of the step that was tried to those of the last one."""
-    for k in range(followed(d)):
+    for k in range(impulse_count(d)):
         d.impulse.state[k] = d.impulse.state_end[k]
         d.impulse.state_end[k] = d.impulse.tried[k]
 
 
-def take_back_impulses(d):
+def roll_back_impulses(d):
     """Forget those of the last step."""
-    for k in range(followed(d)):
+    for k in range(impulse_count(d)):
         d.impulse.state_end[k] = d.impulse.state[k]
 
 
-def cut_impulses(d, theta):
+def truncate_impulses(d, theta):
     """End those of the last step at its fraction θ."""
-    for k in range(followed(d)):
+    for k in range(impulse_count(d)):
         d.impulse.state_end[k] = interpolate_component(d.impulse, theta, k)
 
 
-def settle_impulses(d):
+def commit_impulses(d):
     """Note the totals at the end of the last step, before contacts begin or end."""
-    for k in range(followed(d)):
+    for k in range(impulse_count(d)):
         d.impulse.total[d.touch.active_index[k]] = d.impulse.state_end[k]
 
 
-def stand_impulses(d):
+def reset_impulse_step(d):
     """Start from the totals, with a last step of no length."""
     own = d.impulse
-    for k in range(followed(d)):
+    for k in range(impulse_count(d)):
         own.state_end[k] = own.total[d.touch.active_index[k]]
         own.state[k] = own.state_end[k]
         for m in range(len(own.dense)):

@@ -7,48 +7,48 @@ at its end belongs to the step that follows (advance.py).
 """
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, place_points
-from chain_impact.kernel.chain.state import omega_at, root_at, time_at
+from chain_impact.kernel.chain.state import omega_at, sundman_u_at, time_at
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.impulse import (
     append_impulses,
-    cut_impulses,
-    followed,
-    keep_forces,
-    stand_impulses,
-    take_back_impulses,
+    impulse_count,
+    keep_end_forces,
+    reset_impulse_step,
+    roll_back_impulses,
+    truncate_impulses,
 )
 from chain_impact.kernel.integration.methods import DENSE_EVALUATIONS, RATE_AT_END, dense_output, finish
 from chain_impact.kernel.integration.sundman import NO_CONTACT, lone_contact, time_rate_now
-from chain_impact.kernel.model.constraints import holding, meet_walls
+from chain_impact.kernel.model.constraints import any_point_held, project_state
 from chain_impact.kernel.model.equations import located_rate, state_rate
 
 NOBODY, OUTPUTS, SOLVER = 0, 1, 2  # step.dense_for: who has had the dense output
 
 
-def stand(d, time, y):
+def reset_step(d, time, y):
     """Stand at ``time`` [s] in state y, with a last step of no length, and the impulses as last settled."""
     step = d.step
     for j in range(len(step.state)):
         step.state[j] = y[j]
         for m in range(len(step.dense)):
             step.dense[m, j] = 0.0
-    step.state[root_at(d.links)], step.state[time_at(d.links)] = 1.0, 0.0
+    step.state[sundman_u_at(d.links)], step.state[time_at(d.links)] = 1.0, 0.0
     for j in range(len(step.state)):
         step.state_end[j] = step.state[j]
     step.time, step.start, step.end, step.clock = time, time, time, time
     step.size = 1.0
-    stand_impulses(d)
+    reset_impulse_step(d)
     step.regularized = NO_CONTACT
     step.dense_for = SOLVER
     d.implicit.ready = 0
-    break_off(d)
+    mark_jump(d)
 
 
 def accept(d, h):
     """Append the step of size h that was tried, with the state in ``work.y``, to the last one."""
-    if holding(d):
-        meet_walls(d, d.work.y)
-        for k in range(followed(d)):
+    if any_point_held(d):
+        project_state(d, d.work.y)
+        for k in range(impulse_count(d)):
             d.impulse.tried[k] += d.rigid.impulse[k]
     step, y = d.step, d.work.y
     for j in range(len(step.state)):
@@ -58,48 +58,48 @@ def accept(d, h):
     step.start = step.end
     step.size, step.kept = h, 1.0
     step.end = step.start + y[time_at(d.links)]
-    step.made_by = step.method
+    step.last_method = step.method
     step.dense_for = NOBODY
     step.rate_known, d.work.at_end = 0, 0
     finish(d)
-    if RATE_AT_END[step.made_by]:
+    if RATE_AT_END[step.last_method]:
         # its error control has located the points of active contacts
         find_rate(d, d.touch.active_count > 0)
 
 
-def take_back(d):
+def roll_back(d):
     """Stand at the start of the last step again."""
     step = d.step
     step.end = step.start
     for j in range(len(step.state)):
         step.state_end[j] = step.state[j]
-    take_back_impulses(d)
-    break_off(d)
+    roll_back_impulses(d)
+    mark_jump(d)
 
 
-def cut(d, theta):
+def truncate_step(d, theta):
     """End the last step at its fraction θ."""
     step = d.step
-    complete(d, SOLVER)
+    ensure_dense(d, SOLVER)
     interpolate(step, theta, step.state_end)
-    cut_impulses(d, theta)
+    truncate_impulses(d, theta)
     step.kept = theta
     step.end = step.start + step.state_end[time_at(d.links)]
-    break_off(d)
+    mark_jump(d)
 
 
-def cut_now(d):
+def truncate_to_output_time(d):
     """End the last step at the communication point."""
     step = d.step
-    complete(d, OUTPUTS)
+    ensure_dense(d, OUTPUTS)
     theta = fraction(d, step.time)
     interpolate(step, theta, step.state_end)
-    cut_impulses(d, theta)
+    truncate_impulses(d, theta)
     step.end = step.time
-    break_off(d)
+    mark_jump(d)
 
 
-def break_off(d):
+def mark_jump(d):
     """Forget what was known of the end of the last step."""
     d.step.rate_known, d.work.at_end = 0, 0
     d.step.breaks += 1
@@ -112,7 +112,7 @@ def choose_variable(d, anew):
         d: the instance.
         anew: whether the size of the step has been chosen for it, as contacts began or ended.
     """
-    step, root = d.step, root_at(d.links)
+    step, root = d.step, sundman_u_at(d.links)
     before, (contact, u) = time_rate_now(d, step.state_end), lone_contact(d)
     changed = contact != step.regularized
     step.regularized = contact
@@ -124,7 +124,7 @@ def choose_variable(d, anew):
             step.next_size *= before / time_rate_now(d, step.state_end)
 
 
-def see_rate(d):
+def ensure_rate(d):
     """See that ``work.rate_end`` is ẏ at the end of the last step."""
     if not d.step.rate_known:
         find_rate(d, False)
@@ -138,7 +138,7 @@ def find_rate(d, located):
         if not located:
             locate_points(d, y)
         located_rate(d, y, rate)
-        keep_forces(d)
+        keep_end_forces(d)
     else:
         state_rate(d, y, rate)
     if d.candidates > 0:
@@ -150,7 +150,7 @@ def find_rate(d, located):
     d.step.rate_known = 1
 
 
-def see_points(d):
+def ensure_points(d):
     """See that the points are those at the end of the last step, where the rate is known."""
     if not d.work.at_end:
         locate_points(d, d.step.state_end)
@@ -169,7 +169,7 @@ def largest_turn(d):
     return turn
 
 
-def complete(d, reader):
+def ensure_dense(d, reader):
     """See that the last step has its dense output, before anything changes that it depends on.
 
     What only outputs need does not count as evaluations by the solver: the count does not depend on them.
@@ -185,4 +185,4 @@ def complete(d, reader):
         dense_output(d)
         d.limits.other_work = work
     if known < SOLVER <= reader:
-        d.statistics.rhs_evaluations += DENSE_EVALUATIONS[step.made_by]
+        d.statistics.rhs_evaluations += DENSE_EVALUATIONS[step.last_method]

@@ -22,11 +22,16 @@ rigid wall holds, J Δ = 0, has an impedance far beyond the mass of the chain.
 from chain_impact.kernel.chain.kinematics import move_points, zero
 from chain_impact.kernel.chain.recursion import no_impedance
 from chain_impact.kernel.chain.shifted import factorize_shifted, solve_shifted, times
-from chain_impact.kernel.chain.springs import stiffness_of
+from chain_impact.kernel.chain.springs import spring_stiffness
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, omega_at, velocity_at
 from chain_impact.kernel.integration.extended import compliant, gap_at, impulse_at, rate_at
-from chain_impact.kernel.integration.impulse import followed
-from chain_impact.kernel.model.compliance import give_way, give_way_damped, stiffen, stiffen_damped
+from chain_impact.kernel.integration.impulse import impulse_count
+from chain_impact.kernel.model.compliance import (
+    factorize_contacts,
+    factorize_contacts_damped,
+    solve_contacts,
+    solve_contacts_damped,
+)
 from chain_impact.kernel.model.constraints import holding_impedance
 from chain_impact.kernel.model.geometry import add_along_normal, add_impedance, along_normal
 
@@ -39,21 +44,21 @@ def factorize_real(d, shift):
         law = shift * (own.damping[k] + shift * own.stiffness[k])
         own.impedance[k] = holding_impedance(d) if d.contact.impulsive else law
     if d.model.resisting:
-        stiffen_damped(d, own.link, own.impedance, shift)
+        factorize_contacts_damped(d, own.link, own.impedance, shift)
     else:
-        stiffen(d, own.link, own.impedance, d.work.factors)
+        factorize_contacts(d, own.link, own.impedance, d.work.factors)
 
 
-def respond(d, change):
+def respond_to_impulses(d, change):
     """Solve (M + Jᵀ D J + K) Δ = Jᵀ p + K r for Δ = ``change`` and J Δ.
 
     p stands in ``normal``, and then J Δ; the impulses K r in the joints in ``work.damped.impulse``.
     """
     own = d.implicit
     if d.model.resisting:
-        give_way_damped(d, own.link, own.normal, change)
+        solve_contacts_damped(d, own.link, own.normal, change)
     else:
-        give_way(d, own.link, d.work.factors, own.normal, change)
+        solve_contacts(d, own.link, d.work.factors, own.normal, change)
     for k in range(d.touch.active_count):
         own.normal[k] = along_normal(d, d.touch.active_index[k], d.work.motion)
 
@@ -71,15 +76,15 @@ def solve_real(d, shift, x):
         for i in range(n):
             # K r_v + s S r_q
             turning, turned = relative(x, omega_at(n), i), relative(x, ANGLES, i)
-            damped.impulse[i] = damped.damper[i] * turning + shift * stiffness_of(d, i) * turned
-    respond(d, change)
+            damped.impulse[i] = damped.damper[i] * turning + shift * spring_stiffness(d, i) * turned
+    respond_to_impulses(d, change)
     for j in range(coordinate_count(n)):
         x[velocity_at(n) + j] -= change[j]
         x[j] += shift * x[velocity_at(n) + j]
     for k in range(compliant(d)):
         x[rate_at(d, k)] -= own.normal[k]
         x[gap_at(d, k)] += shift * x[rate_at(d, k)]
-    for k in range(min(followed(d), compliant(d))):
+    for k in range(min(impulse_count(d), compliant(d))):
         x[impulse_at(d, k)] -= shift * (
             own.stiffness[k] * x[gap_at(d, k)] + own.damping[k] * x[rate_at(d, k)]
         )
@@ -131,19 +136,19 @@ def solve_complex(d, pair, s_r, s_i, x, y):
     for j in range(coordinate_count(n)):
         at = velocity_at(n) + j
         x[at], y[at] = x[at] - change[j], y[at] - change_i[j]
-        add(x, y, j, s_r, s_i, x[at], y[at])
+        add_product(x, y, j, s_r, s_i, x[at], y[at])
     for k in range(compliant(d)):
         c, at = d.touch.active_index[k], rate_at(d, k)
         x[at], y[at] = x[at] - along_normal(d, c, work.motion), y[at] - along_normal(d, c, own_motion)
-        add(x, y, gap_at(d, k), s_r, s_i, x[at], y[at])
-    for k in range(min(followed(d), compliant(d))):
+        add_product(x, y, gap_at(d, k), s_r, s_i, x[at], y[at])
+    for k in range(min(impulse_count(d), compliant(d))):
         deep, fast = gap_at(d, k), rate_at(d, k)
         force_r = own.stiffness[k] * x[deep] + own.damping[k] * x[fast]
         force_i = own.stiffness[k] * y[deep] + own.damping[k] * y[fast]
-        add(x, y, impulse_at(d, k), -s_r, -s_i, force_r, force_i)
+        add_product(x, y, impulse_at(d, k), -s_r, -s_i, force_r, force_i)
 
 
-def add(x, y, j, a, b, c, d):
+def add_product(x, y, j, a, b, c, d):
     """Add (a + ib)(c + id) to entry j of x + iy."""
     more_r, more_i = times(a, b, c, d)
     x[j] += more_r
@@ -158,7 +163,9 @@ def load_joints(d, pair, s_r, s_i, x, y):
         if d.model.resisting:
             damper_r, damper_i = own.factors.damper[re, i], own.factors.damper[im, i]
             turning_r, turning_i = relative(x, omega_at(n), i), relative(y, omega_at(n), i)
-            add(own.impulse[0], own.impulse[1], i, damper_r, damper_i, turning_r, turning_i)
-            stiffness = stiffness_of(d, i)
+            add_product(own.impulse[0], own.impulse[1], i, damper_r, damper_i, turning_r, turning_i)
+            stiffness = spring_stiffness(d, i)
             turned_r, turned_i = relative(x, ANGLES, i), relative(y, ANGLES, i)
-            add(own.impulse[0], own.impulse[1], i, s_r * stiffness, s_i * stiffness, turned_r, turned_i)
+            add_product(
+                own.impulse[0], own.impulse[1], i, s_r * stiffness, s_i * stiffness, turned_r, turned_i
+            )

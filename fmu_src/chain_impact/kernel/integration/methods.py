@@ -40,17 +40,17 @@ def attempt(d, h):
 
 def finish(d):
     """Set what its method keeps of the last step, which has been tried just now."""
-    _finish(d.step.made_by, d, d.step.size)
+    _finish(d.step.last_method, d, d.step.size)
 
 
 def dense_output(d):
     """Make the dense output of the last step."""
-    _dense_output(d.step.made_by, d, d.step.size)
+    _dense_output(d.step.last_method, d, d.step.size)
 
 
 def bound_curvatures(d):
     """Set what the method knows of bounds on |g̈| [m/s²] over the last step, in place of general ones."""
-    _bound_curvatures(d.step.made_by, d, d.step.size)
+    _bound_curvatures(d.step.last_method, d, d.step.size)
 
 
 def chosen(choice):

@@ -6,7 +6,7 @@ an error of the step.
 
 from chain_impact.kernel.chain.state import coordinate_count, velocity_at
 from chain_impact.kernel.integration.extended import compliant, gap_at, rate_at
-from chain_impact.kernel.integration.linear_system import respond
+from chain_impact.kernel.integration.linear_system import respond_to_impulses
 from chain_impact.kernel.model.geometry import clearance
 
 # Of a penetration: by how much the coordinates may leave the clearance that is integrated beside them over a
@@ -15,7 +15,7 @@ from chain_impact.kernel.model.geometry import clearance
 APART = 0.03
 
 
-def meet(d, y, derivative, change):
+def project_coordinates(d, y, derivative, change):
     """Move the coordinates in y (for derivative 1: velocities) to the clearances (rates) in ``normal``.
 
     The points have to be located for y. The ``change``, shape (N+2,), is left.
@@ -26,12 +26,12 @@ def meet(d, y, derivative, change):
         own.normal[k] = own.impedance[k] * (own.normal[k] - (gap_rate if derivative else gap))
     for i in range(d.links):
         d.work.damped.impulse[i] = 0.0
-    respond(d, change)
+    respond_to_impulses(d, change)
     for j in range(coordinate_count(d.links)):
         y[first + j] += change[j]
 
 
-def meet_clearances(d, z, y):
+def project_clearances(d, z, y):
     """Move y, whose points are located, to the clearances and rates in z.
 
     Returns:
@@ -43,7 +43,7 @@ def meet_clearances(d, z, y):
     for derivative in range(2):
         for k in range(compliant(d)):
             own.normal[k] = z[rate_at(d, k) if derivative else gap_at(d, k)]
-        meet(d, y, derivative, change)
+        project_coordinates(d, y, derivative, change)
         for j in range(coordinate_count(d.links)):
             worst = max(worst, abs(change[j]) * own.weight[derivative * velocity_at(d.links) + j])
     return worst, apart

@@ -21,7 +21,7 @@ TURN = 2.8
 def factor(d, error):
     """What the size of a step is to be multiplied with, for its error relative to the tolerance."""
     method = d.step.method
-    return max(SHRINK, SAFETY[method] * d.step.ease * error ** EXPONENT[method])
+    return max(SHRINK, SAFETY[method] * d.step.cost_factor * error ** EXPONENT[method])
 
 
 def in_flight(d, y, rate):

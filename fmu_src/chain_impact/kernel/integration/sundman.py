@@ -17,7 +17,7 @@ distance of two bodies stands in for p.
 
 import math
 
-from chain_impact.kernel.chain.state import root_at, time_at
+from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.integration.dense import time_rate
 from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.model.equations import state_rate
@@ -47,11 +47,11 @@ def regularize(d, y, time_rate, rate):
 
 def to_fictitious_time(d, y, rate):
     """Turn a rate in time into one in s, for the located points."""
-    u = y[root_at(d.links)]
+    u = y[sundman_u_at(d.links)]
     p = time_rate(u)
     for j in range(len(rate)):
         rate[j] *= p
-    rate[root_at(d.links)] = root_rate(d, u)
+    rate[sundman_u_at(d.links)] = root_rate(d, u)
 
 
 def root_rate(d, u):
@@ -82,12 +82,14 @@ def time_rate_of(d, u):
 
 def time_rate_now(d, y):
     """dt/ds in state y; not less than SLOW, as it serves to turn the size of a step into seconds."""
-    return max(SLOW, time_rate_of(d, y[root_at(d.links)]))
+    return max(SLOW, time_rate_of(d, y[sundman_u_at(d.links)]))
 
 
 def runs_back(d, y):
     """Whether a step to state y goes far beyond the end of the contact: where u < 0, time runs backwards."""
-    return d.step.regularized != NO_CONTACT and (y[root_at(d.links)] < BACK or y[time_at(d.links)] <= 0.0)
+    return d.step.regularized != NO_CONTACT and (
+        y[sundman_u_at(d.links)] < BACK or y[time_at(d.links)] <= 0.0
+    )
 
 
 def lone_contact(d):

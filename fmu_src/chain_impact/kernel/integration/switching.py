@@ -50,12 +50,12 @@ def choose_method(d):
     elif not (touching or d.model.resisting):
         begin_explicit(step)  # nothing is stiff
     elif step.end > step.start:  # not just restarted
-        step.doubts = step.doubts + 1 if doubtful(d, step.end - step.start) else 0
-        if step.doubts >= step.patience:
-            step.doubts = 0
+        step.stiff_count = step.stiff_count + 1 if suggests_switch(d, step.end - step.start) else 0
+        if step.stiff_count >= step.switch_hysteresis:
+            step.stiff_count = 0
             if step.method == IMPLICIT:
                 # came in vain: wait longer before the next try
-                step.patience *= 2
+                step.switch_hysteresis *= 2
                 step.method = EXPLICIT
             else:
                 # one that an event or an input has cut short tells nothing
@@ -63,17 +63,17 @@ def choose_method(d):
                 step.method = IMPLICIT
 
 
-def doubtful(d, h):
+def suggests_switch(d, h):
     """Whether the last step, of size h [s], calls for the other method."""
     if d.step.method == IMPLICIT and d.step.explicit_size > 0.0:
         return h < LONGER * d.step.explicit_size
-    z = stiffness_of(d, h)
+    z = stiffness_number(d, h)
     if d.step.method == IMPLICIT:
         return z < NOT_STIFF
-    return z > STIFF or (z > RINGS and lasts(d))
+    return z > STIFF or (z > RINGS and contacts_last(d))
 
 
-def lasts(d):
+def contacts_last(d):
     """Whether there are active contacts with a force law, and all have lasted for long."""
     if d.contact.impulsive or d.touch.active_count == 0:
         return False
@@ -94,7 +94,7 @@ def begin_impact(d, c):
         d.step.method = EXPLICIT
     else:
         d.step.next_size = min(d.step.next_size, at_onset(d, c, d.step.method))
-    forget_doubts(d.step)
+    reset_stiff_count(d.step)
 
 
 def begin_flight(d):
@@ -104,7 +104,7 @@ def begin_flight(d):
         d.step.method = EXPLICIT
     if d.step.method == EXPLICIT:
         d.step.next_size = stable(d, d.step.next_size)
-    forget_doubts(d.step)
+    reset_stiff_count(d.step)
 
 
 def stable(d, h):
@@ -118,16 +118,16 @@ def stable(d, h):
 def begin_explicit(step):
     """Begin a new phase with the explicit method."""
     step.method = EXPLICIT
-    forget_doubts(step)
+    reset_stiff_count(step)
 
 
-def forget_doubts(step):
+def reset_stiff_count(step):
     """Let the present method have its turn."""
-    step.doubts, step.explicit_size = 0, 0.0
-    step.patience = PATIENCE
+    step.stiff_count, step.explicit_size = 0, 0.0
+    step.switch_hysteresis = PATIENCE
 
 
-def stiffness_of(d, h):
+def stiffness_number(d, h):
     """hρ of a step [s], with the rate of what is fastest, joints that resist or active contacts."""
     z = 0.0 if d.contact.impulsive else h * fastest_contact(d)
     return max(z, joints_over(d, h)) if d.model.resisting else z

@@ -20,14 +20,14 @@ from chain_impact.kernel.model.geometry import add_along_normal, add_impedance, 
 LEAST_MOBILITY = 1e-6
 
 
-def stiffen(d, links, impedance, factors):
-    """Eliminate M + Jᵀ D J, for ``impedance`` D_k [kg] of the active contacts, packed; see ``give_way``."""
+def factorize_contacts(d, links, impedance, factors):
+    """Eliminate M + Jᵀ D J for ``solve_contacts``, with D_k [kg] of the active contacts, packed."""
     add_impedances(d, impedance)
     factorize(d, links, d.work.impedance, factors)
 
 
-def stiffen_damped(d, links, impedance, time):
-    """As ``stiffen``, with the joints' resistance for a ``time`` s [s]; factors are in ``work.damped``."""
+def factorize_contacts_damped(d, links, impedance, time):
+    """As ``factorize_contacts``, with the joints' resistance for a ``time`` s [s]; sets ``work.damped``."""
     add_impedances(d, impedance)
     factorize_damped(d, links, d.work.impedance, time, d.work.damped)
 
@@ -39,13 +39,13 @@ def add_impedances(d, impedance):
         add_impedance(d, d.touch.active_index[k], d.work.impedance, impedance[k])
 
 
-def give_way(d, links, factors, impulse, change):
+def solve_contacts(d, links, factors, impulse, change):
     """Find Δ for ``impulse`` p_k [N·s] of the active contacts, packed.
 
     Args:
         d: the instance.
         links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
-        factors: those of ``stiffen``.
+        factors: those of ``factorize_contacts``.
         impulse: shape (C,), of which the first ones count.
         change: result Δ of the coordinates' rates, shape (N+2,) [m/s, rad/s]. The motion that it makes of
             the points is in ``work.motion``.
@@ -55,8 +55,8 @@ def give_way(d, links, factors, impulse, change):
     move_points(links, change, d.work.motion)
 
 
-def give_way_damped(d, links, impulse, change):
-    """As ``give_way``, after ``stiffen_damped``; ``work.damped.impulse`` has the impulses in the joints."""
+def solve_contacts_damped(d, links, impulse, change):
+    """As ``solve_contacts``, with joints that resist and the impulses in ``work.damped.impulse``."""
     load_contacts(d, impulse)
     solve_damped(d, links, d.work.damped, d.work.load, d.work.damped.impulse, change)
     move_points(links, change, d.work.motion)

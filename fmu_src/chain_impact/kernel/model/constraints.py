@@ -4,8 +4,8 @@ A rigid wall has no force law. The touching candidates k have normal motions u_k
 impulses p_k change them by the recursion's response: M Δ = Jᵀ p, u = u⁻ + J Δ = u⁻ + W p, W = J M⁻¹ Jᵀ. Two
 problems come up:
 
-    equality          u_k = aim_k for the active set, the *pressed* ones, else p_k = 0      (``press``)
-    complementarity   p ≥ 0,  u ≥ aim,  p·(u − aim) = 0                                    (``complement``)
+    equality          u_k = aim_k for the active set, the *pressed* ones, else p_k = 0   (``solve_equality``)
+    complementarity   p ≥ 0,  u ≥ aim,  p·(u − aim) = 0                                 (``solve_lcp``)
 
 W is never formed. With an impedance D at the pressed points the recursion solves, in O(N),
 
@@ -19,9 +19,9 @@ import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, velocity_at
-from chain_impact.kernel.model.compliance import give_way, stiffen
+from chain_impact.kernel.model.compliance import factorize_contacts, solve_contacts
 from chain_impact.kernel.model.geometry import along_normal, clearance
-from chain_impact.kernel.work_limit import overdrawn
+from chain_impact.kernel.work_limit import work_exceeded
 
 # D over the mean mass of a link. A sweep leaves 1/(D W) of what is missing: two or three do. A larger D would
 # lose digits of the chain's own inertia, a smaller one takes more sweeps.
@@ -58,10 +58,10 @@ def set_impedance(d, amount):
     """Set the impedance at the pressed points to an amount [kg], and that at the others to zero."""
     own = d.rigid
     for k in range(d.touch.active_count):
-        own.impedance[k] = amount if own.pressed[k] else 0.0
+        own.impedance[k] = amount if own.in_active_set[k] else 0.0
 
 
-def press(d, scale):
+def solve_equality(d, scale):
     """Find the impulses that bring the pressed candidates from ``start`` to ``aim``; the others have none.
 
     Args:
@@ -72,13 +72,13 @@ def press(d, scale):
     own, link = d.rigid, d.work.link
     mean, impedance = mean_mass(d), holding_impedance(d)
     set_impedance(d, 0.0)
-    stiffen(d, link, own.impedance, d.work.factors)
+    factorize_contacts(d, link, own.impedance, d.work.factors)
     set_impedance(d, impedance)
-    stiffen(d, link, own.impedance, own.factors)
-    start_free(d)
+    factorize_contacts(d, link, own.impedance, own.factors)
+    clear_impulses(d)
     before = math.inf
     for _ in range(MOST_SWEEPS):
-        worst = find_missing(d)
+        worst = find_residual(d)
         if worst <= ROUND_OFF * scale:
             return
         if not worst < 0.5 * before:
@@ -87,12 +87,12 @@ def press(d, scale):
             # near a toggle position a point has far more inertia than a link
             impedance *= STIFFER
             set_impedance(d, impedance)
-            stiffen(d, link, own.impedance, own.factors)
+            factorize_contacts(d, link, own.impedance, own.factors)
         before = worst
-        correct(d, impedance)
+        correct_impulses(d, impedance)
 
 
-def start_free(d):
+def clear_impulses(d):
     """Begin with no impulse, and the motion that is without one."""
     own = d.rigid
     for j in range(len(own.change)):
@@ -101,34 +101,34 @@ def start_free(d):
         own.impulse[k], own.reached[k] = 0.0, own.start[k]
 
 
-def find_missing(d):
+def find_residual(d):
     """Set m = aim − u of the pressed candidates; return the largest of them."""
     own, worst = d.rigid, 0.0
     for k in range(d.touch.active_count):
-        own.missing[k] = own.aim[k] - own.reached[k] if own.pressed[k] else 0.0
-        worst = max(worst, abs(own.missing[k]))
+        own.residual[k] = own.target[k] - own.reached[k] if own.in_active_set[k] else 0.0
+        worst = max(worst, abs(own.residual[k]))
     return worst
 
 
-def correct(d, impedance):
+def correct_impulses(d, impedance):
     """Correct the impulses by what is missing, and find the motion with them."""
     own, link, motion = d.rigid, d.work.link, d.work.motion
     # (M + Jᵀ D J) z = Jᵀ D m,  p ← p + D (m − J z)
     for k in range(d.touch.active_count):
-        own.missing[k] *= impedance
-    give_way(d, link, own.factors, own.missing, own.change)
+        own.residual[k] *= impedance
+    solve_contacts(d, link, own.factors, own.residual, own.change)
     for k in range(d.touch.active_count):
-        if own.pressed[k]:
+        if own.in_active_set[k]:
             back = impedance * along_normal(d, d.touch.active_index[k], motion)
-            own.impulse[k] += own.missing[k] - back
-    give_way(d, link, d.work.factors, own.impulse, own.change)
+            own.impulse[k] += own.residual[k] - back
+    solve_contacts(d, link, d.work.factors, own.impulse, own.change)
     for k in range(d.touch.active_count):
         own.reached[k] = own.start[k] + along_normal(d, d.touch.active_index[k], motion)
     d.limits.other_work += 2
 
 
-def complement(d, scale):
-    """Find p ≥ 0, u ≥ aim, p·(u − aim) = 0, from the guess which are ``pressed``; see ``press``.
+def solve_lcp(d, scale):
+    """Find p ≥ 0, u ≥ aim, p·(u − aim) = 0, from the guess which are ``pressed``; see ``solve_equality``.
 
     Block principal pivoting (after Júdice & Pires 1994, Comput Oper Res 21:587): who pulls is let go and who
     falls short is pressed, all at once as long as fewer and fewer are wrong, else only the last of them,
@@ -137,9 +137,9 @@ def complement(d, scale):
     own, count = d.rigid, d.touch.active_count
     fewest, patience = count + 1, PATIENCE
     for _ in range(ROUNDS + 4 * count):
-        press(d, scale)
-        wrong = count_wrong(d, scale)
-        if wrong == 0 or overdrawn(d):
+        solve_equality(d, scale)
+        wrong = count_violations(d, scale)
+        if wrong == 0 or work_exceeded(d):
             return
         if wrong < fewest:
             fewest, patience = wrong, PATIENCE
@@ -147,36 +147,36 @@ def complement(d, scale):
             patience -= 1
         for i in range(count):
             k = count - 1 - i
-            if own.wrong[k]:
-                own.pressed[k] = 1 - own.pressed[k]
+            if own.violated[k]:
+                own.in_active_set[k] = 1 - own.in_active_set[k]
                 if patience < 0:
                     break
 
 
-def count_wrong(d, scale):
+def count_violations(d, scale):
     """Mark the candidates that pull, or fall short of their aim by more than round-off; return how many."""
     own, largest, wrong = d.rigid, 0.0, 0
     for k in range(d.touch.active_count):
         largest = max(largest, abs(own.impulse[k]))
     for k in range(d.touch.active_count):
-        if own.pressed[k]:
-            own.wrong[k] = own.impulse[k] < -DOUBT * largest
+        if own.in_active_set[k]:
+            own.violated[k] = own.impulse[k] < -DOUBT * largest
         else:
-            own.wrong[k] = own.reached[k] < own.aim[k] - DOUBT * scale
-        wrong += own.wrong[k]
+            own.violated[k] = own.reached[k] < own.target[k] - DOUBT * scale
+        wrong += own.violated[k]
     return wrong
 
 
-def holding(d):
+def any_point_held(d):
     """Whether rigid walls hold a point."""
     return d.contact.impulsive and d.touch.active_count > 0
 
 
-def press_all(d):
+def activate_all(d):
     """Make every touching candidate a pressed one, that is to come to rest."""
     for k in range(d.touch.active_count):
-        d.rigid.pressed[k] = 1
-        d.rigid.aim[k] = 0.0
+        d.rigid.in_active_set[k] = 1
+        d.rigid.target[k] = 0.0
 
 
 def start_from_accelerations(d, y, rate):
@@ -187,24 +187,24 @@ def start_from_accelerations(d, y, rate):
     return largest(d.work.acceleration)
 
 
-def hold(d, y, rate):
+def add_constraint_forces(d, y, rate):
     """Correct a rate ẏ, found without contact forces, by the forces with which the walls hold: g̈ = 0.
 
     The forces [N] stand in ``d.rigid.impulse`` then; they do no work.
     """
     own, n = d.rigid, d.links
     scale = start_from_accelerations(d, y, rate)
-    press_all(d)
-    press(d, scale)
+    activate_all(d)
+    solve_equality(d, scale)
     for j in range(coordinate_count(n)):
         rate[velocity_at(n) + j] += own.change[j]
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
-        own.least[c] = min(own.least[c], own.impulse[k])
+        own.least_force[c] = min(own.least_force[c], own.impulse[k])
         d.touch.force[c] = own.impulse[k]
 
 
-def meet_walls(d, y):
+def project_state(d, y):
     """Move the located state y to g = 0 and ġ = 0 of the held contacts, so that errors do not add up.
 
     Near a toggle position, or where two points all but coincide, the same errors of ġ may ask for any
@@ -213,14 +213,14 @@ def meet_walls(d, y):
     """
     own, n = d.rigid, d.links
     for derivative in range(2):
-        press_all(d)
+        activate_all(d)
         for k in range(d.touch.active_count):
             gap, gap_rate = clearance(d, d.touch.active_index[k])
             own.start[k] = gap_rate if derivative else gap
         if derivative:
-            stop(d)
+            solve_stopping_impulses(d)
         else:
-            place(d)
+            solve_positions(d)
         for j in range(coordinate_count(n)):
             y[derivative * velocity_at(n) + j] += own.change[j]
         locate_points(d, y)
@@ -229,27 +229,27 @@ def meet_walls(d, y):
         y[dissipated_at(n)] -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
 
 
-def place(d):
+def solve_positions(d):
     """Find the change of the coordinates that brings the pressed candidates to their aims, g = aim.
 
     Where that is far more than what is missing and errors explain, it only moves those that fall short.
     """
     own, size, asked, moved = d.rigid, d.model.size, 0.0, 0.0
     for k in range(d.touch.active_count):
-        asked = max(asked, abs(own.aim[k] - own.start[k]))
-    press(d, size)
+        asked = max(asked, abs(own.target[k] - own.start[k]))
+    solve_equality(d, size)
     for j in range(coordinate_count(d.links)):
         moved = max(moved, abs(own.change[j]) / (size if j < ANGLES else 1.0))
     if moved > MISPLACED * (d.solver.tolerance + asked / size):
-        complement(d, size)
+        solve_lcp(d, size)
 
 
-def stop(d):
+def solve_stopping_impulses(d):
     """Find the impulses that stop the pressed candidates, of which none pulls by more than errors explain."""
     speed = largest(d.work.velocity)
-    press(d, speed)
-    if least_impulse(d) < -corrected(d, speed):
-        complement(d, speed)
+    solve_equality(d, speed)
+    if least_impulse(d) < -tolerated_momentum(d, speed):
+        solve_lcp(d, speed)
 
 
 def least_impulse(d):
@@ -260,7 +260,7 @@ def least_impulse(d):
     return least
 
 
-def corrected(d, speed):
+def tolerated_momentum(d, speed):
     """The momentum [N·s] of the chain at the error of a ``speed`` [m/s] and after a fall by RISE."""
     size = d.model.size
     mass = d.model.energy / (size * size)

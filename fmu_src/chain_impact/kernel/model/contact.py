@@ -8,11 +8,11 @@ from chain_impact.kernel.chain.kinematics import zero
 from chain_impact.kernel.model.compliance import effective_mass
 from chain_impact.kernel.model.contact_force import (
     continued_force,
-    foresee_depth,
     height_over_kink,
-    latch_damping,
     law_force,
     law_slopes,
+    set_damping,
+    set_expected_depth,
 )
 from chain_impact.kernel.model.geometry import add_along_normal, clearance
 from chain_impact.kernel.model.latest import list_impact
@@ -59,7 +59,7 @@ def contact_slopes(d, c):
     return law_slopes(d, c, max(0.0, -gap), -gap_rate)
 
 
-def latch(d, c):
+def begin_contact(d, c):
     """Begin the contact of candidate c at the located points: fix v₀, effective mass and expected depth."""
     _, gap_rate = clearance(d, c)
     touch = d.touch
@@ -76,8 +76,8 @@ def latch(d, c):
     if d.contact.impulsive:
         touch.depth_scale[c] = d.model.size  # no depth to be exact about
     else:
-        foresee_depth(d, c)
-        latch_damping(d, c)
+        set_expected_depth(d, c)
+        set_damping(d, c)
     d.impact.count += 1
     d.impact.last_time = d.step.end
     d.impact.last_point = d.candidate.point[c]
@@ -93,24 +93,24 @@ def kink_height(d, c):
     return height_over_kink(d, c, max(0.0, -gap), -gap_rate)
 
 
-def take_side(d, c):
+def set_kink_side(d, c):
     """Find on which side of the kink of its force candidate c is, for the located points."""
-    d.touch.beyond[c] = 1 if kink_height(d, c) < 0.0 else 0
+    d.touch.beyond_kink[c] = 1 if kink_height(d, c) < 0.0 else 0
 
 
-def take_sides(d):
+def set_kink_sides(d):
     """Find it for all active contacts."""
     if not d.contact.impulsive:
         for k in range(d.touch.active_count):
-            take_side(d, d.touch.active_index[k])
+            set_kink_side(d, d.touch.active_index[k])
 
 
-def forget_stages(d):
+def clear_stage_notes(d):
     """Forget what the stages of earlier steps have noted: crossings, and the least force of a rigid wall."""
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
-        d.touch.crossed[c] = 0
-        d.rigid.least[c] = 0.0
+        d.touch.kink_crossed[c] = 0
+        d.rigid.least_force[c] = 0.0
 
 
 def list_touching(d):

@@ -5,7 +5,7 @@ A user's law (user_law.py) is a force of its own.
 
 The force has a kink where it is cut off at 0 or, for a law that damps on approach only, at δ̇ = 0. Steps are
 smooth, and so of their order, as the force of one side of the kink is continued until it has been located
-(events/kinks.py); ``touch.beyond`` tells the side. What is looked at is the force as it is.
+(events/kinks.py); ``touch.beyond_kink`` tells the side. What is looked at is the force as it is.
 """
 
 import math
@@ -52,13 +52,13 @@ def elastic_depth(contact, mass, speed):
     return (energy * (contact.exponent + 1.0) / contact.stiffness) ** (1.0 / (contact.exponent + 1.0))
 
 
-def foresee_depth(d, c):
+def set_expected_depth(d, c):
     """Set the penetration [m] to expect of candidate c, for the v₀ and effective mass of its contact."""
     touch = d.touch
     touch.depth_scale[c] = elastic_depth(d.contact, touch.effective_mass[c], touch.impact_speed[c])
 
 
-def latch_damping(d, c):
+def set_damping(d, c):
     """Set the damping d [N·s/m^(p+1)] of candidate c, for the v₀ and effective mass of its contact."""
     contact, touch = d.contact, d.touch
     # an error of δ̇ by the tolerance takes a force that comes to 0 slowly, or hovers above it, across
@@ -94,7 +94,7 @@ def law_force(d, c, depth, rate):
 
 def continued_force(d, c, depth, rate):
     """As ``law_force``, continued from that side of its kink on which the contact is; notes a crossing."""
-    beyond = d.touch.beyond[c] != 0
+    beyond = d.touch.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
     note_crossing(d, c, rate if d.contact.approach_only else force, depth)
     return 0.0 if beyond and not d.contact.approach_only else force, elastic
@@ -102,9 +102,9 @@ def continued_force(d, c, depth, rate):
 
 def note_crossing(d, c, height, depth):
     """Note it when candidate c, with what changes its sign at the kink, is past it by its margin."""
-    over = height if d.touch.beyond[c] else -height
+    over = height if d.touch.beyond_kink[c] else -height
     if over > 0.0 and over > d.touch.kink_margin[c] * kink_slope(d, c, depth):
-        d.touch.crossed[c] = 1
+        d.touch.kink_crossed[c] = 1
 
 
 def kink_slope(d, c, depth):
@@ -126,7 +126,7 @@ def height_over_kink(d, c, depth, rate):
 
 def cut_off(d, c):
     """Whether candidate c has no force, as its law would pull."""
-    return d.touch.beyond[c] != 0 and not d.contact.approach_only
+    return d.touch.beyond_kink[c] != 0 and not d.contact.approach_only
 
 
 def uncut_force(d, c, depth, rate, leaves):
@@ -174,7 +174,7 @@ def law_slopes(d, c, depth, rate):
     if d.contact.law == USER_LAW and user_law.present():
         return user_slopes(d, c, depth, rate)
     contact = d.contact
-    beyond = d.touch.beyond[c] != 0
+    beyond = d.touch.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
     damping = damping_slope(d, c, depth, beyond, power(depth, contact.exponent))
     # ∂F/∂δ = (n K δⁿ + p d δᵖ δ̇)/δ ≥ (n−p) K δⁿ⁻¹ where F ≥ 0, for n ≥ p; at the kink F may be below it

@@ -6,7 +6,7 @@ from chain_impact.kernel.model.contact_force import elastic_energy
 from chain_impact.kernel.model.geometry import clearance
 
 
-def ledger(d, y):
+def energy_balance(d, y):
     """What no motion changes [J], for the located points: the energy there is, lost and not supplied.
 
     Kinetic, potential and elastic energy, plus the dissipated one, less that supplied by the inputs.

@@ -2,19 +2,19 @@
 
 from chain_impact.kernel.chain.kinematics import link_vectors, locate_points
 from chain_impact.kernel.chain.recursion import accelerations
-from chain_impact.kernel.chain.springs import stiffness_of, stretch
+from chain_impact.kernel.chain.springs import spring_stiffness, stretch
 from chain_impact.kernel.chain.state import (
     coordinate_count,
     dissipated_at,
     omega_at,
-    root_at,
+    sundman_u_at,
     supplied_at,
     time_at,
     velocity_at,
 )
-from chain_impact.kernel.model.constraints import hold
+from chain_impact.kernel.model.constraints import add_constraint_forces
 from chain_impact.kernel.model.contact import apply_contacts, clear_loads
-from chain_impact.kernel.model.inputs import see_inputs
+from chain_impact.kernel.model.inputs import ensure_inputs
 
 
 def state_rate(d, y, rate):
@@ -30,11 +30,11 @@ def state_rate(d, y, rate):
 
 def located_rate(d, y, rate):
     """As ``state_rate``, for the located points."""
-    see_inputs(d, y)
+    ensure_inputs(d, y)
     if d.contact.impulsive:
         free_rate(d, y, rate)
         if d.touch.active_count > 0:
-            hold(d, y, rate)
+            add_constraint_forces(d, y, rate)
     else:
         loaded_rate(d, y, apply_contacts(d), rate)
 
@@ -58,7 +58,7 @@ def loaded_rate(d, y, dissipated, rate):
     accelerations(d, y, rate)
     rate[dissipated_at(n)] = dissipated
     rate[supplied_at(n)] = supplied
-    rate[root_at(n)] = 0.0
+    rate[sundman_u_at(n)] = 0.0
     rate[time_at(n)] = 1.0
 
 
@@ -94,7 +94,7 @@ def add_spring_moments(d, y):
     """Add the moments of the springs: −k_i φ_i on link i, and the opposite on link i − 1."""
     for i in range(d.links):
         # −k (θ_i − θ_{i−1} − φ₀)
-        torque = -stiffness_of(d, i) * stretch(d, y, i)
+        torque = -spring_stiffness(d, i) * stretch(d, y, i)
         d.work.moment[i] += torque
         if i > 0:
             d.work.moment[i - 1] -= torque

@@ -13,7 +13,7 @@ AT_ONCE, GOING_ON = 1, 2  # given.changed: the solver starts anew; or the inputs
 LANDED = 4e-15  # of the time: a step that ends no further behind the end of a piece ends there
 
 
-def take_inputs(d):
+def apply_inputs(d):
     """Let the inputs that were given hold."""
     given, course, own = d.given, d.given.course, d.inputs.course
     own.order, own.pace, own.until = course.order, course.pace, course.until
@@ -28,7 +28,7 @@ def take_inputs(d):
             own.tip_force[m, j] = course.tip_force[m, j]
 
 
-def see_inputs(d, y):
+def ensure_inputs(d, y):
     """See that the inputs are those at the time of a state."""
     if d.inputs.course.order > 0:
         set_inputs(d, d.step.clock + y[time_at(d.links)])
@@ -52,12 +52,12 @@ def polynomial(powers, order, i, x):
     return total
 
 
-def goes_on(d):
+def inputs_continue(d):
     """Whether the inputs only go on, with another piece, from where the last step ends."""
     return d.given.changed == GOING_ON and d.step.end - d.step.time <= LANDED * abs(d.step.end)
 
 
-def within_piece(d, h):
+def limit_to_piece(d, h):
     """The size of a step in time that begins, at most h, which ends with the piece or well before its end."""
     if d.inputs.course.order == 0 or d.step.regularized >= 0:
         return h

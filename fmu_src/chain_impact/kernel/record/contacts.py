@@ -32,9 +32,13 @@ def touch_dtype(candidates: int) -> np.dtype:
         ("force_rate", REAL, (candidates,)),  # N/s, dF/dt at the start of the step, to find the peaks
         ("force", REAL, (candidates,)),  # N, where a rate was evaluated last, of the active …
         ("force_end", REAL, (candidates,)),  # N, … and at the end of the last step
-        ("beyond", INTEGER, (candidates,)),  # 1: beyond the kink of its force, see kernel/events/kinks.py
+        (
+            "beyond_kink",
+            INTEGER,
+            (candidates,),
+        ),  # 1: beyond the kink of its force
         ("kink_margin", REAL, (candidates,)),  # m/s, of a δ̇ that need not be on its side
-        ("crossed", INTEGER, (candidates,)),  # 1: a stage of the tried step was on the other side of it
+        ("kink_crossed", INTEGER, (candidates,)),  # 1: a stage of the tried step was on the other side of it
         ("number", INTEGER, (candidates,)),  # of its onset, counted from 1
         ("peak_force", REAL, (candidates,)),  # N
         ("max_penetration", REAL, (candidates,)),  # m
@@ -76,16 +80,20 @@ def rigid_dtype(links: int, candidates: int) -> np.dtype:
         ("factors", factors_dtype(links)),  # with an impedance at the pressed points
         # m, m/s or m/s², rad …, of the coordinates, by the impulses
         ("change", REAL, (coordinate_count(links),)),
-        ("pressed", INTEGER, (candidates,)),  # 1: has an impulse
-        ("wrong", INTEGER, (candidates,)),  # 1: of the wrong sign
+        ("in_active_set", INTEGER, (candidates,)),  # 1: has an impulse
+        ("violated", INTEGER, (candidates,)),  # 1: of the wrong sign
         ("start", REAL, (candidates,)),  # normal motion without impulses, m, m/s or m/s², …
         ("reached", REAL, (candidates,)),  # … with them, …
-        ("aim", REAL, (candidates,)),  # … as it shall be, at the least, …
-        ("missing", REAL, (candidates,)),  # … what is missing, then that times the impedance
+        ("target", REAL, (candidates,)),  # … as it shall be, at the least, …
+        ("residual", REAL, (candidates,)),  # … what is missing, then that times the impedance
         ("impulse", REAL, (candidates,)),  # N·s, or N
         ("impedance", REAL, (candidates,)),  # kg, D
         ("sample", REAL, (2, candidates)),  # N, the last two forces looked at
-        ("least", REAL, (candidates,)),  # N, smallest holding force in the stages of the step; not packed
+        (
+            "least_force",
+            REAL,
+            (candidates,),
+        ),  # N, smallest one in the stages of the step; not packed
     )
 
 

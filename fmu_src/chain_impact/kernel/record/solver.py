@@ -23,20 +23,20 @@ def step_dtype(links: int) -> np.dtype:
         ("size", REAL),  # s, of the variable that the step runs in, see kernel/integration/sundman.py
         ("kept", REAL),  # the fraction of `size` at which it ends
         ("next_size", REAL),  # … proposed, likewise
-        ("ease", REAL),  # … and what part of that its cost allows, of the step that is tried
+        ("cost_factor", REAL),  # … and what part of that its cost allows, of the step that is tried
         ("flight_size", REAL),  # s, of the last step before the first of the present contacts
         ("state", REAL, (state,)),  # y at `start`
         ("state_end", REAL, (state,)),  # y at `end`
         ("dense", REAL, (DENSE_COEFFICIENTS, state)),  # interpolant over `size`
         ("rate_known", INTEGER),  # 1: `work.rate_end` is ẏ at `end`
         ("dense_for", INTEGER),  # who has had the dense output so far, see kernel/integration/last_step.py
-        ("made_by", INTEGER),  # the method of the last step, see kernel/integration/method.py
+        ("last_method", INTEGER),  # the method of the last step, see kernel/integration/method.py
         ("breaks", INTEGER),  # how often the next step did not go on where the last one ended
         ("regularized", INTEGER),  # the candidate in whose fictitious time the step runs, −1: in time
         ("method", INTEGER),  # the method at work, see kernel/integration/method.py
         ("explicit_size", REAL),  # s, of the last explicit step before implicit ones; 0: not known
-        ("doubts", INTEGER),  # steps in a row for which the other method would do better …
-        ("patience", INTEGER),  # … and how many make the solver change
+        ("stiff_count", INTEGER),  # steps in a row for which the other method would do better …
+        ("switch_hysteresis", INTEGER),  # … and how many make the solver change
     )
 
 
@@ -69,16 +69,16 @@ def limits_dtype() -> np.dtype:
 def balance_dtype() -> np.dtype:
     """The ledger of energies. Owner: integration/balance.py."""
     return record(
-        ("ledger", REAL),  # J, at the end of the last step …
-        ("before", REAL),  # … and at its start
+        ("at_end", REAL),  # J, at the end of the last step …
+        ("at_start", REAL),  # … and at its start
         ("breaks", INTEGER),  # of the steps, when it was taken anew
         ("start", REAL),  # s, of the present window
         ("reference", REAL),  # J, the ledger at its start, less what a parameter has changed since
         ("allowed", REAL),  # J, the most that a step in it was allowed to, …
-        ("least", REAL),  # … and that any is
+        ("least_allowed", REAL),  # … and that any is
         ("since", REAL),  # s, the start of the run
         ("origin", REAL),  # J, the ledger then, likewise
-        ("there", REAL),  # J, the most energy that there could be so far
+        ("available", REAL),  # J, the most energy that there could be so far
         ("loss", REAL),  # by the last step, over what it might lose
         ("unit_motion", REAL),  # √J, √E₁
         ("unit_scale", REAL),  # J, the parts of S that do not change

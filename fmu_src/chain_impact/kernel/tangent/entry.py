@@ -1,50 +1,50 @@
 """Derivatives beside a run of an instance d: by the instances of dual numbers behind it in memory.
 
-What is in HOOKS takes the place of the functions of kernel/beside.py, so that whatever advances d advances
+What is in HOOKS takes the place of the functions of kernel/hooks.py, so that whatever advances d advances
 those instances, too.
 """
 
 import math
 
-from chain_impact.kernel import beside
-from chain_impact.kernel.advance import advance, set_present
-from chain_impact.kernel.events.contact_log import follow_to_present
+from chain_impact.kernel import hooks
+from chain_impact.kernel.advance import advance, set_own_output_time
+from chain_impact.kernel.events.contact_log import update_own_to_output_time
 from chain_impact.kernel.observe import fill_outputs, observe
 from chain_impact.kernel.soundness import within_bounds
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.blocks import block, words
 from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.kernel.tangent.replay import move_end, replay
-from chain_impact.kernel.tangent.start import start, start_anew
-from chain_impact.kernel.tangent.trust import share_distrust, trusted
+from chain_impact.kernel.tangent.start import reinit_tangent, start_tangent
+from chain_impact.kernel.tangent.trust import share_reason, trusted
 from chain_impact.kernel.work_limit import allow_any_length, work_done, work_of_a_call
 
 
-def begin_all(d):
+def start_all(d):
     """Set all to their start."""
     for b in range(d.tangents):
-        start(d, block(d, b))
+        start_tangent(d, block(d, b))
 
 
-def start_all_anew(d):
+def reinit_all(d):
     """Start all anew from the communication point."""
     for b in range(d.tangents):
-        start_anew(d, block(d, b))
+        reinit_tangent(d, block(d, b))
 
 
-def replay_step(d):
+def replay_all(d):
     """Make the last step of d."""
     for b in range(d.tangents):
         replay(d, block(d, b))
     for b in range(d.tangents):
         for other in range(d.tangents):
-            share_distrust(block(d, b), block(d, other))
+            share_reason(block(d, b), block(d, other))
 
 
-def look_at_all(d, time):
+def set_output_time_of_all(d, time):
     """Make a ``time`` [s] the communication point of all."""
     for b in range(d.tangents):
-        set_present(block(d, b), time)
+        set_own_output_time(block(d, b), time)
 
 
 def observe_all(d):
@@ -63,15 +63,15 @@ def forget_slopes(dual_numbers):
             dual_numbers[j] = math.nan
 
 
-def follow_all(d):
+def truncate_all(d):
     """Follow the contacts of all to the communication point."""
     for b in range(d.tangents):
         t = block(d, b)
-        follow_to_present(t)
+        update_own_to_output_time(t)
         move_end(t)
 
 
-def all_sound(d):
+def all_valid(d):
     """Whether all sizes and indices are such."""
     fits = True
     for b in range(d.tangents):
@@ -81,15 +81,15 @@ def all_sound(d):
 
 
 HOOKS = {
-    beside.begin: begin_all,
-    beside.anew: start_all_anew,
-    beside.step: replay_step,
-    beside.look: look_at_all,
-    beside.observe: observe_all,
-    beside.follow: follow_all,
-    beside.sound: all_sound,
+    hooks.on_start: start_all,
+    hooks.on_reinit: reinit_all,
+    hooks.on_step: replay_all,
+    hooks.on_output_time: set_output_time_of_all,
+    hooks.on_observe: observe_all,
+    hooks.on_truncate: truncate_all,
+    hooks.indices_valid: all_valid,
 }
-"""Function of kernel/beside.py → what it does in a kernel that carries derivatives."""
+"""Function of kernel/hooks.py → what it does in a kernel that carries derivatives."""
 
 
 def trajectory_with(d, times, looks, values, slopes):
@@ -112,11 +112,11 @@ def trajectory_with(d, times, looks, values, slopes):
         if advance(d, times[row], room, work) != OK:
             return row
         observe(d)
-        see(d, looks, values[row], slopes[row])
+        fill_row(d, looks, values[row], slopes[row])
     return len(times)
 
 
-def see(d, looks, values, slopes):
+def fill_row(d, looks, values, slopes):
     """Fill a row of outputs and one of their derivatives with what has been observed."""
     count = d.tangents
     for j in range(len(looks)):

@@ -6,12 +6,18 @@ it solves its equations at once, however long the step is, and a disturbance is 
 iterated until they have converged themselves, relative to the state's in the same direction.
 """
 
-from chain_impact.kernel.integration.collocation import LAST, factorize, foretell, iterate, set_result
+from chain_impact.kernel.integration.collocation import (
+    LAST,
+    extrapolate_stages,
+    factorize,
+    iterate,
+    set_result,
+)
 from chain_impact.kernel.integration.extended import compliant, extend_start, extended_size
-from chain_impact.kernel.integration.projection import meet_clearances
+from chain_impact.kernel.integration.projection import project_clearances
 from chain_impact.kernel.integration.radau import STAGES
 from chain_impact.kernel.tangent.directions import DIRECTIONS, carried, slope
-from chain_impact.kernel.tangent.trust import NO_IMPACT, NOT_SOLVED, TRUSTED, distrust
+from chain_impact.kernel.tangent.trust import NO_IMPACT, NOT_SOLVED, TRUSTED, mark_untrusted
 
 ENOUGH = 0.01  # of the tolerance, relative: the last correction of derivatives
 # relative: a correction that falls no more is round-off up to this, and says that the iteration fails beyond
@@ -24,15 +30,15 @@ def make_implicit(d, t, h):
     """Make the step of size h that d has made last; the result stands in ``work.y`` of t."""
     extend_start(t)
     size = extended_size(t)
-    foretell(t, h, size)
+    extrapolate_stages(t, h, size)
     take_stages(d, t, size)
     take_slopes(d, t)
     factorize(t, h)
-    if not converge(d, t, h, size) and t.trust.reason == TRUSTED:
-        distrust(t, NOT_SOLVED, NO_IMPACT, d.step.start)
+    if not iterate_slopes(d, t, h, size) and t.trust.reason == TRUSTED:
+        mark_untrusted(t, NOT_SOLVED, NO_IMPACT, d.step.start)
     set_result(t, h)
     if compliant(t) > 0:
-        meet_clearances(t, t.implicit.z, t.work.y)
+        project_clearances(t, t.implicit.z, t.work.y)
 
 
 def take_stages(d, t, size):
@@ -51,7 +57,7 @@ def take_slopes(d, t):
         own.stiffness[k], own.damping[k] = one.stiffness[k], one.damping[k]
 
 
-def converge(d, t, h, size):
+def iterate_slopes(d, t, h, size):
     """Iterate the derivatives of the stages; returns whether they have converged."""
     correction = 0.0
     for k in range(MOST):

@@ -15,47 +15,47 @@ change, and its moment does not matter.
 Source: for sensitivities through events, e.g. Galán, Feehery & Barton 1999, Appl Numer Math 31:17.
 """
 
-from chain_impact.kernel.advance import let_events_act, start_in_variable
+from chain_impact.kernel.advance import apply_pending_events, set_first_stage
 from chain_impact.kernel.chain.kinematics import locate_points
-from chain_impact.kernel.chain.state import root_at, time_at
+from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.dispatch import dispatch
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.kinds import END, ONSET, RELATCH
 from chain_impact.kernel.integration import explicit
-from chain_impact.kernel.integration.impulse import followed
+from chain_impact.kernel.integration.impulse import impulse_count
 from chain_impact.kernel.integration.last_step import (
     accept,
-    break_off,
     choose_variable,
-    cut,
-    see_points,
-    see_rate,
+    ensure_points,
+    ensure_rate,
+    mark_jump,
+    truncate_step,
 )
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.methods import METHOD_COUNT
 from chain_impact.kernel.model.geometry import along_normal, clearance
 from chain_impact.kernel.tangent.directions import carried, value
 from chain_impact.kernel.tangent.implicit_step import make_implicit
-from chain_impact.kernel.tangent.start import follow_inputs
-from chain_impact.kernel.tangent.trust import judge_onsets, judge_turns
+from chain_impact.kernel.tangent.start import copy_inputs
+from chain_impact.kernel.tangent.trust import check_onsets, check_turns
 
 
 def replay(d, t):
     """Make the last step of d in dual numbers."""
-    let_events_act(t)
-    follow_inputs(d, t)
-    t.step.method = d.step.made_by
+    apply_pending_events(t)
+    copy_inputs(d, t)
+    t.step.method = d.step.last_method
     choose_variable(t, True)
-    start_in_variable(t)
+    set_first_stage(t)
     lands = ends_regularized(d)
     make(d, t, d.step.size * d.step.kept if lands else d.step.size)
-    judge_turns(t)
+    check_turns(t)
     if lands:
         take_values(d, t)
-        break_off(t)
+        mark_jump(t)
     else:
         if d.step.kept != 1.0:
-            cut(t, d.step.kept)
+            truncate_step(t, d.step.kept)
         take_values(d, t)
     for c in range(d.candidates):
         t.touch.event[c] = d.touch.event[c]
@@ -100,9 +100,9 @@ def move_end(t):
         kind = t.touch.event[c]
         # where a regularized contact ends its time stands still: moving along it changes nothing
         if kind in (ONSET, RELATCH) or (kind == END and c != t.step.regularized):
-            see_rate(t)
-            see_points(t)
-            judge_onsets(t)
+            ensure_rate(t)
+            ensure_points(t)
+            check_onsets(t)
             move_along(t, delay(t, c, kind))
             return
 
@@ -124,10 +124,10 @@ def delay(t, c, kind):
 def move_along(t, time):
     """Move the end of the last step along the motion by a time [s] that has derivatives alone."""
     y, rate = t.step.state_end, t.work.rate_end
-    for j in range(root_at(t.links)):
+    for j in range(sundman_u_at(t.links)):
         y[j] += value(rate[j]) * time
     y[time_at(t.links)] += time
     t.step.end += time
-    for k in range(followed(t)):
+    for k in range(impulse_count(t)):
         t.impulse.state_end[k] += value(t.touch.force_end[t.touch.active_index[k]]) * time
-    break_off(t)
+    mark_jump(t)

@@ -7,7 +7,7 @@ an argument carries derivatives.
 import math
 
 from chain_impact.kernel.chain import sincos, springs
-from chain_impact.kernel.chain.state import root_at, time_at
+from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.integration import dense
 from chain_impact.kernel.laws import contact_laws, user_law
 from chain_impact.kernel.model import contact_force
@@ -58,7 +58,7 @@ def fraction(t, time):
         return elapsed / step.size
     theta = value(dense.regularized_fraction(t, elapsed))
     rate = value(step.size) * dense.time_rate(
-        value(dense.interpolate_component(step, theta, root_at(t.links)))
+        value(dense.interpolate_component(step, theta, sundman_u_at(t.links)))
     )
     error = dense.interpolate_component(step, theta, clock) - elapsed
     # θ = θ₀ − (t(θ₀) − t)/ṫ; where a contact begins or ends time stands still, and θ does not vary

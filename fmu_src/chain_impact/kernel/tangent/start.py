@@ -1,50 +1,50 @@
 """How an instance of dual numbers begins: the derivatives of what follows from the parameters."""
 
-from chain_impact.kernel.advance import hold_anew
-from chain_impact.kernel.initialize import derive_chain, forget_run, set_initial_state, take_given
-from chain_impact.kernel.integration.last_step import stand
+from chain_impact.kernel.advance import recompute_active_set
+from chain_impact.kernel.initialize import apply_given, clear_run, derive_chain, set_initial_state
+from chain_impact.kernel.integration.last_step import reset_step
 from chain_impact.kernel.integration.switching import begin_explicit
 from chain_impact.kernel.laws.contact_laws import ANY, LAW_COUNT, RATE_EXPONENTS, damping_factor
-from chain_impact.kernel.model.contact import clear_loads, take_sides
-from chain_impact.kernel.model.contact_force import foresee_depth, latch_damping
+from chain_impact.kernel.model.contact import clear_loads, set_kink_sides
+from chain_impact.kernel.model.contact_force import set_damping, set_expected_depth
 from chain_impact.kernel.model.geometry import place_walls
 from chain_impact.kernel.tangent.blocks import copy_values
 from chain_impact.kernel.tangent.directions import carried
 from chain_impact.kernel.tangent.trust import TRUSTED
 
 
-def start(d, t):
+def start_tangent(d, t):
     """Set t to the start of d, which is initialized; t has the derivatives of the parameters."""
-    take_parameters(d, t)
+    copy_parameters(d, t)
     derive_chain(t)
-    forget_run(t)
-    take_given_of(d, t)
+    clear_run(t)
+    apply_given_of(d, t)
     derive_law_of(d, t)
     place_walls(t)
     set_initial_state(t, t.work.y)
-    stand(t, d.step.time, t.work.y)
+    reset_step(t, d.step.time, t.work.y)
     clear_loads(t)
     begin_explicit(t.step)
     t.impact.last_time = d.step.time
     t.trust.reason = TRUSTED
 
 
-def start_anew(d, t):
+def reinit_tangent(d, t):
     """Start t anew from the communication point, to which its contacts are followed, as d has just done."""
-    stand(t, t.step.end, t.step.state_end)
+    reset_step(t, t.step.end, t.step.state_end)
     rigid = t.contact.impulsive
-    take_given_of(d, t)
+    apply_given_of(d, t)
     derive_law_of(d, t)
     for k in range(t.touch.active_count):
         if not t.contact.impulsive:
-            foresee_depth(t, t.touch.active_index[k])
-            latch_damping(t, t.touch.active_index[k])
-    hold_anew(t, rigid)
-    take_sides(t)
+            set_expected_depth(t, t.touch.active_index[k])
+            set_damping(t, t.touch.active_index[k])
+    recompute_active_set(t, rigid)
+    set_kink_sides(t)
     clear_loads(t)
 
 
-def take_parameters(d, t):
+def copy_parameters(d, t):
     """Let the parameters and initial values of d hold for t, with the derivatives that t has of them."""
     copy_values(d.model, t.model)
     copy_values(d.contact, t.contact)
@@ -53,13 +53,13 @@ def take_parameters(d, t):
     copy_values(d.walls, t.walls)
 
 
-def take_given_of(d, t):
+def apply_given_of(d, t):
     """Let what was given to d hold for t, with the derivatives that t has of it."""
     copy_values(d.given, t.given)
-    take_given(t)
+    apply_given(t)
 
 
-def follow_inputs(d, t):
+def copy_inputs(d, t):
     """Let the inputs of t be those of d that hold now: a derivative is for a constant added to one."""
     own = t.inputs
     copy_values(d.inputs.course, own.course)

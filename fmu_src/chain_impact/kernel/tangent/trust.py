@@ -26,7 +26,7 @@ REASONS = {
 """Why derivatives end: all but the last at an impact."""
 
 
-def judge_onsets(t):
+def check_onsets(t):
     """Judge the onsets at the end of the last step, for the points located there."""
     onsets, least = 0, math.inf
     first = -1
@@ -38,15 +38,15 @@ def judge_onsets(t):
                 least, first = -value(gap_rate), c
     if onsets == 0 or t.trust.reason != TRUSTED:
         return
-    if least <= math.sqrt(value(t.solver.tolerance)) * fastest(t):
-        distrust(t, GRAZING, first, value(t.step.end))
+    if least <= math.sqrt(value(t.solver.tolerance)) * fastest_speed(t):
+        mark_untrusted(t, GRAZING, first, value(t.step.end))
     elif not t.contact.impulsive and least <= value(t.contact.minimum_impact_speed):
-        distrust(t, AT_FLOOR, first, value(t.step.end))
+        mark_untrusted(t, AT_FLOOR, first, value(t.step.end))
     elif onsets > 1:
-        distrust(t, SIMULTANEOUS, first, value(t.step.end))
+        mark_untrusted(t, SIMULTANEOUS, first, value(t.step.end))
 
 
-def fastest(t):
+def fastest_speed(t):
     """The speed of the fastest point [m/s]."""
     most, velocity = 0.0, t.work.velocity
     for k in range(len(velocity.x)):
@@ -55,7 +55,7 @@ def fastest(t):
     return most
 
 
-def judge_turns(t):
+def check_turns(t):
     """Judge the contacts that have turned in the last step: the force of a user's law may jump there."""
     if t.contact.law != USER_LAW or t.trust.reason != TRUSTED:
         return
@@ -65,7 +65,7 @@ def judge_turns(t):
         c = t.touch.active_index[k]
         gap, gap_rate = clearance(t, c)
         if value(t.touch.speed[c]) * value(gap_rate) > 0.0 and jumps_at_rest(t, c, max(0.0, -gap)):
-            distrust(t, JUMP, c, value(t.step.start))
+            mark_untrusted(t, JUMP, c, value(t.step.start))
 
 
 def jumps_at_rest(t, c, depth):
@@ -76,7 +76,7 @@ def jumps_at_rest(t, c, depth):
     return abs(value(rising) - value(falling)) > JUMPS * max(abs(value(rising)), abs(value(falling)))
 
 
-def distrust(t, reason, c, time):
+def mark_untrusted(t, reason, c, time):
     """Let derivatives end at a ``time`` [s], because of the contact of candidate c, or of NO_IMPACT."""
     trust = t.trust
     trust.reason, trust.time = reason, time
@@ -85,7 +85,7 @@ def distrust(t, reason, c, time):
         trust.point, trust.wall = t.candidate.point[c], t.candidate.wall[c]
 
 
-def share_distrust(t, other):
+def share_reason(t, other):
     """Let the derivatives of t end where those of another instance do, if that is earlier."""
     mine, given = t.trust, other.trust
     if given.reason != TRUSTED and (mine.reason == TRUSTED or given.time < mine.time):

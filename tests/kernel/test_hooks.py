@@ -1,4 +1,4 @@
-"""What goes on beside a run: nothing in a plain kernel, and all of it in one that carries derivatives."""
+"""The hooks: they do nothing in a plain kernel, and carry derivatives in one that has them."""
 
 import inspect
 import math
@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from chain_impact.kernel import beside
+from chain_impact.kernel import hooks
 from chain_impact.kernel.tangent import entry
 from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.kernel.tangent.entry import HOOKS
@@ -14,16 +14,16 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.variables.model import Model
 from tests.plain import Plain
 
-FUNCTIONS = [one for _, one in inspect.getmembers(beside, inspect.isfunction)]
+FUNCTIONS = [one for _, one in inspect.getmembers(hooks, inspect.isfunction)]
 # what each does with every instance of dual numbers: the functions of the kernel, in their order
 DONE = {
-    beside.begin: ["start"],
-    beside.anew: ["start_anew"],
-    beside.step: ["replay"],
-    beside.look: ["set_present"],
-    beside.observe: ["fill_outputs", "trusted"],
-    beside.follow: ["follow_to_present", "move_end"],
-    beside.sound: ["within_bounds"],
+    hooks.on_start: ["start"],
+    hooks.on_reinit: ["start_anew"],
+    hooks.on_step: ["replay"],
+    hooks.on_output_time: ["set_present"],
+    hooks.on_observe: ["fill_outputs", "trusted"],
+    hooks.on_truncate: ["follow_to_present", "move_end"],
+    hooks.indices_valid: ["within_bounds"],
 }
 
 
@@ -32,7 +32,7 @@ def test_nothing_goes_on_beside_a_plain_run(function):
     d = Plain(Model(load_scene("four_link_box")).new_instance()[0])
     before = d._record.tobytes()
     answer = function(*[d, 1.5][: len(inspect.signature(function).parameters)])
-    assert answer is (True if function is beside.sound else None)
+    assert answer is (True if function is hooks.indices_valid else None)
     assert d._record.tobytes() == before
 
 
@@ -56,11 +56,11 @@ def test_its_stand_in_does_the_same_with_each_instance_of_dual_numbers(function,
     for name in {name for names in DONE.values() for name in names}:
         monkeypatch.setattr(entry, name, note(name))
     answer = HOOKS[function](*[d, 1.5][:count])
-    assert answer is (True if function is beside.sound else None)
+    assert answer is (True if function is hooks.indices_valid else None)
     assert [(name, id(t)) for name, t, _ in called] == [
         (name, id(t)) for t in tangents for name in DONE[function]
     ]
-    if function is beside.look:
+    if function is hooks.on_output_time:
         assert all(last == 1.5 for *_, last in called)
 
 
@@ -68,13 +68,13 @@ def test_one_that_does_not_fit_is_not_sound(monkeypatch):
     tangents = [SimpleNamespace(links=4, candidates=20) for _ in range(2)]
     d = SimpleNamespace(tangents=2, beside=tangents, links=4, candidates=20)
     monkeypatch.setattr(entry, "within_bounds", lambda t: t is not d)
-    assert HOOKS[beside.sound](d)
+    assert HOOKS[hooks.indices_valid](d)
     for field in ("links", "candidates"):
         setattr(tangents[1], field, 5)
-        assert not HOOKS[beside.sound](d)
+        assert not HOOKS[hooks.indices_valid](d)
         setattr(tangents[1], field, getattr(d, field))
     monkeypatch.setattr(entry, "within_bounds", lambda t: t is not tangents[0])
-    assert not HOOKS[beside.sound](d)
+    assert not HOOKS[hooks.indices_valid](d)
 
 
 @pytest.mark.parametrize(
@@ -87,7 +87,7 @@ def test_slopes_that_cannot_be_trusted_are_none(trusted, status, kept, monkeypat
     d = SimpleNamespace(tangents=1, beside=[t], statistics=SimpleNamespace(status=status))
     monkeypatch.setattr(entry, "fill_outputs", lambda t: None)
     monkeypatch.setattr(entry, "trusted", lambda t: trusted)
-    HOOKS[beside.observe](d)
+    HOOKS[hooks.on_observe](d)
     found = [not math.isnan(number) for number in words]
     values = [k % (1 + DIRECTIONS) == 0 for k in range(len(words))]
     assert found == [one or kept for one in values]

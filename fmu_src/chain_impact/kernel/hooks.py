@@ -1,0 +1,36 @@
+"""What a kernel does besides a plain run, at set points of it: the hooks.
+
+These functions do nothing. A kernel that carries derivatives is compiled with those of HOOKS in
+kernel/tangent/entry.py in their place. Two more tables replace functions when a kernel is compiled: RULES in
+kernel/tangent/rules.py, for functions of dual numbers, and EXTERNAL in compilation/functions.py, for a
+user's contact law (kernel/laws/user_law.py), which is linked in.
+"""
+
+
+def on_start(_d):
+    """The instance has been set to its start."""
+
+
+def on_reinit(_d):
+    """The instance goes on from the communication point with other parameters or inputs."""
+
+
+def on_step(_d):
+    """The instance has accepted a step."""
+
+
+def on_output_time(_d, _time):
+    """A time [s] in the last step has become the communication point."""
+
+
+def on_observe(_d):
+    """The outputs have been filled with what holds at the communication point."""
+
+
+def on_truncate(_d):
+    """The contacts have been followed to the communication point, where the last step now ends."""
+
+
+def indices_valid(_d):
+    """Whether all indices are valid of what the hooks work on."""
+    return True
