@@ -73,8 +73,8 @@ def advance(d, time, log_capacity, work):
 
     Returns:
         A status. After a fault the instance stays at the last time it reached. It can go on after LOG_FULL,
-        once the ``log_capacity`` finished contacts that wait are collected, and after PAUSED, which comes when all
-        work exceeds ``work`` evaluations.
+        once the finished contacts, of which the log holds ``log_capacity``, are collected; and after PAUSED,
+        which is returned when all work exceeds ``work`` evaluations.
     """
     status = reinit_if_changed(d)
     while status == OK and d.step.end < time:

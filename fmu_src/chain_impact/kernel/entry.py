@@ -45,11 +45,11 @@ def trajectory(d, times, output, rows):
         The number of rows filled: fewer than asked for after a fault, when the log of finished contacts is
         about to overflow and has to be collected, or after less than a second's work.
     """
-    room = len(d.finished.point) - d.candidates
+    log_capacity = len(d.finished.point) - d.candidates
     work = work_done(d) + work_of_a_call(d)
     for row in range(len(times)):
         allow_any_length(d)
-        if advance(d, times[row], room, work) != OK:
+        if advance(d, times[row], log_capacity, work) != OK:
             return row
         observe(d)
         for j in range(len(output)):
@@ -94,11 +94,11 @@ def run_each(d, words, start, places, values, stops, looks, rows, going_on):
 
 def finish_run(d, stop, work, row):
     """Advance to ``stop`` [s], with the peaks in a row of ``run_each``; returns a status."""
-    room = len(d.finished.point) - d.candidates
+    log_capacity = len(d.finished.point) - d.candidates
     status = LOG_FULL
     allow_any_length(d)
     while status == LOG_FULL:
-        status = advance(d, stop, room, work)
+        status = advance(d, stop, log_capacity, work)
         for k in range(d.finished.count):
             see_peaks(row, d.finished.peak_force[k], d.finished.max_penetration[k])
         d.finished.count = 0

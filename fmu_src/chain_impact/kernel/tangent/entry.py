@@ -105,11 +105,11 @@ def trajectory_with(d, times, looks, values, slopes):
     Returns:
         The number of rows filled, as of ``trajectory``.
     """
-    room = len(d.finished.point) - d.candidates
+    log_capacity = len(d.finished.point) - d.candidates
     work = work_done(d) + work_of_a_call(d)
     for row in range(len(times)):
         allow_any_length(d)
-        if advance(d, times[row], room, work) != OK:
+        if advance(d, times[row], log_capacity, work) != OK:
             return row
         observe(d)
         fill_row(d, looks, values[row], slopes[row])
