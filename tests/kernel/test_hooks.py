@@ -17,18 +17,18 @@ from tests.plain import Plain
 FUNCTIONS = [one for _, one in inspect.getmembers(hooks, inspect.isfunction)]
 # what each does with every instance of dual numbers: the functions of the kernel, in their order
 DONE = {
-    hooks.on_start: ["start"],
-    hooks.on_reinit: ["start_anew"],
+    hooks.on_start: ["start_tangent"],
+    hooks.on_reinit: ["reinit_tangent"],
     hooks.on_step: ["replay"],
-    hooks.on_output_time: ["set_present"],
+    hooks.on_output_time: ["set_own_output_time"],
     hooks.on_observe: ["fill_outputs", "trusted"],
-    hooks.on_truncate: ["follow_to_present", "move_end"],
+    hooks.on_truncate: ["update_own_to_output_time", "move_end"],
     hooks.indices_valid: ["within_bounds"],
 }
 
 
 @pytest.mark.parametrize("function", FUNCTIONS, ids=lambda one: one.__name__)
-def test_nothing_goes_on_beside_a_plain_run(function):
+def test_a_plain_run_has_hooks_that_do_nothing(function):
     d = Plain(Model(load_scene("four_link_box")).new_instance()[0])
     before = d._record.tobytes()
     answer = function(*[d, 1.5][: len(inspect.signature(function).parameters)])
@@ -37,7 +37,7 @@ def test_nothing_goes_on_beside_a_plain_run(function):
 
 
 @pytest.mark.parametrize("function", FUNCTIONS, ids=lambda one: one.__name__)
-def test_its_stand_in_does_the_same_with_each_instance_of_dual_numbers(function, monkeypatch):
+def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monkeypatch):
     count, called = len(inspect.signature(function).parameters), []
     tangents = [
         SimpleNamespace(links=4, candidates=20, output=SimpleNamespace(words=[0.0])) for _ in range(3)
@@ -55,7 +55,11 @@ def test_its_stand_in_does_the_same_with_each_instance_of_dual_numbers(function,
 
     for name in {name for names in DONE.values() for name in names}:
         monkeypatch.setattr(entry, name, note(name))
+    shared = []
+    monkeypatch.setattr(entry, "share_reason", lambda t, other: shared.append((id(t), id(other))))
     answer = HOOKS[function](*[d, 1.5][:count])
+    pairs = {(id(t), id(other)) for t in tangents for other in tangents}
+    assert {*shared} == (pairs if function is hooks.on_step else set())
     assert answer is (True if function is hooks.indices_valid else None)
     assert [(name, id(t)) for name, t, _ in called] == [
         (name, id(t)) for t in tangents for name in DONE[function]

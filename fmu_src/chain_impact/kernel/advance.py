@@ -1,9 +1,9 @@
 """Advance an instance in time: phases, step control, and the run-ahead to the communication point.
 
-The solver takes its own steps and runs ahead of the communication point, which is answered from the dense
-output; so the result does not depend on the communication step. What happens at the end of a step
-(a contact begins or ends, a peak is passed) takes effect at the start of the next one, hence not before
-the communication point has passed it.
+The solver takes its own steps and runs ahead of the communication point, whose outputs are interpolated by
+the dense output; so the result does not depend on the communication step. An event at the end of a step
+(a contact begins or ends, a peak is passed) takes effect at the start of the next step, hence not before
+the communication point has passed it. ``d`` is the record of the instance (record/instance.py).
 """
 
 import math
@@ -57,14 +57,14 @@ from chain_impact.kernel.status import (
 )
 from chain_impact.kernel.work_limit import check_events, check_work, work_done, work_exceeded
 
-# s. A chain in flight without spin has no other limit, as its error estimate is round-off.
+# s. A chain in flight without spin has no other limit, because its error estimate is only round-off.
 LONGEST_STEP = 1.0
-# s. Far below the resolution of time but at its very start, where that has none. A run that needs less ends.
+# s. Far below the resolution of floating-point time, except at t = 0. A run that needs less ends.
 SHORTEST_STEP = 1e-18
-# The error that stands for a step in which an event cannot be located, or that does not keep the ledger. It
-# makes the next try a seventh as long, or an eighth if it is implicit.
+# The error assigned to a refused step: one in which an event cannot be located, or that violates the energy
+# balance. It makes the next try a seventh as long, or an eighth if it is implicit.
 REFUSED_ERROR = 1e6
-# Of an implicit step: so near its start the dense output is as good as its end.
+# Fraction of an implicit step. So near its start the dense output is as accurate as the end of the step.
 NEAR_START = 1e-3
 
 
@@ -72,9 +72,9 @@ def advance(d, time, log_capacity, work):
     """Bring the instance to ``time`` [s], not before its present time.
 
     Returns:
-        A status. After a fault the instance stays at the last time it reached. It can go on after LOG_FULL,
-        once the finished contacts, of which the log holds ``log_capacity``, are collected; and after PAUSED,
-        which is returned when all work exceeds ``work`` evaluations.
+        A status. After a fault the instance stays at the last time it reached. The run can continue after
+        LOG_FULL, once the finished contacts, of which the log holds ``log_capacity``, are collected; and
+        after PAUSED, which is returned when the work since the start exceeds ``work`` evaluations.
     """
     status = reinit_if_changed(d)
     while status == OK and d.step.end < time:
@@ -89,7 +89,7 @@ def advance(d, time, log_capacity, work):
 
 
 def advance_to_onset(d, time):
-    """As ``advance``, without bounds, but only to the first onset on the way, which then is still to come.
+    """As ``advance``, without bounds, but only to the first onset on the way, which is not yet applied.
 
     An onset at the present time counts if it was not known before: a point may start at a wall.
 
@@ -109,9 +109,9 @@ def advance_to_onset(d, time):
 
 
 def event_update(d):
-    """Let the onsets at the communication point take effect, under the parameters as they are now.
+    """Apply the onsets at the communication point, under the present parameters; returns a status.
 
-    What holds right after them is then the start of the step ahead. Returns a status.
+    The state right after them is then the start of the next step.
     """
     status = reinit_if_changed(d)
     while status == OK and onset_due(d):
@@ -122,7 +122,7 @@ def event_update(d):
 
 
 def onset_due(d):
-    """Whether contacts begin at the communication point that have not taken effect."""
+    """Whether contacts begin at the communication point that have not been applied yet."""
     return d.step.end == d.step.time and ends_in_onset(d)
 
 
@@ -135,9 +135,9 @@ def ends_in_onset(d):
 
 
 def reinit_if_changed(d):
-    """Start anew from the communication point if an input or parameter has changed; returns a status.
+    """Re-initialize at the communication point if an input or parameter has changed; returns a status.
 
-    Inputs that go on without a jump from where the last step ends are taken over by the next one.
+    Inputs that continue without a jump at the end of the last step are applied by the next step instead.
     """
     if d.statistics.status == OK and d.given.changed and not inputs_continue(d):
         d.statistics.status = reinit(d)
@@ -145,7 +145,7 @@ def reinit_if_changed(d):
 
 
 def advance_one_step(d):
-    """Take a step; after a fault, stand at the last time reached. Returns a status."""
+    """Take a step; after a fault, reset to the last time reached. Returns a status."""
     d.statistics.status = take_step(d)
     if d.statistics.status == OK:
         hooks.on_step(d)
@@ -169,7 +169,7 @@ def set_own_output_time(d, time):
 
 
 def reinit(d):
-    """Drop what lies beyond the communication point, as an input or parameter changed; returns a status."""
+    """Re-initialize at the communication point, as an input or parameter changed; returns a status."""
     d.given.changed = 0
     update_to_output_time(d)
     d.step.next_size *= time_rate_now(d, d.step.state_end)  # in seconds
@@ -177,7 +177,7 @@ def reinit(d):
     status = apply_pending_inputs(d)
     clear_loads(d)
     reinit_balance(d)
-    # a chain at rest takes steps far too long for what an input may do to it
+    # a chain at rest has taken steps far too long for the motion that a new input may cause
     d.step.next_size = min(d.step.next_size, first_size(d))
     if status == OK:
         hooks.on_reinit(d)
@@ -185,10 +185,10 @@ def reinit(d):
 
 
 def apply_pending_inputs(d):
-    """Take over what was given, and judge anew who is held. What cannot be taken over changes nothing.
+    """Apply the given inputs and parameters, and update the active set; invalid ones change nothing.
 
     Returns:
-        A status: a point inside a wall has no place under a law without depth.
+        A status: while a point touches a wall, a law with penetration cannot change to a rigid one.
     """
     contact, rigid = d.contact, d.contact.impulsive
     law, stiffness, restitution = contact.law, contact.stiffness, contact.restitution
@@ -201,12 +201,12 @@ def apply_pending_inputs(d):
         derive_law(d)
     else:
         recompute_active_set(d, rigid)
-        set_kink_sides(d)  # the law may be another one
+        set_kink_sides(d)  # the law may have changed
     return status
 
 
 def recompute_active_set(d, rigid):
-    """Judge anew whom walls that were ``rigid`` hold where the last step ends; others hold nobody."""
+    """Update the active set of walls that were ``rigid`` at the end of the last step; others have none."""
     if d.touch.active_count == 0 or not rigid:
         return
     if d.contact.impulsive:
@@ -245,7 +245,7 @@ def find_step(d):
             if error <= 1.0:
                 step.next_size = h * min(grow, step_size.factor(d, max(error, 1e-16)))
                 if limited < wanted and grow > 1.0:
-                    step.next_size = max(step.next_size, wanted)  # the end of a piece tells nothing of it
+                    step.next_size = max(step.next_size, wanted)  # a piece's end says nothing about it
                 return OK
             roll_back(d)
             drop_events(d)
@@ -257,13 +257,14 @@ def find_step(d):
 
 
 def accept_to_event(d, theta):
-    """End the last step at its fraction θ, if it is not −1, and it keeps the ledger up to there.
+    """End the last step at its fraction θ, unless that is −1, if it keeps the energy balance up to there.
 
-    Returns an error, at most 1 if it has ended: that of the ledger, or COARSE.
+    Returns an error, at most 1 if the step is accepted: that of the energy balance, or REFUSED_ERROR.
 
-    The end of a contact and the kink of a force are landed on by a step anew: the force is not smooth there,
-    and the interpolant of a step across it less accurate than the step. So is that of an implicit step
-    but at its ends: all its events are landed on.
+    At the end of a contact and at the kink of a force the step is repeated with a size that lands on the
+    event: the force is not smooth there, and the interpolant of a step across it is less accurate than the
+    step. The interpolant of an implicit step is less accurate everywhere but at its ends, so that such a step
+    is repeated for every event.
     """
     if theta == REFUSED:
         return REFUSED_ERROR
@@ -284,7 +285,7 @@ def accept_to_event(d, theta):
 
 
 def begin_step(d):
-    """Let what happened at the end of the last step take effect; returns the number of events."""
+    """Apply the events at the end of the last step; returns their number."""
     events, kinked = apply_pending_events(d)
     if d.given.changed:
         d.given.changed = 0
@@ -294,14 +295,14 @@ def begin_step(d):
     if events > 0 or d.balance.breaks != d.step.breaks:
         rebase_energy(d)
     if not kinked:
-        choose_method(d)  # a step that a kink has cut short tells nothing of it
+        choose_method(d)  # a step cut short by a kink is no evidence of stiffness
     choose_variable(d, events > 0)
     set_first_stage(d)
     return events
 
 
 def apply_pending_events(d):
-    """Let them take effect, and set the rate from there; returns their number, and whether any is a kink."""
+    """Apply the events and set the rate after them; returns their number, and whether any is a kink."""
     events, kinked = 0, False
     for c in range(d.candidates):
         events += d.touch.event[c] != 0
@@ -326,6 +327,6 @@ def apply_pending_events(d):
 
 
 def set_first_stage(d):
-    """Set the first stage of a step from the rate there, in the variable that it runs in."""
+    """Set the first stage of a step from the rate at its start, in the integration variable of the step."""
     regularize(d, d.step.state_end, d.work.rate_start, d.work.stage[0])
     set_impulse_stage_at_end(d, 0)

@@ -1,4 +1,4 @@
-"""What a caller can ask of an instance. The C functions for it are in compilation/entry_points.py."""
+"""The functions for callers of an instance; compilation/entry_points.py makes C functions of them."""
 
 from chain_impact.kernel.advance import advance, reinit
 from chain_impact.kernel.events.contact_log import update_to_output_time
@@ -14,20 +14,20 @@ PEAK_FORCE, MAX_PENETRATION, PEAKS = 0, 1, 2
 def advance_to(d, time):
     """Bring the instance to ``time`` [s]; returns a status.
 
-    If nobody collects the finished contacts, the oldest are lost.
+    If the caller does not collect the finished contacts, the oldest are overwritten.
     """
     return advance(d, time, UNLIMITED, UNLIMITED)
 
 
 def advance_awhile(d, time):
-    """As ``advance_to``, but return PAUSED after less than a second's work: the caller may want to stop."""
+    """As ``advance_to``, but return PAUSED within a second of computing, so that the caller can stop."""
     return advance(d, time, UNLIMITED, work_done(d) + work_of_a_call(d))
 
 
 def observe_now(d):
-    """Fill the outputs with what holds at the communication point; returns a status."""
+    """Fill the outputs with the values at the communication point; returns a status."""
     if d.statistics.status == OK and d.given.changed and reinit(d) != OK:
-        d.given.changed = 1  # a parameter that goes with the others may yet be set before the next step
+        d.given.changed = 1  # another parameter may still be set before the next step
     observe(d)
     return d.statistics.status
 
@@ -42,8 +42,8 @@ def trajectory(d, times, output, rows):
         rows: result, shape (T, W).
 
     Returns:
-        The number of rows filled: fewer than asked for after a fault, when the log of finished contacts is
-        about to overflow and has to be collected, or after less than a second's work.
+        The number of rows filled: fewer than requested after a fault, when the log of finished contacts is
+        full and has to be collected, or to return within a second of computing.
     """
     log_capacity = len(d.finished.point) - d.candidates
     work = work_done(d) + work_of_a_call(d)
@@ -58,22 +58,23 @@ def trajectory(d, times, output, rows):
 
 
 def run_each(d, words, start, places, values, stops, looks, rows, going_on):
-    """Run the instance from its start again and again, each time with other parameters.
+    """Run the instance once for each row of parameter values, each time from its start.
 
     Args:
-        d: the instance that does the work.
-        words: all of its words, shape (W,).
-        start: the words of an instance that is not yet initialized, from which each run begins, shape (W,).
-        places: the words that vary, as indices, shape (K,).
-        values: what they are in each run, shape (R, K).
-        stops: when each run ends, shape (R,) [s].
-        looks: the words that are wanted of the end of a run, as indices, shape (L,).
+        d: the instance.
+        words: all numbers of its record (8 bytes each), shape (W,).
+        start: the words of an instance before initialization, from which each run begins, shape (W,).
+        places: indices of the words that vary, shape (K,).
+        values: their values in each run, shape (R, K).
+        stops: the end time of each run, shape (R,) [s].
+        looks: indices of the words to return from the end of a run, shape (L,).
         rows: result, shape (R, 2 + L): the largest force [N] and the largest penetration [m] of all contacts,
-            then what is looked for. After a fault the outputs are not those of the end.
-        going_on: 1 if the first run was begun in an earlier call.
+            then the words of ``looks``. After a fault the outputs among them are not those of the end.
+        going_on: 1 if an earlier call has begun the first run, which now continues.
 
     Returns:
-        How many runs are done: fewer than asked for after less than a second's work. The next one has begun.
+        How many runs are complete: fewer than requested to return within a second of computing. The next run
+        has begun then.
     """
     work = work_of_a_call(d) + (work_done(d) if going_on else 0)
     for r in range(len(rows)):
@@ -93,7 +94,7 @@ def run_each(d, words, start, places, values, stops, looks, rows, going_on):
 
 
 def finish_run(d, stop, work, row):
-    """Advance to ``stop`` [s], with the peaks in a row of ``run_each``; returns a status."""
+    """Advance to ``stop`` [s] and store the peaks in a row of ``run_each``; returns a status."""
     log_capacity = len(d.finished.point) - d.candidates
     status = LOG_FULL
     allow_any_length(d)
@@ -113,6 +114,6 @@ def finish_run(d, stop, work, row):
 
 
 def see_peaks(row, force, penetration):
-    """Keep the largest force [N] and penetration [m] in a row of ``run_each``."""
+    """Update the largest force [N] and penetration [m] in a row of ``run_each``."""
     row[PEAK_FORCE] = max(row[PEAK_FORCE], force)
     row[MAX_PENETRATION] = max(row[MAX_PENETRATION], penetration)

@@ -1,4 +1,4 @@
-"""What a kernel does besides a plain run, at set points of it: the hooks.
+"""The hooks: functions that a run calls at fixed points, for work in addition to the plain run.
 
 These functions do nothing. A kernel that carries derivatives is compiled with those of HOOKS in
 kernel/tangent/entry.py in their place. Two more tables replace functions when a kernel is compiled: RULES in
@@ -8,11 +8,11 @@ user's contact law (kernel/laws/user_law.py), which is linked in.
 
 
 def on_start(_d):
-    """The instance has been set to its start."""
+    """The instance has been initialized at the start of a run."""
 
 
 def on_reinit(_d):
-    """The instance goes on from the communication point with other parameters or inputs."""
+    """The instance has been re-initialized at the communication point with other parameters or inputs."""
 
 
 def on_step(_d):
@@ -24,13 +24,13 @@ def on_output_time(_d, _time):
 
 
 def on_observe(_d):
-    """The outputs have been filled with what holds at the communication point."""
+    """The outputs have been set to their values at the communication point."""
 
 
 def on_truncate(_d):
-    """The contacts have been followed to the communication point, where the last step now ends."""
+    """The contacts have been updated to the communication point, where the last step now ends."""
 
 
 def indices_valid(_d):
-    """Whether all indices are valid of what the hooks work on."""
+    """Whether all indices in the data of the hooks are valid."""
     return True

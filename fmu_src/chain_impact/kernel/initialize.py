@@ -1,4 +1,4 @@
-"""From parameters to the state at the start: what is derived once, and what is checked."""
+"""Initialization: checks the parameters, derives constants from them, and sets the initial state."""
 
 import math
 
@@ -49,14 +49,14 @@ from chain_impact.kernel.status import (
     UNKNOWN_METHOD,
 )
 
-OVERLAP = 1e-12  # m, of a start that counts as touching: round-off of positions in metres, and of their sines
+OVERLAP = 1e-12  # m. A start no deeper in a wall counts as touching: it is round-off of positions and sines
 
 
 def initialize(d, time):
     """Set the state at ``time`` [s] from the parameters and initial values; returns a status."""
     derive_chain(d)
     clear_run(d)
-    d.contact.derived_law = 0  # any parameter may be another now
+    d.contact.derived_law = 0  # any parameter may have changed
     apply_given(d)
     d.statistics.status = check_parameters(d)
     if d.statistics.status == OK:
@@ -97,7 +97,7 @@ def set_initial_state(d, y):
 
 
 def clear_run(d):
-    """Remove what an earlier run has left: moments, contacts, impacts, the log and all counts."""
+    """Clear the data of an earlier run: moments, contacts, impacts, the log and all counts."""
     d.touch.active_count = 0
     for i in range(d.links):
         d.work.moment[i] = 0.0
@@ -116,7 +116,7 @@ def clear_run(d):
 
 
 def derive_chain(d):
-    """Find what the recursion needs of each link, the absolute scales, and what the joints resist."""
+    """Derive the recursion's constants of each link, the absolute scales, and the joints' resistance."""
     model = d.model
     model.damped, model.sprung = 0, 0
     model.middle = 0 if model.pinned else len(model.length) // 2  # as in `accelerations`
@@ -144,7 +144,7 @@ def derive_chain(d):
 
 
 def apply_given(d):
-    """Let what was given hold: the law of contact and the inputs."""
+    """Apply the given values: the contact law with its parameters, and the inputs."""
     given = d.given
     d.contact.law, d.contact.stiffness = given.law, given.stiffness
     d.contact.restitution = given.restitution
@@ -152,7 +152,7 @@ def apply_given(d):
 
 
 def derive_law(d):
-    """Find what the law makes of the restitution, also for the contacts that last; returns a status."""
+    """Derive the law's damping from the restitution, also for active contacts; returns a status."""
     contact = d.contact
     if not 1 <= contact.law <= LAW_COUNT + user_law.present():
         return UNKNOWN_LAW
@@ -173,7 +173,7 @@ def derive_law(d):
 
 
 def derive_damping(contact):
-    """Find the law's factor f(e) and the power p of its damping; returns a status."""
+    """Set the law's damping factor f(e) and the exponent p of its damping δᵖ δ̇; returns a status."""
     contact.rate_exponent, contact.approach_only = contact.exponent, 0
     if contact.law == USER_LAW:
         contact.damping_factor = 0.0
@@ -189,7 +189,7 @@ def derive_damping(contact):
 
 
 def check_parameters(d):
-    """Check what a division or a loop relies on; the importer may have set anything. Returns a status."""
+    """Check what divisions and loops depend on, as an importer may set any value; returns a status."""
     status = check_links(d)
     if status != OK:
         return status
@@ -210,7 +210,7 @@ def check_parameters(d):
 
 
 def check_links(d):
-    """Check the links and their joints, likewise."""
+    """Check the parameters of the links and their joints; returns a status."""
     for i in range(d.links):
         for value in (d.model.length[i], d.model.mass[i]):
             if not (value > 0.0 and math.isfinite(value)):
@@ -225,13 +225,13 @@ def check_links(d):
 
 
 def first_size(d):
-    """A first step [s] that the turning of the links calls for: the error control does the rest."""
+    """A first step size [s] from the rotation of the links; the error control then adapts it."""
     state_rate(d, d.step.state, d.work.rate_start)
     return in_flight(d, d.step.state, d.work.rate_start)
 
 
 def check_start(d):
-    """Refuse a start that is not finite, also in its energy, or lies beyond a wall; returns a status."""
+    """Refuse an initial state or energy that is not finite, and a point beyond a wall; returns a status."""
     locate_points(d, d.step.state)
     for j in range(len(d.work.y)):
         if not math.isfinite(d.step.state[j] + d.work.rate_start[j]):

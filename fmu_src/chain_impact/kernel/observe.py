@@ -1,4 +1,4 @@
-"""What an observer sees at the communication point."""
+"""The outputs at the communication point."""
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
@@ -13,16 +13,16 @@ from chain_impact.kernel.model.geometry import clearance
 
 
 def observe(d):
-    """Fill the output record with what holds at ``step.time``, and call the hook."""
+    """Fill the output record with the values at ``step.time``, and call the hook."""
     fill_outputs(d)
     hooks.on_observe(d)
 
 
 def fill_outputs(d):
-    """Fill the output record with what holds at ``step.time``.
+    """Fill the output record with the values at ``step.time``.
 
-    Contacts count as the solver held them during the step that contains that time: an impact that it has
-    already found later on does not show yet.
+    The active contacts are those of the step that contains that time: an impact that the solver has already
+    found later on is not visible yet.
     """
     n, out, work_done = d.links, d.output, d.limits.other_work
     y, rate = d.work.y, d.work.rate
@@ -62,4 +62,4 @@ def fill_outputs(d):
     out.supplied = y[supplied_at(n)]
     out.total = out.kinetic + out.potential + out.elastic
     update_latest(d)
-    d.limits.other_work = work_done  # a look is not the solver's work
+    d.limits.other_work = work_done  # evaluating outputs does not count as work

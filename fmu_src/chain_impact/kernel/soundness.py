@@ -1,7 +1,7 @@
-"""Whether a record that came from outside, such as a restored state of an FMU, can be worked on.
+"""Checks that a record from outside, such as a restored state of an FMU, is safe to compute with.
 
-What is checked is what the kernel uses as an index or as the number of rounds of a loop. All else may be
-absurd: it leads to a status, not out of the record.
+Checked is every number that the kernel uses as an index or as the number of iterations of a loop. Any other
+number may be wrong: it leads to a fault status, never to an access outside the record.
 """
 
 from chain_impact.kernel import hooks
@@ -19,15 +19,15 @@ from chain_impact.kernel.status import LAST_STATUS, OK
 
 
 def sound(d):
-    """1 if every index of the record is one and the hooks find theirs valid, or 0.
+    """1 if every index of the record is within bounds and the hooks find theirs valid, or 0.
 
-    The numbers at its start, as that of links, have to be right.
+    The caller must ensure that the sizes at the start of the record, such as the number of links, are right.
     """
     return 1 if within_bounds(d) and hooks.indices_valid(d) else 0
 
 
 def within_bounds(d):
-    """Whether every index of the record is one."""
+    """Whether every index of the record is within its bounds."""
     laws = LAW_COUNT + present()
     fits = within(d.model.middle, 0, d.links)
     fits = fits and within(d.step.regularized, NO_CONTACT, max(0, d.candidates - 1))

@@ -16,9 +16,9 @@ ENERGY_NOT_KEPT = 12
 MASS_MATRIX_SINGULAR = 13
 STEP_TOO_LONG = 14
 LAST_STATUS = STEP_TOO_LONG
-LOG_FULL = -1  # not a fault: collect the finished contacts and go on
-PAUSED = -2  # not a fault: go on, if that is wanted
-ONSET_DUE = -3  # not a fault: contacts begin at the time reached, which has not taken effect
+LOG_FULL = -1  # not a fault: collect the finished contacts, then continue
+PAUSED = -2  # not a fault: the caller may continue
+ONSET_DUE = -3  # not a fault: contacts begin at the time reached and are not yet applied
 
 STATUS_TEXT = {
     OK: "no fault",

@@ -1,12 +1,13 @@
 """How far derivatives are trusted: up to an impact, which is named, or to a step, and why."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from chain_impact import simulate
-from chain_impact.kernel.tangent.trust import REASONS
+from chain_impact.kernel.tangent.trust import REASONS, share_reason
 from tests.problems import ball, flat_rod, rod
 
 NAMES = ("contact.stiffness", "initial.vy")
@@ -104,3 +105,23 @@ def test_a_law_whose_force_jumps(tmp_path, restitution, trusted):
     assert np.isfinite(slopes[result.time > impact["end"]]).all() == trusted
     if not trusted:
         assert WORDS[4] in result.sensitivity_limits[0]
+
+
+@pytest.mark.parametrize(
+    ("own", "other", "expected"),
+    [
+        ((0, 0.0), (0, 0.0), (0, 0.0)),
+        ((0, 0.0), (3, 0.5), (3, 0.5)),
+        ((3, 0.5), (0, 0.0), (3, 0.5)),
+        ((3, 0.5), (5, 0.2), (5, 0.2)),
+        ((5, 0.2), (3, 0.5), (5, 0.2)),
+    ],
+)
+def test_the_earliest_end_of_the_derivatives_holds_for_all(own, other, expected):
+    first, second = (
+        SimpleNamespace(trust=SimpleNamespace(reason=reason, time=time, point=point, wall=point))
+        for point, (reason, time) in enumerate((own, other))
+    )
+    share_reason(first, second)
+    assert (first.trust.reason, first.trust.time) == expected
+    assert first.trust.point == first.trust.wall == (0 if expected == own else 1)

@@ -1,1 +1,1 @@
-"""The chain by itself: its recursion in O(N), where its points are, and the sines that both need."""
+"""The chain without contacts: its O(N) recursion, its kinematics, and the sines that both need."""

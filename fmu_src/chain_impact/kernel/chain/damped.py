@@ -1,24 +1,24 @@
-"""The recursion with joints that resist: M + Jᵀ D J + K, in O(N).
+"""The recursion with damped joints: solutions with M + Jᵀ D J + K, in O(N).
 
 K = Σ κ_i g_i g_iᵀ with g_i the gradient of ω_i − ω_{i−1}: each joint resists a change of its relative angular
 velocity by κ_i (Δ_i − Δ_{i−1}) − μ_i, with μ_i an impulse in the joint. The base has a damper only if it is
-pinned. A spring k_i is, for a step, one more damper (integration/linear_system.py): in a
-time s κ_i = s c_i + s² k_i.
+pinned. A spring k_i acts in an implicit step as a further damper (integration/linear_system.py): for a time s
+κ_i = s c_i + s² k_i.
 
-A damped joint transmits a moment. What hangs from it therefore answers the motion a of the joint and β, that
-of the link before it:
+A damped joint transmits a moment. The response of the outer part of the chain therefore depends on the motion
+a of the joint and on β, that of the previous link:
 
     Z = ½ a·A a + β e·a + ½ p β² − b·a − t β,
 
 with A, e and p a symmetric 3×3 articulated inertia. To this, link i adds its own inertia and its damper,
-and is eliminated, Δ_i = α. With L, m c, x⊥ as in recursion.py and primes for what hangs from it, where α is
-the β:
+and is eliminated, Δ_i = α. With L, m c, x⊥ as in recursion.py and primes for the part outside of link i,
+whose β is α:
 
     h = m c⊥ + A' L⊥ + e',   H = I + m c² + L⊥·A' L⊥ + 2 L⊥·e' + p',   s = L⊥·b' + t',
     Z = ½ a·(A' + m 1) a + α h·a + ½ H α² − s α − b'·a + ½ κ (α − β)² − μ (α − β),
     α = (s + μ − h·a + κ β)/(H + κ).
 
-What is left has the coefficients, with σ = κ/(H + κ) between 0 and 1,
+The result has the coefficients, with σ = κ/(H + κ) between 0 and 1,
 
     A = A' + m 1 − h hᵀ/(H + κ),   e = σ h,   p = σ H,
     b = b' − h (s + μ)/(H + κ),    t = σ s − (1 − σ) μ,
@@ -71,7 +71,7 @@ def factorize_damped(d, links, impedance, shift, factors):
 
 
 def joint_damping(d, i):
-    """c_i [N·m·s/rad]: a free base has no joint."""
+    """c_i [N·m·s/rad], 0 at a free base, which has no joint."""
     return d.model.joint_damping[i] if i > 0 or d.model.pinned else 0.0
 
 

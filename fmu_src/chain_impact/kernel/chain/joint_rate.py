@@ -1,11 +1,11 @@
-"""How fast the motions are that joints make which resist: how fast dampers let them decay, springs swing.
+"""The rates of the motions due to joints: of the decay by dampers and the oscillation by springs.
 
 With C = Σ c_i g_i g_iᵀ, g_i the gradient of ω_i − ω_{i−1}, damped motions decay with the eigenvalues of
 M⁻¹ C. The largest is at least the rate of one joint whose damper is the only one,
 
     ρ_i = c_i g_iᵀ M⁻¹ g_i,
 
-and not much more. Likewise for springs S = Σ k_i g_i g_iᵀ and the squares of the frequencies,
+and not much larger. Likewise for springs S = Σ k_i g_i g_iᵀ and the squares of the frequencies,
 
     ω_i² = k_i g_iᵀ M⁻¹ g_i.
 
@@ -15,10 +15,10 @@ A moment in joint i acts on two arms that share the joint's acceleration a: as 1
     α = 1/H − k·a,   ᾱ = −1/H̄ − k̄·a,   (A + Ā) a + k − k̄ = 0,
     g_iᵀ M⁻¹ g_i = α − ᾱ = 1/H + 1/H̄ + (k − k̄)·(A + Ā)⁻¹ (k − k̄).
 
-As M is at least the I_i alone, no eigenvalue exceeds those of diag(I)⁻¹ C, and these no sum of a row
-(Gershgorin): 2 (c_i + c_{i+1})/I_i, and for springs 2 (k_i + k_{i+1})/I_i. Both at once make λ² + λ c + k = 0
-with c and k no more than these, hence |λ| ≤ c + √k. This bound does not change with the angles. A joint that
-resists at a link without inertia makes it infinite.
+As M ≥ diag(I), no eigenvalue exceeds the largest of diag(I)⁻¹ C, which no row sum exceeds (Gershgorin):
+2 (c_i + c_{i+1})/I_i, and for springs 2 (k_i + k_{i+1})/I_i. With both, λ² + λ c + k = 0 where c and k are at
+most these bounds, hence |λ| ≤ c + √k. This bound does not depend on the angles. A damper or spring at a link
+without inertia makes it infinite.
 """
 
 import math
@@ -28,11 +28,11 @@ from chain_impact.kernel.chain.kinematics import link_vectors
 from chain_impact.kernel.chain.recursion import factorize_link, no_impedance
 from chain_impact.kernel.chain.springs import spring_stiffness
 
-HELD = 1e6  # of the mass of the first link: the inertia that stands for a pin, whose rates it changes by 1e-6
+HELD = 1e6  # times the mass of the first link: the inertia of a pin, which changes the rates by 1e-6
 
 
 def joint_bound(d):
-    """A bound [1/s] on how fast a motion decays or swings by the joints' dampers and springs."""
+    """An upper bound [1/s] on the rates of decay and oscillation by the joints' dampers and springs."""
     damping, stiffness = 0.0, 0.0
     for i in range(d.links):
         c, k = joint_damping(d, i), spring_stiffness(d, i)
@@ -52,7 +52,7 @@ def over(resistance, inertia):
 
 
 def joint_rate(d, y):
-    """The largest of all ρ_i and ω_i [1/s] in the state y, whose link vectors are left in ``work.link``."""
+    """The largest of all ρ_i and ω_i [1/s] in the state y, whose link vectors are stored in ``work.link``."""
     link_vectors(d, y)
     link, factors, inner = d.work.link, d.work.factors, d.work.inner
     impedance = d.work.impedance

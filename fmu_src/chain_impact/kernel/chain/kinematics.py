@@ -14,7 +14,7 @@ def locate_points(d, y):
 
 
 def place_points(d, y):
-    """As ``locate_points``, for the link vectors as they are."""
+    """As ``locate_points``, for link vectors that are already set."""
     n, link, position, velocity = d.links, d.work.link, d.work.position, d.work.velocity
     x, y_ = y[0], y[1]
     vx, vy = y[velocity_at(n)], y[velocity_at(n) + 1]
@@ -56,7 +56,7 @@ def link_vectors(d, y):
 
 
 def move_points(links, change, motion):
-    """Motion of the points that a change of the coordinates makes: p_{i+1} = p_i + Δθ_i L⊥."""
+    """Motion of the points that follows from a change of the coordinates: Δp_{i+1} = Δp_i + Δθ_i L⊥."""
     n = len(motion.x) - 1
     x, y = change[0], change[1]
     for i in range(n):

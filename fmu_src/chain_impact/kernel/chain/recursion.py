@@ -1,13 +1,14 @@
 """Recursive Gibbs–Appell dynamics of a planar open chain, in O(N).
 
-A revolute joint transmits a force and, apart from its known torque, no moment. The part of the chain
-hanging from a joint therefore answers an acceleration ``a`` of that joint with the force ``A a + b``:
-``A`` a symmetric 2×2 articulated inertia, ``b`` collecting ω², gravity, torques and contact forces.
-Appell's equation for α_i, ∂S/∂α_i = Q_i with the Gibbs function S = Σ ½ m a_C·a_C + ½ I α², eliminates α_i.
+A revolute joint transmits a force and, apart from its known torque, no moment. The outer part of the chain at
+a joint therefore needs the force ``A a + b`` for an acceleration ``a`` of that joint: ``A`` is a symmetric
+2×2 articulated inertia, ``b`` collects the terms of ω², gravity, torques and contact forces. Appell's
+equation for α_i, ∂S/∂α_i = Q_i with the Gibbs function S = Σ ½ m a_C·a_C + ½ I α², eliminates α_i.
 
 A free chain has two free ends. It is eliminated from both toward its middle joint, where two equations are
-left, and the accelerations follow from there back out. The two arms do not wait for each other, which halves
-the time of a short chain. A pinned base is an end that is not free: it takes the place of the middle.
+left, and the accelerations follow from there back out. The two arms are independent, so a processor overlaps
+their operations, which halves the time of a short chain. A pinned base is not a free end: it takes the place
+of the middle.
 
 The absolute link angles θ_i are the coordinates and all vectors are in the world frame, so no rotation
 matrix appears: L is the vector along a link from the joint nearer to the middle, c that to its centre of
@@ -40,7 +41,7 @@ def hinge(lx, ly, sx, sy, inertia, axx, axy, ayy):
     """Return h and 1/H for L, m c, I + m c² and A'."""
     # h = m c⊥ + A' L⊥
     hx, hy = axy * lx - axx * ly - sy, ayy * lx - axy * ly + sx
-    # H = I + m c² + L⊥·A' L⊥, on which all else waits
+    # H = I + m c² + L⊥·A' L⊥, first, as all other results depend on it
     return hx, hy, 1.0 / ((inertia + ayy * (lx * lx)) + (axx * (ly * ly) - axy * (2.0 * lx * ly)))
 
 
@@ -49,7 +50,7 @@ def eliminate(d, y, i, outward, axx, axy, ayy, bx, by):
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
     link = lx, ly, sx, sy, inertia = arm(d, d.work.link, i, outward)
     w2 = omega * omega
-    # d = b' − f − ω² A' L : what the outer joint asks for α = 0 and a = 0
+    # d = b' − f − ω² A' L: the force at the outer joint for α = 0 and a = 0
     dx = bx - d.work.load.x[joint] - w2 * (axx * lx + axy * ly)
     dy = by - d.work.load.y[joint] - w2 * (axy * lx + ayy * ly)
     hx, hy, inverse = hinge(lx, ly, sx, sy, inertia, axx, axy, ayy)
@@ -57,7 +58,7 @@ def eliminate(d, y, i, outward, axx, axy, ayy, bx, by):
 
 
 def eliminate_end(d, y, i, outward):
-    """As ``eliminate``, for the link at a free end: A' = 0 and b' = 0, and no quotient to wait for."""
+    """As ``eliminate``, for the link at a free end: A' = 0 and b' = 0, so 1/H depends on no other link."""
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
     link = _, _, sx, sy, inertia = arm(d, d.work.link, i, outward)
     dx, dy = -d.work.load.x[joint], -d.work.load.y[joint]
@@ -66,7 +67,7 @@ def eliminate_end(d, y, i, outward):
 
 
 def take_out(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
-    """Return A and b for A' and d; keep what ``accelerate`` needs of link i."""
+    """Return A and b for A' and d; store what ``accelerate`` needs of link i."""
     lx, ly, sx, sy, _ = link
     m, gx, gy = d.model.mass[i], d.model.gravity[0], d.model.gravity[1]
     # h₀ = L⊥·d − m c⊥·g − τ
@@ -107,7 +108,7 @@ def accelerations(d, y, rate):
         rate: result, of which the accelerations of the base [m/s²], zero if it is pinned, and of the links
             [rad/s²] are set.
     """
-    # twice, so that the compiler knows the middle joint
+    # two calls, so that in the first the middle joint is a constant for the compiler
     if d.model.pinned:
         arms(d, y, rate, 0)
     else:
@@ -200,7 +201,7 @@ def solve(d, links, factors, load, change):
         factors: its result.
         load: record with ``x, y``, shape (N+1,): impulse on each point [N·s] (or force [N]).
         change: result Δ, shape (N+2,): the change of the base's velocity [m/s] (or acceleration) and of the
-            angular velocities [rad/s]; more behind it is left alone.
+            angular velocities [rad/s]; entries after these are not changed.
     """
     n, middle = d.links, d.model.middle
     bx, by, cx, cy = 0.0, 0.0, 0.0, 0.0
@@ -221,7 +222,7 @@ def solve(d, links, factors, load, change):
 
 
 def gather(links, factors, load, i, outward, bx, by, change):
-    """Set the change of ω_i for an inner joint at rest; return the impulse that arrives there."""
+    """Set the change of ω_i for an inner joint at rest; return the impulse transmitted to that joint."""
     joint, sign = (i + 1, 1.0) if outward else (i, -1.0)
     bx += load.x[joint]
     by += load.y[joint]

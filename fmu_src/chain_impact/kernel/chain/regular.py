@@ -1,17 +1,17 @@
-"""Whether the mass matrix is regular in every position, so that the recursion divides by no zero.
+"""A check that the mass matrix is regular in every position, so that the recursion never divides by zero.
 
 It is singular where the chain can move without kinetic energy: no centre of mass moves, and no link turns
 that has an inertia. A link without inertia can turn about its centre of mass. That moves its proximal joint,
 unless the centre of mass lies there, and its distal one, unless it lies there. A joint that moves turns the
 next link, which must be without inertia, too, and about its own centre of mass, which is possible while both
-links are on one line. So the motion goes on along a run of links without inertia. It begins at a link whose
-proximal joint is the free base or its centre of mass, and it ends at a link whose distal joint is the tip or
-its centre of mass. Where no run has such a beginning and such an end, every pivot of the recursion is
-positive: they are those of an elimination of a positive definite matrix.
+links are on one line. So the motion continues along a sequence of links without inertia. It begins at a link
+whose proximal joint is the free base or its centre of mass, and it ends at a link whose distal joint is the
+tip or its centre of mass. If no sequence has such a beginning and such an end, every pivot of the recursion
+is positive: they are those of the elimination of a positive definite matrix.
 """
 
-# Of a link's length: a centre of mass that is nearer to a joint lies there. The square of its distance, which
-# is all that resists a turn of the link, is no more than round-off.
+# Of a link's length: a centre of mass nearer to a joint than this counts as lying there. The inertia of the
+# link about the joint, proportional to the square of this distance, is then no more than round-off.
 NEAR = 1e-8
 
 

@@ -1,4 +1,4 @@
-"""The elimination of damped.py for a complex time s: word by word the same, with numbers a + ib as two reals.
+"""The elimination of damped.py for a complex time s: the same operations, with a + ib as two reals.
 
 The shifts of an implicit step come in conjugate pairs (integration/linear_system.py). Both parts are written
 out, as dual numbers have no complex form. No pivots are needed: with the largest argument of s below 61° all
@@ -143,7 +143,7 @@ def solve_shifted(d, links, factors, pair, load, load_i, impulse, change):
 
 
 def spread_shifted(links, factors, re, im, change):
-    """Correct the changes of ω_i for those of their inner joints' velocities and of the links before them."""
+    """Correct the changes of ω_i for those of their inner joints' velocities and of the previous links."""
     x, y, x_i, y_i = change[0, 0], change[0, 1], change[1, 0], change[1, 1]
     before, before_i = 0.0, 0.0
     for i in range(len(factors.inverse[re])):

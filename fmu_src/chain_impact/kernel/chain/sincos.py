@@ -1,7 +1,7 @@
 """Cosines and sines of all angles at once, without branches: three times cheaper than the C library's.
 
-They would take half the time of a right-hand side. And these are the same on every machine, so that results
-do not depend on its C library. Their errors are below 2e-16, see tests/kernel/chain/test_sincos.py.
+Those of the C library would take half the time of a right-hand side. These are the same on every machine, so
+results do not depend on its C library. Their errors are below 2e-16, see tests/kernel/chain/test_sincos.py.
 """
 
 import math
@@ -21,7 +21,7 @@ C = (0.0416666666666666, -0.0013888888888874133, 2.480158728948765e-05,
 # fmt: on
 
 
-# adding it and taking it away again rounds to an integer, as doubles of its size have no fraction
+# adding and subtracting it rounds to an integer, as doubles of its size have no fraction
 ROUND = 1.5 * 2.0**52
 
 
@@ -36,9 +36,9 @@ def polar(radius, y, first, horizontal, vertical):
             horizontal[i] = radius[i] * math.cos(y[first + i])
             vertical[i] = radius[i] * math.sin(y[first + i])
         return
-    # a copy, of which the compiler knows that the results do not overwrite it …
+    # the compiler knows that the results do not overwrite this copy …
     copy(y, first, count, vertical)
-    # … so it turns this into vector instructions
+    # … so it uses vector instructions here
     for i in range(count):
         cosine, sine = cosine_and_sine(vertical[i])
         horizontal[i] = radius[i] * cosine
@@ -49,8 +49,8 @@ def polar(radius, y, first, horizontal, vertical):
 def copy(y, first, count, out):
     """Copy ``count`` numbers of y, from index ``first`` on, in vectors.
 
-    They are read again as vectors, for which a processor has to wait if they were written one by one. All
-    numbers of a group are read before the first is written, so the compiler moves a group as a vector.
+    They are read again as vectors, which is slow for a processor if they were written one by one. All numbers
+    of a group are read before the first is written, so the compiler moves a group as a vector.
     """
     fours, pairs = count - count % 4, count - count % 2
     for i in range(0, fours, 4):

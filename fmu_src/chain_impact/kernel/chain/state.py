@@ -1,10 +1,10 @@
-"""The state vector, and where everything stands in it. Nobody else counts its entries.
+"""The state vector and the indices of its entries. All other modules use the functions here.
 
     y = (x₀, θ₁ … θ_N, ẋ₀, ω₁ … ω_N, dissipated energy, energy supplied by the inputs, u, t)
 
 The N + 2 coordinates, the position of the base [m] and the absolute link angles [rad], come first, and then
 their rates [m/s, rad/s]. The energies [J] count from the start of the run. The last two belong to the
-variable that a step runs in: u is the root of the regularized contact (integration/sundman.py), and t is the
+integration variable of a step: u = √(δ/δ*) of the regularized contact (integration/sundman.py), and t, the
 time since the start of the step [s].
 """
 
@@ -12,37 +12,37 @@ ANGLES = 2  # the first angle, also in a change of all coordinates: those of the
 
 
 def coordinate_count(n):
-    """How many coordinates a chain of n links has."""
+    """The number of coordinates of a chain of n links."""
     return n + 2
 
 
 def velocity_at(n):
-    """The base's velocity, with which the rates of all coordinates begin."""
+    """The index of the base's velocity, with which the rates of all coordinates begin."""
     return n + 2
 
 
 def omega_at(n):
-    """The first angular velocity."""
+    """The index of the first angular velocity."""
     return n + 4
 
 
 def dissipated_at(n):
-    """The dissipated energy, behind all coordinates and their rates."""
+    """The index of the dissipated energy, after all coordinates and their rates."""
     return 2 * n + 4
 
 
 def supplied_at(n):
-    """The energy supplied by the inputs."""
+    """The index of the energy supplied by the inputs."""
     return 2 * n + 5
 
 
 def sundman_u_at(n):
-    """The root u, behind all that belongs to the chain."""
+    """The index of u, after all entries that belong to the chain."""
     return 2 * n + 6
 
 
 def time_at(n):
-    """The time since the start of the step."""
+    """The index of the time since the start of the step."""
     return 2 * n + 7
 
 

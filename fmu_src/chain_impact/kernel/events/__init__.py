@@ -1,1 +1,1 @@
-"""What happens at a moment: the search for it, impulses, release, and the log of contacts."""
+"""Events: their location in a step, their handlers with impacts and release, and the log of contacts."""

@@ -1,4 +1,4 @@
-"""What is known of each impact: its peak values, followed during contact, and the log of finished ones."""
+"""Data of each contact: peak force and penetration, updated in every step, and the log of finished ones."""
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -19,13 +19,14 @@ from chain_impact.kernel.model.geometry import along_normal, clearance
 from chain_impact.kernel.model.latest import note_impact
 
 FORCE, PENETRATION = 0, 1
-HELD_SAMPLES = 5  # of a holding force over a step, its ends included
+HELD_SAMPLES = 5  # samples of a constraint force over a step, its ends included
 
 
 def update_extremes(d):
-    """Follow every active contact over the last step: peak force and largest penetration.
+    """Update the peak force and the largest penetration of every active contact over the last step.
 
-    The points have to be located and accelerated at the end of the step, and are so afterwards.
+    The points must have their positions, velocities and accelerations at the end of the step set; afterwards
+    they have these again.
     """
     touch = d.touch
     if d.contact.impulsive:
@@ -45,14 +46,15 @@ def update_extremes(d):
 def peaks(d, c, force_rate, time, reader):
     """The largest force [N] and penetration [m] of candidate c until a ``time`` [s] in the last step.
 
-    The points have to be located and accelerated there; a third value is true when they are no longer.
-    ``force_rate`` is that of these points [N/s], and ``reader`` who needs it, OUTPUTS or the SOLVER.
+    The points must be located and accelerated at that time; the third value returned is true if they have
+    been located at another time since. ``force_rate`` [N/s] is dF/dt at these points; ``reader`` is OUTPUTS
+    or SOLVER, whichever the result is for.
     """
     touch = d.touch
     gap, gap_rate = clearance(d, c)
     force = contact_force(d, c, gap, gap_rate)
     peak, depth = max(touch.peak_force[c], force), max(touch.max_penetration[c], -gap)
-    # both have a maximum inside the step when their rate falls through zero
+    # force and penetration have a maximum inside the step if their rate falls through zero
     force_peaked = touch.force_rate[c] > 0.0 and force_rate <= 0.0
     depth_peaked = touch.speed[c] > 0.0 and gap_rate >= 0.0 and not turns_at_end(d, c)
     if force_peaked or depth_peaked:
@@ -65,12 +67,12 @@ def peaks(d, c, force_rate, time, reader):
 
 
 def turns_at_end(d, c):
-    """Whether the last step has landed on the turn of candidate c, which then is deepest there."""
+    """Whether the last step ends where δ̇ = 0 for candidate c, so that its penetration is largest there."""
     return d.contact.approach_only and d.touch.event[c] == KINK
 
 
 def update_held_extremes(d):
-    """Follow the forces of rigid walls over the last step: their peaks, by parabolas through samples."""
+    """Update the peak forces of rigid walls over the last step, by parabolas through samples."""
     step, samples = d.step, d.rigid.sample
     end = fraction(d, step.end)
     for j in range(HELD_SAMPLES):
@@ -89,27 +91,27 @@ def update_held_extremes(d):
 
 
 def update_to_output_time(d):
-    """Follow the active contacts up to the communication point, and call the hook."""
+    """Truncate the last step at the communication point, update the active contacts, and call the hook."""
     update_own_to_output_time(d)
     hooks.on_truncate(d)
 
 
 def update_own_to_output_time(d):
-    """Follow the active contacts up to the communication point, where the last step ends from now on."""
+    """Truncate the last step at the communication point, and update the active contacts up to there."""
     evaluations, work = d.statistics.rhs_evaluations, d.limits.other_work
     end_at_output_time(d)
     ensure_rate(d)
     ensure_points(d)
     update_extremes(d)
     commit_impulses(d)
-    # a look is not the solver's work
+    # evaluations for outputs do not count as work
     d.statistics.rhs_evaluations, d.limits.other_work = evaluations, work
 
 
 def end_at_output_time(d):
-    """End the last step at the communication point, and forget the events beyond: they will be found again.
+    """End the last step at the communication point and drop the later events, which will be found again.
 
-    An onset just there stays, as its point is at the wall and will not arrive once more.
+    An onset exactly there is kept: its point is already at the wall and cannot arrive a second time.
     """
     due = d.step.end == d.step.time
     truncate_to_output_time(d)
@@ -119,9 +121,9 @@ def end_at_output_time(d):
 
 
 def update_latest(d):
-    """Note what the active contacts have come to at the communication point, in the list of impacts.
+    """Update the active contacts in the list of latest impacts, up to the communication point.
 
-    The points have to be located and accelerated there. The outputs have their impulses.
+    The points must be located and accelerated there, and the outputs must already hold the impulses.
     """
     if d.latest.kept == 0:
         return
@@ -139,7 +141,7 @@ def update_latest(d):
 
 
 def rate_of_force(d, c):
-    """dF/dt [N/s] of candidate c, from the located and accelerated points; its sign is what counts."""
+    """dF/dt [N/s] of candidate c, from the located and accelerated points; only its sign is used."""
     stiffness, damping = contact_slopes(d, c)
     # Ḟ = ∂F/∂δ δ̇ + ∂F/∂δ̇ δ̈
     _, gap_rate = clearance(d, c)
@@ -149,7 +151,7 @@ def rate_of_force(d, c):
 def maximum_inside(d, c, quantity, time):
     """The maximum of FORCE or PENETRATION of candidate c inside the last step, until a ``time`` [s] in it.
 
-    Parabolas through three points, ever closer to the top of the last one; the top of the last of all.
+    Three parabolas, each through three points around the last top; returns the final top or a larger sample.
     """
     end = fraction(d, time)
     middle, reach, best, summit = 0.5 * end, 0.5 * end, 0.0, 0.0
@@ -179,7 +181,7 @@ def value_at(d, c, quantity, theta):
 
 
 def log_contact(d, c):
-    """Log the contact of candidate c, which ends now. When nobody collects the log the oldest are lost."""
+    """Log the contact of candidate c, which ends now. In a full log it overwrites the oldest entry."""
     touch, log = d.touch, d.finished
     _, gap_rate = clearance(d, c)
     row = log.count % len(log.point)
@@ -188,7 +190,7 @@ def log_contact(d, c):
     log.onset[row] = touch.onset[c]
     log.end[row] = d.step.end
     log.impact_speed[row] = touch.onset_speed[c]
-    # a point that a rigid wall has held is at rest: what is left of its rate is round-off
+    # a point that was held at a rigid wall is at rest: a negative rate is round-off
     log.separation_speed[row] = max(0.0, gap_rate) if d.contact.impulsive else gap_rate
     log.peak_force[row] = touch.peak_force[c]
     log.max_penetration[row] = touch.max_penetration[c]

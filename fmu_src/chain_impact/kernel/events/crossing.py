@@ -1,9 +1,9 @@
-"""Crossings: where a clearance or a penetration falls through zero, located on the dense output.
+"""Crossings: where a clearance or a penetration φ falls through zero, located on the dense output.
 
-Looking only for a sign change between the ends of a step misses a point that dips through a wall and returns.
-So each step is cleared by a bound: with |φ̈| ≤ A over an interval of width w, φ stays above its chord less
-A w²/8, and φ̇ keeps its sign if it has the same one at both ends and |φ̇_a| + |φ̇_b| > A w. An interval for
-which neither settles the matter is halved.
+A check for a sign change between the ends of a step alone misses a point that dips into a wall and returns.
+So a bound excludes that: with |φ̈| ≤ A over an interval of width w, φ stays above its chord minus A w²/8,
+and φ̇ keeps its sign if it has the same sign at both ends and |φ̇_a| + |φ̇_b| > A w. An interval for which
+neither condition decides is halved.
 """
 
 from chain_impact.kernel.chain.state import omega_at, sundman_u_at, velocity_at
@@ -16,16 +16,16 @@ from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.model.geometry import harmless_depth, normal
 from chain_impact.kernel.work_limit import work_exceeded
 
-RESOLUTION = 1e-15  # of a link length: a bend of a clearance below it is round-off, and no interval is halved
-# s. Events closer than this are one event: symmetric chains touch at several points at once, to round-off.
+RESOLUTION = 1e-15  # of a link length: if φ bends less, the bend is round-off, and no interval is halved
+# s. Events closer in time than this are one event: symmetric chains touch at several points at once.
 SIMULTANEOUS = 1e-12
 QUIET, SPLIT, CROSSES = 0, 1, 2
 
 
 def find_crossing(d):
-    """θ of the first onset or end of a contact in the last step, or −1; marks whose it is.
+    """θ of the first onset or end of a contact in the last step, or −1; marks its candidates.
 
-    The start of the step is measured.
+    φ and φ′ at the start of the step must be set.
     """
     a, b = 0.0, 1.0
     while not work_exceeded(d):
@@ -39,16 +39,16 @@ def find_crossing(d):
             return -1.0
         else:
             keep_start(d)
-            # the next interval is as wide as its place in the bisection allows
+            # the next interval is the widest that begins at b in the tree of the bisection
             a, width = b, b - a
             while a + width < 1.0 and a % (2.0 * width) == 0.0:
                 width *= 2.0
             b = min(1.0, a + width)
-    return -1.0  # the run ends: who called looks at the work
+    return -1.0  # too much work: the caller will end the run
 
 
 def check_interval(d, a, b):
-    """QUIET if no candidate can have an event in (a, b], CROSSES if one has, SPLIT if unsettled."""
+    """QUIET if no candidate can have an event in (a, b], CROSSES if one has, SPLIT if undecided."""
     verdict = QUIET
     for c in range(d.candidates):
         judged = check_candidate(d, c, a, b)
@@ -68,49 +68,49 @@ def check_candidate(d, c, a, b):
     rate_start, rate_end = d.search.clear_start_rate[c], d.search.clear_end_rate[c]
     curvature = d.search.curvature[c]
     sag, harmless = curvature * width * width / 8.0, harmless_depth(d)
-    # who has come that little way by the end of the step, or leaves, may never get further
+    # a point so shallow at the end of the step, or one that leaves, may never penetrate further
     near = b == 1.0 or d.touch.active[c]
     falls = end < (-harmless if near else 0.0) and rate_end < 0.0
     if start > sag - harmless and end > sag - harmless and not falls:
         return QUIET
     settled = rate_start * rate_end > 0.0 and abs(rate_start) + abs(rate_end) > curvature * width
-    # not >=, which keeps on halving for a curvature that is not finite
+    # `sag < …` would halve without end for a curvature that is not finite
     if settled or not sag >= RESOLUTION * d.model.size:
-        # at a loose tolerance a point can get deep without having moved there, as far as its speed tells;
-        # one in contact that moves inward has not left, wherever the interpolant of a stiff step puts it
+        # at a loose tolerance the interpolant can put a point deep inside although its rate is not inward; a
+        # point in contact that moves inward has not left, wherever the interpolant of a stiff step puts it
         return CROSSES if falls or (end < -harmless <= start and not d.touch.active[c]) else QUIET
     return SPLIT
 
 
 def nearly_linear(d, c, part):
-    """Whether φ of candidate c bends by no more than round-off over a part of the step."""
+    """Whether φ of candidate c is linear to round-off over a part of the step."""
     width = part * d.step.size
     return not d.search.curvature[c] * width * width / 8.0 >= RESOLUTION * d.model.size
 
 
 def locate(d, a, b):
-    """Find the earliest event in (a, b], in which every candidate is settled, and mark whose it is."""
+    """Find the earliest event in (a, b], in which no candidate is undecided, and mark its candidates."""
     first, found = b, -1
     for c in range(d.candidates):
         d.touch.event[c] = kind_of(d, c) if check_candidate(d, c, a, b) == CROSSES else 0
     for c in range(d.candidates):
-        # `first` is measured: whoever is still clear there comes later
+        # φ is that at `first`: a candidate with φ ≥ 0 there has its event later
         if d.touch.event[c] and d.search.clear_end[c] < 0.0:
             first = find_root(d, c, a, first)
             found = c
     within = SIMULTANEOUS + 4e-16 * abs(d.step.end)
     for c in range(d.candidates):
-        # a slow point may be no nearer at its own root, for round-off
+        # `found` is always kept, as round-off may exceed this limit for a slow point
         if c != found and d.search.clear_end[c] > within * abs(d.search.clear_end_rate[c]):
             d.touch.event[c] = 0
     return first
 
 
 def find_root(d, c, a, b):
-    """θ in [a, b] at which φ of candidate c, negative at b, falls through zero; measured there.
+    """θ in [a, b] at which φ of candidate c, negative at b, falls through zero; sets φ of all there.
 
-    Newton's method kept inside a shrinking bracket. When φ is not positive at the start of it, either, the
-    event is overdue: it is where φ falls.
+    Newton's method safeguarded by a shrinking bracket. If φ is not positive at a either, the event is
+    overdue: it is at the first end of the bracket where φ falls.
     """
     if d.search.clear_start[c] <= 0.0 and (d.search.clear_start_rate[c] <= 0.0 or nearly_linear(d, c, b - a)):
         theta = a if d.search.clear_start_rate[c] <= 0.0 else b
@@ -142,8 +142,8 @@ def find_root(d, c, a, b):
 def bound_curvature(d):
     """Bound |g̈| of every candidate over the last step.
 
-    |n·a_k| ≤ |n·a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²) holds for any point k. It is far from sharp for a point
-    that a stiff wall holds; but there the implicit step integrates the clearance itself.
+    |n·a_k| ≤ |n·a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²) holds for any point k. This bound is far from sharp for a
+    point that rests on a stiff wall; but there the implicit step integrates the clearance itself.
     """
     n = d.links
     # d²g/ds² = p d(ġ)/ds + p′ ġ, with p ≤ u and |p′| ≤ |u′|
@@ -156,7 +156,7 @@ def bound_curvature(d):
     links[0] = 0.0
     for i in range(n):
         omega, alpha = rate_bounds(d.step, omega_at(n) + i)
-        # what link i adds, in any direction
+        # the contribution of link i, in any direction
         links[i + 1] = links[i] + d.model.length[i] * (p * (alpha + p * omega * omega) + change * omega)
     for c in range(d.candidates):
         nx, ny = normal(d, c)
@@ -176,5 +176,5 @@ def measure(d, theta):
 
 
 def kind_of(d, c):
-    """What a crossing of candidate c is."""
+    """The kind of event that a crossing of candidate c is."""
     return END if d.touch.active[c] else ONSET

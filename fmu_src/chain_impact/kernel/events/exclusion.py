@@ -1,7 +1,8 @@
-"""Clearances over a step, and whether they show without a search that nothing can have happened in it.
+"""Clearances over a step, and a test on its ends that excludes events in it without a search.
 
-φ is the clearance of a candidate that is apart and the penetration of one in contact, or u for the
-regularized one, all as functions of the variable that the step runs in.
+φ is the clearance of a candidate that is apart and the penetration of one in contact, or u of the Sundman
+regularization (integration/sundman.py) for the regularized one, each as a function of the integration
+variable of the step; φ′ and φ″ are its derivatives.
 """
 
 import math
@@ -18,38 +19,38 @@ from chain_impact.kernel.integration.sundman import (
 )
 from chain_impact.kernel.model.geometry import along_normal, clearance, harmless_depth
 
-# rad of a link in a step, beyond which the remainder of the interpolant is no bound any more.
+# rad. If a link turns more in a step, the estimated remainder of the interpolant is no bound any more.
 SMALL_TURN = 1.0
-# Of the range of the Bernstein coefficients: what is left for round-off and for the remainder's own estimate.
+# Fraction of the range of the Bernstein coefficients: a margin for round-off and the estimated remainder.
 MARGIN = 0.05
-# δ̇/v₀ at which v₀ is latched anew. What gravity adds after the onset of an impact is a thousandth; at 2 the
-# force of the usual laws is within a factor 1 + 2λ of its elastic part.
+# δ̇/v₀ at which v₀, latched (fixed) at the onset of the contact, is latched again. Gravity adds a thousandth
+# after the onset of an impact; at 2 the usual laws have at most 1 + 2λ times their elastic force.
 RELATCH_RATIO = 2.0
-NEARLY = 0.75  # of that speed at an end of a step, from which on it is looked at in between
+NEARLY = 0.75  # fraction of that speed: if exceeded at an end of a step, its inside is sampled too
 
 
-# what is known of the clearances at the end of the last step: nothing, φ and φ′, also φ″, or that they are at
-# least `search.safe_distance` where there is no contact
+# What is known of the clearances at the end of the last step: nothing; φ and φ′; also φ″; or only that those
+# of candidates that are apart are at least `search.safe_distance`.
 NOTHING, VALUES, WITH_CURVES, FAR = 0, 1, 2, 3
 
 
 def known_clearances(d):
-    """What is known of the clearances at the end of the step before the one that is looked at."""
+    """What is known of the clearances at the start of the step that is searched."""
     return d.search.known if d.search.known_for == d.step.breaks else NOTHING
 
 
 def remember_clearances(d, what):
-    """Note what is known of them at the end of the last step, as long as the steps do not break."""
+    """Note what is known of the clearances at the end of the last step; it is void if a jump follows."""
     d.search.known, d.search.known_for = what, d.step.breaks
 
 
 def excludes_events(d):
-    """Whether the ends of the last step tell that there is no event in it.
+    """Whether the state and rate at the ends of the last step prove that there is no event in it.
 
-    Its method has to know the rate at the end, where the points are located and accelerated. If it cannot be
-    told, φ and φ′ of all candidates are known at either end.
+    Its method must provide the rate at the end; the points are located and accelerated there. If the result
+    is false, φ and φ′ of all candidates are known at both ends.
     """
-    # an input may change the acceleration between the ends as much as turning does
+    # an input may change the acceleration between the ends as much as rotation does
     turn = max(largest_turn(d), (d.step.end - d.step.start) * d.inputs.course.pace)
     if turn < SMALL_TURN and remains_far(d):
         return True
@@ -63,8 +64,8 @@ def excludes_events(d):
         d.search.clear_start_curve[c] = d.search.clear_end_curve[c]
     measure_all(d, d.step.state_end)
     remember_clearances(d, WITH_CURVES)
-    # the remainder is h⁶ φ⁽⁶⁾/46080; ten times that of the tip of a stretched chain that turns evenly, and
-    # that of a motion which fades or swings with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|
+    # the remainder is h⁶ φ⁽⁶⁾/46080; ten times that of the tip of a stretched chain in uniform rotation, and
+    # that of a motion which decays or oscillates with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|
     fade = fading(d)
     error = d.model.reach * turn**2 * max(turn, fade) ** 4 / 4608.0
     clear = turn < SMALL_TURN
@@ -77,25 +78,25 @@ def excludes_events(d):
 
 
 def leeway(d):
-    """How far [m] the tolerance allows a point to be off, at the tip.
+    """The error [m] that the tolerance allows in the position of a point, at most that of the tip.
 
-    The dense output, in which outputs and the search see a point, may be that far from what the ends of a
-    step tell.
+    The dense output, by which outputs and the search locate a point, may differ that much from the Hermite
+    interpolant between the ends of the step.
     """
     return d.solver.tolerance * d.model.reach
 
 
 def fading(d):
-    """How far, at most, motions have faded or swung by joints that resist in the last step: ρ h, a number."""
+    """ρ h of the last step, with a bound ρ on the rate of decay or oscillation by resisting joints."""
     return (d.step.end - d.step.start) * d.model.joint_bound
 
 
 def remains_far(d):
-    """Whether all are far from touching, as before, but for the regularized contact, which has not ended."""
+    """Whether no candidate can have touched, and none is active but the regularized one, not yet ended."""
     step, search, lasted = d.step, d.search, d.step.end - d.step.start
     speed, acceleration = search.speed, search.acceleration
     search.speed, search.acceleration = speed_bound(d.work.velocity), speed_bound(d.work.acceleration)
-    # no point goes further than that, with twice what its acceleration makes of it
+    # a bound on the way of any point in the step, with twice the contribution of its acceleration
     way = lasted * (max(speed, search.speed) + lasted * max(acceleration, search.acceleration))
     search.safe_distance -= way
     if not (known_clearances(d) >= WITH_CURVES and search.safe_distance > leeway(d)):
@@ -118,20 +119,20 @@ def speed_bound(vectors):
 
 
 def is_quiet(d, c):
-    """Whether contact c in the last step has not crossed its kink, nor may its v₀ be latched anew."""
+    """Whether contact c has not crossed its kink in the last step, and its v₀ cannot need a new value."""
     return not (d.touch.kink_crossed[c] or nearly_fast(d, c))
 
 
 def nearly_fast(d, c):
-    """Whether contact c, at either end of the last step, is pushed in so fast that v₀ may be latched anew."""
+    """Whether contact c is compressed so fast at an end of the last step that its v₀ may need a new value."""
     _, gap_rate = clearance(d, c)
     return max(d.touch.speed[c], -gap_rate) > NEARLY * RELATCH_RATIO * d.touch.impact_speed[c]
 
 
 def stays_positive(d, c, error):
-    """Whether φ of candidate c is positive all over the last step, after its start, by more than an error.
+    """Whether φ of candidate c is larger than an error throughout the last step, after its start.
 
-    φ has the Hermite interpolant of order 6 from its value, rate and curvature at the ends of the step. That
+    The quintic Hermite interpolant of φ, from its value and first two derivatives at the ends of the step,
     stays above the least of its Bernstein coefficients.
     """
     h = d.step.size
@@ -175,7 +176,7 @@ def set_clearances(d, y):
 
 
 def sundman_u_now(d, y):
-    """The regularized contact's u and u′ for the state y and its located points; 1 and 0 without one."""
+    """Evaluate u and u′ of the regularized contact for a state y and its located points; without one 1, 0."""
     if d.step.regularized == NO_CONTACT:
         return 1.0, 0.0
     u = y[sundman_u_at(d.links)]
@@ -188,7 +189,7 @@ def set_clearance(d, c, u, slope):
         d.search.clear_end[c], d.search.clear_end_rate[c] = u, slope
         return
     if d.touch.active[c] and d.contact.impulsive:
-        # held: it cannot touch
+        # held at a rigid wall: it can neither touch nor cross
         d.search.clear_end[c], d.search.clear_end_rate[c] = math.inf, 0.0
         return
     gap, gap_rate = clearance(d, c)
@@ -198,7 +199,7 @@ def set_clearance(d, c, u, slope):
 
 
 def keep_start(d):
-    """Make the end of the interval the start of the next one."""
+    """Copy φ and φ′ at the end of the interval to the start of the next one."""
     for c in range(d.candidates):
         d.search.clear_start[c] = d.search.clear_end[c]
         d.search.clear_start_rate[c] = d.search.clear_end_rate[c]

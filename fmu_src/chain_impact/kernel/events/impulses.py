@@ -1,17 +1,17 @@
-"""Impact at a rigid wall: impulses of no duration, and which contacts are held after them.
+"""Impact at a rigid wall: instantaneous impulses, and the set of contacts that stay active after them.
 
 Newton's law of impact for any number of contacts at once, in the form of Moreau (1988, *Unilateral contact
-and dry friction in finite freedom dynamics*): of the touching candidates, those that arrive and those that
-are held,
+and dry friction in finite freedom dynamics*), for all touching candidates, those that arrive and those that
+are held with ġ = 0:
 
     u⁺ = u⁻ + W p,   0 ≤ p ⟂ u⁺ + e u⁻ ≥ 0,
 
 with e = 0 for a held contact and for one that arrives slower than ``contact.minimum_impact_speed``, so
 that a bouncing point comes to rest after finitely many impacts. Every p does the work ½ p (u⁺ + u⁻) =
-½ p (1 − e) u⁻ ≤ 0: no impact brings energy, whatever touches. (Where a point all but touches and is on its
-way from the wall, u⁻ > 0, it could: the impact is then taken for one with e = 0, which cannot.)
+½ p (1 − e) u⁻ ≤ 0: no impact adds energy, whichever candidates touch. (An impact could add energy if a point
+within NEAR of a wall moves away from it, u⁻ > 0: then the impact is computed with e = 0, which cannot.)
 
-A contact that leaves with a speed is over. The others, at rest, are held by forces F as long as these push:
+A contact that separates with a speed ends. The others, at rest, are held by forces F as long as these push:
 
     0 ≤ F ⟂ g̈ ≥ 0.
 """
@@ -35,21 +35,21 @@ from chain_impact.kernel.model.contact import begin_contact, clear_loads, drop_e
 from chain_impact.kernel.model.equations import free_rate
 from chain_impact.kernel.model.geometry import clearance
 
-# Of the smallest speed that bounces: slower points do not leave, as bounces that are each a part of the last
-# would never end.
+# Fraction of the smallest speed that rebounds: slower points do not separate, because bounces that each have
+# a fraction of the speed of the last would accumulate in a finite time (Zeno behaviour).
 STICK = 1e-3
-NEAR = 1e-12  # of a link length: no distance, within an impact
-GAIN = 1e-9  # of what is moved in an impact: an energy or a speed beyond it is more than round-off
-# Of a link length: where a point without a force is put, lest round-off make it touch. A hundred times
-# round-off.
+NEAR = 1e-12  # of a link length: a point so near to a wall takes part in an impact
+GAIN = 1e-9  # relative to all that an impact moves: a larger error of energy or speed is not round-off
+# Of a link length: the clearance given to a point that is released, so that round-off does not make it touch
+# again. It is a hundred times round-off.
 RELEASE_GAP = 1e-13
 
 
 def handle_impact(d):
-    """Apply the events at the end of the last step: impulses, and who is held after them."""
+    """Apply the events at the end of the last step: impulses, then the update of the active set."""
     touch = d.touch
     locate_points(d, d.step.state_end)
-    # an interpolated state keeps to the walls but for its error
+    # an interpolated state satisfies the constraints only up to the error of the interpolant
     project_state(d, d.step.state_end)
     give_impulses(d)
     struck = False
@@ -69,9 +69,9 @@ def handle_impact(d):
 
 
 def include_near_contacts(d):
-    """Let points that all but touch take part in an impact.
+    """Add the points within NEAR of a wall to the contacts of an impact.
 
-    A link that wedges between two walls would else hit them in turn, infinitely often in a finite time.
+    Otherwise a link wedged between two walls would hit them in turn, infinitely often in a finite time.
     """
     touch = d.touch
     for c in range(d.candidates):
@@ -82,11 +82,11 @@ def include_near_contacts(d):
 
 
 def apply_impulses(d):
-    """Give the impulses of an impact to the velocities, and what they take to the dissipated energy."""
+    """Apply the impulses of an impact to the velocities, and add the energy lost to the dissipated energy."""
     own, n, state = d.rigid, d.links, d.step.state_end
     lost, moved = find_impulses(d, d.contact.restitution)
     if lost < -GAIN * moved or lacks_rebound(d):
-        # only a neighbour on its way from the wall can have brought that about, or a wedged point
+        # the cause can only be a NEIGHBOUR that moves away from its wall, or a wedged point
         lost, _ = find_impulses(d, 0.0)
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
@@ -100,7 +100,7 @@ def apply_impulses(d):
 
 
 def find_impulses(d, restitution):
-    """Find the impulses of an impact; return the energy [J] that they take, and the sum of all they move."""
+    """Find the impulses of an impact; return the energy [J] they dissipate and Σ p (|u⁻| + |u⁺|) [J]."""
     own, lost, moved = d.rigid, 0.0, 0.0
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
@@ -120,7 +120,7 @@ def find_impulses(d, restitution):
 
 
 def lacks_rebound(d):
-    """Whether impulses cannot give all points the speeds that the restitution asks for."""
+    """Whether impulses cannot give all points the rebound speeds that the restitution demands."""
     short, scale = False, largest(d.work.velocity)
     for k in range(d.touch.active_count):
         short = short or d.rigid.reached[k] < d.rigid.target[k] - GAIN * scale
@@ -128,22 +128,22 @@ def lacks_rebound(d):
 
 
 def end_rebounding_contacts(d):
-    """End the contacts that leave with a speed, by more than can be told from rest."""
+    """End the contacts that separate with a speed that is distinguishable from rest."""
     free_rate(d, d.step.state_end, d.work.rate)
     fall = start_from_accelerations(d, d.step.state_end, d.work.rate)
-    # u²/(2 a), the height of a throw
+    # u²/(2 a), the height to which a point thrown with u rises
     slow = max(math.sqrt(2.0 * fall * RISE * d.model.size), STICK * d.contact.minimum_impact_speed)
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         if d.touch.event[c] == NEIGHBOUR and d.rigid.impulse[k] <= 0.0:
-            d.touch.active[c] = 0  # not met
+            d.touch.active[c] = 0  # it takes no part in the impact
         elif d.rigid.reached[k] > slow:
             end_rigid_contact(d, c)
     list_touching(d)
 
 
 def end_contacts(d):
-    """End all contacts where they stand: another law takes them over as it finds them."""
+    """End all contacts at the present state, from which another law continues."""
     locate_points(d, d.step.state_end)
     for k in range(d.touch.active_count):
         end_rigid_contact(d, d.touch.active_index[k])
@@ -151,7 +151,7 @@ def end_contacts(d):
 
 
 def end_rigid_contact(d, c):
-    """End a contact. One of no duration has an impulse, and no finite force."""
+    """End and log a contact. One of no duration has an impulse and an infinite peak force."""
     if d.touch.onset[c] == d.step.end:
         d.touch.peak_force[c] = math.inf
     log_contact(d, c)
@@ -159,7 +159,7 @@ def end_rigid_contact(d, c):
 
 
 def update_active_set(d):
-    """Hold the touching points that a force has to hold, and let go of the others: 0 ≤ F ⟂ g̈ ≥ 0."""
+    """Keep the contacts that a pushing force must hold, and end the others: 0 ≤ F ⟂ g̈ ≥ 0."""
     touch, own, state = d.touch, d.rigid, d.step.state_end
     if touch.active_count > 0:
         locate_points(d, state)
@@ -179,7 +179,7 @@ def update_active_set(d):
 
 
 def end_unstopped_contacts(d):
-    """End the contacts that could not be brought to rest by impulses that push."""
+    """End the contacts that pushing impulses could not bring to rest."""
     scale = largest(d.work.velocity)
     for k in range(d.touch.active_count):
         if not d.rigid.in_active_set[k] and d.rigid.reached[k] > DOUBT * scale:
@@ -188,7 +188,7 @@ def end_unstopped_contacts(d):
 
 
 def release_contacts(d):
-    """End the contacts that no force holds, and put their points APART off the wall."""
+    """End the contacts that no force holds, and move their points off the wall by RELEASE_GAP."""
     own, n, state = d.rigid, d.links, d.step.state_end
     parting = False
     for k in range(d.touch.active_count):

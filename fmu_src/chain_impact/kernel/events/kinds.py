@@ -1,5 +1,5 @@
-"""The kinds of event, as ``touch.event`` has them for each candidate. What they are, table.py says."""
+"""The kinds of event, as stored for each candidate in ``touch.event``. table.py describes them."""
 
 NONE, ONSET, END, RELATCH, RELEASE, KINK = 0, 1, 2, 3, 4, 5
-NEIGHBOUR = 6  # not found in a step: a point that is near while the impact of another one is worked out
-REFUSED = -2.0  # in place of the fraction θ of a step at which an event happens
+NEIGHBOUR = 6  # not found by the search: a point near a wall that takes part in the impact of another point
+REFUSED = -2.0  # returned instead of the fraction θ of an event if the step must be refused

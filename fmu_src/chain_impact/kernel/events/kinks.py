@@ -1,10 +1,10 @@
 """The kink of a contact's force: where it is cut off at 0 or, for a law that damps on approach only, δ̇ = 0.
 
 The force is continuous there and its slopes are not, so that a step across would lose its order. A step is
-made with the force of one side, continued as it is. Its stages, and its end, tell whether the kink has been
-crossed; it is then located, a step anew lands on it, and the next one goes on with the force of the other
-side. A point that has no force any more, but is still inside the wall, moves as in flight until it leaves,
-or until it is pressed so fast that the wall pushes again.
+computed with the force of one side, continued smoothly beyond the kink. Its stages and its end show whether
+the kink has been crossed; then the kink is located, the step is repeated so as to end there, and the next
+step uses the force of the other side. A point without force that is still inside the wall moves as in flight
+until it leaves, or until it moves inward so fast that the wall pushes again.
 """
 
 from chain_impact.kernel.events.crossing import SIMULTANEOUS
@@ -14,13 +14,13 @@ from chain_impact.kernel.model.contact import drop_events, kink_height
 from chain_impact.kernel.model.contact_force import note_crossing
 from chain_impact.kernel.model.geometry import clearance
 
-SAMPLES = 8  # places in a step to look at
-RESOLUTION = 1e-15  # of a step, in which a kink is located
+SAMPLES = 8  # samples of a step
+RESOLUTION = 1e-15  # fraction of a step, to which a kink is located
 TRIES = 60
 
 
 def find_kink(d, touch):
-    """θ of the first of the event at ``touch`` (−1: none) and a kink; marks whose it is.
+    """θ of the event at ``touch`` (−1: none) or of an earlier kink; marks the candidates of a kink.
 
     The points are located at that event, or at the end of the step.
     """
@@ -29,7 +29,7 @@ def find_kink(d, touch):
     if found < 0:
         return touch
     drop_events(d)
-    # what is symmetric has its kinks at one moment, but for round-off
+    # a symmetric chain crosses several kinks at the same time, up to round-off
     locate_at(d, min(end, first + SIMULTANEOUS / d.step.size))
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
@@ -39,7 +39,7 @@ def find_kink(d, touch):
 
 
 def crossed(d, c):
-    """Whether contact c is on the other side of its kink, for the located points."""
+    """Whether contact c, for the located points, is not on the side of its kink that the step assumes."""
     height = kink_height(d, c)
     return height > 0.0 if d.touch.beyond_kink[c] else height < 0.0
 
@@ -58,7 +58,7 @@ def crossed_at(d, c, theta):
 
 
 def find_kink_root(d, c, low, high):
-    """The θ at which contact c, located beyond its kink at ``high``, comes over it; ``low`` if it was before.
+    """θ at which contact c, located beyond its kink at ``high``, crosses it; ``low`` if that was earlier.
 
     The rule of false position in its Illinois form (Dowell & Jarratt 1971, BIT 11:168).
     """

@@ -1,7 +1,7 @@
-"""The moment at which a point in contact is pushed in much faster than it arrived.
+"""The time at which a point in contact moves inward much faster than it arrived.
 
-A second hit, or a touch-down so slow that gravity soon outruns it: the v₀ latched at onset would make λ δ̇/v₀,
-and the force, grow without bound.
+The cause is a second impact, or an onset so slow that gravity soon makes δ̇ much larger: with the v₀ latched
+(fixed) at the onset of the contact, λ δ̇/v₀ and the force would grow without bound.
 """
 
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO, nearly_fast
@@ -10,13 +10,13 @@ from chain_impact.kernel.events.sampling import bisection, first_contact, first_
 from chain_impact.kernel.model.contact import drop_events
 from chain_impact.kernel.model.geometry import clearance
 
-SAMPLES = 4  # places in a step to look at, besides its ends: missing a short excess leaves the v₀ as it was
+SAMPLES = 4  # samples of a step besides its ends: if a short excess is missed, v₀ stays as it was
 
 
 def find_relatch(d, touch):
-    """θ of the first of the event at ``touch`` (−1: none) and a contact to latch anew; marks whose it is.
+    """θ of the event at ``touch`` (−1: none) or of an earlier re-latch of v₀; marks its candidate.
 
-    A contact whose point is nearly fast enough at either end of the step is looked at in between, too.
+    A contact whose point is nearly fast enough at an end of the step is sampled inside the step as well.
     """
     found, first = _first_fast(d, touch if touch >= 0.0 else 1.0)  # where the points are located
     if found < 0:

@@ -1,4 +1,4 @@
-"""The moment at which a rigid wall need not hold a contact any more: its force would have to pull."""
+"""The time at which a rigid wall must release a contact, because its force would have to pull."""
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import omega_at
@@ -9,19 +9,19 @@ from chain_impact.kernel.model.constraints import project_state
 from chain_impact.kernel.model.contact import drop_events
 from chain_impact.kernel.model.equations import state_rate
 
-# Of the chain's weight, or of its mass at one link length a second squared: a pull below it is round-off.
+# Relative to the chain's mass times (gravity + one link length per s²): a smaller pull is round-off.
 PULL = 1e-11
-# Places in a step to look at, once a stage has shown a pull: a force that is negative for less than an eighth
-# of a step can be missed, and the point is held for that long.
+# Samples of a step in which a stage has shown a pull: a force that is negative for less than an eighth of a
+# step can be missed, and the point is held for that time.
 SAMPLES = 8
-SHORT = 1e-9  # s, a step that need not be shorter for a release
+SHORT = 1e-9  # s. A shorter step is not refused for the sake of a release.
 
 
 def find_release(d, touch):
-    """θ of the first of the event at ``touch`` (−1: none) and a held contact that would pull; marks whose.
+    """θ of the event at ``touch`` (−1: none) or of an earlier release; marks the contacts that would pull.
 
-    The stages of the step tell whether a force has come below zero. REFUSED when they have passed a place
-    where forces go to infinity.
+    The stages of the step show whether a force has become negative. The result is REFUSED if a stage has
+    passed a configuration where forces go to infinity.
     """
     least = 0.0
     for k in range(d.touch.active_count):
@@ -38,15 +38,15 @@ def find_release(d, touch):
 
 
 def pull_limit(d):
-    """The force [N] that a held contact may pull with, for round-off's sake."""
+    """The force [N] with which a held contact may pull, because it is round-off."""
     return PULL * d.model.energy / (d.model.size * d.model.size) * (d.model.gravity_size + d.model.size)
 
 
 def strongest(d):
-    """The force [N] that gravity, and the motion at the start of the last step, ask of the chain's mass.
+    """The largest plausible force [N], from gravity and the motion at the start of the last step.
 
     A stage in which a wall pulls by more has passed a toggle position, where forces go to infinity: the step
-    is wrong, and so is what it says of the moment.
+    is wrong, and so is its time of release.
     """
     first, turning = omega_at(d.links), 1.0
     for i in range(d.links):
@@ -59,7 +59,7 @@ def strongest(d):
 def pulls(d, _c, theta):
     """Whether any held contact pulls at the fraction θ of the last step."""
     interpolate(d.step, theta, d.work.y)
-    # what the interpolant is off the walls, stiff joints turn into a force
+    # stiff joints would turn the constraint error of the interpolant into a force
     locate_points(d, d.work.y)
     project_state(d, d.work.y)
     state_rate(d, d.work.y, d.work.rate)
@@ -71,7 +71,7 @@ def pulls(d, _c, theta):
 
 
 def mark_pulling(d, theta):
-    """Mark the held contacts that pull at θ for release, and no other event."""
+    """Mark the held contacts that pull at θ as RELEASE, and drop all other events."""
     pulls(d, -1, theta)
     drop_events(d)
     for k in range(d.touch.active_count):

@@ -1,22 +1,22 @@
-"""Events that are looked for at samples of a step: where something first comes true."""
+"""Events found by sampling a step: where a condition first becomes true."""
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.last_step import SOLVER, ensure_dense
 
-RESOLUTION = 1e-12  # s of the variable of the step, as that of onsets that are one event
+RESOLUTION = 1e-12  # s of the step's variable, the same as the interval in which onsets are one event
 
 
 def first_passage(comes_true, samples, root):
-    """Make the search for the first place in a step at which a function of (d, c, θ) comes true.
+    """Make the search for the first θ in a step at which a condition, a function of (d, c, θ), becomes true.
 
     Args:
-        comes_true: the function, for candidate c at the fraction θ of the last step.
-        samples: places in the step to look at.
-        root: function (d, c, low, high) that returns the θ where it comes true, between two samples.
+        comes_true: the condition, for candidate c at the fraction θ of the last step.
+        samples: number of samples of the step.
+        root: function (d, c, low, high) that returns the θ where it becomes true, between two samples.
 
     Returns:
-        A function of (d, c, end) that returns the θ ≤ ``end``, or −1 when it is true at no sample.
+        A function of (d, c, end) that returns the θ ≤ ``end``, or −1 if the condition is true at no sample.
     """
 
     def passage(d, c, end):
@@ -32,7 +32,7 @@ def first_passage(comes_true, samples, root):
 
 
 def bisection(comes_true):
-    """Make the root of ``first_passage`` for a function of (d, c, θ), by halving the interval."""
+    """Make the ``root`` of ``first_passage`` for a condition, a function of (d, c, θ), by bisection."""
 
     def root(d, c, low, high):
         while (high - low) * d.step.size > RESOLUTION:
@@ -47,15 +47,15 @@ def bisection(comes_true):
 
 
 def first_contact(suspected, passage):
-    """Make the search for the active contact at which something comes true first.
+    """Make the search for the active contact for which a condition becomes true first.
 
     Args:
-        suspected: function (d, c): whether it may. The points are located at the first θ found so far.
-        passage: function (d, c, end) that returns the θ ≤ ``end`` where it does, or −1.
+        suspected: function (d, c): whether it may become true; the points are at the first θ found so far.
+        passage: function (d, c, end) that returns the θ ≤ ``end`` where it becomes true, or −1.
 
     Returns:
-        A function of (d, end) that returns the candidate, or −1, and the θ, or ``end``, where the points are
-        located then.
+        A function of (d, end) that returns the candidate and its θ, or −1 and ``end``; the points are then
+        located at that θ.
     """
 
     def search(d, end):

@@ -1,8 +1,8 @@
 """The search of a step for its earliest event.
 
-Most steps are far from any event, which their ends tell (exclusion.py); then there is no dense output to
-look at. In the others crossings come first, and then what is looked for up to the first of them. What can
-happen, table.py lists.
+For most steps a test on their ends excludes any event (exclusion.py); then no dense output is needed. In the
+other steps the first crossing is located, and then the other kinds of event are searched for up to it.
+table.py lists all kinds of event.
 """
 
 import math
@@ -29,25 +29,24 @@ from chain_impact.kernel.integration.methods import DENSE_EVALUATIONS, RATE_AT_E
 from chain_impact.kernel.model.constraints import any_point_held
 from chain_impact.kernel.model.geometry import along_normal, clearance
 
-# Of a link length: an onset is located to round-off, some 1e-15. One found deeper than this is the fault of
-# the step; at K = 1e12 N/m^1.5 it would bring 1e-11 J.
+# Of a link length: an onset is located to round-off, some 1e-15. One found deeper than this is an error of
+# the step; at K = 1e12 N/m^1.5 it would add 1e-11 J.
 DEEP = 1e-9
-# Of a step: a touch so early has to agree with the Taylor polynomial at its start, whose third-order
-# remainder is a part of 1e-9 there. The interpolant of a stiff step can be off by more.
+# Fraction of a step: a crossing so early has to agree with the Taylor polynomial at the start of the step,
+# whose third-order remainder is relatively 1e-9 there. The interpolant of a stiff step can err by more.
 EARLY = 1e-3
-# Of a step: how far from an onset one may have landed that was made anew for it.
+# Fraction of a step: the largest distance from an onset to the end of the step repeated to land on it.
 LANDED = 1e-2
-RESOLVED = (
-    4e-15  # of the time: ten times what a step can be told from none by, as a try may be a tenth of the last
-)
+# Of the time: ten times the shortest step that time resolves, as a try may be a tenth of the last one.
+RESOLVED = 4e-15
 
 
 def find_event(d):
     """Search the last step for the earliest event.
 
     Returns:
-        The fraction θ ∈ [0, 1] of the step at which it happens, or −1; REFUSED when the step is too coarse to
-        tell. ``touch.event`` tells whose it is.
+        The fraction θ ∈ [0, 1] of the step at which it happens, or −1; REFUSED if the step is too inaccurate
+        to locate it. ``touch.event`` then holds the kind of event of each candidate.
     """
     if d.candidates == 0:
         return -1.0
@@ -79,16 +78,16 @@ def find_event(d):
 
 
 def credible(d, theta):
-    """Whether the touches found at θ, where they are measured, are of points that arrive at a wall or leave.
+    """Whether the crossings found at θ, for which φ and φ′ are set there, are of points that arrive or leave.
 
-    The positions of a step and its speeds contradict each other by what the tolerance allows. An onset deep
-    inside, or of a point that moves away, is the fault of a step that is too long; so is a touch at its very
-    start, by a point that cannot be there yet.
+    Positions and rates of the interpolant may be inconsistent within the tolerance. An onset deep inside a
+    wall, or of a point that moves away, is an error of a step that is too long; so is a crossing right after
+    the start of the step by a point that cannot have reached the wall yet.
     """
     if theta <= EARLY and starts_clear(d, theta * d.step.size):
         return False
     if theta == 0.0:
-        return True  # a point that is inside at the start will be so in a shorter step, too
+        return True  # a point inside a wall at the start is so in a shorter step as well
     for c in range(d.candidates):
         if d.touch.event[c] == ONSET:
             deep = d.search.clear_end[c] < -DEEP * d.model.size
@@ -98,9 +97,9 @@ def credible(d, theta):
 
 
 def starts_clear(d, lasted):
-    """Whether a candidate that touches within so short a time [s] is clear by its motion at the start.
+    """Whether a candidate with an event within ``lasted`` [s] has φ > 0 there by its motion at the start.
 
-    The interpolant of a step that passes over what is stiff is off its start by what the tolerance allows.
+    Near its start, the interpolant of a step over a stiff motion may err by as much as the tolerance allows.
     """
     locate_points(d, d.step.state)
     accelerate_points(d, d.step.state, d.work.rate_start)
@@ -117,11 +116,11 @@ def starts_clear(d, lasted):
 
 
 def onset_fraction(d):
-    """The fraction θ of the last step, which has landed on events, at which onsets among them are; or −1.
+    """The fraction θ at which the onsets are, in the last step, repeated to end at its events; or −1.
 
-    It is 1 but for what the interpolant was off where they were found. Two steps of Newton's method settle
-    it, which may go a little beyond the end. REFUSED when points are deep inside then, or far from an onset.
-    In a step that time hardly resolves it is the end.
+    θ is 1 up to the error of the interpolant with which the events were found. Two Newton iterations correct
+    it; it may come to lie a little beyond the end. The result is REFUSED if points are then deep inside a
+    wall or far from an onset. It is −1, the end, without an onset or in a step that time hardly resolves.
     """
     if d.step.end - d.step.start <= SIMULTANEOUS + RESOLVED * abs(d.step.end):
         return -1.0
@@ -141,11 +140,11 @@ def onset_fraction(d):
 
 
 def onset_lateness(d, y):
-    """How long before a state of the last step onsets are, over the size of the step; locates the points.
+    """The time from the onsets to a state y of the last step, over the step size; locates the points.
 
     Returns:
-        That of the earliest onset; ∞ when a point does not arrive, or is far from its onset; −∞ without
-        onsets. And how deep [m] the points that arrive are inside their walls.
+        The time since the earliest onset; ∞ if a point does not arrive, or is far from its onset; −∞ without
+        onsets. And the largest depth [m] of the arriving points inside their walls.
     """
     locate_points(d, y)
     latest, deepest = -math.inf, 0.0
@@ -159,7 +158,7 @@ def onset_lateness(d, y):
 
 
 def drop_separating(d, theta):
-    """Drop the onsets of points that move away; return the θ of what is left, or −1."""
+    """Drop the onsets of points that move away; return θ if any event is left, or −1."""
     left = False
     for c in range(d.candidates):
         if not d.touch.active[c] and d.search.clear_end_rate[c] > 0.0:

@@ -1,17 +1,18 @@
-"""The table of events: what can happen to a contact within a step, and what then is done.
+"""The table of events: what can happen to a contact within a step, and which function handles it.
 
     kind      function of the motion                              changes sign   found by      handler
-    ONSET     clearance of a point that is apart                  falling        crossing.py   begin_contact
+    ONSET     clearance of a point that is apart                  falling        crossing.py   handle_onset
     END       penetration of one in contact, or u of the
-              regularized contact                                 falling        crossing.py   end_contact
-    RELATCH   δ̇ − 2 v₀ of a point in contact                      rising         relatch.py    latch_anew
-    RELEASE   force with which a rigid wall holds a point         falling        release.py    collide
+              regularized contact                                 falling        crossing.py   handle_end
+    RELATCH   δ̇ − 2 v₀ of a point in contact                      rising         relatch.py    handle_relatch
+    RELEASE   force with which a rigid wall holds a point         falling        release.py    handle_impact
     KINK      force before it is cut off, or δ̇ of a law that
-              damps on approach only                              either way     kinks.py      pass_kink
+              damps on approach only                              either way     kinks.py      handle_kink
 
-Crossings of clearances are found between bounds, so that none is missed; the others at samples of a step
-(sampling.py), as missing one for a while does no harm. A handler takes (d, c), with the points located, and
-returns whether a force has jumped. Rigid walls settle all events of a moment at once (impulses.py).
+Crossings of clearances are found with bounds, so that none is missed; the other events by sampling a step
+(sampling.py), because to find one of them late does no harm. A handler takes (d, c), with the points located,
+and returns whether a force has jumped. v₀ is latched, which means fixed at the onset of the contact. For
+rigid walls, handle_impact handles all simultaneous events together (impulses.py).
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -28,8 +29,8 @@ from chain_impact.kernel.model.contact import begin_contact, clear_loads, list_t
 from chain_impact.kernel.model.contact_force import cut_off, may_jump, set_damping, set_expected_depth
 from chain_impact.kernel.model.geometry import clearance
 
-# Of the time scale of a contact, in which a point that has left is out of the wall. To end none before it is
-# out would cost a tenth of an impact at a tolerance of 1e-4, for one more step.
+# Fraction of the time scale of a contact: a point that will be out of the wall within it has left. To wait
+# until it is out would cost one more step, a tenth of the work of an impact at a tolerance of 1e-4.
 LEFT = 0.01
 
 
@@ -44,8 +45,8 @@ def handle_onset(d, c):
 def handle_end(d, c):
     """End the contact of a point that has left its wall.
 
-    One that still moves inward, or takes long to get out, has not: the tolerance allows the place of an end
-    to be that wrong.
+    A point that still moves inward, or needs long to get out, has not left: the located end of a contact may
+    have an error of that size within the tolerance.
     """
     touch = d.touch
     gap, gap_rate = clearance(d, c)
@@ -57,7 +58,7 @@ def handle_end(d, c):
 
 
 def handle_relatch(d, c):
-    """Take twice the v₀ for a point that is pushed in much faster than it arrived."""
+    """Double the latched v₀ of a point that moves inward much faster than it arrived."""
     touch = d.touch
     touch.impact_speed[c] *= RELATCH_RATIO
     set_expected_depth(d, c)
@@ -67,11 +68,11 @@ def handle_relatch(d, c):
 
 
 def handle_kink(d, c):
-    """Go on with the force of the other side of its kink."""
+    """Switch candidate c to the force of the other side of its kink."""
     if cut_off(d, c):
         d.touch.force_rate[c] = 1.0  # rising
     if d.contact.approach_only:
-        d.touch.speed[c] = 0.0  # there it turns, and its depth is noted
+        d.touch.speed[c] = 0.0  # δ̇ = 0 here, and the largest penetration has been recorded
     d.touch.beyond_kink[c] = 1 - d.touch.beyond_kink[c]
     return True
 
@@ -93,10 +94,10 @@ _handle = dispatch([_HANDLERS[kind] for kind in range(len(_HANDLERS))])
 
 
 def apply_events(d):
-    """Let the events at the end of the last step take effect, and choose the step that follows.
+    """Apply the events at the end of the last step, and choose the size and the method of the next one.
 
     Returns:
-        Whether a force has jumped, where a contact begins or ends or as a v₀ was latched anew.
+        Whether a force has jumped, because a contact begins or ends or a v₀ was latched again.
     """
     if d.contact.impulsive:
         handle_impact(d)
@@ -122,8 +123,8 @@ def choose_size(d, onset, goes_on):
 
     Args:
         d: the instance.
-        onset: the candidate of the last onset among them, or −1.
-        goes_on: whether without an onset the size may remain as it is.
+        onset: the candidate of the last onset among the events, or −1.
+        goes_on: whether the size may stay as it is if there is no onset.
     """
     if d.touch.active_count == 0:
         clear_loads(d)
@@ -138,7 +139,7 @@ def choose_size(d, onset, goes_on):
 
 
 def bends_force(d):
-    """Whether the events that were found are where the force of a contact is not smooth for the step."""
+    """Whether the force of a contact, in the variable of the step, is not smooth at the events found."""
     if d.step.regularized >= 0 and d.touch.event[d.step.regularized] == END:
         return False
     for c in range(d.candidates):

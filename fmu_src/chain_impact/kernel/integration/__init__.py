@@ -1,1 +1,1 @@
-"""The methods, their dense output, errors and sizes of steps, and which one is at work."""
+"""The integration methods, their dense output, error and step-size control, and the choice of method."""

@@ -1,30 +1,30 @@
-"""The balance of energy over a step: the ledger shows what the error control cannot see.
+"""The energy check of a step: the energy balance shows errors that the error estimate does not detect.
 
-The exact motion keeps the ledger of energies (model/energy.py), so what a step changes in it is error. Steps
-that keep the tolerance change it by about the tolerance times a scale S, or less. To first order, with the
-scales of errors.py for what the components of the state may err,
+The exact motion conserves the energy balance (model/energy.py), so any change of it in a step is an error.
+Steps that keep the tolerance change it by about the tolerance times a scale S, or less. To first order, with
+the scales of errors.py for the errors of the components of the state,
 
     S = (√(2T) + √E₁)² + M g (s + Σ L_i) + E₂ + Σ k |φ| + Σ (K δⁿ s_δ + ½ m v₀²)
         + dissipated and supplied energy,
 
 where T is the kinetic energy, E₁ twice that of the stretched chain when it moves by the longest link s and
-turns by 1 rad in a second, E₂ = M s² in a second squared, M the mass, k |φ| the moments of springs, over 1
-rad, and s_δ, v₀ and m those of the active contacts. A step that changes much more is rejected: there is
-something that its error estimate does not see, such as a motion that fades within its first stage. Nor must
-the errors of all steps in a second of simulated time add up to much more.
+rotates by 1 rad per second, E₂ = M s² per second squared, M the mass, k |φ| the moments of springs, times 1
+rad, and s_δ, v₀ and m those of the active contacts. A step that changes much more is rejected: its error
+estimate misses something, such as a motion that decays within the first stage. The errors of all steps in
+one second of simulated time must not add up to much more either.
 
-S grows with an energy that comes from errors, and stiff springs make it far more than the energy itself. So
-all steps since the start together must not bring more than a tenth of what motion, springs, walls and heat
-can have by the start and the inputs: the ledger of the start less the potential energy, plus the supplied
-energy. Once they have, only steps that bring no more are accepted.
+S grows with energy that errors have added, and stiff springs make it far larger than the energy itself. So
+all steps since the start together must not add more than a tenth of the energy available to motion, springs,
+walls and heat: the energy balance at the start less the potential energy, plus the supplied energy. Once
+this limit is reached, only steps that add no more energy are accepted.
 
-Nor may they lose much. Errors of the tolerance in speeds take √(2E) (√(2E) + √E₁) times the tolerance of an
-energy E. With what there can be as E, all steps from the start to the time t together may lose
+Nor may they lose much. Errors of the tolerance in speeds can change an energy E by the tolerance times
+√(2E) (√(2E) + √E₁). With the available energy as E, all steps from the start to the time t may together lose
 
     B = 3 tolerance (√(2E) (√(2E) + √E₁) + M g (s + Σ L_i) + E₂) (1 + t / 10 s).
 
-A step that would lose more than is left of B is rejected, or more than B grows by in this step where that is
-more. What it loses of that is to the size of the next step like an error relative to the tolerance.
+A step is rejected if it loses more than both the part of B that is left and the growth of B in this step. The
+ratio of its loss to this limit acts on the size of the next step like an error relative to the tolerance.
 """
 
 import math
@@ -48,27 +48,27 @@ from chain_impact.kernel.model.energy import energy_balance, mechanical_energy, 
 from chain_impact.kernel.model.geometry import clearance
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 
-# What a step may change in the ledger, over tolerance and S. In 1500 random scenes the largest change of a
-# step was .0015 in the median, and more than 1 in 1 % of them.
+# The allowed change of the energy balance in a step, over the tolerance times S. In 1500 random scenes the
+# largest change in a step was .0015 in the median, and more than 1 in 1 % of them.
 OF_A_STEP = 3.0
-# The same for all steps in a window. Errors of steps have no sign in common but where a point rests: then
-# they add up to 230 in 100,000 steps. A run that goes beyond ends with a status.
+# The same for all steps in a window of time. The errors of steps have a common sign only where a point rests:
+# then they add up to 230 in 100,000 steps. A run that exceeds this ends with an error status.
 OF_A_WINDOW = 100.0
-WINDOW = 1.0  # s, as that of the work limit
-GAIN = 0.1  # of the energy that there can be: what errors of all steps may bring
-# Of the same: what a step may bring beyond that, so that round-off does not stop a run. When all of this adds
-# up to another GAIN the run ends.
+WINDOW = 1.0  # s, the same as for the work limit
+GAIN = 0.1  # of the available energy: what the errors of all steps together may add
+# Of the available energy: what a step may add beyond GAIN, so that round-off does not stop a run. When these
+# additions reach another GAIN, the run ends.
 SLIP = 1e-8
-# What errors of all steps may take at once, and again in how many seconds. In 3360 random scenes 3 % of the
-# runs lose enough to feel it, most of them with stiff springs.
+# The allowed loss by errors of all steps (over the tolerance, as OF_A_STEP), and in how many seconds it is
+# allowed again. In 3360 random scenes this limits steps in 3 % of the runs, most of them with stiff springs.
 LOSS, LASTING = OF_A_STEP, 10.0
-NOTABLE = 0.1  # of what is left of that: what a step may lose without an effect on the next one
-# A tolerance above which the first step of a run, whose size is a guess, can be half a turn and right by
-# chance.
+NOTABLE = 0.1  # of the loss allowed to a step: a smaller loss has no effect on the size of the next step
+# A tolerance above which the first step of a run, whose size is a guess, can be as long as half a turn of a
+# link, with a correct end by chance.
 LOOSE = 1e-4
-# rad that a link turns in a step, beyond which its dense output is looked at where there is one.
+# Rotation of a link in a step [rad] beyond which the dense output, if the step has one, is checked.
 LONG_TURN = 1.0
-INTERPOLATED = 10.0  # times what a step may change, as the dense output has a lower order
+INTERPOLATED = 10.0  # times the allowed change of a step: allowed at its middle, where the order is lower
 ROUND_OFF = 1e-15  # of the energies, and of each force times the coordinates of its point, in a step
 
 
@@ -94,23 +94,23 @@ def start_balance(d, time):
 
 
 def begin_window(d):
-    """Begin a window: the ledger is compared with what it is now."""
+    """Begin a window of time: the energy balance is compared with its present value."""
     balance = d.balance
     balance.reference = balance.at_end
-    # what is allowed whatever the state
+    # the allowed change in every state
     balance.least_allowed = OF_A_STEP * d.solver.tolerance * (balance.unit_motion**2 + balance.unit_scale)
     balance.allowed = balance.least_allowed
 
 
 def rebase_energy(d):
-    """Note the ledger at the start of a step that does not go on where the last one ended."""
+    """Evaluate the energy balance at the start of a step that does not continue the last one."""
     locate_points(d, d.step.state_end)
     d.balance.at_end = energy_balance(d, d.step.state_end)
     d.balance.breaks = d.step.breaks
 
 
 def reinit_balance(d):
-    """Go on from the communication point, where a parameter may have changed the energy of the contacts."""
+    """Re-initialize at the communication point, where a parameter may have changed the contacts' energy."""
     if d.touch.active_count > 0:
         balance, before = d.balance, d.balance.at_start
         rebase_energy(d)
@@ -119,9 +119,9 @@ def reinit_balance(d):
 
 
 def energy_step_ok(d, theta):
-    """Whether the last step keeps the ledger, up to the event at its fraction θ or, for −1, to its end.
+    """Whether the last step keeps the energy balance, up to an event at its fraction θ or (−1) to its end.
 
-    What it loses, over what it might, is noted as ``balance.loss``, more than 1 where that is the reason.
+    ``balance.loss`` is set to its loss over the allowed loss; it is > 1 if the step fails for that reason.
     """
     balance, y = d.balance, d.step.state_end
     balance.loss = 0.0
@@ -135,7 +135,7 @@ def energy_step_ok(d, theta):
     kinetic, potential = mechanical_energy(d, y)
     present = kinetic + potential + other_energy(d, y)
     change = present - balance.at_end
-    # not >, in which a NaN would be lost
+    # not >, which would let a NaN pass
     if not abs(change) <= balance.least_allowed:
         allowed = allowance(d, y)
         if not abs(change) <= allowed:
@@ -157,13 +157,13 @@ def energy_step_ok(d, theta):
 
 
 def most_energy(d, y, potential):
-    """The most energy [J] that there could be so far and in state y, where gravity's is ``potential``."""
+    """The available energy [J] up to and in state y, where the potential energy is ``potential``."""
     balance, supplied = d.balance, y[supplied_at(d.links)]
     return max(balance.available, balance.least_allowed + balance.origin - potential + max(0.0, supplied))
 
 
 def loss_allowed(d, there):
-    """What the last step may lose [J], which is > 0."""
+    """The energy that the last step may lose [J], which is > 0."""
     balance, budget = d.balance, loss_budget(d, there)
     share = (d.step.end - d.step.start) / (LASTING + d.step.end - balance.since)
     left = budget - (balance.origin - balance.at_end)
@@ -171,17 +171,17 @@ def loss_allowed(d, there):
 
 
 def loss_budget(d, there):
-    """B at the end of the last step [J], where the most energy that there could be is ``there``."""
+    """B at the end of the last step [J], where the available energy is ``there``."""
     balance, speed = d.balance, math.sqrt(2.0 * there)
     most = LOSS * d.solver.tolerance * (speed * (speed + balance.unit_motion) + balance.unit_scale)
     return most * (1.0 + (d.step.end - balance.since) / LASTING)
 
 
 def is_long(d):
-    """Whether the last step is so long that it may be right at its end by chance, and be wrong in between.
+    """Whether the last step is so long that its end may be correct by chance, and wrong in between.
 
-    That is a step in which a link has turned far, if there is a dense output to look at; an explicit one over
-    which joints make more of a motion fade or swing than it is stable for; and, at a loose tolerance, the
+    That is a step in which a link has turned far, if the dense output is available to check; an explicit one
+    that is longer than its stability limit for joints with dampers or springs; and, at a loose tolerance, the
     first one of a run, whose size is a guess.
     """
     if d.statistics.steps == 0 and d.solver.tolerance > LOOSE:
@@ -193,7 +193,7 @@ def is_long(d):
 
 
 def interpolates(d):
-    """Whether the dense output keeps the ledger in the middle of the last step, and the energy dissipated."""
+    """Whether the dense output keeps the energy balance and dissipation in the middle of the last step."""
     y = d.work.y
     ensure_dense(d, SOLVER)
     interpolate(d.step, 0.5, y)
@@ -205,7 +205,7 @@ def interpolates(d):
 
 
 def dissipates_evenly(d, middle):
-    """Whether the energy that is dissipated by the middle of the last step lies between that at its ends."""
+    """Whether the dissipated energy in the ``middle`` of the last step is between those at the ends."""
     start, end = d.step.state[dissipated_at(d.links)], d.step.state_end[dissipated_at(d.links)]
     scale = d.model.energy + abs(end) + impact_energy(d)
     slack = INTERPOLATED * OF_A_STEP * d.solver.tolerance * scale
@@ -213,19 +213,19 @@ def dissipates_evenly(d, middle):
 
 
 def allowance(d, y):
-    """What a step that ends in state y may change in the ledger [J], for the located points."""
+    """The allowed change of the energy balance [J] in a step that ends in state y, for the located points."""
     scale, known = scales(d, y)
     return OF_A_STEP * d.solver.tolerance * scale + ROUND_OFF * known
 
 
 def round_off(d, y):
-    """The part of it [J] that is round-off."""
+    """The part of the allowed change [J] that is round-off."""
     _, known = scales(d, y)
     return ROUND_OFF * known
 
 
 def scales(d, y):
-    """S, and the numbers [J] whose round-off is in the ledger, in state y with the points located."""
+    """S, and the energies [J] whose round-off enters the energy balance, for state y and located points."""
     kinetic, potential = mechanical_energy(d, y)
     # the potential energy is a difference of these
     known = d.balance.weight * (abs(y[0]) + abs(y[1])) + abs(potential)
@@ -249,7 +249,7 @@ def scales(d, y):
 
 
 def check_balance(d):
-    """ENERGY_NOT_KEPT when the steps of a window, or all, have changed the ledger by far too much, or OK."""
+    """ENERGY_NOT_KEPT if all steps, or those of a window, have changed the energy balance too much, or OK."""
     balance, most = d.balance, GAIN * d.balance.available
     gain = balance.at_end - balance.origin
     if gain > 2.0 * most or -gain > 2.0 * max(most, loss_budget(d, balance.available)):

@@ -1,15 +1,15 @@
 """The implicit step of order 9, for sustained contact and stiff joints: Radau IIA (its data: radau.py).
 
-The polynomial of degree 5 that starts at z_0 and keeps ż = f(z) at five nodes; its end is the result. The
-equations are those of extended.py, their solution is that of newton.py with the linear systems of
-linear_system.py, and the coordinates of the result are moved to the clearances by projection.py.
+The step finds the polynomial of degree 5 that starts at z_0 and satisfies ż = f(z) at five nodes; its end is
+the result. The equations are in extended.py, newton.py solves them with the linear systems of
+linear_system.py, and projection.py projects the coordinates of the result onto the integrated clearances.
 
 Two estimates of the error compare f with the polynomials through its values F at the nodes,
 
     E = (1 − h μ A)⁻¹ h μ (f(z_0) − P(0)),   E′ = (1 − h μ A)⁻¹ h μ (F_5 − P′(1)),
 
-P through all F, P′ through all but the last, μ the real eigenvalue. E′ is of one order less, and
-|E|²/|E′| of order 7, closer to the order of the result.
+with P through all F, P′ through all but the last, and μ the real eigenvalue. The order of E′ is one less, and
+|E|²/|E′| is of order 7, closer to the order of the result.
 """
 
 import math
@@ -57,22 +57,22 @@ from chain_impact.kernel.model.contact import clear_stage_notes
 
 LAST = STAGES - 1
 ERROR_ORDER = STAGES + 2
-SLOW = 0.2  # θ of Newton's iteration from which on shorter steps are cheaper
-# Errors that stand for equations that were not solved in time, and whose iteration diverged: the next try is
+SLOW = 0.2  # convergence rate θ of Newton's iteration above which shorter steps are cheaper
+# The errors assigned to a refused step, whose iteration did not converge in time or diverged: the next try is
 # half or a third as long.
 LATE, DIVERGED = 40.0, 700.0
-# how far beyond its step the last polynomial of degree 5, 4 and 3 foretells the next stages, in its steps
+# how far beyond its step the last polynomial, of degree 5, 4 and 3, is extrapolated, in lengths of that step
 FORETOLD = (1.2, 2.0, 3.0)
-# In evaluations: a real factorization costs 1 and a solution .7, complex ones 2.5 times as much; the estimate
-# of the error and the move to the clearances take four real solutions.
+# Costs in evaluations: a real factorization costs 1 and a solution .7, complex ones 2.5 times as much; the
+# error estimate and the projection onto the clearances take four real solutions.
 FACTORIZATIONS, SOLUTIONS, ESTIMATE = 6, 4, 3
-BEYOND = 1.04  # times the way to the end of a contact: the end foretold is right to some hundredths
-LEFT = 1e-3  # of a step, in which a point leaves its wall and has no force any more
-FADED = 3.0  # of the time constant of a fast motion: the first step after an event at a tolerance of 1
+BEYOND = 1.04  # times the predicted time to the end of a contact, whose error is some hundredths
+LEFT = 1e-3  # of a step: a contact that ends within it has practically no force left
+FADED = 3.0  # time constants of a fast motion: the first step after an event at a tolerance of 1
 
 
 def factorize(d, h):
-    """Make the linear systems of a step ready."""
+    """Factorize the linear systems of a step of size h."""
     factorize_real(d, h * REAL_EIGENVALUE)
     for pair in range(PAIRS):
         real, imaginary = COMPLEX_EIGENVALUES[pair]
@@ -80,7 +80,7 @@ def factorize(d, h):
 
 
 def _solve(d, h):
-    """Solve them in place."""
+    """Solve the linear systems of a step in place."""
     parts = d.implicit.parts
     solve_real(d, h * REAL_EIGENVALUE, parts[0])
     for pair in range(PAIRS):
@@ -89,14 +89,14 @@ def _solve(d, h):
 
 
 def can_extrapolate(d):
-    """Whether the polynomial of the last step, with the same contacts, tells where the stages will be."""
+    """Whether the polynomial of the last step, with the same contacts, can predict the stages."""
     return d.implicit.ready and d.step.last_method == IMPLICIT
 
 
 def set_jacobian(d, z):
-    """Take A where f was evaluated just now, in the middle of the step, if that is known well.
+    """Evaluate A where f was evaluated just now, in the middle of the step, if the prediction is accurate.
 
-    Else it is that of the start, which tells a fast motion there from others.
+    Otherwise A of the start is kept, which distinguishes a fast motion there from the others.
     """
     if can_extrapolate(d):
         extended_slopes(d, z)
@@ -106,7 +106,7 @@ iterate, _converge = simplified_newton(clear_stage_notes, extended_rate, set_jac
 
 
 def prepare(d, h):
-    """Make ready for a step; its size is at most what the end of a contact or a fast motion allows."""
+    """Prepare a step; returns its size, which the end of a contact or a fast motion may reduce."""
     extend_start(d)
     extended_slopes(d, d.implicit.start)
     set_weights(d, d.step.state_end, d.implicit.weight)
@@ -121,16 +121,16 @@ def toward_end(d, h):
     """A size that does not go far beyond the end of a contact, where the force is not smooth."""
     for k in range(compliant(d)):
         gap, gap_rate = d.implicit.start[gap_at(d, k)], d.implicit.start[rate_at(d, k)]
-        # −g/ġ, as the force has almost gone; one that has all but left is not waited for
+        # −g/ġ, as the force is almost zero; a contact that ends within LEFT of the step is ignored
         if gap_rate > 0.0 and LEFT * h * gap_rate < -gap < h * gap_rate / BEYOND:
             h = BEYOND * -gap / gap_rate
     return h
 
 
 def first_size(d, h):
-    """A size that resolves a fast motion at the start, if the tolerance can see it; h without one.
+    """A size that resolves a fast motion at the start, if it is larger than the tolerance; otherwise h.
 
-    (1 − h μ A)⁻¹, applied twice to what it takes from the rate, tells how fast and how large that is.
+    (1 − h μ A)⁻¹ removes a part of the rate; applied again to this part, it shows how fast and large that is.
     """
     own, shift, size = d.implicit, h * REAL_EIGENVALUE, extended_size(d)
     factorize_real(d, shift)
@@ -148,7 +148,7 @@ def first_size(d, h):
         most, remains = max(most, abs(fast[j]) * own.weight[j]), max(remains, abs(left[j]) * own.weight[j])
     if not (math.isfinite(most) and most > remains > 0.0):
         return h
-    # what decays with a rate ρ is left as 1/(1 + ρ h μ)
+    # of a motion that decays with the rate ρ, the factor 1/(1 + ρ h μ) remains
     rho = (most / remains - 1.0) / shift
     if rho * h > 1.0 and most > rho:
         return min(h, FADED / rho * (rho / most) ** (1.0 / (ERROR_ORDER - 1)))
@@ -156,7 +156,7 @@ def first_size(d, h):
 
 
 def extrapolate_stages(d, h, size):
-    """Set the stages to where the last step, or the rate at the start, tells that they will be."""
+    """Predict the stages from the polynomial of the last step, or from the rate at the start."""
     own = d.implicit
     if can_extrapolate(d):
         extrapolate_polynomial(d, h, size)
@@ -172,7 +172,7 @@ def extrapolate_stages(d, h, size):
 
 
 def extrapolate_polynomial(d, h, size):
-    """Set the stages by the polynomial of the last step, of lower degree where they are far beyond."""
+    """Set the stages by extrapolating the last step's polynomial, of a lower degree if it is far."""
     own = d.implicit
     base = (d.step.end - own.began) / own.span
     beyond = base + h / own.span - 1.0
@@ -191,10 +191,10 @@ def extrapolate_polynomial(d, h, size):
 
 
 def attempt(d, h):
-    """Try a step of size h [s] from where it was prepared; the result stands in ``work.y``.
+    """Try a step of size h [s] from where it was prepared; the result is stored in ``work.y``.
 
     Returns:
-        The error relative to the tolerance: at most 1 for a step to accept; not finite when f was not.
+        The error relative to the tolerance: at most 1 if the step is acceptable; not finite if f was not.
     """
     own, size = d.implicit, extended_size(d)
     extrapolate_stages(d, h, size)
@@ -218,7 +218,7 @@ def attempt(d, h):
 
 
 def cost_factor(own):
-    """By how much the next step shall be shorter than its error allows: iterations cost, too."""
+    """The factor that shortens the next step below what its error allows, as iterations cost time, too."""
     share = (2.0 * ITERATIONS + 1.0) / (2.0 * ITERATIONS + own.iterations)
     if own.contraction > SLOW:
         share = min(share, math.sqrt(max(0.5, SLOW / own.contraction)))

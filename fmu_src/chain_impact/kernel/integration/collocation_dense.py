@@ -1,7 +1,7 @@
-"""The dense output of an implicit step: its polynomial, of degree 5 and with an error of h⁶.
+"""The dense output of an implicit step: its collocation polynomial of degree 5, with an error of h⁶.
 
 The first five functions of dense.py span the polynomials of degree 5 that are 0 at the start of the step. The
-last two vanish at both its ends, and keep the coordinates at the clearances in between.
+last two vanish at both ends, and make the coordinates match the integrated clearances in between.
 """
 
 import numpy as np
@@ -54,7 +54,7 @@ def coefficient(stages, m, j):
 
 
 def finish(d, h):
-    """Keep the stages of the step that was tried, for the next one, and its dense output for the state."""
+    """Store the stages of the step that was tried, to predict the next ones, and the state's dense output."""
     own, dense = d.implicit, d.step.dense
     for i in range(STAGES):
         for j in range(impulse_at(d, impulse_count(d))):
@@ -72,7 +72,7 @@ def finish(d, h):
 
 
 def keep_impulse(d, k):
-    """Keep the dense output of the k-th impulse, as of the state."""
+    """Store the dense output of the k-th impulse, as that of the state."""
     dense, at = d.impulse.dense, impulse_at(d, k)
     dense[0, k] = d.impulse.state_end[k] - d.impulse.state[k]
     for m in range(1, len(dense)):
@@ -80,7 +80,7 @@ def keep_impulse(d, k):
 
 
 def keep_clearances(d, _h):
-    """Make the dense output keep the clearances in between, too, at thirds of the last step."""
+    """Make the dense output match the integrated clearances also at the thirds of the last step."""
     dense, own, change = d.step.dense, d.implicit, d.implicit.answer[0]
     if compliant(d) == 0:
         return
@@ -96,7 +96,7 @@ def keep_clearances(d, _h):
                 own.thirds[third - 1, derivative * velocity_at(d.links) + j] = change[j]
     for j in range(dissipated_at(d.links)):
         one, two = own.thirds[0, j], own.thirds[1, j]
-        # 8/729 F₅ + 8/2187 F₆ and 8/729 F₅ + 16/2187 F₆ are to be the changes
+        # 8/729 F₅ + 8/2187 F₆ and 8/729 F₅ + 16/2187 F₆ shall equal the changes at the thirds
         dense[6, j] = 2187.0 / 8.0 * (two - one)
         dense[5, j] = 729.0 / 8.0 * one - dense[6, j] / 3.0
 
@@ -110,7 +110,7 @@ def interpolated(d, j, theta):
 
 
 def bound_curvatures(d, h):
-    """Bound |g̈| [m/s²] of the active contacts over the last step, by the polynomials of their clearances."""
+    """Bound |g̈| [m/s²] of the active contacts over the last step, from their clearance polynomials."""
     for k in range(compliant(d)):
         bound = 0.0
         for m in range(STAGES):

@@ -2,7 +2,7 @@
 
 
 def combination(row):
-    """Make ``out = base + h Σ_j row[j] k_j``, unrolled over the stages j that the row names.
+    """Return a function for ``out = base + h Σ_j row[j] k_j``, unrolled over the stages j in the row.
 
     The function takes (stages, base, h, out), with the stages k_j the rows of ``stages``, which may
     be longer than ``base`` and ``out``.
@@ -21,7 +21,7 @@ def combination(row):
 
 
 def combinations(one, two):
-    """Make the sums h Σ_j row[j] k_j of two rows at once, so that each k_j is read once for both.
+    """Return a function for the sums h Σ_j row[j] k_j of two rows, which reads each k_j once for both.
 
     The function takes (stages, h, first, second), the last two for the results.
     """
@@ -42,7 +42,7 @@ def combinations(one, two):
 
 
 def sequence(first, *others):
-    """Make the call of several functions of the same arguments in turn, which return nothing."""
+    """Return a function that calls several functions, which return nothing, in turn with its arguments."""
     if not others:
         return first
     rest = sequence(*others)

@@ -6,7 +6,7 @@ from chain_impact.kernel.chain.state import sundman_u_at, time_at
 
 POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))  # p, q of θᵖ (1−θ)^q, with F₀ to F₆
 DENSE_COEFFICIENTS = len(POWERS)
-RESOLUTION = 1e-15  # of a step, in which a time is found
+RESOLUTION = 1e-15  # of a step: the accuracy of the fraction θ that belongs to a time
 
 
 def time_rate(u):
@@ -21,7 +21,7 @@ def interpolate(step, theta, y):
 
 
 def interpolate_component(step, theta, j):
-    """Component j of that state."""
+    """Component j of the state at the fraction θ ∈ [0, 1] of the last step."""
     rest = 1.0 - theta
     high = step.dense[4, j] + rest * (step.dense[5, j] + theta * step.dense[6, j])
     low = step.dense[2, j] + rest * (step.dense[3, j] + theta * high)
@@ -29,7 +29,7 @@ def interpolate_component(step, theta, j):
 
 
 def fraction(d, time):
-    """The fraction θ of the last step at which it is that time [s]."""
+    """The fraction θ of the last step that belongs to a time [s]."""
     elapsed = time - d.step.start
     if d.step.regularized < 0:
         return elapsed / d.step.size
@@ -37,7 +37,7 @@ def fraction(d, time):
 
 
 def regularized_fraction(d, elapsed):
-    """The fraction θ of the last step, a regularized one, at which some time [s] has elapsed in it."""
+    """The fraction θ of the last step, a regularized one, at which the time ``elapsed`` [s] has passed."""
     step, root, clock = d.step, sundman_u_at(d.links), time_at(d.links)
     at_end = step.state[root] + step.dense[0, root]
     if elapsed >= step.dense[0, clock] and at_end >= 0.0:

@@ -10,7 +10,7 @@ Each row maps the number of a stage to its coefficient; zeros are left out.
 """
 
 ORDER = 8
-STEP_STAGES = 12  # of the step; stage 12 is the rate at its end, stages 13 to 15 serve the dense output
+STEP_STAGES = 12  # of the step; stage 12 is the rate at its end, stages 13 to 15 are for the dense output
 
 # fmt: off
 # row i: the point of stage i is y + h Σ_j A[i][j] k_j

@@ -1,4 +1,4 @@
-"""How large an error is: its components scaled to what the tolerance speaks of."""
+"""The size of an error: its components over the scales to which the tolerance refers."""
 
 import math
 
@@ -16,24 +16,24 @@ from chain_impact.kernel.chain.state import (
 from chain_impact.kernel.inlining import inlined
 from chain_impact.kernel.model.geometry import along_normal, clearance
 
-# Of a penetration, relative, however loose the tolerance: beyond some hundredths a point that comes to rest
-# bounces again, and outputs show forces that are not there.
+# The largest relative error of a penetration, however loose the tolerance: with more than some hundredths a
+# point that comes to rest bounces again, and outputs show spurious forces.
 LARGEST_ERROR = 0.01
 
 
 def scaled_errors(d, row, other_row):
     """The largest scaled components of two error estimates in ``work.error``, for the result in ``work.y``.
 
-    The points have to be located there, and ``gap_error`` to hold the errors in the clearances.
+    The points must be located there, and ``gap_error`` must hold the errors in the clearances.
 
     The scales, times the tolerance: 1 rad for angles and one link length for positions, whatever their
-    value (turning or shifting the scene changes nothing); speeds relative to themselves plus one of these a
-    second, and dissipated energy likewise; and the penetration of every active contact by its own scale,
-    which may be a millionth of a link length. Energy supplied by inputs follows and is not controlled, nor
-    are u and the time of a step, which err far less than the motion.
+    value (turning or shifting the scene changes nothing); for speeds their own size plus one of these per
+    second, and for dissipated energy likewise; and for the penetration of every active contact its own scale,
+    which may be a millionth of a link length. The energy supplied by inputs depends on these and is not
+    controlled, nor are u and the time of a step, whose errors are far smaller than those of the motion.
 
     Returns:
-        At most 1 when the error keeps the tolerance; infinity when the result is not finite.
+        At most 1 if the error is within the tolerance; infinity if the result is not finite.
     """
     n, size = d.links, d.model.size
     one, other, y = d.work.error[row], d.work.error[other_row], d.work.y
@@ -56,9 +56,9 @@ def scaled_errors(d, row, other_row):
 
 
 def set_weights(d, y, weight):
-    """Set one over the scales of ``scaled_errors`` and the tolerance, for z of extended.py at located points.
+    """Set the weights 1/(tolerance × scale of ``scaled_errors``) for z of extended.py at located points.
 
-    What is not controlled has a weight of 0: energy supplied by inputs, the rates of clearances, impulses.
+    Components without error control have a weight of 0: supplied energy, rates of clearances, impulses.
     """
     n, size, tolerance = d.links, d.model.size, d.solver.tolerance
     for j in range(velocity_at(n)):
@@ -76,7 +76,7 @@ def set_weights(d, y, weight):
 
 @inlined
 def finite(one, other, y, count):
-    """Whether the result and both estimates are finite: a NaN is lost in max(), but not in a sum."""
+    """Whether the result and both estimates are finite: max() can hide a NaN, a sum cannot."""
     total = 0.0
     for j in range(count):
         total += abs(one[j] + y[j]) + abs(other[j] + y[j])
@@ -87,7 +87,7 @@ def finite(one, other, y, count):
 def largest(one, other, y, begin, end, least, growth, so_far):
     """The largest components of two errors, over ``least`` + ``growth`` |y|, from ``begin`` to ``end``.
 
-    ``so_far`` are the largest of the components before.
+    ``so_far`` are the largest values of the previous components.
     """
     first, second = so_far
     for j in range(begin, end):
@@ -97,9 +97,9 @@ def largest(one, other, y, begin, end, least, growth, so_far):
 
 
 def moment_error(d, row):
-    """The largest error of a joint's moment by its damper and spring, in parts of what turns the chain.
+    """The largest error of a joint's damper and spring moment, relative to the moments that move the chain.
 
-    What a rigid wall holds with is found from the moments, and its sign tells who is released.
+    The constraint forces of rigid walls depend on these moments, and their signs decide on releases.
     """
     error, first, worst = d.work.error[row], omega_at(d.links), 0.0
     turn, spin = 0.0, 0.0
@@ -121,7 +121,7 @@ def impact_energy(d):
 
 
 def set_gap_errors(d, row):
-    """Set the errors in the clearances of the active contacts that go with an error estimate."""
+    """Set the errors in the clearances of the active contacts that follow from an error estimate."""
     if d.touch.active_count > 0:
         move_points(d.work.link, d.work.error[row], d.work.motion)
     for k in range(d.touch.active_count):
@@ -131,9 +131,9 @@ def set_gap_errors(d, row):
 def penetration_scale(d, c):
     """The scale [m] of errors in the penetration of an active candidate, at the located points.
 
-    An error Δδ soon becomes a speed of about ω Δδ, with ω the contact's frequency, so it may be as large as
-    the error of speeds over ω. With ω ≈ v₀ over the expected depth this is the depth itself for a brisk
-    impact and more for a slow one, but never so much that the error exceeds 1 % of the depth.
+    An error Δδ soon causes an error in speed of about ω Δδ, with ω the contact's frequency, so it may be as
+    large as the error of speeds over ω. With ω ≈ v₀ over the expected depth this is the depth itself for a
+    fast impact and more for a slow one, but never so much that the error exceeds 1 % of the depth.
     """
     gap, _ = clearance(d, c)
     depth = max(d.touch.depth_scale[c], -gap)

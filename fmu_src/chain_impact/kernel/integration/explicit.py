@@ -19,19 +19,19 @@ from chain_impact.kernel.integration.sundman import (
 
 STAGES = len(dop853.A)
 LAST = dop853.STEP_STAGES  # the stage at the end of the step
-# A step is stretched by up to STRETCH if that takes it over the end of a contact, to BEYOND times the way
-# there: the end foretold is right to some hundredths. Else the step goes half way, so that no tiny one is
-# left.
+# A step is lengthened by up to STRETCH if it then passes the end of a contact, to BEYOND times the predicted
+# length to the end: the prediction has an error of some hundredths. Otherwise the step covers half of this
+# length, so that no tiny step remains.
 BEYOND, STRETCH = 1.04, 1.2
-HALVE = 50.0  # an error of order 8 that makes the next try half as long
+HALVE = 50.0  # an error that makes the next try of a method of order 8 half as long
 HUGE = 1e100  # an error whose square could overflow
-STEP_EVALUATIONS = LAST - 1  # new right-hand sides of a step, but for the one at its end
+STEP_EVALUATIONS = LAST - 1  # new right-hand sides of a step, without the one at its end
 
 
 def _stage(i, accepted):
-    """Stage i of a step: the point, and the rate there.
+    """Return the function for stage i of a step: its state, and the rate there.
 
-    A step is tried from the end of the last one. Once it is ``accepted``, that is its start.
+    A step is tried from ``state_end`` of the last one. Once it is ``accepted``, it starts at ``state``.
     """
     combine = combination(dop853.A[i])
 
@@ -51,7 +51,7 @@ _high_01, _high_23 = combinations(*dop853.D[:2]), combinations(*dop853.D[2:])
 
 
 def toward_end(d, h):
-    """The size of the step that begins, over an end that is near, if the error control allows a size h."""
+    """The size of the next step if the error control allows h: it passes an end of contact that is near."""
     if d.step.regularized == NO_CONTACT:
         return h
     root = sundman_u_at(d.links)
@@ -68,10 +68,10 @@ def toward_end(d, h):
 
 
 def attempt(d, h):
-    """Try a step of size h from ``step.state_end``; the result stands in ``work.y``.
+    """Try a step of size h from ``step.state_end``; the result is stored in ``work.y``.
 
     Returns:
-        The error relative to the tolerance: at most 1 for a step to accept; not finite when f was not.
+        The error relative to the tolerance: at most 1 if the step is acceptable; not finite if f was not.
     """
     make(d, h)
     d.step.cost_factor = 1.0
@@ -89,10 +89,10 @@ def attempt(d, h):
         return 0.0
     if max(error_5, error_3) > HUGE:
         return math.inf
-    # e₅²/√(e₅² + e₃²/100): behaves as order 8, as e₅/e₃ does as h² (Hairer, Nørsett, Wanner)
+    # e₅²/√(e₅² + e₃²/100): of order 8, as e₅/e₃ is of order 2 (Hairer, Nørsett, Wanner)
     ratio = error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3)
-    # the error of a step is of order 9; the difference is kept as a margin in flight, and where a force rises
-    # so steeply, as a root of u, that the step has not its order
+    # the error of a step is of order 9; the estimate of order 8 is kept as a margin in flight, and where a
+    # force rises so steeply, as a root of u, that the step loses its order
     steep = 0.0 < d.contact.rate_exponent < 0.5
     return error_5 * ratio * (1.0 if d.step.regularized == NO_CONTACT or steep else math.sqrt(ratio))
 
@@ -130,7 +130,7 @@ def _interpolant(step, stages, count, h):
 
 
 def nothing(_d, _h):
-    """All that the method keeps of a step is its stages, which tell no more of curvatures than all do."""
+    """Do nothing: this method stores nothing else of a step, and knows no special bounds on curvatures."""
 
 
 METHOD = Method(

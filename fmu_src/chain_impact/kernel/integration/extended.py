@@ -1,13 +1,13 @@
-"""The equations of an implicit step: those of motion, and beside them the clearances of the active contacts.
+"""The equations of an implicit step: those of motion, together with the clearances of the active contacts.
 
-As the links turn, a stage's coordinates leave the wall's tangent by ½ h² J̇ẏ. That is little, but soon more
-than the penetration of a stiff wall. So the clearances g of the active contacts and their rates are
-integrated beside y, z = (y, g, ġ, p), with g̈ the acceleration of the point along the normal and p the
-impulses, if any are asked for. The forces are those at g and ġ, in which the fast motions are linear but for
-the law of force.
+As the links turn, the coordinates of a stage leave the wall's tangent by ½ h² J̇ẏ. That is little, but often
+more than the penetration of a stiff wall. So the clearances g of the active contacts and their rates are
+integrated together with y, z = (y, g, ġ, p), with g̈ the acceleration of the point along the normal and p the
+impulses, if they are requested. The forces are evaluated at g and ġ, in which the fast motions are linear
+except for the force law.
 
-A rigid wall has no force law and holds its points as in all other steps (model/constraints.py): nothing
-stands beside y for them.
+A rigid wall has no force law and constrains its points as in all other steps (model/constraints.py): z has
+no entries for them.
 """
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
@@ -22,22 +22,22 @@ from chain_impact.kernel.model.inputs import set_inputs
 
 
 def gap_at(d, k):
-    """Where the clearance of the k-th active contact stands in z: from the place of u on, which is 1."""
+    """The index in z of the clearance of the k-th active contact: from that of u on, which is 1 here."""
     return sundman_u_at(d.links) + k
 
 
 def compliant(d):
-    """How many contacts have clearances in z: the active ones of a law of force."""
+    """The number of contacts with clearances in z: the active ones if the law has a force."""
     return 0 if d.contact.impulsive else d.touch.active_count
 
 
 def rate_at(d, k):
-    """Where the rate of that clearance stands in z."""
+    """The index in z of the rate of that clearance."""
     return gap_at(d, compliant(d) + k)
 
 
 def impulse_at(d, k):
-    """Where the impulse of that contact stands in z."""
+    """The index in z of the impulse of that contact."""
     return gap_at(d, 2 * compliant(d) + k)
 
 
@@ -47,7 +47,7 @@ def extended_size(d):
 
 
 def extend_start(d):
-    """Set z and ż at the start of the step to come, from the state and the rate there."""
+    """Set z and ż at the start of the next step, from the state and the rate there."""
     work, own, n = d.work, d.implicit, d.links
     if not work.at_end:
         locate_points(d, d.step.state_end)
@@ -78,7 +78,7 @@ def extended_rate(d, z, elapsed, rate):
     dissipated = 0.0
     for k in range(compliant(d)):
         dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
-    loaded_rate(d, z, dissipated, rate)  # … and of u and time, in whose place other things are here
+    loaded_rate(d, z, dissipated, rate)  # also sets those of u and time, where z has other entries
     if any_point_held(d):
         add_constraint_forces(d, z, rate)
     for k in range(impulse_count(d)):
@@ -88,7 +88,7 @@ def extended_rate(d, z, elapsed, rate):
 
 
 def extended_slopes(d, z):
-    """Set ∂F/∂δ and ∂F/∂δ̇ of the active contacts for z, and keep its link vectors, which are located."""
+    """Set ∂F/∂δ and ∂F/∂δ̇ of the active contacts for z, and store its link vectors, which are located."""
     own, link = d.implicit, d.work.link
     for i in range(d.links):
         own.link.x[i], own.link.y[i] = link.x[i], link.y[i]

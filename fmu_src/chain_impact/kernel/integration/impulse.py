@@ -1,10 +1,10 @@
-"""The impulses that walls give, p = ∫F dt of each contact: integrated beside the state, by the same stages.
+"""The impulses of the walls, p = ∫F dt of each contact: integrated together with the state, by its stages.
 
-They do not act on the motion, and its error control leaves them out. What a step changes in the momentum of
-the chain is what gravity, inputs and these impulses give, as accurately as the step is. Within a step they
-stand as the active contacts do, packed, and ``impulse.state``, ``state_end``, ``tried``, ``stage`` and
-``dense`` are for them what those of the state are for y. ``impulse.total`` has those of all candidates, as
-they were when contacts last began or ended. A scene that does not ask for impulses pays nothing for them.
+They do not act on the motion, and the error control ignores them. The momentum of the chain changes in a step
+by what gravity, inputs and these impulses give, to the accuracy of the step. Within a step they are packed
+like the active contacts, and ``impulse.state``, ``state_end``, ``tried``, ``stage`` and ``dense`` are for
+them what the same fields of the step are for y. ``impulse.total`` holds those of all candidates, at the time
+when contacts last began or ended. A scene that does not request impulses has no cost for them.
 """
 
 from chain_impact.kernel.chain.state import time_at
@@ -12,7 +12,7 @@ from chain_impact.kernel.integration.dense import interpolate_component
 
 
 def impulse_count(d):
-    """How many impulses there are to follow: those of the active contacts, if any are asked for."""
+    """The number of impulses that are integrated: those of the active contacts, if they are requested."""
     return d.touch.active_count if d.impulse.wanted else 0
 
 
@@ -31,33 +31,33 @@ def set_impulse_stage_at_end(d, i):
 
 
 def keep_end_forces(d):
-    """Keep the forces that were evaluated just now as those at the end of the last step."""
+    """Store the forces that were evaluated just now as those at the end of the last step."""
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         d.touch.force_end[c] = d.touch.force[c]
 
 
 def append_impulses(d):
-    """Append those of the step that was tried to those of the last one."""
+    """Take over the impulses of the step that was tried, as ``accept`` does for the state."""
     for k in range(impulse_count(d)):
         d.impulse.state[k] = d.impulse.state_end[k]
         d.impulse.state_end[k] = d.impulse.tried[k]
 
 
 def roll_back_impulses(d):
-    """Forget those of the last step."""
+    """Reset the impulses to the start of the last step."""
     for k in range(impulse_count(d)):
         d.impulse.state_end[k] = d.impulse.state[k]
 
 
 def truncate_impulses(d, theta):
-    """End those of the last step at its fraction θ."""
+    """Set the impulses at the end of the last step to those at its fraction θ."""
     for k in range(impulse_count(d)):
         d.impulse.state_end[k] = interpolate_component(d.impulse, theta, k)
 
 
 def commit_impulses(d):
-    """Note the totals at the end of the last step, before contacts begin or end."""
+    """Store the totals at the end of the last step, before contacts begin or end."""
     for k in range(impulse_count(d)):
         d.impulse.total[d.touch.active_index[k]] = d.impulse.state_end[k]
 
@@ -75,7 +75,7 @@ def reset_impulse_step(d):
 def give_impulses(d):
     """Add the impulses of rigid walls, found just now, to the totals.
 
-    What corrects errors may pull, but never by more than a contact has pushed: no impact has an impulse < 0.
+    A correction of errors may pull, but by no more than the contact has pushed: no impact has an impulse < 0.
     """
     own = d.impulse
     for k in range(d.touch.active_count):

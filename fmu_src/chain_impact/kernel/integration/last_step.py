@@ -1,9 +1,9 @@
-"""The last accepted step, and all that is known of it. This module alone says what is known.
+"""The last accepted step, and all that is known of it. Only this module sets what is known.
 
-The state at both ends, the dense output in between, the rate at the end, and the points there. What is worked
-out of a step elsewhere, such as clearances, holds until the steps break: where the next one does not start
-from the end of this one, in the same variable. `step.breaks` counts that. What an impact changes of the state
-at its end belongs to the step that follows (advance.py).
+That is the state at both ends, the dense output in between, the rate at the end, and the points there. What
+other modules derive from a step, such as clearances, is valid until a break in the sequence of steps, where
+the next step does not start at the end of this one, in the same variable. `step.breaks` counts the breaks. An
+impact's change of the state at the end of a step belongs to the step that follows (advance.py).
 """
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, place_points
@@ -22,11 +22,11 @@ from chain_impact.kernel.integration.sundman import NO_CONTACT, lone_contact, ti
 from chain_impact.kernel.model.constraints import any_point_held, project_state
 from chain_impact.kernel.model.equations import located_rate, state_rate
 
-NOBODY, OUTPUTS, SOLVER = 0, 1, 2  # step.dense_for: who has had the dense output
+NOBODY, OUTPUTS, SOLVER = 0, 1, 2  # step.dense_for: what has requested the dense output
 
 
 def reset_step(d, time, y):
-    """Stand at ``time`` [s] in state y, with a last step of no length, and the impulses as last settled."""
+    """Set the last step to one of zero length at ``time`` [s] in state y, with the committed impulses."""
     step = d.step
     for j in range(len(step.state)):
         step.state[j] = y[j]
@@ -45,7 +45,7 @@ def reset_step(d, time, y):
 
 
 def accept(d, h):
-    """Append the step of size h that was tried, with the state in ``work.y``, to the last one."""
+    """Make the step of size h that was tried, with its result in ``work.y``, the last step."""
     if any_point_held(d):
         project_state(d, d.work.y)
         for k in range(impulse_count(d)):
@@ -63,12 +63,12 @@ def accept(d, h):
     step.rate_known, d.work.at_end = 0, 0
     finish(d)
     if RATE_AT_END[step.last_method]:
-        # its error control has located the points of active contacts
+        # the error control of this method has located the points if contacts are active
         find_rate(d, d.touch.active_count > 0)
 
 
 def roll_back(d):
-    """Stand at the start of the last step again."""
+    """Return to the start of the last step."""
     step = d.step
     step.end = step.start
     for j in range(len(step.state)):
@@ -100,17 +100,17 @@ def truncate_to_output_time(d):
 
 
 def mark_jump(d):
-    """Forget what was known of the end of the last step."""
+    """Mark the rate and points at the end of the last step as unknown, and count a break."""
     d.step.rate_known, d.work.at_end = 0, 0
     d.step.breaks += 1
 
 
 def choose_variable(d, anew):
-    """Choose the variable of the step to come, for the points located at its start.
+    """Choose the integration variable of the next step, for the points located at its start.
 
     Args:
         d: the instance.
-        anew: whether the size of the step has been chosen for it, as contacts began or ended.
+        anew: whether its size has already been chosen for this variable, as contacts began or ended.
     """
     step, root = d.step, sundman_u_at(d.links)
     before, (contact, u) = time_rate_now(d, step.state_end), lone_contact(d)
@@ -125,13 +125,13 @@ def choose_variable(d, anew):
 
 
 def ensure_rate(d):
-    """See that ``work.rate_end`` is ẏ at the end of the last step."""
+    """Ensure that ``work.rate_end`` is ẏ at the end of the last step."""
     if not d.step.rate_known:
         find_rate(d, False)
 
 
 def find_rate(d, located):
-    """Evaluate it, and place the points for candidates; they may be ``located`` there."""
+    """Evaluate the rate at the end of the last step, where the points may be ``located``; place them."""
     y, rate = d.step.state_end, d.work.rate_end
     touching = d.touch.active_count > 0
     if touching:
@@ -151,7 +151,7 @@ def find_rate(d, located):
 
 
 def ensure_points(d):
-    """See that the points are those at the end of the last step, where the rate is known."""
+    """Ensure that the points are those at the end of the last step, where the rate is known."""
     if not d.work.at_end:
         locate_points(d, d.step.state_end)
         accelerate_points(d, d.step.state_end, d.work.rate_end)
@@ -170,13 +170,13 @@ def largest_turn(d):
 
 
 def ensure_dense(d, reader):
-    """See that the last step has its dense output, before anything changes that it depends on.
+    """Ensure that the last step has its dense output, before anything changes that it depends on.
 
-    What only outputs need does not count as evaluations by the solver: the count does not depend on them.
+    Evaluations that only outputs need are not counted: the solver's count does not depend on the outputs.
 
     Args:
         d: the instance.
-        reader: who needs it, OUTPUTS or the SOLVER.
+        reader: what needs it, OUTPUTS or the SOLVER.
     """
     step = d.step
     known, step.dense_for = step.dense_for, max(step.dense_for, reader)

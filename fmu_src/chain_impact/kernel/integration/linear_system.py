@@ -1,22 +1,22 @@
 """The linear systems of an implicit step, (1 − s A) x = r, for a real and for complex shifts s.
 
 A is the stiff part of the Jacobian. A point resting on a stiff wall makes the equations stiff: the contact's
-own motions are far faster than the chain's, and decay. Joints that resist do so, too; their moments
-−C v − S q, but for constants, have C = Σ c_i g_i g_iᵀ and S = Σ k_i g_i g_iᵀ with g_i the gradient of
-ω_i − ω_{i−1}. All else is left out: Newton's iteration takes care of it. For z of extended.py
+own motions are far faster than the chain's, and decay. So do joints with dampers or springs; their moments
+are −C v − S q, up to constants, with C = Σ c_i g_i g_iᵀ, S = Σ k_i g_i g_iᵀ and g_i the gradient of
+ω_i − ω_{i−1}. All other terms are left out and treated by Newton's iteration. For z of extended.py
 
     ∂v̇/∂(g, ġ, v, q) = −M⁻¹ (Jᵀk, Jᵀc, C, S),   g̈ likewise with −J M⁻¹,   ∂(ẋ, ġ)/∂(v, ġ) = 1,
 
-k = ∂F/∂δ, c = ∂F/∂δ̇, J the gradient of the clearances. The solution takes no linear algebra but the
+k = ∂F/∂δ, c = ∂F/∂δ̇, J the gradient of the clearances. The solution needs no linear algebra except the
 recursion. With x_v = r_v − Δ the rows of v̇ are M Δ = s (Jᵀ (k x_g + c x_ġ) + C x_v + S x_q), hence
 
     (M + Jᵀ D J + K) Δ = Jᵀ (D r_ġ + s k r_g) + K r_v + s S r_q,   D = s c + s² k,   K = s C + s² S,
     x_v = r_v − Δ,   x_ġ = r_ġ − J Δ,   x_q = r_q + s x_v,   x_g = r_g + s x_ġ,
 
 with Δ the response of the chain to impulses at the touching points and moments in the joints. The contacts'
-impedance D adds to the articulated inertia at their points. κ_i = s (c_i + s k_i) is a damper in its joint,
-which K r_v + s S r_q gives an impulse: chain/damped.py, and chain/shifted.py for a complex s. A point that a
-rigid wall holds, J Δ = 0, has an impedance far beyond the mass of the chain.
+impedance D adds to the articulated inertia at their points. κ_i = s (c_i + s k_i) acts as a damper in joint
+i, on which K r_v + s S r_q is an impulse: chain/damped.py, and chain/shifted.py for a complex s. A point that
+a rigid wall constrains, J Δ = 0, has an impedance far larger than the mass of the chain.
 """
 
 from chain_impact.kernel.chain.kinematics import move_points, zero
@@ -52,7 +52,7 @@ def factorize_real(d, shift):
 def respond_to_impulses(d, change):
     """Solve (M + Jᵀ D J + K) Δ = Jᵀ p + K r for Δ = ``change`` and J Δ.
 
-    p stands in ``normal``, and then J Δ; the impulses K r in the joints in ``work.damped.impulse``.
+    ``normal`` holds p, then J Δ; ``work.damped.impulse`` holds the impulses K r in the joints.
     """
     own = d.implicit
     if d.model.resisting:
@@ -64,7 +64,7 @@ def respond_to_impulses(d, change):
 
 
 def solve_real(d, shift, x):
-    """Solve (1 − s A) x = r for the real s = ``shift`` [s] that was factorized; r stands in x."""
+    """Solve (1 − s A) x = r for the real s = ``shift`` [s] that was factorized; x holds r."""
     n, own, change = d.links, d.implicit, d.implicit.answer[0]
     for k in range(d.touch.active_count):
         own.normal[k] = 0.0
@@ -91,7 +91,7 @@ def solve_real(d, shift, x):
 
 
 def relative(r, first, i):
-    """Entry i of those that begin at ``first``, from the one before; the base has 0."""
+    """Entry i of those that begin at ``first``, relative to the previous one; the base has 0."""
     return r[first + i] - (r[first + i - 1] if i > 0 else 0.0)
 
 
@@ -116,7 +116,7 @@ def factorize_complex(d, pair, s_r, s_i):
 
 
 def solve_complex(d, pair, s_r, s_i, x, y):
-    """Solve (1 − s A) (x + iy) = r for the complex s [s] that was factorized; r stands in x and y."""
+    """Solve (1 − s A) (x + iy) = r for the complex s [s] that was factorized; x and y hold r."""
     n, own, work = d.links, d.implicit, d.work
     change, change_i, own_motion = own.answer[0], own.answer[1], own.motion
     complex_d, re, im = own.factors.impedance, 2 * pair, 2 * pair + 1

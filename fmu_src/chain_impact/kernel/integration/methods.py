@@ -1,4 +1,4 @@
-"""The list of the methods, and what the kernel asks of the one at work."""
+"""The list of the methods, and the functions by which the kernel calls the current one."""
 
 from chain_impact.kernel.dispatch import dispatch
 from chain_impact.kernel.integration import collocation, explicit
@@ -29,32 +29,32 @@ _bound_curvatures = dispatch([method.bound_curvatures for method in _METHODS])
 
 
 def prepare(d, h):
-    """Make the method at work ready for a step; returns the h to begin with, at most the given one."""
+    """Prepare a step by the current method; returns the size h to try first."""
     return _prepare(d.step.method, d, h)
 
 
 def attempt(d, h):
-    """Try a step of size h; returns its error relative to the tolerance, at most 1 for one to accept."""
+    """Try a step of size h; returns its error relative to the tolerance, at most 1 if it is acceptable."""
     return _attempt(d.step.method, d, h)
 
 
 def finish(d):
-    """Set what its method keeps of the last step, which has been tried just now."""
+    """Store what its method needs of the last step, which has just been accepted."""
     _finish(d.step.last_method, d, d.step.size)
 
 
 def dense_output(d):
-    """Make the dense output of the last step."""
+    """Set the dense output of the last step."""
     _dense_output(d.step.last_method, d, d.step.size)
 
 
 def bound_curvatures(d):
-    """Set what the method knows of bounds on |g̈| [m/s²] over the last step, in place of general ones."""
+    """Replace the general bounds on |g̈| [m/s²] over the last step by those that its method knows."""
     _bound_curvatures(d.step.last_method, d, d.step.size)
 
 
 def chosen(choice):
-    """The number of the method that `solver.method` demands, or −1 for `auto`."""
+    """The number of the method that `solver.method` prescribes, or −1 for `auto`."""
     return choice - AUTO - 1
 
 

@@ -1,12 +1,12 @@
 """The simplified Newton iteration of a collocation step, in increments u_i = z_i − z_0 of the stages.
 
 The stages of a step of size h solve U = h Q F(z_0 + U). With A one approximate Jacobian for all of them, an
-iteration solves (1 − h Q ⊗ A) ΔU = R, R = h Q F − U. In the eigenvectors of Q, W = LEFT · R, that are systems
-(1 − h μ A) w = w', one for the real eigenvalue and one for each pair of complex ones, and ΔU = RIGHT · W.
+iteration solves (1 − h Q ⊗ A) ΔU = R, R = h Q F − U. In the eigenvectors of Q, W = LEFT · R, these become
+systems (1 − h μ A) w = w', one for the real eigenvalue and one for each pair of complex ones; ΔU = RIGHT · W.
 
-What A leaves out costs iterations, and no accuracy: successive corrections fall by a factor θ of about
-h |∂f/∂z − A|. The iteration has converged when what is left, θ/(1 − θ) of the last correction, is a small
-part of the tolerance.
+The terms that A leaves out cost iterations, but no accuracy: successive corrections fall by a factor θ of
+about h |∂f/∂z − A|. The iteration has converged when the remaining error, θ/(1 − θ) of the last correction,
+is a small part of the tolerance.
 """
 
 import math
@@ -18,13 +18,13 @@ LEFT_Q = tuple(
     tuple(math.fsum(left * row[j] for left, row in zip(one, Q, strict=True)) for j in range(STAGES))
     for one in LEFT
 )
-ITERATIONS = 10  # at most: slower ones cost more than shorter steps
-ENOUGH = 0.1  # of the tolerance: what the iteration may leave of the error
-DIVERGES = 0.95  # θ from which on it is given up
-FARTHEST = 1e20  # times the tolerance: a correction beyond it is none
-# θ/(1 − θ) of the last step foretells that of the next, but no better than this, and less than it says
+ITERATIONS = 10  # at most: a slower iteration costs more than shorter steps
+ENOUGH = 0.1  # of the tolerance: the error that the iteration may leave
+DIVERGES = 0.95  # θ above which the iteration is given up
+FARTHEST = 1e20  # times the tolerance: the iteration fails if a correction is larger
+# θ/(1 − θ) of the last step predicts that of the next, as max(θ/(1 − θ), TRUST)^POWER to be cautious
 TRUST, POWER = 0.02, 0.8
-UNKNOWN = 1e10  # θ/(1 − θ), where there is none
+UNKNOWN = 1e10  # θ/(1 − θ), if it is not known
 
 
 def _transformed(i):
@@ -57,7 +57,7 @@ def _corrected(i):
             change = abs(change) * own.weight[j]
             total += change
             worst = max(worst, change)
-        # a NaN is lost in max(), but not in a sum
+        # max() can hide a NaN, a sum cannot
         own.correction = worst if math.isfinite(total) else math.inf
 
     return corrected
@@ -68,18 +68,18 @@ _correct = sequence(*(_corrected(i) for i in range(STAGES)))
 
 
 def simplified_newton(begin, rate, linearize, factorize, solve):
-    """The iteration for a right-hand side and its linear systems.
+    """Return the iteration for a right-hand side and its linear systems.
 
     Args:
         begin: function (d) that is called before the stages are evaluated.
-        rate: function (d, z, elapsed, out) for out = f(z), so long [s] after the start of the step.
-        linearize: function (d, z) that takes the slopes of A where f was evaluated just now.
-        factorize: function (d, h) that makes the systems ready.
+        rate: function (d, z, elapsed, out) for out = f(z), ``elapsed`` [s] after the start of the step.
+        linearize: function (d, z) that evaluates the slopes in A where f was evaluated just now.
+        factorize: function (d, h) that factorizes the systems.
         solve: function (d, h) that solves them in place, r and x being the rows of ``implicit.parts``.
 
     Returns:
-        Functions (d, h, size): one that makes an iteration, and one that iterates the stages in
-        ``implicit.stages`` to the tolerance, and returns whether that has come about.
+        Functions (d, h, size): one that makes one iteration, and one that iterates the stages in
+        ``implicit.stages`` to the tolerance, and returns whether the iteration has converged.
     """
 
     def evaluate(d, h, size):
@@ -123,7 +123,7 @@ def simplified_newton(begin, rate, linearize, factorize, solve):
                 own.slowness = ratio if k > 1 else own.slowness
                 return True
             left = theta ** (ITERATIONS - k) / (1.0 - theta) * own.correction if theta < 1.0 else math.inf
-            # it diverges, or will not come in time
+            # it diverges, or will not converge in time
             if k > 2 and (theta > DIVERGES or left > ENOUGH):
                 return False
         return False

@@ -1,7 +1,7 @@
-"""The coordinates of an implicit step, moved to the clearances that are integrated beside them.
+"""The coordinates of an implicit step, projected onto the clearances that are integrated with them.
 
-They differ from them by little, which a stiff wall would feel as a blow. How far they had left them counts as
-an error of the step.
+The two differ by little, but on a stiff wall this would act as an impact. The difference before the
+projection counts as an error of the step.
 """
 
 from chain_impact.kernel.chain.state import coordinate_count, velocity_at
@@ -9,16 +9,16 @@ from chain_impact.kernel.integration.extended import compliant, gap_at, rate_at
 from chain_impact.kernel.integration.linear_system import respond_to_impulses
 from chain_impact.kernel.model.geometry import clearance
 
-# Of a penetration: by how much the coordinates may leave the clearance that is integrated beside them over a
-# step. More makes the interpolant of the state wrong by as much; less bounds the step where links turn on a
-# stiff wall.
+# Of a penetration: the allowed difference in a step between the coordinates and the clearance integrated with
+# them. A larger value gives the interpolant of the state an error of this size; a smaller one limits the step
+# where links turn on a stiff wall.
 APART = 0.03
 
 
 def project_coordinates(d, y, derivative, change):
     """Move the coordinates in y (for derivative 1: velocities) to the clearances (rates) in ``normal``.
 
-    The points have to be located for y. The ``change``, shape (N+2,), is left.
+    The points must be located for y. The ``change``, shape (N+2,), is a result.
     """
     own, first = d.implicit, derivative * velocity_at(d.links)
     for k in range(compliant(d)):
@@ -35,8 +35,8 @@ def project_clearances(d, z, y):
     """Move y, whose points are located, to the clearances and rates in z.
 
     Returns:
-        The largest weighted change, over the tolerance, and by how much the coordinates had left the
-        clearances, in parts of what they may.
+        The largest weighted change, over the tolerance, and the difference between the coordinates and the
+        clearances before it, relative to the allowed one.
     """
     own, change, worst = d.implicit, d.implicit.answer[0], 0.0
     apart = largest_mismatch(d, z) / APART
@@ -50,7 +50,7 @@ def project_clearances(d, z, y):
 
 
 def largest_mismatch(d, z):
-    """How far the located coordinates have left the clearances in z, in parts of the penetration."""
+    """The largest difference between located and integrated clearances, relative to the penetration."""
     worst = 0.0
     for k in range(compliant(d)):
         c = d.touch.active_index[k]

@@ -2,12 +2,12 @@
 
 Collocation at the zeros c_i of P_4 − P_5, Legendre's polynomials shifted to [0, 1]: order 9, stage order 5,
 L-stable and stiffly accurate. Source: E. Hairer and G. Wanner 1996, *Solving Ordinary Differential Equations
-II*, 2nd ed., Springer, section IV.5; the same 1999, J Comput Appl Math 111:93 for 5 stages. That they are
-right is shown in tests/kernel/integration/test_radau.py.
+II*, 2nd ed., Springer, section IV.5; the same 1999, J Comput Appl Math 111:93 for 5 stages. They are verified
+in tests/kernel/integration/test_radau.py.
 
 The matrix Q has one real eigenvalue and two pairs of complex ones. LEFT has its left eigenvectors as rows,
 real and imaginary parts of a pair one below the other, and RIGHT the parts of the right ones as columns, such
-that RIGHT · LEFT = 1; to take twice a real part is in it.
+that RIGHT · LEFT = 1; the factor 2 of the real part, for both eigenvalues of a pair, is included in RIGHT.
 """
 
 ORDER = 9

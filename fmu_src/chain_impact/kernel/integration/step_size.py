@@ -1,7 +1,7 @@
-"""Sizes of steps: what follows from an error, and what the error control cannot know.
+"""Sizes of steps: the one that follows from an error, and those that the error control cannot provide.
 
-A step that is tried in vain costs as much as one that is taken. So the first step in flight and that of a
-contact are foreseen.
+A rejected step costs as much as an accepted one. So the sizes of the first step in flight and of the first
+step of a contact are estimated in advance.
 """
 
 import math
@@ -11,21 +11,21 @@ from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.integration.methods import EXPONENT, ONSET_EXPONENT, ONSET_SIZE, SAFETY
 from chain_impact.kernel.model.contact_force import damping_share
 
-# The factors by which the size of a step changes, at most. DOP853's authors have 1/3 and 6.
+# Limits of the factor by which the size of a step changes. DOP853's authors use 1/3 and 6.
 SHRINK, GROW = 0.1, 6.0
-# rad that links turn in the first step of a flight at a tolerance of 1: the most for which few first steps
-# are rejected (tests/kernel/integration/test_step_size.py). So is `onset_size` of the methods.
+# Rotation of the links [rad] in the first step of a flight at a tolerance of 1: the largest for which few of
+# them are rejected (tests/kernel/integration/test_step_size.py). `onset_size` of the methods: likewise.
 TURN = 2.8
 
 
 def factor(d, error):
-    """What the size of a step is to be multiplied with, for its error relative to the tolerance."""
+    """The factor on the size of a step that follows from its error relative to the tolerance."""
     method = d.step.method
     return max(SHRINK, SAFETY[method] * d.step.cost_factor * error ** EXPONENT[method])
 
 
 def in_flight(d, y, rate):
-    """A size [s] for an explicit step from state y with its rate, as fast as the links turn; at most 1 s."""
+    """A size [s] ≤ 1 s for an explicit step from state y, by how fast the links turn there."""
     n, fastest = d.links, 0.0
     for i in range(n):
         fastest = max(fastest, abs(y[omega_at(n) + i]), math.sqrt(abs(rate[omega_at(n) + i])))
@@ -34,12 +34,12 @@ def in_flight(d, y, rate):
 
 
 def at_onset(d, c, method):
-    """A size for the first step, by a method, of the contact of candidate c, which has just been latched."""
+    """A size for a method's first step in the contact of candidate c, which has just begun."""
     return ONSET_SIZE[method] * time_scale(d, c) * d.solver.tolerance ** ONSET_EXPONENT[method]
 
 
 def time_scale(d, c):
-    """The time [s] in which the force of candidate c, which has just been latched, rises: δ*/v₀ or less."""
+    """The time [s] in which the force of candidate c, whose contact has just begun, rises: δ*/v₀ or less."""
     share, power = damping_share(d, c), 1.0 / (d.contact.rate_exponent + 1.0)
-    # less where damping stops the point
+    # it is shorter where damping stops the point
     return d.touch.depth_scale[c] / d.touch.impact_speed[c] * (1.0 + share) ** -power

@@ -1,18 +1,19 @@
-"""Sundman regularization: the variable that a step runs in, time or, through an impact, a contact's own.
+"""Sundman regularization: a step's integration variable is time or, in an impact, that of the contact.
 
-A force K δⁿ with n = 3/2 is not smooth in time where its contact begins and where it ends: there δ falls to
-zero as the time that is left, and the force as its power 3/2. An explicit step then loses its order, and
-creeps away from one end and toward the other. It is smooth in the variable s of Sundman's transformation,
+A force K δⁿ with n = 3/2 is not smooth in time where its contact begins and where it ends: there δ is
+proportional to the time from that end, and the force to its power 3/2. An explicit method then loses its
+order and needs very small steps near both ends. The force is smooth in the variable s of Sundman's
+transformation,
 
     dt = p ds,   p = u/(1 + u²),   u = √(δ/δ*),   du/ds = δ̇/(2 δ* (1 + u²)),
 
-with δ* the expected penetration: there δ goes as s², and F as s³. The denominator makes an impact as even in
-its middle as at its ends, so that steps of one size suit all of it. So u and t join the state y, and a step
-runs in s, the fictitious time of the *regularized contact*, the only one that there is. Without one p = 1,
-and s is time.
+with δ* the expected penetration: at the ends δ is proportional to s², and F to s³. The denominator makes an
+impact as smooth in its middle as at its ends, so that one step size suits all of it. So u and t are part of
+the state y, and the variable of a step is s, the fictitious time of the *regularized contact*, which must be
+the only active one. Without it p = 1, and s is time.
 
 Source: K. F. Sundman 1913, Mémoire sur le problème des trois corps, Acta Mathematica 36:105, where the
-distance of two bodies stands in for p.
+distance of two bodies takes the place of p.
 """
 
 import math
@@ -23,10 +24,10 @@ from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import along_normal, clearance
 
-NO_CONTACT = -1  # in step.regularized: the step runs in time
-# u, beyond which no step goes. Where u < 0 time runs backwards, and the end of the contact has been passed.
+NO_CONTACT = -1  # in step.regularized: the variable of the step is time
+# The lower limit of u in a step. Where u < 0 time runs backwards: the end of the contact has been passed.
 BACK = -0.5
-# u and δ̇/v₀ below which a point lies on a wall rather than hits it: s would then stand still, as p → 0.
+# u and δ̇/v₀ below which a point rests on a wall rather than hits it: in s time would stop there, as p → 0.
 SLOW = 0.1
 
 
@@ -38,7 +39,7 @@ def regularized_rate(d, y, rate):
 
 
 def regularize(d, y, time_rate, rate):
-    """Set rate = dy/ds for dy/dt and the located points; at the ends of a step."""
+    """Set rate = dy/ds at an end of a step, from dy/dt and for the located points."""
     for j in range(len(rate)):
         rate[j] = time_rate[j]
     if d.step.regularized != NO_CONTACT:
@@ -46,7 +47,7 @@ def regularize(d, y, time_rate, rate):
 
 
 def to_fictitious_time(d, y, rate):
-    """Turn a rate in time into one in s, for the located points."""
+    """Convert a rate in time to one in s, for the located points."""
     u = y[sundman_u_at(d.links)]
     p = time_rate(u)
     for j in range(len(rate)):
@@ -70,7 +71,7 @@ def root_curve(d, u, slope):
 
 
 def time_rate_change(u, slope):
-    """The change p′ = u′ (1 − u²)/(1 + u²)²."""
+    """The derivative p′ = dp/ds = u′ (1 − u²)/(1 + u²)²."""
     quotient = 1.0 / (1.0 + u * u)
     return slope * (1.0 - u * u) * quotient * quotient
 
@@ -81,7 +82,7 @@ def time_rate_of(d, u):
 
 
 def time_rate_now(d, y):
-    """dt/ds in state y; not less than SLOW, as it serves to turn the size of a step into seconds."""
+    """dt/ds in state y, at least SLOW, as it is used to convert the size of a step to seconds."""
     return max(SLOW, time_rate_of(d, y[sundman_u_at(d.links)]))
 
 
@@ -93,9 +94,9 @@ def runs_back(d, y):
 
 
 def lone_contact(d):
-    """The active contact and its u, if it is alone and no point that lies on a wall; else NO_CONTACT and 1.
+    """The active contact and its u, if it is the only one and not at rest; otherwise NO_CONTACT and 1.
 
-    Others would have their ends at other moments, and the fictitious time of one suits none of the rest.
+    Several contacts end at different times, and the fictitious time of one does not suit the others.
     """
     if d.step.method != EXPLICIT or d.contact.impulsive or d.touch.active_count != 1:
         return NO_CONTACT, 1.0

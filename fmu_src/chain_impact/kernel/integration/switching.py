@@ -1,17 +1,17 @@
-"""Which method takes the next step.
+"""The choice of the method for the next step.
 
-The explicit one is better as long as accuracy limits its step: in flight and in impacts. In sustained
-contact its stability does, or the order that it loses there. The fastest motion of a contact has the rate
+The explicit method is better as long as accuracy limits its step: in flight and in impacts. In sustained
+contact its stability limits the step, or its loss of order. The fastest motion of a contact has the rate
 ρ = max(c/m, √(k/m)), with m the effective mass at its onset; the explicit method is stable for about hρ < 6.
-Impacts are resolved with hρ below 1, so explicit steps beyond STIFF tell that the contact lasts; that needs
-no evaluation to see. A contact that has lasted for long may still ring, with shorter steps: there, too,
-implicit ones may get further. As an implicit step costs two or three explicit ones, it has to be as much
-longer than the last of these.
+Impacts are resolved with hρ below 1, so explicit steps beyond STIFF show, at no cost, that the contact is
+sustained. A sustained contact may still oscillate, with shorter steps: there, too, implicit steps may be
+cheaper. As an implicit step costs two or three explicit ones, it must be longer than the last of these by the
+same factor.
 
-A joint with a damper or a spring has a rate of its own, in flight as in contact (chain/joint_rate.py). A
-spring swings rather than decays. As long as the tolerance can see that, it takes explicit steps with hρ below
-STIFF; when they are longer, the swing is so small that implicit steps, which let it decay, may lose it.
-Rigid walls make nothing stiff: with them only joints do.
+A joint with a damper or a spring has a rate of its own, in flight and in contact (chain/joint_rate.py). A
+spring oscillates rather than decays. If the oscillation matters at the tolerance, the explicit steps have hρ
+below STIFF; if they are longer, it is so small that implicit steps, which damp it, may lose it.
+Rigid walls cause no stiffness: with them only joints do.
 """
 
 import math
@@ -25,46 +25,46 @@ from chain_impact.kernel.model.contact import contact_slopes
 # hρ of explicit steps beyond which implicit ones could replace them. Impacts are resolved with less than 1,
 # and DOP853 is stable to about 6.
 STIFF = 2.0
-# The same of steps in contacts that last, which have been there for so many of their time scales: an impact
-# takes three to ten.
+# The same for steps in sustained contacts, and the duration, in time scales of the contact, after which a
+# contact counts as sustained: an impact takes three to ten.
 RINGS, LASTS = 0.1, 20.0
-# Implicit steps over explicit ones, with which these get further for the same work; and their hρ, where no
-# explicit ones are known.
+# The size of implicit steps over that of explicit ones below which explicit ones advance further for the same
+# work; and the hρ of implicit steps below which this holds, if the size of explicit ones is not known.
 LONGER, NOT_STIFF = 2.5, 5.0
 STABLE = 4.0  # hρ of the explicit step to begin a flight with: two thirds of what is stable
 # The size of an implicit step in an impact over that of an explicit one, at tolerances about 1e-8.
 IMPACT = 0.4
-# Steps in a row that have to call for the other method: fewer would change it in the compression of an
-# impact.
+# The number of steps in a row that must favour the other method: with fewer the method would change in the
+# compression of an impact.
 PATIENCE = 3
 
 
 def choose_method(d):
-    """Decide on the method of the next step, with the points located at its start."""
+    """Choose the method of the next step, with the points located at its start."""
     step = d.step
     touching = d.touch.active_count > 0
     if d.contact.impulsive and not d.model.resisting:
-        begin_explicit(step)  # what rigid walls hold is not stiff
+        begin_explicit(step)  # constraints by rigid walls are not stiff
     elif d.solver.method != AUTO:
         step.method = chosen(d.solver.method)
     elif not (touching or d.model.resisting):
         begin_explicit(step)  # nothing is stiff
-    elif step.end > step.start:  # not just restarted
+    elif step.end > step.start:  # not just re-initialized
         step.stiff_count = step.stiff_count + 1 if suggests_switch(d, step.end - step.start) else 0
         if step.stiff_count >= step.switch_hysteresis:
             step.stiff_count = 0
             if step.method == IMPLICIT:
-                # came in vain: wait longer before the next try
+                # the switch did not pay: require more steps before the next one
                 step.switch_hysteresis *= 2
                 step.method = EXPLICIT
             else:
-                # one that an event or an input has cut short tells nothing
+                # the size of a step that an event or an input has truncated is no evidence
                 step.explicit_size = step.end - step.start if step.kept == 1.0 else 0.0
                 step.method = IMPLICIT
 
 
 def suggests_switch(d, h):
-    """Whether the last step, of size h [s], calls for the other method."""
+    """Whether the last step, of size h [s], favours the other method."""
     if d.step.method == IMPLICIT and d.step.explicit_size > 0.0:
         return h < LONGER * d.step.explicit_size
     z = stiffness_number(d, h)
@@ -74,7 +74,7 @@ def suggests_switch(d, h):
 
 
 def contacts_last(d):
-    """Whether there are active contacts with a force law, and all have lasted for long."""
+    """Whether there are active contacts with a force law, and all of them are sustained."""
     if d.contact.impulsive or d.touch.active_count == 0:
         return False
     for k in range(d.touch.active_count):
@@ -86,9 +86,9 @@ def contacts_last(d):
 
 
 def begin_impact(d, c):
-    """Begin a new phase at the onset of candidate c, with the explicit method, for which the step is chosen.
+    """Begin a new phase at the onset of candidate c, with the explicit method and its proposed step size.
 
-    But not if steps were implicit, and joints that resist will make those of the impact so.
+    If steps were implicit and joints make those of the impact stiff, too, the method is kept.
     """
     if joints_over(d, IMPACT * d.step.next_size) <= STIFF:
         d.step.method = EXPLICIT
@@ -98,7 +98,7 @@ def begin_impact(d, c):
 
 
 def begin_flight(d):
-    """Begin a new phase after the last contact, or after a blow by a rigid wall, likewise."""
+    """Begin a new phase after the last contact or an impact on a rigid wall, as in ``begin_impact``."""
     z = joints_over(d, d.step.next_size)
     if z <= STIFF:
         d.step.method = EXPLICIT
@@ -108,9 +108,9 @@ def begin_flight(d):
 
 
 def stable(d, h):
-    """A size [s] for an explicit step to begin with, h or what joints that resist allow.
+    """A size [s] for the first explicit step: h, or less if stiff joints require it for stability.
 
-    At rest errors do not tell: a step far too long leaves the chain where it is, but not its dense output.
+    At rest the errors do not show this: a step far too long keeps the end state, but not the dense output.
     """
     return h * min(1.0, STABLE / max(STABLE, joints_over(d, h)))
 
@@ -122,19 +122,19 @@ def begin_explicit(step):
 
 
 def reset_stiff_count(step):
-    """Let the present method have its turn."""
+    """Reset the counts that lead to a change of the method."""
     step.stiff_count, step.explicit_size = 0, 0.0
     step.switch_hysteresis = PATIENCE
 
 
 def stiffness_number(d, h):
-    """hρ of a step [s], with the rate of what is fastest, joints that resist or active contacts."""
+    """hρ of a step [s], with the fastest rate of joints with dampers or springs and active contacts."""
     z = 0.0 if d.contact.impulsive else h * fastest_contact(d)
     return max(z, joints_over(d, h)) if d.model.resisting else z
 
 
 def joints_over(d, h):
-    """hρ of a step [s] for the joints that resist; a bound on it if they are not stiff."""
+    """hρ of a step [s] for joints with dampers or springs; an upper bound of it if they are not stiff."""
     z = h * d.model.joint_bound
     return h * joint_rate(d, d.step.state_end) if z > STIFF else z
 

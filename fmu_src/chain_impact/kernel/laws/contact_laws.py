@@ -3,14 +3,14 @@
     F = max(0, K δⁿ + d δᵖ δ̇)
 
 K stiffness [N/mⁿ], δ penetration [m], δ̇ its rate [m/s]. The damping d is found once for a contact, at its
-onset, from a factor that the law makes of the prescribed restitution e: f(e), below. Three kinds of laws:
+onset, from a factor that the law derives from the prescribed restitution e: f(e), below. Three kinds of laws:
 
 - The Hunt–Crossley family, F = K δⁿ (1 + λ δ̇/v₀): p = n, f = λ and d = λ K/v₀, with v₀ the approach speed at
   the onset [m/s]. Its restitution depends on λ alone: the realised one, e′, solves
   λ(1 + e′) = ln[(1+λ)/(1−λe′)], so e′ = [1 + W₀(−(1+λ)e^{−(1+λ)})]/λ with Lambert's W.
 - Laws with another power p of the penetration in their damping, for one exponent n. Their d needs the mass of
   the impact: the effective mass m of the chain at the contact [kg].
-- Rigid walls, with impulses in place of a force: no d at all (impulses.py).
+- Rigid walls, with impulses instead of a force, so without d (events/impulses.py).
 
 The relations are derived in docs/contact_laws.md. A law's place in this file is its number in the FMU, so new
 laws go to the end.
@@ -104,12 +104,12 @@ def zhang_sharf(e):
     if e >= 1.0:
         return 0.0
     u = 1.0 - e
-    # Near e = 1 the root is a difference of nearly equal numbers; this series is exact to u⁵
+    # near e = 1 the root is a difference of nearly equal numbers; this series is exact to u⁵
     if u < 1e-3:
         return u * (1.5 + u * (1.5 + u * (1.35 + u * 1.2)))
     # With d = λe = 1 − e^{−s} the equation reads s − d(1 + 1/e) + ln(1 + d/e) = 0. It is well conditioned
-    # in s, and not in d: below e ≈ 0.03 d is 1 to double precision. The left side falls from 0, then rises
-    # through its one positive root, convex: from beyond it Newton's method comes down to it.
+    # in s, but not in d: below e ≈ 0.03 d is 1 to double precision. The left side falls from 0, then rises
+    # through its one positive root, convex: from above it Newton's method decreases monotonically to it.
     s, before = 2.0 + 2.0 / e, math.inf
     while s < before:
         d = -math.expm1(-s)
@@ -305,7 +305,7 @@ def viscoelastic_rebound(damping):
         w += h * (w1 + 2.0 * (w2 + w3) + w4) / 6.0
         slope = _slowing(z, w, damping)
         if w < 0.0 and (slope >= 0.0 or z <= 0.0):
-            # the slope is all but linear over the step: w falls on until it is zero
+            # the slope is nearly linear over the step: w falls until the slope is zero
             return -(before + 0.5 * h * last * last / (last - slope))
 
 
@@ -335,7 +335,7 @@ _LAWS = tuple(CONTACT_LAWS.values())
 LAW_COUNT = len(_LAWS)
 NEWTON_IMPACT = CONTACT_LAWS["newton_impact"].number
 _factor = dispatch([law.damping_factor for law in _LAWS])
-# for the kernel, where ANY stands for "any exponent" and "as the exponent"
+# for the kernel, where ANY means "any exponent" and "equal to the exponent"
 ANY = -1.0
 EXPONENTS = tuple(ANY if law.exponent is None else law.exponent for law in _LAWS)
 RATE_EXPONENTS = tuple(ANY if law.rate_exponent is None else law.rate_exponent for law in _LAWS)
@@ -344,5 +344,5 @@ APPROACH_ONLY = tuple(int(law.approach_only) for law in _LAWS)
 
 
 def damping_factor(law, restitution):
-    """f(e) of the law of a number, counted from 1."""
+    """f(e) of the law with the number ``law``, counted from 1."""
     return _factor(law - 1, restitution)

@@ -1,4 +1,4 @@
-"""The registry of contact laws: what is known of each, and the order that numbers them in the FMU."""
+"""The registry of contact laws: the properties of each, and the order of their numbers in the FMU."""
 
 FAMILY_FORCE = "Kδⁿ (1 + λ δ̇/v₀)"
 POWERS = {0.0: "", 0.25: "δ^¼ ", 0.5: "δ^½ "}
@@ -14,15 +14,15 @@ class ContactLaw:
         title: authors, for tables.
         source: author, year, journal.
         formula: the factor f(e) as text; λ(e) of the Hunt–Crossley family.
-        limits: what it is good for, its limits and known flaws.
+        limits: its range of use, its limits and known flaws.
         evidence: how the formula was checked; see docs/contact_laws.md.
         accurate_from, accurate_to: restitutions for which the rebound is within 5 % of the prescribed one.
         allows_zero: whether f(0) is finite.
-        exponent: the n that it is defined for; None for any.
+        exponent: the n for which it is defined; None for any.
         rate_exponent: p; None for p = n.
         mass_power: s of d = f K^(1−s) m^s, with the effective mass m; 0 for the family, where d = λ K/v₀.
-        approach_only: whether the damping acts while compressing only.
-        impulsive: whether the walls are rigid: impulses in place of a force (kernel/events/impulses.py).
+        approach_only: whether the damping acts only during compression.
+        impulsive: whether the walls are rigid: impulses instead of a force (kernel/events/impulses.py).
         damping_factor: f(e), a function of the kernel.
     """
 
@@ -102,7 +102,7 @@ def contact_law(
 ):
     """Register the decorated f(e) as the next contact law, under the function's name.
 
-    Its docstring tells the limits of the law.
+    Its docstring states the limits of the law.
     """
 
     def register(function):

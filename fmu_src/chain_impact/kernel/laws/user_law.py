@@ -1,7 +1,7 @@
-"""A user's own contact law, as the kernel sees it: two functions that are linked to it.
+"""The interface of a user's own contact law: two functions that are linked to the kernel.
 
-In a kernel without such a law, and in plain Python, they are those below. A user's law takes their place when
-a library is linked, see compilation/compilers.py.
+In a kernel without such a law, and in plain Python, they are those below. A user's law replaces them when a
+library is linked, see compilation/compilers.py.
 """
 
 ARGUMENTS = (

@@ -1,12 +1,12 @@
-"""How the chain gives way to impulses at its contacts: the solver of implicit steps and of rigid walls.
+"""The response of the chain to impulses at its contacts: a linear solver for implicit steps and rigid walls.
 
 With J the gradients of the clearances of the active contacts, an impedance D = diag(D_k) at their points, and
-the joints' resistance K = s C + s² S for a time s, of dampers C and springs S, it solves in O(N)
+the joints' resistance K = s C + s² S for a time s, with dampers C and springs S, it solves in O(N)
 
     (M + Jᵀ D J + K) Δ = Jᵀ p + K r,
 
-where p are impulses along the normals and K r those in the joints. The impedances add to the
-articulated inertia at their points, and a joint that resists with κ_i is one more term of the elimination
+where p are impulses along the normals and K r those in the joints. The impedances are added to the
+articulated inertia at their points, and a joint with the resistance κ_i is one more term of the elimination
 (chain/damped.py). No matrix is formed.
 """
 
@@ -15,8 +15,8 @@ from chain_impact.kernel.chain.kinematics import move_points, zero
 from chain_impact.kernel.chain.recursion import factorize, no_impedance, solve
 from chain_impact.kernel.model.geometry import add_along_normal, add_impedance, along_normal
 
-# Over that of all links as one mass. In a toggle position of a pinned chain the mobility of a point is 0, and
-# the mass infinite; a contact with a million times the chain's mass behaves like one.
+# Relative to the mobility of all links as one mass. In a toggle position of a pinned chain the mobility of a
+# point is 0, and its effective mass infinite; a million times the chain's mass behaves like that.
 LEAST_MOBILITY = 1e-6
 
 
@@ -33,7 +33,7 @@ def factorize_contacts_damped(d, links, impedance, time):
 
 
 def add_impedances(d, impedance):
-    """Set the impedances of all points to those of the active contacts."""
+    """Set the impedances of all points: D_k n nᵀ of the active contacts, else 0."""
     no_impedance(d.work.impedance)
     for k in range(d.touch.active_count):
         add_impedance(d, d.touch.active_index[k], d.work.impedance, impedance[k])
@@ -46,9 +46,9 @@ def solve_contacts(d, links, factors, impulse, change):
         d: the instance.
         links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
         factors: those of ``factorize_contacts``.
-        impulse: shape (C,), of which the first ones count.
-        change: result Δ of the coordinates' rates, shape (N+2,) [m/s, rad/s]. The motion that it makes of
-            the points is in ``work.motion``.
+        impulse: shape (C,), of which only the first ``active_count`` entries are used.
+        change: result Δ of the coordinates' rates, shape (N+2,) [m/s, rad/s]. The resulting motion of the
+            points is stored in ``work.motion``.
     """
     load_contacts(d, impulse)
     solve(d, links, factors, d.work.load, change)
@@ -56,7 +56,7 @@ def solve_contacts(d, links, factors, impulse, change):
 
 
 def solve_contacts_damped(d, links, impulse, change):
-    """As ``solve_contacts``, with joints that resist and the impulses in ``work.damped.impulse``."""
+    """As ``solve_contacts``, with resisting joints, whose impulses are in ``work.damped.impulse``."""
     load_contacts(d, impulse)
     solve_damped(d, links, d.work.damped, d.work.load, d.work.damped.impulse, change)
     move_points(links, change, d.work.motion)
@@ -70,7 +70,7 @@ def load_contacts(d, impulse):
 
 
 def effective_mass(d, c):
-    """1/(J M⁻¹ Jᵀ) [kg] of candidate c at the located points: what an impulse on it has to move."""
+    """Effective mass 1/(J M⁻¹ Jᵀ) [kg] of candidate c along its normal, at the located points."""
     work = d.work
     no_impedance(work.impedance)
     factorize(d, work.link, work.impedance, work.factors)
@@ -78,6 +78,6 @@ def effective_mass(d, c):
     add_along_normal(d, c, work.load, 1.0)
     solve(d, work.link, work.factors, work.load, work.change)
     move_points(work.link, work.change, work.motion)
-    # in a toggle position nothing moves the point: 0 of a mass that is infinite
+    # in a toggle position no impulse moves the point: its mobility is 0
     mobility = LEAST_MOBILITY * d.model.size * d.model.size / d.model.energy
     return 1.0 / max(mobility, along_normal(d, c, work.motion))

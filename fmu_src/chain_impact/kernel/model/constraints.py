@@ -1,18 +1,18 @@
-"""Touching points of a rigid wall: the impulses or forces that bring them where they have to be.
+"""Constraints of rigid walls: the impulses or forces that bring touching points to a target motion.
 
 A rigid wall has no force law. The touching candidates k have normal motions u_k, rates or accelerations, and
 impulses p_k change them by the recursion's response: M Δ = Jᵀ p, u = u⁻ + J Δ = u⁻ + W p, W = J M⁻¹ Jᵀ. Two
 problems come up:
 
-    equality          u_k = aim_k for the active set, the *pressed* ones, else p_k = 0   (``solve_equality``)
-    complementarity   p ≥ 0,  u ≥ aim,  p·(u − aim) = 0                                 (``solve_lcp``)
+    equality          u_k = target_k in the active set, else p_k = 0    (``solve_equality``)
+    complementarity   p ≥ 0,  u ≥ target,  p·(u − target) = 0           (``solve_lcp``)
 
-W is never formed. With an impedance D at the pressed points the recursion solves, in O(N),
+W is never formed. With an impedance D at the points of the active set the recursion solves, in O(N),
 
-    (M + Jᵀ D J) z = Jᵀ D m,   p ← p + D (m − J z),   m = aim − u,
+    (M + Jᵀ D J) z = Jᵀ D m,   p ← p + D (m − J z),   m = target − u,
 
-the step of an augmented Lagrangian: each sweep leaves about 1/(D W) of what was missing, as far as round-off
-lets it, and it needs no independent constraints. D is a million times a link's mass, so a few sweeps do.
+the iteration of an augmented Lagrangian: each one reduces the residual m to about 1/(D W) of it, down to
+round-off, and the constraints may be dependent. D is a million times a link's mass: a few iterations suffice.
 """
 
 import math
@@ -23,29 +23,29 @@ from chain_impact.kernel.model.compliance import factorize_contacts, solve_conta
 from chain_impact.kernel.model.geometry import along_normal, clearance
 from chain_impact.kernel.work_limit import work_exceeded
 
-# D over the mean mass of a link. A sweep leaves 1/(D W) of what is missing: two or three do. A larger D would
-# lose digits of the chain's own inertia, a smaller one takes more sweeps.
+# D over the mean mass of a link. An iteration leaves 1/(D W) of the residual: two or three suffice. A larger
+# D would lose digits of the chain's own inertia, a smaller one takes more iterations.
 STIFF = 1e6
-# Near a toggle position 1/W is far more than the mass of a link, and D grows by the factor STIFFER up to
-# STIFFEST of that mass when a sweep does not halve what is missing. Beyond it, round-off is all there is.
+# Near a toggle position 1/W is far more than the mass of a link. If an iteration does not halve the residual,
+# D grows by the factor STIFFER, up to STIFFEST times that mass; beyond it the residual is only round-off.
 STIFFEST, STIFFER = 1e12, 1e3
-MOST_SWEEPS = 30  # never reached but in toggle positions, where the last ones bring nothing
-ROUND_OFF = 1e-15  # of the largest motion: what may be missing at the end
+MOST_SWEEPS = 30  # iterations; reached only in toggle positions, where the last ones change nothing
+ROUND_OFF = 1e-15  # of the largest motion: a residual that is accepted
 # Of a link length: a point that rises less before it falls again has not left. Its clearance could not be
-# told from round-off, and the fall would be located anywhere.
+# distinguished from round-off, and its next onset could not be located.
 RISE = 1e-14
-# Times the tolerance plus what a clearance is off, of 1 rad and of a link length: how far coordinates can be
-# off.
+# The largest plausible correction of a coordinate, in rad or link lengths, over the tolerance plus the error
+# of a clearance in link lengths.
 MISPLACED = 10.0
-DOUBT = 1e-12  # of the largest: a sign within it is round-off's, and does not change the active set
-# Rounds in which changing all that are wrong may leave as many wrong, before one at a time is changed, which
-# is bound to end but takes more rounds.
+DOUBT = 1e-12  # of the largest value: a wrong sign within it is round-off and does not change the active set
+# Pivots of all violated candidates at once that may fail to reduce their number, before only one at a time is
+# changed, which terminates in every case but takes more pivots.
 PATIENCE = 3
-ROUNDS = 30  # and 4 for each candidate, far more than was ever seen: the bound of a loop
+ROUNDS = 30  # plus 4 for each candidate: a bound on the pivots, far above any number that was observed
 
 
 def holding_impedance(d):
-    """An impedance [kg] with which a point moves no more than if it were held, to a millionth."""
+    """An impedance [kg] so large that it holds a point, up to a millionth of its free motion."""
     return STIFF * mean_mass(d)
 
 
@@ -55,19 +55,19 @@ def mean_mass(d):
 
 
 def set_impedance(d, amount):
-    """Set the impedance at the pressed points to an amount [kg], and that at the others to zero."""
+    """Set the impedance at the points of the active set to an amount [kg], and to zero elsewhere."""
     own = d.rigid
     for k in range(d.touch.active_count):
         own.impedance[k] = amount if own.in_active_set[k] else 0.0
 
 
 def solve_equality(d, scale):
-    """Find the impulses that bring the pressed candidates from ``start`` to ``aim``; the others have none.
+    """Find the impulses that bring the active set from ``start`` to ``target``; other candidates have none.
 
     Args:
         d: the instance, with the points located; ``d.rigid`` holds the problem and, afterwards, p in
             ``impulse``, u in ``reached`` and Δ in ``change``.
-        scale: the largest motion of a point, which round-off is relative to.
+        scale: the largest motion of a point, to which round-off is relative.
     """
     own, link = d.rigid, d.work.link
     mean, impedance = mean_mass(d), holding_impedance(d)
@@ -93,7 +93,7 @@ def solve_equality(d, scale):
 
 
 def clear_impulses(d):
-    """Begin with no impulse, and the motion that is without one."""
+    """Start with zero impulses and the motion without impulses."""
     own = d.rigid
     for j in range(len(own.change)):
         own.change[j] = 0.0
@@ -102,7 +102,7 @@ def clear_impulses(d):
 
 
 def find_residual(d):
-    """Set m = aim − u of the pressed candidates; return the largest of them."""
+    """Set the residuals m = target − u of the active set; return the largest |m|."""
     own, worst = d.rigid, 0.0
     for k in range(d.touch.active_count):
         own.residual[k] = own.target[k] - own.reached[k] if own.in_active_set[k] else 0.0
@@ -111,7 +111,7 @@ def find_residual(d):
 
 
 def correct_impulses(d, impedance):
-    """Correct the impulses by what is missing, and find the motion with them."""
+    """Correct the impulses for the residuals, and find the motion with them."""
     own, link, motion = d.rigid, d.work.link, d.work.motion
     # (M + Jᵀ D J) z = Jᵀ D m,  p ← p + D (m − J z)
     for k in range(d.touch.active_count):
@@ -128,11 +128,11 @@ def correct_impulses(d, impedance):
 
 
 def solve_lcp(d, scale):
-    """Find p ≥ 0, u ≥ aim, p·(u − aim) = 0, from the guess which are ``pressed``; see ``solve_equality``.
+    """Find p ≥ 0, u ≥ target, p·(u − target) = 0, from the guess ``in_active_set``; see ``solve_equality``.
 
-    Block principal pivoting (after Júdice & Pires 1994, Comput Oper Res 21:587): who pulls is let go and who
-    falls short is pressed, all at once as long as fewer and fewer are wrong, else only the last of them,
-    which is bound to end when W is positive definite (Murty 1974, Linear Algebra Appl 9:65).
+    Block principal pivoting (after Júdice & Pires 1994, Comput Oper Res 21:587): candidates with p < 0 leave
+    the active set and those with u < target enter it, all at once as long as fewer and fewer are violated,
+    else only the last, which terminates if W is positive definite (Murty 1974, Linear Algebra Appl 9:65).
     """
     own, count = d.rigid, d.touch.active_count
     fewest, patience = count + 1, PATIENCE
@@ -154,7 +154,7 @@ def solve_lcp(d, scale):
 
 
 def count_violations(d, scale):
-    """Mark the candidates that pull, or fall short of their aim by more than round-off; return how many."""
+    """Mark the candidates with p < 0 or u < target by more than round-off; return how many."""
     own, largest, wrong = d.rigid, 0.0, 0
     for k in range(d.touch.active_count):
         largest = max(largest, abs(own.impulse[k]))
@@ -173,7 +173,7 @@ def any_point_held(d):
 
 
 def activate_all(d):
-    """Make every touching candidate a pressed one, that is to come to rest."""
+    """Put every touching candidate into the active set, with the target 0."""
     for k in range(d.touch.active_count):
         d.rigid.in_active_set[k] = 1
         d.rigid.target[k] = 0.0
@@ -188,9 +188,9 @@ def start_from_accelerations(d, y, rate):
 
 
 def add_constraint_forces(d, y, rate):
-    """Correct a rate ẏ, found without contact forces, by the forces with which the walls hold: g̈ = 0.
+    """Add to a rate ẏ, found without contact forces, the effect of the constraint forces of g̈ = 0.
 
-    The forces [N] stand in ``d.rigid.impulse`` then; they do no work.
+    The forces [N] are then stored in ``d.rigid.impulse``; they do no work.
     """
     own, n = d.rigid, d.links
     scale = start_from_accelerations(d, y, rate)
@@ -205,11 +205,11 @@ def add_constraint_forces(d, y, rate):
 
 
 def project_state(d, y):
-    """Move the located state y to g = 0 and ġ = 0 of the held contacts, so that errors do not add up.
+    """Project the located state y onto g = 0 and ġ = 0 of the held contacts, so that no drift accumulates.
 
-    Near a toggle position, or where two points all but coincide, the same errors of ġ may ask for any
-    impulse. Where walls would pull by more than the errors explain, the points that leave are not stopped and
-    keep their ġ > 0, in ``d.rigid.reached``. What all that takes of the kinetic energy counts as dissipated.
+    Near a toggle position, or where two points nearly coincide, small errors of ġ may need impulses of any
+    size. Where walls would pull by more than the errors explain, the points that leave are not stopped and
+    keep their ġ > 0, in ``d.rigid.reached``. The loss of kinetic energy by all this counts as dissipated.
     """
     own, n = d.rigid, d.links
     for derivative in range(2):
@@ -230,9 +230,9 @@ def project_state(d, y):
 
 
 def solve_positions(d):
-    """Find the change of the coordinates that brings the pressed candidates to their aims, g = aim.
+    """Find the change of the coordinates that brings the active set to its targets, g = target.
 
-    Where that is far more than what is missing and errors explain, it only moves those that fall short.
+    If the residuals and errors do not explain so large a change, only candidates with g < target are moved.
     """
     own, size, asked, moved = d.rigid, d.model.size, 0.0, 0.0
     for k in range(d.touch.active_count):
@@ -245,7 +245,7 @@ def solve_positions(d):
 
 
 def solve_stopping_impulses(d):
-    """Find the impulses that stop the pressed candidates, of which none pulls by more than errors explain."""
+    """Find the impulses that stop the active set; none of them pulls by more than errors explain."""
     speed = largest(d.work.velocity)
     solve_equality(d, speed)
     if least_impulse(d) < -tolerated_momentum(d, speed):
@@ -253,7 +253,7 @@ def solve_stopping_impulses(d):
 
 
 def least_impulse(d):
-    """The least of the impulses, or 0 if all push."""
+    """The most negative impulse, or 0 if all push."""
     least = 0.0
     for k in range(d.touch.active_count):
         least = min(least, d.rigid.impulse[k])
@@ -261,7 +261,7 @@ def least_impulse(d):
 
 
 def tolerated_momentum(d, speed):
-    """The momentum [N·s] of the chain at the error of a ``speed`` [m/s] and after a fall by RISE."""
+    """Momentum [N·s] of the chain from the tolerated error of a ``speed`` [m/s] and from a fall by RISE."""
     size = d.model.size
     mass = d.model.energy / (size * size)
     rise = math.sqrt(2.0 * (d.model.gravity_size + size) * RISE * size)

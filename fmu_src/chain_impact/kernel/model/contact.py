@@ -1,4 +1,4 @@
-"""Contact of points with walls: clearance, penetration, rate and the generalized force.
+"""Contact of points with walls: onset, forces on the points, and the list of active contacts.
 
 A candidate is a pair of a point and a wall. The clearance g of a candidate is positive when apart; the
 penetration is δ = −g and its rate δ̇ > 0 while compressing.
@@ -20,7 +20,7 @@ from chain_impact.kernel.model.latest import list_impact
 
 def contact_force(d, c, gap, gap_rate):
     """Force [N] of an active candidate at a clearance [m] and its rate [m/s]."""
-    # at the onset the clearance is 0 to round-off, and a force that jumps there has jumped
+    # at the onset the clearance is 0 up to round-off; a force that jumps there has already jumped
     force, _ = law_force(d, c, max(0.0, -gap), -gap_rate)
     return force
 
@@ -30,7 +30,7 @@ def apply_contact(d, c, gap, gap_rate):
     force, elastic = continued_force(d, c, max(0.0, -gap), -gap_rate)
     d.touch.force[c] = force
     add_along_normal(d, c, d.work.load, force)
-    # what the elastic part does not store is lost: (F − K δⁿ) δ̇ ≥ 0
+    # the power that the elastic part does not store is dissipated: (F − K δⁿ) δ̇ ≥ 0
     return (elastic - force) * gap_rate
 
 
@@ -64,7 +64,7 @@ def begin_contact(d, c):
     _, gap_rate = clearance(d, c)
     touch = d.touch
     touch.onset[c] = d.step.end
-    # a point that the error of a step, or another impact, has turned round by its onset does not arrive
+    # a point that moves outward at its onset, by an integration error or another impact, has the speed 0
     touch.onset_speed[c] = max(0.0, 0.0 - gap_rate)
     touch.impact_speed[c] = max(-gap_rate, d.contact.minimum_impact_speed)
     touch.speed[c] = -gap_rate
@@ -74,7 +74,7 @@ def begin_contact(d, c):
     touch.max_penetration[c] = 0.0
     touch.effective_mass[c] = effective_mass(d, c)
     if d.contact.impulsive:
-        touch.depth_scale[c] = d.model.size  # no depth to be exact about
+        touch.depth_scale[c] = d.model.size  # a rigid wall has no penetration that sets a scale
     else:
         set_expected_depth(d, c)
         set_damping(d, c)
@@ -88,25 +88,25 @@ def begin_contact(d, c):
 
 
 def kink_height(d, c):
-    """What changes its sign at the kink of the force of candidate c, for the located points."""
+    """The function with a sign change at the kink of the force of candidate c, for the located points."""
     gap, gap_rate = clearance(d, c)
     return height_over_kink(d, c, max(0.0, -gap), -gap_rate)
 
 
 def set_kink_side(d, c):
-    """Find on which side of the kink of its force candidate c is, for the located points."""
+    """Set on which side of the kink of its force candidate c is, for the located points."""
     d.touch.beyond_kink[c] = 1 if kink_height(d, c) < 0.0 else 0
 
 
 def set_kink_sides(d):
-    """Find it for all active contacts."""
+    """Set the side of the kink for all active contacts."""
     if not d.contact.impulsive:
         for k in range(d.touch.active_count):
             set_kink_side(d, d.touch.active_index[k])
 
 
 def clear_stage_notes(d):
-    """Forget what the stages of earlier steps have noted: crossings, and the least force of a rigid wall."""
+    """Reset what the stages of a step record: crossings of kinks, and the least force of a rigid wall."""
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         d.touch.kink_crossed[c] = 0
@@ -114,7 +114,7 @@ def clear_stage_notes(d):
 
 
 def list_touching(d):
-    """Pack the candidates in contact, also for the implicit step, which knows no last one with these."""
+    """Pack the active contacts; the implicit step then has no last step with them to extrapolate from."""
     touch = d.touch
     touch.active_count, d.implicit.ready = 0, 0
     for c in range(d.candidates):
@@ -124,6 +124,6 @@ def list_touching(d):
 
 
 def drop_events(d):
-    """Forget the events found in the last step."""
+    """Drop the events found in the last step."""
     for c in range(d.candidates):
         d.touch.event[c] = 0

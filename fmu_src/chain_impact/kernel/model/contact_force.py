@@ -1,11 +1,11 @@
-"""The force of a contact, F = max(0, K δⁿ + d δᵖ δ̇), its slopes and what is stored in it.
+"""The force of a contact, F = max(0, K δⁿ + d δᵖ δ̇), its partial derivatives and its elastic energy.
 
-The damping d is latched at the onset; of the laws in contact_laws.py, only what they make of it is left here.
-A user's law (user_law.py) is a force of its own.
+The damping d is latched: its value is fixed at the onset. The laws in contact_laws.py differ here only in d
+and its exponents. A user's law (user_law.py) defines the whole force.
 
-The force has a kink where it is cut off at 0 or, for a law that damps on approach only, at δ̇ = 0. Steps are
-smooth, and so of their order, as the force of one side of the kink is continued until it has been located
-(events/kinks.py); ``touch.beyond_kink`` tells the side. What is looked at is the force as it is.
+The force has a kink where it is cut off at 0 or, for a law that damps on approach only, at δ̇ = 0. A step
+keeps its order because it continues the force of one side of the kink smoothly until the kink has been
+located (events/kinks.py); ``touch.beyond_kink`` holds the side. Outputs and peaks use the true force.
 """
 
 import math
@@ -13,11 +13,11 @@ import math
 from chain_impact.kernel.laws import user_law
 from chain_impact.kernel.laws.contact_laws import LAW_COUNT, MASS_POWERS
 
-USER_LAW = LAW_COUNT + 1  # its number, in a kernel that holds one
-# Of penetration and speed, for the slopes of a user's law by central differences: about the third root of
-# round-off, where the errors of truncation and of round-off are alike.
+USER_LAW = LAW_COUNT + 1  # number of the user's law, in a kernel that is linked with one
+# Relative increment of penetration and speed for the central differences of a user's law: about the cube root
+# of round-off, where the errors of truncation and of round-off are equal.
 DIFFERENCE = 1e-5
-TURNED = 0.3  # of v₀ and the root of the tolerance: a tenth of the tolerance in the impulse
+TURNED = 0.3  # of v₀ √tolerance: this changes the impulse by a tenth of the tolerance
 
 
 def power(depth, exponent):
@@ -46,14 +46,14 @@ def elastic_energy(contact, penetration):
 
 
 def elastic_depth(contact, mass, speed):
-    """Penetration [m] at which a mass [kg] arriving at a speed [m/s] has given its energy to the spring."""
+    """Penetration [m] at which K δⁿ has stored the kinetic energy of a mass [kg] with a speed [m/s]."""
     # K δⁿ⁺¹/(n+1) = ½ m v²
     energy = 0.5 * mass * speed * speed
     return (energy * (contact.exponent + 1.0) / contact.stiffness) ** (1.0 / (contact.exponent + 1.0))
 
 
 def set_expected_depth(d, c):
-    """Set the penetration [m] to expect of candidate c, for the v₀ and effective mass of its contact."""
+    """Set the expected penetration [m] of candidate c, for the v₀ and effective mass of its contact."""
     touch = d.touch
     touch.depth_scale[c] = elastic_depth(d.contact, touch.effective_mass[c], touch.impact_speed[c])
 
@@ -61,7 +61,7 @@ def set_expected_depth(d, c):
 def set_damping(d, c):
     """Set the damping d [N·s/m^(p+1)] of candidate c, for the v₀ and effective mass of its contact."""
     contact, touch = d.contact, d.touch
-    # an error of δ̇ by the tolerance takes a force that comes to 0 slowly, or hovers above it, across
+    # an error of δ̇ within the tolerance can change the sign of a force that is close to 0
     touch.kink_margin[c] = (
         turning_margin(d, c) if contact.approach_only else d.solver.tolerance * d.model.size
     )
@@ -76,10 +76,10 @@ def set_damping(d, c):
 
 
 def turning_margin(d, c):
-    """The speed [m/s] up to which the side of the turn of candidate c does not matter to the tolerance.
+    """The |δ̇| [m/s] up to which the force of the wrong side of δ̇ = 0 has an error within the tolerance.
 
-    With the v reached on the wrong side, (v/v₀)² is what the impulse errs by. A point at rest turns all the
-    time, as slowly as the tolerance of speeds allows.
+    If δ̇ reaches v on the wrong side, the relative error of the impulse is (v/v₀)². For a point at rest the
+    sign of δ̇ changes all the time, with speeds within the tolerance.
     """
     tolerance = d.solver.tolerance
     return TURNED * math.sqrt(tolerance) * d.touch.impact_speed[c] + tolerance * d.model.size
@@ -93,7 +93,7 @@ def law_force(d, c, depth, rate):
 
 
 def continued_force(d, c, depth, rate):
-    """As ``law_force``, continued from that side of its kink on which the contact is; notes a crossing."""
+    """As ``law_force``, but continued smoothly from the contact's side of the kink; records a crossing."""
     beyond = d.touch.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
     note_crossing(d, c, rate if d.contact.approach_only else force, depth)
@@ -101,14 +101,14 @@ def continued_force(d, c, depth, rate):
 
 
 def note_crossing(d, c, height, depth):
-    """Note it when candidate c, with what changes its sign at the kink, is past it by its margin."""
+    """Record that candidate c has crossed its kink, if ``height`` shows it by more than the margin."""
     over = height if d.touch.beyond_kink[c] else -height
     if over > 0.0 and over > d.touch.kink_margin[c] * kink_slope(d, c, depth):
         d.touch.kink_crossed[c] = 1
 
 
 def kink_slope(d, c, depth):
-    """What the height over the kink of candidate c changes by with δ̇; 0, so no margin, for a user's law."""
+    """∂/∂δ̇ of ``height_over_kink`` of candidate c; 0, and thus no margin, for a user's law."""
     if d.contact.approach_only:
         return 1.0
     if d.contact.law == USER_LAW:
@@ -117,7 +117,7 @@ def kink_slope(d, c, depth):
 
 
 def height_over_kink(d, c, depth, rate):
-    """What changes its sign at the kink of the force of candidate c, falling on the way beyond it."""
+    """δ̇ or the uncut force of candidate c: zero at the kink of its force, negative beyond the kink."""
     if d.contact.approach_only:
         return rate
     force, _ = uncut_force(d, c, depth, rate, False)
@@ -125,12 +125,12 @@ def height_over_kink(d, c, depth, rate):
 
 
 def cut_off(d, c):
-    """Whether candidate c has no force, as its law would pull."""
+    """Whether the force of candidate c is cut off at 0, because its law would pull."""
     return d.touch.beyond_kink[c] != 0 and not d.contact.approach_only
 
 
 def uncut_force(d, c, depth, rate, leaves):
-    """As ``law_force``, but it may pull; ``leaves`` tells whether damping of approach alone has ended."""
+    """As ``law_force``, but not cut off at 0; ``leaves``: whether approach-only damping is off."""
     contact = d.contact
     spring = power(depth, contact.exponent)
     elastic = contact.stiffness * spring
@@ -154,12 +154,12 @@ def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
 
 
 def may_jump(contact):
-    """Whether the force may jump where a contact begins or ends: a user's, or one with damping there."""
+    """Whether the force may jump where a contact begins or ends: a user's law, or damping with p = 0."""
     return contact.law == USER_LAW or contact.rate_exponent == 0.0
 
 
 def damping_slope(d, c, depth, leaves, spring):
-    """∂F/∂δ̇ = d δᵖ [N·s/m] of candidate c where the force is not cut off, for spring = δⁿ."""
+    """∂F/∂δ̇ = d δᵖ [N·s/m] of candidate c where its force is not cut off; ``spring`` is δⁿ."""
     contact = d.contact
     if contact.approach_only and leaves:
         return 0.0
@@ -177,13 +177,13 @@ def law_slopes(d, c, depth, rate):
     beyond = d.touch.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
     damping = damping_slope(d, c, depth, beyond, power(depth, contact.exponent))
-    # ∂F/∂δ = (n K δⁿ + p d δᵖ δ̇)/δ ≥ (n−p) K δⁿ⁻¹ where F ≥ 0, for n ≥ p; at the kink F may be below it
+    # ∂F/∂δ = (n K δⁿ + p d δᵖ δ̇)/δ ≥ (n−p) K δⁿ⁻¹ where F ≥ 0, for n ≥ p; at the kink F may be < 0
     stiffness = contact.exponent * elastic + contact.rate_exponent * (force - elastic)
     return max(0.0, stiffness / depth) if depth > 0.0 else 0.0, damping
 
 
 def user_slopes(d, c, depth, rate):
-    """As ``law_slopes``, of a user's law, by differences; at least 0."""
+    """As ``law_slopes``, for a user's law, by central differences; each at least 0."""
     step = DIFFERENCE * depth
     low, _ = law_force(d, c, depth - step, rate)
     high, _ = law_force(d, c, depth + step, rate)
@@ -195,7 +195,7 @@ def user_slopes(d, c, depth, rate):
 
 
 def damping_share(d, c):
-    """What damping adds to the force of candidate c at v₀ and the expected depth, over its elastic part; ≥ 0.
+    """Damping force over elastic force of candidate c, at v₀ and the expected penetration; ≥ 0.
 
     It is λ for the Hunt–Crossley family.
     """

@@ -1,4 +1,4 @@
-"""The energy of the chain, its springs and its contacts, and the ledger that the exact motion keeps."""
+"""The energy of the chain, its springs and its contacts, and their balance, constant in the exact motion."""
 
 from chain_impact.kernel.chain.springs import spring_energy
 from chain_impact.kernel.chain.state import dissipated_at, omega_at, supplied_at
@@ -7,16 +7,16 @@ from chain_impact.kernel.model.geometry import clearance
 
 
 def energy_balance(d, y):
-    """What no motion changes [J], for the located points: the energy there is, lost and not supplied.
+    """The energy balance [J], constant in the exact motion, for the located points.
 
-    Kinetic, potential and elastic energy, plus the dissipated one, less that supplied by the inputs.
+    Kinetic, potential and elastic energy, plus the dissipated, minus the energy supplied by the inputs.
     """
     kinetic, potential = mechanical_energy(d, y)
     return kinetic + potential + other_energy(d, y)
 
 
 def other_energy(d, y):
-    """What the ledger holds [J] besides mechanical energy, for the located points."""
+    """The energy balance without kinetic and potential energy [J], for the located points."""
     return stored_energy(d, y) + y[dissipated_at(d.links)] - y[supplied_at(d.links)]
 
 

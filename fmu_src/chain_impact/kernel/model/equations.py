@@ -1,4 +1,4 @@
-"""The equations of motion ẏ = f(y): the table of contents of the model. chain/state.py says what is in y."""
+"""The equations of motion ẏ = f(y), which combine all parts of the model; chain/state.py describes y."""
 
 from chain_impact.kernel.chain.kinematics import link_vectors, locate_points
 from chain_impact.kernel.chain.recursion import accelerations
@@ -18,7 +18,7 @@ from chain_impact.kernel.model.inputs import ensure_inputs
 
 
 def state_rate(d, y, rate):
-    """Set rate = f(y) for the contacts that are active and the inputs that hold now."""
+    """Set rate = f(y), for the active contacts and the present inputs."""
     # in free flight no point is located and no force evaluated
     if d.touch.active_count > 0 or d.model.driven:
         locate_points(d, y)
@@ -40,13 +40,13 @@ def located_rate(d, y, rate):
 
 
 def free_rate(d, y, rate):
-    """As ``located_rate``, as if the walls were not there."""
+    """As ``located_rate``, without contact forces."""
     clear_loads(d)
     loaded_rate(d, y, 0.0, rate)
 
 
 def loaded_rate(d, y, dissipated, rate):
-    """As ``state_rate``, under the present loads, which dissipate a power [W]."""
+    """As ``state_rate``, for given loads; ``dissipated`` is the power [W] that the contacts dissipate."""
     n = d.links
     supplied = 0.0
     if d.model.resisting or d.model.driven:
@@ -91,7 +91,7 @@ def joint_moments(d, y):
 
 
 def add_spring_moments(d, y):
-    """Add the moments of the springs: −k_i φ_i on link i, and the opposite on link i − 1."""
+    """Add the moments of the joint springs: −k_i φ_i on link i, and +k_i φ_i on link i − 1."""
     for i in range(d.links):
         # −k (θ_i − θ_{i−1} − φ₀)
         torque = -spring_stiffness(d, i) * stretch(d, y, i)

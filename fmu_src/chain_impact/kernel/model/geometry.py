@@ -1,18 +1,18 @@
-"""Geometry of contact: the one module that knows what a wall is.
+"""Geometry of contact: the only module that depends on the shape of a wall.
 
 A candidate is a pair of a point and a wall. Every wall is a half-plane, with an inward normal n of length 1
 and n·p = offset for the points p on it. The clearance of a point is positive when apart:
 
     g = n·p − offset − radius,   ġ = n·ṗ,   g̈ = n·p̈.
 
-The normals are found once, at initialization, so that what runs often has no branch on the kind of the wall.
+The normals are computed once, at initialization, so that the code in loops has no branch on the kind of wall.
 """
 
 from chain_impact.kernel.chain.sincos import polar
 
 # Of a link length: how deep a point may be in a wall without being in contact. Its force would be K δⁿ, 1e-10
-# N for K = 1e8; and positions are not known better than to some 1e-15. A point that glides along a wall at no
-# distance would be searched for a touch in each step without it.
+# N for K = 1e8; and the round-off of positions is some 1e-15. Without it, every step of a point that slides
+# along a wall at zero clearance would be searched for an onset.
 HARMLESS = 1e-12
 
 WALLS = ("x_min", "x_max", "y_min", "y_max")
@@ -24,7 +24,7 @@ NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 
 
 def place_walls(d):
-    """Find the normal and the offset [m] of each candidate's wall from the parameters."""
+    """Compute the normal and the offset [m] of each candidate's wall from the parameters."""
     for c in range(d.candidates):
         wall = d.candidate.wall[c]
         if wall < len(WALLS):
@@ -38,7 +38,7 @@ def place_side(d, c, side):
     own = d.candidate
     nx, ny = NORMALS[side]
     own.normal_x[c], own.normal_y[c] = nx, ny
-    # one of them is 0
+    # nx or ny is 0
     own.offset[c] = (nx + ny) * d.model.wall[side]
 
 
@@ -59,7 +59,7 @@ def clearance(d, c):
 
 
 def normal(d, c):
-    """The components of n of candidate c."""
+    """The components of the normal n of candidate c."""
     return d.candidate.normal_x[c], d.candidate.normal_y[c]
 
 
@@ -70,14 +70,14 @@ def along_normal(d, c, vectors):
 
 
 def add_along_normal(d, c, vectors, amount):
-    """Add to the vector of the point of candidate c an amount along n."""
+    """Add ``amount`` times n to the vector of the point of candidate c."""
     point = d.candidate.point[c]
     vectors.x[point] += d.candidate.normal_x[c] * amount
     vectors.y[point] += d.candidate.normal_y[c] * amount
 
 
 def add_impedance(d, c, impedance, amount):
-    """Add to the impedance at the point of candidate c an amount [kg] along n, times n nᵀ."""
+    """Add ``amount`` [kg] times n nᵀ to the impedance at the point of candidate c."""
     point, nx, ny = d.candidate.point[c], d.candidate.normal_x[c], d.candidate.normal_y[c]
     impedance.xx[point] += nx * nx * amount
     impedance.xy[point] += nx * ny * amount
@@ -85,5 +85,5 @@ def add_impedance(d, c, impedance, amount):
 
 
 def harmless_depth(d):
-    """How deep [m] a point that is apart may be in a wall; 0 in a rigid one."""
+    """How deep [m] a point may be in a wall without being in contact; 0 for a rigid wall."""
     return 0.0 if d.contact.impulsive else HARMLESS * d.model.size

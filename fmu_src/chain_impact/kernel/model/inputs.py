@@ -1,20 +1,20 @@
-"""The inputs over time, their *course*: constants, or polynomials that hold for a piece of the run.
+"""The inputs as functions of time (``course``): constants, or polynomials on intervals, called pieces.
 
     u(t) = u₀ + x (u₁ + x (u₂ + …)),   x = (t − middle) scale
 
-`given.course` has what comes next, and `inputs.course` what holds now; of `given` u₀ stands in its own place.
-Of an order of 0 the inputs are constant: then nothing here is evaluated.
+`given.course` holds the next piece and `inputs.course` the present one; u₀ of the next piece is not in
+`given.course` but in `given` itself. Inputs of order 0 are constant, and no polynomial is evaluated.
 """
 
 from chain_impact.kernel.chain.state import time_at
 
-DEGREE = 9  # of the polynomials, at most
-AT_ONCE, GOING_ON = 1, 2  # given.changed: the solver starts anew; or the inputs go on without a jump
-LANDED = 4e-15  # of the time: a step that ends no further behind the end of a piece ends there
+DEGREE = 9  # the highest degree of the polynomials
+AT_ONCE, GOING_ON = 1, 2  # given.changed: re-initialize; or the inputs continue without a jump
+LANDED = 4e-15  # of the time: a step that ends at most this much after a piece counts as ending with it
 
 
 def apply_inputs(d):
-    """Let the inputs that were given hold."""
+    """Make the given inputs the present ones."""
     given, course, own = d.given, d.given.course, d.inputs.course
     own.order, own.pace, own.until = course.order, course.pace, course.until
     own.middle, own.scale = course.middle, course.scale
@@ -29,13 +29,13 @@ def apply_inputs(d):
 
 
 def ensure_inputs(d, y):
-    """See that the inputs are those at the time of a state."""
+    """Ensure that the inputs have their values at the time of the state y."""
     if d.inputs.course.order > 0:
         set_inputs(d, d.step.clock + y[time_at(d.links)])
 
 
 def set_inputs(d, time):
-    """Set the inputs to those at a ``time`` [s]."""
+    """Set the inputs to their values at a ``time`` [s]."""
     course = d.inputs.course
     x = (time - course.middle) * course.scale
     for i in range(d.links):
@@ -45,7 +45,7 @@ def set_inputs(d, time):
 
 
 def polynomial(powers, order, i, x):
-    """The polynomial in column i of its coefficients, at x."""
+    """The value at x of the polynomial with the coefficients in column i, by Horner's scheme."""
     total = powers[order, i]
     for m in range(1, order + 1):
         total = total * x + powers[order - m, i]
@@ -53,12 +53,12 @@ def polynomial(powers, order, i, x):
 
 
 def inputs_continue(d):
-    """Whether the inputs only go on, with another piece, from where the last step ends."""
+    """Whether the inputs only continue with another piece, which begins where the last step ends."""
     return d.given.changed == GOING_ON and d.step.end - d.step.time <= LANDED * abs(d.step.end)
 
 
 def limit_to_piece(d, h):
-    """The size of a step in time that begins, at most h, which ends with the piece or well before its end."""
+    """A size ≤ h of the next step, in time, with which it ends at the end of the piece or well before it."""
     if d.inputs.course.order == 0 or d.step.regularized >= 0:
         return h
     rest = d.inputs.course.until - d.step.end

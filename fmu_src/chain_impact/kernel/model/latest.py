@@ -1,10 +1,10 @@
-"""The latest impacts, the newest first, as an importer sees them: one that lasts has its values so far."""
+"""The latest impacts, newest first, for the importer of an FMU: an active contact has its values so far."""
 
 LATEST = 32  # how many are kept at most
 
 
 def forget_impacts(d):
-    """Begin without any."""
+    """Clear the list."""
     latest = d.latest
     for row in range(len(latest.time)):
         latest.time[row], latest.end[row] = 0.0, 0.0
@@ -14,7 +14,7 @@ def forget_impacts(d):
 
 
 def list_impact(d, c):
-    """Put the impact of candidate c, whose onset was counted just now, before the others."""
+    """Insert the impact of candidate c, whose onset has just been counted, at the front of the list."""
     latest = d.latest
     for row in range(latest.kept - 1, 0, -1):
         before = row - 1
@@ -33,16 +33,16 @@ def list_impact(d, c):
 
 
 def note_impact(d, c, end, separation_speed, peak_force, max_penetration, impulse):
-    """Note what the contact of candidate c has come to at a time ``end`` [s], if it is still listed.
+    """Store the values of the contact of candidate c at a time ``end`` [s], if it is still in the list.
 
     Args:
         d: the instance.
         c: the candidate.
-        end: when [s].
-        separation_speed: ġ there [m/s].
-        peak_force: so far [N].
-        max_penetration: so far [m].
-        impulse: so far [N·s].
+        end: the time of these values [s].
+        separation_speed: ġ at that time [m/s].
+        peak_force: largest force so far [N].
+        max_penetration: largest penetration so far [m].
+        impulse: impulse so far [N·s].
     """
     latest, row = d.latest, d.impact.count - d.touch.number[c]
     if row < latest.kept:

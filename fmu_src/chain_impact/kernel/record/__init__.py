@@ -1,1 +1,1 @@
-"""The one record that holds everything of a running simulation: a function for the layout of each part."""
+"""The record that holds all data of a running simulation: a function for the layout of each part."""

@@ -1,4 +1,4 @@
-"""The parts of the record that tell of contacts."""
+"""The parts of the record with the data of contacts."""
 
 import numpy as np
 
@@ -9,11 +9,11 @@ from chain_impact.kernel.model.latest import LATEST
 from chain_impact.kernel.record.fields import INTEGER, REAL, record
 from chain_impact.kernel.record.solver import factors_dtype
 
-LOG_SIZE = 32  # finished contacts kept until they are collected, besides one for each candidate
+LOG_SIZE = 32  # finished contacts stored until they are collected, in addition to one for each candidate
 
 
 def touch_dtype(candidates: int) -> np.dtype:
-    """Of each candidate: what is latched at onset holds until the contact ends, or v₀ is latched anew.
+    """The data of each candidate; values fixed ("latched") at onset hold until the end or a new latch of v₀.
 
     Owner: model/contact.py; of events, the searches in events/; of peaks, events/contact_log.py.
     """
@@ -30,16 +30,16 @@ def touch_dtype(candidates: int) -> np.dtype:
         ("damping", REAL, (candidates,)),  # N·s/m^(p+1), d of the force law
         ("speed", REAL, (candidates,)),  # m/s, δ̇ and …
         ("force_rate", REAL, (candidates,)),  # N/s, dF/dt at the start of the step, to find the peaks
-        ("force", REAL, (candidates,)),  # N, where a rate was evaluated last, of the active …
+        ("force", REAL, (candidates,)),  # N, of active ones at the last evaluation of the rate …
         ("force_end", REAL, (candidates,)),  # N, … and at the end of the last step
         (
             "beyond_kink",
             INTEGER,
             (candidates,),
-        ),  # 1: beyond the kink of its force
-        ("kink_margin", REAL, (candidates,)),  # m/s, of a δ̇ that need not be on its side
-        ("kink_crossed", INTEGER, (candidates,)),  # 1: a stage of the tried step was on the other side of it
-        ("number", INTEGER, (candidates,)),  # of its onset, counted from 1
+        ),  # 1: δ̇ is beyond the kink of its force
+        ("kink_margin", REAL, (candidates,)),  # m/s, by which δ̇ may be on the wrong side of the kink
+        ("kink_crossed", INTEGER, (candidates,)),  # 1: a stage of the tried step was on its other side
+        ("number", INTEGER, (candidates,)),  # of its onset among all onsets, counted from 1
         ("peak_force", REAL, (candidates,)),  # N
         ("max_penetration", REAL, (candidates,)),  # m
         # m, of two error estimates of a tried step, in the clearances of the active contacts, packed
@@ -48,7 +48,7 @@ def touch_dtype(candidates: int) -> np.dtype:
 
 
 def impact_dtype() -> np.dtype:
-    """The impacts so far. Owner: ``latch`` in model/contact.py."""
+    """The impacts so far. Owner: ``begin_contact`` in model/contact.py."""
     return record(
         ("count", INTEGER),  # onsets since the start
         ("last_time", REAL),  # s
@@ -61,12 +61,12 @@ def impact_dtype() -> np.dtype:
 def latest_dtype() -> np.dtype:
     """The latest impacts, the newest first. Owner: model/latest.py."""
     return record(
-        ("kept", INTEGER),  # how many of them are wanted
+        ("kept", INTEGER),  # the number of them that is requested
         ("point", INTEGER, (LATEST,)),  # 0…N, −1 for none
         ("wall", INTEGER, (LATEST,)),  # 1 + index into the scene's wall_names, 0 for none
         ("time", REAL, (LATEST,)),  # s
         ("speed", REAL, (LATEST,)),  # m/s
-        ("end", REAL, (LATEST,)),  # s, the present time for one that lasts
+        ("end", REAL, (LATEST,)),  # s, the present time while the contact lasts
         ("separation_speed", REAL, (LATEST,)),  # m/s
         ("peak_force", REAL, (LATEST,)),  # N
         ("max_penetration", REAL, (LATEST,)),  # m
@@ -77,28 +77,28 @@ def latest_dtype() -> np.dtype:
 def rigid_dtype(links: int, candidates: int) -> np.dtype:
     """The touching candidates of a rigid wall, packed. Owner: model/constraints.py."""
     return record(
-        ("factors", factors_dtype(links)),  # with an impedance at the pressed points
-        # m, m/s or m/s², rad …, of the coordinates, by the impulses
+        ("factors", factors_dtype(links)),  # with an impedance at the points of the active set
+        # m, m/s or m/s², rad …: the change of the coordinates by the impulses
         ("change", REAL, (coordinate_count(links),)),
-        ("in_active_set", INTEGER, (candidates,)),  # 1: has an impulse
-        ("violated", INTEGER, (candidates,)),  # 1: of the wrong sign
+        ("in_active_set", INTEGER, (candidates,)),  # 1: its impulse may differ from 0
+        ("violated", INTEGER, (candidates,)),  # 1: its impulse or residual has the wrong sign
         ("start", REAL, (candidates,)),  # normal motion without impulses, m, m/s or m/s², …
         ("reached", REAL, (candidates,)),  # … with them, …
-        ("target", REAL, (candidates,)),  # … as it shall be, at the least, …
-        ("residual", REAL, (candidates,)),  # … what is missing, then that times the impedance
+        ("target", REAL, (candidates,)),  # … its least required value, …
+        ("residual", REAL, (candidates,)),  # … the missing part, later times the impedance
         ("impulse", REAL, (candidates,)),  # N·s, or N
         ("impedance", REAL, (candidates,)),  # kg, D
-        ("sample", REAL, (2, candidates)),  # N, the last two forces looked at
+        ("sample", REAL, (2, candidates)),  # N, the last two sampled forces
         (
             "least_force",
             REAL,
             (candidates,),
-        ),  # N, smallest one in the stages of the step; not packed
+        ),  # N, smallest force in the stages of the step; not packed
     )
 
 
 def finished_dtype(candidates: int) -> np.dtype:
-    """The log of finished contacts. Owner: events/contact_log.py; who collects them sets the count to 0."""
+    """The log of finished contacts. Owner: events/contact_log.py; a caller that collects sets count to 0."""
     log = LOG_SIZE + candidates
     return record(
         ("count", INTEGER),  # contacts ended since last collected
@@ -116,14 +116,14 @@ def finished_dtype(candidates: int) -> np.dtype:
 
 
 def impulse_dtype(candidates: int) -> np.dtype:
-    """∫F dt of the walls on the points, packed but for what is said. Owner: integration/impulse.py."""
+    """∫F dt of the walls on the points, packed unless noted. Owner: integration/impulse.py."""
     return record(
-        ("wanted", INTEGER),  # 1: followed
+        ("wanted", INTEGER),  # 1: impulses are integrated
         ("total", REAL, (candidates,)),  # N·s since the start, not packed
-        ("onset", REAL, (candidates,)),  # N·s, that at the onset of the contact, not packed
+        ("onset", REAL, (candidates,)),  # N·s, the total at the onset of the contact, not packed
         ("state", REAL, (candidates,)),  # N·s, at the start of the last step …
         ("state_end", REAL, (candidates,)),  # … and at its end
-        ("tried", REAL, (candidates,)),  # N·s, at the end of a step that is tried
+        ("tried", REAL, (candidates,)),  # N·s, at the end of the tried step
         ("dense", REAL, (DENSE_COEFFICIENTS, candidates)),  # the interpolant of the last step
         ("stage", REAL, (STAGES, candidates)),  # dp/ds at the stages
     )

@@ -1,4 +1,4 @@
-"""What records are made of."""
+"""The building blocks of records."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""The parts of the record that the scene and the importer give, and what follows from them."""
+"""The parts of the record that the scene and the importer set, and the values derived from them."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from chain_impact.kernel.record.fields import INTEGER, REAL, record
 def model_dtype(links: int) -> np.dtype:
     """The chain and its box.
 
-    Owner: variables/model.py; of what is derived, ``derive_chain`` in initialize.py.
+    Owner: variables/model.py; of derived values, ``derive_chain`` in initialize.py.
     """
     return record(
         ("gravity", REAL, (2,)),  # m/s²
@@ -27,8 +27,8 @@ def model_dtype(links: int) -> np.dtype:
         # derived at initialization
         ("damped", INTEGER),  # 1: some joint has damping
         ("sprung", INTEGER),  # 1: some joint has a spring
-        ("resisting", INTEGER),  # 1: some joint has either …
-        ("joint_bound", REAL),  # 1/s, … and bounds how fast the motions are that it makes
+        ("resisting", INTEGER),  # 1: some joint has damping or a spring …
+        ("joint_bound", REAL),  # 1/s, … and an upper bound on the rates of the motions that this causes
         ("center_of_mass_ratio", REAL, (links,)),  # centre of mass / length
         ("proximal_inertia", REAL, (links,)),  # kg·m² about the proximal …
         ("distal_inertia", REAL, (links,)),  # kg·m² … and about the distal joint
@@ -41,10 +41,10 @@ def model_dtype(links: int) -> np.dtype:
 
 
 def contact_dtype() -> np.dtype:
-    """The contact law that holds.
+    """The contact law in use.
 
-    Owner: variables/model.py; law, stiffness and restitution: ``take_given`` in initialize.py; of what is
-    derived, ``derive_law`` there.
+    Owner: variables/model.py; of law, stiffness and restitution, ``apply_given`` in initialize.py; of derived
+    values, ``derive_law`` there.
     """
     return record(
         ("law", INTEGER),  # id of the force law, counted from 1
@@ -52,14 +52,14 @@ def contact_dtype() -> np.dtype:
         ("exponent", REAL),
         ("restitution", REAL),
         ("radius", REAL),  # m
-        ("minimum_impact_speed", REAL),  # m/s, floor of the latched impact speed
+        ("minimum_impact_speed", REAL),  # m/s, lower limit of v0, which is latched at onset
         # derived whenever law or restitution changes
         ("damping_factor", REAL),  # f(e), λ of the Hunt–Crossley family
         ("rate_exponent", REAL),  # p of the damping d δᵖ δ̇
-        ("approach_only", INTEGER),  # 1: damped while compressing only
+        ("approach_only", INTEGER),  # 1: damped during compression only
         ("derived_law", INTEGER),  # law and …
         ("derived_restitution", REAL),  # … restitution that these are for
-        ("impulsive", INTEGER),  # 1: rigid walls, with impulses in place of a force law
+        ("impulsive", INTEGER),  # 1: rigid walls, with impulses instead of a force law
     )
 
 
@@ -78,30 +78,30 @@ def solver_dtype() -> np.dtype:
     return record(
         ("method", INTEGER),  # index into SOLVER_METHODS of kernel/integration/methods.py, from 1
         ("tolerance", REAL),
-        ("work_limit", REAL),  # 1/s, evaluations for a second of simulated time
+        ("work_limit", REAL),  # 1/s, evaluations per second of simulated time
     )
 
 
 def course_dtype(links: int) -> np.dtype:
-    """Polynomials that the inputs follow over time, see kernel/model/inputs.py."""
+    """The inputs as polynomials of time, piece by piece, see kernel/model/inputs.py."""
     return record(
         ("order", INTEGER),  # 0: the inputs are constant
-        ("middle", REAL),  # s, where x is 0 …
-        ("scale", REAL),  # 1/s, … and how fast it grows
+        ("middle", REAL),  # s, the time at which the argument x is 0 …
+        ("scale", REAL),  # 1/s, … and its rate of change
         ("until", REAL),  # s, the end of the piece
-        ("pace", REAL),  # 1/s, how fast the inputs change
+        ("pace", REAL),  # 1/s, the rate at which the inputs change
         ("joint_torque", REAL, (DEGREE + 1, links)),  # N·m, coefficients of the powers of x
         ("tip_force", REAL, (DEGREE + 1, 2)),  # N
     )
 
 
 def given_dtype(links: int) -> np.dtype:
-    """What an importer can set at any time.
+    """The values that an importer can set at any time.
 
-    Owner: the importer. It is taken over at the next step, or when the time of the outputs is set.
+    Owner: the importer. They are applied at the next step, or when the output time is set.
     """
     return record(
-        ("changed", INTEGER),  # AT_ONCE: something was set since the last step; GOING_ON: only the course
+        ("changed", INTEGER),  # AT_ONCE: a value was set since the last step; GOING_ON: only the course was
         ("law", INTEGER),  # as in `contact`, …
         ("stiffness", REAL),
         ("restitution", REAL),
@@ -112,7 +112,7 @@ def given_dtype(links: int) -> np.dtype:
 
 
 def inputs_dtype(links: int) -> np.dtype:
-    """The inputs that hold. Owner: model/inputs.py."""
+    """The inputs in use. Owner: model/inputs.py."""
     return record(
         ("joint_torque", REAL, (links,)),  # N·m
         ("tip_force", REAL, (2,)),  # N
@@ -123,7 +123,7 @@ def inputs_dtype(links: int) -> np.dtype:
 def candidate_dtype(candidates: int) -> np.dtype:
     """The pairs of a point and a wall that may touch.
 
-    Owner: variables/model.py; of what is derived, ``place_walls`` in model/geometry.py.
+    Owner: variables/model.py; of derived values, ``place_walls`` in model/geometry.py.
     """
     return record(
         ("point", INTEGER, (candidates,)),  # 0…N
@@ -136,7 +136,7 @@ def candidate_dtype(candidates: int) -> np.dtype:
 
 
 def walls_dtype(candidates: int) -> np.dtype:
-    """The walls at any angle: there are never more than candidates. Owner: variables/model.py."""
+    """The walls at any angle, of which there are at most C. Owner: variables/model.py."""
     return record(
         ("x", REAL, (candidates,)),  # m, a point on each …
         ("y", REAL, (candidates,)),

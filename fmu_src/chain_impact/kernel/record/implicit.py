@@ -1,4 +1,4 @@
-"""The part of the record that an implicit step works with."""
+"""The part of the record with the data of implicit steps."""
 
 import numpy as np
 
@@ -8,11 +8,11 @@ from chain_impact.kernel.record.fields import INTEGER, REAL, impedance_dtype, re
 
 
 def implicit_dtype(links: int, candidates: int) -> np.dtype:
-    """What an implicit step works with, and remembers of the last one.
+    """The work space of an implicit step, and the data that it uses of the last one.
 
-    z = (y, and of the active contacts clearances, their rates, impulses): kernel/integration/extended.py.
+    z = (y, then the clearances of active contacts, their rates, impulses): kernel/integration/extended.py.
 
-    Owners: ``collocation`` and ``newton`` in integration/, which call the others that write here.
+    Owners: collocation.py and newton.py in integration/, which call all other functions that write here.
     """
     vectors, state = vectors_dtype(links + 1), state_size(links)
     extended = state + 3 * candidates
@@ -24,7 +24,6 @@ def implicit_dtype(links: int, candidates: int) -> np.dtype:
         ),
         ("base", REAL, (2 * PAIRS, 3)),
         ("impedance", REAL, (2 * PAIRS, candidates)),  # kg, D of the active contacts, packed
-        ("law", REAL, (2 * PAIRS, candidates)),  # kg, D of the active contacts, packed
     )
     return record(
         ("start", REAL, (extended,)),  # z at the start of a step …
@@ -33,25 +32,25 @@ def implicit_dtype(links: int, candidates: int) -> np.dtype:
         ("weight", REAL, (extended,)),  # of errors, over the tolerance
         ("stages", REAL, (STAGES, extended)),  # increments of z to the nodes …
         ("rates", REAL, (STAGES, extended)),  # … and ż there
-        ("parts", REAL, (STAGES, extended)),  # what is missing in the eigenvectors of Q, then the corrections
+        ("parts", REAL, (STAGES, extended)),  # residuals in the eigenvectors of Q, then corrections
         ("last", REAL, (STAGES, extended)),  # the increments of the last step, …
         ("began", REAL),  # s, … its start, …
         ("span", REAL),  # s, … its size, …
-        ("ready", INTEGER),  # … and 1 if they foretell the next step
-        ("iterations", INTEGER),  # of the step that is tried, …
-        ("correction", REAL),  # … the largest component of the last one's, over the tolerance, …
-        ("contraction", REAL),  # … and the last θ
+        ("ready", INTEGER),  # … and 1 if they can be extrapolated to the next step
+        ("iterations", INTEGER),  # in the tried step, …
+        ("correction", REAL),  # … the largest component of the last correction, over the tolerance, …
+        ("contraction", REAL),  # … and the last convergence rate θ
         ("slowness", REAL),  # θ/(1 − θ) of the last step
-        ("thirds", REAL, (2, state)),  # what the dense output is off the clearances, at thirds of the step
-        ("link", vectors),  # m, L_i where A was taken
+        ("thirds", REAL, (2, state)),  # corrections of the dense output at thirds of the step
+        ("link", vectors),  # m, L_i where A was evaluated
         ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts, packed, …
         ("damping", REAL, (candidates,)),  # N·s/m, … and ∂F/∂δ̇, likewise
-        ("impedance", REAL, (candidates,)),  # kg, … what they add to the inertia of their points
-        ("normal", REAL, (candidates,)),  # N·s or m/s, … along their normals
+        ("impedance", REAL, (candidates,)),  # kg, … and their D, added to the inertia of their points
+        ("normal", REAL, (candidates,)),  # N·s or m/s, impulses or changes along their normals
         ("factors", shifted),  # for the complex shifts
         ("reactance", impedance_dtype(links + 1)),  # kg, the imaginary part of D of each point, …
-        ("load", vectors),  # N·s, … of the impulses …
-        ("motion", vectors),  # … and of what they move
+        ("load", vectors),  # N·s, … of the impulses on the points …
+        ("motion", vectors),  # … and of the motion of the points
         ("impulse", REAL, (2, links)),  # N·m·s, μ in the joints, both parts
         ("answer", REAL, (2, coordinate_count(links))),  # Δ, likewise
     )

@@ -1,15 +1,15 @@
-"""The layout of an instance: one flat record that holds everything a running simulation knows.
+"""The layout of an instance: one flat record that holds all data of a running simulation.
 
 Parameters, inputs, the integrator's memory, statistics, outputs and work space are the fields of one NumPy
 record without pointers, so the state of an FMU is a copy of its bytes. Every scalar takes eight bytes (a
-double or an integer), so each has an index counted in doubles from the start of the record: the slave
+double or an integer), so each has an index counted in doubles from the start of the record: the FMU's code
 needs no other knowledge of the layout.
 
 N links, points 0…N (0 the base, N the tip), C candidates (pairs of a point and a wall), state vector y
 (kernel/chain/state.py).
 
-Every size and offset is a + bN + cC. The compiled kernel relies on it (compilation/record_type.py). What has
-to do with candidates comes last, so that the places of all else do not depend on their number.
+Every size and offset is a + bN + cC. The compiled kernel relies on it (compilation/record_type.py). The parts
+that depend on C come last, so that the offsets of all others do not depend on it.
 """
 
 import numpy as np
@@ -50,7 +50,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
     return record(
         ("links", INTEGER),  # N
         ("candidates", INTEGER),  # C
-        ("tangents", INTEGER),  # instances of dual numbers behind this one (kernel/tangent/)
+        ("tangents", INTEGER),  # number of tangent instances that follow this one in memory (kernel/tangent/)
         ("model", model_dtype(links)),
         ("contact", contact_dtype()),
         ("initial", initial_dtype(links)),

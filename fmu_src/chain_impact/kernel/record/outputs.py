@@ -1,4 +1,4 @@
-"""The part of the record that is seen from outside."""
+"""The part of the record with the outputs."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from chain_impact.kernel.record.fields import REAL, record
 
 
 def output_dtype(links: int, candidates: int) -> np.dtype:
-    """What an observer sees at the communication point; one row of a time series.
+    """The outputs at the communication point; one row of a time series.
 
     Owner: observe.py.
     """

@@ -1,13 +1,13 @@
-"""Dual numbers, as far as the kernel knows them: a value with its derivatives in several directions.
+"""Dual numbers, as the kernel uses them: a value with its derivatives in several directions.
 
-An instance whose reals are dual numbers, of the same layout otherwise, is called t where d is the instance
-itself. The kernel's functions work on either. Compiled, dual numbers are those of
+The primal instance is called d. The tangent instance t has the same layout, but its reals are dual numbers.
+The kernel's functions work on both. In the compiled kernel dual numbers are those of
 compilation/dual_numbers.py.
 """
 
 import numpy as np
 
-DIRECTIONS = 4  # that one instance of dual numbers carries; more take several instances
+DIRECTIONS = 4  # carried by one instance of dual numbers; more directions need several instances
 
 
 def dual_dtype(dtype):
@@ -22,19 +22,19 @@ def dual_dtype(dtype):
     return dtype
 
 
-# how far the derivatives can be trusted, see kernel/tangent/trust.py
+# up to where the derivatives can be trusted, see kernel/tangent/trust.py
 TRUST = np.dtype(
     [
         ("reason", np.int64),  # 0: everywhere so far
-        ("time", np.float64),  # s, from when on they cannot
-        ("point", np.int64),  # of the impact that begins then, or −1 without one
+        ("time", np.float64),  # s, after which they cannot be trusted
+        ("point", np.int64),  # of the impact that begins at that time, or −1 without one
         ("wall", np.int64),
     ]
 )
 
 
 def tangent_dtype(instance):
-    """The layout of an instance of dual numbers that goes with one of the layout ``instance``."""
+    """The layout of an instance of dual numbers for a primal instance of the layout ``instance``."""
     dual = dual_dtype(instance)
     return np.dtype([*((name, dual[name]) for name in dual.names), ("trust", TRUST)])
 
@@ -45,7 +45,7 @@ def value(number):
 
 
 def carried(number, slope, argument):
-    """A value with the derivatives of a dual number times a slope."""
+    """A dual number with the value ``number`` and the derivatives of ``argument`` times a slope."""
     return argument.carried(number, slope)
 
 

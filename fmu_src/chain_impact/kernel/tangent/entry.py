@@ -1,7 +1,7 @@
-"""Derivatives beside a run of an instance d: by the instances of dual numbers behind it in memory.
+"""Derivatives of a run of the instance d, in the tangent instances that follow it in memory.
 
-What is in HOOKS takes the place of the functions of kernel/hooks.py, so that whatever advances d advances
-those instances, too.
+The functions in HOOKS replace those of kernel/hooks.py, so that every function that advances d also advances
+the tangent instances.
 """
 
 import math
@@ -21,19 +21,19 @@ from chain_impact.kernel.work_limit import allow_any_length, work_done, work_of_
 
 
 def start_all(d):
-    """Set all to their start."""
+    """Initialize all tangent instances at the start of a run."""
     for b in range(d.tangents):
         start_tangent(d, block(d, b))
 
 
 def reinit_all(d):
-    """Start all anew from the communication point."""
+    """Re-initialize all tangent instances at the communication point."""
     for b in range(d.tangents):
         reinit_tangent(d, block(d, b))
 
 
 def replay_all(d):
-    """Make the last step of d."""
+    """Repeat the last step of d in all tangent instances."""
     for b in range(d.tangents):
         replay(d, block(d, b))
     for b in range(d.tangents):
@@ -42,13 +42,13 @@ def replay_all(d):
 
 
 def set_output_time_of_all(d, time):
-    """Make a ``time`` [s] the communication point of all."""
+    """Make a ``time`` [s] the communication point of all tangent instances."""
     for b in range(d.tangents):
         set_own_output_time(block(d, b), time)
 
 
 def observe_all(d):
-    """Fill the outputs with derivatives, NaN where these cannot be trusted and after a fault."""
+    """Set the derivatives of the outputs: NaN where they cannot be trusted, and after a fault."""
     for b in range(d.tangents):
         t = block(d, b)
         fill_outputs(t)
@@ -64,7 +64,7 @@ def forget_slopes(dual_numbers):
 
 
 def truncate_all(d):
-    """Follow the contacts of all to the communication point."""
+    """Update the contacts of all tangent instances to the communication point."""
     for b in range(d.tangents):
         t = block(d, b)
         update_own_to_output_time(t)
@@ -72,7 +72,7 @@ def truncate_all(d):
 
 
 def all_valid(d):
-    """Whether all sizes and indices are such."""
+    """Whether all sizes and indices of the tangent instances are valid."""
     fits = True
     for b in range(d.tangents):
         t = block(d, b)
@@ -93,12 +93,12 @@ HOOKS = {
 
 
 def trajectory_with(d, times, looks, values, slopes):
-    """Advance to each of the times [s] in turn, and look at some outputs and their derivatives.
+    """Advance to each of the times [s] in turn, and sample some outputs and their derivatives.
 
     Args:
-        d: the instance, with B of dual numbers behind it.
+        d: the instance, with B instances of dual numbers after it in memory.
         times: shape (T,), increasing [s].
-        looks: the outputs that are wanted, as indices of numbers in ``d.output``, shape (W,).
+        looks: the requested outputs, as indices of numbers in ``d.output``, shape (W,).
         values: result, shape (T, W).
         slopes: result, shape (T, W · B · DIRECTIONS).
 
@@ -117,7 +117,7 @@ def trajectory_with(d, times, looks, values, slopes):
 
 
 def fill_row(d, looks, values, slopes):
-    """Fill a row of outputs and one of their derivatives with what has been observed."""
+    """Fill a row of outputs and one of their derivatives with the observed values."""
     count = d.tangents
     for j in range(len(looks)):
         values[j] = words(d.output)[looks[j]]

@@ -1,9 +1,9 @@
-"""An implicit step in dual numbers: the same iteration, from the stages that d has found.
+"""An implicit step in dual numbers: the same iteration, started from the stages that d has found.
 
-A is of no consequence for what the iteration converges to, so it is that of d. The derivatives of the stages
-begin with what the last step foretells of them, and converge by a factor θ of their own: where d is at rest
-it solves its equations at once, however long the step is, and a disturbance is not at rest. So they are
-iterated until they have converged themselves, relative to the state's in the same direction.
+The result of the iteration does not depend on A, so the A of d is used. The derivatives of the stages are
+first extrapolated from the last step, and converge by a factor θ of their own: where d is at rest its
+iteration converges at once, however long the step is, but that of the derivatives does not. So they are
+iterated until they have converged themselves, relative to the state's derivatives in the same direction.
 """
 
 from chain_impact.kernel.integration.collocation import (
@@ -19,15 +19,15 @@ from chain_impact.kernel.integration.radau import STAGES
 from chain_impact.kernel.tangent.directions import DIRECTIONS, carried, slope
 from chain_impact.kernel.tangent.trust import NO_IMPACT, NOT_SOLVED, TRUSTED, mark_untrusted
 
-ENOUGH = 0.01  # of the tolerance, relative: the last correction of derivatives
-# relative: a correction that falls no more is round-off up to this, and says that the iteration fails beyond
+ENOUGH = 0.01  # of the tolerance: the largest last correction of the derivatives, relative to them
+# relative: a correction that no longer decreases is round-off up to this value; above it the iteration fails
 ROUND_OFF = 1e-6
-MOST = 50  # iterations: a θ of .7 gets to some 1e-8
-FAR_OFF = 1e300  # a correction where there is nothing to compare it with
+MOST = 50  # iterations: a θ of .7 reduces the error to some 1e-8
+FAR_OFF = 1e300  # the relative correction if the derivatives are zero
 
 
 def make_implicit(d, t, h):
-    """Make the step of size h that d has made last; the result stands in ``work.y`` of t."""
+    """Make the last step of d, of size h, in dual numbers; the result is stored in ``work.y`` of t."""
     extend_start(t)
     size = extended_size(t)
     extrapolate_stages(t, h, size)
@@ -42,14 +42,14 @@ def make_implicit(d, t, h):
 
 
 def take_stages(d, t, size):
-    """Let the values of the stages be those of d."""
+    """Set the values of the stages of t to those of d, and keep their derivatives."""
     for i in range(STAGES):
         for j in range(size):
             t.implicit.stages[i, j] = carried(d.implicit.last[i, j], 1.0, t.implicit.stages[i, j])
 
 
 def take_slopes(d, t):
-    """Let A be that of d."""
+    """Set the data of A in t to those of d."""
     one, own = d.implicit, t.implicit
     for i in range(d.links):
         own.link.x[i], own.link.y[i] = one.link.x[i], one.link.y[i]
@@ -71,7 +71,7 @@ def iterate_slopes(d, t, h, size):
 
 
 def last_correction(d, t, size):
-    """The last correction of the derivatives over those at the end of the step, of the worst direction."""
+    """The last correction of the derivatives over those at the end of the step, in the worst direction."""
     own, weight, worst = t.implicit, d.implicit.weight, 0.0
     for k in range(DIRECTIONS):
         largest, whole = 0.0, 0.0

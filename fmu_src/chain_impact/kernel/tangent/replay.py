@@ -1,16 +1,16 @@
-"""Derivatives beside the run: each step of d is made once more by t, in dual numbers.
+"""Derivatives of a run: each step of the primal instance d is repeated by the tangent instance t.
 
-t is an instance of the same layout as d whose reals carry their derivatives in some directions of the
-parameters. Its values are those of d. After each step that d has accepted, t makes the same step with the
-same functions, which then differentiate the step. What d tries and rejects, and how it searches for events,
-is none of t's business: the size of the step, its method and its events are those of d. They are choices of
-the discretization, and have no derivatives.
+t has the same layout as d, and its reals are dual numbers: they carry the derivatives in some directions of
+the parameters. Its values are those of d. After each step that d has accepted, t makes the same step with the
+same functions, which then differentiate the step. Rejected steps and the search for events are not repeated:
+the size of the step, its method and its events are frozen from the primal run. They are choices of the
+discretization, and have no derivatives.
 
-An event ends a step where a function φ of the state passes through zero, at a moment that depends on the
-parameters, too. With φ′ the derivatives of φ where the step ends for d, that moment moves by −φ′/φ̇, and the
-state there by ẏ times that. The time of the state is part of it, so nothing else has to be known of an event:
-what it changes of the state is differentiated as all else is. At the kink of a force the rate does not
-change, and its moment does not matter.
+An event ends a step where a function φ of the state passes through zero, at a time that depends on the
+parameters, too. With φ′ the derivatives of φ where the step of d ends, that time changes by −φ′/φ̇, and the
+state there by ẏ times that. Time is part of the state, so nothing else has to be known about an event: its
+change of the state is differentiated like everything else. At the kink of a force the rate is continuous,
+so the derivative of its time has no effect.
 
 Source: for sensitivities through events, e.g. Galán, Feehery & Barton 1999, Appl Numer Math 31:17.
 """
@@ -41,7 +41,7 @@ from chain_impact.kernel.tangent.trust import check_onsets, check_turns
 
 
 def replay(d, t):
-    """Make the last step of d in dual numbers."""
+    """Repeat the last step of d in dual numbers."""
     apply_pending_events(t)
     copy_inputs(d, t)
     t.step.method = d.step.last_method
@@ -69,7 +69,7 @@ def make(d, t, h):
 
 
 def make_explicit(_d, t, h):
-    """Make an explicit step of size h; the result, whose points are located, stands in ``work.y``."""
+    """Make an explicit step of size h; the result is stored in ``work.y``, with its points located."""
     explicit.make(t, h)
     if t.touch.active_count > 0:
         locate_points(t, t.work.y)
@@ -82,23 +82,23 @@ _make = dispatch([_MAKERS[method] for method in range(METHOD_COUNT)])
 def ends_regularized(d):
     """Whether the last step ends where the regularized contact does.
 
-    d has taken that step beyond it, where the slope of the force has a kink, and has cut it.
+    d has taken that step beyond the end, where the slope of the force has a kink, and has truncated it.
     """
     return d.step.regularized >= 0 and d.touch.event[d.step.regularized] == END
 
 
 def take_values(d, t):
-    """Let the values of t at the end of the last step be those of d, whatever the round-off."""
+    """Set the values of t at the end of the last step to those of d, which differ by round-off."""
     for j in range(len(d.step.state_end)):
         t.step.state_end[j] = carried(d.step.state_end[j], 1.0, t.step.state_end[j])
     t.step.end = carried(d.step.end, 1.0, t.step.end)
 
 
 def move_end(t):
-    """Move the end of the last step with the event that ends it."""
+    """Give the end of the last step the derivatives of the time of the event that ends it."""
     for c in range(t.candidates):
         kind = t.touch.event[c]
-        # where a regularized contact ends its time stands still: moving along it changes nothing
+        # at the end of a regularized contact dt/ds = 0: a change of s there does not change the state
         if kind in (ONSET, RELATCH) or (kind == END and c != t.step.regularized):
             ensure_rate(t)
             ensure_points(t)
@@ -108,7 +108,7 @@ def move_end(t):
 
 
 def delay(t, c, kind):
-    """−φ′/φ̇ of an event of candidate c: how its moment moves [s], a dual number of value 0."""
+    """−φ′/φ̇ of an event of candidate c: the change of its time [s], a dual number of value 0."""
     gap, gap_rate = clearance(t, c)
     if kind == RELATCH:
         # φ = −ġ − 2 v₀
@@ -122,7 +122,7 @@ def delay(t, c, kind):
 
 
 def move_along(t, time):
-    """Move the end of the last step along the motion by a time [s] that has derivatives alone."""
+    """Move the end of the last step along the motion by a ``time`` [s] of value 0 with derivatives."""
     y, rate = t.step.state_end, t.work.rate_end
     for j in range(sundman_u_at(t.links)):
         y[j] += value(rate[j]) * time

@@ -1,7 +1,7 @@
-"""Functions whose derivatives do not follow from how they are worked out.
+"""Functions with their own differentiation rules: dual numbers in their operations would not suffice.
 
-Each has the name of the function that it stands for, and gives the same value. It takes its place wherever
-an argument carries derivatives.
+Each has the name of the function that it replaces, and returns the same value. It is called in its place
+wherever an argument carries derivatives.
 """
 
 import math
@@ -13,12 +13,12 @@ from chain_impact.kernel.laws import contact_laws, user_law
 from chain_impact.kernel.model import contact_force
 from chain_impact.kernel.tangent.directions import carried, value, varies
 
-DIFFERENCE = 1e-3  # of an argument of a user's law, for its slopes
-REBOUND_DIFFERENCE = 0.03  # likewise, of a damping for the slope of its rebound
+DIFFERENCE = 1e-3  # relative step in an argument of a user's law, for its slopes by differences
+REBOUND_DIFFERENCE = 0.03  # likewise in a damping, for the slope of its restitution
 
 
 def power(depth, exponent):
-    """δ^n: the special exponents hide that n may vary, and the slope at δ = 0 is infinite for n < 1."""
+    """δ^n: the special cases of n ignore that n may vary, and for n < 1 the slope at δ = 0 is infinite."""
     base, n = value(depth), value(exponent)
     result = contact_force.power(base, n)
     # (δⁿ)′ = n δⁿ⁻¹ δ′ + δⁿ ln δ n′
@@ -30,7 +30,7 @@ def power(depth, exponent):
 
 
 def polar(radius, y, first, horizontal, vertical):
-    """Horizontal r cos φ, vertical r sin φ: the reduction of the angle hides how they vary."""
+    """Horizontal r cos φ, vertical r sin φ: the reduction of the angle has no correct derivatives."""
     near = sincos.in_reach(y, first, len(radius))
     for i in range(len(radius)):
         phi = y[first + i]
@@ -43,14 +43,14 @@ def polar(radius, y, first, horizontal, vertical):
 
 
 def resists(constant):
-    """A constant that varies counts even where its value is 0."""
+    """Whether a constant has an effect: one with derivatives has even if its value is 0."""
     return value(constant) != 0.0 or varies(constant)
 
 
 def fraction(t, time):
-    """The fraction of the last step at a time: one step of Newton's method from its value has all slopes.
+    """The fraction of the last step at a time: one Newton step from its value gives all derivatives.
 
-    The search for the value ends where that is exact, which says nothing of its slopes.
+    The iteration for the value stops when the value is exact, which says nothing about its derivatives.
     """
     step, clock = t.step, time_at(t.links)
     elapsed = time - step.start
@@ -61,12 +61,12 @@ def fraction(t, time):
         value(dense.interpolate_component(step, theta, sundman_u_at(t.links)))
     )
     error = dense.interpolate_component(step, theta, clock) - elapsed
-    # θ = θ₀ − (t(θ₀) − t)/ṫ; where a contact begins or ends time stands still, and θ does not vary
+    # θ = θ₀ − (t(θ₀) − t)/ṫ; where a contact begins or ends ṫ = 0, and θ has no derivatives
     return carried(theta, -1.0 / rate if rate > 0.0 else 0.0, error)
 
 
 def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
-    """A user's law, of which only values are known: by differences of the law alone."""
+    """A user's law, which only gives values: its slopes are found by differences."""
     at = (
         value(depth),
         value(rate),
@@ -114,7 +114,7 @@ def slope_along(argument, h, at):
 
 
 def moved(argument, by, at):
-    """The user's law with one of its arguments moved."""
+    """The user's law with one of its arguments changed."""
     return user_law.force(
         at[0] + by * (argument == 0),
         at[1] + by * (argument == 1),

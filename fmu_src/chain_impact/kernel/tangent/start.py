@@ -1,4 +1,4 @@
-"""How an instance of dual numbers begins: the derivatives of what follows from the parameters."""
+"""The start of a tangent instance: the derivatives of all that follows from the parameters."""
 
 from chain_impact.kernel.advance import recompute_active_set
 from chain_impact.kernel.initialize import apply_given, clear_run, derive_chain, set_initial_state
@@ -14,7 +14,7 @@ from chain_impact.kernel.tangent.trust import TRUSTED
 
 
 def start_tangent(d, t):
-    """Set t to the start of d, which is initialized; t has the derivatives of the parameters."""
+    """Initialize t from d, which is initialized; t already has the derivatives of the parameters."""
     copy_parameters(d, t)
     derive_chain(t)
     clear_run(t)
@@ -30,7 +30,7 @@ def start_tangent(d, t):
 
 
 def reinit_tangent(d, t):
-    """Start t anew from the communication point, to which its contacts are followed, as d has just done."""
+    """Re-initialize t at the communication point, as d has been; the contacts of t are updated to it."""
     reset_step(t, t.step.end, t.step.state_end)
     rigid = t.contact.impulsive
     apply_given_of(d, t)
@@ -45,7 +45,7 @@ def reinit_tangent(d, t):
 
 
 def copy_parameters(d, t):
-    """Let the parameters and initial values of d hold for t, with the derivatives that t has of them."""
+    """Copy the parameters and initial values of d to t, which keeps the derivatives that it has of them."""
     copy_values(d.model, t.model)
     copy_values(d.contact, t.contact)
     copy_values(d.initial, t.initial)
@@ -54,13 +54,13 @@ def copy_parameters(d, t):
 
 
 def apply_given_of(d, t):
-    """Let what was given to d hold for t, with the derivatives that t has of it."""
+    """Apply the values that were given to d to t, which keeps the derivatives that it has of them."""
     copy_values(d.given, t.given)
     apply_given(t)
 
 
 def copy_inputs(d, t):
-    """Let the inputs of t be those of d that hold now: a derivative is for a constant added to one."""
+    """Copy the present inputs of d to t: a derivative is that for a constant added to an input."""
     own = t.inputs
     copy_values(d.inputs.course, own.course)
     for i in range(t.links):
@@ -70,7 +70,7 @@ def copy_inputs(d, t):
 
 
 def derive_law_of(d, t):
-    """Find what the law of d makes of the restitution of t."""
+    """Derive the constants of the law of d from the restitution of t."""
     own, contact = t.contact, d.contact
     own.impulsive, own.approach_only = contact.impulsive, contact.approach_only
     own.rate_exponent, own.damping_factor = contact.rate_exponent, contact.damping_factor

@@ -1,6 +1,6 @@
-"""How far derivatives can be trusted: up to where they do not exist, or are known too badly.
+"""Up to which time derivatives can be trusted: until they do not exist, or are too inaccurate.
 
-That is an impact, or a step whose equations for the derivatives are not solved.
+The cause is an impact, or an implicit step whose equations for the derivatives could not be solved.
 """
 
 import math
@@ -13,7 +13,7 @@ from chain_impact.kernel.tangent.directions import value
 
 TRUSTED, GRAZING, AT_FLOOR, SIMULTANEOUS, JUMP, NOT_SOLVED = 0, 1, 2, 3, 4, 5
 NO_IMPACT = -1  # in place of a candidate
-# of the approach speed, to either side of rest; and of the force, what counts as a jump between them
+# the rates ±NEAR_REST v₀ at which the force is compared, and the relative difference that counts as a jump
 NEAR_REST, JUMPS = 1e-9, 1e-6
 
 REASONS = {
@@ -27,7 +27,7 @@ REASONS = {
 
 
 def check_onsets(t):
-    """Judge the onsets at the end of the last step, for the points located there."""
+    """Check the onsets at the end of the last step, for the points located there."""
     onsets, least = 0, math.inf
     first = -1
     for c in range(t.candidates):
@@ -56,7 +56,7 @@ def fastest_speed(t):
 
 
 def check_turns(t):
-    """Judge the contacts that have turned in the last step: the force of a user's law may jump there."""
+    """Check contacts whose rate changed sign in the last step: the force of a user's law may jump there."""
     if t.contact.law != USER_LAW or t.trust.reason != TRUSTED:
         return
     if not t.work.at_end:
@@ -77,7 +77,7 @@ def jumps_at_rest(t, c, depth):
 
 
 def mark_untrusted(t, reason, c, time):
-    """Let derivatives end at a ``time`` [s], because of the contact of candidate c, or of NO_IMPACT."""
+    """End the derivatives at a ``time`` [s], because of the impact of candidate c, or NO_IMPACT."""
     trust = t.trust
     trust.reason, trust.time = reason, time
     trust.point, trust.wall = NO_IMPACT, 0
@@ -86,12 +86,12 @@ def mark_untrusted(t, reason, c, time):
 
 
 def share_reason(t, other):
-    """Let the derivatives of t end where those of another instance do, if that is earlier."""
+    """End the derivatives of t where those of another tangent instance end, if that is earlier."""
     mine, given = t.trust, other.trust
     if given.reason != TRUSTED and (mine.reason == TRUSTED or given.time < mine.time):
         mine.reason, mine.time, mine.point, mine.wall = given.reason, given.time, given.point, given.wall
 
 
 def trusted(t):
-    """Whether there are derivatives at the communication point."""
+    """Whether the derivatives can be trusted at the communication point."""
     return t.trust.reason == TRUSTED or value(t.step.time) < t.trust.time
