@@ -178,6 +178,7 @@ def test_a_users_law_has_the_factor_that_it_has(both):
 def twins(monkeypatch):
     """A chain and another record of its layout in place of one of dual numbers."""
     monkeypatch.setattr(starts, "carried", lambda number, _slope, _argument: number)
+    monkeypatch.setattr(starts, "value", float)
     rng = np.random.default_rng(9)
     scene, d = chain(rng, 2, springs=True, dampers=True, inputs=True)
     dtype = d._record.dtype
@@ -248,3 +249,13 @@ def test_it_starts_anew_from_the_end_of_its_step_with_what_was_given(twins, law,
         energy = elastic_energy(t.contact, t.touch.depth_scale[4])
         assert energy == pytest.approx(0.5 * mass * speed**2, rel=1e-9)
         assert t.touch.beyond_kink[4] in {0, 1}
+
+
+@pytest.mark.parametrize(("ended", "expected"), [(2.0, 3), (2.5, 3), (2.6, TRUSTED)])
+def test_derivatives_that_ended_in_what_is_dropped_go_on(twins, ended, expected):
+    d, t = twins
+    assert initialize(d, 0.0) == OK
+    start_tangent(d, t)
+    t.step.end, t.trust.reason, t.trust.time = 2.5, 3, ended
+    reinit_tangent(d, t)
+    assert t.trust.reason == expected

@@ -144,7 +144,7 @@ def energy_step_ok(d, theta):
     there = most_energy(d, y, potential)
     if change > SLIP * there and present - balance.origin > GAIN * there:
         return False
-    loss = -change / loss_allowed(d, there)
+    loss = -change / loss_allowed(d, there) if change < 0.0 else 0.0
     balance.loss = loss if loss > NOTABLE else 0.0
     if balance.loss > 1.0:
         if -change > round_off(d, y):

@@ -9,7 +9,7 @@ from chain_impact.kernel.model.contact import clear_loads, set_kink_sides
 from chain_impact.kernel.model.contact_force import set_damping, set_expected_depth
 from chain_impact.kernel.model.geometry import place_walls
 from chain_impact.kernel.tangent.blocks import copy_values
-from chain_impact.kernel.tangent.directions import carried
+from chain_impact.kernel.tangent.directions import carried, value
 from chain_impact.kernel.tangent.trust import TRUSTED
 
 
@@ -42,6 +42,9 @@ def reinit_tangent(d, t):
     recompute_active_set(t, rigid)
     set_kink_sides(t)
     clear_loads(t)
+    # derivatives that ended in the part of the run that is dropped may go on: the new part decides
+    if t.trust.time > value(t.step.end):
+        t.trust.reason = TRUSTED
 
 
 def copy_parameters(d, t):
