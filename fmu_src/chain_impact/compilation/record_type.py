@@ -259,30 +259,25 @@ def _copy_values(context: Any, builder: ir.IRBuilder, signature: Any, arguments:
     source, target = signature.args
     for path, field in TABLES[source.what].items():
         if path[: len(source.path)] == source.path and not field.fields:
-            _copy_field(context, builder, [(field, arguments[0]), (TABLES[target.what][path], arguments[1])])
+            word = context.get_data_type(field.kind)
+            count: ir.Value = cgutils.intp_t(1)
+            for size in field.shape:
+                count = builder.mul(count, size.built(builder, arguments[0]))
+            given, step = _words_of(context, builder, arguments[0], field, word)
+            own, own_step = _words_of(context, builder, arguments[1], TABLES[target.what][path], word)
+            with cgutils.for_range(builder, count) as loop:
+                number = builder.load(builder.gep(given, [builder.mul(loop.index, step)]))
+                builder.store(number, builder.gep(own, [builder.mul(loop.index, own_step)]))
     return context.get_dummy_value()
 
 
-def _copy_field(context: Any, builder: ir.IRBuilder, ends: Sequence[tuple[Field, ir.Value]]) -> None:
-    """Copy the numbers of a field from one instance to the values of that field in another."""
-    (field, source), _ = ends
-    word = context.get_data_type(field.kind)
-    (first, read), (other, written) = (
-        (
-            builder.bitcast(_place(context, builder, instance, one), word.as_pointer()),
-            context.get_abi_sizeof(context.get_data_type(one.kind)) // WORD,
-        )
-        for one, instance in ends
-    )
-    count: ir.Value = cgutils.intp_t(1)
-    for size in field.shape:
-        count = builder.mul(count, size.built(builder, source))
-    with cgutils.for_range(builder, count) as loop:
-        places = (
-            builder.gep(pointer, [builder.mul(loop.index, cgutils.intp_t(stride))])
-            for pointer, stride in ((first, read), (other, written))
-        )
-        builder.store(builder.load(next(places)), next(places))
+def _words_of(
+    context: Any, builder: ir.IRBuilder, instance: ir.Value, field: Field, word: ir.Type
+) -> tuple[ir.Value, ir.Value]:
+    """The address of the first value of a field, and how many words it is from one value to the next."""
+    words = context.get_abi_sizeof(context.get_data_type(field.kind)) // WORD
+    place = builder.bitcast(_place(context, builder, instance, field), word.as_pointer())
+    return place, cgutils.intp_t(words)
 
 
 def _numbers(first: types.CPointer, *counts: types.Integer) -> Any:

@@ -20,7 +20,6 @@ from chain_impact.kernel.model.contact_force import (
     damping_slope,
     elastic_energy,
     height_over_kink,
-    kink_slope,
     law_force,
     law_slopes,
     may_jump,
@@ -99,13 +98,12 @@ def test_a_force_continued_from_its_own_side_is_the_force_as_long_as_it_stays_th
 @pytest.mark.parametrize("beyond", [0, 1])
 def test_a_crossing_is_noted_when_it_is_by_more_than_the_margin(beyond, height, margin):
     d = contact_of()
-    d.touch.damping[0] = 1e3
     d.touch.beyond_kink[0], d.touch.kink_margin[0], d.touch.kink_crossed[0] = beyond, margin, 0
-    note_crossing(d, 0, height, 0.01)
+    note_crossing(d, 0, height)
     over = height if beyond else -height
-    assert d.touch.kink_crossed[0] == (over > 0.0 and over > margin * kink_slope(d, 0, 0.01))
+    assert d.touch.kink_crossed[0] == (over > margin)
     d.touch.kink_crossed[0] = 1
-    note_crossing(d, 0, 0.0, 0.01)
+    note_crossing(d, 0, 0.0)
     assert d.touch.kink_crossed[0] == 1  # by an earlier stage
 
 
@@ -123,7 +121,7 @@ def test_the_depth_and_the_damping_follow_from_the_impact(law, stiffness, speed,
     s, f = law.mass_power, FACTOR(law.number, 0.3)
     expected = f * stiffness ** (1 - s) * mass**s / (speed if s == 0.0 else 1.0)
     assert d.touch.damping[0] == pytest.approx(expected, rel=1e-12)
-    assert d.touch.kink_margin[0] == (turning_margin(d, 0) if law.approach_only else 1e-6 * d.model.size)
+    assert d.touch.kink_margin[0] == (turning_margin(d, 0) if law.approach_only else 0.0)
 
 
 def test_the_margin_of_a_turn_is_a_tenth_of_the_tolerance_in_the_impulse():

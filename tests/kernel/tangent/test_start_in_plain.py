@@ -11,7 +11,7 @@ from chain_impact.kernel.initialize import derive_law, initialize
 from chain_impact.kernel.model.contact import begin_contact
 from chain_impact.kernel.model.contact_force import elastic_energy
 from chain_impact.kernel.status import OK
-from chain_impact.kernel.tangent import start_tangent as starts
+from chain_impact.kernel.tangent import start as starts
 from chain_impact.kernel.tangent.directions import DIRECTIONS, TRUST
 from chain_impact.kernel.tangent.start import (
     apply_given_of,

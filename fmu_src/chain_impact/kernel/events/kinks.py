@@ -12,7 +12,6 @@ from chain_impact.kernel.events.kinds import KINK
 from chain_impact.kernel.events.sampling import first_contact, first_passage, locate_at
 from chain_impact.kernel.model.contact import drop_events, kink_height
 from chain_impact.kernel.model.contact_force import note_crossing
-from chain_impact.kernel.model.geometry import clearance
 
 SAMPLES = 8  # samples of a step
 RESOLUTION = 1e-15  # fraction of a step, to which a kink is located
@@ -46,8 +45,7 @@ def crossed(d, c):
 
 def has_crossed(d, c):
     """Whether a stage of the last step, or its end, has been on the other side of the kink."""
-    gap, _ = clearance(d, c)
-    note_crossing(d, c, kink_height(d, c), max(0.0, -gap))
+    note_crossing(d, c, kink_height(d, c))
     return d.touch.kink_crossed[c] != 0
 
 

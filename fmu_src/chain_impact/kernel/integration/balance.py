@@ -91,6 +91,7 @@ def start_balance(d, time):
     _, potential = mechanical_energy(d, d.step.state_end)
     balance.available = 0.0
     balance.available = most_energy(d, d.step.state_end, potential)
+    balance.available_at_start = balance.available
 
 
 def begin_window(d):
@@ -111,11 +112,13 @@ def rebase_energy(d):
 
 def reinit_balance(d):
     """Re-initialize at the communication point, where a parameter may have changed the contacts' energy."""
+    balance, before = d.balance, d.balance.at_start
+    balance.available = balance.available_at_start
     if d.touch.active_count > 0:
-        balance, before = d.balance, d.balance.at_start
         rebase_energy(d)
         balance.reference += balance.at_end - before
         balance.origin += balance.at_end - before
+        balance.at_start = balance.at_end
 
 
 def energy_step_ok(d, theta):
@@ -152,7 +155,8 @@ def energy_step_ok(d, theta):
         balance.loss = 1.0
     if d.step.rate_known and is_long(d) and not interpolates(d):
         return False
-    balance.at_start, balance.at_end, balance.available = balance.at_end, present, there
+    balance.at_start, balance.available_at_start = balance.at_end, balance.available
+    balance.at_end, balance.available = present, there
     return True
 
 

@@ -61,10 +61,7 @@ def set_expected_depth(d, c):
 def set_damping(d, c):
     """Set the damping d [N·s/m^(p+1)] of candidate c, for the v₀ and effective mass of its contact."""
     contact, touch = d.contact, d.touch
-    # an error of δ̇ within the tolerance can change the sign of a force that is close to 0
-    touch.kink_margin[c] = (
-        turning_margin(d, c) if contact.approach_only else d.solver.tolerance * d.model.size
-    )
+    touch.kink_margin[c] = turning_margin(d, c) if contact.approach_only else 0.0
     mass_power = MASS_POWERS[contact.law - 1] if contact.law <= LAW_COUNT else 0.0
     if mass_power == 0.0:
         # λ K/v₀
@@ -96,24 +93,15 @@ def continued_force(d, c, depth, rate):
     """As ``law_force``, but continued smoothly from the contact's side of the kink; records a crossing."""
     beyond = d.touch.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
-    note_crossing(d, c, rate if d.contact.approach_only else force, depth)
+    note_crossing(d, c, rate if d.contact.approach_only else force)
     return 0.0 if beyond and not d.contact.approach_only else force, elastic
 
 
-def note_crossing(d, c, height, depth):
+def note_crossing(d, c, height):
     """Record that candidate c has crossed its kink, if ``height`` shows it by more than the margin."""
-    over = height if d.touch.beyond_kink[c] else -height
-    if over > 0.0 and over > d.touch.kink_margin[c] * kink_slope(d, c, depth):
+    margin = d.touch.kink_margin[c]
+    if height > margin if d.touch.beyond_kink[c] else height < -margin:
         d.touch.kink_crossed[c] = 1
-
-
-def kink_slope(d, c, depth):
-    """∂/∂δ̇ of ``height_over_kink`` of candidate c; 0, and thus no margin, for a user's law."""
-    if d.contact.approach_only:
-        return 1.0
-    if d.contact.law == USER_LAW:
-        return 0.0
-    return damping_slope(d, c, depth, False, power(depth, d.contact.exponent))
 
 
 def height_over_kink(d, c, depth, rate):

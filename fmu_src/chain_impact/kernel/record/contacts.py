@@ -37,7 +37,7 @@ def touch_dtype(candidates: int) -> np.dtype:
             INTEGER,
             (candidates,),
         ),  # 1: δ̇ is beyond the kink of its force
-        ("kink_margin", REAL, (candidates,)),  # m/s, by which δ̇ may be on the wrong side of the kink
+        ("kink_margin", REAL, (candidates,)),  # m/s, by which δ̇ may be on the wrong side; else 0
         ("kink_crossed", INTEGER, (candidates,)),  # 1: a stage of the tried step was on its other side
         ("number", INTEGER, (candidates,)),  # of its onset among all onsets, counted from 1
         ("peak_force", REAL, (candidates,)),  # N

@@ -78,6 +78,7 @@ def balance_dtype() -> np.dtype:
         ("least_allowed", REAL),  # … and the change allowed to every step
         ("since", REAL),  # s, the start of the run
         ("origin", REAL),  # J, the energy balance at the start of the run, with the same changes added
+        ("available_at_start", REAL),  # J, the same at the start of the last step
         ("available", REAL),  # J, the energy available so far
         ("loss", REAL),  # of the last step, over the loss allowed to it
         ("unit_motion", REAL),  # √J, √E₁

@@ -6,6 +6,8 @@ iteration converges at once, however long the step is, but that of the derivativ
 iterated until they have converged themselves, relative to the state's derivatives in the same direction.
 """
 
+import math
+
 from chain_impact.kernel.integration.collocation import (
     LAST,
     extrapolate_stages,
@@ -59,26 +61,33 @@ def take_slopes(d, t):
 
 def iterate_slopes(d, t, h, size):
     """Iterate the derivatives of the stages; returns whether they have converged."""
-    correction = 0.0
+    correction, rises = 0.0, 0
     for k in range(MOST):
         iterate(t, h, size)
         take_stages(d, t, size)
         before, correction = correction, last_correction(d, t, size)
-        falls = k == 0 or correction < before
-        if correction <= (ENOUGH * d.solver.tolerance if falls else ROUND_OFF):
+        if correction <= ENOUGH * d.solver.tolerance:
             return True
-    return correction <= ROUND_OFF
+        # the largest correction may rise once while the iteration converges, as its direction changes
+        rises += k > 0 and correction >= before
+        if rises > 1 and correction <= ROUND_OFF:
+            return True
+    return False
 
 
 def last_correction(d, t, size):
     """The last correction of the derivatives over those at the end of the step, in the worst direction."""
     own, weight, worst = t.implicit, d.implicit.weight, 0.0
     for k in range(DIRECTIONS):
-        largest, whole = 0.0, 0.0
+        largest, whole, total = 0.0, 0.0, 0.0
         for j in range(size):
             whole = max(whole, weight[j] * abs(slope(own.start[j] + own.stages[LAST, j], k)))
             for i in range(STAGES):
-                largest = max(largest, weight[j] * abs(slope(own.parts[i, j], k)))
+                part = weight[j] * abs(slope(own.parts[i, j], k))
+                largest = max(largest, part)
+                total += part  # a NaN would be lost in the maximum
+        if not math.isfinite(total + whole):
+            return FAR_OFF
         if largest > worst * whole:
             worst = largest / whole if whole > 0.0 else FAR_OFF
     return worst
