@@ -34,7 +34,7 @@ def times(answers, otherwise):
 
 
 @pytest.mark.parametrize(
-    ("name", "answers"), [("find_event", [REFUSED, REFUSED]), ("keeps_balance", [False, False])]
+    ("name", "answers"), [("find_event", [REFUSED, REFUSED]), ("energy_step_ok", [False, False])]
 )
 def test_a_step_that_is_refused_is_tried_anew_with_a_smaller_size(monkeypatch, name, answers):
     free, refused = started(), started()

@@ -22,9 +22,10 @@ from chain_impact.kernel.tangent.directions import DIRECTIONS, carried, slope
 from chain_impact.kernel.tangent.trust import NO_IMPACT, NOT_SOLVED, TRUSTED, mark_untrusted
 
 ENOUGH = 0.01  # of the tolerance: the largest last correction of the derivatives, relative to them
-# relative: a correction that no longer decreases is round-off up to this value; above it the iteration fails
-ROUND_OFF = 1e-6
-MOST = 50  # iterations: a θ of .7 reduces the error to some 1e-8
+# The least correction has to fall by this factor within so many iterations. It may rise in between, as its
+# direction changes. A correction that does not fall is round-off up to this relative value, else a failure.
+FALLS, STALLED, ROUND_OFF = 0.7, 10, 1e-6
+MOST = 100  # iterations: a θ of .8 reduces the error to some 1e-10
 FAR_OFF = 1e300  # the relative correction if the derivatives are zero
 
 
@@ -61,17 +62,18 @@ def take_slopes(d, t):
 
 def iterate_slopes(d, t, h, size):
     """Iterate the derivatives of the stages; returns whether they have converged."""
-    correction, rises = 0.0, 0
-    for k in range(MOST):
+    least, stalled = math.inf, 0
+    for _ in range(MOST):
         iterate(t, h, size)
         take_stages(d, t, size)
-        before, correction = correction, last_correction(d, t, size)
+        correction = last_correction(d, t, size)
         if correction <= ENOUGH * d.solver.tolerance:
             return True
-        # the largest correction may rise once while the iteration converges, as its direction changes
-        rises += k > 0 and correction >= before
-        if rises > 1 and correction <= ROUND_OFF:
-            return True
+        stalled += 1
+        if correction < FALLS * least:
+            least, stalled = correction, 0
+        if stalled == STALLED:
+            return correction <= ROUND_OFF
     return False
 
 
