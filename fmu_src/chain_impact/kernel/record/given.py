@@ -21,6 +21,8 @@ def model_dtype(links: int) -> np.dtype:
         ("joint_damping", REAL, (links,)),  # N·m·s/rad at the proximal joint
         ("joint_stiffness", REAL, (links,)),  # N·m/rad, likewise
         ("joint_rest_angle", REAL, (links,)),  # rad, at which the spring is slack
+        ("joint_min", REAL, (links,)),  # rad, stops of the joint's own angle; −∞ …
+        ("joint_max", REAL, (links,)),  # rad, … and ∞ where there is none
         ("wall", REAL, (len(WALLS),)),  # m, position of x_min, x_max, y_min, y_max
         ("pinned", INTEGER),  # 1: the base cannot move
         ("driven", INTEGER),  # 1: there are inputs
@@ -60,6 +62,18 @@ def contact_dtype() -> np.dtype:
         ("derived_law", INTEGER),  # law and …
         ("derived_restitution", REAL),  # … restitution that these are for
         ("impulsive", INTEGER),  # 1: rigid walls, with impulses instead of a force law
+    )
+
+
+def stops_dtype() -> np.dtype:
+    """The contact law of the stops in joints; stiffness and restitution are in `given`.
+
+    Owner: variables/model.py.
+    """
+    return record(
+        ("law", INTEGER),  # as in `contact`; 0: the same as there
+        ("exponent", REAL),
+        ("minimum_impact_speed", REAL),  # rad/s
     )
 
 
@@ -105,6 +119,8 @@ def given_dtype(links: int) -> np.dtype:
         ("law", INTEGER),  # as in `contact`, …
         ("stiffness", REAL),
         ("restitution", REAL),
+        ("stop_stiffness", REAL),  # … in `stops`, …
+        ("stop_restitution", REAL),
         ("joint_torque", REAL, (links,)),  # … and as in `inputs`
         ("tip_force", REAL, (2,)),
         ("course", course_dtype(links)),
@@ -121,13 +137,15 @@ def inputs_dtype(links: int) -> np.dtype:
 
 
 def candidate_dtype(candidates: int) -> np.dtype:
-    """The pairs of a point and a wall that may touch.
+    """What may touch: the pairs of a point and a wall first, and then the stops in joints.
 
     Owner: variables/model.py; of derived values, ``place_walls`` in model/geometry.py.
     """
     return record(
-        ("point", INTEGER, (candidates,)),  # 0…N
-        ("wall", INTEGER, (candidates,)),  # index into WALLS, or 4 and the index into `walls`
+        ("point", INTEGER, (candidates,)),  # 0…N; of a stop 1…N, the number of its joint
+        # index into WALLS, or 4 and the index into `walls`; of a stop the numbers after those
+        ("wall", INTEGER, (candidates,)),
+        ("stop", INTEGER, (candidates,)),  # 1: at joint_min, −1: at joint_max, 0: a point at a wall
         # derived at initialization
         ("normal_x", REAL, (candidates,)),  # n of the wall …
         ("normal_y", REAL, (candidates,)),
@@ -136,9 +154,15 @@ def candidate_dtype(candidates: int) -> np.dtype:
 
 
 def walls_dtype(candidates: int) -> np.dtype:
-    """The walls at any angle, of which there are at most C. Owner: variables/model.py."""
+    """The walls at any angle, of which there are at most C, and the materials of all walls.
+
+    Owner: variables/model.py; of stiffness and restitution, the importer, as of `given`.
+    """
     return record(
         ("x", REAL, (candidates,)),  # m, a point on each …
         ("y", REAL, (candidates,)),
         ("angle", REAL, (candidates,)),  # rad, … and its direction from +x: the free side is to its left
+        # of the box's walls first: N/m^exponent, 0 for that of `contact`, …
+        ("stiffness", REAL, (len(WALLS) + candidates,)),
+        ("restitution", REAL, (len(WALLS) + candidates,)),  # … and −1 for that of `contact`
     )

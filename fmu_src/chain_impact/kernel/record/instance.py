@@ -31,6 +31,7 @@ from chain_impact.kernel.record.given import (
     inputs_dtype,
     model_dtype,
     solver_dtype,
+    stops_dtype,
     walls_dtype,
 )
 from chain_impact.kernel.record.implicit import implicit_dtype
@@ -53,6 +54,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("tangents", INTEGER),  # number of tangent instances that follow this one in memory (kernel/tangent/)
         ("model", model_dtype(links)),
         ("contact", contact_dtype()),
+        ("stops", stops_dtype()),
         ("initial", initial_dtype(links)),
         ("solver", solver_dtype()),
         ("given", given_dtype(links)),
