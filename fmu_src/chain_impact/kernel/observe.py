@@ -49,7 +49,7 @@ def fill_outputs(d):
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         gap, gap_rate = clearance(d, c)
-        if d.contact.impulsive:
+        if d.law.impulsive[c]:
             out.force[c] = max(0.0, d.rigid.impulse[k])
         elif gap < 0.0:
             out.force[c] = contact_force(d, c, gap, gap_rate)

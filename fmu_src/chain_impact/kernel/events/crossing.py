@@ -67,7 +67,7 @@ def check_candidate(d, c, a, b):
         return CROSSES if end < 0.0 else QUIET
     rate_start, rate_end = d.search.clear_start_rate[c], d.search.clear_end_rate[c]
     curvature = d.search.curvature[c]
-    sag, harmless = curvature * width * width / 8.0, harmless_depth(d)
+    sag, harmless = curvature * width * width / 8.0, harmless_depth(d, c)
     # a point so shallow at the end of the step, or one that leaves, may never penetrate further
     near = b == 1.0 or d.touch.active[c]
     falls = end < (-harmless if near else 0.0) and rate_end < 0.0

@@ -145,7 +145,7 @@ def stays_positive(d, c, error):
     b3 = 2.0 * b4 - d.search.clear_end[c] + h * h * d.search.clear_end_curve[c] / 20.0
     least = min(b1, b2, b3, b4, d.search.clear_end[c])
     most = max(b1, b2, b3, b4, d.search.clear_end[c])
-    return least > MARGIN * (most - least) + error - harmless_depth(d)
+    return least > MARGIN * (most - least) + error - harmless_depth(d, c)
 
 
 def measure_all(d, y):
@@ -188,7 +188,7 @@ def set_clearance(d, c, u, slope):
     if c == d.step.regularized:
         d.search.clear_end[c], d.search.clear_end_rate[c] = u, slope
         return
-    if d.touch.active[c] and d.contact.impulsive:
+    if d.touch.active[c] and d.law.impulsive[c]:
         # held at a rigid wall: it can neither touch nor cross
         d.search.clear_end[c], d.search.clear_end_rate[c] = math.inf, 0.0
         return

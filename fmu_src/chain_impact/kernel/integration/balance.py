@@ -242,13 +242,12 @@ def scales(d, y):
             moment = spring_stiffness(d, i) * abs(stretch(d, y, i))
             scale += moment
             known += moment * (abs(y[ANGLES + i]) + abs(d.model.joint_rest_angle[i]))
-    if not d.contact.impulsive:
-        for k in range(d.touch.active_count):
-            c = d.touch.active_index[k]
-            gap, _ = clearance(d, c)
-            force, point = elastic_force(d.contact, max(0.0, -gap)), d.candidate.point[c]
-            scale += force * penetration_scale(d, c)
-            known += force * (abs(d.work.position.x[point]) + abs(d.work.position.y[point]))
+    for k in range(d.touch.compliant_count):
+        c = d.touch.active_index[k]
+        gap, _ = clearance(d, c)
+        force, point = elastic_force(d, c, max(0.0, -gap)), d.candidate.point[c]
+        scale += force * penetration_scale(d, c)
+        known += force * (abs(d.work.position.x[point]) + abs(d.work.position.y[point]))
     return scale, known
 
 

@@ -39,10 +39,11 @@ from chain_impact.kernel.model.geometry import add_along_normal, add_impedance, 
 def factorize_real(d, shift):
     """Eliminate M + Jᵀ D J + K for a real s = ``shift`` [s]."""
     own = d.implicit
-    for k in range(d.touch.active_count):
+    for k in range(compliant(d)):
         # D = s c + s² k
-        law = shift * (own.damping[k] + shift * own.stiffness[k])
-        own.impedance[k] = holding_impedance(d) if d.contact.impulsive else law
+        own.impedance[k] = shift * (own.damping[k] + shift * own.stiffness[k])
+    for k in range(compliant(d), d.touch.active_count):
+        own.impedance[k] = holding_impedance(d)
     if d.model.resisting:
         factorize_contacts_damped(d, own.link, own.impedance, shift)
     else:
@@ -104,7 +105,7 @@ def factorize_complex(d, pair, s_r, s_i):
     square_r, square_i = times(s_r, s_i, s_r, s_i)
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
-        if d.contact.impulsive:
+        if k >= compliant(d):
             add_impedance(d, c, impedance, holding_impedance(d))
         else:
             # D = s c + s² k

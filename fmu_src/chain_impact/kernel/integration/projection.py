@@ -21,6 +21,8 @@ def project_coordinates(d, y, derivative, change):
     The points must be located for y. The ``change``, shape (N+2,), is a result.
     """
     own, first = d.implicit, derivative * velocity_at(d.links)
+    for k in range(compliant(d), d.touch.active_count):
+        own.normal[k] = 0.0
     for k in range(compliant(d)):
         gap, gap_rate = clearance(d, d.touch.active_index[k])
         own.normal[k] = own.impedance[k] * (own.normal[k] - (gap_rate if derivative else gap))

@@ -12,8 +12,8 @@ from chain_impact.kernel.chain.state import (
     time_at,
     velocity_at,
 )
-from chain_impact.kernel.model.constraints import add_constraint_forces
-from chain_impact.kernel.model.contact import apply_contacts, clear_loads
+from chain_impact.kernel.model.constraints import add_constraint_forces, any_point_held
+from chain_impact.kernel.model.contact import apply_contacts
 from chain_impact.kernel.model.inputs import ensure_inputs
 
 
@@ -31,18 +31,14 @@ def state_rate(d, y, rate):
 def located_rate(d, y, rate):
     """As ``state_rate``, for the located points."""
     ensure_inputs(d, y)
-    if d.contact.impulsive:
-        free_rate(d, y, rate)
-        if d.touch.active_count > 0:
-            add_constraint_forces(d, y, rate)
-    else:
-        loaded_rate(d, y, apply_contacts(d), rate)
+    free_rate(d, y, rate)
+    if any_point_held(d):
+        add_constraint_forces(d, y, rate)
 
 
 def free_rate(d, y, rate):
-    """As ``located_rate``, without contact forces."""
-    clear_loads(d)
-    loaded_rate(d, y, 0.0, rate)
+    """As ``located_rate``, without the forces of rigid contacts."""
+    loaded_rate(d, y, apply_contacts(d), rate)
 
 
 def loaded_rate(d, y, dissipated, rate):

@@ -84,6 +84,11 @@ def add_impedance(d, c, impedance, amount):
     impedance.yy[point] += ny * ny * amount
 
 
-def harmless_depth(d):
+def lever(d, c):
+    """The length [m] by which speeds, forces and masses of candidate c are those of an angle; of a wall 1."""
+    return d.model.size if d.candidate.stop[c] != 0 else 1.0
+
+
+def harmless_depth(d, c):
     """How deep [m] a point may be in a wall without being in contact; 0 for a rigid wall."""
-    return 0.0 if d.contact.impulsive else HARMLESS * d.model.size
+    return 0.0 if d.law.impulsive[c] else HARMLESS * d.model.size
