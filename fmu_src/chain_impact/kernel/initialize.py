@@ -86,7 +86,7 @@ def clear_run(d):
     """Clear the data of an earlier run: moments, contacts, impacts, the log and all counts."""
     d.touch.active_count, d.touch.compliant_count = 0, 0
     for i in range(d.links):
-        d.work.moment[i] = 0.0
+        d.work.moment[i], d.work.load.turn[i + 1], d.implicit.load.turn[i + 1] = 0.0, 0.0, 0.0
     for c in range(d.candidates):
         d.touch.active[c], d.touch.active_index[c] = 0, 0
         d.impulse.total[c], d.touch.number[c] = 0.0, 0
@@ -127,6 +127,10 @@ def derive_chain(d):
     model.gravity_size = math.hypot(model.gravity[0], model.gravity[1])
     model.resisting = max(model.damped, model.sprung)
     model.joint_bound = joint_bound(d)
+    model.stopped = 0
+    for c in range(d.candidates):
+        if d.candidate.stop[c] != 0:
+            model.stopped = 1
 
 
 def check_parameters(d):

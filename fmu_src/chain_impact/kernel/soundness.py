@@ -44,7 +44,9 @@ def within_bounds(d):
         fits = (
             fits
             and within(d.candidate.point[c], 0, d.links)
-            and within(d.candidate.wall[c], 0, len(WALLS) + d.candidates - 1)
+            and within(d.candidate.stop[c], -1, 1)
+            # those of stops have the two numbers after those of walls
+            and within(d.candidate.wall[c], 0, len(WALLS) + d.candidates - 1 + 2 * abs(d.candidate.stop[c]))
         )
         # without a law nothing touches
         fits = fits and within(d.law.number[c], min(1, d.touch.active_count), laws)

@@ -16,7 +16,7 @@ from chain_impact.kernel.integration.last_step import (
 from chain_impact.kernel.model.constraints import any_point_held
 from chain_impact.kernel.model.contact import contact_force, contact_slopes
 from chain_impact.kernel.model.equations import state_rate
-from chain_impact.kernel.model.geometry import along_normal, clearance
+from chain_impact.kernel.model.geometry import along_normal, clearance, lever
 from chain_impact.kernel.model.latest import note_impact
 
 FORCE, PENETRATION = 0, 1
@@ -182,27 +182,21 @@ def value_at(d, c, quantity, theta):
 
 def log_contact(d, c):
     """Log the contact of candidate c, which ends now. In a full log it overwrites the oldest entry."""
-    touch, log = d.touch, d.finished
+    touch, log, arm = d.touch, d.finished, lever(d, c)
     _, gap_rate = clearance(d, c)
+    # a point that was held at a rigid wall is at rest: a negative rate is round-off
+    speed = max(0.0, gap_rate) if d.law.impulsive[c] else gap_rate
+    impulse = d.impulse.total[c] - d.impulse.onset[c]
     row = log.count % len(log.point)
     log.point[row] = d.candidate.point[c]
     log.wall[row] = d.candidate.wall[c]
     log.onset[row] = touch.onset[c]
     log.end[row] = d.step.end
-    log.impact_speed[row] = touch.onset_speed[c]
-    # a point that was held at a rigid wall is at rest: a negative rate is round-off
-    log.separation_speed[row] = max(0.0, gap_rate) if d.law.impulsive[c] else gap_rate
-    log.peak_force[row] = touch.peak_force[c]
-    log.max_penetration[row] = touch.max_penetration[c]
-    log.effective_mass[row] = touch.effective_mass[c]
-    log.impulse[row] = d.impulse.total[c] - d.impulse.onset[c]
-    note_impact(
-        d,
-        c,
-        log.end[row],
-        log.separation_speed[row],
-        log.peak_force[row],
-        log.max_penetration[row],
-        log.impulse[row],
-    )
+    log.impact_speed[row] = touch.onset_speed[c] / arm
+    log.separation_speed[row] = speed / arm
+    log.peak_force[row] = touch.peak_force[c] * arm
+    log.max_penetration[row] = touch.max_penetration[c] / arm
+    log.effective_mass[row] = touch.effective_mass[c] * arm * arm
+    log.impulse[row] = impulse * arm
+    note_impact(d, c, d.step.end, speed, touch.peak_force[c], touch.max_penetration[c], impulse)
     log.count += 1

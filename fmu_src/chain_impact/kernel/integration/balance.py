@@ -45,7 +45,7 @@ from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.integration.switching import STABLE, joints_over
 from chain_impact.kernel.model.contact_force import elastic_force
 from chain_impact.kernel.model.energy import energy_balance, mechanical_energy, other_energy
-from chain_impact.kernel.model.geometry import clearance
+from chain_impact.kernel.model.geometry import clearance, coordinates_size
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 
 # The allowed change of the energy balance in a step, over the tolerance times S. In 1500 random scenes the
@@ -245,9 +245,9 @@ def scales(d, y):
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
         gap, _ = clearance(d, c)
-        force, point = elastic_force(d, c, max(0.0, -gap)), d.candidate.point[c]
+        force = elastic_force(d, c, max(0.0, -gap))
         scale += force * penetration_scale(d, c)
-        known += force * (abs(d.work.position.x[point]) + abs(d.work.position.y[point]))
+        known += force * coordinates_size(d, c, y)
     return scale, known
 
 

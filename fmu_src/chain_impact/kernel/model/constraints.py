@@ -72,9 +72,9 @@ def solve_equality(d, scale):
     own, link = d.rigid, d.work.link
     mean, impedance = mean_mass(d), holding_impedance(d)
     set_impedance(d, 0.0)
-    factorize_contacts(d, link, own.impedance, d.work.factors)
+    factorize_contacts(d, link, own.impedance, 0.0, d.work.factors)
     set_impedance(d, impedance)
-    factorize_contacts(d, link, own.impedance, own.factors)
+    factorize_contacts(d, link, own.impedance, 0.0, own.factors)
     clear_impulses(d)
     before = math.inf
     for _ in range(MOST_SWEEPS):
@@ -87,7 +87,7 @@ def solve_equality(d, scale):
             # near a toggle position a point has far more inertia than a link
             impedance *= STIFFER
             set_impedance(d, impedance)
-            factorize_contacts(d, link, own.impedance, own.factors)
+            factorize_contacts(d, link, own.impedance, 0.0, own.factors)
         before = worst
         correct_impulses(d, impedance)
 

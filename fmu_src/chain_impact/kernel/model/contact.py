@@ -4,7 +4,6 @@ A candidate is a pair of a point and a wall. The clearance g of a candidate is p
 penetration is δ = −g and its rate δ̇ > 0 while compressing.
 """
 
-from chain_impact.kernel.chain.kinematics import zero
 from chain_impact.kernel.model.compliance import effective_mass
 from chain_impact.kernel.model.contact_force import (
     continued_force,
@@ -14,7 +13,7 @@ from chain_impact.kernel.model.contact_force import (
     set_damping,
     set_expected_depth,
 )
-from chain_impact.kernel.model.geometry import add_along_normal, clearance
+from chain_impact.kernel.model.geometry import add_along_normal, clear_loads_of, clearance, lever
 from chain_impact.kernel.model.latest import list_impact
 
 
@@ -36,7 +35,7 @@ def apply_contact(d, c, gap, gap_rate):
 
 def clear_loads(d):
     """Set the loads on the points to the inputs alone."""
-    zero(d.work.load)
+    clear_loads_of(d, d.work.load)
     tip = len(d.work.load.x) - 1
     d.work.load.x[tip] = d.inputs.tip_force[0]
     d.work.load.y[tip] = d.inputs.tip_force[1]
@@ -82,7 +81,7 @@ def begin_contact(d, c):
     d.impact.last_time = d.step.end
     d.impact.last_point = d.candidate.point[c]
     d.impact.last_wall = d.candidate.wall[c] + 1
-    d.impact.last_speed = touch.onset_speed[c]
+    d.impact.last_speed = touch.onset_speed[c] / lever(d, c)
     d.impulse.onset[c] = d.impulse.total[c]
     list_impact(d, c)
 

@@ -45,7 +45,7 @@ def loaded_rate(d, y, dissipated, rate):
     """As ``state_rate``, for given loads; ``dissipated`` is the power [W] that the contacts dissipate."""
     n = d.links
     supplied = 0.0
-    if d.model.resisting or d.model.driven:
+    if d.model.resisting or d.model.driven or d.model.stopped:
         damped, supplied = joint_moments(d, y)
         dissipated += damped
 
@@ -83,7 +83,18 @@ def joint_moments(d, y):
         before = omega
     if d.model.sprung:
         add_spring_moments(d, y)
+    if d.model.stopped:
+        add_stop_moments(d)
     return dissipated, supplied
+
+
+def add_stop_moments(d):
+    """Add the moments of the stops, which are among the loads, to both links of each joint."""
+    for i in range(d.links):
+        torque = d.work.load.turn[i + 1]
+        d.work.moment[i] += torque
+        if i > 0:
+            d.work.moment[i - 1] -= torque
 
 
 def add_spring_moments(d, y):

@@ -29,6 +29,7 @@ def model_dtype(links: int) -> np.dtype:
         # derived at initialization
         ("damped", INTEGER),  # 1: some joint has damping
         ("sprung", INTEGER),  # 1: some joint has a spring
+        ("stopped", INTEGER),  # 1: some joint has a stop
         ("resisting", INTEGER),  # 1: some joint has damping or a spring …
         ("joint_bound", REAL),  # 1/s, … and an upper bound on the rates of the motions that this causes
         ("center_of_mass_ratio", REAL, (links,)),  # centre of mass / length
@@ -138,7 +139,8 @@ def candidate_dtype(candidates: int) -> np.dtype:
         # derived at initialization
         ("normal_x", REAL, (candidates,)),  # n of the wall …
         ("normal_y", REAL, (candidates,)),
-        ("offset", REAL, (candidates,)),  # m, … and n·p of the points on it
+        ("offset", REAL, (candidates,)),  # m, … and n·p of the points on it; of a stop its angle [rad]
+        ("arm", REAL, (candidates,)),  # m, of a stop the lever arm, < 0 at joint_max
     )
 
 
