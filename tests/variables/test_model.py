@@ -66,7 +66,7 @@ def test_what_the_scene_says_in_words_becomes_a_number():
     box = load_scene("four_link_box")
     changes = {("contact", "model"): "flores", ("solver", "method"): "implicit"}
     held = Model(with_values(box, changes)).new_instance()[0]
-    assert held["contact"]["law"] == CONTACT_LAWS["flores"].number
+    assert held["given"]["law"] == CONTACT_LAWS["flores"].number
     assert held["solver"]["method"] == SOLVER_METHODS.index("implicit") + 1
     assert (held["model"]["pinned"], held["model"]["driven"]) == (0, 0)
     arm = Model(load_scene("pinned_arm")).new_instance()[0]
@@ -156,7 +156,7 @@ def test_stops_can_have_a_law_of_their_own():
     scene = load_scene("pinned_arm").with_values({"link[1].joint_max": 3.0, "stops.model": "newton_impact"})
     d = Model(scene).new_instance()[0]
     assert (d["stops"]["law"], d["candidate"]["stop"][-1]) == (CONTACT_LAWS["newton_impact"].number, -1)
-    assert d["contact"]["law"] == CONTACT_LAWS["zhang_sharf"].number
+    assert d["given"]["law"] == CONTACT_LAWS["zhang_sharf"].number
 
 
 def test_walls_that_no_point_can_touch_need_no_room():

@@ -10,11 +10,11 @@ import math
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.events.contact_log import update_extremes, update_to_output_time
-from chain_impact.kernel.events.impulses import end_contacts, update_active_set
+from chain_impact.kernel.events.impulses import end_changed_contacts, update_active_set
 from chain_impact.kernel.events.kinds import KINK, ONSET, REFUSED
 from chain_impact.kernel.events.search import find_event, onset_fraction
 from chain_impact.kernel.events.table import apply_events, bends_force
-from chain_impact.kernel.initialize import apply_given, derive_law, first_size
+from chain_impact.kernel.initialize import first_size
 from chain_impact.kernel.integration import step_size
 from chain_impact.kernel.integration.balance import (
     check_balance,
@@ -42,7 +42,10 @@ from chain_impact.kernel.integration.last_step import (
 from chain_impact.kernel.integration.methods import IS_IMPLICIT, LANDS, MEASURES_START, attempt, prepare
 from chain_impact.kernel.integration.sundman import regularize, time_rate_now
 from chain_impact.kernel.integration.switching import choose_method
+from chain_impact.kernel.model.constraints import any_point_held
 from chain_impact.kernel.model.contact import clear_loads, clear_stage_notes, drop_events, set_kink_sides
+from chain_impact.kernel.model.contact_force import set_damping, set_expected_depth
+from chain_impact.kernel.model.contact_law import update_laws
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.inputs import apply_inputs, inputs_continue, limit_to_piece
 from chain_impact.kernel.status import (
@@ -51,7 +54,6 @@ from chain_impact.kernel.status import (
     OK,
     ONSET_DUE,
     PAUSED,
-    RIGID_WHILE_TOUCHING,
     STEP_TOO_SMALL,
     TOO_MUCH_WORK,
 )
@@ -190,29 +192,30 @@ def apply_pending_inputs(d):
     Returns:
         A status: while a point touches a wall, a law with penetration cannot change to a rigid one.
     """
-    contact, rigid = d.contact, d.contact.impulsive
-    law, stiffness, restitution = contact.law, contact.stiffness, contact.restitution
-    apply_given(d)
-    status = derive_law(d)
-    if status == OK and d.touch.active_count > 0 and contact.impulsive and not rigid:
-        status = RIGID_WHILE_TOUCHING
-    if status != OK:
-        contact.law, contact.stiffness, contact.restitution = law, stiffness, restitution
-        derive_law(d)
-    else:
-        recompute_active_set(d, rigid)
+    apply_inputs(d)
+    status = update_laws(d)
+    if status == OK:
+        latch_again(d)
+        recompute_active_set(d)
         set_kink_sides(d)  # the law may have changed
     return status
 
 
-def recompute_active_set(d, rigid):
-    """Update the active set of walls that were ``rigid`` at the end of the last step; others have none."""
-    if d.touch.active_count == 0 or not rigid:
+def latch_again(d):
+    """Set what the active contacts have latched of a law that may have changed."""
+    for k in range(d.touch.compliant_count):
+        c = d.touch.active_index[k]
+        set_expected_depth(d, c)
+        set_damping(d, c)
+
+
+def recompute_active_set(d):
+    """Update the active set of the contacts that were rigid at the end of the last step, if any."""
+    if not any_point_held(d):
         return
-    if d.contact.impulsive:
+    end_changed_contacts(d)
+    if any_point_held(d):
         update_active_set(d)
-    else:
-        end_contacts(d)
     reset_step(d, d.step.end, d.step.state_end)
 
 
@@ -290,7 +293,8 @@ def begin_step(d):
     if d.given.changed:
         d.given.changed = 0
         apply_inputs(d)
-    if events > 0 and d.contact.impulsive and not MEASURES_START[d.step.method]:
+    landed = events > 0 and d.law.any_rigid and d.touch.compliant_count == 0
+    if landed and not MEASURES_START[d.step.method]:
         d.step.next_size = min(d.step.next_size, step_size.in_flight(d, d.step.state_end, d.work.rate_start))
     if events > 0 or d.balance.breaks != d.step.breaks:
         rebase_energy(d)

@@ -20,32 +20,19 @@ from chain_impact.kernel.integration.last_step import reset_step
 from chain_impact.kernel.integration.methods import IS_IMPLICIT, SOLVER_METHODS, first_method
 from chain_impact.kernel.integration.step_size import in_flight
 from chain_impact.kernel.integration.switching import begin_explicit, stable
-from chain_impact.kernel.laws import user_law
-from chain_impact.kernel.laws.contact_laws import (
-    ANY,
-    APPROACH_ONLY,
-    EXPONENTS,
-    LAW_COUNT,
-    NEWTON_IMPACT,
-    RATE_EXPONENTS,
-    damping_factor,
-)
 from chain_impact.kernel.model.contact import clear_loads, drop_events
-from chain_impact.kernel.model.contact_force import USER_LAW, set_damping, set_expected_depth
+from chain_impact.kernel.model.contact_law import start_laws
 from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import clearance, place_walls
 from chain_impact.kernel.model.inputs import apply_inputs
 from chain_impact.kernel.model.latest import forget_impacts
 from chain_impact.kernel.status import (
-    EXPONENT_NOT_ALLOWED,
     MASS_MATRIX_SINGULAR,
     NOT_FINITE,
     OK,
     PARAMETER_OUT_OF_RANGE,
-    RESTITUTION_NOT_ALLOWED,
     STARTS_INSIDE_WALL,
-    UNKNOWN_LAW,
     UNKNOWN_METHOD,
 )
 
@@ -56,11 +43,10 @@ def initialize(d, time):
     """Set the state at ``time`` [s] from the parameters and initial values; returns a status."""
     derive_chain(d)
     clear_run(d)
-    d.contact.derived_law = 0  # any parameter may have changed
-    apply_given(d)
+    apply_inputs(d)
     d.statistics.status = check_parameters(d)
     if d.statistics.status == OK:
-        d.statistics.status = derive_law(d)
+        d.statistics.status = start_laws(d)
     if d.statistics.status != OK:
         return d.statistics.status
     place_walls(d)
@@ -98,9 +84,9 @@ def set_initial_state(d, y):
 
 def clear_run(d):
     """Clear the data of an earlier run: moments, contacts, impacts, the log and all counts."""
-    d.touch.active_count = 0
+    d.touch.active_count, d.touch.compliant_count = 0, 0
     for i in range(d.links):
-        d.work.moment[i] = 0.0
+        d.work.moment[i], d.work.load.turn[i + 1], d.implicit.load.turn[i + 1] = 0.0, 0.0, 0.0
     for c in range(d.candidates):
         d.touch.active[c], d.touch.active_index[c] = 0, 0
         d.impulse.total[c], d.touch.number[c] = 0.0, 0
@@ -141,51 +127,10 @@ def derive_chain(d):
     model.gravity_size = math.hypot(model.gravity[0], model.gravity[1])
     model.resisting = max(model.damped, model.sprung)
     model.joint_bound = joint_bound(d)
-
-
-def apply_given(d):
-    """Apply the given values: the contact law with its parameters, and the inputs."""
-    given = d.given
-    d.contact.law, d.contact.stiffness = given.law, given.stiffness
-    d.contact.restitution = given.restitution
-    apply_inputs(d)
-
-
-def derive_law(d):
-    """Derive the law's damping from the restitution, also for active contacts; returns a status."""
-    contact = d.contact
-    if not 1 <= contact.law <= LAW_COUNT + user_law.present():
-        return UNKNOWN_LAW
-    if not 0.0 <= contact.restitution <= 1.0 or not contact.stiffness > 0.0:
-        return PARAMETER_OUT_OF_RANGE
-    contact.impulsive = contact.law == NEWTON_IMPACT
-    if contact.law != contact.derived_law or contact.restitution != contact.derived_restitution:
-        contact.derived_law = 0
-        status = derive_damping(contact)
-        if status != OK:
-            return status
-        contact.derived_law, contact.derived_restitution = contact.law, contact.restitution
-    for k in range(d.touch.active_count):
-        if not contact.impulsive:
-            set_expected_depth(d, d.touch.active_index[k])
-        set_damping(d, d.touch.active_index[k])
-    return OK
-
-
-def derive_damping(contact):
-    """Set the law's damping factor f(e) and the exponent p of its damping δᵖ δ̇; returns a status."""
-    contact.rate_exponent, contact.approach_only = contact.exponent, 0
-    if contact.law == USER_LAW:
-        contact.damping_factor = 0.0
-        return OK
-    kind = contact.law - 1
-    if EXPONENTS[kind] not in (ANY, contact.exponent):
-        return EXPONENT_NOT_ALLOWED
-    if RATE_EXPONENTS[kind] != ANY:
-        contact.rate_exponent = RATE_EXPONENTS[kind]
-    contact.approach_only = APPROACH_ONLY[kind]
-    contact.damping_factor = damping_factor(contact.law, contact.restitution)
-    return OK if math.isfinite(contact.damping_factor) else RESTITUTION_NOT_ALLOWED
+    model.stopped = 0
+    for c in range(d.candidates):
+        if d.candidate.stop[c] != 0:
+            model.stopped = 1
 
 
 def check_parameters(d):

@@ -9,7 +9,7 @@ from chain_impact.kernel.integration.impulse import impulse_count
 from chain_impact.kernel.model.contact import contact_force
 from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
 from chain_impact.kernel.model.equations import located_rate
-from chain_impact.kernel.model.geometry import clearance
+from chain_impact.kernel.model.geometry import clearance, lever
 
 
 def observe(d):
@@ -49,7 +49,7 @@ def fill_outputs(d):
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         gap, gap_rate = clearance(d, c)
-        if d.contact.impulsive:
+        if d.law.impulsive[c]:
             out.force[c] = max(0.0, d.rigid.impulse[k])
         elif gap < 0.0:
             out.force[c] = contact_force(d, c, gap, gap_rate)
@@ -62,4 +62,32 @@ def fill_outputs(d):
     out.supplied = y[supplied_at(n)]
     out.total = out.kinetic + out.potential + out.elastic
     update_latest(d)
+    if d.model.stopped:
+        combine_stops(d)
     d.limits.other_work = work_done  # evaluating outputs does not count as work
+
+
+def combine_stops(d):
+    """Turn the outputs of stops into those of joints: moments [N·m] and angles [rad], at its first stop.
+
+    A joint can touch one of its two stops at a time; moments at joint_max are negative.
+    """
+    out = d.output
+    for c in range(d.candidates):
+        side, arm = d.candidate.stop[c], lever(d, c)
+        if side != 0:
+            moment, impulse = side * arm * out.force[c], side * arm * out.impulse[c]
+            depth, rate = out.penetration[c] / arm, out.penetration_rate[c] / arm
+            out.force[c], out.impulse[c], out.penetration[c], out.penetration_rate[c] = 0.0, 0.0, 0.0, 0.0
+            first = first_stop(d, c)
+            out.force[first] += moment
+            out.impulse[first] += impulse
+            out.penetration[first] += depth
+            out.penetration_rate[first] += rate
+
+
+def first_stop(d, c):
+    """The first stop of the joint of candidate c, a stop: this one, or the one before it."""
+    own = d.candidate
+    second = c > 0 and own.stop[c] < 0 and own.stop[c - 1] > 0 and own.point[c - 1] == own.point[c]
+    return c - 1 if second else c

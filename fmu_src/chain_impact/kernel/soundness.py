@@ -31,7 +31,6 @@ def within_bounds(d):
     laws = LAW_COUNT + present()
     fits = within(d.model.middle, 0, d.links)
     fits = fits and within(d.step.regularized, NO_CONTACT, max(0, d.candidates - 1))
-    fits = fits and within(d.contact.law, 1, laws) and within(d.contact.derived_law, 0, laws)
     fits = fits and within(d.solver.method, 1, len(SOLVER_METHODS)) and d.finished.count >= 0
     fits = fits and within(d.step.method, 0, METHOD_COUNT - 1)
     fits = fits and within(d.step.last_method, 0, METHOD_COUNT - 1)
@@ -40,12 +39,18 @@ def within_bounds(d):
     fits = fits and within(d.latest.kept, 0, LATEST)
     fits = fits and within(d.given.course.order, 0, DEGREE) and within(d.inputs.course.order, 0, DEGREE)
     fits = fits and within(d.touch.active_count, 0, d.candidates)
+    fits = fits and within(d.touch.compliant_count, 0, d.touch.active_count)
     for c in range(d.candidates):
         fits = (
             fits
             and within(d.candidate.point[c], 0, d.links)
-            and within(d.candidate.wall[c], 0, len(WALLS) + d.candidates - 1)
+            and within(d.candidate.stop[c], -1, 1)
+            # those of stops have the two numbers after those of walls
+            and within(d.candidate.wall[c], 0, len(WALLS) + d.candidates - 1 + 2 * abs(d.candidate.stop[c]))
         )
+        # without a law nothing touches
+        fits = fits and within(d.law.number[c], min(1, d.touch.active_count), laws)
+        fits = fits and within(d.law.same_as[c], 0, c)
         fits = fits and within(d.touch.number[c], 0, d.impact.count)
         fits = fits and within(d.touch.active_index[c], 0, d.candidates - 1)
         fits = fits and within(d.touch.active[c], 0, 1) and within(d.touch.event[c], 0, NEIGHBOUR)

@@ -16,7 +16,7 @@ import numpy as np
 
 from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.kernel.model.contact_force import USER_LAW
+from chain_impact.kernel.model.contact_law import USER_LAW
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent.directions import DIRECTIONS, tangent_dtype
@@ -250,14 +250,13 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     model["pinned"] = scene.chain.base == "pinned"
     model["driven"] = scene.inputs.joint_torques or scene.inputs.tip_force
 
-    contact = d["contact"]
-    contact["law"] = _law_number(scene.contact.model)
-    for name in ("stiffness", "exponent", "restitution", "radius", "minimum_impact_speed"):
-        contact[name] = getattr(scene.contact, name)
+    for name in ("exponent", "radius", "minimum_impact_speed"):
+        d["contact"][name] = getattr(scene.contact, name)
 
     given = d["given"]
-    for name in ("law", "stiffness", "restitution"):
-        given[name] = contact[name]
+    given["law"] = _law_number(scene.contact.model)
+    for name in ("stiffness", "restitution"):
+        given[name] = getattr(scene.contact, name)
 
     initial = d["initial"]
     initial["position"], initial["velocity"] = scene.initial.position, scene.initial.velocity

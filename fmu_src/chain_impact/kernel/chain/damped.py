@@ -37,7 +37,8 @@ def factorize_damped(d, links, impedance, shift, factors):
     Args:
         d: the instance.
         links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
-        impedance: record with ``xx, xy, yy``, shape (N+1,): added inertia of each point [kg].
+        impedance: record with ``xx, xy, yy``, shape (N+1,): added inertia of each point [kg]; and ``turn``,
+            the resistance of stops, which adds to κ_i of joint i [kg·m²].
         shift: s [s].
         factors: record for the result, used by ``solve_damped``.
     """
@@ -53,7 +54,7 @@ def factorize_damped(d, links, impedance, shift, factors):
         hx, hy = ux - sy, uy + sx
         # H = I + m c² + L⊥·(A' L⊥ + e') + L⊥·e' + p'
         own = inertia + p + lx * (uy + ey) - ly * (ux + ex)
-        damper = shift * (joint_damping(d, i) + shift * spring_stiffness(d, i))
+        damper = joint_resistance(d, i, shift) + impedance.turn[i + 1]
         inverse = 1.0 / (own + damper)
         share = damper * inverse
         factors.gain_x[i], factors.gain_y[i], factors.inverse[i] = hx * inverse, hy * inverse, inverse
@@ -67,7 +68,12 @@ def factorize_damped(d, links, impedance, shift, factors):
     ayy += impedance.yy[0]
     # A⁻¹ of the base, 0 when that is pinned
     scale = 0.0 if d.model.pinned else 1.0 / (axx * ayy - axy * axy)
-    factors.base[0], factors.base[1], factors.base[2] = ayy * scale, -axy * scale, axx * scale
+    factors.middle[0], factors.middle[1], factors.middle[2] = ayy * scale, -axy * scale, axx * scale
+
+
+def joint_resistance(d, i, shift):
+    """κ_i = s c_i + s² k_i [kg·m²] of the damper and the spring in the joint of link i, for a time s [s]."""
+    return shift * (joint_damping(d, i) + shift * spring_stiffness(d, i))
 
 
 def joint_damping(d, i):
@@ -75,15 +81,15 @@ def joint_damping(d, i):
     return d.model.joint_damping[i] if i > 0 or d.model.pinned else 0.0
 
 
-def solve_damped(d, links, factors, load, impulse, change):
+def solve_damped(d, links, factors, load, change):
     """Solve (M + Jᵀ D J + K) Δ = Jᵀ load + Σ μ_i g_i.
 
     Args:
         d: the instance.
         links: as for ``factorize_damped``.
         factors: its result.
-        load: record with ``x, y``, shape (N+1,): impulse on each point [N·s].
-        impulse: μ_i in each joint, shape (N,) [N·m·s].
+        load: record with ``x, y``, shape (N+1,): impulse on each point [N·s]; and ``turn``, μ_i in joint i
+            [N·m·s].
         change: result Δ, shape (N+2,): the change of the base's velocity [m/s] and of the angular velocities
             [rad/s].
     """
@@ -96,16 +102,16 @@ def solve_damped(d, links, factors, load, impulse, change):
         damper, inverse = factors.damper[i], factors.inverse[i]
         # s = L⊥·b' + t'
         s = links.x[i] * by - links.y[i] * bx + t
-        moment = s + impulse[i]
+        moment = s + load.turn[i + 1]
         change[ANGLES + i] = moment * inverse
         # b = b' − h (s + μ)/(H + κ),  t = σ s − (1 − σ) μ
         bx -= factors.gain_x[i] * moment
         by -= factors.gain_y[i] * moment
-        t = inverse * (damper * s - factors.own[i] * impulse[i])
+        t = inverse * (damper * s - factors.own[i] * load.turn[i + 1])
     bx += load.x[0]
     by += load.y[0]
-    x = factors.base[0] * bx + factors.base[1] * by
-    y = factors.base[1] * bx + factors.base[2] * by
+    x = factors.middle[0] * bx + factors.middle[1] * by
+    y = factors.middle[1] * bx + factors.middle[2] * by
     change[0], change[1] = x, y
     before = 0.0
     for i in range(n):

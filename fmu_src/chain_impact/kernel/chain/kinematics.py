@@ -1,6 +1,7 @@
 """Kinematics of the chain: where its points are, how fast they move and how they accelerate.
 
-Vectors of all points are records with ``x, y``, shape (N+1,).
+Vectors of all points are records with ``x, y``, shape (N+1,). In a scene with stops they have also ``turn``,
+shape (N+1,): for joint i = 1…N the motion of its own angle, θ_i − θ_{i−1}.
 """
 
 from chain_impact.kernel.chain.sincos import polar
@@ -27,6 +28,17 @@ def place_points(d, y):
         vx -= omega * link.y[i]
         vy += omega * link.x[i]
     position.x[n], position.y[n], velocity.x[n], velocity.y[n] = x, y_, vx, vy
+    if d.model.stopped:
+        turn_joints(n, y, ANGLES, position.turn)
+        turn_joints(n, y, omega_at(n), velocity.turn)
+
+
+def turn_joints(n, values, first, turn):
+    """Set ``turn`` to the differences of N values of links, from the ``first`` on; the base has 0."""
+    before = 0.0
+    for i in range(n):
+        turn[i + 1] = values[first + i] - before
+        before = values[first + i]
 
 
 def accelerate_points(d, y, rate):
@@ -41,6 +53,8 @@ def accelerate_points(d, y, rate):
         ax -= alpha * link.y[i] + w2 * link.x[i]
         ay += alpha * link.x[i] - w2 * link.y[i]
     acceleration.x[n], acceleration.y[n] = ax, ay
+    if d.model.stopped:
+        turn_joints(n, rate, omega_at(n), acceleration.turn)
 
 
 def zero(vectors):

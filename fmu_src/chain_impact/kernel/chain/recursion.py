@@ -149,9 +149,9 @@ def arms(d, y, rate, middle):
 
 
 def no_impedance(impedance):
-    """Set the impedances at all points to zero."""
+    """Set the impedances at all points and in all joints to zero."""
     for k in range(len(impedance.xx)):
-        impedance.xx[k], impedance.xy[k], impedance.yy[k] = 0.0, 0.0, 0.0
+        impedance.xx[k], impedance.xy[k], impedance.yy[k], impedance.turn[k] = 0.0, 0.0, 0.0, 0.0
 
 
 def factorize(d, links, impedance, factors):

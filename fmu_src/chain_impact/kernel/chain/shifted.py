@@ -33,7 +33,7 @@ def factorize_shifted(d, links, impedance, reactance, pair, time_r, time_i, fact
     Args:
         d: the instance.
         links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
-        impedance: record with ``xx, xy, yy``, shape (N+1,): the real part of D [kg].
+        impedance: record with ``xx, xy, yy``, shape (N+1,): the real part of D [kg]; and ``turn``, of stops.
         reactance: its imaginary part, likewise.
         pair: of the factors, from 0.
         time_r: the real part of s [s].
@@ -59,7 +59,8 @@ def factorize_shifted(d, links, impedance, reactance, pair, time_r, time_i, fact
         own_i = q + lx * (vy + fy) - ly * (vx + fx)
         # κ = s c + s² k
         c, stiffness = joint_damping(d, i), spring_stiffness(d, i)
-        damper_r, damper_i = time_r * c + square_r * stiffness, time_i * c + square_i * stiffness
+        damper_r = time_r * c + square_r * stiffness + impedance.turn[i + 1]
+        damper_i = time_i * c + square_i * stiffness + reactance.turn[i + 1]
         inverse_r, inverse_i = reciprocal(own_r + damper_r, own_i + damper_i)
         share_r, share_i = times(damper_r, damper_i, inverse_r, inverse_i)
         gx_r, gx_i = times(hx, vx, inverse_r, inverse_i)
@@ -98,7 +99,7 @@ def invert_base(d, axx, bxx, axy, bxy, ayy, byy, real, imaginary):
     real[2], imaginary[2] = times(axx, bxx, scale_r, scale_i)
 
 
-def solve_shifted(d, links, factors, pair, load, load_i, impulse, change):
+def solve_shifted(d, links, factors, pair, load, load_i, change):
     """Solve (M + Jᵀ D J + K) Δ = Jᵀ load + Σ μ_i g_i.
 
     Args:
@@ -106,9 +107,9 @@ def solve_shifted(d, links, factors, pair, load, load_i, impulse, change):
         links: as for ``factorize_shifted``.
         factors: its result.
         pair: likewise.
-        load: record with ``x, y``, shape (N+1,): the real part of an impulse on each point [N·s].
+        load: record with ``x, y``, shape (N+1,): the real part of an impulse on each point [N·s]; and
+            ``turn``, that of μ_i in joint i [N·m·s].
         load_i: the imaginary part, likewise.
-        impulse: both parts of μ_i in each joint, shape (2, N) [N·m·s].
         change: both parts of the result Δ, shape (2, N+2) [m/s, rad/s].
     """
     n, re, im = d.links, 2 * pair, 2 * pair + 1
@@ -120,7 +121,7 @@ def solve_shifted(d, links, factors, pair, load, load_i, impulse, change):
         inverse_r, inverse_i = factors.inverse[re, i], factors.inverse[im, i]
         # s = L⊥·b' + t'
         s_r, s_i = links.x[i] * by - links.y[i] * bx + t, links.x[i] * cy - links.y[i] * cx + u
-        moment_r, moment_i = s_r + impulse[0, i], s_i + impulse[1, i]
+        moment_r, moment_i = s_r + load.turn[i + 1], s_i + load_i.turn[i + 1]
         change[0, ANGLES + i], change[1, ANGLES + i] = times(moment_r, moment_i, inverse_r, inverse_i)
         # b = b' − h (s + μ)/(H + κ),  t = σ s − (1 − σ) μ
         less_r, less_i = times(factors.gain_x[re, i], factors.gain_x[im, i], moment_r, moment_i)
@@ -128,7 +129,7 @@ def solve_shifted(d, links, factors, pair, load, load_i, impulse, change):
         less_r, less_i = times(factors.gain_y[re, i], factors.gain_y[im, i], moment_r, moment_i)
         by, cy = by - less_r, cy - less_i
         one_r, one_i = times(factors.damper[re, i], factors.damper[im, i], s_r, s_i)
-        two_r, two_i = times(factors.own[re, i], factors.own[im, i], impulse[0, i], impulse[1, i])
+        two_r, two_i = times(factors.own[re, i], factors.own[im, i], load.turn[i + 1], load_i.turn[i + 1])
         t, u = times(inverse_r, inverse_i, one_r - two_r, one_i - two_i)
     bx, cx = bx + load.x[0], cx + load_i.x[0]
     by, cy = by + load.y[0], cy + load_i.y[0]

@@ -13,9 +13,10 @@ from chain_impact.kernel.integration.last_step import (
     ensure_rate,
     truncate_to_output_time,
 )
+from chain_impact.kernel.model.constraints import any_point_held
 from chain_impact.kernel.model.contact import contact_force, contact_slopes
 from chain_impact.kernel.model.equations import state_rate
-from chain_impact.kernel.model.geometry import along_normal, clearance
+from chain_impact.kernel.model.geometry import along_normal, clearance, lever
 from chain_impact.kernel.model.latest import note_impact
 
 FORCE, PENETRATION = 0, 1
@@ -29,10 +30,9 @@ def update_extremes(d):
     they have these again.
     """
     touch = d.touch
-    if d.contact.impulsive:
+    if any_point_held(d):
         update_held_extremes(d)
-        return
-    for k in range(touch.active_count):
+    for k in range(touch.compliant_count):
         c = touch.active_index[k]
         _, gap_rate = clearance(d, c)
         force_rate = rate_of_force(d, c)
@@ -68,7 +68,7 @@ def peaks(d, c, force_rate, time, reader):
 
 def turns_at_end(d, c):
     """Whether the last step ends where δ̇ = 0 for candidate c, so that its penetration is largest there."""
-    return d.contact.approach_only and d.touch.event[c] == KINK
+    return d.law.approach_only[c] and d.touch.event[c] == KINK
 
 
 def update_held_extremes(d):
@@ -78,7 +78,7 @@ def update_held_extremes(d):
     for j in range(HELD_SAMPLES):
         interpolate(step, end * j / (HELD_SAMPLES - 1), d.work.y)
         state_rate(d, d.work.y, d.work.rate)
-        for k in range(d.touch.active_count):
+        for k in range(d.touch.compliant_count, d.touch.active_count):
             c = d.touch.active_index[k]
             left, top, right = samples[0, k], samples[1, k], d.rigid.impulse[k]
             peak, bend = right, left - 2.0 * top + right
@@ -132,7 +132,7 @@ def update_latest(d):
         c = d.touch.active_index[k]
         _, gap_rate = clearance(d, c)
         peak, depth = max(d.touch.peak_force[c], d.output.force[c]), 0.0
-        if not d.contact.impulsive:
+        if not d.law.impulsive[c]:
             peak, depth, elsewhere = peaks(d, c, rate_of_force(d, c), time, OUTPUTS)
             if elsewhere:
                 interpolate(d.step, theta, d.work.y)
@@ -182,27 +182,21 @@ def value_at(d, c, quantity, theta):
 
 def log_contact(d, c):
     """Log the contact of candidate c, which ends now. In a full log it overwrites the oldest entry."""
-    touch, log = d.touch, d.finished
+    touch, log, arm = d.touch, d.finished, lever(d, c)
     _, gap_rate = clearance(d, c)
+    # a point that was held at a rigid wall is at rest: a negative rate is round-off
+    speed = max(0.0, gap_rate) if d.law.impulsive[c] else gap_rate
+    impulse = d.impulse.total[c] - d.impulse.onset[c]
     row = log.count % len(log.point)
     log.point[row] = d.candidate.point[c]
     log.wall[row] = d.candidate.wall[c]
     log.onset[row] = touch.onset[c]
     log.end[row] = d.step.end
-    log.impact_speed[row] = touch.onset_speed[c]
-    # a point that was held at a rigid wall is at rest: a negative rate is round-off
-    log.separation_speed[row] = max(0.0, gap_rate) if d.contact.impulsive else gap_rate
-    log.peak_force[row] = touch.peak_force[c]
-    log.max_penetration[row] = touch.max_penetration[c]
-    log.effective_mass[row] = touch.effective_mass[c]
-    log.impulse[row] = d.impulse.total[c] - d.impulse.onset[c]
-    note_impact(
-        d,
-        c,
-        log.end[row],
-        log.separation_speed[row],
-        log.peak_force[row],
-        log.max_penetration[row],
-        log.impulse[row],
-    )
+    log.impact_speed[row] = touch.onset_speed[c] / arm
+    log.separation_speed[row] = speed / arm
+    log.peak_force[row] = touch.peak_force[c] * arm
+    log.max_penetration[row] = touch.max_penetration[c] / arm
+    log.effective_mass[row] = touch.effective_mass[c] * arm * arm
+    log.impulse[row] = impulse * arm
+    note_impact(d, c, d.step.end, speed, touch.peak_force[c], touch.max_penetration[c], impulse)
     log.count += 1

@@ -13,7 +13,7 @@ from chain_impact.kernel.events.sampling import locate_at
 from chain_impact.kernel.integration.dense import rate_bounds, rate_bounds_along
 from chain_impact.kernel.integration.methods import bound_curvatures
 from chain_impact.kernel.integration.sundman import NO_CONTACT
-from chain_impact.kernel.model.geometry import harmless_depth, normal
+from chain_impact.kernel.model.geometry import harmless_depth
 from chain_impact.kernel.work_limit import work_exceeded
 
 RESOLUTION = 1e-15  # of a link length: if φ bends less, the bend is round-off, and no interval is halved
@@ -67,7 +67,7 @@ def check_candidate(d, c, a, b):
         return CROSSES if end < 0.0 else QUIET
     rate_start, rate_end = d.search.clear_start_rate[c], d.search.clear_end_rate[c]
     curvature = d.search.curvature[c]
-    sag, harmless = curvature * width * width / 8.0, harmless_depth(d)
+    sag, harmless = curvature * width * width / 8.0, harmless_depth(d, c)
     # a point so shallow at the end of the step, or one that leaves, may never penetrate further
     near = b == 1.0 or d.touch.active[c]
     falls = end < (-harmless if near else 0.0) and rate_end < 0.0
@@ -150,8 +150,8 @@ def bound_curvature(d):
     p, change = 1.0, 0.0
     if d.step.regularized != NO_CONTACT:
         p, change = rate_bounds(d.step, sundman_u_at(n))
-    vx, ax = rate_bounds(d.step, velocity_at(n))
-    vy, ay = rate_bounds(d.step, velocity_at(n) + 1)
+    along_x = rate_bounds(d.step, velocity_at(n))
+    along_y = rate_bounds(d.step, velocity_at(n) + 1)
     links = d.work.reach
     links[0] = 0.0
     for i in range(n):
@@ -159,14 +159,30 @@ def bound_curvature(d):
         # the contribution of link i, in any direction
         links[i + 1] = links[i] + d.model.length[i] * (p * (alpha + p * omega * omega) + change * omega)
     for c in range(d.candidates):
-        nx, ny = normal(d, c)
-        if nx * ny == 0.0:
-            # along an axis the same bounds serve all points and walls
-            v, a = abs(nx) * vx + abs(ny) * vy, abs(nx) * ax + abs(ny) * ay
-        else:
-            v, a = rate_bounds_along(d.step, velocity_at(n), nx, ny)
-        d.search.curvature[c] = p * a + change * v + links[d.candidate.point[c]]
+        v, a = motion_bounds(d, c, along_x, along_y)
+        of_links = links[d.candidate.point[c]] if d.candidate.stop[c] == 0 else 0.0
+        d.search.curvature[c] = p * a + change * v + of_links
     bound_curvatures(d)
+
+
+def motion_bounds(d, c, along_x, along_y):
+    """Bounds on |ġ| of candidate c without the links' part, and on its derivative, over the last step.
+
+    ``along_x`` and ``along_y`` are those of the components of the base's velocity.
+    """
+    own, link = d.candidate, d.candidate.point[c] - 1
+    if own.stop[c] != 0:
+        first, arm = omega_at(d.links) + link, abs(own.arm[c])
+        if link == 0:
+            v, a = rate_bounds(d.step, first)
+        else:
+            v, a = rate_bounds_along(d.step, first - 1, -1.0, 1.0)
+        return arm * v, arm * a
+    nx, ny = own.normal_x[c], own.normal_y[c]
+    if nx * ny == 0.0:
+        # along an axis the same bounds serve all points and walls
+        return abs(nx) * along_x[0] + abs(ny) * along_y[0], abs(nx) * along_x[1] + abs(ny) * along_y[1]
+    return rate_bounds_along(d.step, velocity_at(d.links), nx, ny)
 
 
 def measure(d, theta):

@@ -17,7 +17,7 @@ from chain_impact.kernel.integration.sundman import (
     time_rate_change,
     time_rate_of,
 )
-from chain_impact.kernel.model.geometry import along_normal, clearance, harmless_depth
+from chain_impact.kernel.model.geometry import along_normal, clearance, harmless_depth, speed_bound
 
 # rad. If a link turns more in a step, the estimated remainder of the interpolant is no bound any more.
 SMALL_TURN = 1.0
@@ -95,7 +95,8 @@ def remains_far(d):
     """Whether no candidate can have touched, and none is active but the regularized one, not yet ended."""
     step, search, lasted = d.step, d.search, d.step.end - d.step.start
     speed, acceleration = search.speed, search.acceleration
-    search.speed, search.acceleration = speed_bound(d.work.velocity), speed_bound(d.work.acceleration)
+    search.speed = speed_bound(d, d.work.velocity)
+    search.acceleration = speed_bound(d, d.work.acceleration)
     # a bound on the way of any point in the step, with twice the contribution of its acceleration
     way = lasted * (max(speed, search.speed) + lasted * max(acceleration, search.acceleration))
     search.safe_distance -= way
@@ -108,14 +109,6 @@ def remains_far(d):
     if far:
         remember_clearances(d, FAR)
     return far
-
-
-def speed_bound(vectors):
-    """A bound on the length of the vectors of all points."""
-    most = 0.0
-    for k in range(len(vectors.x)):
-        most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
-    return most
 
 
 def is_quiet(d, c):
@@ -145,7 +138,7 @@ def stays_positive(d, c, error):
     b3 = 2.0 * b4 - d.search.clear_end[c] + h * h * d.search.clear_end_curve[c] / 20.0
     least = min(b1, b2, b3, b4, d.search.clear_end[c])
     most = max(b1, b2, b3, b4, d.search.clear_end[c])
-    return least > MARGIN * (most - least) + error - harmless_depth(d)
+    return least > MARGIN * (most - least) + error - harmless_depth(d, c)
 
 
 def measure_all(d, y):
@@ -188,7 +181,7 @@ def set_clearance(d, c, u, slope):
     if c == d.step.regularized:
         d.search.clear_end[c], d.search.clear_end_rate[c] = u, slope
         return
-    if d.touch.active[c] and d.contact.impulsive:
+    if d.touch.active[c] and d.law.impulsive[c]:
         # held at a rigid wall: it can neither touch nor cross
         d.search.clear_end[c], d.search.clear_end_rate[c] = math.inf, 0.0
         return

@@ -26,6 +26,7 @@ from chain_impact.kernel.integration.impulse import give_impulses
 from chain_impact.kernel.model.constraints import (
     DOUBT,
     RISE,
+    any_point_held,
     project_state,
     solve_lcp,
     solve_positions,
@@ -46,15 +47,14 @@ RELEASE_GAP = 1e-13
 
 
 def handle_impact(d):
-    """Apply the events at the end of the last step: impulses, then the update of the active set."""
+    """Apply the events of rigid contacts: impulses, then the update of the active set; points are located."""
     touch = d.touch
-    locate_points(d, d.step.state_end)
     # an interpolated state satisfies the constraints only up to the error of the interpolant
     project_state(d, d.step.state_end)
     give_impulses(d)
     struck = False
     for c in range(d.candidates):
-        if touch.event[c] == ONSET:
+        if touch.event[c] == ONSET and d.law.impulsive[c]:
             begin_contact(d, c)
             touch.active[c] = 1
             struck = True
@@ -69,14 +69,14 @@ def handle_impact(d):
 
 
 def include_near_contacts(d):
-    """Add the points within NEAR of a wall to the contacts of an impact.
+    """Add the points within NEAR of a rigid wall to the contacts of an impact.
 
     Otherwise a link wedged between two walls would hit them in turn, infinitely often in a finite time.
     """
     touch = d.touch
     for c in range(d.candidates):
         gap, _ = clearance(d, c)
-        if not touch.active[c] and gap < NEAR * d.model.size:
+        if d.law.impulsive[c] and not touch.active[c] and gap < NEAR * d.model.size:
             touch.active[c] = 1
             touch.event[c] = NEIGHBOUR
 
@@ -84,7 +84,7 @@ def include_near_contacts(d):
 def apply_impulses(d):
     """Apply the impulses of an impact to the velocities, and add the energy lost to the dissipated energy."""
     own, n, state = d.rigid, d.links, d.step.state_end
-    lost, moved = find_impulses(d, d.contact.restitution)
+    lost, moved = find_impulses(d, 1.0)
     if lost < -GAIN * moved or lacks_rebound(d):
         # the cause can only be a NEIGHBOUR that moves away from its wall, or a wedged point
         lost, _ = find_impulses(d, 0.0)
@@ -99,17 +99,22 @@ def apply_impulses(d):
     locate_points(d, state)
 
 
-def find_impulses(d, restitution):
-    """Find the impulses of an impact; return the energy [J] they dissipate and Σ p (|u⁻| + |u⁺|) [J]."""
+def find_impulses(d, share):
+    """Find the impulses of an impact with a ``share`` of the restitution.
+
+    Returns:
+        The energy [J] they dissipate and Σ p (|u⁻| + |u⁺|) [J].
+    """
     own, lost, moved = d.rigid, 0.0, 0.0
     for k in range(d.touch.active_count):
+        _, own.start[k] = clearance(d, d.touch.active_index[k])
+    for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
-        _, own.start[k] = clearance(d, c)
-        fast = -own.start[k] >= d.contact.minimum_impact_speed
-        arrives = fast and d.touch.event[c] in (ONSET, NEIGHBOUR)
+        least = d.law.minimum_impact_speed[c]
+        arrives = -own.start[k] >= least and d.touch.event[c] in (ONSET, NEIGHBOUR)
         # u⁺ ≥ −e u⁻
-        aim = -restitution * own.start[k] if arrives else 0.0
-        own.target[k] = aim if aim > STICK * d.contact.minimum_impact_speed else 0.0
+        rebound = -share * d.law.restitution[c] * own.start[k] if arrives else 0.0
+        own.target[k] = rebound if rebound > STICK * least else 0.0
         own.in_active_set[k] = 1
     solve_lcp(d, largest(d.work.velocity))
     for k in range(d.touch.active_count):
@@ -122,7 +127,7 @@ def find_impulses(d, restitution):
 def lacks_rebound(d):
     """Whether impulses cannot give all points the rebound speeds that the restitution demands."""
     short, scale = False, largest(d.work.velocity)
-    for k in range(d.touch.active_count):
+    for k in range(d.touch.compliant_count, d.touch.active_count):
         short = short or d.rigid.reached[k] < d.rigid.target[k] - GAIN * scale
     return short
 
@@ -132,21 +137,23 @@ def end_rebounding_contacts(d):
     free_rate(d, d.step.state_end, d.work.rate)
     fall = start_from_accelerations(d, d.step.state_end, d.work.rate)
     # u²/(2 a), the height to which a point thrown with u rises
-    slow = max(math.sqrt(2.0 * fall * RISE * d.model.size), STICK * d.contact.minimum_impact_speed)
-    for k in range(d.touch.active_count):
+    slow = math.sqrt(2.0 * fall * RISE * d.model.size)
+    for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         if d.touch.event[c] == NEIGHBOUR and d.rigid.impulse[k] <= 0.0:
             d.touch.active[c] = 0  # it takes no part in the impact
-        elif d.rigid.reached[k] > slow:
+        elif d.rigid.reached[k] > max(slow, STICK * d.law.minimum_impact_speed[c]):
             end_rigid_contact(d, c)
     list_touching(d)
 
 
-def end_contacts(d):
-    """End all contacts at the present state, from which another law continues."""
+def end_changed_contacts(d):
+    """End the held contacts whose law has changed to one with a force, from which it continues."""
     locate_points(d, d.step.state_end)
-    for k in range(d.touch.active_count):
-        end_rigid_contact(d, d.touch.active_index[k])
+    for k in range(d.touch.compliant_count, d.touch.active_count):
+        c = d.touch.active_index[k]
+        if not d.law.impulsive[c]:
+            end_rigid_contact(d, c)
     list_touching(d)
 
 
@@ -161,7 +168,7 @@ def end_rigid_contact(d, c):
 def update_active_set(d):
     """Keep the contacts that a pushing force must hold, and end the others: 0 ≤ F ⟂ g̈ ≥ 0."""
     touch, own, state = d.touch, d.rigid, d.step.state_end
-    if touch.active_count > 0:
+    if any_point_held(d):
         locate_points(d, state)
         project_state(d, state)
         give_impulses(d)
@@ -169,7 +176,7 @@ def update_active_set(d):
         rate = d.work.rate
         free_rate(d, state, rate)
         scale = start_from_accelerations(d, state, rate)
-        for k in range(touch.active_count):
+        for k in range(touch.compliant_count, touch.active_count):
             own.target[k] = 0.0
             own.in_active_set[k] = touch.event[touch.active_index[k]] != RELEASE
         solve_lcp(d, scale)
@@ -181,7 +188,7 @@ def update_active_set(d):
 def end_unstopped_contacts(d):
     """End the contacts that pushing impulses could not bring to rest."""
     scale = largest(d.work.velocity)
-    for k in range(d.touch.active_count):
+    for k in range(d.touch.compliant_count, d.touch.active_count):
         if not d.rigid.in_active_set[k] and d.rigid.reached[k] > DOUBT * scale:
             end_rigid_contact(d, d.touch.active_index[k])
     list_touching(d)
@@ -191,7 +198,7 @@ def release_contacts(d):
     """End the contacts that no force holds, and move their points off the wall by RELEASE_GAP."""
     own, n, state = d.rigid, d.links, d.step.state_end
     parting = False
-    for k in range(d.touch.active_count):
+    for k in range(d.touch.compliant_count, d.touch.active_count):
         own.start[k], _ = clearance(d, d.touch.active_index[k])
         own.target[k] = 0.0
         if not own.in_active_set[k]:

@@ -30,7 +30,7 @@ def find_kink(d, touch):
     drop_events(d)
     # a symmetric chain crosses several kinks at the same time, up to round-off
     locate_at(d, min(end, first + SIMULTANEOUS / d.step.size))
-    for k in range(d.touch.active_count):
+    for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
         d.touch.event[c] = KINK if c == found or crossed(d, c) else 0
     locate_at(d, first)

@@ -24,7 +24,7 @@ def find_release(d, touch):
     passed a configuration where forces go to infinity.
     """
     least = 0.0
-    for k in range(d.touch.active_count):
+    for k in range(d.touch.compliant_count, d.touch.active_count):
         least = min(least, d.rigid.least_force[d.touch.active_index[k]])
     if not least < -pull_limit(d):
         return touch
@@ -65,7 +65,7 @@ def pulls(d, _c, theta):
     state_rate(d, d.work.y, d.work.rate)
     d.statistics.rhs_evaluations += 1
     least = 0.0
-    for k in range(d.touch.active_count):
+    for k in range(d.touch.compliant_count, d.touch.active_count):
         least = min(least, d.rigid.impulse[k])
     return least < -pull_limit(d)
 
@@ -74,7 +74,7 @@ def mark_pulling(d, theta):
     """Mark the held contacts that pull at θ as RELEASE, and drop all other events."""
     pulls(d, -1, theta)
     drop_events(d)
-    for k in range(d.touch.active_count):
+    for k in range(d.touch.compliant_count, d.touch.active_count):
         if d.rigid.impulse[k] < -pull_limit(d):
             d.touch.event[d.touch.active_index[k]] = RELEASE
 

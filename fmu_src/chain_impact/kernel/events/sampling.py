@@ -47,7 +47,7 @@ def bisection(comes_true):
 
 
 def first_contact(suspected, passage):
-    """Make the search for the active contact for which a condition becomes true first.
+    """Make the search for the active contact with a force law for which a condition becomes true first.
 
     Args:
         suspected: function (d, c): whether it may become true; the points are at the first θ found so far.
@@ -60,7 +60,7 @@ def first_contact(suspected, passage):
 
     def search(d, end):
         found, first = -1, end
-        for k in range(d.touch.active_count):
+        for k in range(d.touch.compliant_count):
             c = d.touch.active_index[k]
             if suspected(d, c):
                 theta = passage(d, c, first)

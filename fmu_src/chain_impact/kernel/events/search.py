@@ -23,6 +23,7 @@ from chain_impact.kernel.events.kinds import END, ONSET, REFUSED
 from chain_impact.kernel.events.kinks import find_kink
 from chain_impact.kernel.events.relatch import find_relatch
 from chain_impact.kernel.events.release import find_release
+from chain_impact.kernel.events.sampling import locate_at
 from chain_impact.kernel.integration.dense import interpolate, interpolate_component
 from chain_impact.kernel.integration.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.integration.methods import DENSE_EVALUATIONS, RATE_AT_END
@@ -68,7 +69,9 @@ def find_event(d):
             measure(d, 1.0)
     if any_point_held(d):
         theta = find_release(d, theta)
-    elif d.touch.active_count > 0:
+        if d.touch.compliant_count > 0:
+            locate_at(d, theta if theta >= 0.0 else 1.0)
+    if d.touch.compliant_count > 0 and theta != REFUSED:
         theta = find_kink(d, find_relatch(d, theta))
     remember_clearances(d, VALUES)
     # the time in a regularized step is not under error control

@@ -25,6 +25,7 @@ from chain_impact.kernel.integration import step_size
 from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.integration.methods import MEASURES_START
 from chain_impact.kernel.integration.switching import begin_flight, begin_impact
+from chain_impact.kernel.model.constraints import any_point_held
 from chain_impact.kernel.model.contact import begin_contact, clear_loads, list_touching, set_kink_side
 from chain_impact.kernel.model.contact_force import cut_off, may_jump, set_damping, set_expected_depth
 from chain_impact.kernel.model.geometry import clearance
@@ -39,7 +40,7 @@ def handle_onset(d, c):
     begin_contact(d, c)
     set_kink_side(d, c)
     d.touch.active[c] = 1
-    return may_jump(d.contact)
+    return may_jump(d, c)
 
 
 def handle_end(d, c):
@@ -54,7 +55,7 @@ def handle_end(d, c):
     if gap_rate >= 0.0 and -gap * touch.impact_speed[c] <= LEFT * touch.depth_scale[c] * gap_rate:
         log_contact(d, c)
         touch.active[c] = 0
-    return may_jump(d.contact)
+    return may_jump(d, c)
 
 
 def handle_relatch(d, c):
@@ -71,7 +72,7 @@ def handle_kink(d, c):
     """Switch candidate c to the force of the other side of its kink."""
     if cut_off(d, c):
         d.touch.force_rate[c] = 1.0  # rising
-    if d.contact.approach_only:
+    if d.law.approach_only[c]:
         d.touch.speed[c] = 0.0  # δ̇ = 0 here, and the largest penetration has been recorded
     d.touch.beyond_kink[c] = 1 - d.touch.beyond_kink[c]
     return True
@@ -99,23 +100,28 @@ def apply_events(d):
     Returns:
         Whether a force has jumped, because a contact begins or ends or a v₀ was latched again.
     """
-    if d.contact.impulsive:
-        handle_impact(d)
-        begin_flight(d)
-        return True
     touch, onset, jumped, goes_on = d.touch, -1, False, False
+    rigid = any_point_held(d)
     locate_points(d, d.step.state_end)
     if touch.active_count == 0:
         d.step.flight_size = d.step.next_size
     for c in range(d.candidates):
         kind = touch.event[c]
+        if d.law.impulsive[c]:
+            rigid = rigid or kind != NONE
+            continue
         jumped = _handle(kind, d, c) or jumped
         goes_on = goes_on or kind in (RELATCH, KINK)
         onset = c if kind == ONSET else onset
         touch.event[c] = NONE
+    if rigid:
+        handle_impact(d)
     list_touching(d)
-    choose_size(d, onset, goes_on)
-    return jumped
+    if rigid and touch.compliant_count == 0:
+        begin_flight(d)
+    else:
+        choose_size(d, onset, goes_on)
+    return jumped or rigid
 
 
 def choose_size(d, onset, goes_on):

@@ -45,7 +45,7 @@ from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.integration.switching import STABLE, joints_over
 from chain_impact.kernel.model.contact_force import elastic_force
 from chain_impact.kernel.model.energy import energy_balance, mechanical_energy, other_energy
-from chain_impact.kernel.model.geometry import clearance
+from chain_impact.kernel.model.geometry import clearance, coordinates_size
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 
 # The allowed change of the energy balance in a step, over the tolerance times S. In 1500 random scenes the
@@ -242,13 +242,12 @@ def scales(d, y):
             moment = spring_stiffness(d, i) * abs(stretch(d, y, i))
             scale += moment
             known += moment * (abs(y[ANGLES + i]) + abs(d.model.joint_rest_angle[i]))
-    if not d.contact.impulsive:
-        for k in range(d.touch.active_count):
-            c = d.touch.active_index[k]
-            gap, _ = clearance(d, c)
-            force, point = elastic_force(d.contact, max(0.0, -gap)), d.candidate.point[c]
-            scale += force * penetration_scale(d, c)
-            known += force * (abs(d.work.position.x[point]) + abs(d.work.position.y[point]))
+    for k in range(d.touch.compliant_count):
+        c = d.touch.active_index[k]
+        gap, _ = clearance(d, c)
+        force = elastic_force(d, c, max(0.0, -gap))
+        scale += force * penetration_scale(d, c)
+        known += force * coordinates_size(d, c, y)
     return scale, known
 
 

@@ -3,7 +3,6 @@
 import math
 
 from chain_impact.kernel.chain.damped import joint_damping
-from chain_impact.kernel.chain.kinematics import move_points
 from chain_impact.kernel.chain.springs import spring_stiffness
 from chain_impact.kernel.chain.state import (
     ANGLES,
@@ -14,7 +13,8 @@ from chain_impact.kernel.chain.state import (
     velocity_at,
 )
 from chain_impact.kernel.inlining import inlined
-from chain_impact.kernel.model.geometry import along_normal, clearance
+from chain_impact.kernel.model.constraints import any_point_held
+from chain_impact.kernel.model.geometry import along_normal, clearance, move_contacts
 
 # The largest relative error of a penetration, however loose the tolerance: with more than some hundredths a
 # point that comes to rest bounces again, and outputs show spurious forces.
@@ -50,7 +50,7 @@ def scaled_errors(d, row, other_row):
         scale = penetration_scale(d, d.touch.active_index[k])
         first = max(first, abs(d.touch.gap_error[row, k]) / scale)
         second = max(second, abs(d.touch.gap_error[other_row, k]) / scale)
-    if d.contact.impulsive and d.touch.active_count > 0 and d.model.resisting:
+    if any_point_held(d) and d.model.resisting:
         first, second = max(first, moment_error(d, row)), max(second, moment_error(d, other_row))
     return first / d.solver.tolerance, second / d.solver.tolerance
 
@@ -70,7 +70,7 @@ def set_weights(d, y, weight):
     )
     for j in range(supplied_at(n), len(weight)):
         weight[j] = 0.0
-    for k in range(0 if d.contact.impulsive else d.touch.active_count):
+    for k in range(d.touch.compliant_count):
         weight[sundman_u_at(n) + k] = 1.0 / (tolerance * penetration_scale(d, d.touch.active_index[k]))
 
 
@@ -123,7 +123,7 @@ def impact_energy(d):
 def set_gap_errors(d, row):
     """Set the errors in the clearances of the active contacts that follow from an error estimate."""
     if d.touch.active_count > 0:
-        move_points(d.work.link, d.work.error[row], d.work.motion)
+        move_contacts(d, d.work.link, d.work.error[row], d.work.motion)
     for k in range(d.touch.active_count):
         d.touch.gap_error[row, k] = along_normal(d, d.touch.active_index[k], d.work.motion)
 

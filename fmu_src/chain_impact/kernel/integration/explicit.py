@@ -91,10 +91,17 @@ def attempt(d, h):
         return math.inf
     # e₅²/√(e₅² + e₃²/100): of order 8, as e₅/e₃ is of order 2 (Hairer, Nørsett, Wanner)
     ratio = error_5 / math.sqrt(error_5 * error_5 + 0.01 * error_3 * error_3)
-    # the error of a step is of order 9; the estimate of order 8 is kept as a margin in flight, and where a
-    # force rises so steeply, as a root of u, that the step loses its order
-    steep = 0.0 < d.contact.rate_exponent < 0.5
-    return error_5 * ratio * (1.0 if d.step.regularized == NO_CONTACT or steep else math.sqrt(ratio))
+    return error_5 * ratio * (math.sqrt(ratio) if is_smooth(d) else 1.0)
+
+
+def is_smooth(d):
+    """Whether the error of the step is of order 9, as in a regularized contact.
+
+    The estimate of order 8 is kept as a margin in flight, and where a force rises so steeply, as a root of u,
+    that the step loses its order.
+    """
+    c = d.step.regularized
+    return c != NO_CONTACT and not 0.0 < d.law.rate_exponent[c] < 0.5
 
 
 def make(d, h):

@@ -27,8 +27,8 @@ def gap_at(d, k):
 
 
 def compliant(d):
-    """The number of contacts with clearances in z: the active ones if the law has a force."""
-    return 0 if d.contact.impulsive else d.touch.active_count
+    """The number of contacts with clearances in z: the active ones whose law has a force."""
+    return d.touch.compliant_count
 
 
 def rate_at(d, k):

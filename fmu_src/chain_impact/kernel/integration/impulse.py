@@ -78,6 +78,6 @@ def give_impulses(d):
     A correction of errors may pull, but by no more than the contact has pushed: no impact has an impulse < 0.
     """
     own = d.impulse
-    for k in range(d.touch.active_count):
+    for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         own.total[c] = max(own.total[c] + d.rigid.impulse[k], min(own.total[c], own.onset[c]))

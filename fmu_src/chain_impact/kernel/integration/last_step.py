@@ -48,7 +48,7 @@ def accept(d, h):
     """Make the step of size h that was tried, with its result in ``work.y``, the last step."""
     if any_point_held(d):
         project_state(d, d.work.y)
-        for k in range(impulse_count(d)):
+        for k in range(d.touch.compliant_count, impulse_count(d)):
             d.impulse.tried[k] += d.rigid.impulse[k]
     step, y = d.step, d.work.y
     for j in range(len(step.state)):

@@ -19,70 +19,55 @@ i, on which K r_v + s S r_q is an impulse: chain/damped.py, and chain/shifted.py
 a rigid wall constrains, J Δ = 0, has an impedance far larger than the mass of the chain.
 """
 
-from chain_impact.kernel.chain.kinematics import move_points, zero
+from chain_impact.kernel.chain.damped import joint_damping, joint_resistance
 from chain_impact.kernel.chain.recursion import no_impedance
 from chain_impact.kernel.chain.shifted import factorize_shifted, solve_shifted, times
 from chain_impact.kernel.chain.springs import spring_stiffness
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, omega_at, velocity_at
 from chain_impact.kernel.integration.extended import compliant, gap_at, impulse_at, rate_at
 from chain_impact.kernel.integration.impulse import impulse_count
-from chain_impact.kernel.model.compliance import (
-    factorize_contacts,
-    factorize_contacts_damped,
-    solve_contacts,
-    solve_contacts_damped,
-)
+from chain_impact.kernel.model.compliance import factorize_contacts, solve_chain
 from chain_impact.kernel.model.constraints import holding_impedance
-from chain_impact.kernel.model.geometry import add_along_normal, add_impedance, along_normal
+from chain_impact.kernel.model.geometry import (
+    add_along_normal,
+    add_impedance,
+    along_normal,
+    clear_loads_of,
+    move_contacts,
+)
 
 
 def factorize_real(d, shift):
     """Eliminate M + Jᵀ D J + K for a real s = ``shift`` [s]."""
     own = d.implicit
-    for k in range(d.touch.active_count):
+    for k in range(compliant(d)):
         # D = s c + s² k
-        law = shift * (own.damping[k] + shift * own.stiffness[k])
-        own.impedance[k] = holding_impedance(d) if d.contact.impulsive else law
-    if d.model.resisting:
-        factorize_contacts_damped(d, own.link, own.impedance, shift)
-    else:
-        factorize_contacts(d, own.link, own.impedance, d.work.factors)
-
-
-def respond_to_impulses(d, change):
-    """Solve (M + Jᵀ D J + K) Δ = Jᵀ p + K r for Δ = ``change`` and J Δ.
-
-    ``normal`` holds p, then J Δ; ``work.damped.impulse`` holds the impulses K r in the joints.
-    """
-    own = d.implicit
-    if d.model.resisting:
-        solve_contacts_damped(d, own.link, own.normal, change)
-    else:
-        solve_contacts(d, own.link, d.work.factors, own.normal, change)
-    for k in range(d.touch.active_count):
-        own.normal[k] = along_normal(d, d.touch.active_index[k], d.work.motion)
+        own.impedance[k] = shift * (own.damping[k] + shift * own.stiffness[k])
+    for k in range(compliant(d), d.touch.active_count):
+        own.impedance[k] = holding_impedance(d)
+    factorize_contacts(d, own.link, own.impedance, shift, own.real)
 
 
 def solve_real(d, shift, x):
     """Solve (1 − s A) x = r for the real s = ``shift`` [s] that was factorized; x holds r."""
     n, own, change = d.links, d.implicit, d.implicit.answer[0]
-    for k in range(d.touch.active_count):
-        own.normal[k] = 0.0
-    for k in range(compliant(d)):
-        # D r_ġ + s k r_g
-        own.normal[k] = own.impedance[k] * x[rate_at(d, k)] + shift * own.stiffness[k] * x[gap_at(d, k)]
+    clear_loads_of(d, d.work.load)
     if d.model.resisting:
-        damped = d.work.damped
         for i in range(n):
             # K r_v + s S r_q
             turning, turned = relative(x, omega_at(n), i), relative(x, ANGLES, i)
-            damped.impulse[i] = damped.damper[i] * turning + shift * spring_stiffness(d, i) * turned
-    respond_to_impulses(d, change)
+            moment = joint_resistance(d, i, shift) * turning + shift * spring_stiffness(d, i) * turned
+            d.work.load.turn[i + 1] = moment
+    for k in range(compliant(d)):
+        # D r_ġ + s k r_g
+        impulse = own.impedance[k] * x[rate_at(d, k)] + shift * own.stiffness[k] * x[gap_at(d, k)]
+        add_along_normal(d, d.touch.active_index[k], d.work.load, impulse)
+    solve_chain(d, own.link, own.real, change)
     for j in range(coordinate_count(n)):
         x[velocity_at(n) + j] -= change[j]
         x[j] += shift * x[velocity_at(n) + j]
     for k in range(compliant(d)):
-        x[rate_at(d, k)] -= own.normal[k]
+        x[rate_at(d, k)] -= along_normal(d, d.touch.active_index[k], d.work.motion)
         x[gap_at(d, k)] += shift * x[rate_at(d, k)]
     for k in range(min(impulse_count(d), compliant(d))):
         x[impulse_at(d, k)] -= shift * (
@@ -104,7 +89,7 @@ def factorize_complex(d, pair, s_r, s_i):
     square_r, square_i = times(s_r, s_i, s_r, s_i)
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
-        if d.contact.impulsive:
+        if k >= compliant(d):
             add_impedance(d, c, impedance, holding_impedance(d))
         else:
             # D = s c + s² k
@@ -120,8 +105,9 @@ def solve_complex(d, pair, s_r, s_i, x, y):
     n, own, work = d.links, d.implicit, d.work
     change, change_i, own_motion = own.answer[0], own.answer[1], own.motion
     complex_d, re, im = own.factors.impedance, 2 * pair, 2 * pair + 1
-    zero(work.load)
-    zero(own.load)
+    clear_loads_of(d, work.load)
+    clear_loads_of(d, own.load)
+    load_joints(d, s_r, s_i, x, y)
     for k in range(compliant(d)):
         # D r_ġ + s k r_g
         c, stiffness = d.touch.active_index[k], own.stiffness[k]
@@ -129,10 +115,9 @@ def solve_complex(d, pair, s_r, s_i, x, y):
         deep_r, deep_i = times(s_r, s_i, x[gap_at(d, k)], y[gap_at(d, k)])
         add_along_normal(d, c, work.load, fast_r + stiffness * deep_r)
         add_along_normal(d, c, own.load, fast_i + stiffness * deep_i)
-    load_joints(d, pair, s_r, s_i, x, y)
-    solve_shifted(d, own.link, own.factors, pair, work.load, own.load, own.impulse, own.answer)
-    move_points(own.link, change, work.motion)
-    move_points(own.link, change_i, own_motion)
+    solve_shifted(d, own.link, own.factors, pair, work.load, own.load, own.answer)
+    move_contacts(d, own.link, change, work.motion)
+    move_contacts(d, own.link, change_i, own_motion)
     for j in range(coordinate_count(n)):
         at = velocity_at(n) + j
         x[at], y[at] = x[at] - change[j], y[at] - change_i[j]
@@ -155,17 +140,17 @@ def add_product(x, y, j, a, b, c, d):
     y[j] += more_i
 
 
-def load_joints(d, pair, s_r, s_i, x, y):
+def load_joints(d, s_r, s_i, x, y):
     """Set the impulses in the joints: K r_v + s S r_q."""
-    n, own, re, im = d.links, d.implicit, 2 * pair, 2 * pair + 1
+    if not d.model.resisting:
+        return
+    n, real, imaginary = d.links, d.work.load.turn, d.implicit.load.turn
+    square_r, square_i = times(s_r, s_i, s_r, s_i)
     for i in range(n):
-        own.impulse[0, i], own.impulse[1, i] = 0.0, 0.0
-        if d.model.resisting:
-            damper_r, damper_i = own.factors.damper[re, i], own.factors.damper[im, i]
-            turning_r, turning_i = relative(x, omega_at(n), i), relative(y, omega_at(n), i)
-            add_product(own.impulse[0], own.impulse[1], i, damper_r, damper_i, turning_r, turning_i)
-            stiffness = spring_stiffness(d, i)
-            turned_r, turned_i = relative(x, ANGLES, i), relative(y, ANGLES, i)
-            add_product(
-                own.impulse[0], own.impulse[1], i, s_r * stiffness, s_i * stiffness, turned_r, turned_i
-            )
+        # κ = s c + s² k
+        c, stiffness = joint_damping(d, i), spring_stiffness(d, i)
+        damper_r, damper_i = s_r * c + square_r * stiffness, s_i * c + square_i * stiffness
+        turning_r, turning_i = relative(x, omega_at(n), i), relative(y, omega_at(n), i)
+        add_product(real, imaginary, i + 1, damper_r, damper_i, turning_r, turning_i)
+        turned_r, turned_i = relative(x, ANGLES, i), relative(y, ANGLES, i)
+        add_product(real, imaginary, i + 1, s_r * stiffness, s_i * stiffness, turned_r, turned_i)

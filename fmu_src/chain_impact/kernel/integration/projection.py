@@ -6,8 +6,8 @@ projection counts as an error of the step.
 
 from chain_impact.kernel.chain.state import coordinate_count, velocity_at
 from chain_impact.kernel.integration.extended import compliant, gap_at, rate_at
-from chain_impact.kernel.integration.linear_system import respond_to_impulses
-from chain_impact.kernel.model.geometry import clearance
+from chain_impact.kernel.model.compliance import solve_chain
+from chain_impact.kernel.model.geometry import add_along_normal, clear_loads_of, clearance
 
 # Of a penetration: the allowed difference in a step between the coordinates and the clearance integrated with
 # them. A larger value gives the interpolant of the state an error of this size; a smaller one limits the step
@@ -21,12 +21,13 @@ def project_coordinates(d, y, derivative, change):
     The points must be located for y. The ``change``, shape (N+2,), is a result.
     """
     own, first = d.implicit, derivative * velocity_at(d.links)
+    clear_loads_of(d, d.work.load)
     for k in range(compliant(d)):
-        gap, gap_rate = clearance(d, d.touch.active_index[k])
-        own.normal[k] = own.impedance[k] * (own.normal[k] - (gap_rate if derivative else gap))
-    for i in range(d.links):
-        d.work.damped.impulse[i] = 0.0
-    respond_to_impulses(d, change)
+        c = d.touch.active_index[k]
+        gap, gap_rate = clearance(d, c)
+        impulse = own.impedance[k] * (own.normal[k] - (gap_rate if derivative else gap))
+        add_along_normal(d, c, d.work.load, impulse)
+    solve_chain(d, own.link, own.real, change)
     for j in range(coordinate_count(d.links)):
         y[first + j] += change[j]
 

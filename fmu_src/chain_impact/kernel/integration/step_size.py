@@ -40,6 +40,6 @@ def at_onset(d, c, method):
 
 def time_scale(d, c):
     """The time [s] in which the force of candidate c, whose contact has just begun, rises: δ*/v₀ or less."""
-    share, power = damping_share(d, c), 1.0 / (d.contact.rate_exponent + 1.0)
+    share, power = damping_share(d, c), 1.0 / (d.law.rate_exponent[c] + 1.0)
     # it is shorter where damping stops the point
     return d.touch.depth_scale[c] / d.touch.impact_speed[c] * (1.0 + share) ** -power

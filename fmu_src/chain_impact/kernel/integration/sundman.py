@@ -98,7 +98,7 @@ def lone_contact(d):
 
     Several contacts end at different times, and the fictitious time of one does not suit the others.
     """
-    if d.step.method != EXPLICIT or d.contact.impulsive or d.touch.active_count != 1:
+    if d.step.method != EXPLICIT or not d.touch.active_count == d.touch.compliant_count == 1:
         return NO_CONTACT, 1.0
     c = d.touch.active_index[0]
     gap, gap_rate = clearance(d, c)

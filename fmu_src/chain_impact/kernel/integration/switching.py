@@ -43,7 +43,7 @@ def choose_method(d):
     """Choose the method of the next step, with the points located at its start."""
     step = d.step
     touching = d.touch.active_count > 0
-    if d.contact.impulsive and not d.model.resisting:
+    if d.law.any_rigid and not (d.law.any_force or d.model.resisting):
         begin_explicit(step)  # constraints by rigid walls are not stiff
     elif d.solver.method != AUTO:
         step.method = chosen(d.solver.method)
@@ -75,9 +75,9 @@ def suggests_switch(d, h):
 
 def contacts_last(d):
     """Whether there are active contacts with a force law, and all of them are sustained."""
-    if d.contact.impulsive or d.touch.active_count == 0:
+    if d.touch.compliant_count == 0:
         return False
-    for k in range(d.touch.active_count):
+    for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
         scale = d.touch.depth_scale[c] / d.touch.impact_speed[c]
         if d.step.end - d.touch.onset[c] < LASTS * scale:
@@ -129,7 +129,7 @@ def reset_stiff_count(step):
 
 def stiffness_number(d, h):
     """hρ of a step [s], with the fastest rate of joints with dampers or springs and active contacts."""
-    z = 0.0 if d.contact.impulsive else h * fastest_contact(d)
+    z = h * fastest_contact(d)
     return max(z, joints_over(d, h)) if d.model.resisting else z
 
 
@@ -140,9 +140,9 @@ def joints_over(d, h):
 
 
 def fastest_contact(d):
-    """The largest max(c/m, √(k/m)) [1/s] of the active contacts, for the located points."""
+    """The largest max(c/m, √(k/m)) [1/s] of the active contacts with a force law, for the located points."""
     fastest = 0.0
-    for k in range(d.touch.active_count):
+    for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
         stiffness, damping = contact_slopes(d, c)
         mass = d.touch.effective_mass[c]

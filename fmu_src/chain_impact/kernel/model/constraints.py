@@ -72,9 +72,9 @@ def solve_equality(d, scale):
     own, link = d.rigid, d.work.link
     mean, impedance = mean_mass(d), holding_impedance(d)
     set_impedance(d, 0.0)
-    factorize_contacts(d, link, own.impedance, d.work.factors)
+    factorize_contacts(d, link, own.impedance, 0.0, d.work.factors)
     set_impedance(d, impedance)
-    factorize_contacts(d, link, own.impedance, own.factors)
+    factorize_contacts(d, link, own.impedance, 0.0, own.factors)
     clear_impulses(d)
     before = math.inf
     for _ in range(MOST_SWEEPS):
@@ -87,7 +87,7 @@ def solve_equality(d, scale):
             # near a toggle position a point has far more inertia than a link
             impedance *= STIFFER
             set_impedance(d, impedance)
-            factorize_contacts(d, link, own.impedance, own.factors)
+            factorize_contacts(d, link, own.impedance, 0.0, own.factors)
         before = worst
         correct_impulses(d, impedance)
 
@@ -134,7 +134,8 @@ def solve_lcp(d, scale):
     the active set and those with u < target enter it, all at once as long as fewer and fewer are violated,
     else only the last, which terminates if W is positive definite (Murty 1974, Linear Algebra Appl 9:65).
     """
-    own, count = d.rigid, d.touch.active_count
+    own, first = d.rigid, d.touch.compliant_count
+    count = d.touch.active_count - first
     fewest, patience = count + 1, PATIENCE
     for _ in range(ROUNDS + 4 * count):
         solve_equality(d, scale)
@@ -146,7 +147,7 @@ def solve_lcp(d, scale):
         else:
             patience -= 1
         for i in range(count):
-            k = count - 1 - i
+            k = first + count - 1 - i
             if own.violated[k]:
                 own.in_active_set[k] = 1 - own.in_active_set[k]
                 if patience < 0:
@@ -158,7 +159,7 @@ def count_violations(d, scale):
     own, largest, wrong = d.rigid, 0.0, 0
     for k in range(d.touch.active_count):
         largest = max(largest, abs(own.impulse[k]))
-    for k in range(d.touch.active_count):
+    for k in range(d.touch.compliant_count, d.touch.active_count):
         if own.in_active_set[k]:
             own.violated[k] = own.impulse[k] < -DOUBT * largest
         else:
@@ -169,12 +170,12 @@ def count_violations(d, scale):
 
 def any_point_held(d):
     """Whether rigid walls hold a point."""
-    return d.contact.impulsive and d.touch.active_count > 0
+    return d.touch.active_count > d.touch.compliant_count
 
 
 def activate_all(d):
-    """Put every touching candidate into the active set, with the target 0."""
-    for k in range(d.touch.active_count):
+    """Put every touching candidate without a force law into the active set, with the target 0."""
+    for k in range(d.touch.compliant_count, d.touch.active_count):
         d.rigid.in_active_set[k] = 1
         d.rigid.target[k] = 0.0
 
@@ -198,7 +199,7 @@ def add_constraint_forces(d, y, rate):
     solve_equality(d, scale)
     for j in range(coordinate_count(n)):
         rate[velocity_at(n) + j] += own.change[j]
-    for k in range(d.touch.active_count):
+    for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         own.least_force[c] = min(own.least_force[c], own.impulse[k])
         d.touch.force[c] = own.impulse[k]

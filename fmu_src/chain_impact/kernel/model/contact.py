@@ -4,7 +4,6 @@ A candidate is a pair of a point and a wall. The clearance g of a candidate is p
 penetration is δ = −g and its rate δ̇ > 0 while compressing.
 """
 
-from chain_impact.kernel.chain.kinematics import zero
 from chain_impact.kernel.model.compliance import effective_mass
 from chain_impact.kernel.model.contact_force import (
     continued_force,
@@ -14,7 +13,7 @@ from chain_impact.kernel.model.contact_force import (
     set_damping,
     set_expected_depth,
 )
-from chain_impact.kernel.model.geometry import add_along_normal, clearance
+from chain_impact.kernel.model.geometry import add_along_normal, clear_loads_of, clearance, lever
 from chain_impact.kernel.model.latest import list_impact
 
 
@@ -36,7 +35,7 @@ def apply_contact(d, c, gap, gap_rate):
 
 def clear_loads(d):
     """Set the loads on the points to the inputs alone."""
-    zero(d.work.load)
+    clear_loads_of(d, d.work.load)
     tip = len(d.work.load.x) - 1
     d.work.load.x[tip] = d.inputs.tip_force[0]
     d.work.load.y[tip] = d.inputs.tip_force[1]
@@ -46,7 +45,7 @@ def apply_contacts(d):
     """Set the loads for the located points and return the power [W] dissipated by the contacts."""
     clear_loads(d)
     dissipated = 0.0
-    for k in range(d.touch.active_count):
+    for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
         gap, gap_rate = clearance(d, c)
         dissipated += apply_contact(d, c, gap, gap_rate)
@@ -66,14 +65,14 @@ def begin_contact(d, c):
     touch.onset[c] = d.step.end
     # a point that moves outward at its onset, by an integration error or another impact, has the speed 0
     touch.onset_speed[c] = max(0.0, 0.0 - gap_rate)
-    touch.impact_speed[c] = max(-gap_rate, d.contact.minimum_impact_speed)
+    touch.impact_speed[c] = max(-gap_rate, d.law.minimum_impact_speed[c])
     touch.speed[c] = -gap_rate
     touch.force_rate[c] = 1.0  # rising
     touch.force_end[c] = 0.0
     touch.peak_force[c] = 0.0
     touch.max_penetration[c] = 0.0
     touch.effective_mass[c] = effective_mass(d, c)
-    if d.contact.impulsive:
+    if d.law.impulsive[c]:
         touch.depth_scale[c] = d.model.size  # a rigid wall has no penetration that sets a scale
     else:
         set_expected_depth(d, c)
@@ -82,7 +81,7 @@ def begin_contact(d, c):
     d.impact.last_time = d.step.end
     d.impact.last_point = d.candidate.point[c]
     d.impact.last_wall = d.candidate.wall[c] + 1
-    d.impact.last_speed = touch.onset_speed[c]
+    d.impact.last_speed = touch.onset_speed[c] / lever(d, c)
     d.impulse.onset[c] = d.impulse.total[c]
     list_impact(d, c)
 
@@ -99,10 +98,9 @@ def set_kink_side(d, c):
 
 
 def set_kink_sides(d):
-    """Set the side of the kink for all active contacts."""
-    if not d.contact.impulsive:
-        for k in range(d.touch.active_count):
-            set_kink_side(d, d.touch.active_index[k])
+    """Set the side of the kink for all active contacts with a force law."""
+    for k in range(d.touch.compliant_count):
+        set_kink_side(d, d.touch.active_index[k])
 
 
 def clear_stage_notes(d):
@@ -114,11 +112,26 @@ def clear_stage_notes(d):
 
 
 def list_touching(d):
-    """Pack the active contacts; the implicit step then has no last step with them to extrapolate from."""
+    """Pack the active contacts, those with a force law first.
+
+    The implicit step then has no last step with them to extrapolate from.
+    """
     touch = d.touch
     touch.active_count, d.implicit.ready = 0, 0
+    if d.law.any_force:
+        list_kind(d, 0)
+    touch.compliant_count = touch.active_count
+    for k in range(touch.compliant_count):
+        d.rigid.in_active_set[k] = 0
+    if d.law.any_rigid:
+        list_kind(d, 1)
+
+
+def list_kind(d, impulsive):
+    """Append the active contacts with or without impulses instead of a force law to the packed list."""
+    touch = d.touch
     for c in range(d.candidates):
-        if touch.active[c]:
+        if touch.active[c] and d.law.impulsive[c] == impulsive:
             touch.active_index[touch.active_count] = c
             touch.active_count += 1
 

@@ -12,8 +12,9 @@ import math
 
 from chain_impact.kernel.laws import user_law
 from chain_impact.kernel.laws.contact_laws import LAW_COUNT, MASS_POWERS
+from chain_impact.kernel.model.contact_law import USER_LAW
+from chain_impact.kernel.model.geometry import lever
 
-USER_LAW = LAW_COUNT + 1  # number of the user's law, in a kernel that is linked with one
 # Relative increment of penetration and speed for the central differences of a user's law: about the cube root
 # of round-off, where the errors of truncation and of round-off are equal.
 DIFFERENCE = 1e-5
@@ -35,41 +36,56 @@ def power(depth, exponent):
     return depth**exponent
 
 
-def elastic_force(contact, penetration):
-    """K δⁿ [N] for a penetration δ ≥ 0 [m]."""
-    return contact.stiffness * power(penetration, contact.exponent)
+def elastic_force(d, c, penetration):
+    """K δⁿ [N] of candidate c for a penetration δ ≥ 0 [m]."""
+    return d.law.stiffness[c] * power(penetration, d.law.exponent[c])
 
 
-def elastic_energy(contact, penetration):
-    """K δⁿ⁺¹/(n+1) [J] for a penetration δ ≥ 0 [m]."""
-    return elastic_force(contact, penetration) * penetration / (contact.exponent + 1.0)
+def elastic_energy(d, c, penetration):
+    """K δⁿ⁺¹/(n+1) [J] of candidate c for a penetration δ ≥ 0 [m]."""
+    return elastic_force(d, c, penetration) * penetration / (d.law.exponent[c] + 1.0)
 
 
-def elastic_depth(contact, mass, speed):
+def elastic_depth(d, c, mass, speed):
     """Penetration [m] at which K δⁿ has stored the kinetic energy of a mass [kg] with a speed [m/s]."""
+    stiffness, exponent = d.law.stiffness[c], d.law.exponent[c]
     # K δⁿ⁺¹/(n+1) = ½ m v²
     energy = 0.5 * mass * speed * speed
-    return (energy * (contact.exponent + 1.0) / contact.stiffness) ** (1.0 / (contact.exponent + 1.0))
+    return (energy * (exponent + 1.0) / stiffness) ** (1.0 / (exponent + 1.0))
 
 
 def set_expected_depth(d, c):
     """Set the expected penetration [m] of candidate c, for the v₀ and effective mass of its contact."""
     touch = d.touch
-    touch.depth_scale[c] = elastic_depth(d.contact, touch.effective_mass[c], touch.impact_speed[c])
+    touch.depth_scale[c] = elastic_depth(d, c, touch.effective_mass[c], touch.impact_speed[c])
 
 
 def set_damping(d, c):
     """Set the damping d [N·s/m^(p+1)] of candidate c, for the v₀ and effective mass of its contact."""
-    contact, touch = d.contact, d.touch
-    touch.kink_margin[c] = turning_margin(d, c) if contact.approach_only else 0.0
-    mass_power = MASS_POWERS[contact.law - 1] if contact.law <= LAW_COUNT else 0.0
+    law, touch, number = d.law, d.touch, d.law.number[c]
+    factor, stiffness = law.damping_factor[c], law.stiffness[c]
+    touch.kink_margin[c] = turning_margin(d, c) if law.approach_only[c] else 0.0
+    mass_power = MASS_POWERS[number - 1] if number <= LAW_COUNT else 0.0
     if mass_power == 0.0:
         # λ K/v₀
-        touch.damping[c] = contact.damping_factor * contact.stiffness / touch.impact_speed[c]
+        touch.damping[c] = factor * stiffness / touch.impact_speed[c]
     else:
         # f K^(1−s) m^s
-        ratio = touch.effective_mass[c] / contact.stiffness
-        touch.damping[c] = contact.damping_factor * contact.stiffness * ratio**mass_power
+        ratio = touch.effective_mass[c] / stiffness
+        touch.damping[c] = factor * stiffness * ratio**mass_power * unit_of_damping(d, c, mass_power)
+
+
+def unit_of_damping(d, c, mass_power):
+    """The factor on f K^(1−s) m^s, found for lengths, that makes it that of the angles of a stop.
+
+    With the lever arm r these are K' = K rⁿ⁺¹, m' = m r² and d = d'/rᵖ⁺²: the factor is 1 if f is a number
+    without a unit.
+    """
+    if d.candidate.stop[c] == 0:
+        return 1.0
+    law = d.law
+    lengths = (law.exponent[c] + 1.0) * (1.0 - mass_power) + 2.0 * mass_power - law.rate_exponent[c] - 2.0
+    return lever(d, c) ** lengths
 
 
 def turning_margin(d, c):
@@ -93,8 +109,9 @@ def continued_force(d, c, depth, rate):
     """As ``law_force``, but continued smoothly from the contact's side of the kink; records a crossing."""
     beyond = d.touch.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
-    note_crossing(d, c, rate if d.contact.approach_only else force)
-    return 0.0 if beyond and not d.contact.approach_only else force, elastic
+    approach_only = d.law.approach_only[c] != 0
+    note_crossing(d, c, rate if approach_only else force)
+    return 0.0 if beyond and not approach_only else force, elastic
 
 
 def note_crossing(d, c, height):
@@ -106,7 +123,7 @@ def note_crossing(d, c, height):
 
 def height_over_kink(d, c, depth, rate):
     """δ̇ or the uncut force of candidate c: zero at the kink of its force, negative beyond the kink."""
-    if d.contact.approach_only:
+    if d.law.approach_only[c]:
         return rate
     force, _ = uncut_force(d, c, depth, rate, False)
     return force
@@ -114,59 +131,58 @@ def height_over_kink(d, c, depth, rate):
 
 def cut_off(d, c):
     """Whether the force of candidate c is cut off at 0, because its law would pull."""
-    return d.touch.beyond_kink[c] != 0 and not d.contact.approach_only
+    return d.touch.beyond_kink[c] != 0 and not d.law.approach_only[c]
 
 
 def uncut_force(d, c, depth, rate, leaves):
     """As ``law_force``, but not cut off at 0; ``leaves``: whether approach-only damping is off."""
-    contact = d.contact
-    spring = power(depth, contact.exponent)
-    elastic = contact.stiffness * spring
-    if contact.law == USER_LAW and user_law.present():
-        force = user_force(
-            depth,
-            rate,
-            d.touch.impact_speed[c],
-            d.touch.effective_mass[c],
-            contact.stiffness,
-            contact.exponent,
-            contact.restitution,
-        )
-        return force, elastic
+    spring = power(depth, d.law.exponent[c])
+    elastic = d.law.stiffness[c] * spring
+    if d.law.number[c] == USER_LAW and user_law.present():
+        return user_force(d, c, depth, rate), elastic
     return elastic + damping_slope(d, c, depth, leaves, spring) * rate, elastic
 
 
-def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
-    """The force of a user's law, before it is cut off at 0."""
-    return user_law.force(depth, rate, speed, mass, stiffness, exponent, restitution)
+def user_force(d, c, depth, rate):
+    """The force of a user's law for candidate c, before it is cut off at 0.
+
+    The law of a stop takes the angle, and returns a moment.
+    """
+    law, arm = d.law, lever(d, c)
+    speed, mass = d.touch.impact_speed[c] / arm, d.touch.effective_mass[c] * arm * arm
+    stiffness = d.given.stop_stiffness if d.candidate.stop[c] != 0 else law.stiffness[c]
+    force = user_law.force(
+        depth / arm, rate / arm, speed, mass, stiffness, law.exponent[c], law.restitution[c]
+    )
+    return force / arm
 
 
-def may_jump(contact):
+def may_jump(d, c):
     """Whether the force may jump where a contact begins or ends: a user's law, or damping with p = 0."""
-    return contact.law == USER_LAW or contact.rate_exponent == 0.0
+    return d.law.number[c] == USER_LAW or d.law.rate_exponent[c] == 0.0
 
 
 def damping_slope(d, c, depth, leaves, spring):
     """∂F/∂δ̇ = d δᵖ [N·s/m] of candidate c where its force is not cut off; ``spring`` is δⁿ."""
-    contact = d.contact
-    if contact.approach_only and leaves:
+    law = d.law
+    if law.approach_only[c] and leaves:
         return 0.0
-    same = contact.rate_exponent == contact.exponent
-    return d.touch.damping[c] * (spring if same else power(depth, contact.rate_exponent))
+    same = law.rate_exponent[c] == law.exponent[c]
+    return d.touch.damping[c] * (spring if same else power(depth, law.rate_exponent[c]))
 
 
 def law_slopes(d, c, depth, rate):
     """∂F/∂δ [N/m] and ∂F/∂δ̇ [N·s/m] of candidate c at a penetration δ ≥ 0 [m] and its rate; 0 if cut off."""
     if cut_off(d, c):
         return 0.0, 0.0
-    if d.contact.law == USER_LAW and user_law.present():
+    if d.law.number[c] == USER_LAW and user_law.present():
         return user_slopes(d, c, depth, rate)
-    contact = d.contact
+    exponent = d.law.exponent[c]
     beyond = d.touch.beyond_kink[c] != 0
     force, elastic = uncut_force(d, c, depth, rate, beyond)
-    damping = damping_slope(d, c, depth, beyond, power(depth, contact.exponent))
+    damping = damping_slope(d, c, depth, beyond, power(depth, exponent))
     # ∂F/∂δ = (n K δⁿ + p d δᵖ δ̇)/δ ≥ (n−p) K δⁿ⁻¹ where F ≥ 0, for n ≥ p; at the kink F may be < 0
-    stiffness = contact.exponent * elastic + contact.rate_exponent * (force - elastic)
+    stiffness = exponent * elastic + d.law.rate_exponent[c] * (force - elastic)
     return max(0.0, stiffness / depth) if depth > 0.0 else 0.0, damping
 
 

@@ -23,10 +23,11 @@ def other_energy(d, y):
 def stored_energy(d, y):
     """Elastic energy [J] of the active contacts, for the located points, and of the joints' springs."""
     energy = spring_energy(d, y) if d.model.sprung else 0.0
-    for k in range(d.touch.active_count):
-        gap, _ = clearance(d, d.touch.active_index[k])
-        if gap < 0.0 and not d.contact.impulsive:
-            energy += elastic_energy(d.contact, -gap)
+    for k in range(d.touch.compliant_count):
+        c = d.touch.active_index[k]
+        gap, _ = clearance(d, c)
+        if gap < 0.0:
+            energy += elastic_energy(d, c, -gap)
     return energy
 
 

@@ -12,8 +12,8 @@ from chain_impact.kernel.chain.state import (
     time_at,
     velocity_at,
 )
-from chain_impact.kernel.model.constraints import add_constraint_forces
-from chain_impact.kernel.model.contact import apply_contacts, clear_loads
+from chain_impact.kernel.model.constraints import add_constraint_forces, any_point_held
+from chain_impact.kernel.model.contact import apply_contacts
 from chain_impact.kernel.model.inputs import ensure_inputs
 
 
@@ -31,25 +31,21 @@ def state_rate(d, y, rate):
 def located_rate(d, y, rate):
     """As ``state_rate``, for the located points."""
     ensure_inputs(d, y)
-    if d.contact.impulsive:
-        free_rate(d, y, rate)
-        if d.touch.active_count > 0:
-            add_constraint_forces(d, y, rate)
-    else:
-        loaded_rate(d, y, apply_contacts(d), rate)
+    free_rate(d, y, rate)
+    if any_point_held(d):
+        add_constraint_forces(d, y, rate)
 
 
 def free_rate(d, y, rate):
-    """As ``located_rate``, without contact forces."""
-    clear_loads(d)
-    loaded_rate(d, y, 0.0, rate)
+    """As ``located_rate``, without the forces of rigid contacts."""
+    loaded_rate(d, y, apply_contacts(d), rate)
 
 
 def loaded_rate(d, y, dissipated, rate):
     """As ``state_rate``, for given loads; ``dissipated`` is the power [W] that the contacts dissipate."""
     n = d.links
     supplied = 0.0
-    if d.model.resisting or d.model.driven:
+    if d.model.resisting or d.model.driven or d.model.stopped:
         damped, supplied = joint_moments(d, y)
         dissipated += damped
 
@@ -87,7 +83,18 @@ def joint_moments(d, y):
         before = omega
     if d.model.sprung:
         add_spring_moments(d, y)
+    if d.model.stopped:
+        add_stop_moments(d)
     return dissipated, supplied
+
+
+def add_stop_moments(d):
+    """Add the moments of the stops, which are among the loads, to both links of each joint."""
+    for i in range(d.links):
+        torque = d.work.load.turn[i + 1]
+        d.work.moment[i] += torque
+        if i > 0:
+            d.work.moment[i - 1] -= torque
 
 
 def add_spring_moments(d, y):

@@ -1,4 +1,9 @@
-"""The latest impacts, newest first, for the importer of an FMU: an active contact has its values so far."""
+"""The latest impacts, newest first, for the importer of an FMU: an active contact has its values so far.
+
+Those of a stop are of its joint's angle: moments and rad.
+"""
+
+from chain_impact.kernel.model.geometry import lever
 
 LATEST = 32  # how many are kept at most
 
@@ -29,7 +34,7 @@ def list_impact(d, c):
     d.touch.number[c] = d.impact.count
     latest.time[0], latest.point[0] = d.impact.last_time, d.impact.last_point
     latest.wall[0], latest.speed[0] = d.impact.last_wall, d.impact.last_speed
-    note_impact(d, c, d.impact.last_time, -d.impact.last_speed, 0.0, 0.0, 0.0)
+    note_impact(d, c, d.impact.last_time, -d.touch.onset_speed[c], 0.0, 0.0, 0.0)
 
 
 def note_impact(d, c, end, separation_speed, peak_force, max_penetration, impulse):
@@ -46,6 +51,7 @@ def note_impact(d, c, end, separation_speed, peak_force, max_penetration, impuls
     """
     latest, row = d.latest, d.impact.count - d.touch.number[c]
     if row < latest.kept:
-        latest.end[row], latest.separation_speed[row] = end, separation_speed
-        latest.peak_force[row], latest.max_penetration[row] = peak_force, max_penetration
-        latest.impulse[row] = impulse
+        arm = lever(d, c)
+        latest.end[row], latest.separation_speed[row] = end, separation_speed / arm
+        latest.peak_force[row], latest.max_penetration[row] = peak_force * arm, max_penetration / arm
+        latest.impulse[row] = impulse * arm

@@ -19,6 +19,7 @@ def touch_dtype(candidates: int) -> np.dtype:
     """
     return record(
         ("active_count", INTEGER),
+        ("compliant_count", INTEGER),  # of them, with a force law: these come first
         ("active_index", INTEGER, (candidates,)),  # the candidates in contact, packed
         ("active", INTEGER, (candidates,)),  # 1: in contact
         ("event", INTEGER, (candidates,)),  # at `step.end` and not yet applied, see kernel/events/kinds.py
@@ -75,7 +76,10 @@ def latest_dtype() -> np.dtype:
 
 
 def rigid_dtype(links: int, candidates: int) -> np.dtype:
-    """The touching candidates of a rigid wall, packed. Owner: model/constraints.py."""
+    """The touching candidates, packed; those with a force law are not in the active set.
+
+    Owner: model/constraints.py.
+    """
     return record(
         ("factors", factors_dtype(links)),  # with an impedance at the points of the active set
         # m, m/s or m/s², rad …: the change of the coordinates by the impulses

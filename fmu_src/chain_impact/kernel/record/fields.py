@@ -15,6 +15,11 @@ def vectors_dtype(points: int) -> np.dtype:
     return record(("x", REAL, (points,)), ("y", REAL, (points,)))
 
 
+def motions_dtype(points: int) -> np.dtype:
+    """A vector for each point, and a number for each joint 1…N; entry 0 of these is not used."""
+    return record(*((name, REAL, (points,)) for name in ("x", "y", "turn")))
+
+
 def impedance_dtype(points: int) -> np.dtype:
-    """A symmetric 2×2 matrix for each point."""
-    return record(*((name, REAL, (points,)) for name in ("xx", "xy", "yy")))
+    """A symmetric 2×2 matrix for each point, and a number for each joint 1…N."""
+    return record(*((name, REAL, (points,)) for name in ("xx", "xy", "yy", "turn")))

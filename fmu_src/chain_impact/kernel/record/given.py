@@ -29,6 +29,7 @@ def model_dtype(links: int) -> np.dtype:
         # derived at initialization
         ("damped", INTEGER),  # 1: some joint has damping
         ("sprung", INTEGER),  # 1: some joint has a spring
+        ("stopped", INTEGER),  # 1: some joint has a stop
         ("resisting", INTEGER),  # 1: some joint has damping or a spring …
         ("joint_bound", REAL),  # 1/s, … and an upper bound on the rates of the motions that this causes
         ("center_of_mass_ratio", REAL, (links,)),  # centre of mass / length
@@ -43,25 +44,14 @@ def model_dtype(links: int) -> np.dtype:
 
 
 def contact_dtype() -> np.dtype:
-    """The contact law in use.
+    """What all contacts with walls have in common; the rest of their law is in `given`.
 
-    Owner: variables/model.py; of law, stiffness and restitution, ``apply_given`` in initialize.py; of derived
-    values, ``derive_law`` there.
+    Owner: variables/model.py.
     """
     return record(
-        ("law", INTEGER),  # id of the force law, counted from 1
-        ("stiffness", REAL),  # N/m^exponent
         ("exponent", REAL),
-        ("restitution", REAL),
         ("radius", REAL),  # m
         ("minimum_impact_speed", REAL),  # m/s, lower limit of v0, which is latched at onset
-        # derived whenever law or restitution changes
-        ("damping_factor", REAL),  # f(e), λ of the Hunt–Crossley family
-        ("rate_exponent", REAL),  # p of the damping d δᵖ δ̇
-        ("approach_only", INTEGER),  # 1: damped during compression only
-        ("derived_law", INTEGER),  # law and …
-        ("derived_restitution", REAL),  # … restitution that these are for
-        ("impulsive", INTEGER),  # 1: rigid walls, with impulses instead of a force law
     )
 
 
@@ -71,7 +61,7 @@ def stops_dtype() -> np.dtype:
     Owner: variables/model.py.
     """
     return record(
-        ("law", INTEGER),  # as in `contact`; 0: the same as there
+        ("law", INTEGER),  # number of the contact law, from 1; 0: that of the walls
         ("exponent", REAL),
         ("minimum_impact_speed", REAL),  # rad/s
     )
@@ -116,12 +106,12 @@ def given_dtype(links: int) -> np.dtype:
     """
     return record(
         ("changed", INTEGER),  # AT_ONCE: a value was set since the last step; GOING_ON: only the course was
-        ("law", INTEGER),  # as in `contact`, …
-        ("stiffness", REAL),
+        ("law", INTEGER),  # number of the contact law, from 1
+        ("stiffness", REAL),  # N/m^exponent
         ("restitution", REAL),
-        ("stop_stiffness", REAL),  # … in `stops`, …
+        ("stop_stiffness", REAL),  # N·m/rad^exponent
         ("stop_restitution", REAL),
-        ("joint_torque", REAL, (links,)),  # … and as in `inputs`
+        ("joint_torque", REAL, (links,)),  # as in `inputs`
         ("tip_force", REAL, (2,)),
         ("course", course_dtype(links)),
     )
@@ -149,7 +139,27 @@ def candidate_dtype(candidates: int) -> np.dtype:
         # derived at initialization
         ("normal_x", REAL, (candidates,)),  # n of the wall …
         ("normal_y", REAL, (candidates,)),
-        ("offset", REAL, (candidates,)),  # m, … and n·p of the points on it
+        ("offset", REAL, (candidates,)),  # m, … and n·p of the points on it; of a stop its angle [rad]
+        ("arm", REAL, (candidates,)),  # m, of a stop the lever arm, < 0 at joint_max
+    )
+
+
+def law_dtype(candidates: int) -> np.dtype:
+    """The contact law of each candidate. Owner: model/contact_law.py."""
+    return record(
+        ("any_force", INTEGER),  # 1: some candidate has a law with a force …
+        ("any_rigid", INTEGER),  # … and one with impulses instead
+        ("same_as", INTEGER, (candidates,)),  # the first candidate with the same law
+        ("number", INTEGER, (candidates,)),  # of the law, from 1; 0: not yet set
+        ("stiffness", REAL, (candidates,)),  # N/m^exponent
+        ("exponent", REAL, (candidates,)),
+        ("restitution", REAL, (candidates,)),
+        ("minimum_impact_speed", REAL, (candidates,)),  # m/s
+        # derived
+        ("damping_factor", REAL, (candidates,)),  # f(e), λ of the Hunt–Crossley family
+        ("rate_exponent", REAL, (candidates,)),  # p of the damping d δᵖ δ̇
+        ("approach_only", INTEGER, (candidates,)),  # 1: damped during compression only
+        ("impulsive", INTEGER, (candidates,)),  # 1: rigid, with impulses instead of a force law
     )
 
 

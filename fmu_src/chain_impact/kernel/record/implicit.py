@@ -4,7 +4,15 @@ import numpy as np
 
 from chain_impact.kernel.chain.state import coordinate_count, state_size
 from chain_impact.kernel.integration.radau import PAIRS, STAGES
-from chain_impact.kernel.record.fields import INTEGER, REAL, impedance_dtype, record, vectors_dtype
+from chain_impact.kernel.record.fields import (
+    INTEGER,
+    REAL,
+    impedance_dtype,
+    motions_dtype,
+    record,
+    vectors_dtype,
+)
+from chain_impact.kernel.record.solver import factors_dtype
 
 
 def implicit_dtype(links: int, candidates: int) -> np.dtype:
@@ -14,13 +22,13 @@ def implicit_dtype(links: int, candidates: int) -> np.dtype:
 
     Owners: collocation.py and newton.py in integration/, which call all other functions that write here.
     """
-    vectors, state = vectors_dtype(links + 1), state_size(links)
+    motions, state = motions_dtype(links + 1), state_size(links)
     extended = state + 3 * candidates
     # both parts of complex numbers, one below the other, for each pair of shifts
     shifted = record(
         *(
             (name, REAL, (2 * PAIRS, links))
-            for name in ("gain_x", "gain_y", "inverse", "own", "damper")  # as in `damped`
+            for name in ("gain_x", "gain_y", "inverse", "own", "damper")  # as in `real`
         ),
         ("base", REAL, (2 * PAIRS, 3)),
         ("impedance", REAL, (2 * PAIRS, candidates)),  # kg, D of the active contacts, packed
@@ -42,15 +50,15 @@ def implicit_dtype(links: int, candidates: int) -> np.dtype:
         ("contraction", REAL),  # … and the last convergence rate θ
         ("slowness", REAL),  # θ/(1 − θ) of the last step
         ("thirds", REAL, (2, state)),  # corrections of the dense output at thirds of the step
-        ("link", vectors),  # m, L_i where A was evaluated
+        ("link", vectors_dtype(links + 1)),  # m, L_i where A was evaluated
         ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts, packed, …
         ("damping", REAL, (candidates,)),  # N·s/m, … and ∂F/∂δ̇, likewise
         ("impedance", REAL, (candidates,)),  # kg, … and their D, added to the inertia of their points
-        ("normal", REAL, (candidates,)),  # N·s or m/s, impulses or changes along their normals
+        ("normal", REAL, (candidates,)),  # m or m/s, clearances or rates to which coordinates are moved
+        ("real", factors_dtype(links)),  # for the real shift
         ("factors", shifted),  # for the complex shifts
-        ("reactance", impedance_dtype(links + 1)),  # kg, the imaginary part of D of each point, …
-        ("load", vectors),  # N·s, … of the impulses on the points …
-        ("motion", vectors),  # … and of the motion of the points
-        ("impulse", REAL, (2, links)),  # N·m·s, μ in the joints, both parts
+        ("reactance", impedance_dtype(links + 1)),  # the imaginary part of `work.impedance`, …
+        ("load", motions),  # … of `work.load` …
+        ("motion", motions),  # … and of `work.motion`
         ("answer", REAL, (2, coordinate_count(links))),  # Δ, likewise
     )

@@ -5,7 +5,14 @@ import numpy as np
 from chain_impact.kernel.chain.state import coordinate_count, state_size
 from chain_impact.kernel.integration.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.integration.explicit import STAGES
-from chain_impact.kernel.record.fields import INTEGER, REAL, impedance_dtype, record, vectors_dtype
+from chain_impact.kernel.record.fields import (
+    INTEGER,
+    REAL,
+    impedance_dtype,
+    motions_dtype,
+    record,
+    vectors_dtype,
+)
 
 
 def step_dtype(links: int) -> np.dtype:
@@ -93,21 +100,13 @@ def elimination_dtype(links: int) -> np.dtype:
 
 
 def factors_dtype(links: int) -> np.dtype:
-    """M + Jᵀ D J, eliminated. Owner: ``factorize`` in chain/recursion.py."""
+    """M + Jᵀ D J + K, eliminated. Owner: ``factorize_contacts`` in model/compliance.py."""
     return record(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse")),
-        ("middle", REAL, (3,)),  # 1/kg, A⁻¹ of the middle joint: xx, xy, yy
-    )
-
-
-def damped_dtype(links: int) -> np.dtype:
-    """M + Jᵀ D J + K, eliminated, with damped joints. Owner: chain/damped.py."""
-    return record(
-        *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse")),
+        ("middle", REAL, (3,)),  # 1/kg, A⁻¹ of the middle joint or, if coupled, of the base: xx, xy, yy
+        ("coupled", INTEGER),  # 1: joints transmit moments, see kernel/chain/damped.py; only then:
         ("own", REAL, (links,)),  # kg·m², H
         ("damper", REAL, (links,)),  # kg·m², κ
-        ("impulse", REAL, (links,)),  # N·m·s, μ
-        ("base", REAL, (3,)),  # 1/kg, A⁻¹ of the base: xx, xy, yy
     )
 
 
@@ -122,7 +121,7 @@ def inner_dtype(links: int) -> np.dtype:
 def work_dtype(links: int) -> np.dtype:
     """Work space: valid within a step, except `rate_end` (`rate_known`) and, if `at_end` is 1, the points."""
     points, state = links + 1, state_size(links)
-    vectors, impedance = vectors_dtype(points), impedance_dtype(points)
+    motions, impedance = motions_dtype(points), impedance_dtype(points)
     return record(
         ("stage", REAL, (STAGES, state)),  # dy/ds at the stages
         ("rate_start", REAL, (state,)),  # ẏ at the start …
@@ -130,26 +129,19 @@ def work_dtype(links: int) -> np.dtype:
         ("y", REAL, (state,)),  # a state that is tried or evaluated …
         ("rate", REAL, (state,)),  # … and its ẏ, outside of a step
         ("error", REAL, (2, state)),  # the embedded error estimates
-        ("link", vectors),  # m, L_i; entry N is not used
-        ("load", vectors),  # N or N·s on each point
+        ("link", vectors_dtype(points)),  # m, L_i; entry N is not used
+        ("load", motions),  # N or N·s on each point, N·m or N·m·s in each joint
         ("moment", REAL, (links,)),  # N·m on each link, from its joints
-        ("impedance", impedance),  # kg, D of each point
+        ("impedance", impedance),  # kg, D of each point; kg·m², of each joint
         ("elimination", elimination_dtype(links)),  # h/H and h₀/H of each link
-        (
-            "factors",
-            factors_dtype(links),
-        ),  # of an effective mass, or of a step
-        ("position", vectors),  # m, of the points
-        ("velocity", vectors),  # m/s
-        ("acceleration", vectors),  # m/s²
+        ("factors", factors_dtype(links)),  # of an effective mass, or of rigid contacts
+        ("position", motions),  # m, of the points; rad, of the joints, if the scene has stops …
+        ("velocity", motions),  # m/s, rad/s
+        ("acceleration", motions),  # m/s², rad/s²
         ("at_end", INTEGER),  # 1: these are the points at the end of the step
         ("change", REAL, (coordinate_count(links),)),  # 1/kg, of the coordinates' rates by a unit impulse
-        ("motion", vectors),  # of the points, for a given motion of the coordinates
+        ("motion", motions),  # of points and joints, for a given motion of the coordinates
         ("reach", REAL, (points,)),  # m/s², bound on the links' part of the acceleration of each point
-        (
-            "damped",
-            damped_dtype(links),
-        ),  # factors of an implicit step with damped joints, see kernel/chain/damped.py
         ("inner", inner_dtype(links)),
     )
 

@@ -1,13 +1,14 @@
 """The start of a tangent instance: the derivatives of all that follows from the parameters."""
 
-from chain_impact.kernel.advance import recompute_active_set
-from chain_impact.kernel.initialize import apply_given, clear_run, derive_chain, set_initial_state
+from chain_impact.kernel.advance import latch_again, recompute_active_set
+from chain_impact.kernel.initialize import clear_run, derive_chain, set_initial_state
 from chain_impact.kernel.integration.last_step import reset_step
 from chain_impact.kernel.integration.switching import begin_explicit
 from chain_impact.kernel.laws.contact_laws import ANY, LAW_COUNT, RATE_EXPONENTS, damping_factor
 from chain_impact.kernel.model.contact import clear_loads, set_kink_sides
-from chain_impact.kernel.model.contact_force import set_damping, set_expected_depth
+from chain_impact.kernel.model.contact_law import copy_law, set_parameters
 from chain_impact.kernel.model.geometry import place_walls
+from chain_impact.kernel.model.inputs import apply_inputs
 from chain_impact.kernel.tangent.blocks import copy_values
 from chain_impact.kernel.tangent.directions import carried, value
 from chain_impact.kernel.tangent.trust import TRUSTED
@@ -19,7 +20,6 @@ def start_tangent(d, t):
     derive_chain(t)
     clear_run(t)
     apply_given_of(d, t)
-    derive_law_of(d, t)
     place_walls(t)
     set_initial_state(t, t.work.y)
     reset_step(t, d.step.time, t.work.y)
@@ -32,14 +32,9 @@ def start_tangent(d, t):
 def reinit_tangent(d, t):
     """Re-initialize t at the communication point, as d has been; the contacts of t are updated to it."""
     reset_step(t, t.step.end, t.step.state_end)
-    rigid = t.contact.impulsive
     apply_given_of(d, t)
-    derive_law_of(d, t)
-    for k in range(t.touch.active_count):
-        if not t.contact.impulsive:
-            set_expected_depth(t, t.touch.active_index[k])
-            set_damping(t, t.touch.active_index[k])
-    recompute_active_set(t, rigid)
+    latch_again(t)
+    recompute_active_set(t)
     set_kink_sides(t)
     clear_loads(t)
     # derivatives that ended in the part of the run that is dropped may go on: the new part decides
@@ -51,15 +46,17 @@ def copy_parameters(d, t):
     """Copy the parameters and initial values of d to t, which keeps the derivatives that it has of them."""
     copy_values(d.model, t.model)
     copy_values(d.contact, t.contact)
+    copy_values(d.stops, t.stops)
     copy_values(d.initial, t.initial)
     copy_values(d.solver, t.solver)
-    copy_values(d.walls, t.walls)
 
 
 def apply_given_of(d, t):
     """Apply the values that were given to d to t, which keeps the derivatives that it has of them."""
     copy_values(d.given, t.given)
-    apply_given(t)
+    copy_values(d.walls, t.walls)
+    apply_inputs(t)
+    derive_laws_of(d, t)
 
 
 def copy_inputs(d, t):
@@ -72,13 +69,26 @@ def copy_inputs(d, t):
         own.tip_force[j] = own.course.tip_force[0, j]
 
 
-def derive_law_of(d, t):
-    """Derive the constants of the law of d from the restitution of t."""
-    own, contact = t.contact, d.contact
-    own.impulsive, own.approach_only = contact.impulsive, contact.approach_only
-    own.rate_exponent, own.damping_factor = contact.rate_exponent, contact.damping_factor
-    if contact.law <= LAW_COUNT:
-        if RATE_EXPONENTS[contact.law - 1] == ANY:
-            own.rate_exponent = own.exponent
-        factor = damping_factor(contact.law, own.restitution)
-        own.damping_factor = carried(contact.damping_factor, 1.0, factor)
+def derive_laws_of(d, t):
+    """Derive the constants of the laws of d from the parameters of t."""
+    own, law = t.law, d.law
+    own.any_force, own.any_rigid = law.any_force, law.any_rigid
+    for c in range(t.candidates):
+        own.same_as[c] = law.same_as[c]
+        set_parameters(t, c)
+        if own.same_as[c] == c:
+            derive_law_of(d, t, c)
+        else:
+            copy_law(t, own.same_as[c], c)
+
+
+def derive_law_of(d, t, c):
+    """Derive the constants of the law of candidate c of d from the parameters of t."""
+    own, law, number = t.law, d.law, d.law.number[c]
+    own.impulsive[c], own.approach_only[c] = law.impulsive[c], law.approach_only[c]
+    own.rate_exponent[c], own.damping_factor[c] = law.rate_exponent[c], law.damping_factor[c]
+    if number <= LAW_COUNT:
+        if RATE_EXPONENTS[number - 1] == ANY:
+            own.rate_exponent[c] = own.exponent[c]
+        factor = damping_factor(number, own.restitution[c])
+        own.damping_factor[c] = carried(law.damping_factor[c], 1.0, factor)

@@ -7,7 +7,9 @@ import math
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events.kinds import ONSET
-from chain_impact.kernel.model.contact_force import USER_LAW, uncut_force
+from chain_impact.kernel.laws import user_law
+from chain_impact.kernel.model.contact_force import uncut_force
+from chain_impact.kernel.model.contact_law import USER_LAW
 from chain_impact.kernel.model.geometry import clearance
 from chain_impact.kernel.tangent.directions import value
 
@@ -40,7 +42,7 @@ def check_onsets(t):
         return
     if least <= math.sqrt(value(t.solver.tolerance)) * fastest_speed(t):
         mark_untrusted(t, GRAZING, first, value(t.step.end))
-    elif not t.contact.impulsive and least <= value(t.contact.minimum_impact_speed):
+    elif not t.law.impulsive[first] and least <= value(t.law.minimum_impact_speed[first]):
         mark_untrusted(t, AT_FLOOR, first, value(t.step.end))
     elif onsets > 1:
         mark_untrusted(t, SIMULTANEOUS, first, value(t.step.end))
@@ -57,14 +59,15 @@ def fastest_speed(t):
 
 def check_turns(t):
     """Check contacts whose rate changed sign in the last step: the force of a user's law may jump there."""
-    if t.contact.law != USER_LAW or t.trust.reason != TRUSTED:
+    if not user_law.present() or t.trust.reason != TRUSTED:
         return
     if not t.work.at_end:
         locate_points(t, t.step.state_end)
-    for k in range(t.touch.active_count):
+    for k in range(t.touch.compliant_count):
         c = t.touch.active_index[k]
         gap, gap_rate = clearance(t, c)
-        if value(t.touch.speed[c]) * value(gap_rate) > 0.0 and jumps_at_rest(t, c, max(0.0, -gap)):
+        turned = value(t.touch.speed[c]) * value(gap_rate) > 0.0
+        if turned and t.law.number[c] == USER_LAW and jumps_at_rest(t, c, max(0.0, -gap)):
             mark_untrusted(t, JUMP, c, value(t.step.start))
 
 

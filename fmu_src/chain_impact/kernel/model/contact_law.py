@@ -1,0 +1,159 @@
+"""The contact law of each candidate: a wall may be of another material, and stops have a law of their own.
+
+The law of a stop acts on the angle of its joint. For the kernel a stop is a contact at a lever arm s, the
+longest link (geometry.py): its depth is δ = s φ and its force F = M/s. With M = K φⁿ this is the stiffness
+K/sⁿ⁺¹, and its minimum impact speed is s times that in rad/s.
+
+Candidates whose parameters come from the same place have the same law. Its constants are derived for the
+first of them, and the others copy these: ``law.same_as``.
+"""
+
+import math
+
+from chain_impact.kernel.laws import user_law
+from chain_impact.kernel.laws.contact_laws import (
+    ANY,
+    APPROACH_ONLY,
+    EXPONENTS,
+    LAW_COUNT,
+    NEWTON_IMPACT,
+    RATE_EXPONENTS,
+    damping_factor,
+)
+from chain_impact.kernel.status import (
+    EXPONENT_NOT_ALLOWED,
+    OK,
+    PARAMETER_OUT_OF_RANGE,
+    RESTITUTION_NOT_ALLOWED,
+    RIGID_WHILE_TOUCHING,
+    UNKNOWN_LAW,
+)
+
+USER_LAW = LAW_COUNT + 1  # number of the user's law, in a kernel that is linked with one
+
+
+def start_laws(d):
+    """Find which candidates share a law, and set the laws of all; returns a status."""
+    for c in range(d.candidates):
+        d.law.number[c] = 0  # any parameter may have changed
+        first = 0
+        while not same_origin(d, c, first):
+            first += 1
+        d.law.same_as[c] = first
+    return update_laws(d)
+
+
+def same_origin(d, c, other):
+    """Whether the parameters of the laws of two candidates come from the same place."""
+    return origin(d, c) == origin(d, other)
+
+
+def origin(d, c):
+    """Where the law of candidate c comes from: −2 for stops, the wall if its material is its own, or −1."""
+    if d.candidate.stop[c] != 0:
+        return -2
+    wall = d.candidate.wall[c]
+    return wall if d.walls.stiffness[wall] > 0.0 or d.walls.restitution[wall] >= 0.0 else -1
+
+
+def update_laws(d):
+    """Set the laws of all candidates from the given values; returns a status. Invalid ones change nothing."""
+    for c in range(d.candidates):
+        status = check_law(d, c)
+        if status != OK:
+            return status
+    d.law.any_force, d.law.any_rigid = 0, 0
+    for c in range(d.candidates):
+        if d.law.same_as[c] == c:
+            derive_damping(d, c)
+        else:
+            copy_law(d, d.law.same_as[c], c)
+        set_parameters(d, c)
+        note_kind(d.law, c)
+    return OK
+
+
+def note_kind(law, c):
+    """Note that the law of candidate c is one with a force, or rigid."""
+    if law.impulsive[c]:
+        law.any_rigid = 1
+    else:
+        law.any_force = 1
+
+
+def given_number(d, c):
+    """The number of the law that is given for candidate c."""
+    return d.stops.law if d.candidate.stop[c] != 0 and d.stops.law > 0 else d.given.law
+
+
+def given_stiffness(d, c):
+    """The given stiffness K of candidate c [N/mⁿ], of a stop as of a contact at the lever arm."""
+    if d.candidate.stop[c] != 0:
+        return d.given.stop_stiffness / d.model.size ** (d.stops.exponent + 1.0)
+    own = d.walls.stiffness[d.candidate.wall[c]]
+    return own if own > 0.0 else d.given.stiffness
+
+
+def given_restitution(d, c):
+    """The given restitution of candidate c."""
+    if d.candidate.stop[c] != 0:
+        return d.given.stop_restitution
+    own = d.walls.restitution[d.candidate.wall[c]]
+    return own if own >= 0.0 else d.given.restitution
+
+
+def exponent(d, c):
+    """The exponent n of the law of candidate c."""
+    return d.stops.exponent if d.candidate.stop[c] != 0 else d.contact.exponent
+
+
+def check_law(d, c):
+    """Check what is given for the law of candidate c; returns a status."""
+    number, restitution = given_number(d, c), given_restitution(d, c)
+    if not 1 <= number <= LAW_COUNT + user_law.present():
+        return UNKNOWN_LAW
+    if not 0.0 <= restitution <= 1.0 or not given_stiffness(d, c) > 0.0:
+        return PARAMETER_OUT_OF_RANGE
+    if d.touch.active[c] and number == NEWTON_IMPACT and not d.law.impulsive[c]:
+        return RIGID_WHILE_TOUCHING
+    if number == USER_LAW or d.law.same_as[c] != c or is_derived(d, c):
+        return OK
+    if EXPONENTS[number - 1] not in (ANY, exponent(d, c)):
+        return EXPONENT_NOT_ALLOWED
+    return OK if math.isfinite(damping_factor(number, restitution)) else RESTITUTION_NOT_ALLOWED
+
+
+def is_derived(d, c):
+    """Whether the constants of candidate c are those of the law and the restitution that are given."""
+    return d.law.number[c] == given_number(d, c) and d.law.restitution[c] == given_restitution(d, c)
+
+
+def derive_damping(d, c):
+    """Set the constants of the given law of candidate c: f(e), and the exponent p of its damping δᵖ δ̇."""
+    if is_derived(d, c):
+        return
+    law, number = d.law, given_number(d, c)
+    law.impulsive[c] = number == NEWTON_IMPACT
+    law.rate_exponent[c], law.approach_only[c], law.damping_factor[c] = exponent(d, c), 0, 0.0
+    if number <= LAW_COUNT:
+        if RATE_EXPONENTS[number - 1] != ANY:
+            law.rate_exponent[c] = RATE_EXPONENTS[number - 1]
+        law.approach_only[c] = APPROACH_ONLY[number - 1]
+        law.damping_factor[c] = damping_factor(number, given_restitution(d, c))
+
+
+def copy_law(d, source, c):
+    """Give candidate c the constants of another one, whose law is the same."""
+    law = d.law
+    law.impulsive[c], law.approach_only[c] = law.impulsive[source], law.approach_only[source]
+    law.rate_exponent[c], law.damping_factor[c] = law.rate_exponent[source], law.damping_factor[source]
+
+
+def set_parameters(d, c):
+    """Set the parameters of the law of candidate c to the given ones."""
+    law = d.law
+    law.number[c], law.exponent[c] = given_number(d, c), exponent(d, c)
+    law.stiffness[c], law.restitution[c] = given_stiffness(d, c), given_restitution(d, c)
+    law.minimum_impact_speed[c] = d.contact.minimum_impact_speed
+    if d.candidate.stop[c] != 0:
+        law.minimum_impact_speed[c] = d.stops.minimum_impact_speed * d.model.size
