@@ -22,6 +22,7 @@ from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.kernel.tangent.trust import REASONS
 from chain_impact.scene.angles import or_degrees
 from chain_impact.scene.limits import Derived, allowed, without_none
+from chain_impact.scene.reading import entry_type
 from chain_impact.scene.scene import WALLS, load_scene, model_names, scene_keys, with_values
 from chain_impact.variables.model import Model
 from chain_impact.variables.units import UNITS
@@ -83,8 +84,7 @@ def scene_reference() -> str:
 
 
 def _is_table(kind: Any) -> bool:
-    item, *_ = get_args(kind) or (kind,)
-    return dataclasses.is_dataclass(item)
+    return dataclasses.is_dataclass(entry_type(kind))
 
 
 def _default(default: Any) -> str:
@@ -126,9 +126,9 @@ def _readable(text: str) -> str:
 def variable_patterns() -> str:
     """Every kind of variable once, its indices replaced by letters, and which scenes have it."""
     scenes = [load_scene(name) for name in model_names()]
-    everything = with_values(
-        load_scene("four_link_box"), {("inputs", "joint_torques"): True, ("inputs", "tip_force"): True}
-    )
+    more = {"inputs.joint_torques": True, "inputs.tip_force": True, "link[2].joint_min": -2.0}
+    more |= {"link[2].joint_max": 2.0, "wall.y_min.stiffness": 1e7, "wall.y_min.restitution": 0.3}
+    everything = with_values(load_scene("four_link_box"), more)
     rows: dict[str, Variable] = {}
     for scene in (everything, *scenes):
         for variable in Model(scene).variables:
@@ -159,7 +159,8 @@ KINDS = {
     "; with a free base": lambda scene: scene.chain.base == "free",
     "; with inputs": lambda scene: scene.inputs.joint_torques,
 }
-NAMED_AFTER = ("box.", "wall.", "joint[", "tip.")  # variables of one wall or input, which are there with it
+# variables of one wall, stop or input, which are there with it
+NAMED_AFTER = ("box.", "wall.", "stop.", "link[i].joint_min", "link[i].joint_max", "joint[", "tip.")
 
 
 def _where(pattern: str, found: list[tuple[Any, set[str]]]) -> str:
@@ -180,8 +181,9 @@ def _pattern(name: str) -> str:
 def _generic(description: str) -> str:
     text = re.sub(r"\blink 1 from the base\b", "link i from the joint before it", description)
     text = re.sub(r"\blink \d+ from (link \d+|the base)", "link i from link i − 1, or the base", text)
-    text = re.sub(r"\blink \d+", "link i", text)
+    text = re.sub(r"\b(link|joint) \d+", r"\1 i", text)
     text = re.sub(r"\bpoint \d+ at \w+", "point k at a wall", text)
+    text = re.sub(r"^at wall \w+: ", "at one wall: ", text)
     text = re.sub(r"^wall \w+: ", "wall at any angle: ", text)
     text = re.sub(r"(wall of the last impact: .*y_max).*", r"\1, 5 and on: those of the scene", text)
     return re.sub(r"\bpoint \d+:", "point k:", text)

@@ -1,4 +1,4 @@
-"""The JSON schema of scene files, for editors: made from the fields of the dataclasses in ``scene/scene.py``.
+"""The JSON schema of scene files, for editors: made from the fields of the dataclasses of ``scene/``.
 
 Draft 7, which Taplo and the editors built on it understand. It knows what each key may hold. What two keys
 say together, such as the number of angles and of links, only the reader can check.
@@ -7,11 +7,14 @@ say together, such as the number of angles and of links, only the reader can che
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Mapping
 from typing import Any, get_args, get_origin
 
 from chain_impact.scene.angles import degrees_pattern
 from chain_impact.scene.limits import Derived, without_none
-from chain_impact.scene.scene import Scene, Wall
+from chain_impact.scene.reading import entry_type
+from chain_impact.scene.scene import Scene
+from chain_impact.scene.tables import Wall
 
 LIMITS = {"minimum": "minimum", "above": "exclusiveMinimum", "maximum": "maximum"}
 TYPES = {bool: "boolean", int: "integer", float: "number", str: "string"}
@@ -33,7 +36,8 @@ def _table(table: Any) -> dict[str, Any]:
     if table is Wall:  # the reader wants one of the two
         rules["oneOf"] = [{"required": ["angle"]}, {"required": ["normal"]}]
     for entry in entries:
-        if file := entry.metadata.get("extended_by"):
+        file = entry.metadata.get("extended_by")
+        if file in table.__dataclass_fields__:
             # without the file only the choices of the registry are allowed
             has_file = {"required": [file], "properties": {file: {"minLength": 1}}}
             choices = {"properties": {entry.name: {"enum": list(entry.metadata["choices"])}}}
@@ -55,6 +59,9 @@ def _sentence(text: str) -> str:
 def _key(entry: Any) -> dict[str, Any]:
     if dataclasses.is_dataclass(entry.type):
         return _table(entry.type)
+    if get_origin(entry.type) is Mapping:
+        inner = _table(entry_type(entry.type))
+        return {"type": "object", "description": inner["description"], "additionalProperties": inner}
     rule = entry.metadata
     text = rule["description"] + (f" [{rule['unit']}]" if rule["unit"] not in ("", "1") else "")
     default = rule["default"]

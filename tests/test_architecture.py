@@ -56,6 +56,7 @@ TESTED_ELSEWHERE = {
     "studies/fit/result.py": "studies/fit/test_fit_result.py",
     "studies/fit/table.py": "studies/fit/test_fit_table.py",
     "studies/sweep/job.py": "studies/sweep/test_sweep.py",
+    "scene/tables.py": "scene/test_scene.py",
     "scene/limits.py": "scene/test_checks.py",
     "fmu/check_references.py": "fmu/test_references.py",
     "variables/units.py": "variables/test_table.py",

@@ -1,7 +1,7 @@
 """The pairs of a point and a wall that can touch."""
 
 from chain_impact import load_scene
-from chain_impact.scene.candidates import candidates
+from chain_impact.scene.candidates import candidates, point_wall_pairs, stop_pairs
 from chain_impact.scene.scene import WALLS, with_values
 from chain_impact.variables.model import Model
 
@@ -21,3 +21,13 @@ def test_candidates_are_the_listed_points_at_the_walls_that_are_there():
     for scene in (box, some, slanted, with_values(box, {("contact", "points"): []})):
         assert len(candidates(scene)) == len(scene.contact.points) * len(scene.half_planes)
     assert candidates(with_values(box, {("box", wall): None for wall in WALLS})) == []
+
+
+def test_stops_come_last_joint_after_joint():
+    box = with_values(load_scene("four_link_box"), {("contact", "points"): [4], ("box", "x_min"): None})
+    walls = [{"name": "ramp", "point": [0.0, -9.0], "angle": 0.0}]
+    limits = {"link[4].joint_max": 1.5, "link[2].joint_min": -2.0, "link[2].joint_max": 2.0}
+    stopped = with_values(with_values(box, {("walls",): walls}), limits)
+    assert stopped.wall_names == ("x_min", "x_max", "y_min", "y_max", "ramp", "joint_min", "joint_max")
+    assert candidates(stopped) == [(4, 1), (4, 2), (4, 3), (4, 4), (2, 5), (2, 6), (4, 6)]
+    assert point_wall_pairs(stopped) + stop_pairs(stopped) == candidates(stopped)

@@ -10,9 +10,7 @@ import pytest
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.scene.models import models_folder
 from chain_impact.scene.scene import (
-    MAX_LINKS,
     SOLVER_METHODS,
-    Link,
     SceneError,
     load_scene,
     model_names,
@@ -22,6 +20,7 @@ from chain_impact.scene.scene import (
     scene_to_dict,
     with_values,
 )
+from chain_impact.scene.tables import MAX_LINKS, Link
 from chain_impact.variables.model import Model
 from tests.refusal import refusal
 

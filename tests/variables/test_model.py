@@ -66,7 +66,7 @@ def test_what_the_scene_says_in_words_becomes_a_number():
     box = load_scene("four_link_box")
     changes = {("contact", "model"): "flores", ("solver", "method"): "implicit"}
     held = Model(with_values(box, changes)).new_instance()[0]
-    assert held["contact"]["law"] == CONTACT_LAWS["flores"].number
+    assert held["given"]["law"] == CONTACT_LAWS["flores"].number
     assert held["solver"]["method"] == SOLVER_METHODS.index("implicit") + 1
     assert (held["model"]["pinned"], held["model"]["driven"]) == (0, 0)
     arm = Model(load_scene("pinned_arm")).new_instance()[0]
@@ -134,3 +134,33 @@ def test_a_model_goes_to_another_process_as_its_scene():
     again = pickle.loads(pickle.dumps(model))
     assert vars(again) == {"scene": model.scene}
     assert [variable.name for variable in again.variables] == names
+
+
+def test_stops_and_materials_stand_in_the_record():
+    scene = with_values(load_scene("four_link_box"), {"link[3].joint_min": -2.5, "link[3].joint_max": 2.0})
+    materials = {"wall.y_max.stiffness": 1e6, "wall.x_min.restitution": 0.25}
+    d = Model(scene.with_values({"link[4].joint_max": 1.5, **materials})).new_instance()[0]
+    assert d["model"]["joint_min"].tolist() == [-np.inf, -np.inf, -2.5, -np.inf]
+    assert d["model"]["joint_max"].tolist() == [np.inf, np.inf, 2.0, 1.5]
+    assert d["candidate"]["stop"].tolist() == [0] * 20 + [1, -1, -1]
+    assert d["candidate"]["point"][20:].tolist() == [3, 3, 4]
+    assert d["candidate"]["wall"][20:].tolist() == [4, 5, 5]
+    assert d["stops"]["law"] == 0, "that of contact"
+    assert (d["stops"]["exponent"], d["stops"]["minimum_impact_speed"]) == (1.5, 1e-3)
+    assert (d["given"]["stop_stiffness"], d["given"]["stop_restitution"]) == (1e5, 0.7)
+    assert d["walls"]["stiffness"].tolist() == [0.0, 0.0, 0.0, 1e6] + [0.0] * 23
+    assert d["walls"]["restitution"].tolist() == [0.25] + [-1.0] * 26
+
+
+def test_stops_can_have_a_law_of_their_own():
+    scene = load_scene("pinned_arm").with_values({"link[1].joint_max": 3.0, "stops.model": "newton_impact"})
+    d = Model(scene).new_instance()[0]
+    assert (d["stops"]["law"], d["candidate"]["stop"][-1]) == (CONTACT_LAWS["newton_impact"].number, -1)
+    assert d["given"]["law"] == CONTACT_LAWS["zhang_sharf"].number
+
+
+def test_walls_that_no_point_can_touch_need_no_room():
+    walls = [{"name": f"w{i}", "point": [-9.0, -9.0], "normal": [1.0, 1.0]} for i in range(6)]
+    changes = {("walls",): walls, ("contact", "points"): [], ("chain", "links", 1, "joint_max"): 3.0}
+    d = Model(with_values(load_scene("four_link_box"), changes)).new_instance()[0]
+    assert (d["candidate"]["wall"].tolist(), d["walls"]["angle"].tolist()) == ([11], [0.0])

@@ -17,6 +17,9 @@ from chain_impact.variables.table import word_index
 from chain_impact.variables.units import UNITS
 
 DRIVEN = {("inputs", "joint_torques"): True, ("inputs", "tip_force"): True}
+STOPS = {"link[2].joint_min": -2.0, "link[2].joint_max": 2.0, "link[4].joint_max": 1.5, "stop.stiffness": 1e4}
+MATERIALS = {"wall.y_min.stiffness": 1e7, "wall.y_min.restitution": 0.25, "wall.x_max.restitution": 0.5}
+NO_POINTS = {("contact", "points"): []}
 
 
 def scenes() -> dict[str, Scene]:
@@ -27,6 +30,9 @@ def scenes() -> dict[str, Scene]:
         "without walls": with_values(box, {("box", wall): None for wall in WALLS}),
         "two points": with_values(box, {("contact", "points"): [0, 3]}),
         "walls without points": with_values(models["ramp"], {("contact", "points"): []}),
+        "stops": with_values(box, STOPS),
+        "stops only": with_values(models["simple_pendulum"], {"link[1].joint_max": 7.0, **NO_POINTS}),
+        "materials": with_values(box, MATERIALS),
         "slanted": with_values(box, {("walls",): [{"name": "slope", "point": [0.0, 0.0], "angle": -0.75}]}),
     }
 
@@ -213,15 +219,12 @@ def test_each_parameter_sets_its_place_and_nothing_else(scene):
             value = stored = 0.999 * before.view(view)[word].item() + 1e-4
         if variable.name in ("box.x_min", "box.y_min"):  # the start must not come to lie in the wall
             value = stored = -1.0
-        elif variable.name == "contact.exponent":  # no less than 1
+        elif variable.name in ("contact.exponent", "stop.exponent"):  # no less than 1
             value = stored = 1.25
         after = Model(with_values(scene, {path: value})).new_instance()
         assert after.view(view)[word] == stored
         changed = np.flatnonzero(after.view(np.int64) != before.view(np.int64))
-        # what can be set at any time holds as it is given at the start
-        record, *field = variable.place
-        both = [("given", *field), ("contact", *field)] if record == "given" else [variable.place]
-        assert set(changed) <= {word_index(before.dtype, place) for place in both}, variable.name
+        assert set(changed) <= {word}, variable.name
 
 
 def test_enumerations_number_laws_and_methods_as_the_kernel_does():
@@ -267,3 +270,58 @@ def test_columns_are_those_of_the_recorded_outputs(scene):
 def test_every_unit_is_used():
     used = {variable.unit for scene in SCENES.values() for variable in Model(scene).variables}
     assert used - {""} == set(UNITS)
+
+
+# --- stops and materials -------------------------------------------------------------------------------
+
+
+def test_a_scene_with_stops_has_their_variables():
+    found = {variable.name: variable for variable in Model(SCENES["stops"]).variables}
+    new = found.keys() - {variable.name for variable in Model(SCENES["four_link_box"]).variables}
+    parameters = {"link[2].joint_min", "link[2].joint_max", "link[4].joint_max"}
+    parameters |= {f"stop.{key}" for key in ("stiffness", "exponent", "restitution", "minimum_impact_speed")}
+    keys = ("stop_moment", "stop_penetration", "stop_impulse")
+    assert new == parameters | {f"joint[{i}].{key}" for i in (2, 4) for key in keys}
+    tunable = {name for name in new if found[name].variability == "tunable"}
+    assert tunable == {"stop.stiffness", "stop.restitution"}
+    assert found["stop.stiffness"].place == ("given", "stop_stiffness")
+    assert found["stop.exponent"].place == ("stops", "exponent")
+    # the first candidate of each joint, after the 20 pairs of points and walls
+    assert found["joint[2].stop_moment"].place == ("output", "force", 20)
+    assert found["joint[4].stop_penetration"].place == ("output", "penetration", 22)
+    assert found["joint[4].stop_impulse"].place == ("output", "impulse", 22)
+    assert [found[f"joint[2].{key}"].unit for key in keys] == ["N.m", "rad", "N.m.s"]
+    assert found["stop.stiffness"].unit == "N.m/rad^exponent"
+
+
+def test_the_list_of_impacts_says_what_it_holds_of_a_stop():
+    found = {variable.name: variable for variable in Model(SCENES["stops"]).variables}
+    assert found["impact.last_wall"].description.endswith("4 y_max, 5 joint_min, 6 joint_max")
+    assert found["impact[1].wall"].maximum == 6
+    assert found["impact[1].point"].description.endswith("; of a stop its joint")
+    for key, unit in (("speed", "rad/s"), ("peak_force", "N.m"), ("impulse", "N.m.s")):
+        assert found[f"impact[1].{key}"].description.endswith(f" in {unit}")
+
+
+def test_a_law_that_only_stops_use_can_be_chosen():
+    only = names(SCENES["stops only"], "parameter")
+    stops = [f"stop.{key}" for key in ("stiffness", "exponent", "restitution", "minimum_impact_speed")]
+    assert [name for name in only if name.startswith(("contact", "stop"))] == ["contact.model", *stops]
+    own = with_values(SCENES["stops only"], {"stops.model": "flores"})
+    assert "contact.model" not in names(own, "parameter")
+
+
+def test_a_scene_with_materials_has_what_it_gives_of_them():
+    found = {variable.name: variable for variable in Model(SCENES["materials"]).variables}
+    new = found.keys() - {variable.name for variable in Model(SCENES["four_link_box"]).variables}
+    assert new == MATERIALS.keys()
+    assert {found[name].variability for name in new} == {"tunable"}
+    assert found["wall.y_min.stiffness"].place == ("walls", "stiffness", 2)
+    assert found["wall.x_max.restitution"].place == ("walls", "restitution", 1)
+
+
+def test_stops_and_materials_have_derivatives_but_for_the_least_speed():
+    varied = Model(SCENES["stops"]).differentiable | Model(SCENES["materials"]).differentiable
+    wanted = {*STOPS, *MATERIALS, "stop.exponent", "stop.restitution"}
+    assert wanted <= varied.keys()
+    assert not [name for name in varied if "minimum_impact_speed" in name or name.startswith("solver")]

@@ -38,7 +38,8 @@ def array_variables(model: Model) -> list[Array]:
     groups: dict[tuple[str | int, ...], list[Variable]] = {}
     for variable in model.outputs:
         record, field, *index = variable.place
-        if index:
+        # stops have other units than contacts, and joints without a stop no element
+        if index and not variable.name.startswith("joint["):
             groups.setdefault((record, field), []).append(variable)
     return [_array(elements) for elements in groups.values()]
 

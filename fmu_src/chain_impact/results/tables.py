@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from chain_impact.extras import require
+from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.names import AXES
 from chain_impact.variables.outputs import OWNERS
 
@@ -51,7 +52,7 @@ def dataset(result: Result) -> Any:
     """See ``Result.to_xarray``."""
     xarray = require("xarray", "xarray")
     scene, model = result.scene, result.model
-    pairs = [(point, scene.wall_names[wall]) for point, wall in model.candidates]
+    pairs = [(point, scene.wall_names[wall]) for point, wall in point_wall_pairs(scene)]
     points = len(scene.chain.links) + 1
     sizes = {"point": points, "axis": len(AXES), "link": points - 1, "contact": len(pairs)}
     data: dict[str, Any] = {}
@@ -59,12 +60,13 @@ def dataset(result: Result) -> Any:
         if variable.name not in result.motion:
             continue
         _, field, *index = variable.place
-        dimensions = _DIMENSIONS.get(str(field), ())
+        of_stop = variable.name.startswith("joint[")  # joints without a stop have no such values
+        dimensions = () if of_stop else _DIMENSIONS.get(str(field), ())
         key = str(field).removeprefix("point_") if dimensions else variable.name
         if key not in data:
             values = np.full((len(result.time), *(sizes[one] for one in dimensions)), np.nan)
             data[key] = (("time", *dimensions), values, {"units": variable.unit})
-        data[key][1][(slice(None), *index)] = result.motion[variable.name]
+        data[key][1][(slice(None), *index[: len(dimensions)])] = result.motion[variable.name]
     coordinates = {
         "time": ("time", result.time, {"units": "s"}),
         "point": np.arange(points),

@@ -1,13 +1,28 @@
-"""The candidates of a scene: the pairs of a point and a wall that can touch."""
+"""The candidates of a scene: the pairs of a point and a wall that can touch, and the stops in joints."""
 
 from __future__ import annotations
 
 from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.scene.names import STOPS
 from chain_impact.scene.scene import Scene
 
 
 def candidates(scene: Scene) -> list[tuple[int, int]]:
-    """The pairs (point, index into ``scene.wall_names``) that can touch: listed points, existing walls."""
+    """The pairs (point, index into ``scene.wall_names``) that can touch: listed points, existing walls.
+
+    Then come the stops, as pairs (joint, index into ``scene.wall_names``); joints are numbered as links are.
+    """
+    return [*point_wall_pairs(scene), *stop_pairs(scene)]
+
+
+def stop_pairs(scene: Scene) -> list[tuple[int, int]]:
+    """The stops, as pairs (joint, index into ``scene.wall_names``)."""
+    first = len(WALLS) + len(scene.walls)
+    return [(joint, first + STOPS.index(stop)) for joint, stop in scene.chain.stops]
+
+
+def point_wall_pairs(scene: Scene) -> list[tuple[int, int]]:
+    """The pairs of a point and a wall that can touch."""
     walls = [w for w, name in enumerate(WALLS) if getattr(scene.box, name) is not None]
     walls += range(len(WALLS), len(WALLS) + len(scene.walls))
     return [(point, wall) for point in scene.contact.points for wall in walls]

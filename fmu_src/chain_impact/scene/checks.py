@@ -17,17 +17,13 @@ from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.scene.angles import radians_hint
 from chain_impact.scene.half_planes import direction
 from chain_impact.scene.reading import SceneError, SceneWarning, shown
+from chain_impact.scene.tables import Chain, Contact, Material, Stops
 
 if TYPE_CHECKING:
-    from chain_impact.scene.scene import Chain, Scene
+    from chain_impact.scene.scene import Scene
 
 _MASSES = ("length", "center_of_mass", "inertia")
 START_TOLERANCE = 1e-12  # m, penetration at the start that counts as round-off
-
-
-def movable_points(chain: Chain) -> range:
-    """The points that can move: all but a pinned base."""
-    return range(1 if chain.base == "pinned" else 0, len(chain.links) + 1)
 
 
 def with_law_path(scene: Scene, folder: Path) -> Scene:
@@ -56,6 +52,18 @@ def with_angles(scene: Scene) -> Scene:
     return replace(scene, walls=tuple(walls))
 
 
+def with_materials(scene: Scene) -> Scene:
+    """Return the scene with a material of each wall that is there; what is not given of it is None."""
+    given = dict(scene.contact.wall)
+    materials = {name: given.pop(name, Material()) for name in scene.half_planes}
+    if given:
+        needed = f"one of {', '.join(materials)}" if materials else "empty: the scene has no walls"
+        raise SceneError(
+            f"contact.wall = {shown(next(iter(given)))} is no wall of the scene; must be {needed}"
+        )
+    return replace(scene, contact=replace(scene.contact, wall=materials))
+
+
 def check_masses(chain: Chain) -> None:
     """Refuse links without inertia that could turn without moving any mass; see kernel/chain/regular.py."""
     columns = {name: [getattr(link, name) for link in chain.links] for name in _MASSES}
@@ -77,17 +85,14 @@ def check_masses(chain: Chain) -> None:
 def check_together(scene: Scene) -> None:
     """Refuse what no key can tell alone."""
     check_masses(scene.chain)
-    contact, box, movable = scene.contact, scene.box, movable_points(scene.chain)
+    contact, box, movable = scene.contact, scene.box, scene.chain.movable_points
     for point in contact.points:
         if point not in movable or contact.points.count(point) > 1:
             span = f"{movable[0]} to {movable[-1]} with a {scene.chain.base} base, each once"
             raise SceneError(f"contact.points holds {shown(point)}, must hold {span}")
-    law = CONTACT_LAWS.get(contact.model)
-    if law and contact.restitution == 0.0 and not law.allows_zero:
-        raise SceneError(f"contact.restitution = 0.0 must be > 0 for the contact model {law.id}")
-    if law and not law.allows_exponent(contact.exponent):
-        needed = f"{law.exponent} for the contact model {law.id}"
-        raise SceneError(f"contact.exponent = {contact.exponent} must be {needed}")
+    check_law(contact.model, "contact", contact)
+    for name, material in contact.wall.items():
+        check_law(contact.model, f"wall.{name}", material)
     if scene.chain.base == "pinned" and any(scene.initial.velocity):
         raise SceneError(f"initial.velocity = {list(scene.initial.velocity)} must be zero for a pinned base")
     for i, wall in enumerate(scene.walls):
@@ -98,6 +103,17 @@ def check_together(scene: Scene) -> None:
         if low is not None and high is not None and not high - low > 2 * contact.radius:
             least = f"{low + 2 * contact.radius} [m], which is {axis}_min + 2 contact.radius"
             raise SceneError(f"box.{axis}_max = {high} must be > {least}")
+
+
+def check_law(model: str, table: str, values: Contact | Material | Stops) -> None:
+    """Refuse a restitution, or an exponent, in the values of a table that a law does not allow."""
+    law, exponent = CONTACT_LAWS.get(model), getattr(values, "exponent", None)
+    if law and values.restitution == 0.0 and not law.allows_zero:
+        raise SceneError(f"{table}.restitution = 0.0 must be > 0 for the contact model {law.id}")
+    if law and exponent is not None and not law.allows_exponent(exponent):
+        raise SceneError(
+            f"{table}.exponent = {exponent} must be {law.exponent} for the contact model {law.id}"
+        )
 
 
 def check_start(scene: Scene) -> None:
@@ -122,6 +138,7 @@ def angle_hints(scene: Scene) -> list[str]:
     links, angles = enumerate(scene.chain.links, 1), enumerate(scene.initial.angles, 1)
     found = {f"initial.angle[{i}]": angle for i, angle in angles}
     found |= {f"link[{i}].joint_rest_angle": link.joint_rest_angle for i, link in links}
+    found |= {f"link[{i}].{key}": getattr(scene.chain.links[i - 1], key) for i, key in scene.chain.stops}
     found |= {f"wall.{wall.name}.angle": wall.angle or 0.0 for wall in scene.walls}
     return [hint for name, angle in found.items() if (hint := radians_hint(name, angle, "rad"))]
 

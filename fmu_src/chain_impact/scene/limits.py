@@ -30,7 +30,7 @@ class Limits(TypedDict, total=False):
     per_link: bool  # a list with one value for each link
     entries: tuple[int, int]  # of a list, how many at least and at most
     file_only: bool  # stands for other values in a file; None in a scene
-    extended_by: str  # key of the same table, a file whose name is one more choice
+    extended_by: str  # key of a file whose name is one more choice: of the same table, or "table.key"
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,6 +49,8 @@ def quantity(unit: str, description: str, default: Any = MISSING, **limits: Unpa
     """
     metadata = {"unit": unit, "description": description, "default": default}
     metadata |= dict.fromkeys(Limits.__annotations__) | limits
+    if isinstance(default, Mapping):  # of tables by name
+        return field(default_factory=dict, hash=False, metadata=metadata)
     return field(default=MISSING if isinstance(default, Derived) else default, metadata=metadata)
 
 
@@ -65,7 +67,8 @@ def keeps(value: Any, rule: Mapping[str, Any]) -> bool:
 
 def extended(rule: Mapping[str, Any], known: Mapping[str, Any]) -> Mapping[str, Any]:
     """The metadata `rule` with the choice that another key adds, for the values read before."""
-    file = known.get(rule.get("extended_by") or "")
+    table, _, key = (rule.get("extended_by") or "").rpartition(".")
+    file = getattr(known[table], key) if table else known.get(key)
     return {**rule, "choices": (*rule["choices"], Path(file).stem)} if file else rule
 
 

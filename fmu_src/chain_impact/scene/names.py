@@ -13,6 +13,8 @@ from difflib import get_close_matches
 Place = tuple[str | int, ...]
 """A path into nested tables and lists; lists count from 0."""
 AXES = ("x", "y")
+STOPS = ("joint_min", "joint_max")
+"""The stops of a joint: keys of a link, and what they are called among the walls."""
 
 
 def name_of(path: Place, walls: Sequence[object] = ()) -> str:
@@ -26,6 +28,10 @@ def name_of(path: Place, walls: Sequence[object] = ()) -> str:
             name = f"wall.{walls[w]}.{AXES[j]}"
         case "walls", int(w), key, *rest if isinstance(walls[w], str) and key != "name":
             name = _dotted(("wall", str(walls[w]), key, *rest))
+        case "contact", "wall", str(wall), str(key):
+            name = f"wall.{wall}.{key}"
+        case "stops", str(key) if key != "model":
+            name = f"stop.{key}"
         case "initial", "position", int(j):
             name = f"initial.{AXES[j]}"
         case "initial", "velocity", int(j):

@@ -83,9 +83,16 @@ def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
     for entry in fields(table):
         key = prefix + entry.name
         yield key, entry
-        kind, *_ = get_args(entry.type) or (entry.type,)
-        if is_dataclass(kind):
-            yield from keys_of(kind, f"{key}." if kind is entry.type else f"{key}[].")
+        if is_dataclass(inner := entry_type(entry.type)):
+            marks: dict[Any, str] = {tuple: "[]", Mapping: ".<name>"}
+            mark = marks.get(get_origin(entry.type), "")
+            yield from keys_of(inner, f"{key}{mark}.")
+
+
+def entry_type(kind: Any) -> Any:
+    """The type of what is in a list, or in tables by name; of all else the type itself."""
+    item, *rest = get_args(kind) or (kind,)
+    return rest[0] if get_origin(kind) is Mapping else item
 
 
 class Reader:
@@ -108,7 +115,7 @@ class Reader:
         values: dict[str, Any] = {}
         for entry in fields(table):
             where, scope = (*path, entry.name), {**known, **values}
-            rule = extended(entry.metadata, values)
+            rule = extended(entry.metadata, scope)
             value = data.get(entry.name)
             if value is None:
                 value = rule.get("default", {})  # a table has no default but those of its keys
@@ -129,6 +136,8 @@ class Reader:
             return self._table(kind, value, path, known)
         if get_origin(kind) is tuple:
             return self._list(kind, rule, value, path, known)
+        if get_origin(kind) is Mapping:
+            return self._tables(kind, value, path, known)
         result = _convert(kind, in_radians(value, rule["unit"]))
         if result is None or not keeps(result, rule):
             needed = allowed(kind, rule) + or_degrees(rule["unit"])
@@ -152,6 +161,12 @@ class Reader:
         if not least <= len(value) <= most:
             raise SceneError(f"{self.label(path)} has {len(value)} entries, must have {least} to {most}")
         return tuple(self._value(item, rule, one, (*path, i), known) for i, one in enumerate(value))
+
+    def _tables(self, kind: Any, value: Any, path: Place, known: Mapping[str, Any]) -> dict[str, Any]:
+        """Tables of one kind, each with a name of its own."""
+        if not isinstance(value, Mapping):
+            raise self._refusal(path, value, "a table of tables")
+        return {name: self._table(entry_type(kind), one, (*path, name), known) for name, one in value.items()}
 
     def _refusal(self, path: Place, value: Any, needed: str) -> SceneError:
         where = self.label(path) if path else "scene"

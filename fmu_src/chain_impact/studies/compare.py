@@ -16,7 +16,8 @@ from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.results.recording import written_whole
 from chain_impact.results.result import Result
 from chain_impact.scene.reading import SceneError, UnknownNameError
-from chain_impact.scene.scene import Contact, Scene, SceneSource, scene_from_dict, scene_of, with_values
+from chain_impact.scene.scene import Scene, SceneSource, scene_from_dict, scene_of, with_values
+from chain_impact.scene.tables import Contact
 from chain_impact.simulation.instance import Instance, SimulationError
 from chain_impact.simulation.simulate import simulate
 

@@ -6,6 +6,7 @@ That is its candidates, the variables of its FMU by name, their places in the in
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache, cached_property
@@ -19,8 +20,8 @@ from chain_impact.kernel.model.contact_law import USER_LAW
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent.directions import DIRECTIONS, tangent_dtype
-from chain_impact.scene.candidates import candidates
-from chain_impact.scene.names import Place, input_key, parameter_hint
+from chain_impact.scene.candidates import candidates, point_wall_pairs
+from chain_impact.scene.names import STOPS, Place, input_key, parameter_hint
 from chain_impact.scene.reading import matching
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.outputs import all_outputs
@@ -49,7 +50,7 @@ class Model:
 
     @cached_property
     def candidates(self) -> list[tuple[int, int]]:
-        """The C pairs (point, index into ``scene.wall_names``) that can touch."""
+        """The C pairs (point, or joint of a stop; index into ``scene.wall_names``) that can touch."""
         return candidates(self.scene)
 
     @cached_property
@@ -65,7 +66,7 @@ class Model:
     @cached_property
     def outputs(self) -> list[Variable]:
         """The outputs of the FMU, but for derivatives."""
-        return list(all_outputs(self.scene, self.candidates))
+        return list(all_outputs(self.scene))
 
     @cached_property
     def outputs_by_name(self) -> dict[str, Variable]:
@@ -108,8 +109,9 @@ class Model:
     @cached_property
     def differentiable(self) -> dict[str, Variable]:
         """The parameters and inputs with respect to which there are derivatives, by their names."""
-        left_out = ("solver", "contact.model", "contact.minimum_impact_speed")
-        return {v.name: v for v in (*self.parameters, *self.inputs) if not v.name.startswith(left_out)}
+        left_out = ("minimum_impact_speed", "contact.model")
+        variables = (*self.parameters, *self.inputs)
+        return {v.name: v for v in variables if not v.name.startswith("solver") | v.name.endswith(left_out)}
 
     @cached_property
     def row(self) -> np.dtype:
@@ -237,22 +239,22 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     model["gravity"] = scene.gravity
     for name in LINK_PARAMETERS:
         model[name] = [getattr(link, name) for link in links]
+    for name, none in zip(STOPS, (-math.inf, math.inf), strict=True):
+        model[name] = [none if (at := getattr(link, name)) is None else at for link in links]
     # the position of a wall that is not there is never looked at
     model["wall"] = [getattr(scene.box, name) or 0.0 for name in WALLS]
     if pairs:
         d["candidate"]["point"], d["candidate"]["wall"] = np.transpose(pairs)
-        for w, wall in enumerate(scene.walls):
-            for name, value in (("x", wall.point[0]), ("y", wall.point[1]), ("angle", wall.angle)):
-                d["walls"][name][w] = value
+    _fill_walls(d, scene)
+    _fill_stops(d, scene)
     model["pinned"] = scene.chain.base == "pinned"
     model["driven"] = scene.inputs.joint_torques or scene.inputs.tip_force
 
     for name in ("exponent", "radius", "minimum_impact_speed"):
         d["contact"][name] = getattr(scene.contact, name)
-    d["walls"]["restitution"] = -1.0
 
-    law, given = CONTACT_LAWS.get(scene.contact.model), d["given"]
-    given["law"] = law.number if law else USER_LAW
+    given = d["given"]
+    given["law"] = _law_number(scene.contact.model)
     for name in ("stiffness", "restitution"):
         given[name] = getattr(scene.contact, name)
 
@@ -266,6 +268,39 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     d["solver"]["method"] = SOLVER_METHODS.index(scene.solver.method) + 1
     for name in ("tolerance", "work_limit"):
         d["solver"][name] = getattr(scene.solver, name)
+
+
+def _fill_walls(d: Any, scene: Scene) -> None:
+    """Put the walls at any angle, and the materials of all walls, in their places."""
+    d["walls"]["restitution"] = -1.0  # that of `contact`
+    if not point_wall_pairs(scene):  # the record has room for walls only where points may touch them
+        return
+    for w, wall in enumerate(scene.walls):
+        for name, value in (("x", wall.point[0]), ("y", wall.point[1]), ("angle", wall.angle)):
+            d["walls"][name][w] = value
+    for wall_name, material in scene.contact.wall.items():
+        w = scene.wall_names.index(wall_name)
+        for name in ("stiffness", "restitution"):
+            if (value := getattr(material, name)) is not None:
+                d["walls"][name][w] = value
+
+
+def _fill_stops(d: Any, scene: Scene) -> None:
+    """Put the stops in joints in their places."""
+    stops, found = scene.stops, scene.chain.stops
+    if not found:
+        return
+    d["candidate"]["stop"][-len(found) :] = [1 if stop == "joint_min" else -1 for _, stop in found]
+    d["stops"]["law"] = _law_number(stops.model) if stops.model else 0
+    for name in ("exponent", "minimum_impact_speed"):
+        d["stops"][name] = getattr(stops, name)
+    for name in ("stiffness", "restitution"):
+        d["given"][f"stop_{name}"] = getattr(stops, name)
+
+
+def _law_number(name: str) -> int:
+    law = CONTACT_LAWS.get(name)
+    return law.number if law else USER_LAW
 
 
 _layout = cache(instance_dtype)  # which takes as long as all else of a new instance

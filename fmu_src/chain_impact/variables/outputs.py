@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from chain_impact.kernel.status import STATUS_TEXT
+from chain_impact.scene.candidates import point_wall_pairs, stop_pairs
 from chain_impact.scene.names import AXES
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.variable import OBSERVED, Variable
@@ -42,7 +43,7 @@ def _output(
     )
 
 
-def all_outputs(scene: Scene, candidates: Sequence[tuple[int, int]]) -> Iterator[Variable]:
+def all_outputs(scene: Scene) -> Iterator[Variable]:
     """The outputs that the scene asks for, with those of its candidates."""
     asked = scene.outputs
     if asked.points:
@@ -50,7 +51,8 @@ def all_outputs(scene: Scene, candidates: Sequence[tuple[int, int]]) -> Iterator
     if asked.links:
         yield from _links(scene)
     if asked.contacts:
-        yield from _contacts(scene, candidates)
+        yield from _contacts(scene)
+        yield from _stops(scene)
     if asked.energies:
         yield from _energies(scene)
     yield from _last_impact(scene)
@@ -77,19 +79,36 @@ def _links(scene: Scene) -> Iterator[Variable]:
             yield _output(f"link[{i + 1}].{quantity}", unit, text, "output", quantity, i)
 
 
-def _contacts(scene: Scene, candidates: Sequence[tuple[int, int]]) -> Iterator[Variable]:
+def _contacts(scene: Scene) -> Iterator[Variable]:
     touches = (
         ("force", "N", "force of the wall, along its normal"),
         ("penetration", "m", "penetration, 0 when apart"),
         ("penetration_rate", "m/s", "rate of penetration, positive when closing, 0 when apart"),
         ("impulse", "N.s", "impulse of the wall since the start, along its normal"),
     )
-    for c, (point, number) in enumerate(candidates):
+    for c, (point, number) in enumerate(point_wall_pairs(scene)):
         wall = scene.wall_names[number]
         for quantity, unit, text in touches:
             name, where = f"contact[{point}].{wall}.{quantity}", f"point {point} at {wall}"
             least = 0.0 if quantity == "penetration" else None
             yield _output(name, unit, f"{where}: {text}", "output", quantity, c, minimum=least)
+
+
+def _stops(scene: Scene) -> Iterator[Variable]:
+    """The outputs of each joint with a stop: the kernel puts them in the place of its first candidate."""
+    touches = (
+        ("force", "stop_moment", "N.m", "moment of its stops, positive at joint_min"),
+        ("penetration", "stop_penetration", "rad", "angle beyond a stop, 0 when apart"),
+        ("impulse", "stop_impulse", "N.m.s", "impulse of its stops since the start, positive at joint_min"),
+    )
+    first: dict[int, int] = {}
+    for c, (joint, _) in enumerate(stop_pairs(scene), len(point_wall_pairs(scene))):
+        first.setdefault(joint, c)
+    for joint, c in first.items():
+        for quantity, key, unit, text in touches:
+            least = 0.0 if quantity == "penetration" else None
+            name = f"joint[{joint}].{key}"
+            yield _output(name, unit, f"joint {joint}: {text}", "output", quantity, c, minimum=least)
 
 
 def _energies(scene: Scene) -> Iterator[Variable]:
@@ -108,13 +127,13 @@ def _energies(scene: Scene) -> Iterator[Variable]:
 
 
 def _last_impact(scene: Scene) -> Iterator[Variable]:
-    walls = _wall_numbers(scene)
+    walls, of_stop = _wall_numbers(scene), _of_stops(scene)
     texts = {
         "count": ("", "impacts since the start"),
         "last_time": ("s", "time of the last impact, of the start before the first"),
-        "last_point": ("", "point of the last impact, -1 before the first"),
+        "last_point": ("", f"point of the last impact, -1 before the first{of_stop['point']}"),
         "last_wall": ("", f"wall of the last impact: 0 none, {walls}"),
-        "last_speed": ("m/s", "approach speed at the last impact, 0 before the first"),
+        "last_speed": ("m/s", f"approach speed at the last impact, 0 before the first{of_stop['speed']}"),
     }
     limits = {
         "count": (0, None),
@@ -128,29 +147,47 @@ def _last_impact(scene: Scene) -> Iterator[Variable]:
 
 
 def _latest_impacts(scene: Scene) -> Iterator[Variable]:
-    walls = _wall_numbers(scene)
+    walls, of_stop = _wall_numbers(scene), _of_stops(scene)
     quantities = (
         ("time", "s", "time of its onset, 0 if there is none", None, None),
-        ("point", "", "point, -1 if there is none", -1, len(scene.chain.links)),
+        ("point", "", f"point, -1 if there is none{of_stop['point']}", -1, len(scene.chain.links)),
         ("wall", "", f"wall: 0 if there is none, {walls}", 0, len(scene.wall_names)),
-        ("speed", "m/s", "approach speed at its onset", 0.0, None),
+        ("speed", "m/s", f"approach speed at its onset{of_stop['speed']}", 0.0, None),
         ("end", "s", "time of its end, the present time if it lasts", None, None),
         (
             "separation_speed",
             "m/s",
-            "speed from the wall at its end, the present one if it lasts",
+            f"speed from the wall at its end, the present one if it lasts{of_stop['speed']}",
             None,
             None,
         ),
-        ("peak_force", "N", "largest force so far, infinite for an impulse of a rigid wall", 0.0, None),
-        ("max_penetration", "m", "largest penetration so far", 0.0, None),
-        ("impulse", "N.s", "impulse of the wall so far", None, None),
+        (
+            "peak_force",
+            "N",
+            f"largest force so far, infinite for an impulse of a rigid wall{of_stop['force']}",
+            0.0,
+            None,
+        ),
+        ("max_penetration", "m", f"largest penetration so far{of_stop['penetration']}", 0.0, None),
+        ("impulse", "N.s", f"impulse of the wall so far{of_stop['impulse']}", None, None),
     )
     for j in range(scene.outputs.impacts):
         of = "latest impact" if j == 0 else f"latest impact but {j}"
         for key, unit, text, least, most in quantities:
             name = f"impact[{j + 1}].{key}"
             yield _output(name, unit, f"{of}: {text}", "latest", key, j, minimum=least, maximum=most)
+
+
+def _of_stops(scene: Scene) -> dict[str, str]:
+    """What the quantities of an impact are of a stop, in words; nothing for a scene without stops."""
+    texts = {
+        "point": "; of a stop its joint",
+        "speed": "; of a stop in rad/s",
+        "force": "; of a stop the moment in N.m",
+        "penetration": "; of a stop the angle in rad",
+        "impulse": "; of a stop in N.m.s",
+    }
+    return texts if scene.chain.stops else dict.fromkeys(texts, "")
 
 
 def _wall_numbers(scene: Scene) -> str:

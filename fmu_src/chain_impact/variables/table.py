@@ -2,7 +2,7 @@
 
 From it come the modelDescription.xml, the table that the FMU carries, the columns of a CSV file and the names
 that the command line's ``--set`` takes. What a parameter means, its unit and its range stand in the fields of
-``scene/scene.py``; this module adds only where they are found. A scene has the variables that it needs: no
+``scene/tables.py``; this module adds only where they are found. A scene has the variables that it needs: no
 wall, no candidate and no input that is not in it.
 """
 
@@ -20,9 +20,10 @@ from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.tangent.directions import DIRECTIONS
-from chain_impact.scene.candidates import candidates
-from chain_impact.scene.names import AXES, Place, name_of, sensitivity_name
-from chain_impact.scene.scene import Box, Contact, Initial, Link, Scene, Solver, Wall
+from chain_impact.scene.candidates import point_wall_pairs
+from chain_impact.scene.names import AXES, STOPS, Place, name_of, sensitivity_name
+from chain_impact.scene.scene import Scene
+from chain_impact.scene.tables import Box, Contact, Initial, Link, Material, Solver, Stops, Wall
 from chain_impact.variables.units import quotient
 from chain_impact.variables.variable import Item, Variable
 
@@ -105,13 +106,18 @@ def parameters(scene: Scene) -> Iterator[Variable]:
         yield _parameter(rules["gravity"], ("model", *path), path, f"{axis} of the {{}}")
     for i in range(len(scene.chain.links)):
         for key, rule in _rules(Link).items():
+            if key in STOPS and getattr(scene.chain.links[i], key) is None:
+                continue
             yield _parameter(rule, ("model", key, i), ("chain", "links", i, key), f"link {i + 1}: {{}}")
     for w, wall in enumerate(WALLS):
         if getattr(scene.box, wall) is not None:
             yield _parameter(rules[wall], ("model", "wall", w), ("box", wall), "position of the {}")
-    if candidates(scene):
+    if point_wall_pairs(scene):
         yield from _wall_parameters(scene)
         yield from _contact_parameters(scene)
+        yield from _material_parameters(scene)
+    if scene.chain.stops:
+        yield from _stop_parameters(scene)
     yield from _initial_values(scene)
     for key, rule in _rules(Solver).items():
         path = ("solver", key)
@@ -140,17 +146,43 @@ def _laws(scene: Scene) -> tuple[Item, ...]:
 
 
 def _contact_parameters(scene: Scene) -> Iterator[Variable]:
-    for key, rule in _rules(Contact).items():
-        changes: dict[str, Any] = {}
-        place = ("contact", key)
-        if key in ("model", "stiffness", "restitution"):
-            changes["variability"] = "tunable"
-            place = ("given", key)
-        if key == "model":
-            changes |= {"type": "enumeration", "items": _laws(scene)}
-            place = ("given", "law")
-        if key not in ("points", "law_file"):
-            yield _parameter(rule, place, ("contact", key), **changes)
+    rules = _rules(Contact)
+    yield _law_parameter(scene)
+    for key in ("stiffness", "exponent", "restitution", "radius", "minimum_impact_speed"):
+        path = ("contact", key)
+        if key in ("stiffness", "restitution"):
+            yield _parameter(rules[key], ("given", key), path, variability="tunable")
+        else:
+            yield _parameter(rules[key], path, path)
+
+
+def _law_parameter(scene: Scene) -> Variable:
+    path, rule = ("contact", "model"), _rules(Contact)["model"]
+    return _parameter(
+        rule, ("given", "law"), path, variability="tunable", type="enumeration", items=_laws(scene)
+    )
+
+
+def _material_parameters(scene: Scene) -> Iterator[Variable]:
+    """What the scene gives of the material of single walls."""
+    for name, material in scene.contact.wall.items():
+        w = scene.wall_names.index(name)
+        for key, rule in _rules(Material).items():
+            if getattr(material, key) is not None:
+                path = ("contact", "wall", name, key)
+                text = f"at wall {name}: {{}}"
+                yield _parameter(rule, ("walls", key, w), path, text, variability="tunable")
+
+
+def _stop_parameters(scene: Scene) -> Iterator[Variable]:
+    if scene.stops.model is None and not point_wall_pairs(scene):
+        yield _law_parameter(scene)
+    for key, rule in _rules(Stops).items():
+        path = ("stops", key)
+        if key in ("stiffness", "restitution"):
+            yield _parameter(rule, ("given", f"stop_{key}"), path, variability="tunable")
+        elif key != "model":
+            yield _parameter(rule, path, path)
 
 
 def _initial_values(scene: Scene) -> Iterator[Variable]:

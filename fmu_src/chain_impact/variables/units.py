@@ -27,10 +27,12 @@ UNITS = {
     "kg.m2": Unit("MomentOfInertia", {"kg": 1, "m": 2}),
     "N.s": Unit("Impulse", {"kg": 1, "m": 1, "s": -1}),
     "N": Unit("Force", {"kg": 1, "m": 1, "s": -2}),
+    "N.m.s": Unit("AngularImpulse", {"kg": 1, "m": 2, "s": -1}),
     "N.m": Unit("Torque", {"kg": 1, "m": 2, "s": -2}),
     "N.m/rad": Unit("RotationalStiffness", {"kg": 1, "m": 2, "s": -2, "rad": -1}),
     "N.m.s/rad": Unit("RotationalDamping", {"kg": 1, "m": 2, "s": -1, "rad": -1}),
     "N/m^exponent": Unit("ContactStiffness", None),  # the exponent is a parameter, 3/2 for Hertz
+    "N.m/rad^exponent": Unit("StopStiffness", None),
     "J": Unit("Energy", {"kg": 1, "m": 2, "s": -2}),
 }
 """Every unit of the FMU's variables."""

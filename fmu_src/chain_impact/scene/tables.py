@@ -1,0 +1,214 @@
+"""The tables of a scene file, below the scene itself: dataclasses whose fields are its keys.
+
+Unit, description, range and default stand in each field's metadata; see scene.py.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from chain_impact.kernel.integration.methods import SOLVER_METHODS
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.model.latest import LATEST
+from chain_impact.scene.limits import Derived, quantity
+from chain_impact.scene.names import STOPS
+from chain_impact.scene.reading import SceneError
+
+MAX_LINKS = 1000
+
+IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "letters, digits and _, not beginning with a digit")
+XML_TEXT = (r"[^\x00-\x08\x0B\x0C\x0E-\x1F\uD800-\uDFFF\uFFFE\uFFFF]*", "text without control characters")
+_NAME = (r"[A-Za-z][A-Za-z0-9_.*\[\]]*", "the name of a parameter or an input, with * for any text")
+_PYTHON_FILE = (r"|[^\x00]*\.py", "the path of a Python file, from the folder of the scene")
+
+_MIDDLE = Derived("length / 2", lambda link: link["length"] / 2)
+_ROD = Derived("mass * length^2 / 12", lambda link: link["mass"] * link["length"] * link["length"] / 12)
+_MOVABLE = Derived("all that move", lambda known: tuple(known["chain"].movable_points))
+_ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links))
+
+
+def _of_contact(key: str) -> Derived:
+    """The value of a key of the table ``contact``, where there are stops."""
+    return Derived(
+        "that of [contact]", lambda known: getattr(known["contact"], key) if known["chain"].stops else None
+    )
+
+
+def _with_stops(value: float) -> Derived:
+    """A value, where there are stops."""
+    return Derived(f"{value:g}", lambda known: value if known["chain"].stops else None)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Link:
+    """One rigid link, from its joint nearer to the base to the other one; in a file several."""
+
+    count: int | None = quantity(
+        "", "number of equal links, 1 if missing", None, minimum=1, maximum=MAX_LINKS, file_only=True
+    )
+    length: float = quantity("m", "length", above=0.0)
+    mass: float = quantity("kg", "mass", above=0.0)
+    center_of_mass: float = quantity(
+        "m", "centre of mass, from the joint nearer to the base", _MIDDLE, minimum=0.0
+    )
+    inertia: float = quantity("kg.m2", "inertia about the centre of mass", _ROD, minimum=0.0)
+    joint_damping: float = quantity(
+        "N.m.s/rad", "viscous damping of the joint nearer to the base", 0.0, minimum=0.0
+    )
+    joint_stiffness: float = quantity(
+        "N.m/rad", "stiffness of the joint nearer to the base", 0.0, minimum=0.0
+    )
+    joint_rest_angle: float = quantity("rad", "angle of the joint at which its spring is slack", 0.0)
+    joint_min: float | None = quantity("rad", "stop of the joint nearer to the base: its least angle", None)
+    joint_max: float | None = quantity("rad", "stop of the joint nearer to the base: its largest angle", None)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Chain:
+    """The links from base to tip, and whether the base moves."""
+
+    base: str = quantity("", "base point: free to move, or pinned", "free", choices=("free", "pinned"))
+    links: tuple[Link, ...] = quantity("", "links from base to tip", entries=(1, MAX_LINKS))
+
+    def __post_init__(self) -> None:
+        """Put each of the equal links of a `count` in the place of the one that has it."""
+        if (total := sum(link.count or 1 for link in self.links)) > MAX_LINKS:
+            raise SceneError(f"chain.links[].count makes {total} links in all, must make at most {MAX_LINKS}")
+        links = (replace(link, count=None) for link in self.links for _ in range(link.count or 1))
+        object.__setattr__(self, "links", tuple(links))
+
+    @property
+    def movable_points(self) -> range:
+        """The points that can move: all but a pinned base."""
+        return range(1 if self.base == "pinned" else 0, len(self.links) + 1)
+
+    @property
+    def stops(self) -> tuple[tuple[int, str], ...]:
+        """The stops that are there: the joint, numbered as its link, and ``joint_min`` or ``joint_max``."""
+        links = enumerate(self.links, 1)
+        return tuple((i, stop) for i, link in links for stop in STOPS if getattr(link, stop) is not None)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Box:
+    """The walls along the axes; a missing key (None) is a missing wall."""
+
+    x_min: float | None = quantity("m", "left wall", None)
+    x_max: float | None = quantity("m", "right wall", None)
+    y_min: float | None = quantity("m", "floor", None)
+    y_max: float | None = quantity("m", "ceiling", None)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wall:
+    """A straight wall at any angle, without ends; in place of the angle a file may give a normal."""
+
+    name: str = quantity("", "name, other than that of any other wall", matching=IDENTIFIER)
+    point: tuple[float, float] = quantity("m", "a point on the wall")
+    angle: float | None = quantity("rad", "direction of the wall, from +x; its left is free", None)
+    normal: tuple[float, float] | None = quantity("1", "in place of angle: a vector to the free side", None)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Material:
+    """The material of one wall, of the box or of one's own: what is not as in ``contact``."""
+
+    stiffness: float | None = quantity(
+        "N/m^exponent", "contact stiffness, if not that of contact", None, above=0.0
+    )
+    restitution: float | None = quantity(
+        "1", "prescribed restitution, if not that of contact", None, minimum=0.0, maximum=1.0
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Contact:
+    """The force of the walls, and the points that may touch them."""
+
+    law_file: str = quantity("", "file with a law of your own, named as the law", "", matching=_PYTHON_FILE)
+    model: str = quantity("", "force law", "zhang_sharf", choices=tuple(CONTACT_LAWS), extended_by="law_file")
+    stiffness: float = quantity("N/m^exponent", "contact stiffness", 1e8, above=0.0)
+    exponent: float = quantity("1", "exponent of penetration, 3/2 for Hertz", 1.5, minimum=1.0, maximum=3.0)
+    restitution: float = quantity("1", "prescribed restitution", 0.7, minimum=0.0, maximum=1.0)
+    radius: float = quantity("m", "radius of every point that may touch", 0.0, minimum=0.0)
+    points: tuple[int, ...] = quantity("", "points that may touch, base (0) to tip (N)", _MOVABLE)
+    minimum_impact_speed: float = quantity(
+        "m/s", "slower impacts are treated as having this speed", 1e-3, above=0.0
+    )
+    wall: Mapping[str, Material] = quantity("", "materials of single walls, by the name of the wall", {})
+
+    def __post_init__(self) -> None:
+        """Sort the points: their order means nothing, so equal sets make equal scenes."""
+        object.__setattr__(self, "points", tuple(sorted(self.points)))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Stops:
+    """The contact law of all stops in joints, in the angle of the joint; None where there are no stops."""
+
+    model: str | None = quantity(
+        "", "law, if not that of contact", None, choices=tuple(CONTACT_LAWS), extended_by="contact.law_file"
+    )
+    stiffness: float | None = quantity(
+        "N.m/rad^exponent", "stiffness of the stops", _with_stops(1e5), above=0.0
+    )
+    exponent: float | None = quantity(
+        "1", "exponent of penetration at the stops", _of_contact("exponent"), minimum=1.0, maximum=3.0
+    )
+    restitution: float | None = quantity(
+        "1", "prescribed restitution of the stops", _of_contact("restitution"), minimum=0.0, maximum=1.0
+    )
+    minimum_impact_speed: float | None = quantity(
+        "rad/s", "slower impacts at stops are treated as having this speed", _with_stops(1e-3), above=0.0
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Inputs:
+    """The inputs that the FMU shall have."""
+
+    joint_torques: bool = quantity("", "torques at the joints between links and at a pinned base", False)
+    tip_force: bool = quantity("", "force on the tip", False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Outputs:
+    """The outputs that the FMU shall have, beside those of the last impact."""
+
+    points: bool = quantity("", "position, velocity and acceleration of the points", True)
+    links: bool = quantity("", "angle, its rate and acceleration of the links", True)
+    contacts: bool = quantity("", "force, penetration and impulse of each contact", True)
+    impacts: int = quantity("", "how many of the latest impacts", 8, minimum=0, maximum=LATEST)
+    energies: bool = quantity("", "the energies", True)
+    solver: bool = quantity("", "steps, evaluations and status of the solver", True)
+    sensitivities: tuple[str, ...] = quantity(
+        "", "parameters and inputs with respect to which outputs have derivatives", (), matching=_NAME
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Initial:
+    """The state at time 0."""
+
+    position: tuple[float, float] = quantity("m", "position of the base", (0.0, 0.0))
+    angles: tuple[float, ...] = quantity("rad", "angle of each link, absolute, from +x", per_link=True)
+    velocity: tuple[float, float] = quantity("m/s", "velocity of the base", (0.0, 0.0))
+    angular_velocities: tuple[float, ...] = quantity(
+        "rad/s", "angular velocity of each link, absolute", _ZEROS, per_link=True
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Solver:
+    """How the equations of motion are integrated."""
+
+    method: str = quantity("", "integration method", "auto", choices=SOLVER_METHODS)
+    tolerance: float = quantity("1", "relative error tolerance", 1e-8, minimum=1e-13, maximum=1e-2)
+    work_limit: float = quantity("1/s", "most evaluations of f for a second simulated", 5e6, above=0.0)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Simulation:
+    """The default experiment."""
+
+    stop_time: float = quantity("s", "end of the simulation", 1.0, above=0.0)
+    step_size: float = quantity("s", "communication step", 1e-3, above=0.0)
