@@ -29,6 +29,10 @@ from chain_impact.kernel.status import (
     UNKNOWN_LAW,
 )
 
+# Of a link length: how deep a point may be in a wall without being in contact. Its force would be K δⁿ, 1e-10
+# N for K = 1e8; and the round-off of positions is some 1e-15. Without it, every step of a point that slides
+# along a wall at zero clearance would be searched for an onset.
+HARMLESS = 1e-12
 USER_LAW = LAW_COUNT + 1  # number of the user's law, in a kernel that is linked with one
 
 
@@ -62,23 +66,23 @@ def update_laws(d):
         status = check_law(d, c)
         if status != OK:
             return status
-    d.law.any_force, d.law.any_rigid = 0, 0
+    d.contact.any_force, d.contact.any_rigid = 0, 0
     for c in range(d.candidates):
         if d.law.same_as[c] == c:
             derive_damping(d, c)
         else:
             copy_law(d, d.law.same_as[c], c)
         set_parameters(d, c)
-        note_kind(d.law, c)
+        note_kind(d, c)
     return OK
 
 
-def note_kind(law, c):
+def note_kind(d, c):
     """Note that the law of candidate c is one with a force, or rigid."""
-    if law.impulsive[c]:
-        law.any_rigid = 1
+    if d.law.impulsive[c]:
+        d.contact.any_rigid = 1
     else:
-        law.any_force = 1
+        d.contact.any_force = 1
 
 
 def given_number(d, c):
@@ -154,6 +158,7 @@ def set_parameters(d, c):
     law = d.law
     law.number[c], law.exponent[c] = given_number(d, c), exponent(d, c)
     law.stiffness[c], law.restitution[c] = given_stiffness(d, c), given_restitution(d, c)
+    law.harmless_depth[c] = 0.0 if law.impulsive[c] else HARMLESS * d.model.size
     law.minimum_impact_speed[c] = d.contact.minimum_impact_speed
     if d.candidate.stop[c] != 0:
         law.minimum_impact_speed[c] = d.stops.minimum_impact_speed * d.model.size
