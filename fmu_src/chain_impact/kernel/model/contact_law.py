@@ -62,18 +62,30 @@ def origin(d, c):
 
 def update_laws(d):
     """Set the laws of all candidates from the given values; returns a status. Invalid ones change nothing."""
-    for c in range(d.candidates):
-        status = check_law(d, c)
-        if status != OK:
-            return status
+    status = check_laws(d)
+    if status != OK:
+        return status
     d.contact.any_force, d.contact.any_rigid = 0, 0
     for c in range(d.candidates):
-        if d.law.same_as[c] == c:
+        first = d.law.same_as[c]
+        if first == c:
             derive_damping(d, c)
+            set_parameters(d, c)
+            note_kind(d, c)
         else:
-            copy_law(d, d.law.same_as[c], c)
-        set_parameters(d, c)
-        note_kind(d, c)
+            copy_law(d.law, first, c)
+    return OK
+
+
+def check_laws(d):
+    """Check the given values; returns a status: a law that is rigid cannot take the place of one in contact."""
+    for c in range(d.candidates):
+        status = check_law(d, c) if d.law.same_as[c] == c else OK
+        if status != OK:
+            return status
+    for k in range(d.touch.compliant_count):
+        if given_number(d, d.touch.active_index[k]) == NEWTON_IMPACT:
+            return RIGID_WHILE_TOUCHING
     return OK
 
 
@@ -118,9 +130,7 @@ def check_law(d, c):
         return UNKNOWN_LAW
     if not 0.0 <= restitution <= 1.0 or not given_stiffness(d, c) > 0.0:
         return PARAMETER_OUT_OF_RANGE
-    if d.touch.active[c] and number == NEWTON_IMPACT and not d.law.impulsive[c]:
-        return RIGID_WHILE_TOUCHING
-    if number == USER_LAW or d.law.same_as[c] != c or is_derived(d, c):
+    if number == USER_LAW or is_derived(d, c):
         return OK
     if EXPONENTS[number - 1] not in (ANY, exponent(d, c)):
         return EXPONENT_NOT_ALLOWED
@@ -146,11 +156,14 @@ def derive_damping(d, c):
         law.damping_factor[c] = damping_factor(number, given_restitution(d, c))
 
 
-def copy_law(d, source, c):
-    """Give candidate c the constants of another one, whose law is the same."""
-    law = d.law
+def copy_law(law, source, c):
+    """Give candidate c the law of another one."""
+    law.number[c], law.exponent[c] = law.number[source], law.exponent[source]
+    law.stiffness[c], law.restitution[c] = law.stiffness[source], law.restitution[source]
     law.impulsive[c], law.approach_only[c] = law.impulsive[source], law.approach_only[source]
     law.rate_exponent[c], law.damping_factor[c] = law.rate_exponent[source], law.damping_factor[source]
+    law.minimum_impact_speed[c] = law.minimum_impact_speed[source]
+    law.harmless_depth[c] = law.harmless_depth[source]
 
 
 def set_parameters(d, c):

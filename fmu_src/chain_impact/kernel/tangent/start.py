@@ -75,11 +75,11 @@ def derive_laws_of(d, t):
     t.contact.any_force, t.contact.any_rigid = d.contact.any_force, d.contact.any_rigid
     for c in range(t.candidates):
         own.same_as[c] = law.same_as[c]
-        set_parameters(t, c)
-        if own.same_as[c] == c:
+        if law.same_as[c] == c:
+            set_parameters(t, c)
             derive_law_of(d, t, c)
         else:
-            copy_law(t, own.same_as[c], c)
+            copy_law(own, law.same_as[c], c)
 
 
 def derive_law_of(d, t, c):
