@@ -139,11 +139,11 @@ def uncut_force(d, c, depth, rate, leaves):
     spring = power(depth, d.law.exponent[c])
     elastic = d.law.stiffness[c] * spring
     if d.law.number[c] == USER_LAW and user_law.present():
-        return user_force(d, c, depth, rate), elastic
+        return user_contact_force(d, c, depth, rate), elastic
     return elastic + damping_slope(d, c, depth, leaves, spring) * rate, elastic
 
 
-def user_force(d, c, depth, rate):
+def user_contact_force(d, c, depth, rate):
     """The force of a user's law for candidate c, before it is cut off at 0.
 
     The law of a stop takes the angle, and returns a moment.
@@ -151,10 +151,13 @@ def user_force(d, c, depth, rate):
     law, arm = d.law, lever(d, c)
     speed, mass = d.touch.impact_speed[c] / arm, d.touch.effective_mass[c] * arm * arm
     stiffness = d.given.stop_stiffness if d.candidate.stop[c] != 0 else law.stiffness[c]
-    force = user_law.force(
-        depth / arm, rate / arm, speed, mass, stiffness, law.exponent[c], law.restitution[c]
-    )
+    force = user_force(depth / arm, rate / arm, speed, mass, stiffness, law.exponent[c], law.restitution[c])
     return force / arm
+
+
+def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
+    """The force of a user's law, before it is cut off at 0."""
+    return user_law.force(depth, rate, speed, mass, stiffness, exponent, restitution)
 
 
 def may_jump(d, c):
