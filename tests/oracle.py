@@ -12,6 +12,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -59,6 +60,7 @@ class Account:
     cpu: float  # s
     refused: bool = False  # it did not even start
     push: float = 0.0  # N, on the tip
+    torque: float = 0.0  # N·m, in all joints together
 
     @property
     def status(self) -> int:
@@ -90,9 +92,8 @@ def account(scene: Scene, seed: int, memory: Any = None, rows: int = ROWS) -> Ac
     impacts.append(instance.open_contacts())
     statistics, cpu = instance.statistics, time.process_time() - begin
     rows = np.concatenate(impacts)
-    return Account(
-        scene, times[:done], outputs[:done], rows, statistics, cpu, push=float(np.linalg.norm(force))
-    )
+    push, turn = float(np.linalg.norm(force)), float(np.abs(torque).sum())
+    return Account(scene, times[:done], outputs[:done], rows, statistics, cpu, push=push, torque=turn)
 
 
 def judge(run: Account, cpu: float = CPU) -> list[Finding]:
@@ -130,7 +131,8 @@ def checks(run: Account, cpu: float = CPU) -> Iterator[tuple[str, float, float, 
         yield "energy", float(np.ptp(ledger)), energy_bound(run), "drift of the ledger [J]"
     fall = float((np.maximum.accumulate(outputs["dissipated"]) - outputs["dissipated"]).max())
     yield "undissipated", fall, dissipation_bound(run), "fall of the dissipated energy [J]"
-    if run.scene.contact.model == "hertz" and not any(link.joint_damping for link in run.scene.chain.links):
+    elastic = {law.model for law in laws(run.scene)} == {"hertz"}
+    if elastic and not any(link.joint_damping for link in run.scene.chain.links):
         lost = float(np.abs(outputs["dissipated"]).max())
         yield "dissipates", lost, dissipation_bound(run), "energy that an elastic wall has taken [J]"
     yield from containment(run)
@@ -215,43 +217,45 @@ def available(run: Account) -> np.ndarray:
 
 def elastic_scale(run: Account) -> float:
     """The largest K δⁿ of the contacts times the scale of the penetration of each [J]."""
-    contact, impacts = run.scene.contact, run.impacts
-    if contact.model == "newton_impact" or not len(impacts):
+    impacts, law = run.impacts, of_impacts(run)
+    if not len(impacts):
         return 0.0
-    depth, n, k = impacts["max_penetration"], contact.exponent, contact.stiffness
-    v0, foreseen = expected(run)
+    depth, (v0, foreseen) = impacts["max_penetration"], expected(run)
     chain = _chain(run.scene)
-    leeway = np.maximum(1.0, np.minimum(chain.size / v0, 0.01 / run.scene.solver.tolerance))
+    leeway = np.maximum(1.0, np.minimum(chain.size / law.unit / v0, 0.01 / run.scene.solver.tolerance))
     # but a clearance errs no more than the coordinates do
-    error = np.minimum(np.maximum(depth, foreseen) * leeway, chain.size + chain.length.sum())
-    return float((k * np.maximum(depth, 0.0) ** n * error).max())
+    error = np.minimum(np.maximum(depth, foreseen) * leeway, (chain.size + chain.length.sum()) / law.unit)
+    return float((law.stiffness * np.maximum(depth, 0.0) ** law.exponent * error).max())
 
 
 def expected(run: Account) -> tuple[np.ndarray, np.ndarray]:
-    """v₀ [m/s] of each contact, and the depth δ* [m] with K δ*ⁿ⁺¹/(n+1) = ½ m v₀²."""
-    impacts, n, k = run.impacts, run.scene.contact.exponent, run.scene.contact.stiffness
-    v0 = np.maximum(impacts["impact_speed"], run.scene.contact.minimum_impact_speed)
-    return v0, (0.5 * impacts["effective_mass"] * v0**2 * (n + 1) / k) ** (1 / (n + 1))
+    """v₀ [m/s] of each contact, and the depth δ* [m] with K δ*ⁿ⁺¹/(n+1) = ½ m v₀²; rigid ones have none."""
+    law = of_impacts(run)
+    v0, n = np.maximum(run.impacts["impact_speed"], law.slowest), law.exponent
+    with np.errstate(divide="ignore"):
+        depth = (0.5 * run.impacts["effective_mass"] * v0**2 * (n + 1) / law.stiffness) ** (1 / (n + 1))
+    return v0, np.where(law.stiffness > 0.0, depth, 0.0)
 
 
 def brought(run: Account) -> float:
     """The kinetic energy that the most violent contact began with, ½ m v₀² [J]."""
-    v0 = np.maximum(run.impacts["impact_speed"], run.scene.contact.minimum_impact_speed)
+    v0 = np.maximum(run.impacts["impact_speed"], of_impacts(run).slowest)
     return float((0.5 * run.impacts["effective_mass"] * v0**2).max(initial=0.0))
 
 
 def round_off(run: Account) -> float:
     """What round-off changes in the ledger in a step [J]."""
-    outputs, contact = run.outputs, run.scene.contact
+    outputs = run.outputs
     terms = sum(
         np.abs(outputs[name]).max() for name in ("kinetic", "potential", "elastic", "dissipated", "supplied")
     )
     # sums of what may cancel
     far = np.abs(outputs["point_position"]).max()
     terms += _chain(run.scene).mass.sum() * np.linalg.norm(run.scene.gravity) * far
-    if contact.model != "newton_impact" and len(run.impacts):
-        depth = max(0.0, run.impacts["max_penetration"].max())
-        terms += contact.stiffness * depth**contact.exponent * far
+    if len(run.impacts):
+        law = of_impacts(run)
+        force = law.stiffness * np.maximum(0.0, run.impacts["max_penetration"]) ** law.exponent
+        terms += (force * np.where(law.stop, 2.0 * np.abs(outputs["angle"]).max(), far)).max()
     terms += (spring_moments(run) * np.abs(outputs["angle"]).max(axis=0)).sum()
     return float(4.0 * EPSILON * terms)
 
@@ -266,21 +270,23 @@ def dissipation_bound(run: Account) -> float:
 
 def containment(run: Account) -> Iterator[tuple[str, float, float, str]]:
     """Who is beyond a wall is in contact, and no deeper than the energy there is can push it."""
-    outputs, contact = run.outputs, run.scene.contact
-    if not candidates(run.scene):
+    every = laws(run.scene)
+    if not every:
         return
-    unseen = float((-clearances(run) - outputs["penetration"] - left_inside(run)).max())
-    slack = OUTSIDE
-    if contact.model == "newton_impact":
-        # a held point is put back to its wall after each step; in between it errs as its position does
-        reach = _chain(run.scene).size + _chain(run.scene).length.sum()
-        slack += INTERPOLATED * run.scene.solver.tolerance * reach
-    yield "outside", unseen, slack, "outside a wall beyond the reported penetration [m]"
-    yield "pulls", float(-outputs["force"].min()), 0.0, "a wall pulls [N]"
-    deepest = float(outputs["penetration"].max())
-    if run.status == OK:  # else the contacts go on beyond the last row
-        deepest = max(deepest, float(run.impacts["max_penetration"].max(initial=0.0)))
-    yield "too deep", deepest, depth_bound(run), "penetration [m]"
+    reach = _chain(run.scene).size + _chain(run.scene).length.sum()
+    # a held point is put back to its wall after each step; in between it errs as its position does
+    held = INTERPOLATED * run.scene.solver.tolerance * reach
+    slack = np.array([(OUTSIDE + held * (law.stiffness == 0.0)) / law.unit for law in every])
+    force, depth = by_candidate(run, "force"), by_candidate(run, "penetration")
+    unseen = float((-clearances(run) - depth - left_inside(run) - slack).max())
+    yield "outside", unseen, 0.0, "outside a wall, or beyond a stop, more than is reported [m, rad]"
+    yield "pulls", float(-force.min()), 0.0, "a wall or a stop pulls [N, N·m]"
+    for c, law in enumerate(every):
+        deepest = float(depth[:, c].max())
+        if run.status == OK:  # else the contacts go on beyond the last row
+            own = (run.impacts["point"] == law.point) & (run.impacts["wall"] == law.wall)
+            deepest = max(deepest, float(run.impacts["max_penetration"][own].max(initial=0.0)))
+        yield "too deep", deepest, depth_bound(run, law), f"penetration of candidate {c} [m, rad]"
 
 
 def left_inside(run: Account) -> np.ndarray:
@@ -289,8 +295,6 @@ def left_inside(run: Account) -> np.ndarray:
     A contact ends when its point will be out after LEFT of its time scale δ*/v₀.
     """
     depth = np.zeros_like(run.outputs["penetration"])
-    if run.scene.contact.model == "newton_impact":
-        return depth
     column = {candidate: c for c, candidate in enumerate(candidates(run.scene))}
     v0, foreseen = expected(run)
     for row, speed, scale in zip(run.impacts, v0, foreseen, strict=True):
@@ -301,28 +305,94 @@ def left_inside(run: Account) -> np.ndarray:
 
 
 def clearances(run: Account) -> np.ndarray:
-    """Clearance of each candidate in each row [m]."""
+    """Clearance of each candidate in each row [m]; of a stop [rad]."""
     scene, places = run.scene, run.outputs["point_position"]
-    walls = [scene.half_planes.get(name) for name in scene.wall_names]
-    columns = [
-        places[:, point] @ walls[number].normal - walls[number].offset for point, number in candidates(scene)
-    ]
-    return np.transpose(columns) - scene.contact.radius
+    joints = np.diff(run.outputs["angle"], axis=1, prepend=0.0)
+    columns = []
+    for law in laws(scene):
+        name = scene.wall_names[law.wall]
+        if law.stop:
+            joint, link = joints[:, law.point - 1], scene.chain.links[law.point - 1]
+            columns.append(joint - link.joint_min if name == "joint_min" else link.joint_max - joint)
+        else:
+            wall = scene.half_planes[name]
+            columns.append(places[:, law.point] @ wall.normal - wall.offset - scene.contact.radius)
+    return np.transpose(columns)
 
 
-def depth_bound(run: Account) -> float:
+def by_candidate(run: Account, name: str) -> np.ndarray:
+    """The forces or penetrations of candidates in each row; those of joints belong to the nearer stop."""
+    values, every = run.outputs[name].copy(), laws(run.scene)
+    gaps = clearances(run)
+    for c, law in enumerate(every):
+        if law.stop and c > 0 and every[c - 1].stop and every[c - 1].point == law.point:
+            # the first stop of a joint, joint_min, has what there is of both
+            upper = gaps[:, c] < gaps[:, c - 1]
+            values[:, c] = np.where(upper, values[:, c - 1], 0.0)
+            values[:, c - 1] = np.where(upper, 0.0, values[:, c - 1])
+        if name == "force" and run.scene.wall_names[law.wall] == "joint_max" and law.stop:
+            values[:, c] *= -1.0
+    return values
+
+
+def depth_bound(run: Account, law: Law) -> float:
     """DEEPER times the depth δ with K δⁿ⁺¹/(n+1) = all the energy that there was, plus a depth at rest.
 
     Energy: the total at the start, and what the inputs supplied, over the potential at the time. Rest: K δⁿ =
-    weight + tip force. Zero for a rigid wall.
+    weight + tip force, of a stop times the length of the chain, with the torques of the inputs and what the
+    other joints' springs bear. Zero for a rigid wall.
     """
-    contact = run.scene.contact
-    if contact.model == "newton_impact":
+    if law.stiffness == 0.0:
         return 0.0
     there = float(available(run).max()) + energy_bound(run)
-    n, k = contact.exponent, contact.stiffness
+    n, k = law.exponent, law.stiffness
     force = _chain(run.scene).mass.sum() * np.linalg.norm(run.scene.gravity) + run.push
+    if law.stop:
+        force = force * _chain(run.scene).length.sum() + run.torque + spring_moments(run).sum()
     return float(DEEPER * ((there * (n + 1) / k) ** (1 / (n + 1)) + (force / k) ** (1 / n)))
+
+
+@dataclass(frozen=True)
+class Law:
+    """The law of a candidate, of a stop in the angle of its joint; a rigid one has a stiffness of 0."""
+
+    point: int
+    wall: int
+    stop: bool
+    model: str
+    stiffness: float
+    exponent: float
+    slowest: float  # m/s or rad/s
+    unit: float  # m: 1, or the longest link, on which the errors of an angle in rad act
+
+
+def laws(scene: Scene) -> list[Law]:
+    """The law of each candidate."""
+    contact, stops, found = scene.contact, scene.stops, []
+    size = max(link.length for link in scene.chain.links)
+    for point, wall in candidates(scene):
+        name = scene.wall_names[wall]
+        stop = name in ("joint_min", "joint_max") and bool(scene.chain.stops)
+        model = (stops.model or contact.model) if stop else contact.model
+        own = contact.wall.get(name)
+        stiffness = stops.stiffness if stop else (own and own.stiffness) or contact.stiffness
+        exponent, slowest = (
+            (stops.exponent, stops.minimum_impact_speed)
+            if stop
+            else (contact.exponent, contact.minimum_impact_speed)
+        )
+        rigid = model == "newton_impact"
+        unit = size if stop else 1.0
+        found.append(Law(point, wall, stop, model, 0.0 if rigid else stiffness, exponent, slowest, unit))
+    return found
+
+
+def of_impacts(run: Account) -> Any:
+    """The laws of the contacts, as columns."""
+    every = {(law.point, law.wall): law for law in laws(run.scene)}
+    rows = [every[int(row["point"]), int(row["wall"])] for row in run.impacts]
+    names = ("stiffness", "exponent", "slowest", "unit", "stop")
+    return SimpleNamespace(**{name: np.array([getattr(row, name) for row in rows]) for name in names})
 
 
 def speeds(run: Account) -> Iterator[tuple[str, float, float, str]]:
@@ -330,7 +400,7 @@ def speeds(run: Account) -> Iterator[tuple[str, float, float, str]]:
     fastest = _chain(run.scene).size + float(np.linalg.norm(run.outputs["point_velocity"], axis=2).max())
     for name in ("impact_speed", "separation_speed"):
         known = run.impacts[name][~np.isnan(run.impacts[name])]
-        least = float(known.min(initial=0.0))
+        least = float((known * of_impacts(run).unit[~np.isnan(run.impacts[name])]).min(initial=0.0))
         yield f"negative {name}", -least, ROUND_OFF * fastest, f"{name} below zero by [m/s]"
 
 
