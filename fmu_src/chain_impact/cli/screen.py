@@ -17,7 +17,15 @@ from chain_impact.results.joint_stops import speed_unit, what
 from chain_impact.results.recording import Recording
 from chain_impact.results.summary import energy_lines, plural
 from chain_impact.studies.compare import Comparison
-from chain_impact.studies.compare_text import HEAD, NOTHING, NUMBERS, advice, cells, heading, legend, told
+from chain_impact.studies.compare_text import (
+    NOTHING,
+    advice,
+    cells,
+    head,
+    heading,
+    legend,
+    told,
+)
 
 RELATIVE = {
     "impact_speed": "speed",
@@ -94,7 +102,8 @@ def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
 def law_table(comparison: Comparison) -> Iterator[RenderableType]:
     """The laws side by side, and which to take."""
     yield f"\n{escape(heading(comparison))}"
-    table = table_of(HEAD, NUMBERS)
+    names = head(comparison)
+    table = table_of(names, names[1:-1])
     for run in comparison.runs:
         table.add_row(*map(escape, cells(run)))
     yield table

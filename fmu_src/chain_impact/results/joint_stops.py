@@ -59,6 +59,11 @@ def ranges_from(values: Mapping[str, Any]) -> dict[int, JointRange]:
     return found
 
 
+def at_stop(scene: Scene, wall: int) -> bool:
+    """Whether the wall of a number, an index into ``scene.wall_names``, stands for the stops of joints."""
+    return bool(scene.chain.stops) and scene.wall_names[wall] in STOPS
+
+
 def what(number: int, at_stop: bool) -> str:
     """What touched: "point 2", of a stop "joint 2"."""
     return f"{'joint' if at_stop else 'point'} {number}"

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from chain_impact.kernel.status import OK, STATUS_TEXT
-from chain_impact.results.joint_stops import speed_unit, what
-from chain_impact.scene.names import STOPS
+from chain_impact.results.joint_stops import at_stop, speed_unit, what
 
 if TYPE_CHECKING:
     from chain_impact.results.result import Result
@@ -66,26 +65,21 @@ def _impact_lines(result: Result) -> Iterator[str]:
     for word, rows in ends.items():
         for row in rows:
             time, _, wall, speed = _cells(result, row)
-            at_stop = _at_stop(result, row)
-            hit = f"{what(row['point'], at_stop)} hits {wall} at {speed.split()[0]} {speed_unit(at_stop)}"
+            stop = at_stop(result.scene, row["wall"])
+            hit = f"{what(row['point'], stop)} hits {wall} at {speed.split()[0]} {speed_unit(stop)}"
             yield f"{word:9}impact at {time} s: {hit}"
 
 
 def _cells(result: Result, impact: np.void) -> tuple[str, str, str, str]:
-    wall, at_stop = result.scene.wall_names[impact["wall"]], _at_stop(result, impact)
-    point = what(impact["point"], True) if at_stop else str(impact["point"])
-    unit = f" {speed_unit(at_stop)}" if result.scene.chain.stops else ""
+    wall, stop = result.scene.wall_names[impact["wall"]], at_stop(result.scene, impact["wall"])
+    point = what(impact["point"], True) if stop else str(impact["point"])
+    unit = f" {speed_unit(stop)}" if result.scene.chain.stops else ""
     return f"{impact['onset']:.6f}", point, wall, f"{impact['impact_speed']:.4f}{unit}"
 
 
 def _speed_head(result: Result) -> str:
     """The head of the column of speeds: with the unit, where all speeds have the same."""
     return "speed" if result.scene.chain.stops else "speed, m/s"
-
-
-def _at_stop(result: Result, impact: np.void) -> bool:
-    scene = result.scene
-    return bool(scene.chain.stops) and scene.wall_names[impact["wall"]] in STOPS
 
 
 def _facts(result: Result) -> Iterator[str]:

@@ -19,8 +19,8 @@ from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.kernel.tangent.trust import NO_IMPACT, REASONS, TRUSTED
 from chain_impact.results.impacts import IMPACT_DTYPE
-from chain_impact.results.joint_stops import what
-from chain_impact.scene.names import STOPS, Place
+from chain_impact.results.joint_stops import at_stop, what
+from chain_impact.scene.names import Place
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.simulation.inputs import Drive, drive
@@ -185,8 +185,8 @@ class DifferentiatedInstance(Instance):
         where = ""
         if trust["point"] != NO_IMPACT:
             wall = self.model.scene.wall_names[trust["wall"]]
-            at_stop = bool(self.model.scene.chain.stops) and wall in STOPS
-            where = f", the impact of {what(trust['point'], at_stop)} at {wall}"
+            touching = what(trust["point"], at_stop(self.model.scene, trust["wall"]))
+            where = f", the impact of {touching} at {wall}"
         reason = REASONS[int(trust["reason"])]
         return (f"there are no derivatives from t = {trust['time']:.9g} s on{where}: {reason}",)
 

@@ -74,6 +74,7 @@ def data(motion: Motion, speed: float) -> dict[str, Any]:
                 "peak": contact.peak_force,
                 "resolved": contact.resolved,
                 "atStop": contact.arm is not None,
+                "endSpeed": contact.end_speed,
             }
             for contact in motion.contacts
         ],
