@@ -86,7 +86,7 @@ def clear_run(d):
     """Clear the data of an earlier run: moments, contacts, impacts, the log and all counts."""
     d.touch.active_count, d.touch.compliant_count = 0, 0
     for i in range(d.links):
-        d.work.moment[i], d.work.load.turn[i + 1], d.implicit.load.turn[i + 1] = 0.0, 0.0, 0.0
+        d.work.moment[i], d.work.load.joint[i], d.implicit.load.joint[i] = 0.0, 0.0, 0.0
     for c in range(d.candidates):
         d.touch.active[c], d.touch.active_index[c] = 0, 0
         d.impulse.total[c], d.touch.number[c] = 0.0, 0

@@ -37,8 +37,8 @@ def factorize_damped(d, links, impedance, shift, factors):
     Args:
         d: the instance.
         links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
-        impedance: record with ``xx, xy, yy``, shape (N+1,): added inertia of each point [kg]; and ``turn``,
-            the resistance of stops, which adds to κ_i of joint i [kg·m²].
+        impedance: record with ``xx, xy, yy``, shape (N+1,): added inertia of each point [kg]; and ``joint``,
+            shape (N,), the resistance of stops, which adds to κ_i [kg·m²].
         shift: s [s].
         factors: record for the result, used by ``solve_damped``.
     """
@@ -54,7 +54,7 @@ def factorize_damped(d, links, impedance, shift, factors):
         hx, hy = ux - sy, uy + sx
         # H = I + m c² + L⊥·(A' L⊥ + e') + L⊥·e' + p'
         own = inertia + p + lx * (uy + ey) - ly * (ux + ex)
-        damper = joint_resistance(d, i, shift) + impedance.turn[i + 1]
+        damper = joint_resistance(d, i, shift) + impedance.joint[i]
         inverse = 1.0 / (own + damper)
         share = damper * inverse
         factors.gain_x[i], factors.gain_y[i], factors.inverse[i] = hx * inverse, hy * inverse, inverse
@@ -88,8 +88,8 @@ def solve_damped(d, links, factors, load, change):
         d: the instance.
         links: as for ``factorize_damped``.
         factors: its result.
-        load: record with ``x, y``, shape (N+1,): impulse on each point [N·s]; and ``turn``, μ_i in joint i
-            [N·m·s].
+        load: record with ``x, y``, shape (N+1,): impulse on each point [N·s]; and ``joint``,
+            shape (N,), μ_i [N·m·s].
         change: result Δ, shape (N+2,): the change of the base's velocity [m/s] and of the angular velocities
             [rad/s].
     """
@@ -102,12 +102,12 @@ def solve_damped(d, links, factors, load, change):
         damper, inverse = factors.damper[i], factors.inverse[i]
         # s = L⊥·b' + t'
         s = links.x[i] * by - links.y[i] * bx + t
-        moment = s + load.turn[i + 1]
+        moment = s + load.joint[i]
         change[ANGLES + i] = moment * inverse
         # b = b' − h (s + μ)/(H + κ),  t = σ s − (1 − σ) μ
         bx -= factors.gain_x[i] * moment
         by -= factors.gain_y[i] * moment
-        t = inverse * (damper * s - factors.own[i] * load.turn[i + 1])
+        t = inverse * (damper * s - factors.own[i] * load.joint[i])
     bx += load.x[0]
     by += load.y[0]
     x = factors.middle[0] * bx + factors.middle[1] * by

@@ -56,7 +56,7 @@ def joint_rate(d, y):
     link_vectors(d, y)
     link, factors, inner = d.work.link, d.work.factors, d.work.inner
     impedance = d.work.impedance
-    no_impedance(impedance)
+    no_impedance(d, impedance)
     pin = HELD * d.model.mass[0] if d.model.pinned else 0.0
     axx, axy, ayy = pin, 0.0, pin
     for i in range(d.links):

@@ -1,7 +1,8 @@
 """Kinematics of the chain: where its points are, how fast they move and how they accelerate.
 
-Vectors of all points are records with ``x, y``, shape (N+1,). In a scene with stops they have also ``turn``,
-shape (N+1,): for joint i = 1…N the motion of its own angle, θ_i − θ_{i−1}.
+Vectors of all places are records with ``x, y``, shape (2N+1,). The first N + 1 places are the points 0…N. A
+scene with stops has N more, one for each joint 1…N. Their x is the joint's own angle θ_i − θ_{i−1} at a lever
+arm, the longest link, and their y is 0. So a stop is to all other modules what a wall is to a point.
 """
 
 from chain_impact.kernel.chain.sincos import polar
@@ -29,15 +30,15 @@ def place_points(d, y):
         vy += omega * link.x[i]
     position.x[n], position.y[n], velocity.x[n], velocity.y[n] = x, y_, vx, vy
     if d.model.stopped:
-        turn_joints(n, y, ANGLES, position.turn)
-        turn_joints(n, y, omega_at(n), velocity.turn)
+        place_joints(d, y, ANGLES, position)
+        place_joints(d, y, omega_at(n), velocity)
 
 
-def turn_joints(n, values, first, turn):
-    """Set ``turn`` to the differences of N values of links, from the ``first`` on; the base has 0."""
-    before = 0.0
-    for i in range(n):
-        turn[i + 1] = values[first + i] - before
+def place_joints(d, values, first, vectors):
+    """Set the vectors of the joints' places from values of the N links, which begin at the ``first``."""
+    before, size = 0.0, d.model.size
+    for i in range(d.links):
+        vectors.x[d.links + 1 + i] = size * (values[first + i] - before)
         before = values[first + i]
 
 
@@ -54,13 +55,17 @@ def accelerate_points(d, y, rate):
         ay += alpha * link.x[i] - w2 * link.y[i]
     acceleration.x[n], acceleration.y[n] = ax, ay
     if d.model.stopped:
-        turn_joints(n, rate, omega_at(n), acceleration.turn)
+        place_joints(d, rate, omega_at(n), acceleration)
 
 
-def zero(vectors):
-    """Set the vectors of all points to zero."""
-    for k in range(len(vectors.x)):
+def zero(d, vectors):
+    """Set the vectors of all places to zero."""
+    # the compiler knows the number of links, and of points
+    for k in range(d.links + 1):
         vectors.x[k], vectors.y[k] = 0.0, 0.0
+    if d.model.stopped:
+        for k in range(d.links + 1, 2 * d.links + 1):
+            vectors.x[k], vectors.y[k] = 0.0, 0.0
 
 
 def link_vectors(d, y):
@@ -69,20 +74,25 @@ def link_vectors(d, y):
     polar(d.model.length, y, ANGLES, d.work.link.x, d.work.link.y)
 
 
-def move_points(links, change, motion):
-    """Motion of the points that follows from a change of the coordinates: Δp_{i+1} = Δp_i + Δθ_i L⊥."""
-    n = len(motion.x) - 1
+def move_points(d, links, change, motion):
+    """Motion of the places that follows from a change of the coordinates: Δp_{i+1} = Δp_i + Δθ_i L⊥."""
+    n = d.links
     x, y = change[0], change[1]
     for i in range(n):
         motion.x[i], motion.y[i] = x, y
         x -= change[ANGLES + i] * links.y[i]
         y += change[ANGLES + i] * links.x[i]
     motion.x[n], motion.y[n] = x, y
+    if d.model.stopped:
+        place_joints(d, change, ANGLES, motion)
 
 
-def largest(vectors):
-    """The largest component of the vectors of all points."""
+def largest(d, vectors):
+    """The largest component of the vectors of all places."""
     most = 0.0
-    for k in range(len(vectors.x)):
+    for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]), abs(vectors.y[k]))
+    if d.model.stopped:
+        for k in range(d.links + 1, 2 * d.links + 1):
+            most = max(most, abs(vectors.x[k]))
     return most

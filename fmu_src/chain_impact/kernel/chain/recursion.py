@@ -148,10 +148,13 @@ def arms(d, y, rate, middle):
     rate[velocity_at(n) + 1] = cy
 
 
-def no_impedance(impedance):
-    """Set the impedances at all points and in all joints to zero."""
-    for k in range(len(impedance.xx)):
-        impedance.xx[k], impedance.xy[k], impedance.yy[k], impedance.turn[k] = 0.0, 0.0, 0.0, 0.0
+def no_impedance(d, impedance):
+    """Set the impedances at all places to zero."""
+    for k in range(d.links + 1):
+        impedance.xx[k], impedance.xy[k], impedance.yy[k] = 0.0, 0.0, 0.0
+    if d.model.stopped:
+        for k in range(d.links + 1, 2 * d.links + 1):
+            impedance.xx[k] = 0.0
 
 
 def factorize(d, links, impedance, factors):

@@ -33,7 +33,8 @@ def factorize_shifted(d, links, impedance, reactance, pair, time_r, time_i, fact
     Args:
         d: the instance.
         links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
-        impedance: record with ``xx, xy, yy``, shape (N+1,): the real part of D [kg]; and ``turn``, of stops.
+        impedance: record with ``xx, xy, yy``, shape (N+1,): the real part of D [kg]; and ``joint``,
+            shape (N,), that of stops [kg·m²].
         reactance: its imaginary part, likewise.
         pair: of the factors, from 0.
         time_r: the real part of s [s].
@@ -59,8 +60,8 @@ def factorize_shifted(d, links, impedance, reactance, pair, time_r, time_i, fact
         own_i = q + lx * (vy + fy) - ly * (vx + fx)
         # κ = s c + s² k
         c, stiffness = joint_damping(d, i), spring_stiffness(d, i)
-        damper_r = time_r * c + square_r * stiffness + impedance.turn[i + 1]
-        damper_i = time_i * c + square_i * stiffness + reactance.turn[i + 1]
+        damper_r = time_r * c + square_r * stiffness + impedance.joint[i]
+        damper_i = time_i * c + square_i * stiffness + reactance.joint[i]
         inverse_r, inverse_i = reciprocal(own_r + damper_r, own_i + damper_i)
         share_r, share_i = times(damper_r, damper_i, inverse_r, inverse_i)
         gx_r, gx_i = times(hx, vx, inverse_r, inverse_i)
@@ -108,7 +109,7 @@ def solve_shifted(d, links, factors, pair, load, load_i, change):
         factors: its result.
         pair: likewise.
         load: record with ``x, y``, shape (N+1,): the real part of an impulse on each point [N·s]; and
-            ``turn``, that of μ_i in joint i [N·m·s].
+            ``joint``, shape (N,), that of μ_i [N·m·s].
         load_i: the imaginary part, likewise.
         change: both parts of the result Δ, shape (2, N+2) [m/s, rad/s].
     """
@@ -121,7 +122,7 @@ def solve_shifted(d, links, factors, pair, load, load_i, change):
         inverse_r, inverse_i = factors.inverse[re, i], factors.inverse[im, i]
         # s = L⊥·b' + t'
         s_r, s_i = links.x[i] * by - links.y[i] * bx + t, links.x[i] * cy - links.y[i] * cx + u
-        moment_r, moment_i = s_r + load.turn[i + 1], s_i + load_i.turn[i + 1]
+        moment_r, moment_i = s_r + load.joint[i], s_i + load_i.joint[i]
         change[0, ANGLES + i], change[1, ANGLES + i] = times(moment_r, moment_i, inverse_r, inverse_i)
         # b = b' − h (s + μ)/(H + κ),  t = σ s − (1 − σ) μ
         less_r, less_i = times(factors.gain_x[re, i], factors.gain_x[im, i], moment_r, moment_i)
@@ -129,7 +130,7 @@ def solve_shifted(d, links, factors, pair, load, load_i, change):
         less_r, less_i = times(factors.gain_y[re, i], factors.gain_y[im, i], moment_r, moment_i)
         by, cy = by - less_r, cy - less_i
         one_r, one_i = times(factors.damper[re, i], factors.damper[im, i], s_r, s_i)
-        two_r, two_i = times(factors.own[re, i], factors.own[im, i], load.turn[i + 1], load_i.turn[i + 1])
+        two_r, two_i = times(factors.own[re, i], factors.own[im, i], load.joint[i], load_i.joint[i])
         t, u = times(inverse_r, inverse_i, one_r - two_r, one_i - two_i)
     bx, cx = bx + load.x[0], cx + load_i.x[0]
     by, cy = by + load.y[0], cy + load_i.y[0]

@@ -172,7 +172,7 @@ def motion_bounds(d, c, along_x, along_y):
     """
     own, link = d.candidate, d.candidate.point[c] - 1
     if own.stop[c] != 0:
-        first, arm = omega_at(d.links) + link, abs(own.arm[c])
+        first, arm = omega_at(d.links) + link, d.model.size
         if link == 0:
             v, a = rate_bounds(d.step, first)
         else:

@@ -116,7 +116,7 @@ def find_impulses(d, share):
         rebound = -share * d.law.restitution[c] * own.start[k] if arrives else 0.0
         own.target[k] = rebound if rebound > STICK * least else 0.0
         own.in_active_set[k] = 1
-    solve_lcp(d, largest(d.work.velocity))
+    solve_lcp(d, largest(d, d.work.velocity))
     for k in range(d.touch.active_count):
         # −½ p (u⁻ + u⁺)
         lost -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
@@ -126,7 +126,7 @@ def find_impulses(d, share):
 
 def lacks_rebound(d):
     """Whether impulses cannot give all points the rebound speeds that the restitution demands."""
-    short, scale = False, largest(d.work.velocity)
+    short, scale = False, largest(d, d.work.velocity)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         short = short or d.rigid.reached[k] < d.rigid.target[k] - GAIN * scale
     return short
@@ -187,7 +187,7 @@ def update_active_set(d):
 
 def end_unstopped_contacts(d):
     """End the contacts that pushing impulses could not bring to rest."""
-    scale = largest(d.work.velocity)
+    scale = largest(d, d.work.velocity)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         if not d.rigid.in_active_set[k] and d.rigid.reached[k] > DOUBT * scale:
             end_rigid_contact(d, d.touch.active_index[k])

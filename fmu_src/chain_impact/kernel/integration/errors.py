@@ -3,6 +3,7 @@
 import math
 
 from chain_impact.kernel.chain.damped import joint_damping
+from chain_impact.kernel.chain.kinematics import move_points
 from chain_impact.kernel.chain.springs import spring_stiffness
 from chain_impact.kernel.chain.state import (
     ANGLES,
@@ -14,7 +15,7 @@ from chain_impact.kernel.chain.state import (
 )
 from chain_impact.kernel.inlining import inlined
 from chain_impact.kernel.model.constraints import any_point_held
-from chain_impact.kernel.model.geometry import along_normal, clearance, move_contacts
+from chain_impact.kernel.model.geometry import along_normal, clearance
 
 # The largest relative error of a penetration, however loose the tolerance: with more than some hundredths a
 # point that comes to rest bounces again, and outputs show spurious forces.
@@ -123,7 +124,7 @@ def impact_energy(d):
 def set_gap_errors(d, row):
     """Set the errors in the clearances of the active contacts that follow from an error estimate."""
     if d.touch.active_count > 0:
-        move_contacts(d, d.work.link, d.work.error[row], d.work.motion)
+        move_points(d, d.work.link, d.work.error[row], d.work.motion)
     for k in range(d.touch.active_count):
         d.touch.gap_error[row, k] = along_normal(d, d.touch.active_index[k], d.work.motion)
 

@@ -20,6 +20,7 @@ a rigid wall constrains, J Δ = 0, has an impedance far larger than the mass of 
 """
 
 from chain_impact.kernel.chain.damped import joint_damping, joint_resistance
+from chain_impact.kernel.chain.kinematics import move_points
 from chain_impact.kernel.chain.recursion import no_impedance
 from chain_impact.kernel.chain.shifted import factorize_shifted, solve_shifted, times
 from chain_impact.kernel.chain.springs import spring_stiffness
@@ -33,7 +34,8 @@ from chain_impact.kernel.model.geometry import (
     add_impedance,
     along_normal,
     clear_loads_of,
-    move_contacts,
+    impedance_of_joints,
+    to_joints,
 )
 
 
@@ -57,7 +59,7 @@ def solve_real(d, shift, x):
             # K r_v + s S r_q
             turning, turned = relative(x, omega_at(n), i), relative(x, ANGLES, i)
             moment = joint_resistance(d, i, shift) * turning + shift * spring_stiffness(d, i) * turned
-            d.work.load.turn[i + 1] = moment
+            d.work.load.joint[i] = moment
     for k in range(compliant(d)):
         # D r_ġ + s k r_g
         impulse = own.impedance[k] * x[rate_at(d, k)] + shift * own.stiffness[k] * x[gap_at(d, k)]
@@ -84,8 +86,8 @@ def factorize_complex(d, pair, s_r, s_i):
     """Eliminate M + Jᵀ D J + K for a complex s [s], given by its parts."""
     own, impedance, reactance = d.implicit, d.work.impedance, d.implicit.reactance
     complex_d, re, im = own.factors.impedance, 2 * pair, 2 * pair + 1
-    no_impedance(impedance)
-    no_impedance(reactance)
+    no_impedance(d, impedance)
+    no_impedance(d, reactance)
     square_r, square_i = times(s_r, s_i, s_r, s_i)
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
@@ -97,6 +99,9 @@ def factorize_complex(d, pair, s_r, s_i):
             complex_d[im, k] = s_i * own.damping[k] + square_i * own.stiffness[k]
             add_impedance(d, c, impedance, complex_d[re, k])
             add_impedance(d, c, reactance, complex_d[im, k])
+    if d.model.stopped:
+        impedance_of_joints(d, impedance)
+        impedance_of_joints(d, reactance)
     factorize_shifted(d, own.link, impedance, reactance, pair, s_r, s_i, own.factors)
 
 
@@ -115,9 +120,12 @@ def solve_complex(d, pair, s_r, s_i, x, y):
         deep_r, deep_i = times(s_r, s_i, x[gap_at(d, k)], y[gap_at(d, k)])
         add_along_normal(d, c, work.load, fast_r + stiffness * deep_r)
         add_along_normal(d, c, own.load, fast_i + stiffness * deep_i)
+    if d.model.stopped:
+        to_joints(d, work.load)
+        to_joints(d, own.load)
     solve_shifted(d, own.link, own.factors, pair, work.load, own.load, own.answer)
-    move_contacts(d, own.link, change, work.motion)
-    move_contacts(d, own.link, change_i, own_motion)
+    move_points(d, own.link, change, work.motion)
+    move_points(d, own.link, change_i, own_motion)
     for j in range(coordinate_count(n)):
         at = velocity_at(n) + j
         x[at], y[at] = x[at] - change[j], y[at] - change_i[j]
@@ -144,13 +152,13 @@ def load_joints(d, s_r, s_i, x, y):
     """Set the impulses in the joints: K r_v + s S r_q."""
     if not d.model.resisting:
         return
-    n, real, imaginary = d.links, d.work.load.turn, d.implicit.load.turn
+    n, real, imaginary = d.links, d.work.load.joint, d.implicit.load.joint
     square_r, square_i = times(s_r, s_i, s_r, s_i)
     for i in range(n):
         # κ = s c + s² k
         c, stiffness = joint_damping(d, i), spring_stiffness(d, i)
         damper_r, damper_i = s_r * c + square_r * stiffness, s_i * c + square_i * stiffness
         turning_r, turning_i = relative(x, omega_at(n), i), relative(y, omega_at(n), i)
-        add_product(real, imaginary, i + 1, damper_r, damper_i, turning_r, turning_i)
+        add_product(real, imaginary, i, damper_r, damper_i, turning_r, turning_i)
         turned_r, turned_i = relative(x, ANGLES, i), relative(y, ANGLES, i)
-        add_product(real, imaginary, i + 1, s_r * stiffness, s_i * stiffness, turned_r, turned_i)
+        add_product(real, imaginary, i, s_r * stiffness, s_i * stiffness, turned_r, turned_i)

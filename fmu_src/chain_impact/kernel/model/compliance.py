@@ -11,13 +11,15 @@ impedance, is one more term of the elimination (chain/damped.py). No matrix is f
 """
 
 from chain_impact.kernel.chain.damped import factorize_damped, solve_damped
+from chain_impact.kernel.chain.kinematics import move_points
 from chain_impact.kernel.chain.recursion import factorize, no_impedance, solve
 from chain_impact.kernel.model.geometry import (
     add_along_normal,
     add_impedance,
     along_normal,
     clear_loads_of,
-    move_contacts,
+    impedance_of_joints,
+    to_joints,
 )
 
 # Relative to the mobility of all links as one mass. In a toggle position of a pinned chain the mobility of a
@@ -27,7 +29,7 @@ LEAST_MOBILITY = 1e-6
 
 def factorize_contacts(d, links, impedance, time, factors):
     """Eliminate M + Jᵀ D J + K, with D_k [kg] of the active contacts, packed, and K for a ``time`` s [s]."""
-    no_impedance(d.work.impedance)
+    no_impedance(d, d.work.impedance)
     for k in range(d.touch.active_count):
         add_impedance(d, d.touch.active_index[k], d.work.impedance, impedance[k])
     factorize_chain(d, links, time, factors)
@@ -36,6 +38,8 @@ def factorize_contacts(d, links, impedance, time, factors):
 def factorize_chain(d, links, time, factors):
     """Eliminate M + Jᵀ D J + K, with D in ``work.impedance``, in the way that the scene needs."""
     factors.coupled = 1 if d.model.stopped or (d.model.resisting and time > 0.0) else 0
+    if d.model.stopped:
+        impedance_of_joints(d, d.work.impedance)
     if factors.coupled:
         factorize_damped(d, links, d.work.impedance, time, factors)
     else:
@@ -43,20 +47,22 @@ def factorize_chain(d, links, time, factors):
 
 
 def solve_chain(d, links, factors, change):
-    """Find Δ for the impulses in ``work.load`` on the points and, if ``factors`` are coupled, in the joints.
+    """Find Δ for the impulses in ``work.load`` at the places and, if ``factors`` are coupled, in the joints.
 
     Args:
         d: the instance.
         links: record with ``x, y``, shape (N+1,): the link vectors L_i [m] (entry N is not used).
         factors: those of ``factorize_contacts``.
         change: result Δ of the coordinates' rates, shape (N+2,) [m/s, rad/s]. The resulting motion of the
-            points and joints is stored in ``work.motion``.
+            places is stored in ``work.motion``.
     """
+    if d.model.stopped:
+        to_joints(d, d.work.load)
     if factors.coupled:
         solve_damped(d, links, factors, d.work.load, change)
     else:
         solve(d, links, factors, d.work.load, change)
-    move_contacts(d, links, change, d.work.motion)
+    move_points(d, links, change, d.work.motion)
 
 
 def solve_contacts(d, links, factors, impulse, change):
@@ -70,7 +76,7 @@ def solve_contacts(d, links, factors, impulse, change):
 def effective_mass(d, c):
     """Effective mass 1/(J M⁻¹ Jᵀ) [kg] of candidate c along its normal, at the located points."""
     work = d.work
-    no_impedance(work.impedance)
+    no_impedance(d, work.impedance)
     factorize_chain(d, work.link, 0.0, work.factors)
     clear_loads_of(d, work.load)
     add_along_normal(d, c, work.load, 1.0)

@@ -185,7 +185,7 @@ def start_from_accelerations(d, y, rate):
     accelerate_points(d, y, rate)
     for k in range(d.touch.active_count):
         d.rigid.start[k] = along_normal(d, d.touch.active_index[k], d.work.acceleration)
-    return largest(d.work.acceleration)
+    return largest(d, d.work.acceleration)
 
 
 def add_constraint_forces(d, y, rate):
@@ -247,7 +247,7 @@ def solve_positions(d):
 
 def solve_stopping_impulses(d):
     """Find the impulses that stop the active set; none of them pulls by more than errors explain."""
-    speed = largest(d.work.velocity)
+    speed = largest(d, d.work.velocity)
     solve_equality(d, speed)
     if least_impulse(d) < -tolerated_momentum(d, speed):
         solve_lcp(d, speed)

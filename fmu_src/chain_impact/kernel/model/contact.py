@@ -36,7 +36,7 @@ def apply_contact(d, c, gap, gap_rate):
 def clear_loads(d):
     """Set the loads on the points to the inputs alone."""
     clear_loads_of(d, d.work.load)
-    tip = len(d.work.load.x) - 1
+    tip = d.links
     d.work.load.x[tip] = d.inputs.tip_force[0]
     d.work.load.y[tip] = d.inputs.tip_force[1]
 

@@ -89,9 +89,9 @@ def joint_moments(d, y):
 
 
 def add_stop_moments(d):
-    """Add the moments of the stops, which are among the loads, to both links of each joint."""
+    """Add the moments of the stops, whose forces are loads at the joints' places, to both links of each."""
     for i in range(d.links):
-        torque = d.work.load.turn[i + 1]
+        torque = d.model.size * d.work.load.x[d.links + 1 + i]
         d.work.moment[i] += torque
         if i > 0:
             d.work.moment[i - 1] -= torque

@@ -7,13 +7,12 @@ normal n of length 1 and n·p = offset for the points p on it. The clearance of 
 
 The normals are computed once, at initialization, so that the code in loops has no branch on the kind of wall.
 
-A stop limits a joint's own angle ψ_i = θ_i − θ_{i−1}. For the kernel it is a contact at a lever arm, the
-longest link s: its lengths, speeds, forces and masses have the units and the scales of those at walls.
-
-    g = s (ψ − joint_min)  or  s (joint_max − ψ),   ġ = ±s ψ̇,   a force F has the moment ±s F in the joint.
+A stop limits a joint's own angle ψ_i = θ_i − θ_{i−1}. The joint has a place of its own, at x = s ψ_i with the
+longest link s as a lever arm (chain/kinematics.py), and the stop is a wall there. So lengths, speeds, forces
+and masses of stops have the units and the scales of those at walls, and a force F has the moment ±s F.
 """
 
-from chain_impact.kernel.chain.kinematics import move_points, turn_joints, zero
+from chain_impact.kernel.chain.kinematics import zero
 from chain_impact.kernel.chain.sincos import polar
 from chain_impact.kernel.chain.state import ANGLES
 
@@ -31,9 +30,9 @@ NORMALS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 
 
 def place_walls(d):
-    """Compute the normal and the offset of each candidate's wall, and the arm of each stop."""
+    """Compute the place of each candidate, and the normal and the offset of its wall or stop."""
     for c in range(d.candidates):
-        wall = d.candidate.wall[c]
+        wall, d.candidate.place[c] = d.candidate.wall[c], d.candidate.point[c]
         if d.candidate.stop[c] != 0:
             place_stop(d, c)
         elif wall < len(WALLS):
@@ -62,75 +61,69 @@ def place_slope(d, c, w):
 
 
 def place_stop(d, c):
-    """Set the lever arm and the angle of candidate c, a stop."""
-    own, link = d.candidate, d.candidate.point[c] - 1
-    if own.stop[c] > 0:
-        own.arm[c], own.offset[c] = d.model.size, d.model.joint_min[link]
-    else:
-        own.arm[c], own.offset[c] = -d.model.size, d.model.joint_max[link]
+    """Set the normal and the offset of candidate c, a stop, at the place of its joint."""
+    own, joint = d.candidate, d.candidate.point[c]
+    own.place[c], own.normal_x[c], own.normal_y[c] = d.links + joint, float(own.stop[c]), 0.0
+    limit = d.model.joint_min[joint - 1] if own.stop[c] > 0 else d.model.joint_max[joint - 1]
+    own.offset[c] = own.normal_x[c] * d.model.size * limit - d.contact.radius
 
 
 def clearance(d, c):
     """Clearance g [m] and its rate ġ [m/s] of candidate c, from the located points."""
-    own, point = d.candidate, d.candidate.point[c]
-    if own.stop[c] != 0:
-        return own.arm[c] * (d.work.position.turn[point] - own.offset[c]), along_normal(d, c, d.work.velocity)
     gap = along_normal(d, c, d.work.position) - d.candidate.offset[c] - d.contact.radius
     return gap, along_normal(d, c, d.work.velocity)
 
 
 def along_normal(d, c, vectors):
-    """n·v of candidate c for the vectors v of all points: J v for motions v."""
-    point = d.candidate.point[c]
-    if d.candidate.stop[c] != 0:
-        return d.candidate.arm[c] * vectors.turn[point]
-    return d.candidate.normal_x[c] * vectors.x[point] + d.candidate.normal_y[c] * vectors.y[point]
+    """n·v of candidate c for the vectors v of all places: J v for motions v."""
+    place = d.candidate.place[c]
+    return d.candidate.normal_x[c] * vectors.x[place] + d.candidate.normal_y[c] * vectors.y[place]
 
 
 def add_along_normal(d, c, vectors, amount):
-    """Add ``amount`` times n to the vector of the point of candidate c: Jᵀ F for a force F."""
-    point = d.candidate.point[c]
-    if d.candidate.stop[c] != 0:
-        vectors.turn[point] += d.candidate.arm[c] * amount
-        return
-    vectors.x[point] += d.candidate.normal_x[c] * amount
-    vectors.y[point] += d.candidate.normal_y[c] * amount
+    """Add ``amount`` times n to the vector of the place of candidate c: Jᵀ F for a force F."""
+    place = d.candidate.place[c]
+    vectors.x[place] += d.candidate.normal_x[c] * amount
+    vectors.y[place] += d.candidate.normal_y[c] * amount
 
 
 def add_impedance(d, c, impedance, amount):
-    """Add ``amount`` [kg] times n nᵀ to the impedance at the point of candidate c: Jᵀ D J."""
-    point, nx, ny = d.candidate.point[c], d.candidate.normal_x[c], d.candidate.normal_y[c]
-    if d.candidate.stop[c] != 0:
-        impedance.turn[point] += d.candidate.arm[c] * d.candidate.arm[c] * amount
-        return
-    impedance.xx[point] += nx * nx * amount
-    impedance.xy[point] += nx * ny * amount
-    impedance.yy[point] += ny * ny * amount
+    """Add ``amount`` [kg] times n nᵀ to the impedance at the place of candidate c: Jᵀ D J."""
+    place, nx, ny = d.candidate.place[c], d.candidate.normal_x[c], d.candidate.normal_y[c]
+    impedance.xx[place] += nx * nx * amount
+    impedance.xy[place] += nx * ny * amount
+    impedance.yy[place] += ny * ny * amount
+
+
+def to_joints(d, load):
+    """Add the moments of the forces at the places of joints to those in the joints."""
+    for i in range(d.links):
+        load.joint[i] += d.model.size * load.x[d.links + 1 + i]
+
+
+def impedance_of_joints(d, impedance):
+    """Set the resistances of the joints to those at their places."""
+    square = d.model.size * d.model.size
+    for i in range(d.links):
+        impedance.joint[i] = square * impedance.xx[d.links + 1 + i]
 
 
 def clear_loads_of(d, load):
-    """Set the loads on all points, and the moments in all joints, to zero."""
-    zero(load)
+    """Set the loads at all places and, if they are used, the moments in all joints to zero."""
+    zero(d, load)
     if d.model.stopped or d.model.resisting:
-        for i in range(len(load.turn)):
-            load.turn[i] = 0.0
-
-
-def move_contacts(d, links, change, motion):
-    """Motion of points and joints that follows from a change of the coordinates, for the link vectors."""
-    move_points(links, change, motion)
-    if d.model.stopped:
-        turn_joints(d.links, change, ANGLES, motion.turn)
+        for i in range(d.links):
+            load.joint[i] = 0.0
 
 
 def speed_bound(d, vectors):
-    """A bound on |n·v| of all candidates for the vectors v of all points."""
+    """A bound on the length of the vectors of all places."""
     most = 0.0
-    for k in range(len(vectors.x)):
+    for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]) + abs(vectors.y[k]))
     if d.model.stopped:
-        for i in range(1, len(vectors.turn)):
-            most = max(most, d.model.size * abs(vectors.turn[i]))
+        for k in range(d.links + 1, 2 * d.links + 1):
+            most = max(most, abs(vectors.x[k]))
     return most
 
 

@@ -11,15 +11,16 @@ def record(*fields: tuple[object, ...]) -> np.dtype:
 
 
 def vectors_dtype(points: int) -> np.dtype:
-    """A vector for each point."""
+    """A vector for each of some points."""
     return record(("x", REAL, (points,)), ("y", REAL, (points,)))
 
 
-def motions_dtype(points: int) -> np.dtype:
-    """A vector for each point, and a number for each joint 1…N; entry 0 of these is not used."""
-    return record(*((name, REAL, (points,)) for name in ("x", "y", "turn")))
+def loads_dtype(links: int) -> np.dtype:
+    """A vector for each place, and a number for each joint."""
+    places = 2 * links + 1
+    return record(("x", REAL, (places,)), ("y", REAL, (places,)), ("joint", REAL, (links,)))
 
 
-def impedance_dtype(points: int) -> np.dtype:
-    """A symmetric 2×2 matrix for each point, and a number for each joint 1…N."""
-    return record(*((name, REAL, (points,)) for name in ("xx", "xy", "yy", "turn")))
+def impedance_dtype(links: int) -> np.dtype:
+    """A symmetric 2×2 matrix for each place, and a number for each joint."""
+    return record(*((name, REAL, (2 * links + 1,)) for name in ("xx", "xy", "yy")), ("joint", REAL, (links,)))

@@ -139,8 +139,8 @@ def candidate_dtype(candidates: int) -> np.dtype:
         # derived at initialization
         ("normal_x", REAL, (candidates,)),  # n of the wall …
         ("normal_y", REAL, (candidates,)),
-        ("offset", REAL, (candidates,)),  # m, … and n·p of the points on it; of a stop its angle [rad]
-        ("arm", REAL, (candidates,)),  # m, of a stop the lever arm, < 0 at joint_max
+        ("offset", REAL, (candidates,)),  # m, … and n·p of the points on it
+        ("place", INTEGER, (candidates,)),  # the point, or of a stop N and the number of the joint
     )
 
 

@@ -8,7 +8,7 @@ from chain_impact.kernel.record.fields import (
     INTEGER,
     REAL,
     impedance_dtype,
-    motions_dtype,
+    loads_dtype,
     record,
     vectors_dtype,
 )
@@ -22,7 +22,7 @@ def implicit_dtype(links: int, candidates: int) -> np.dtype:
 
     Owners: collocation.py and newton.py in integration/, which call all other functions that write here.
     """
-    motions, state = motions_dtype(links + 1), state_size(links)
+    state = state_size(links)
     extended = state + 3 * candidates
     # both parts of complex numbers, one below the other, for each pair of shifts
     shifted = record(
@@ -57,8 +57,8 @@ def implicit_dtype(links: int, candidates: int) -> np.dtype:
         ("normal", REAL, (candidates,)),  # m or m/s, clearances or rates to which coordinates are moved
         ("real", factors_dtype(links)),  # for the real shift
         ("factors", shifted),  # for the complex shifts
-        ("reactance", impedance_dtype(links + 1)),  # the imaginary part of `work.impedance`, …
-        ("load", motions),  # … of `work.load` …
-        ("motion", motions),  # … and of `work.motion`
+        ("reactance", impedance_dtype(links)),  # the imaginary part of `work.impedance`, …
+        ("load", loads_dtype(links)),  # … of `work.load` …
+        ("motion", vectors_dtype(2 * links + 1)),  # … and of `work.motion`
         ("answer", REAL, (2, coordinate_count(links))),  # Δ, likewise
     )

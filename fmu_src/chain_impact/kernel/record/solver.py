@@ -9,7 +9,7 @@ from chain_impact.kernel.record.fields import (
     INTEGER,
     REAL,
     impedance_dtype,
-    motions_dtype,
+    loads_dtype,
     record,
     vectors_dtype,
 )
@@ -121,7 +121,7 @@ def inner_dtype(links: int) -> np.dtype:
 def work_dtype(links: int) -> np.dtype:
     """Work space: valid within a step, except `rate_end` (`rate_known`) and, if `at_end` is 1, the points."""
     points, state = links + 1, state_size(links)
-    motions, impedance = motions_dtype(points), impedance_dtype(points)
+    places, loads, impedance = vectors_dtype(2 * links + 1), loads_dtype(links), impedance_dtype(links)
     return record(
         ("stage", REAL, (STAGES, state)),  # dy/ds at the stages
         ("rate_start", REAL, (state,)),  # ẏ at the start …
@@ -130,17 +130,17 @@ def work_dtype(links: int) -> np.dtype:
         ("rate", REAL, (state,)),  # … and its ẏ, outside of a step
         ("error", REAL, (2, state)),  # the embedded error estimates
         ("link", vectors_dtype(points)),  # m, L_i; entry N is not used
-        ("load", motions),  # N or N·s on each point, N·m or N·m·s in each joint
+        ("load", loads),  # N or N·s at each place, N·m or N·m·s in each joint
         ("moment", REAL, (links,)),  # N·m on each link, from its joints
-        ("impedance", impedance),  # kg, D of each point; kg·m², of each joint
+        ("impedance", impedance),  # kg, D of each place; kg·m², of each joint
         ("elimination", elimination_dtype(links)),  # h/H and h₀/H of each link
         ("factors", factors_dtype(links)),  # of an effective mass, or of rigid contacts
-        ("position", motions),  # m, of the points; rad, of the joints, if the scene has stops …
-        ("velocity", motions),  # m/s, rad/s
-        ("acceleration", motions),  # m/s², rad/s²
+        ("position", places),  # m, of the places: points and, with stops, joints
+        ("velocity", places),  # m/s
+        ("acceleration", places),  # m/s²
         ("at_end", INTEGER),  # 1: these are the points at the end of the step
         ("change", REAL, (coordinate_count(links),)),  # 1/kg, of the coordinates' rates by a unit impulse
-        ("motion", motions),  # of points and joints, for a given motion of the coordinates
+        ("motion", places),  # of the places, for a given motion of the coordinates
         ("reach", REAL, (points,)),  # m/s², bound on the links' part of the acceleration of each point
         ("inner", inner_dtype(links)),
     )

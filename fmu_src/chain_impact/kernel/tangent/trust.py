@@ -51,7 +51,7 @@ def check_onsets(t):
 def fastest_speed(t):
     """The speed of the fastest point [m/s]."""
     most, velocity = 0.0, t.work.velocity
-    for k in range(len(velocity.x)):
+    for k in range(t.links + 1):
         x, y = value(velocity.x[k]), value(velocity.y[k])
         most = max(most, math.sqrt(x * x + y * y))
     return most
