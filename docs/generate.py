@@ -212,7 +212,11 @@ def walls() -> str:
     """The numbers of the walls in `impact.last_wall`."""
     box = ((str(n), code(w)) for n, w in enumerate(WALLS, 1))
     others = (f"{len(WALLS) + 1} and on", "`[[walls]]` of the scene, in their order")
-    return table(("number", "wall"), (("0", "none yet"), *box, others))
+    stops = (
+        "the two after these",
+        "`joint_min` and `joint_max`, in a scene with stops; the point is the joint",
+    )
+    return table(("number", "wall"), (("0", "none yet"), *box, others, stops))
 
 
 def statuses() -> str:

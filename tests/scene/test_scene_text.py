@@ -3,6 +3,7 @@
 import pytest
 
 from chain_impact import Scene, load_scene, model_names
+from tests.stops import knee
 
 LINES, COLUMNS = 8, 120  # of a repr
 
@@ -34,3 +35,12 @@ def test_a_long_chain_has_a_short_repr():
     assert is_short(repr(scene))
     assert "40 links, 4 m, 40 kg" in repr(scene)
     assert "angles 0, 0.01, 0.02, 0.03, …, 0.39 rad" in repr(scene)
+
+
+def test_stops_and_materials_are_in_the_repr():
+    text = repr(knee(**{"link[1].joint_max": 3.0, "wall.x_max.stiffness": 1e6}))
+    assert "at x_max e = 0.25, K = 1e+06" in text
+    line = next(line for line in text.splitlines() if line.startswith("  stops"))
+    assert line.split(maxsplit=1)[1] == (
+        "zhang_sharf, e = 0.5, K = 10000 N.m/rad^1.5; joint 1 ≤ 3 rad, joint 2 0 to 2 rad"
+    )

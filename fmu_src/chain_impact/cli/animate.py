@@ -10,6 +10,7 @@ from chain_impact.cli.progress import progress, say
 from chain_impact.fmu.run import record_fmu
 from chain_impact.results.animation import FORMATS, IMPACT_TIME, SIZE, animate
 from chain_impact.results.csv_file import read_csv
+from chain_impact.results.joint_stops import ranges_of
 from chain_impact.results.recording import Recording
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.instance import SimulationError
@@ -132,4 +133,4 @@ def read_table(path: Path, scene: str | None, settings: dict[str, str]) -> Recor
             )
         return read_csv(path, None)
     known = with_settings(load_scene(scene), settings)
-    return read_csv(path, known.half_planes, known.wall_names)
+    return read_csv(path, known.half_planes, known.wall_names, ranges_of(known))

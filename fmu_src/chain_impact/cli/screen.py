@@ -13,10 +13,19 @@ from rich.markup import escape
 from rich.table import Table
 
 from chain_impact.compilation.cache import LINKER, Entry
+from chain_impact.results.joint_stops import speed_unit, what
 from chain_impact.results.recording import Recording
 from chain_impact.results.summary import energy_lines, plural
 from chain_impact.studies.compare import Comparison
-from chain_impact.studies.compare_text import HEAD, NOTHING, NUMBERS, advice, cells, heading, legend, told
+from chain_impact.studies.compare_text import (
+    NOTHING,
+    advice,
+    cells,
+    head,
+    heading,
+    legend,
+    told,
+)
 
 RELATIVE = {
     "impact_speed": "speed",
@@ -57,11 +66,11 @@ def variable_table(variables: Iterable[Any]) -> Iterator[RenderableType]:
 
 def summary(recording: Recording) -> Iterator[RenderableType]:
     """Impacts and energy balance."""
-    table = table_of(("#", "time, s", "point", "wall", "speed, m/s"))
+    table = table_of(("#", "time, s", "point", "wall", "speed" if recording.stops else "speed, m/s"))
     for number, impact in enumerate(recording.impacts, start=1):
-        table.add_row(
-            str(number), f"{impact.time:.6f}", str(impact.point), impact.wall, f"{impact.speed:.4f}"
-        )
+        point = what(impact.point, True) if impact.at_stop else str(impact.point)
+        unit = f" {speed_unit(impact.at_stop)}" if recording.stops else ""
+        table.add_row(str(number), f"{impact.time:.6f}", point, impact.wall, f"{impact.speed:.4f}{unit}")
     count, listed = recording.impact_count, len(recording.impacts)
     impacts = plural(count, "impact")
     if listed < count:
@@ -93,7 +102,8 @@ def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:
 def law_table(comparison: Comparison) -> Iterator[RenderableType]:
     """The laws side by side, and which to take."""
     yield f"\n{escape(heading(comparison))}"
-    table = table_of(HEAD, NUMBERS)
+    names = head(comparison)
+    table = table_of(names, names[1:-1])
     for run in comparison.runs:
         table.add_row(*map(escape, cells(run)))
     yield table

@@ -10,6 +10,7 @@ from xml.etree.ElementTree import Element, SubElement
 from chain_impact.scene.angles import DEGREES
 from chain_impact.scene.names import Place
 from chain_impact.scene.scene import Scene
+from chain_impact.scene.tables import Stops
 from chain_impact.variables.model import Model
 from chain_impact.variables.units import in_order, unit_of
 from chain_impact.variables.variable import OBSERVED, Variable
@@ -108,8 +109,9 @@ def values_of(model: Model) -> list[dict[str, str]]:
         if variable.type == "real":
             value = {"declaredType": unit_of(variable.unit).quantity, "unit": variable.unit}
             record, field, *_ = variable.place
-            if record in OBSERVED and field in nominal:
-                value["nominal"] = repr(nominal[str(field)])
+            key = f"stop_{field}" if variable.name.startswith("joint[") else str(field)
+            if record in OBSERVED and key in nominal:
+                value["nominal"] = repr(nominal[key])
         elif variable.items:
             value = {"declaredType": type_name(variable)}
         # an open limit is written as a closed one, which is all that FMI knows; the FMU keeps it open
@@ -138,9 +140,7 @@ def nominal_values(scene: Scene) -> dict[str, float]:
     links, contact = scene.chain.links, scene.contact
     size, mass = max(link.length for link in links), sum(link.mass for link in links)
     energy = mass * size * size
-    depth = ((contact.exponent + 1.0) * energy / (2.0 * contact.stiffness)) ** (
-        1.0 / (contact.exponent + 1.0)
-    )
+    depth = _depth(contact.stiffness, contact.exponent, energy)
     motion = dict.fromkeys(
         ("point_position", "point_velocity", "point_acceleration", "penetration_rate"), size
     )
@@ -148,7 +148,21 @@ def nominal_values(scene: Scene) -> dict[str, float]:
     force = contact.stiffness * depth**contact.exponent
     contacts = {"penetration": depth, "force": force, "impulse": mass * size}
     impacts = {"speed": size, "separation_speed": size, "peak_force": force, "max_penetration": depth}
-    return motion | energies | contacts | impacts
+    return motion | energies | contacts | impacts | _of_stops(scene.stops, energy)
+
+
+def _of_stops(stops: Stops, energy: float) -> dict[str, float]:
+    """The same of stops, for all the mass at the end of the longest link, at 1 rad/s."""
+    if stops.stiffness is None or stops.exponent is None:
+        return {}
+    depth = _depth(stops.stiffness, stops.exponent, energy)
+    moment = stops.stiffness * depth**stops.exponent
+    return {"stop_penetration": depth, "stop_force": moment, "stop_impulse": energy}
+
+
+def _depth(stiffness: float, n: float, energy: float) -> float:
+    depth: float = ((n + 1.0) * energy / (2.0 * stiffness)) ** (1.0 / (n + 1.0))
+    return depth
 
 
 def type_name(variable: Variable) -> str:

@@ -15,10 +15,11 @@ import numpy as np
 
 from chain_impact.compilation.work import Progress, silent
 from chain_impact.kernel.model.geometry import WALLS
+from chain_impact.results.joint_stops import ranges_from
 from chain_impact.results.recording import Recording, impacts_from_outputs
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.half_planes import HalfPlane, half_planes
-from chain_impact.scene.names import input_key
+from chain_impact.scene.names import STOPS, input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.simulation.record_scene import RunError, value_of
 from chain_impact.simulation.simulate import check_size
@@ -89,7 +90,8 @@ def record_fmu(
     ]
     check_size(str(path), stop_time, step_size, len(outputs))
     values = {name: float(start_values.get(name, variable.start)) for name, variable in parameters.items()}
-    walls = _walls(values)
+    walls, stops = _walls(values), ranges_from(values)
+    names = [*dict.fromkeys((*WALLS, *walls)), *(STOPS if stops else ())]
     named = {name: _named(parameters[name], value) for name, value in values.items()}
 
     def recording(rows: np.ndarray) -> Recording:
@@ -98,9 +100,10 @@ def record_fmu(
             name=description.modelName,
             time=np.asarray(rows["time"]),
             columns=columns,
-            impacts=impacts_from_outputs(rows, list(dict.fromkeys((*WALLS, *walls)))),
+            impacts=impacts_from_outputs(rows, names, stops),
             walls=walls,
             parameters=named,
+            stops=stops,
         )
 
     recorders: list[Any] = []  # fmpy's, after the first step

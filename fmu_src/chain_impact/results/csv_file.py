@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from chain_impact.results.animation.contacts import force_columns, impacts_from_forces
-from chain_impact.results.recording import Recording, impacts_from_outputs
+from chain_impact.results.animation.contacts import impacts_from_forces, wall_forces
+from chain_impact.results.joint_stops import JointRange
+from chain_impact.results.recording import NO_STOPS, Recording, impacts_from_outputs
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import SENSITIVITY
 from chain_impact.scene.reading import SceneError
@@ -20,7 +21,10 @@ NEEDED = ("time", "point[0].x", "point[0].y", "point[1].x", "point[1].y")
 
 
 def read_csv(
-    path: Path, walls: Mapping[str, HalfPlane] | None, wall_names: tuple[str, ...] = ()
+    path: Path,
+    walls: Mapping[str, HalfPlane] | None,
+    wall_names: tuple[str, ...] = (),
+    stops: Mapping[int, JointRange] = NO_STOPS,
 ) -> Recording:
     """Read a table with a head line.
 
@@ -28,6 +32,7 @@ def read_csv(
         path: the file; columns ``time`` [s] and outputs of the FMU, at least the positions of the points.
         walls: name → free side of the scene's walls, which a table does not hold; None if they are unknown.
         wall_names: names of the walls by their numbers in the columns ``impact.*``.
+        stops: the joints with stops, and their ranges.
 
     Returns:
         The recording, named as the file is. Its impacts come from the columns ``impact.*`` if they are there;
@@ -64,11 +69,11 @@ def read_csv(
         raise SceneError(
             f"{path}: line {row + 3}: time = {time[row + 1]:g} must be later than in the line before"
         )
-    recording = Recording(path.stem, time, columns, [], dict(walls or {}))
+    recording = Recording(path.stem, time, columns, [], dict(walls or {}), stops=dict(stops))
     _check_walls(path, recording, walls)
     listed = "impact.count" in columns and walls is not None
     impacts = (
-        impacts_from_outputs({"time": time, **columns}, wall_names)
+        impacts_from_outputs({"time": time, **columns}, wall_names, stops)
         if listed
         else impacts_from_forces(recording)
     )
@@ -77,7 +82,7 @@ def read_csv(
 
 
 def _check_walls(path: Path, recording: Recording, walls: Mapping[str, HalfPlane] | None) -> None:
-    for point, wall, _ in force_columns(recording):
+    for point, wall, _ in wall_forces(recording):
         if walls is None:
             raise SceneError(
                 f"{path}: it has contact[{point}].{wall}.force, but a table does not hold where walls are: "

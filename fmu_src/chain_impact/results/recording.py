@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from errno import EIO
@@ -15,11 +15,14 @@ from typing import Any
 import numpy as np
 
 from chain_impact.results.impacts import impacts_of, names_of
+from chain_impact.results.joint_stops import JointRange, touching_place
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.results.summary import plural
 from chain_impact.scene.half_planes import HalfPlane
+from chain_impact.scene.names import STOPS
 
 ROWS_AT_ONCE = 10_000  # that are written
+NO_STOPS: Mapping[int, JointRange] = {}
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +36,8 @@ class Impact:
         speed: normal approach speed [m/s].
         end: of the contact [s]; NaN if it is unknown, or of one that lasts.
         peak_force: the largest force [N], infinite between rigid walls; NaN if it is unknown.
+        arm: at a stop of a joint, the length of the joint's link [m]; None at a wall. The point is the
+            joint there, 1…N, the speed is in rad/s, and the peak force is a moment in N·m.
     """
 
     time: float
@@ -41,6 +46,17 @@ class Impact:
     speed: float
     end: float = field(default=math.nan, compare=False)
     peak_force: float = field(default=math.nan, compare=False)
+    arm: float | None = field(default=None, compare=False)
+
+    @property
+    def at_stop(self) -> bool:
+        """Whether it is at a stop of a joint."""
+        return self.arm is not None
+
+    @property
+    def end_speed(self) -> float:
+        """The speed [m/s]; at a stop that of the link's end about the joint, so that all can be compared."""
+        return self.speed * (1.0 if self.arm is None else self.arm)
 
 
 @dataclass(frozen=True, repr=False)
@@ -55,6 +71,7 @@ class Recording:
         walls: name → free side of the walls that are there.
         parameters: FMU variable name → value at the start, of a choice its name; none where they are unknown.
         sensitivities: the derivatives that were asked for, if any.
+        stops: the joints with stops, and their ranges.
     """
 
     name: str
@@ -64,6 +81,7 @@ class Recording:
     walls: dict[str, HalfPlane]
     parameters: dict[str, Any] = field(default_factory=dict)
     sensitivities: Sensitivities | None = None
+    stops: dict[int, JointRange] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         """What it is of, and how much there is."""
@@ -93,8 +111,19 @@ class Recording:
         x, y = (np.interp(time, self.time, self.columns[f"point[{point}].{axis}"]) for axis in "xy")
         return float(x), float(y)
 
+    def pose_at(self, time: float) -> np.ndarray:
+        """Positions of the points in the row nearest to a time [s], shape (N+1, 2) [m].
+
+        Between rows a link is not straight: interpolated, it would be too short.
+        """
+        pose: np.ndarray = self.points[int(np.abs(self.time - time).argmin())]
+        return pose
+
     def spot(self, impact: Impact) -> tuple[float, float]:
-        """Where [m] an impact hit its wall, at a distance of the radius from the point."""
+        """Where [m] an impact hit its wall, a radius away from the point; of a stop, its mark."""
+        if impact.at_stop:
+            x, y = touching_place(self.pose_at(impact.time), impact.point)[0]
+            return float(x), float(y)
         x, y = self.point_at(impact.point, impact.time)
         wall = self.walls[impact.wall]
         gap, (nx, ny) = wall.clearance(x, y), wall.normal
@@ -129,27 +158,34 @@ def written_whole(path: Path) -> Iterator[Path]:
         raise type(error)(error.errno or EIO, error.strerror or str(error), str(path)) from None
 
 
-def impacts_from_outputs(record: Any, walls: Sequence[str]) -> list[Impact]:
+def impacts_from_outputs(
+    record: Any, walls: Sequence[str], stops: Mapping[int, JointRange] = NO_STOPS
+) -> list[Impact]:
     """The impacts that a record of an FMU's outputs shows, with its walls' names by their numbers.
 
     From an FMU with `outputs.impacts = 0` it is only the last one in each communication step.
     """
     if "impact[1].time" in names_of(record):
-        return impact_list(impacts_of(record), walls)
+        return impact_list(impacts_of(record), walls, stops)
     rows = np.flatnonzero(np.diff(record["impact.count"], prepend=0))
-    return [
-        Impact(
-            time=float(record["impact.last_time"][row]),
-            point=int(record["impact.last_point"][row]),
-            wall=walls[int(record["impact.last_wall"][row]) - 1],
-            speed=float(record["impact.last_speed"][row]),
-        )
-        for row in rows
-    ]
+    last = {name: record[f"impact.last_{name}"] for name in ("time", "point", "wall", "speed")}
+    found = []
+    for row in rows:
+        point, wall = int(last["point"][row]), walls[int(last["wall"][row]) - 1]
+        arm = _arm(point, wall, stops)
+        found.append(Impact(float(last["time"][row]), point, wall, float(last["speed"][row]), arm=arm))
+    return found
 
 
-def impact_list(table: np.ndarray, walls: Sequence[str]) -> list[Impact]:
-    """The impacts of a table as `Result.impacts`, with the names of the walls."""
+def _arm(point: int, wall: str, stops: Mapping[int, JointRange]) -> float | None:
+    """See ``Impact.arm``."""
+    return stops[point].length if wall in STOPS and point in stops else None
+
+
+def impact_list(
+    table: np.ndarray, walls: Sequence[str], stops: Mapping[int, JointRange] = NO_STOPS
+) -> list[Impact]:
+    """The impacts of a table as `Result.impacts`, with the names of the walls, and the joints with stops."""
     return [
         Impact(
             time=float(row["onset"]),
@@ -158,6 +194,7 @@ def impact_list(table: np.ndarray, walls: Sequence[str]) -> list[Impact]:
             speed=float(row["impact_speed"]),
             end=float(row["end"]),
             peak_force=float(row["peak_force"]),
+            arm=_arm(int(row["point"]), walls[row["wall"]], stops),
         )
         for row in table
     ]

@@ -13,6 +13,7 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.results import summary, tables
+from chain_impact.results.joint_stops import ranges_of
 from chain_impact.results.recording import Recording, impact_list
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.scene.reading import UnknownNameError, matching
@@ -311,13 +312,14 @@ class Result:
 
 def recording_of(result: Result) -> Recording:
     """The recording of a simulated scene."""
-    values = result.scene.values
+    values, stops = result.scene.values, ranges_of(result.scene)
     return Recording(
         name=result.scene.name,
         time=result.time,
         columns=result.motion,
-        impacts=impact_list(result.impacts, result.scene.wall_names),
+        impacts=impact_list(result.impacts, result.scene.wall_names, stops),
         walls=result.scene.half_planes,
         parameters={name: values[name] for name in result.model.parameter_paths},
         sensitivities=result.sensitivities,
+        stops=stops,
     )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from chain_impact.kernel.status import OK, STATUS_TEXT
+from chain_impact.results.joint_stops import at_stop, speed_unit, what
 
 if TYPE_CHECKING:
     from chain_impact.results.result import Result
@@ -41,7 +42,7 @@ def text(result: Result) -> str:
 
 def html(result: Result) -> str:
     """A result for a notebook: with a table of its impacts."""
-    head = "".join(f"<th>{name}</th>" for name in ("", "time, s", "point", "wall", "speed, m/s"))
+    head = "".join(f"<th>{name}</th>" for name in ("", "time, s", "point", "wall", _speed_head(result)))
     rows = [
         "".join(f"<td>{escape(cell)}</td>" for cell in (str(number), *_cells(result, impact)))
         for number, impact in enumerate(result.impacts[:LISTED], 1)
@@ -63,13 +64,22 @@ def _impact_lines(result: Result) -> Iterator[str]:
     ends = {"first": result.impacts[:1], "last": result.impacts[1:][-1:]}
     for word, rows in ends.items():
         for row in rows:
-            time, point, wall, speed = _cells(result, row)
-            yield f"{word:9}impact at {time} s: point {point} hits {wall} at {speed} m/s"
+            time, _, wall, speed = _cells(result, row)
+            stop = at_stop(result.scene, row["wall"])
+            hit = f"{what(row['point'], stop)} hits {wall} at {speed.split()[0]} {speed_unit(stop)}"
+            yield f"{word:9}impact at {time} s: {hit}"
 
 
 def _cells(result: Result, impact: np.void) -> tuple[str, str, str, str]:
-    wall = result.scene.wall_names[impact["wall"]]
-    return f"{impact['onset']:.6f}", str(impact["point"]), wall, f"{impact['impact_speed']:.4f}"
+    wall, stop = result.scene.wall_names[impact["wall"]], at_stop(result.scene, impact["wall"])
+    point = what(impact["point"], True) if stop else str(impact["point"])
+    unit = f" {speed_unit(stop)}" if result.scene.chain.stops else ""
+    return f"{impact['onset']:.6f}", point, wall, f"{impact['impact_speed']:.4f}{unit}"
+
+
+def _speed_head(result: Result) -> str:
+    """The head of the column of speeds: with the unit, where all speeds have the same."""
+    return "speed" if result.scene.chain.stops else "speed, m/s"
 
 
 def _facts(result: Result) -> Iterator[str]:

@@ -24,6 +24,15 @@ IMPACT_UNITS = {
     "effective_mass": "kg",
     "impulse": "N.s",
 }
+STOP_UNITS = {
+    "impact_speed": "rad/s",
+    "separation_speed": "rad/s",
+    "peak_force": "N.m",
+    "max_penetration": "rad",
+    "effective_mass": "kg.m2",
+    "impulse": "N.m.s",
+}
+"""What is in another unit, of an impact at a stop."""
 _DIMENSIONS = {field: ("point", "axis") if owner == "point" else (owner,) for field, owner in OWNERS.items()}
 
 
@@ -45,6 +54,8 @@ def impact_table(result: Result) -> Any:
     index = pandas.RangeIndex(1, len(result.impacts) + 1, name="impact")
     table = pandas.DataFrame(columns, index=index)
     table.attrs["units"] = dict(IMPACT_UNITS)
+    if result.scene.chain.stops:
+        table.attrs["units_at_stops"] = IMPACT_UNITS | STOP_UNITS
     return table
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
@@ -9,6 +10,7 @@ from chain_impact.kernel.model.geometry import WALLS
 
 if TYPE_CHECKING:
     from chain_impact.scene.scene import Scene
+    from chain_impact.scene.tables import Material
 
 LISTED = 6  # numbers of a list
 WIDTH = 100  # characters of a line
@@ -31,9 +33,32 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
     law = f"{contact.model}, e = {contact.restitution:g}"
     stiffness = f"K = {contact.stiffness:g} N/m^{contact.exponent:g}"
     yield "contact", f"{law}, {stiffness}; points {_listed(contact.points)}"
+    materials = [line for name, one in contact.wall.items() if (line := _material(name, one))]
+    if materials:
+        yield "", "; ".join(materials)
+    if scene.chain.stops:
+        ends = scene.chain.joint_ranges.items()
+        stops, law = scene.stops, scene.stops.model or contact.model
+        stiffness = f"K = {stops.stiffness:g} N.m/rad^{stops.exponent:g}"
+        ranges = [f"joint {joint} {_range(low, high)}" for joint, (low, high) in ends]
+        ranges = ranges if len(ranges) <= LISTED else [*ranges[: LISTED - 2], "…", ranges[-1]]
+        yield "stops", f"{law}, e = {stops.restitution:g}, {stiffness}; {', '.join(ranges)}"
     yield "start", f"base at {_listed(start.position)} m, angles {_listed(start.angles)} rad"
     solver = f"method {scene.solver.method}, tolerance {scene.solver.tolerance:g}"
     yield "run", f"{run.stop_time:g} s in steps of {run.step_size:g} s; {solver}"
+
+
+def _material(name: str, material: Material) -> str:
+    """What is particular of a wall; nothing if it is as the others."""
+    parts = [] if material.restitution is None else [f"e = {material.restitution:g}"]
+    parts += [] if material.stiffness is None else [f"K = {material.stiffness:g}"]
+    return f"at {name} {', '.join(parts)}" if parts else ""
+
+
+def _range(low: float, high: float) -> str:
+    if math.isinf(low) or math.isinf(high):
+        return f"≤ {high:g} rad" if math.isinf(low) else f"≥ {low:g} rad"
+    return f"{low:g} to {high:g} rad"
 
 
 def _listed(values: Iterable[float]) -> str:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from chain_impact.scene.checks import START_TOLERANCE, check_law
 from chain_impact.scene.names import STOPS
 from chain_impact.scene.reading import SceneError, shown
-from chain_impact.scene.tables import Chain, Link
+from chain_impact.scene.tables import Chain
 
 if TYPE_CHECKING:
     from chain_impact.scene.scene import Scene
@@ -42,26 +42,18 @@ def _check_links(chain: Chain) -> None:
             "must be left out: a free base has no joint 1; of equal links, link 1 needs an entry of its own"
         )
         raise SceneError(f"link[1].{key} = {getattr(chain.links[0], key)} {needed}")
-    for i, link in enumerate(chain.links, 1):
-        low, high = _range(link)
+    for i, (low, high) in chain.joint_ranges.items():
         if not low < high:
             raise SceneError(
                 f"link[{i}].joint_max = {high} must be > {low} [rad], which is link[{i}].joint_min"
             )
 
 
-def _range(link: Link) -> tuple[float, float]:
-    """The stops of the joint of a link [rad], infinite where there is none."""
-    low, high = link.joint_min, link.joint_max
-    return -math.inf if low is None else low, math.inf if high is None else high
-
-
 def check_joint_angles(scene: Scene) -> None:
     """Refuse a start in which a joint is beyond one of its stops."""
-    before = 0.0
-    for i, (link, angle) in enumerate(zip(scene.chain.links, scene.initial.angles, strict=True), 1):
-        joint, before = angle - before, angle
-        low, high = _range(link)
+    angles = (0.0, *scene.initial.angles)
+    for i, (low, high) in scene.chain.joint_ranges.items():
+        joint = angles[i] - angles[i - 1]
         beyond = max(low - joint, joint - high)
         if beyond > START_TOLERANCE:
             stop = f"joint_min = {low:.6g}" if joint < low else f"joint_max = {high:.6g}"

@@ -3,6 +3,7 @@
 Unit, description, range and default stand in each field's metadata; see scene.py.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -86,6 +87,19 @@ class Chain:
         """The stops that are there: the joint, numbered as its link, and ``joint_min`` or ``joint_max``."""
         links = enumerate(self.links, 1)
         return tuple((i, stop) for i, link in links for stop in STOPS if getattr(link, stop) is not None)
+
+    @property
+    def joint_ranges(self) -> dict[int, tuple[float, float]]:
+        """The joints with a stop, and their joint_min and joint_max [rad], infinite where there is none."""
+        links = {joint: self.links[joint - 1] for joint, _ in self.stops}
+        none = (-math.inf, math.inf)
+        return {
+            joint: (
+                none[0] if link.joint_min is None else link.joint_min,
+                none[1] if link.joint_max is None else link.joint_max,
+            )
+            for joint, link in links.items()
+        }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -19,6 +19,7 @@ from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.kernel.tangent.trust import NO_IMPACT, REASONS, TRUSTED
 from chain_impact.results.impacts import IMPACT_DTYPE
+from chain_impact.results.joint_stops import at_stop, what
 from chain_impact.scene.names import Place
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
@@ -184,7 +185,8 @@ class DifferentiatedInstance(Instance):
         where = ""
         if trust["point"] != NO_IMPACT:
             wall = self.model.scene.wall_names[trust["wall"]]
-            where = f", the impact of point {trust['point']} at {wall}"
+            touching = what(trust["point"], at_stop(self.model.scene, trust["wall"]))
+            where = f", the impact of {touching} at {wall}"
         reason = REASONS[int(trust["reason"])]
         return (f"there are no derivatives from t = {trust['time']:.9g} s on{where}: {reason}",)
 

@@ -13,13 +13,17 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.results.joint_stops import at_stop
 from chain_impact.results.recording import written_whole
 from chain_impact.results.result import Result
+from chain_impact.scene.candidates import point_wall_pairs
+from chain_impact.scene.names import STOPS
 from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene, SceneSource, scene_from_dict, scene_of, with_values
 from chain_impact.scene.tables import Contact
 from chain_impact.simulation.instance import Instance, SimulationError
 from chain_impact.simulation.simulate import simulate
+from chain_impact.studies.law_change import contact_at, keeps_exponents, law_names, law_values, with_law
 
 EXACT = "zhang_sharf"
 """The law that the others are measured by, where the scene's restitution allows it."""
@@ -27,8 +31,6 @@ OVERLAP = "another contact began before the first ended"
 SAMPLES = 400  # of a loop of force and penetration
 LONGEST = 200.0  # elastic contact times, after which a free impact is given up
 HEIGHT = 1e-3  # m, from which the mass of a free impact flies to the wall
-
-Changes = dict[tuple[str | int, ...], Any]
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,8 @@ class LawRun:
         exponent: n that it was run with.
         stiffness: K that it was run with [N/m^n].
         restitution: realised in the first impact.
-        peak_force: of the first impact [N]; infinite for an impulse.
+        peak_force: of the first impact [N]; infinite for an impulse. Of one at a stop [N·m], as all here is
+            that of the angle.
         max_penetration: of the first impact [m].
         duration: of the first impact [s]; 0 for an impulse.
         energy_lost: from the onset to the end of the first impact, by all contacts [J].
@@ -104,6 +107,16 @@ class Comparison:
         assert result is not None  # that is what makes it the reference
         impact: np.void = result.impacts[0]
         return impact
+
+    @property
+    def contact(self) -> Contact:
+        """The values of the scene's contact law where the first impact is: at its wall, or at stops."""
+        return contact_at(self.scene, self.first_impact)
+
+    @property
+    def at_stop(self) -> bool:
+        """Whether the first impact is at a stop of a joint: then its quantities are those of the angle."""
+        return at_stop(self.scene, self.first_impact["wall"])
 
     def __repr__(self) -> str:
         """The table and the advice, as a text of several lines."""
@@ -167,7 +180,7 @@ def compare(
     """
     scene, show = scene_of(scene), progress or silent
     laws = chosen_laws(scene, laws)
-    at_home = [law for law in laws if needed_exponent(law, scene) == scene.contact.exponent]
+    at_home = [law for law in laws if keeps_exponents(law, scene)]
     found: dict[str, LawRun] = {}
 
     def run(law: str, impact: np.void | None) -> None:
@@ -193,12 +206,6 @@ def compare(
     return Comparison(scene, reference, runs)
 
 
-def law_names(scene: Scene) -> list[str]:
-    """The ids of all laws that a scene can have."""
-    own = Path(scene.contact.law_file).stem
-    return [*CONTACT_LAWS, own] if own else list(CONTACT_LAWS)
-
-
 def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
     """The ids of the laws to compare, in the order of the registry, at least one with the scene's exponent.
 
@@ -210,37 +217,15 @@ def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
         if law not in known:
             raise UnknownNameError(scene.name, law, known, "no contact law")
     chosen = [law for law in known if not laws or law in laws]
-    at_home = any(needed_exponent(law, scene) == scene.contact.exponent for law in chosen)
+    at_home = any(keeps_exponents(law, scene) for law in chosen)
     return chosen if at_home else [*chosen, scene.contact.model]
-
-
-def needed_exponent(law: str, scene: Scene) -> float:
-    """The exponent that a law is defined for, by default the scene's."""
-    entry = CONTACT_LAWS.get(law)
-    return scene.contact.exponent if entry is None or entry.exponent is None else entry.exponent
-
-
-def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
-    """What to change in a scene to give it a law.
-
-    ``impact``, a row of ``Result.impacts``, is the one in which the elastic depth shall stay as it is if the
-    law needs another exponent: K δⁿ⁺¹/(n+1) = ½ m v₀².
-    """
-    changes: Changes = {("contact", "model"): law}
-    n, needed = scene.contact.exponent, needed_exponent(law, scene)
-    if needed != n and impact is not None:
-        energy = 0.5 * impact["effective_mass"] * impact["impact_speed"] ** 2
-        depth = ((n + 1.0) * energy / scene.contact.stiffness) ** (1.0 / (n + 1.0))
-        changes["contact", "exponent"] = needed
-        changes["contact", "stiffness"] = float((needed + 1.0) * energy / depth ** (needed + 1.0))
-    return changes
 
 
 def _run(scene: Scene, law: str, impact: np.void | None, notify: Notify | None, progress: Progress) -> LawRun:
     changes = law_values(scene, law, impact)
-    exponent = changes.get(("contact", "exponent"), scene.contact.exponent)
-    stiffness = changes.get(("contact", "stiffness"), scene.contact.stiffness)
-    notes = [f"n = {exponent:g}, K = {stiffness:.4g} for the same elastic depth"] if len(changes) > 1 else []
+    used = scene.contact if impact is None else with_law(contact_at(scene, impact), law, impact)
+    told = f"n = {used.exponent:g}, K = {used.stiffness:.4g} for the same elastic depth"
+    notes = [told] if len(changes) > 1 else []
     result, first = None, {}
     try:
         result = simulate(with_values(scene, changes), notify=notify, progress=progress)
@@ -251,15 +236,16 @@ def _run(scene: Scene, law: str, impact: np.void | None, notify: Notify | None, 
         result = error.result
     if result is not None and len(result.impacts):
         first = _first_impact(result)
+        used = contact_at(result.scene, result.impacts[0])
         overlap = result.impacts[1:2]["onset"] <= result.impacts["onset"][0] + first["duration"]
         notes += [OVERLAP] if overlap.any() else []
-    return LawRun(law, exponent, stiffness, **first, note="; ".join(notes), result=result)
+    return LawRun(law, used.exponent, used.stiffness, **first, note="; ".join(notes), result=result)
 
 
 def _first_impact(result: Result) -> dict[str, Any]:
     """The values of the first impact, by name."""
     impact = result.impacts[0].copy()
-    law = CONTACT_LAWS.get(result.scene.contact.model)
+    law = CONTACT_LAWS.get(contact_at(result.scene, impact).model)
     if law and law.impulsive and impact["end"] != impact["onset"]:
         # stopped by the impulse; how long the wall holds the point then is no part of the impact
         impact["end"], impact["separation_speed"], impact["peak_force"] = impact["onset"], 0.0, math.inf
@@ -279,12 +265,20 @@ def _first_impact(result: Result) -> dict[str, Any]:
     instance = Instance(result.model)
     outputs = np.zeros(len(times), instance.record.dtype["output"])
     instance.trajectory(times, outputs)
-    candidate = instance.record["candidate"]
-    places = (candidate["point"] == impact["point"]) & (candidate["wall"] == impact["wall"])
-    c = int(np.flatnonzero(places)[0])
+    c, sign = _place(result, impact)
     found["energy_lost"] = float(outputs["dissipated"][-1] - outputs["dissipated"][0])
-    found["loop"] = np.array([outputs["penetration"][1:-1, c], outputs["force"][1:-1, c]]).clip(0.0)
+    found["loop"] = np.array([outputs["penetration"][1:-1, c], sign * outputs["force"][1:-1, c]]).clip(0.0)
     return found
+
+
+def _place(result: Result, impact: np.void) -> tuple[int, float]:
+    """Where the outputs have the force of an impact, and its sign there; see ``_stops`` of the outputs."""
+    pairs = result.model.candidates
+    if not at_stop(result.scene, impact["wall"]):
+        return pairs.index((impact["point"], impact["wall"])), 1.0
+    first = len(point_wall_pairs(result.scene))
+    of_joint = [joint for joint, _ in pairs[first:]].index(impact["point"])
+    return first + of_joint, 1.0 if result.scene.wall_names[impact["wall"]] == STOPS[0] else -1.0
 
 
 def _against(expected: Result, run: LawRun) -> LawRun:
@@ -323,7 +317,7 @@ def free_impact(contact: Contact, mass: float, speed: float, notify: Notify | No
         "gravity": [0.0, 0.0],
         "chain": {"links": [link]},
         "box": {"y_min": 0.0},
-        "contact": asdict(contact) | {"points": [0], "radius": 0.0},
+        "contact": asdict(contact) | {"points": [0], "radius": 0.0, "wall": {}},
         "initial": {"position": [0.0, HEIGHT], "angles": [0.0], "velocity": [0.0, -speed]},
         "simulation": {"stop_time": stop, "step_size": stop},
     }
@@ -344,14 +338,14 @@ def realised_restitution(
     """
     scene, impact = comparison.scene, comparison.first_impact
     mass, speed = float(impact["effective_mass"]), float(impact["impact_speed"])
+    at_first = contact_at(scene, impact)
     curves: dict[str, np.ndarray] = {}
     for number, run in enumerate(comparison.runs):
         curve = np.full(len(prescribed), math.nan)
-        values = law_values(scene, run.law, impact)
-        contact = asdict(scene.contact) | {str(path[1]): value for path, value in values.items()}
+        contact = with_law(at_first, run.law, impact)
         for k, e in enumerate(prescribed):
             try:
-                row = free_impact(Contact(**contact | {"restitution": float(e)}), mass, speed, notify)
+                row = free_impact(replace(contact, restitution=float(e)), mass, speed, notify)
             except (SceneError, SimulationError):
                 continue
             curve[k] = row["separation_speed"] / row["impact_speed"]

@@ -62,7 +62,7 @@ def fill(page: Figure, comparison: Comparison, curves: dict[str, np.ndarray]) ->
 def message(comparison: Comparison) -> str:
     """How far the laws are apart in the first impact."""
     found = [run.restitution for run in comparison.runs if math.isfinite(run.restitution)]
-    e, name = comparison.scene.contact.restitution, comparison.scene.name
+    e, name = comparison.contact.restitution, comparison.scene.name
     if not found:
         return f"{name}: no law finished its first impact"
     span = f"{min(found):.2f} to {max(found):.2f}"
@@ -71,9 +71,10 @@ def message(comparison: Comparison) -> str:
 
 def conditions(comparison: Comparison, looks: Looks) -> str:
     """The first impact, the scene's contact, and what is grey."""
-    contact, impact = comparison.scene.contact, comparison.first_impact
-    hit = f"first impact of {impact['effective_mass']:.3g} kg at {impact['impact_speed']:.3g} m/s"
-    stiffness = f"stiffness K = {number(contact.stiffness)} N/m$^{{{contact.exponent:g}}}$"
+    contact, impact = comparison.contact, comparison.first_impact
+    mass, speed, per = ("kg m²", "rad/s", "N m/rad") if comparison.at_stop else ("kg", "m/s", "N/m")
+    hit = f"first impact of {impact['effective_mass']:.3g} {mass} at {impact['impact_speed']:.3g} {speed}"
+    stiffness = f"stiffness K = {number(contact.stiffness)} {per}$^{{{contact.exponent:g}}}$"
     tolerance = f"tolerance {number(comparison.scene.solver.tolerance)}"
     grey = sum(look["color"] == GREY for look in looks.values())
     return "  ·  ".join((hit, stiffness, tolerance, f"grey: {grey} other laws"))
@@ -85,9 +86,9 @@ def named_laws(comparison: Comparison) -> dict[str, str]:
     Of those that dissipate, the one that differs most is the one whose restitution in the first impact is
     farthest from the prescribed.
     """
-    e, reference = comparison.scene.contact.restitution, comparison.reference
+    e, reference = comparison.contact.restitution, comparison.reference
     why = {reference: "reference"}
-    why.setdefault(comparison.scene.contact.model, "of the scene")
+    why.setdefault(comparison.contact.model, "of the scene")
     off = {run.law: abs(run.restitution - e) for run in comparison.runs if run.restitution < ELASTIC}
     if off:
         why.setdefault(max(off, key=off.__getitem__), "differs most")
@@ -126,7 +127,7 @@ def _same(one: LawRun, other: LawRun, curves: dict[str, np.ndarray]) -> bool:
 
 def draw_restitution(axes: Axes, comparison: Comparison, curves: dict[str, np.ndarray], looks: Looks) -> None:
     """Realised over prescribed restitution in a free impact; the scene's e as a line."""
-    axes.axvline(comparison.scene.contact.restitution, color=INK, linewidth=0.8, linestyle=":")
+    axes.axvline(comparison.contact.restitution, color=INK, linewidth=0.8, linestyle=":")
     for law, look in looks.items():
         axes.plot(PRESCRIBED, curves[law], **look)
     axes.set(xlim=(0.0, 1.0), ylim=(0.0, 1.02))
@@ -142,7 +143,8 @@ def draw_loops(axes: Axes, comparison: Comparison, looks: Looks) -> None:
             axes.plot(MILLI * depth, KILO * force, **look)
         elif math.isinf(run.peak_force):
             axes.axvline(0.0, **look)
-    axes.set(xlabel="penetration in the first impact [mm]", ylabel="force [kN]")
+    depth_unit, name = ("mrad", "moment [kN m]") if comparison.at_stop else ("mm", "force [kN]")
+    axes.set(xlabel=f"penetration in the first impact [{depth_unit}]", ylabel=name)
 
 
 def draw_energy(axes: Axes, comparison: Comparison, looks: Looks) -> list[Annotation]:

@@ -12,13 +12,19 @@ from chain_impact.studies.compare import EXACT, OVERLAP, Comparison, LawRun
 NEAR = 0.05  # part of the prescribed restitution, as in the registry's ranges
 NOTHING = "–"
 NUMBERS = ("e′", "peak, kN", "depth, mm", "time, ms", "lost, J", "impacts", "differs at", "steps")
-HEAD = ("law", *NUMBERS, "")
+AT_STOPS = {"peak, kN": "peak, kN m", "depth, mm": "depth, mrad"}
+
+
+def head(comparison: Comparison) -> tuple[str, ...]:
+    """The head of the table: the law, then the names of numbers, then nothing for the note."""
+    numbers = (AT_STOPS.get(name, name) if comparison.at_stop else name for name in NUMBERS)
+    return ("law", *numbers, "")
 
 
 def report(comparison: Comparison) -> Iterator[str]:
     """The lines of a text with all of it."""
     yield heading(comparison)
-    yield from aligned(HEAD, [cells(run) for run in comparison.runs])
+    yield from aligned(head(comparison), [cells(run) for run in comparison.runs])
     yield legend(comparison)
     yield from advice(comparison)
 
@@ -26,16 +32,17 @@ def report(comparison: Comparison) -> Iterator[str]:
 def heading(comparison: Comparison) -> str:
     """The scene, its contact and the first impact."""
     scene, impact = comparison.scene, comparison.first_impact
-    contact = scene.contact
+    contact = comparison.contact
+    mass, speed = ("kg m²", "rad/s") if comparison.at_stop else ("kg", "m/s")
     return (
         f"{scene.name}  e = {contact.restitution:g}, n = {contact.exponent:g}, "
         f"K = {contact.stiffness:.4g}; first impact at {impact['onset']:.6g} s with "
-        f"{impact['effective_mass']:.4g} kg at {impact['impact_speed']:.4g} m/s"
+        f"{impact['effective_mass']:.4g} {mass} at {impact['impact_speed']:.4g} {speed}"
     )
 
 
 def cells(run: LawRun) -> tuple[str, ...]:
-    """The cells of a law's row, as in ``HEAD``."""
+    """The cells of a law's row, as in ``head``."""
     differs = NOTHING if run.divergence is None else f"{run.divergence}, {run.divergence_time:.4f}"
     return (
         run.law,
@@ -71,7 +78,7 @@ def advice(comparison: Comparison) -> list[str]:
     Where the exact law is far from e, other contacts or forces make the first impact what it is. Then it says
     nothing of the laws, and only their ranges do.
     """
-    e = comparison.scene.contact.restitution
+    e = comparison.contact.restitution
     ended = [run for run in comparison.runs if math.isfinite(run.restitution)]
     if not ended:
         return [f"for e = {e:g}: none, as no law finished its first impact"]

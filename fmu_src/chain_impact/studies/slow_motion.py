@@ -55,9 +55,8 @@ def record_slowly(
     # an impact takes 2.9 δ/v by Hertz, π δ/v at a linear spring, and longer with losses; then the chain stays
     lasting = LONGEST_IMPACT * result.impacts["max_penetration"] / np.maximum(speeds, SLOWEST)
     ends = np.fmin(result.impacts["end"], np.minimum(onsets + lasting, stop))
-    spans = slow_spans(
-        [((float(a), float(b)), float(v)) for a, b, v in zip(onsets, ends, speeds, strict=True)]
-    )
+    compared = [impact.end_speed for impact in recording_of(result).impacts]
+    spans = slow_spans([((float(a), float(b)), v) for a, b, v in zip(onsets, ends, compared, strict=True)])
     shown, _ = frame_times(0.0, stop, spans, impact_time, MOST_ROWS)
     others = (onsets[:, None] + (ends - onsets)[:, None] * WITHIN).ravel()[:MOST_ROWS]
     driven = drive(result.model, inputs or {}, "follow", np.union1d(shown, others.clip(0.0, stop)))

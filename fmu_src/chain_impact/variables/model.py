@@ -21,7 +21,7 @@ from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent.directions import DIRECTIONS, tangent_dtype
 from chain_impact.scene.candidates import candidates, point_wall_pairs
-from chain_impact.scene.names import STOPS, Place, input_key, parameter_hint
+from chain_impact.scene.names import Place, input_key, parameter_hint
 from chain_impact.scene.reading import matching
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.outputs import all_outputs
@@ -239,8 +239,9 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     model["gravity"] = scene.gravity
     for name in LINK_PARAMETERS:
         model[name] = [getattr(link, name) for link in links]
-    for name, none in zip(STOPS, (-math.inf, math.inf), strict=True):
-        model[name] = [none if (at := getattr(link, name)) is None else at for link in links]
+    model["joint_min"], model["joint_max"] = -math.inf, math.inf
+    for joint, ends in scene.chain.joint_ranges.items():
+        model["joint_min"][joint - 1], model["joint_max"][joint - 1] = ends
     # the position of a wall that is not there is never looked at
     model["wall"] = [getattr(scene.box, name) or 0.0 for name in WALLS]
     if pairs:

@@ -5,7 +5,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from chain_impact.results.plots import draw_chain
-from chain_impact.results.plots.motion import STRONG, pose_at, strongest
+from chain_impact.results.plots.motion import STRONG, strongest
 from chain_impact.results.recording import Impact
 from tests.results.plots.pictures import boxes, crowd, drawn, recorded, swing, texts
 
@@ -42,7 +42,7 @@ def test_every_impact_has_a_strong_pose_if_there_are_few():
 
 def test_a_pose_is_that_of_the_nearest_row_so_no_link_shrinks():
     recording = swing(rows=3)
-    np.testing.assert_allclose(pose_at(recording, 0.4), recording.points[0], atol=1e-15)
+    np.testing.assert_allclose(recording.pose_at(0.4), recording.points[0], atol=1e-15)
 
 
 def test_the_paths_of_all_points_are_there_and_that_of_the_tip_is_strongest():

@@ -62,7 +62,7 @@ def test_many_points_are_not_told_apart_by_colour():
     assert names == ["others", *(f"point {k}" for k in range(15 - TOLD + 1, 15))]
     assert groups[0][1] == GREY
     assert len({colour for _, colour, _ in groups}) == len(groups)
-    assert set.union(*(points for _, _, points in groups)) == set(range(15))
+    assert set.union(*(points for _, _, points in groups)) == {(False, k) for k in range(15)}
     few = point_groups(swing(hits[:3], {"y_min": 0.0}))
     assert [name for name, _, _ in few] == ["point 0", "point 1", "point 2"]
 

@@ -6,6 +6,7 @@ import pytest
 from chain_impact import load_scene
 from chain_impact.studies.fit.data import QUANTITIES, read_measurements, standard_deviation
 from tests.refusal import refusal
+from tests.stops import knee
 
 SCENE = load_scene("four_link_box")
 MOTION = {"time": [0.1, 0.2, 0.3], "point[4].x": [1.0, None, 3.0], "point[4].y": [4.0, 5.0, None]}
@@ -142,3 +143,12 @@ def test_refusals():
 def test_refusals_of_an_impact(column, cell, allowed):
     said = refusal(read, {column: [cell], "onset": [0.1]})
     assert said == f"data: row 0: {column} = {cell!r} must be {allowed}"
+
+
+def test_impacts_at_stops_are_named_by_joint_and_stop():
+    scene = knee()
+    table = {"point": [2, 2], "wall": ["joint_min", "x_max"], "onset": [0.4, 1.7]}
+    found = read_measurements(table, scene, {}, None)
+    assert [row.wall for row in found.impacts] == [4, 1]
+    message = refusal(read_measurements, table | {"wall": ["joint_min", "y_min"]}, scene, {}, None)
+    assert "must be a wall of the scene: x_max, joint_min, joint_max" in message

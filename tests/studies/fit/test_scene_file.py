@@ -96,3 +96,36 @@ def test_a_law_of_ones_own_is_found_from_another_folder(tmp_path):
     write_scene(scene, tmp_path / "deep" / "fitted.toml", tmp_path / "ball.toml")
     assert load_scene(tmp_path / "deep" / "fitted.toml").contact.stiffness == 2e7
     assert 'law_file = "../spring.py"' in (tmp_path / "deep" / "fitted.toml").read_text()
+
+
+STOPPED = """
+name = "Finger"
+chain.base = "pinned"
+initial.angles = [0.0, 0.5]
+[[chain.links]]
+length = 0.1
+mass = 0.2
+[[chain.links]]
+length = 0.1
+mass = 0.2
+joint_max = "90 deg"  # as far as it bends
+[box]
+x_max = 1.0
+y_max = 1.0
+[contact.wall.x_max]
+restitution = 0.25  # rubber
+[stops]
+stiffness = 500.0  # N·m/rad^1.5
+"""
+
+
+def test_stops_and_materials_are_written_where_they_are_or_added():
+    scene = parse_scene(STOPPED, "finger.toml")
+    changes = {"wall.x_max.restitution": 0.5, "wall.y_max.stiffness": 1e6, "stop.restitution": 0.375}
+    changed = scene.with_values({**changes, "link[1].joint_min": -1.0})
+    text = updated(STOPPED, changed, "finger.toml")
+    assert parse_scene(text, "again") == changed
+    assert "# rubber" in text
+    assert "restitution = 0.5 " in text
+    assert 'joint_max = "90 deg"  # as far as it bends' in text
+    assert "stiffness = 500.0  # N·m/rad^1.5" in text

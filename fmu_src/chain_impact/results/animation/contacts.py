@@ -11,7 +11,9 @@ import numpy as np
 
 from chain_impact.results.animation.pacing import Span
 from chain_impact.results.recording import Impact, Recording
+from chain_impact.scene.names import STOPS
 
+MOMENT = re.compile(r"joint\[(\d+)\]\.stop_moment")
 FORCE = re.compile(r"contact\[(\d+)\]\.(\w+)\.force")
 RESOLVED = 8  # rows in a contact from which the largest force among them is about the peak
 AFTER_PEAK = 3.0  # of the time from onset to peak: an impact is over, whatever its law makes of its shape
@@ -21,7 +23,7 @@ SLOW_COUNT = 100  # impacts, the fastest ones, that are shown slowly
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """A contact of a point with a wall, as the rows of a recording show it.
+    """A contact of a point with a wall, or of a joint with a stop, as the rows of a recording show it.
 
     Attributes:
         point: 0…N.
@@ -33,6 +35,7 @@ class Contact:
         peak_force: the largest force [N], as the impact tells it, else in the rows; None where there is none:
             between rigid walls, or when the rows are too far apart.
         resolved: whether ``peak_force`` is the peak, not the largest of a few rows.
+        arm: at a stop of a joint, see ``Impact``; None at a wall.
     """
 
     point: int
@@ -43,10 +46,24 @@ class Contact:
     speed: float | None
     peak_force: float | None
     resolved: bool
+    arm: float | None = None
+
+    @property
+    def end_speed(self) -> float | None:
+        """See ``Impact``."""
+        return None if self.speed is None else self.speed * (1.0 if self.arm is None else self.arm)
 
 
-def force_columns(recording: Recording) -> Iterator[tuple[int, str, np.ndarray]]:
-    """Point, wall and force over time [N] of each pair that can touch."""
+def stop_moments(recording: Recording) -> Iterator[tuple[int, str, np.ndarray]]:
+    """Joint, stop and the size of its moment over time [N·m] of each stop."""
+    for name, moment in recording.columns.items():
+        if found := MOMENT.fullmatch(name):
+            for stop, sign in zip(STOPS, (1.0, -1.0), strict=True):
+                yield int(found[1]), stop, np.maximum(sign * moment, 0.0)
+
+
+def wall_forces(recording: Recording) -> Iterator[tuple[int, str, np.ndarray]]:
+    """Point, wall and force over time [N] of each point and wall that can touch."""
     for name, force in recording.columns.items():
         if found := FORCE.fullmatch(name):
             yield int(found[1]), found[2], force
@@ -56,7 +73,14 @@ def contacts(recording: Recording) -> list[Contact]:
     """All contacts in order of their onset: the listed impacts, and what else the forces show."""
     time, found = recording.time, []
     left = list(recording.impacts)
-    for point, wall, force in force_columns(recording):
+    pairs: list[tuple[int, str, np.ndarray, float | None]]
+    pairs = [(*pair, None) for pair in wall_forces(recording)]
+    pairs += [
+        (joint, stop, moment, recording.stops[joint].length)
+        for joint, stop, moment in stop_moments(recording)
+        if joint in recording.stops
+    ]
+    for point, wall, force, arm in pairs:
         listed = [impact for impact in recording.impacts if (impact.point, impact.wall) == (point, wall)]
         for first, last in _runs(force > 0.0):
             before = time[max(first - 1, 0)]
@@ -81,13 +105,24 @@ def contacts(recording: Recording) -> list[Contact]:
                     if impact and known
                     else float(force[first : last + 1].max()),
                     resolved=known or last - first + 1 >= RESOLVED,
+                    arm=arm,
                 )
             )
     for impact in left:  # between two rows, or of rigid walls
         end = max(impact.time, impact.end) if math.isfinite(impact.end) else impact.time
         peak = impact.peak_force if math.isfinite(impact.peak_force) else None
         found.append(
-            Contact(impact.point, impact.wall, impact.time, end, end, impact.speed, peak, peak is not None)
+            Contact(
+                impact.point,
+                impact.wall,
+                impact.time,
+                end,
+                end,
+                impact.speed,
+                peak,
+                peak is not None,
+                impact.arm,
+            )
         )
     return sorted(found, key=lambda contact: contact.onset)
 
@@ -106,13 +141,13 @@ def slow_spans(found: Sequence[tuple[Span, float]]) -> list[Span]:
 
 
 def impacts_from_forces(recording: Recording) -> list[Impact]:
-    """The impacts that the forces in a recording show, for one whose impacts are not listed.
+    """The impacts at walls that the forces in a recording show, for one whose impacts are not listed.
 
     The onset is where the force began between two rows, by the penetration and its rate in the first row that
     has one. An impact that began and ended between two rows is missing.
     """
     impacts = []
-    for point, wall, force in force_columns(recording):
+    for point, wall, force in wall_forces(recording):
         depth, rate = (
             recording.columns.get(f"contact[{point}].{wall}.{name}", np.zeros_like(force))
             for name in ("penetration", "penetration_rate")

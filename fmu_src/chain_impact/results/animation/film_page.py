@@ -15,6 +15,7 @@ from matplotlib.patheffects import withStroke
 
 from chain_impact.results.animation.frames import Motion
 from chain_impact.results.animation.text import force_text, rate_text
+from chain_impact.results.joint_stops import range_lines, touching_place
 from chain_impact.results.plots.over_time import ENERGY_COLOURS
 from chain_impact.results.plots.room import OUTSIDE_COLOUR, draw_pin, draw_room
 from chain_impact.results.plots.style import BLUE, INK, PALE
@@ -60,6 +61,8 @@ class FilmPage:
         (self.trace,) = self.scene.plot([], [], color=TIP, linewidth=0.8, alpha=0.35, **still)
         self.tail = LineCollection([], colors=TIP, animated=True)
         self.scene.add_collection(self.tail, autolim=False)
+        self.ranges = LineCollection([], colors=MUTED, linewidths=1.2, animated=True)
+        self.scene.add_collection(self.ranges, autolim=False)
         disc: dict[str, Any] = {"facecolor": (*to_rgb(CHAIN), 0.14), "edgecolor": CHAIN, "animated": True}
         touching = motion.touching if motion.radius > 0.0 else []
         self.discs = {point: Circle((0, 0), motion.radius, **disc) for point in touching}
@@ -70,7 +73,8 @@ class FilmPage:
         (self.joints,) = self.scene.plot([], [], color="white", markeredgecolor=CHAIN, markersize=5, **look)
         (self.tip,) = self.scene.plot([], [], color=TIP, markeredgecolor="white", markersize=7, **look)
         self.now = self.ledger.axvline(motion.time[0], color=INK, linewidth=1.0, animated=True)
-        self.peak = max((c.peak_force for c in motion.contacts if c.peak_force is not None), default=1.0)
+        peaks = [c.peak_force for c in motion.contacts if c.peak_force is not None and c.arm is None]
+        self.peak = max(peaks, default=1.0)
 
     def _draw_ground(self) -> None:
         axes, view = self.scene, self.motion.view
@@ -115,8 +119,11 @@ class FilmPage:
         self.clock.set_text(f"{time:.5f} s")
         self.rate.set_text(rate_text(rate))
         self.rate.set_color(FORCE if rate < 0.5 else MUTED)  # noqa: PLR2004
-        yield from (self.trace, self.tail, *self.discs.values(), self.chain, self.joints, self.tip)
+        self.ranges.set_segments(list(range_lines(points, motion.stops)))
+        yield from (self.trace, self.tail, *self.discs.values(), self.ranges)
+        yield from (self.chain, self.joints, self.tip)
         yield from self._arrows(frame)
+        yield from self._stop_marks(frame)
         yield from (self.now, self.clock, self.rate) if motion.energies else (self.clock, self.rate)
 
     def _show_tail(self, frame: int) -> None:
@@ -143,11 +150,26 @@ class FilmPage:
             style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 11, "shrinkA": 0, "shrinkB": 0}
             arrow = FancyArrowPatch(tuple(foot), tuple(head), color=FORCE, linewidth=2.2, **style)
             yield self.scene.add_patch(arrow)
-            x, y = head + 0.035 * side * normal
-            text = self.scene.text(
-                x, y, force_text(force[frame]), color=FORCE, fontweight="bold", ha="center", va="center"
-            )
-            text.set_path_effects([withStroke(linewidth=3.0, foreground="white")])
-            yield text
+            yield from self._told(force_text(force[frame]), head + 0.035 * side * normal)
             arrow.remove()
-            text.remove()
+
+    def _stop_marks(self, frame: int) -> Iterable[Artist]:
+        """A dot where a joint is at its stop, and how large the moment is."""
+        side = min(np.ptp(self.motion.view, axis=0))
+        for (joint, _), moment in self.motion.moments.items():
+            if moment[frame] > 0.0:
+                place, along = touching_place(self.motion.points[frame], joint)
+                (dot,) = self.scene.plot(*place, "o", color=FORCE, markersize=9)
+                yield dot
+                across = np.array([along[1], -along[0]])
+                yield from self._told(force_text(moment[frame], "N m"), place + 0.11 * side * across)
+                dot.remove()
+
+    def _told(self, content: str, place: np.ndarray) -> Iterable[Artist]:
+        """A text at a place."""
+        x, y = place
+        look: dict[str, Any] = {"color": FORCE, "fontweight": "bold", "ha": "center", "va": "center"}
+        text = self.scene.text(x, y, content, **look)
+        text.set_path_effects([withStroke(linewidth=3.0, foreground="white")])
+        yield text
+        text.remove()

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.results.animation.contacts import Contact, contacts, force_columns, slow_spans
+from chain_impact.results.animation.contacts import Contact, contacts, slow_spans, stop_moments, wall_forces
 from chain_impact.results.animation.pacing import IMPACT_TIME, frame_times
+from chain_impact.results.joint_stops import JointRange
 from chain_impact.results.recording import Recording
 from chain_impact.results.view import pin_mark, seen
 from chain_impact.scene.half_planes import HalfPlane
@@ -32,6 +33,8 @@ class Motion:
         frame_rate: frames in a second on the screen, at the speed 1.
         points: positions of the points 0…N, shape (F, N+1, 2) [m].
         forces: (point, wall) → force over the frames, shape (F,) [N], of the pairs that touch.
+        moments: (joint, stop) → size of the moment over the frames, shape (F,) [N·m], of those that touch.
+        stops: the joints with stops, and their ranges.
         energies: name → over the frames, shape (F,) [J].
         contacts: in order of their onset.
         walls: name → free side.
@@ -46,6 +49,8 @@ class Motion:
     frame_rate: float
     points: np.ndarray
     forces: dict[tuple[int, str], np.ndarray]
+    moments: dict[tuple[int, str], np.ndarray]
+    stops: Mapping[int, JointRange]
     energies: dict[str, np.ndarray]
     contacts: list[Contact]
     walls: Mapping[str, HalfPlane]
@@ -57,7 +62,8 @@ class Motion:
     @property
     def touching(self) -> list[int]:
         """The points that touch a wall."""
-        return sorted({point for point, _ in self.forces} | {contact.point for contact in self.contacts})
+        contacts = {contact.point for contact in self.contacts if contact.arm is None}
+        return sorted({point for point, _ in self.forces} | contacts)
 
 
 def motion_of(recording: Recording, impact_time: float = IMPACT_TIME) -> Motion:
@@ -70,7 +76,7 @@ def motion_of(recording: Recording, impact_time: float = IMPACT_TIME) -> Motion:
     found = contacts(recording)
     links = recording.points.shape[1]
     most = max(FEWEST, NUMBERS // (2 * links))
-    spans = slow_spans([((c.onset, c.impact_end), c.speed) for c in found if c.speed is not None])
+    spans = slow_spans([((c.onset, c.impact_end), c.end_speed) for c in found if c.end_speed is not None])
     start, stop = (float(recording.time[row]) for row in (0, -1))
     time, frame_rate = frame_times(start, stop, spans, impact_time, most)
 
@@ -92,7 +98,9 @@ def motion_of(recording: Recording, impact_time: float = IMPACT_TIME) -> Motion:
         time=time,
         frame_rate=frame_rate,
         points=points,
-        forces={(k, wall): at_frames(f) for k, wall, f in force_columns(recording) if (f > 0.0).any()},
+        forces={(k, wall): at_frames(f) for k, wall, f in wall_forces(recording) if (f > 0.0).any()},
+        moments={(i, stop): at_frames(m) for i, stop, m in stop_moments(recording) if (m > 0.0).any()},
+        stops=recording.stops,
         energies={name: at_frames(e) for name, e in energies.items() if e is not None and e.any()},
         contacts=found,
         walls=recording.walls,
@@ -105,7 +113,7 @@ def motion_of(recording: Recording, impact_time: float = IMPACT_TIME) -> Motion:
 
 def _radius(recording: Recording) -> float:
     """The radius of the points that can touch [m]: how far a point is from a wall that it touches."""
-    for point, wall, force in force_columns(recording):
+    for point, wall, force in wall_forces(recording):
         for row in np.flatnonzero(force > 0.0)[:1]:
             x, y = (recording.columns[f"point[{point}].{axis}"][row] for axis in "xy")
             depth = recording.columns.get(f"contact[{point}].{wall}.penetration", np.zeros(row + 1))[row]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import math
 import re
 from collections.abc import Mapping
 from importlib import resources
@@ -49,7 +50,7 @@ def program() -> str:
 
 def data(motion: Motion, speed: float) -> dict[str, Any]:
     """What the page's ``recording.js`` reads, numbers as small as the screen allows."""
-    finite = [contact.peak_force for contact in motion.contacts if contact.peak_force is not None]
+    peaks = [c.peak_force for c in motion.contacts if c.peak_force is not None and c.arm is None]
     return {
         "name": motion.name,
         "speed": speed,
@@ -59,9 +60,10 @@ def data(motion: Motion, speed: float) -> dict[str, Any]:
         "points": [_packed(motion.points[:, :, axis]) for axis in (0, 1)],
         "energies": {name: _packed(energy) for name, energy in motion.energies.items()},
         "forces": [
-            {"point": point, "wall": wall, **_sparse(force)} for (point, wall), force in motion.forces.items()
+            {"point": point, "wall": wall, **_sparse(force)}
+            for (point, wall), force in [*motion.forces.items(), *motion.moments.items()]
         ],
-        "peakForce": max(finite, default=0.0),
+        "peakForce": max(peaks, default=0.0),
         "contacts": [
             {
                 "point": contact.point,
@@ -71,12 +73,22 @@ def data(motion: Motion, speed: float) -> dict[str, Any]:
                 "speed": contact.speed,
                 "peak": contact.peak_force,
                 "resolved": contact.resolved,
+                "atStop": contact.arm is not None,
+                "endSpeed": contact.end_speed,
             }
             for contact in motion.contacts
         ],
         "walls": {
             name: {"normal": wall.normal, "offset": wall.offset} for name, wall in motion.walls.items()
         },
+        "stops": [
+            {
+                "joint": joint,
+                "arc": one.arc,
+                "marks": [stop for stop in (one.low, one.high) if math.isfinite(stop)],
+            }
+            for joint, one in motion.stops.items()
+        ],
         "view": motion.view.tolist(),
         "anchor": motion.anchor,
         "pin": [line.tolist() for line in motion.pin],

@@ -9,12 +9,12 @@ REAL = 0.02  # so near to 1 is real time
 TENS = 9.95  # above, a rate has no decimals
 
 
-def force_text(newtons: float) -> str:
-    """A force with three digits, for example: 12.3 kN."""
+def force_text(newtons: float, unit: str = "N") -> str:
+    """A force with three digits, for example: 12.3 kN; a moment with its unit."""
     least, prefix = next(entry for entry in PREFIXES if abs(newtons) >= entry[0])
     value = newtons / (least or 1.0)
     decimals = 2 - math.floor(math.log10(abs(value))) if value else 0
-    return f"{value:.{min(max(decimals, 0), 9)}f} {prefix}N"
+    return f"{value:.{min(max(decimals, 0), 9)}f} {prefix}{unit}"
 
 
 def rate_text(rate: float) -> str:

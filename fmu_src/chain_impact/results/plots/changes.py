@@ -135,7 +135,8 @@ def draw_speeds(axes: Axes, recording: Recording, looks: Looks) -> None:
     for values, look in zip(changes.T, looks, strict=True):
         style = {"color": look["color"], "zorder": look["zorder"], "markersize": DOT}
         axes.plot(found.impacts["onset"], values, "o", **style)
-    axes.set_ylabel("change of impact speed [m/s]")
+    at_stops = ", at stops [rad/s]" if any(impact.at_stop for impact in recording.impacts) else ""
+    axes.set_ylabel(f"change of impact speed [m/s]{at_stops}")
     fit_scale(axes, changes, NOTHING * max((impact.speed for impact in recording.impacts), default=0.0))
     if not len(found.impacts):
         axes.text(0.5, 0.6, "no impact", transform=axes.transAxes, ha="center", color=GREY)

@@ -61,11 +61,15 @@ def conditions(recording: Recording) -> str:
     law = known.get("contact.model")
     if law is not None:
         parts.append(f"law {law}")
+    if "contact.restitution" in known:
         parts.append(f"restitution e = {known['contact.restitution']:g}")
         entry = CONTACT_LAWS.get(str(law))
         if entry is None or not entry.impulsive:
             unit = f"N/m$^{{{known['contact.exponent']:g}}}$"
             parts.append(f"stiffness K = {number(known['contact.stiffness'])} {unit}")
+    if "stop.restitution" in known:
+        unit = f"N·m/rad$^{{{known['stop.exponent']:g}}}$"
+        parts.append(f"stops e = {known['stop.restitution']:g}, K = {number(known['stop.stiffness'])} {unit}")
     if known.get("contact.radius"):
         parts.append(f"radius {known['contact.radius']:g} m")
     if "solver.tolerance" in known:

@@ -11,6 +11,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 
+from chain_impact.results.joint_stops import range_lines, touching_place
 from chain_impact.results.plots.labels import Label, marker_boxes, place_labels
 from chain_impact.results.plots.room import draw_walls
 from chain_impact.results.plots.style import INK, TIME_COLOURS
@@ -39,15 +40,18 @@ def draw_motion(axes: Axes, recording: Recording) -> None:
     draw_paths(axes, recording, shade)
     marks: dict[str, Any] = {"marker": "o" if recording.points.shape[1] <= MARKED else ""}
     for time in sorted(hit.time for hit in strongest(recording.impacts, STRONG)):
-        draw_chain(axes, pose_at(recording, time), color=shade(time), linewidth=1.6, markersize=3.5, **marks)
+        draw_chain(axes, recording.pose_at(time), color=shade(time), linewidth=1.6, markersize=3.5, **marks)
     for row, name in ((0, "start"), (-1, "end")):
         colour = shade(recording.time[row])
         look = {"color": colour, "linewidth": 3.0, "markersize": 5.5, "label": name} | marks
         draw_chain(axes, recording.points[row], **look)
+    if recording.stops:
+        lines = list(range_lines(recording.points[-1], recording.stops))
+        axes.add_collection(LineCollection(lines, colors=INK, linewidths=1.0, zorder=3.5, label="stops"))
     draw_rings(axes, recording)
     axes.set_aspect("equal")
     axes.set(xlabel="x [m]", ylabel="y [m]")
-    axes.legend(**ABOVE, ncols=4, handlelength=1.2)
+    axes.legend(**ABOVE, ncols=5 if recording.stops else 4, handlelength=1.2)
 
 
 def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
@@ -74,18 +78,9 @@ def colour_of_time(recording: Recording) -> Any:
     return lambda time: TIME_COLOURS(norm(time))
 
 
-def pose_at(recording: Recording, time: float) -> np.ndarray:
-    """Positions of the points in the row nearest to a time [s], shape (N+1, 2) [m].
-
-    Between rows a link is not straight: interpolated, it would be too short.
-    """
-    pose: np.ndarray = recording.points[int(np.abs(recording.time - time).argmin())]
-    return pose
-
-
 def strongest(impacts: Sequence[Impact], count: int) -> list[Impact]:
     """The impacts with the highest approach speeds, the highest first."""
-    return sorted(impacts, key=lambda impact: -impact.speed)[:count]
+    return sorted(impacts, key=lambda impact: -impact.end_speed)[:count]
 
 
 def draw_faint(axes: Axes, recording: Recording) -> None:
@@ -108,7 +103,7 @@ def draw_paths(axes: Axes, recording: Recording, shade: Any) -> None:
 
 
 def draw_rings(axes: Axes, recording: Recording) -> None:
-    """A ring where a wall was hit."""
+    """A ring where a wall was hit, or where a joint came to its stop."""
     look: dict[str, Any] = {"marker": "o", "markersize": RING, "markerfacecolor": "none", "linestyle": ""}
     if spots := list(rings(axes, recording)):
         axes.plot(*np.transpose(spots), **look, color=INK, zorder=5, label="impacts")
@@ -122,9 +117,17 @@ def number_rings(axes: Axes, recording: Recording) -> None:
         shown = hits if len(hits) <= LISTED + 1 else hits[:LISTED]
         text = ", ".join(str(number) for number in sorted(numbers[hit] for hit in shown))
         more = f" +{len(hits) - len(shown)}" if len(hits) > len(shown) else ""
-        nx, ny = recording.walls[hits[0].wall].normal
-        labels.append(Label(text + more, spot, (-nx, -ny), short=str(numbers[hits[0]])))
+        labels.append(Label(text + more, spot, _outward(recording, hits[0]), short=str(numbers[hits[0]])))
     place_labels(axes, labels, marker_boxes(axes, list(found), RING), fontsize=7, color=INK)
+
+
+def _outward(recording: Recording, impact: Impact) -> tuple[float, float]:
+    """The direction into the wall that was hit; at a stop that across the link."""
+    if impact.at_stop:
+        x, y = touching_place(recording.pose_at(impact.time), impact.point)[1]
+        return float(y), float(-x)
+    nx, ny = recording.walls[impact.wall].normal
+    return -nx, -ny
 
 
 def rings(axes: Axes, recording: Recording) -> dict[tuple[float, float], list[Impact]]:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from chain_impact.results.joint_stops import speed_unit, what
 from chain_impact.results.plots.labels import Label, marker_boxes, place_labels, stem_boxes
 from chain_impact.results.plots.motion import ABOVE, strongest
 from chain_impact.results.plots.style import (
@@ -20,7 +21,7 @@ from chain_impact.results.plots.style import (
     TIME_COLOURS,
     VERMILLION,
 )
-from chain_impact.results.recording import Recording
+from chain_impact.results.recording import Impact, Recording
 
 ENERGY_COLOURS = {"kinetic": GREEN, "potential": ORANGE, "total": BLACK, "dissipated": VERMILLION}
 ENERGY_COLOURS |= {"supplied": PURPLE}
@@ -58,26 +59,56 @@ def mark_impacts(axes: Axes, recording: Recording) -> None:
 
 
 def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
-    """The approach speed of each impact over time, coloured by point; of many points most share a grey."""
-    for name, colour, points in point_groups(recording):
-        hits = [(hit.time, hit.speed) for hit in recording.impacts if hit.point in points]
-        times, speeds = zip(*hits, strict=True)
-        axes.vlines(times, 0.0, speeds, color=colour, linewidth=1.0)
-        axes.plot(times, speeds, "o", color=colour, markersize=DOT, label=name)
-    axes.set_ylabel("impact speed [m/s]")
-    axes.set_ylim(0.0, 1.2 * max((impact.speed for impact in recording.impacts), default=1.0))
+    """The approach speed of each impact over time, coloured by point; of many points most share a grey.
+
+    Impacts at stops have an axis of their own, on the right, if there are others too.
+    """
+    scale, at_walls = stop_scale(recording), any(not hit.at_stop for hit in recording.impacts)
+    for name, colour, group in point_groups(recording):
+        hits = [hit for hit in recording.impacts if (hit.at_stop, hit.point) in group]
+        times, heights = zip(*((hit.time, height(hit, scale)) for hit in hits), strict=True)
+        axes.vlines(times, 0.0, heights, color=colour, linewidth=1.0)
+        marker = "D" if hits[0].at_stop else "o"
+        axes.plot(times, heights, marker, linestyle="", color=colour, markersize=DOT, label=name)
+    at_stops = any(hit.at_stop for hit in recording.impacts)
+    axes.set_ylabel(f"impact speed [{speed_unit(at_stops and not at_walls)}]")
+    axes.set_ylim(0.0, 1.2 * max((height(hit, scale) for hit in recording.impacts), default=1.0))
+    if at_stops and at_walls:
+        functions: Any = (lambda v: v / scale, lambda v: v * scale)
+        right = axes.secondary_yaxis("right", functions=functions)
+        right.set_ylabel("at stops [rad/s]")
+        axes.spines["right"].set_visible(True)
     if recording.impacts:
         axes.legend(**ABOVE, ncols=7, handlelength=0.8)
     else:
         axes.text(0.5, 0.5, "no impact", transform=axes.transAxes, ha="center", color=GREY)
 
 
-def point_groups(recording: Recording) -> list[tuple[str, Any, set[int]]]:
-    """Name, colour and points of what is told apart: the points hit hardest, and all others together."""
-    hit = list(dict.fromkeys(impact.point for impact in strongest(recording.impacts, len(recording.impacts))))
+def stop_scale(recording: Recording) -> float:
+    """The height [m/s] of 1 rad/s in the picture of speeds: the fastest impact of each kind is as high."""
+    fastest = [
+        max((hit.speed for hit in recording.impacts if hit.at_stop == kind), default=0.0)
+        for kind in (False, True)
+    ]
+    return fastest[0] / fastest[1] if min(fastest) > 0.0 else 1.0
+
+
+def height(hit: Impact, scale: float) -> float:
+    """The height of an impact in the picture of speeds, in units of its left axis."""
+    return hit.speed * (scale if hit.at_stop else 1.0)
+
+
+def point_groups(recording: Recording) -> list[tuple[str, Any, set[tuple[bool, int]]]]:
+    """Name, colour and members of what is told apart: the points hit hardest, and all others together.
+
+    A member is a point, ``(False, point)``, or a joint at its stops, ``(True, joint)``.
+    """
+    hardest = strongest(recording.impacts, len(recording.impacts))
+    hit = list(dict.fromkeys((impact.at_stop, impact.point) for impact in hardest))
     told = sorted(hit if len(hit) <= TOLD else hit[: TOLD - 1])
-    groups: list[tuple[str, Any, set[int]]] = [
-        (f"point {point}", colour, {point}) for point, colour in zip(told, PALETTE, strict=False)
+    groups: list[tuple[str, Any, set[tuple[bool, int]]]] = [
+        (what(number, at_stop), colour, {(at_stop, number)})
+        for (at_stop, number), colour in zip(told, PALETTE, strict=False)
     ]
     others = set(hit) - set(told)
     return [("others", GREY, others), *groups] if others else groups
@@ -86,8 +117,9 @@ def point_groups(recording: Recording) -> list[tuple[str, Any, set[int]]]:
 def number_impacts(axes: Axes, recording: Recording) -> None:
     """Write the numbers of the impacts at their speeds, the highest first."""
     numbers = {impact: number for number, impact in enumerate(recording.impacts, start=1)}
-    tops = [(hit.time, hit.speed) for hit in recording.impacts]
+    scale = stop_scale(recording)
+    tops = [(hit.time, height(hit, scale)) for hit in recording.impacts]
     marks = np.vstack([marker_boxes(axes, tops, DOT), stem_boxes(axes, tops)])
     ordered = strongest(recording.impacts, NUMBERED)
-    labels = [Label(str(numbers[hit]), (hit.time, hit.speed)) for hit in ordered]
+    labels = [Label(str(numbers[hit]), (hit.time, height(hit, scale))) for hit in ordered]
     place_labels(axes, labels, marks, fontsize=7)

@@ -260,14 +260,15 @@ class _Book:
         if cell is None:
             return None
         if name == WALL:
-            there = list(self._scene.half_planes)
+            stops = dict.fromkeys(stop for _, stop in self._scene.chain.stops)
+            there = [*self._scene.half_planes, *stops]
             if cell not in there:
                 known = ", ".join(there) or "none"
                 raise SceneError(
                     f"{table.where(row, name)} = {shown(cell)} must be a wall of the scene: {known}"
                 )
             return self._scene.wall_names.index(cell)
-        points = self._scene.contact.points
+        points = sorted({*self._scene.contact.points, *self._scene.chain.joint_ranges})
         allowed = (
             f"one of the points {', '.join(map(str, points))}" if name == POINT else "a whole number >= 1"
         )

@@ -9,8 +9,8 @@ from dataclasses import replace
 from chain_impact.compilation.work import Progress
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
-from chain_impact.studies.compare import law_names, law_values, needed_exponent
 from chain_impact.studies.fit.result import Fit, LawFit
+from chain_impact.studies.law_change import law_names, law_values, needed_exponent
 
 DIGITS = 1  # of the criterion: laws that differ by less stay in order, the scene's own first
 FitOne = Callable[[Sequence[Scene], Progress], Fit]
@@ -57,8 +57,9 @@ def _fit_law(fit: FitOne, scenes: Sequence[Scene], first: Fit | None, law: str, 
             note = str(error).removeprefix(f"{scenes[0].name}: ")
             continue
         if found.converged or origin is scenes:
-            n = needed_exponent(law, scenes[0])
-            return LawFit(law, found, f"n = {n:g}" if n != scenes[0].contact.exponent else "")
+            own = scenes[0].contact.exponent
+            n = needed_exponent(law, own)
+            return LawFit(law, found, f"n = {n:g}" if n != own else "")
     return LawFit(law, None, note)
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from chain_impact.scene.candidates import candidates
+from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.derivatives import Differentiated
 from chain_impact.studies.fit.data import Measurements
@@ -117,7 +117,10 @@ class Fit:
     @property
     def law(self) -> str:
         """The contact law; empty if nothing can touch."""
-        return self.scene.contact.model if candidates(self.scene) else ""
+        contact, stops = self.scene.contact, self.scene.stops
+        if point_wall_pairs(self.scene):
+            return contact.model
+        return stops.model or contact.model if self.scene.chain.stops else ""
 
     @cached_property
     def columns(self) -> dict[str, np.ndarray]:

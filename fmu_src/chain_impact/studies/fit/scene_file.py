@@ -84,6 +84,8 @@ def _update(table: Any, wanted: Mapping[str, Any], present: Mapping[str, Any]) -
         if isinstance(value, list) and value and isinstance(value[0], Mapping):
             for entry, after, old in zip(table[key], value, before or (), strict=True):
                 _update(entry, after, old)
+        elif isinstance(value, Mapping):
+            _update(table.setdefault(key, require("tomlkit", "fit").table()), value, before or {})
         else:
             _set(table, key, value, before)
 

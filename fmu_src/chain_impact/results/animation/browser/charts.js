@@ -1,6 +1,6 @@
 // The charts, by uPlot: energy over the whole time, and the force of one contact.
 
-import { durationText, forceText } from "./format.js";
+import { durationText, forceText, touchingText, unitsOf } from "./format.js";
 
 const WIDTHS = { total: 2.4 };
 const AROUND = 0.35; // of a contact's duration, shown before and after it
@@ -136,6 +136,7 @@ function drawOnsets({ ctx, bbox, valToPos }, impacts) {
 /** The force of the present contact over its own time. */
 export class ForceChart extends Chart {
   constructor(element, recording, what) {
+    const unit = { ...unitsOf({}) }; // that of the contact that is shown
     super(
       element,
       element.clientHeight || 120,
@@ -144,13 +145,14 @@ export class ForceChart extends Chart {
         scales: { x: { time: false }, y: { range: (_, __, most) => [0, 1.08 * Math.max(most, 1e-9)] } },
         axes: [
           axis({ size: 26, values: (_, ticks) => ticks.map((tick) => ticksText(tick, ticks)) }),
-          axis({ size: 52, values: (_, ticks) => ticks.map((tick) => (tick ? forceText(tick, 0) : "0")) }),
+          axis({ size: 52, values: (_, ticks) => ticks.map((tick) => (tick ? forceText(tick, 0, unit.force) : "0")) }),
         ],
       },
       [[0, 1], [0, 0]],
     );
     this.recording = recording;
     this.what = what;
+    this.unit = unit;
     this.shown = null;
   }
 
@@ -161,8 +163,9 @@ export class ForceChart extends Chart {
 
   #show(contact) {
     const { recording } = this;
-    const { point, wall, onset, end, number } = contact;
+    const { wall, onset, end, number } = contact;
     this.shown = contact;
+    Object.assign(this.unit, unitsOf(contact));
     const margin = AROUND * Math.max(end - onset, 1e-6);
     const values = recording.forceOf(contact);
     const first = Math.floor(recording.frameAt(onset - margin));
@@ -176,6 +179,6 @@ export class ForceChart extends Chart {
     });
     // an impact between two rows of the recording, or at a rigid wall, has no curve
     const length = inside.some((force) => force > 0) ? durationText(end - onset, 2) : "no force over time is known";
-    this.what.textContent = `${number ? `impact ${number}: ` : ""}point ${point} at ${wall}, ${length}`;
+    this.what.textContent = `${number ? `impact ${number}: ` : ""}${touchingText(contact)} at ${wall}, ${length}`;
   }
 }

@@ -86,11 +86,11 @@ function drawMarks(canvas, { impacts, start, end }) {
   const context = canvas.getContext("2d");
   context.scale(density, density);
   context.fillStyle = getComputedStyle(canvas).color;
-  const fastest = Math.max(...impacts.map(({ speed }) => speed), 1e-12);
+  const fastest = Math.max(...impacts.map(({ endSpeed }) => endSpeed), 1e-12);
   const thumb = 16; // px: the middle of the slider's thumb stays half of this from its ends
-  for (const { onset, speed } of impacts) {
+  for (const { onset, endSpeed } of impacts) {
     const x = thumb / 2 + ((width - thumb) * (onset - start)) / (end - start);
-    const tall = Math.max(3, (height * speed) / fastest);
+    const tall = Math.max(3, (height * endSpeed) / fastest);
     context.fillRect(x - 1, height - tall, 2, tall);
   }
 }

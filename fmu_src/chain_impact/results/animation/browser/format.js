@@ -9,11 +9,11 @@ export function digits(value, count = 3) {
   return value.toFixed(Math.min(Math.max(decimals, 0), 9));
 }
 
-/** A force, for example: 12.3 kN; with no count, as many digits as it has. */
-export function forceText(newtons, count = 3) {
+/** A force, for example: 12.3 kN; with no count, as many digits as it has. A moment has its own unit. */
+export function forceText(newtons, count = 3, unit = "N") {
   const [factor, prefix] = PREFIXES.find(([least]) => Math.abs(newtons) >= least) ?? [1, ""];
   const value = newtons / factor;
-  return `${count ? digits(value, count) : +value.toPrecision(6)}\u202f${prefix}N`;
+  return `${count ? digits(value, count) : +value.toPrecision(6)}\u202f${prefix}${unit}`;
 }
 
 /** A short time, for example: 0.62 ms. */
@@ -34,4 +34,14 @@ export function rateText(value) {
 export function speedText(value) {
   const names = { 0.5: "½", 0.25: "¼", 0.125: "⅛", 0.0625: "1⁄16" };
   return `${names[value] ?? Number(value.toPrecision(3))} ×`;
+}
+
+/** The units of a contact: at a stop of a joint those of its angle. */
+export function unitsOf({ atStop }) {
+  return atStop ? { speed: "rad/s", force: "N\u202fm" } : { speed: "m/s", force: "N" };
+}
+
+/** What touches: a point, or at a stop a joint. */
+export function touchingText({ point, atStop }) {
+  return `${atStop ? "joint" : "point"} ${point}`;
 }

@@ -1,12 +1,16 @@
 // The list of impacts, which go to their moment.
 
-import { forceText } from "./format.js";
+import { forceText, touchingText, unitsOf } from "./format.js";
 
 const COLUMNS = ["", "time", "point", "wall", "speed", "peak force"];
 
 /** What is known of the peak of a force; where the rows of the recording are too few for it, what it is at least. */
-function peakText({ peak, resolved }) {
-  return peak === null ? "–" : `${resolved ? "" : "≥ "}${forceText(peak)}`;
+function peakText({ peak, resolved, atStop }) {
+  return peak === null ? "–" : `${resolved ? "" : "≥ "}${forceText(peak, 3, unitsOf({ atStop }).force)}`;
+}
+
+function approachText(impact) {
+  return `${impact.speed.toFixed(2)} ${unitsOf(impact).speed}`;
 }
 
 export class ImpactList {
@@ -35,7 +39,7 @@ export class ImpactList {
     button.textContent = String(number + 1);
     button.setAttribute("aria-label", `Go to impact ${number + 1}, at ${impact.onset.toFixed(6)} s`);
     row.insertCell().append(button);
-    const texts = [`${impact.onset.toFixed(5)} s`, impact.point, impact.wall, `${impact.speed.toFixed(2)} m/s`, peakText(impact)];
+    const texts = [`${impact.onset.toFixed(5)} s`, impact.point, impact.wall, approachText(impact), peakText(impact)];
     texts.forEach((text) => {
       row.insertCell().textContent = text;
     });
@@ -62,8 +66,8 @@ export class ImpactList {
 /** A contact in words, as it is at a time; nothing of one that is no impact. */
 export function impactText({ impacts }, contact, time) {
   if (!contact?.number) return "";
-  const { number, onset, point, wall, speed, peak } = contact;
+  const { number, onset, wall, peak } = contact;
   const next = onset > time ? " is next" : "";
   const force = peak === null ? "" : `, peak ${peakText(contact)}`;
-  return `Impact ${number} of ${impacts.length}${next}: point ${point} at ${wall}, ${speed.toFixed(2)} m/s${force}`;
+  return `Impact ${number} of ${impacts.length}${next}: ${touchingText(contact)} at ${wall}, ${approachText(contact)}${force}`;
 }

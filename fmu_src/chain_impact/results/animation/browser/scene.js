@@ -1,6 +1,6 @@
 // The scene: walls, chain, trace of the tip, force arrows; drawn by SVG.js, coloured by the style sheet.
 
-import { forceText } from "./format.js";
+import { forceText, unitsOf } from "./format.js";
 import { lastBefore } from "./recording.js";
 import { Camera, roomWithin } from "./room.js";
 
@@ -12,6 +12,10 @@ const TAIL_PARTS = 10;
 const TRACE_STEP = 1.5; // pixels between the corners of the trace
 const RING_TIME = 0.25; // s of simulated time for which the place of an impact is marked
 const STRIP = 30; // pixels at the top for the scale bar, where the chain never comes
+const STOP_DOT = 11; // pixels, the mark of a joint at its stop
+const ARC = 0.25; // of a link's length: the radius of the arc of its joint's range
+const TICK = 0.3; // of the radius: the length of the mark of a stop
+const ARC_CORNERS = 33;
 const MANY_LINKS = 60; // above which the chain is one line, without joints
 
 export class Scene {
@@ -24,6 +28,8 @@ export class Scene {
     this.tail = Array.from({ length: TAIL_PARTS }, (_, part) =>
       this.drawing.polyline().addClass("tail").fill("none").opacity((part + 1) / TAIL_PARTS));
     this.rings = this.drawing.group();
+    this.ranges = recording.stops.map(() => ["range", "range-mark", "range-mark"].map((kind) =>
+      this.drawing.polyline().addClass(kind).fill("none")));
     this.links = this.drawing.group();
     this.joints = this.drawing.group();
     this.arrows = this.drawing.group();
@@ -99,6 +105,7 @@ export class Scene {
     this.lines.forEach(([range, line]) => line.plot(places.slice(...range)));
     this.dots.forEach(([point, dot]) => dot.center(...places[point]));
     this.discs.forEach(([point, disc]) => disc.center(...places[point]));
+    this.#drawRanges(frame);
     this.#drawTrace(frame, places.at(-1));
     this.#drawRings(frame);
     this.#drawArrows(frame);
@@ -117,12 +124,43 @@ export class Scene {
     });
   }
 
-  /** Where a point touches a wall, on the screen, and the direction away from the wall. */
+  /** The arcs of the joints with stops, with a mark at each stop. */
+  #drawRanges(frame) {
+    this.recording.stops.forEach(({ joint, arc: [from, to], marks }, index) => {
+      const at = (point) => this.recording.pointAt(frame, point);
+      const [centre, end, before] = [at(joint - 1), at(joint), joint > 1 ? at(joint - 2) : undefined];
+      const along = before ? Math.atan2(centre[1] - before[1], centre[0] - before[0]) : 0;
+      const radius = ARC * Math.hypot(end[0] - centre[0], end[1] - centre[1]);
+      const place = (angle, share) => this.camera.place(
+        centre[0] + share * radius * Math.cos(along + angle), centre[1] + share * radius * Math.sin(along + angle));
+      const angles = Array.from({ length: ARC_CORNERS }, (_, k) => from + ((to - from) * k) / (ARC_CORNERS - 1));
+      const [line, ...ticks] = this.ranges[index];
+      line.plot(angles.map((angle) => place(angle, 1)));
+      marks.forEach((angle, k) => ticks[k].plot([1 - TICK / 2, 1 + TICK / 2].map((share) => place(angle, share))));
+    });
+  }
+
+  /** Where a point touches a wall, or a link the arc of its range, on the screen, and the direction away from the wall. */
   #spot(frame, point, wall) {
+    if (!(wall in this.recording.walls)) return this.#stopSpot(frame, point);
     const { normal: [nx, ny], offset } = this.recording.walls[wall];
     const [x, y] = this.recording.pointAt(frame, point);
     const gap = nx * x + ny * y - offset;
     return { place: this.camera.place(x - gap * nx, y - gap * ny), away: [nx, -ny] };
+  }
+
+  #stopSpot(frame, joint) {
+    const [[x0, y0], [x1, y1]] = [joint - 1, joint].map((point) => this.recording.pointAt(frame, point));
+    const length = Math.hypot(x1 - x0, y1 - y0) || 1;
+    const [dx, dy] = [(x1 - x0) / length, (y1 - y0) / length];
+    // the label of its moment stands across the link
+    return { place: this.camera.place(x0 + ARC * (x1 - x0), y0 + ARC * (y1 - y0)), away: [dy, dx] };
+  }
+
+  /** Whether a contact can be drawn: its wall is known, or it is at a stop. */
+  #isShown({ point, wall }) {
+    const { walls, stops } = this.recording;
+    return wall in walls || stops.some(({ joint }) => joint === point);
   }
 
   /** Rings where impacts have just been: they widen and fade. */
@@ -131,7 +169,7 @@ export class Scene {
     const now = recording.timeAt(frame);
     this.rings.clear();
     recording.impacts
-      .filter(({ onset, wall }) => onset <= now && onset > now - RING_TIME && wall in recording.walls)
+      .filter((impact) => impact.onset <= now && impact.onset > now - RING_TIME && this.#isShown(impact))
       .forEach(({ onset, point, wall }) => {
         const age = (now - onset) / RING_TIME;
         const { place } = this.#spot(recording.frameAt(onset), point, wall);
@@ -143,8 +181,13 @@ export class Scene {
     const { recording } = this;
     this.arrows.clear();
     this.labels.clear();
-    recording.contactsAt(frame).filter(({ wall }) => wall in recording.walls).forEach(({ point, wall, force }) => {
+    recording.contactsAt(frame).filter((contact) => this.#isShown(contact)).forEach(({ point, wall, force }) => {
       const { place: [x, y], away: [dx, dy] } = this.#spot(frame, point, wall);
+      if (!(wall in recording.walls)) {
+        this.arrows.circle(STOP_DOT).center(x, y).addClass("stop-dot");
+        this.#label(x + 2 * STOP_DOT * dx, y + 2 * STOP_DOT * dy, dx, forceText(force, 3, unitsOf({ atStop: true }).force));
+        return;
+      }
       const length = Math.max(LEAST_ARROW, (this.longest * force) / recording.peakForce);
       const head = Math.min(14, 0.6 * length);
       const at = (along, across) => [x + dx * along - dy * across, y + dy * along + dx * across];
@@ -152,10 +195,14 @@ export class Scene {
       this.arrows.polygon([at(length, 0), at(length - head, 0.45 * head), at(length - head, -0.45 * head)])
         .addClass("arrow-head");
       if (length >= LABEL_FROM) {
-        const [tx, ty] = at(length + 14, 0);
-        const anchor = Math.abs(dx) < 0.5 ? "middle" : dx > 0 ? "start" : "end";
-        this.labels.plain(forceText(force)).attr({ x: tx, y: ty + 4, "text-anchor": anchor }).addClass("force-text");
+        this.#label(...at(length + 14, 0), dx, forceText(force));
       }
     });
+  }
+
+  /** A text at a place, on the side of it to which `dx` points. */
+  #label(x, y, dx, text) {
+    const anchor = Math.abs(dx) < 0.5 ? "middle" : dx > 0 ? "start" : "end";
+    this.labels.plain(text).attr({ x, y: y + 4, "text-anchor": anchor }).addClass("force-text");
   }
 }

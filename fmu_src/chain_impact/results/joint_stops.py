@@ -1,0 +1,107 @@
+"""The stops of joints in results: their ranges, the units of impacts at them, and where they are drawn."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from chain_impact.scene.names import STOPS
+from chain_impact.scene.scene import Scene
+
+ARC = 0.25  # of the link's length: the radius of the arc of a range
+OPEN = 0.5 * math.pi  # rad, of the arc of a joint with one stop only
+TICK = 0.3  # of the radius: the length of the mark of a stop
+CORNERS = 33  # of the line of an arc
+
+
+@dataclass(frozen=True, slots=True)
+class JointRange:
+    """The range of a joint with a stop.
+
+    Attributes:
+        low: its joint_min [rad], −∞ where there is none.
+        high: its joint_max [rad], ∞ where there is none.
+        length: of its link [m].
+    """
+
+    low: float
+    high: float
+    length: float
+
+    @property
+    def arc(self) -> tuple[float, float]:
+        """The ends of the arc that is drawn [rad], from the direction of the link before."""
+        low = self.low if math.isfinite(self.low) else self.high - OPEN
+        high = self.high if math.isfinite(self.high) else self.low + OPEN
+        return low, min(high, low + math.tau)
+
+
+def ranges_of(scene: Scene) -> dict[int, JointRange]:
+    """The ranges of the joints with stops of a scene."""
+    links = scene.chain.links
+    return {
+        joint: JointRange(*ends, links[joint - 1].length) for joint, ends in scene.chain.joint_ranges.items()
+    }
+
+
+def ranges_from(values: Mapping[str, Any]) -> dict[int, JointRange]:
+    """The ranges of the joints with stops, by the values of an FMU's parameters."""
+    found = {}
+    for joint in range(1, sum(name.endswith(".length") for name in values) + 1):
+        low, high = (values.get(f"link[{joint}].{stop}") for stop in STOPS)
+        if low is not None or high is not None:
+            ends = (-math.inf if low is None else low, math.inf if high is None else high)
+            found[joint] = JointRange(*ends, values[f"link[{joint}].length"])
+    return found
+
+
+def at_stop(scene: Scene, wall: int) -> bool:
+    """Whether the wall of a number, an index into ``scene.wall_names``, stands for the stops of joints."""
+    return bool(scene.chain.stops) and scene.wall_names[wall] in STOPS
+
+
+def what(number: int, at_stop: bool) -> str:
+    """What touched: "point 2", of a stop "joint 2"."""
+    return f"{'joint' if at_stop else 'point'} {number}"
+
+
+def speed_unit(at_stop: bool) -> str:
+    """The unit of a speed of an impact."""
+    return "rad/s" if at_stop else "m/s"
+
+
+def range_lines(points: np.ndarray, ranges: Mapping[int, JointRange]) -> Iterator[np.ndarray]:
+    """The lines that show the ranges of joints in a pose: an arc each, and a mark for each stop.
+
+    Args:
+        points: positions of the points 0…N, shape (N+1, 2) [m].
+        ranges: joint → its range.
+    """
+    for joint, one in ranges.items():
+        centre = points[joint - 1]
+        x, y = centre - points[joint - 2] if joint > 1 else (1.0, 0.0)
+        before, radius = math.atan2(y, x), ARC * one.length
+        yield centre + radius * _directions(np.linspace(*one.arc, CORNERS) + before)
+        for stop in (one.low, one.high):
+            if math.isfinite(stop):
+                ends = radius * np.array([[1.0 - 0.5 * TICK], [1.0 + 0.5 * TICK]])
+                yield centre + ends * _directions(np.array([stop + before]))
+
+
+def _directions(angles: np.ndarray) -> np.ndarray:
+    return np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+
+
+def touching_place(points: np.ndarray, joint: int) -> tuple[np.ndarray, np.ndarray]:
+    """Where the link of a joint crosses the arc of its range [m], and the direction of the link.
+
+    Args:
+        points: positions of the points 0…N, shape (N+1, 2) [m].
+        joint: 1…N.
+    """
+    link = points[joint] - points[joint - 1]
+    return points[joint - 1] + ARC * link, link / np.hypot(*link)

@@ -1,0 +1,94 @@
+"""Another contact law for a scene: its exponent, and the stiffness for the same elastic depth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.results.joint_stops import at_stop
+from chain_impact.scene.candidates import point_wall_pairs
+from chain_impact.scene.scene import Scene
+from chain_impact.scene.tables import Contact
+
+Changes = dict[tuple[str | int, ...], Any]
+
+
+def law_names(scene: Scene) -> list[str]:
+    """The ids of all laws that a scene can have."""
+    own = Path(scene.contact.law_file).stem
+    return [*CONTACT_LAWS, own] if own else list(CONTACT_LAWS)
+
+
+def needed_exponent(law: str, exponent: float) -> float:
+    """The exponent that a law is defined for, by default the one that is given."""
+    entry = CONTACT_LAWS.get(law)
+    return exponent if entry is None or entry.exponent is None else entry.exponent
+
+
+def keeps_exponents(law: str, scene: Scene) -> bool:
+    """Whether a law can be run with the exponents of the scene."""
+    return all(needed_exponent(law, exponent) == exponent for _, exponent, _ in _tables(scene))
+
+
+def _tables(scene: Scene) -> Iterator[tuple[tuple[str, ...], float, float]]:
+    """Where the law of `contact` acts: the path of the table, exponent and stiffness."""
+    contact, stops = scene.contact, scene.stops
+    if point_wall_pairs(scene) or not scene.chain.stops:
+        yield ("contact",), contact.exponent, contact.stiffness
+        for name, material in contact.wall.items():
+            if material.stiffness is not None:
+                yield ("contact", "wall", name), contact.exponent, material.stiffness
+    if stops.model is None and stops.exponent is not None and stops.stiffness is not None:
+        yield ("stops",), stops.exponent, stops.stiffness
+
+
+def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
+    """What to change in a scene to give it a law: stops with a law of their own keep it.
+
+    ``impact``, a row of ``Result.impacts``, is the one in which the elastic depth shall stay as it is if the
+    law needs another exponent: K δⁿ⁺¹/(n+1) = ½ m v₀².
+    """
+    changes: Changes = {("contact", "model"): law}
+    for path, exponent, stiffness in _tables(scene):
+        needed = needed_exponent(law, exponent)
+        if needed != exponent and impact is not None:
+            if len(path) == 1:
+                changes[*path, "exponent"] = needed
+            changes[*path, "stiffness"] = _equally_deep(stiffness, exponent, needed, impact)
+    return changes
+
+
+def _equally_deep(stiffness: float, n: float, needed: float, impact: np.void) -> float:
+    """The stiffness that makes an impact without losses as deep with another exponent."""
+    energy = 0.5 * impact["effective_mass"] * impact["impact_speed"] ** 2
+    depth = ((n + 1.0) * energy / stiffness) ** (1.0 / (n + 1.0))
+    return float((needed + 1.0) * energy / depth ** (needed + 1.0))
+
+
+def contact_at(scene: Scene, impact: np.void) -> Contact:
+    """The values of the contact law where an impact is: at its wall, or at the stops of joints."""
+    contact, stops = scene.contact, scene.stops
+    if at_stop(scene, impact["wall"]):
+        values = {name: getattr(stops, name) for name in ("stiffness", "exponent", "restitution")}
+        return replace(contact, **values, model=stops.model or contact.model, wall={})
+    material = contact.wall.get(scene.wall_names[impact["wall"]])
+    given = {
+        name: value
+        for name in ("stiffness", "restitution")
+        if material and (value := getattr(material, name)) is not None
+    }
+    return replace(contact, **given, wall={})
+
+
+def with_law(contact: Contact, law: str, impact: np.void) -> Contact:
+    """A contact with another law, for the same elastic depth of an impact."""
+    needed = needed_exponent(law, contact.exponent)
+    if needed == contact.exponent:
+        return replace(contact, model=law)
+    stiffness = _equally_deep(contact.stiffness, contact.exponent, needed, impact)
+    return replace(contact, model=law, exponent=needed, stiffness=stiffness)

@@ -1,0 +1,76 @@
+"""Another law for a scene with stops and walls of different materials, and comparisons of laws there."""
+
+import functools
+
+import numpy as np
+import pytest
+
+from chain_impact import compare, simulate
+from chain_impact.studies.compare import realised_restitution
+from chain_impact.studies.compare_text import head, heading
+from chain_impact.studies.law_change import contact_at, keeps_exponents, law_values, with_law
+from tests.stops import UP, knee
+
+K = "stiffness"
+
+
+@functools.cache
+def impacts(up=False):
+    return simulate(knee(**UP) if up else knee()).impacts
+
+
+def depth(stiffness, n, energy):
+    return ((n + 1.0) * energy / stiffness) ** (1.0 / (n + 1.0))
+
+
+def test_a_law_with_another_exponent_is_as_deep_at_walls_and_stops():
+    scene = knee(**{"wall.x_max.stiffness": 1e6, "stop.exponent": 2.0})
+    first = impacts()[0]
+    energy = 0.5 * first["effective_mass"] * first["impact_speed"] ** 2
+    changes = law_values(scene, "kelvin_voigt", first)
+    changed = scene.with_values(changes)
+    assert (changed.contact.exponent, changed.stops.exponent) == (1.0, 1.0)
+    before = [(1e8, 1.5), (1e6, 1.5), (1e4, 2.0)]
+    after = (changed.contact.stiffness, changed.contact.wall["x_max"].stiffness, changed.stops.stiffness)
+    for (stiffness, n), now in zip(before, after, strict=True):
+        assert depth(now, 1.0, energy) == pytest.approx(depth(stiffness, n, energy), rel=1e-12)
+
+
+def test_stops_with_a_law_of_their_own_keep_it():
+    scene = knee(**{"stops.model": "flores"})
+    changes = law_values(scene, "kelvin_voigt", impacts()[0])
+    assert not [path for path in changes if path[0] == "stops"]
+    assert scene.with_values(changes).stops == scene.stops
+    assert keeps_exponents("kelvin_voigt", knee(**{"contact.exponent": 1.0, "stop.exponent": 1.0}))
+    assert not keeps_exponents("kelvin_voigt", knee(**{"contact.exponent": 1.0}))
+
+
+def test_the_contact_of_an_impact_is_that_of_its_wall_or_of_the_stops():
+    scene = knee()
+    at_stop, at_wall = impacts()[0], next(hit for hit in impacts() if hit["wall"] == 1)
+    stop = contact_at(scene, at_stop)
+    assert (stop.stiffness, stop.exponent, stop.restitution) == (1e4, 1.5, 0.5)
+    wall = contact_at(scene, at_wall)
+    assert (wall.stiffness, wall.restitution) == (1e8, 0.25)
+    assert with_law(stop, "flores", at_stop).stiffness == 1e4
+    assert with_law(stop, "kelvin_voigt", at_stop).exponent == 1.0
+
+
+@pytest.mark.parametrize("up", [False, True])
+def test_laws_are_compared_at_a_stop(up):
+    scene = knee(**UP) if up else knee()
+    found = compare(scene, laws=["flores", "zhang_sharf", "newton_impact"])
+    assert found.at_stop
+    assert found.contact.restitution == 0.5
+    assert " kg m² at " in heading(found)
+    assert heading(found).endswith("rad/s")
+    assert head(found)[2:4] == ("peak, kN m", "depth, mrad")
+    run, first = found["zhang_sharf"], impacts(up)[0]
+    assert run.stiffness == 1e4
+    # the loop is of samples in time: the largest of them is near the peak
+    assert run.loop.max(axis=1) == pytest.approx([first["max_penetration"], first["peak_force"]], rel=1e-4)
+    assert found["newton_impact"].peak_force == np.inf
+    curves = realised_restitution(found, np.array([0.5]))
+    assert curves["zhang_sharf"] == pytest.approx([0.5], rel=1e-6)
+    assert curves["newton_impact"] == pytest.approx([0.5], rel=1e-6)
+    assert curves["flores"][0] < 0.5
