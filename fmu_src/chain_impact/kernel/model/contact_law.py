@@ -78,7 +78,7 @@ def update_laws(d):
 
 
 def check_laws(d):
-    """Check the given values; returns a status: a law that is rigid cannot take the place of one in contact."""
+    """Check the given values; returns a status. A law with a force cannot become rigid during a contact."""
     for c in range(d.candidates):
         status = check_law(d, c) if d.law.same_as[c] == c else OK
         if status != OK:
