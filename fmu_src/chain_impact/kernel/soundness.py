@@ -43,8 +43,9 @@ def within_bounds(d):
     for c in range(d.candidates):
         fits = (
             fits
-            and within(d.candidate.point[c], 0, d.links)
             and within(d.candidate.stop[c], -1, 1)
+            # a stop is in a joint, and these are counted from 1
+            and within(d.candidate.point[c], abs(d.candidate.stop[c]), d.links)
             # those of stops have the two numbers after those of walls
             and within(d.candidate.wall[c], 0, len(WALLS) + d.candidates - 1 + 2 * abs(d.candidate.stop[c]))
         )
