@@ -66,7 +66,7 @@ def test_what_the_scene_says_in_words_becomes_a_number():
     box = load_scene("four_link_box")
     changes = {("contact", "model"): "flores", ("solver", "method"): "implicit"}
     held = Model(with_values(box, changes)).new_instance()[0]
-    assert held["contact"]["law"] == CONTACT_LAWS["flores"].number
+    assert held["given"]["law"] == CONTACT_LAWS["flores"].number
     assert held["solver"]["method"] == SOLVER_METHODS.index("implicit") + 1
     assert (held["model"]["pinned"], held["model"]["driven"]) == (0, 0)
     arm = Model(load_scene("pinned_arm")).new_instance()[0]
