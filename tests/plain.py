@@ -42,3 +42,18 @@ class Plain:
         """As ``copy_values`` in kernel/tangent/blocks.py, without derivatives."""
         for name in self._record.dtype.names:
             self._record[name] = source._record[name]
+
+
+def make_rigid(d: Plain, rigid: Any = 1) -> None:
+    """Let the contacts of all candidates be rigid, 1, or have a force, 0; or say so of each of them."""
+    d.law.impulsive[:] = rigid
+    d.law.any_rigid, d.law.any_force = int(d.law.impulsive.any()), int(not d.law.impulsive.all())
+    pack(d)
+
+
+def pack(d: Plain) -> None:
+    """Pack the active contacts as the solver does: those with a force first."""
+    packed = sorted(np.flatnonzero(d.touch.active), key=lambda c: d.law.impulsive[c])
+    d.touch.active_index[: len(packed)] = packed
+    d.touch.active_count = len(packed)
+    d.touch.compliant_count = sum(not d.law.impulsive[c] for c in packed)

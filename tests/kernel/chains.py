@@ -12,10 +12,11 @@ from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.energy import mechanical_energy
 from chain_impact.kernel.model.geometry import along_normal
+from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import Scene, scene_from_dict
 from chain_impact.variables.model import Model
-from tests.plain import Plain
+from tests.plain import Plain, pack
 from tests.reference import point_jacobian
 
 FAR = 1e3  # m, how far the walls are off
@@ -83,6 +84,38 @@ def chain(
     return scene, d
 
 
+def stopped_chain(count: int, base: str = "free", **more: Any) -> tuple[Scene, Plain]:
+    """A chain whose joints have stops at both sides, ±(1 + i/10) rad of joint i, after those of its walls."""
+    rng = np.random.default_rng([count, len(base)])
+    scene, plain = chain(rng, count, base, **more)
+    record, own = plain._record, plain.candidates
+    joints = list(range(1 if base == "pinned" else 2, count + 1))
+    dtype = instance_dtype(count, own + 2 * len(joints))
+    d = Plain(np.zeros(1, dtype)[0])
+    for name in ("model", "contact", "initial", "solver", "given", "inputs"):
+        d._record[name] = record[name]
+    d.links, d.candidates, d.latest.kept = count, own + 2 * len(joints), plain.latest.kept
+    for name in ("point", "wall"):
+        d.candidate[name][:own] = plain.candidate[name]
+    for name in ("x", "y", "angle"):
+        d.walls[name][:own] = plain.walls[name]
+    d.walls.restitution[:] = -1.0
+    d.candidate.point[own:] = np.repeat(joints, 2)
+    d.candidate.stop[own:] = [1, -1] * len(joints)
+    d.candidate.wall[own:] = [6, 7] * len(joints)  # the box has 4 numbers, and there are 2 other walls
+    d.model.joint_min[:] = -1.0 - 0.1 * np.arange(1, count + 1)
+    d.model.joint_max[:] = -d.model.joint_min
+    d.stops.exponent, d.stops.minimum_impact_speed = 1.5, 1e-3
+    d.given.stop_stiffness, d.given.stop_restitution = 1e5, 0.5
+    assert initialize(d, 0.0) == OK
+    return scene, d
+
+
+def stops_of(d: Plain) -> list[int]:
+    """The candidates of a record that are stops."""
+    return [int(c) for c in np.flatnonzero(d.candidate.stop)]
+
+
 def random_state(rng: np.random.Generator, d: Plain) -> np.ndarray:
     """Some state y of a record; u and the time are those at the start of a step."""
     n = d.links
@@ -95,11 +128,9 @@ def random_state(rng: np.random.Generator, d: Plain) -> np.ndarray:
 
 def touch(d: Plain, candidates: Iterable[int]) -> None:
     """Let these candidates be in contact, as the solver packs them, and no others."""
-    candidates = sorted(int(c) for c in candidates)
     d.touch.active[:] = 0
-    d.touch.active[candidates] = 1
-    d.touch.active_index[: len(candidates)] = candidates
-    d.touch.active_count = len(candidates)
+    d.touch.active[[int(c) for c in candidates]] = 1
+    pack(d)
 
 
 def press_in(d: Plain, c: int, depth: float) -> None:

@@ -5,19 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact import CONTACT_LAWS
 from chain_impact.kernel import hooks
 from chain_impact.kernel.events.kinds import NONE
 from chain_impact.kernel.initialize import (
     OVERLAP,
-    apply_given,
     check_links,
     check_parameters,
     check_start,
     clear_run,
     derive_chain,
-    derive_damping,
-    derive_law,
     first_size,
     initialize,
     set_initial_state,
@@ -26,22 +22,16 @@ from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.integration.methods import METHOD_COUNT, SOLVER_METHODS
 from chain_impact.kernel.integration.step_size import in_flight
 from chain_impact.kernel.integration.switching import stable
-from chain_impact.kernel.laws import user_law
-from chain_impact.kernel.laws.contact_laws import LAW_COUNT
-from chain_impact.kernel.model.contact_force import USER_LAW, elastic_energy
 from chain_impact.kernel.model.latest import LATEST
 from chain_impact.kernel.status import (
-    EXPONENT_NOT_ALLOWED,
     MASS_MATRIX_SINGULAR,
     NOT_FINITE,
     OK,
     PARAMETER_OUT_OF_RANGE,
-    RESTITUTION_NOT_ALLOWED,
     STARTS_INSIDE_WALL,
-    UNKNOWN_LAW,
     UNKNOWN_METHOD,
 )
-from tests.kernel.chains import chain, touch
+from tests.kernel.chains import chain
 from tests.reference import mass_matrix
 
 BASES = pytest.mark.parametrize("base", ["free", "pinned"])
@@ -107,7 +97,8 @@ def test_nothing_of_an_earlier_run_is_left():
     d.work.moment[:], d.impulse.total[:] = 9.0, 9.0
     for name in ("active", "active_index", "number", "event"):
         d.touch[name][:] = 1
-    d.touch.active_count = 3
+    d.touch.active_count = d.touch.compliant_count = 3
+    d.work.load.turn[:] = d.implicit.load.turn[:] = 9.0
     for record, fields in (
         ("impact", ("count", "last_point", "last_wall", "last_speed")),
         ("statistics", ("steps", "rejected_steps", "rhs_evaluations", "implicit_steps")),
@@ -127,7 +118,9 @@ def test_nothing_of_an_earlier_run_is_left():
     for name in ("active", "active_index", "number"):
         assert not d.touch[name].any()
     assert (d.touch.event == NONE).all()
-    assert d.touch.active_count == 0
+    assert d.touch.active_count == d.touch.compliant_count == 0
+    assert not d.work.load.turn[1:].any()
+    assert not d.implicit.load.turn[1:].any()
     assert (d.impact.count, d.impact.last_point, d.impact.last_wall, d.impact.last_speed) == (0, -1, 0, 0.0)
     assert (d.statistics.steps, d.statistics.rejected_steps) == (0, 0)
     assert (d.statistics.rhs_evaluations, d.statistics.implicit_steps) == (0, 0)
@@ -147,9 +140,7 @@ def test_a_run_begins_anew_whatever_went_before(monkeypatch):
     _, d = prepared(springs=True, dampers=True)
     told = []
     assert initialize(d, 2.0) == OK
-    first = {
-        name: d[name]._record.tobytes() for name in ("model", "contact", "step", "statistics", "balance")
-    }
+    first = {name: d[name]._record.tobytes() for name in ("model", "law", "step", "statistics", "balance")}
     d.step.next_size, d.step.method, d.step.stiff_count, d.impact.last_time = 9.0, 1, 3, 9.0
     d.limits.event_start = d.limits.work_start = 9.0
     d.step.breaks, d.statistics.steps, d.given.changed, d.work.y[:] = 7, 7, 1, 9.0
@@ -186,114 +177,6 @@ def test_the_first_step_is_as_long_as_links_turn_and_joints_allow(method):
     assert first_size(d) == size
     assert stable(d, size) < 0.1 * size
     assert d.step.next_size == d.step.flight_size == (size if method == "implicit" else stable(d, size))
-
-
-# --- laws --------------------------------------------------------------------------------------------------
-
-
-def test_what_was_given_holds():
-    _, d = prepared(inputs=True)
-    d.given.law, d.given.stiffness, d.given.restitution = 3, 5e5, 0.25
-    d.given.joint_torque[:], d.given.tip_force[:] = 1.5, (2.0, 3.0)
-    apply_given(d)
-    assert (d.contact.law, d.contact.stiffness, d.contact.restitution) == (3, 5e5, 0.25)
-    assert d.inputs.joint_torque.tolist() == [1.5] * 3
-    assert d.inputs.tip_force.tolist() == [2.0, 3.0]
-
-
-@pytest.mark.parametrize("law", CONTACT_LAWS.values(), ids=lambda law: law.id)
-def test_a_law_is_what_the_registry_says(law):
-    _, d = prepared()
-    contact = d.contact
-    # near 1 that of Kuwabara and Kono takes no integration
-    e = 1.0 - 1e-7 if law.id == "kuwabara_kono" else 0.7
-    contact.law, contact.restitution, contact.exponent = law.number, e, law.exponent or 2.0
-    contact.approach_only = contact.rate_exponent = 9
-    assert derive_damping(contact) == OK
-    p = contact.exponent if law.rate_exponent is None else law.rate_exponent
-    assert contact.rate_exponent == p
-    assert contact.approach_only == law.approach_only
-    assert contact.damping_factor == law.damping_factor(e)
-    if law.exponent is not None:
-        contact.exponent = 1.1
-        assert derive_damping(contact) == EXPONENT_NOT_ALLOWED
-    if law.id not in {"kelvin_voigt", "tsuji"}:  # whose logarithm of 0 is an error in Python
-        contact.exponent, contact.restitution = law.exponent or 2.0, 0.0
-        assert derive_damping(contact) == (OK if law.allows_zero else RESTITUTION_NOT_ALLOWED)
-
-
-def test_a_users_law_has_no_factor():
-    _, d = prepared()
-    d.contact.law, d.contact.exponent, d.contact.damping_factor = USER_LAW, 1.7, 5.0
-    d.contact.approach_only = 1
-    assert derive_damping(d.contact) == OK
-    assert (d.contact.damping_factor, d.contact.rate_exponent, d.contact.approach_only) == (0.0, 1.7, 0)
-
-
-@pytest.mark.parametrize(
-    ("field", "value", "status"),
-    [
-        ("law", 0, UNKNOWN_LAW),
-        ("law", LAW_COUNT + 1, UNKNOWN_LAW),
-        ("law", 1, OK),
-        ("law", LAW_COUNT, OK),
-        ("restitution", -1e-9, PARAMETER_OUT_OF_RANGE),
-        ("restitution", 1.0 + 1e-9, PARAMETER_OUT_OF_RANGE),
-        ("restitution", math.nan, PARAMETER_OUT_OF_RANGE),
-        ("restitution", 1.0, OK),
-        ("stiffness", 0.0, PARAMETER_OUT_OF_RANGE),
-        ("stiffness", math.nan, PARAMETER_OUT_OF_RANGE),
-        ("stiffness", 1e-3, OK),
-    ],
-)
-def test_a_law_that_is_none_or_out_of_range_is_refused(field, value, status, monkeypatch):
-    _, d = prepared()
-    d.contact[field] = value
-    assert derive_law(d) == status
-    if value == LAW_COUNT + 1:
-        monkeypatch.setattr(user_law, "present", lambda: 1)
-        assert derive_law(d) == OK
-    if value == LAW_COUNT:
-        assert d.contact.impulsive
-    # and at the start, where what was given is taken over
-    d.given[field] = value
-    monkeypatch.undo()
-    assert initialize(d, 0.0) == d.statistics.status == status
-
-
-def test_a_law_is_derived_when_it_or_its_restitution_has_changed_also_for_contacts_that_last():
-    _, d = prepared()
-    touch(d, [2, 5])
-    d.touch.impact_speed[:], d.touch.effective_mass[:] = 1.5, 2.0
-    d.touch.damping[:] = d.touch.depth_scale[:] = 0.0
-    for law, restitution in (("ye", 0.5), ("ye", 0.25), ("flores", 0.25)):
-        d.contact.law, d.contact.restitution = CONTACT_LAWS[law].number, restitution
-        assert derive_law(d) == OK
-        assert d.contact.damping_factor == CONTACT_LAWS[law].damping_factor(restitution)
-        damping = d.contact.damping_factor * d.contact.stiffness / 1.5
-        assert d.touch.damping[[2, 5]] == pytest.approx([damping] * 2, rel=1e-12)
-    energy = elastic_energy(d.contact, d.touch.depth_scale[5])
-    assert energy == pytest.approx(0.5 * 2.0 * 1.5**2, rel=1e-12)
-    assert np.count_nonzero(d.touch.damping) == np.count_nonzero(d.touch.depth_scale) == 2
-    # what is known is not found anew, but the damping of contacts follows the stiffness
-    d.contact.damping_factor = 77.0
-    d.contact.stiffness *= 2.0
-    assert derive_law(d) == OK
-    assert d.contact.damping_factor == 77.0
-    assert d.touch.damping[2] == pytest.approx(77.0 * d.contact.stiffness / 1.5, rel=1e-12)
-    # after one that was refused it is
-    d.contact.exponent, law = 1.2, CONTACT_LAWS["kelvin_voigt"].number
-    d.contact.law, before = law, d.contact.law
-    assert derive_law(d) == EXPONENT_NOT_ALLOWED
-    d.contact.law = before
-    assert derive_law(d) == OK
-    assert d.contact.damping_factor == CONTACT_LAWS["flores"].damping_factor(0.25)
-    # rigid walls have no depth
-    d.touch.depth_scale[:] = 5.0
-    d.contact.law = CONTACT_LAWS["newton_impact"].number
-    assert derive_law(d) == OK
-    assert d.contact.impulsive
-    assert (d.touch.depth_scale == 5.0).all()
 
 
 # --- what is refused ---------------------------------------------------------------------------------------

@@ -9,8 +9,8 @@ from chain_impact.kernel.chain.springs import spring_energy
 from chain_impact.kernel.chain.state import dissipated_at, supplied_at
 from chain_impact.kernel.model.contact import begin_contact, set_kink_sides
 from chain_impact.kernel.model.contact_force import elastic_energy, law_force
-from chain_impact.kernel.observe import fill_outputs, observe
-from tests.kernel.chains import chain, touch, vectors
+from chain_impact.kernel.observe import combine_stops, fill_outputs, first_stop, observe
+from tests.kernel.chains import chain, stopped_chain, stops_of, touch, vectors
 from tests.kernel.steps import (
     Motion,
     free_motion,
@@ -105,7 +105,7 @@ def test_outputs_are_those_of_the_state_at_the_communication_point(theta):
     # energies
     speeds = y[half : 2 * half]
     assert out.kinetic == pytest.approx(0.5 * speeds @ matrix @ speeds, rel=1e-10)
-    assert out.elastic == pytest.approx(spring_energy(d, y) + elastic_energy(d.contact, 1e-3), rel=1e-9)
+    assert out.elastic == pytest.approx(spring_energy(d, y) + elastic_energy(d, IN, 1e-3), rel=1e-9)
     assert out.total == pytest.approx(out.kinetic + out.potential + out.elastic, rel=1e-13)
     assert out.dissipated == pytest.approx(3.0 + 0.5 * theta * SIZE, rel=1e-12)
     assert out.supplied == pytest.approx(4.0 - 0.7 * theta * SIZE, rel=1e-12)
@@ -137,3 +137,73 @@ def test_contacts_that_last_are_noted_and_what_goes_on_beside_is_observed(monkey
     assert told[0] > 0.0
     assert d.latest.end[1] == d.step.time
     assert d.latest.impulse[1] == pytest.approx(7.0 + 0.15 - IN, rel=1e-12)
+
+
+@pytest.mark.parametrize("base", ["free", "pinned"])
+def test_the_outputs_of_stops_are_those_of_their_joints(base):
+    """Moments and angles, at the first stop of each joint: negative moments are those at joint_max."""
+    rng = np.random.default_rng(5)
+    _, d = stopped_chain(3, base)
+    out, size, stops = d.output, d.model.size, stops_of(d)
+    names = ("force", "impulse", "penetration", "penetration_rate")
+    for at_max in (0, 1):
+        given = {name: rng.uniform(1.0, 2.0, d.candidates) for name in names}
+        for name in ("force", "penetration", "penetration_rate"):
+            given[name][stops[1 - at_max :: 2]] = 0.0  # a joint touches one stop at a time
+        for name in names:
+            out[name][:] = given[name]
+        combine_stops(d)
+        walls = [c for c in range(d.candidates) if c not in stops]
+        for name in names:
+            np.testing.assert_array_equal(out[name][walls], given[name][walls])
+            assert not out[name][stops[1::2]].any()
+        for low, high in zip(stops[::2], stops[1::2], strict=True):
+            assert [first_stop(d, c) for c in (low, high)] == [low, low]
+            touched, sign = ((low, 1.0), (high, -1.0))[at_max]
+            assert out.force[low] == pytest.approx(sign * size * given["force"][touched], rel=1e-14)
+            impulse = given["impulse"][low] - given["impulse"][high]
+            assert out.impulse[low] == pytest.approx(size * impulse, rel=1e-12, abs=1e-14)
+            for name in ("penetration", "penetration_rate"):
+                assert out[name][low] == pytest.approx(given[name][touched] / size, rel=1e-14)
+
+
+def test_a_joint_with_one_stop_has_its_outputs_there():
+    _, d = stopped_chain(3)
+    first, second, third, fourth = stops_of(d)
+    # joint 2 only at joint_max, joint 3 at both sides, as they were
+    d.candidate.point[first], d.candidate.stop[first] = 1, -1
+    assert [first_stop(d, c) for c in (first, second, third, fourth)] == [first, second, third, third]
+    for name in ("force", "impulse", "penetration", "penetration_rate"):
+        d.output[name][:] = 0.0
+    d.output.force[second], d.output.penetration[second] = 3.0, 0.2
+    combine_stops(d)
+    assert d.output.force[second] == pytest.approx(-3.0 * d.model.size, rel=1e-14)
+    assert d.output.penetration[second] == pytest.approx(0.2 / d.model.size, rel=1e-14)
+
+
+def test_what_an_observer_sees_of_a_stop_is_its_moment_and_its_depth():
+    """With the force law of the angle, at a joint beyond its joint_max."""
+    _, d = stopped_chain(2, dampers=True)
+    motion = free_motion(np.random.default_rng(3), d)
+    low, high = stops_of(d)
+    set_step(d, motion, SIZE)
+    y, n = motion.at(0.0), d.links
+    angle, rate = y[3] - y[2], y[n + 5] - y[n + 4]
+    d.candidate.offset[:low] = -1e9
+    d.candidate.offset[low], d.candidate.offset[high] = angle - 1.0, angle - 0.02
+    touch(d, [high])
+    locate_points(d, y)
+    begin_contact(d, high)
+    set_kink_sides(d)
+    d.step.time = d.step.start
+    d.impulse.wanted = 0
+    fill_outputs(d)
+    force, _ = law_force(d, high, 0.02 * d.model.size, rate * d.model.size)
+    assert d.output.force[low] == pytest.approx(-force * d.model.size, rel=1e-9)
+    assert d.output.penetration[low] == pytest.approx(0.02, rel=1e-9)
+    assert d.output.penetration_rate[low] == pytest.approx(rate, rel=1e-9)
+    assert not d.output.force[high]
+    # the moment acts on both links of the joint: the momentum of the chain does not change
+    before = vectors(d.work.load)
+    assert not before.any()
+    assert d.work.load.turn[2] == pytest.approx(-force * d.model.size, rel=1e-9)

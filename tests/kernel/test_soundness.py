@@ -19,7 +19,7 @@ from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.model import Model
 from tests.derivative_scenes import table
-from tests.kernel.chains import chain
+from tests.kernel.chains import chain, stopped_chain, stops_of, touch
 from tests.plain import Plain
 
 
@@ -48,11 +48,10 @@ def test_the_last_status_is_the_last():
         ("step", "last_method"),
         ("step", "dense_for"),
         ("search", "known"),
-        ("contact", "law"),
-        ("contact", "derived_law"),
         ("solver", "method"),
         ("statistics", "status"),
         ("touch", "active_count"),
+        ("touch", "compliant_count"),
     ],
 )
 @pytest.mark.parametrize("value", [-2, 1 << 40])
@@ -61,10 +60,17 @@ def test_a_number_out_of_its_range_is_not(d, record, field, value):
     assert sound(d) == 0
 
 
-@pytest.mark.parametrize("field", ["active", "active_index", "event"])
-@pytest.mark.parametrize("value", [-1, 1 << 40])
-def test_nor_is_one_of_a_candidate(d, field, value):
-    d["touch"][field][3] = value
+@pytest.mark.parametrize(
+    ("record", "field"),
+    [
+        *(("touch", field) for field in ("active", "active_index", "event")),
+        *(("law", field) for field in ("number", "same_as")),
+        *(("candidate", field) for field in ("point", "wall", "stop")),
+    ],
+)
+@pytest.mark.parametrize("value", [-2, 1 << 40])
+def test_nor_is_one_of_a_candidate(d, record, field, value):
+    d[record][field][3] = value
     assert sound(d) == 0
 
 
@@ -76,13 +82,14 @@ BOUNDS = {
     ("step", "last_method"): (0, METHOD_COUNT - 1),
     ("step", "dense_for"): (0, SOLVER),
     ("search", "known"): (0, FAR),
-    ("contact", "law"): (1, LAW_COUNT),
-    ("contact", "derived_law"): (0, LAW_COUNT),
+    ("law", "number"): (0, LAW_COUNT),
+    ("candidate", "stop"): (-1, 1),
     ("solver", "method"): (1, len(SOLVER_METHODS)),
     ("statistics", "status"): (OK, LAST_STATUS),
     ("latest", "kept"): (0, LATEST),
     ("finished", "count"): (0, None),
     ("touch", "active_count"): (0, 16),
+    ("touch", "compliant_count"): (0, 0),
     ("touch", "active_index"): (0, 15),
     ("touch", "active"): (0, 1),
     ("touch", "event"): (0, NEIGHBOUR),
@@ -97,6 +104,8 @@ def test_each_index_has_its_least_and_its_most(record, field):
     least, most = BOUNDS[record, field]
     _, d = chain(np.random.default_rng(0), 3)
     d.impact.count = 7
+    if field == "stop":
+        d.candidate.point[:] = 1  # a stop is in a joint, and these are counted from 1
     assert within_bounds(d)
     shape = d[record]._record.dtype[field].shape
     for i in range(shape[0]) if shape else [None]:
@@ -108,6 +117,50 @@ def test_each_index_has_its_least_and_its_most(record, field):
                 put(d[record], field, i, value)
                 assert bool(within_bounds(d)) == fits
                 put(d[record], field, i, before)
+    assert within_bounds(d)
+
+
+def test_no_more_contacts_have_a_force_than_there_are():
+    _, d = chain(np.random.default_rng(0), 3)
+    touch(d, [1, 4, 7])
+    for count, fits in ((0, True), (3, True), (4, False), (-1, False)):
+        d.touch.compliant_count = count
+        assert bool(within_bounds(d)) == fits
+
+
+def test_a_law_may_be_missing_only_where_nothing_touches():
+    _, d = chain(np.random.default_rng(0), 3)
+    d.law.number[5] = 0
+    assert within_bounds(d)
+    touch(d, [1])
+    assert not within_bounds(d)
+    d.law.number[5] = 1
+    assert within_bounds(d)
+
+
+def test_a_law_is_copied_from_a_candidate_that_is_not_later():
+    _, d = chain(np.random.default_rng(0), 3)
+    for c in range(d.candidates):
+        for source, fits in ((0, True), (c, True), (c + 1, False), (-1, False)):
+            d.law.same_as[c] = source
+            assert bool(within_bounds(d)) == fits
+            d.law.same_as[c] = 0
+
+
+def test_only_stops_have_the_numbers_after_those_of_walls():
+    """Their joints begin at 1: the base, point 0, has no link before it."""
+    d = stopped_chain(3)[1]
+    last, stop = 4 + d.candidates - 1, stops_of(d)[0]
+    assert within_bounds(d)
+    for c, number, fits in ((0, last, True), (0, last + 1, False), (stop, last + 2, True)):
+        kept = int(d.candidate.wall[c])
+        d.candidate.wall[c] = number
+        assert bool(within_bounds(d)) == fits
+        d.candidate.wall[c] = kept
+    for point, fits in ((1, True), (3, True), (0, False), (4, False)):
+        d.candidate.point[stop] = point
+        assert bool(within_bounds(d)) == fits
+    d.candidate.point[stop] = 2
     assert within_bounds(d)
 
 
@@ -129,7 +182,7 @@ def put(record, field, i, value):
 
 def test_a_users_law_is_one_more(monkeypatch):
     _, d = chain(np.random.default_rng(0), 1)
-    d.contact.law = LAW_COUNT + 1
+    d.law.number[0] = LAW_COUNT + 1
     assert not within_bounds(d)
     monkeypatch.setattr(soundness, "present", lambda: 1)
     assert within_bounds(d)

@@ -44,6 +44,7 @@ def within_bounds(d):
         fits = (
             fits
             and within(d.candidate.stop[c], -1, 1)
+            # a stop is in a joint, and these are counted from 1
             and within(d.candidate.point[c], abs(d.candidate.stop[c]), d.links)
             and within(d.candidate.place[c], 0, 2 * d.links)
             # those of stops have the two numbers after those of walls

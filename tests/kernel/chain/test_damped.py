@@ -48,9 +48,10 @@ def answer(d, impedance, shift, impulses, aim):
     work, count = d.work, len(aim)
     found = np.full(count + 2, np.nan)
     set_impedances(work.impedance, impedance)
-    factorize_damped(d, work.link, work.impedance, shift, work.damped)
+    factorize_damped(d, work.link, work.impedance, shift, work.factors)
     work.load.x[:], work.load.y[:] = impulses.T
-    solve_damped(d, work.link, work.damped, work.load, work.damped.damper * aim, found)
+    work.load.turn[1:] = work.factors.damper * aim
+    solve_damped(d, work.link, work.factors, work.load, found)
     return found
 
 

@@ -12,11 +12,13 @@ import sympy
 
 from chain_impact.kernel.chain.kinematics import link_vectors, locate_points, move_points
 from chain_impact.kernel.chain.recursion import accelerations, factorize, solve
-from chain_impact.kernel.initialize import derive_chain, derive_law
+from chain_impact.kernel.initialize import derive_chain
 from chain_impact.kernel.model.contact_force import set_damping
+from chain_impact.kernel.model.contact_law import start_laws
 from chain_impact.kernel.model.energy import mechanical_energy
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import place_walls
+from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import WALLS, scene_from_dict
 from chain_impact.variables.model import Model
 from tests.kernel.chains import random_links
@@ -67,7 +69,7 @@ def random_scene(
 def instance(scene):
     d = Plain(Model(scene).new_instance()[0])
     derive_chain(d)
-    derive_law(d)
+    assert start_laws(d) == OK
     return d
 
 
@@ -201,7 +203,8 @@ def check_against_lagrange(rng, scene, point, wall, has):
             d["model"]["wall"][WALLS.index(wall)] = on_wall[WALLS.index(wall) // 2]
         else:
             d["walls"]["x"][0], d["walls"]["y"][0] = on_wall
-        d["touch"]["active"][0] = d["touch"]["active_count"] = 1
+        d["touch"]["active"][0] = 1
+        d["touch"]["active_count"] = d["touch"]["compliant_count"] = 1
         d["touch"]["impact_speed"][0] = IMPACT_SPEED
         place_walls(d)
         set_damping(d, 0)

@@ -10,23 +10,26 @@ from tests.reference import mass_matrix, point_jacobian, random_impedances, set_
 
 
 def answer(d, impedance, shift, impulses, joint_impulses):
-    """What the recursion finds, complex, shape (N+2,)."""
+    """What the recursion finds, complex, shape (N+2,), for impedances of points and, if any, of joints."""
     work, own, pair = d.work, d.implicit, 1
+    impedance, stops = impedance if isinstance(impedance, tuple) else (impedance, np.zeros(d.links) + 0j)
     set_impedances(work.impedance, impedance.real)
     set_impedances(own.reactance, impedance.imag)
+    work.impedance.turn[1:], own.reactance.turn[1:] = stops.real, stops.imag
     factorize_shifted(d, work.link, work.impedance, own.reactance, pair, shift.real, shift.imag, own.factors)
     work.load.x[:], work.load.y[:] = impulses.real.T
     own.load.x[:], own.load.y[:] = impulses.imag.T
-    own.impulse[0], own.impulse[1] = joint_impulses.real, joint_impulses.imag
+    work.load.turn[1:], own.load.turn[1:] = joint_impulses.real, joint_impulses.imag
     own.answer[:] = np.nan
-    solve_shifted(d, work.link, own.factors, pair, work.load, own.load, own.impulse, own.answer)
+    solve_shifted(d, work.link, own.factors, pair, work.load, own.load, own.answer)
     return own.answer[0] + 1j * own.answer[1]
 
 
 @pytest.mark.parametrize("largest", [0.0, 1.0, 1e4])
 @pytest.mark.parametrize("base", ["free", "pinned"])
 @pytest.mark.parametrize("count", range(1, 9))
-def test_it_solves_the_assembled_equations(count, base, largest):
+@pytest.mark.parametrize("with_stops", [False, True])
+def test_it_solves_the_assembled_equations(count, base, largest, with_stops):
     """(M + Jᵀ D J + Gᵀ K G) Δ = Jᵀ p + Gᵀ μ, to round-off: no pivot is small."""
     rng = np.random.default_rng([count, len(base), int(largest)])
     for angle in (0.0, 0.5, 1.06):
@@ -40,7 +43,9 @@ def test_it_solves_the_assembled_equations(count, base, largest):
         joint = (rng.normal(size=count) + 1j * rng.normal(size=count)) * (
             np.arange(count) >= (base == "free")
         )
-        damper = shift * (d.model.joint_damping + shift * d.model.joint_stiffness)
+        # those of stops come on top of what dampers and springs resist
+        stops = shift * rng.uniform(0.0, 30.0, count) * (np.arange(count) >= (base == "free")) * with_stops
+        damper = shift * (d.model.joint_damping + shift * d.model.joint_stiffness) + stops
         across = relative_motion(count)
         matrix = mass_matrix(scene, angles) + across.T @ np.diag(damper) @ across
         right = across.T @ joint
@@ -48,7 +53,7 @@ def test_it_solves_the_assembled_equations(count, base, largest):
             jacobian = point_jacobian(scene, angles, k)
             matrix = matrix + jacobian.T @ impedance[k] @ jacobian
             right = right + jacobian.T @ impulses[k]
-        found = answer(d, impedance, shift, impulses, joint)
+        found = answer(d, (impedance, stops), shift, impulses, joint)
         free = slice(2 if base == "pinned" else 0, None)
         residual = (matrix @ found - right)[free]
         scale = (np.abs(matrix) @ np.abs(found) + np.abs(right))[free]
@@ -66,7 +71,7 @@ def test_a_real_shift_is_that_of_the_real_elimination(base):
     joint = rng.normal(size=5) * (np.arange(5) >= (base == "free"))
     found = answer(d, impedance + 0j, 0.3 + 0j, impulses + 0j, joint + 0j)
     expected = np.full(7, np.nan)
-    factorize_damped(d, d.work.link, d.work.impedance, 0.3, d.work.damped)
-    solve_damped(d, d.work.link, d.work.damped, d.work.load, joint, expected)
+    factorize_damped(d, d.work.link, d.work.impedance, 0.3, d.work.factors)
+    solve_damped(d, d.work.link, d.work.factors, d.work.load, expected)
     np.testing.assert_allclose(found.real, expected, rtol=1e-12, atol=1e-13)
     assert (found.imag == 0.0).all()

@@ -31,6 +31,7 @@ from chain_impact.kernel.model.contact_force import set_damping
 from chain_impact.kernel.model.geometry import clearance
 from tests.kernel.events.test_kinks_of_a_step import DEEP, falling
 from tests.kernel.steps import held_tip, let_push, points_of
+from tests.plain import make_rigid
 
 K, N = 4.0, 1.5
 FINE = np.linspace(0.0, 1.0, 20001)
@@ -130,7 +131,7 @@ def test_peaks_until_a_time_within_the_step():
 @pytest.mark.parametrize(("approach_only", "event", "lands"), [(1, KINK, 1), (1, END, 0), (0, KINK, 0)])
 def test_a_step_that_lands_on_the_turn_is_deepest_there(approach_only, event, lands):
     d, _ = pressed(TURNING, law="jankowski")
-    d.contact.approach_only, d.touch.event[1] = approach_only, event
+    d.law.approach_only[1], d.touch.event[1] = approach_only, event
     assert turns_at_end(d, 1) == bool(lands)
     d, _ = pressed([0.0, -1.0, 0.5], law="jankowski")  # turns at its end
     d.touch.event[1] = KINK
@@ -230,7 +231,8 @@ def test_contacts_are_followed_to_the_communication_point_at_no_work(monkeypatch
 def test_what_contacts_have_come_to_is_noted_at_the_communication_point(impulsive, kept):
     for until in (0.1, 0.6):
         d, motion = pressed(TURNING)
-        d.latest.kept, d.contact.impulsive = kept, impulsive
+        d.latest.kept = kept
+        make_rigid(d, impulsive)
         d.latest.end[0] = -1.0
         d.step.time = d.step.start + until
         y = motion.at(until)
@@ -284,7 +286,8 @@ def test_the_peak_of_a_holding_force_is_found_by_parabolas_through_samples(size)
 @pytest.mark.parametrize("impulsive", [0, 1])
 def test_a_contact_that_ends_is_a_row_of_the_log_and_of_the_list(impulsive, rate):
     d, _ = pressed([0.0, rate, 0.0])
-    d.contact.impulsive, d.latest.kept = impulsive, 3
+    make_rigid(d, impulsive)
+    d.latest.kept = 3
     size = len(d.finished.point)
     for count in (0, 5, size + 2):  # the oldest are lost
         d.finished.count = count
@@ -292,7 +295,7 @@ def test_a_contact_that_ends_is_a_row_of_the_log_and_of_the_list(impulsive, rate
         for name, value in (values | {"effective_mass": 2.5}).items():
             d.touch[name][1] = value + count
         d.impulse.total[1], d.impulse.onset[1] = 8.0, 6.5
-        log_contact(d, 1)
+        log_contact(d, 1, impulsive)
         log, row = d.finished, count % size
         assert log.count == count + 1
         assert (log.point[row], log.wall[row]) == (d.candidate.point[1], d.candidate.wall[1])

@@ -28,14 +28,14 @@ from chain_impact.kernel.events.exclusion import (
     remember_clearances,
     set_clearance,
     set_clearances,
-    speed_bound,
     stays_positive,
     sundman_u_now,
 )
 from chain_impact.kernel.integration.sundman import root_rate
-from chain_impact.kernel.model.geometry import clearance, harmless_depth
+from chain_impact.kernel.model.geometry import clearance, harmless_depth, speed_bound
 from tests.kernel.chains import chain, random_state, touch
 from tests.kernel.steps import free_motion, gaps_of, set_step, translation, wall_at, walls_away
+from tests.plain import make_rigid
 
 SAMPLES = np.linspace(0.0, 1.0, 1001)
 
@@ -126,7 +126,7 @@ def test_clearances_are_clear_by_more_than_their_interpolants_can_be_off(turn, f
         d.inputs.course.pace, d.model.joint_bound = turn / 0.5, fade / 0.5
         touch(d, range(d.candidates) if active else [])
         d.touch.impact_speed[:], d.touch.speed[:] = 1.0, 0.0
-        gap = (clear * off if off > 0.0 else clear) - harmless_depth(d)
+        gap = (clear * off if off > 0.0 else clear) - harmless_depth(d, 0)
         for c in range(d.candidates):
             wall_at(d, c, motion.at(0.0), -gap if active else gap)
         assert excludes_events(d) == (clear > 1.0 or (off == 0.0 and clear > 0.0))
@@ -146,7 +146,7 @@ def test_a_clearance_stays_above_the_least_bernstein_coefficient_of_its_interpol
         for name, value in zip(row, values, strict=True):
             search[name][c] = value
     inner = BPoly.from_derivatives([0.0, h], ends).c[1:, 0]
-    limit = inner.min() - MARGIN * (inner.max() - inner.min()) + harmless_depth(d)
+    limit = inner.min() - MARGIN * (inner.max() - inner.min()) + harmless_depth(d, c)
     assert stays_positive(d, c, limit - 1e-9)
     assert not stays_positive(d, c, limit + 1e-9)
 
@@ -176,8 +176,8 @@ def test_walls_are_far_as_long_as_no_point_can_have_come_near(seed):
     assert excludes_events(d)
     least = phi_all(d, motion)[-1].min()
     assert d.search.safe_distance == pytest.approx(least, rel=1e-9)
-    d.search.speed = speed_bound(d.work.velocity)
-    d.search.acceleration = speed_bound(d.work.acceleration)
+    d.search.speed = speed_bound(d, d.work.velocity)
+    d.search.acceleration = speed_bound(d, d.work.acceleration)
     lasted = 0
     for k in range(1, 40):
         y = motion.at(0.01 * (k + 1))
@@ -195,8 +195,8 @@ def test_walls_are_far_as_long_as_no_point_can_have_come_near(seed):
         lasted += 1
     assert lasted >= 2
     # nobody goes further than its speed and acceleration say: no point nor wall has been looked at
-    assert d.search.speed == speed_bound(d.work.velocity)
-    assert d.search.acceleration == speed_bound(d.work.acceleration)
+    assert d.search.speed == speed_bound(d, d.work.velocity)
+    assert d.search.acceleration == speed_bound(d, d.work.acceleration)
 
 
 def quiet_start(regularized=-1):
@@ -231,7 +231,10 @@ def test_the_way_that_points_can_have_come_is_bounded_by_what_they_do_at_the_end
         d = quiet_start()
         d.search.speed, d.search.acceleration = speed, acceleration
         h = d.step.end - d.step.start
-        v, a = max(speed, speed_bound(d.work.velocity)), max(acceleration, speed_bound(d.work.acceleration))
+        v, a = (
+            max(speed, speed_bound(d, d.work.velocity)),
+            max(acceleration, speed_bound(d, d.work.acceleration)),
+        )
         remains_far(d)
         assert d.search.safe_distance == pytest.approx(5.0 - h * (v + h * a), rel=1e-12)
 
@@ -239,11 +242,11 @@ def test_the_way_that_points_can_have_come_is_bounded_by_what_they_do_at_the_end
 def test_the_fastest_point_is_bounded_by_the_sum_of_its_components():
     _, d = chain(np.random.default_rng(0), 2)
     d.work.motion.x[:], d.work.motion.y[:] = (0.3, -2.0, 1.0), (-0.4, 1.5, 3.0)
-    assert speed_bound(d.work.motion) == 4.0
+    assert speed_bound(d, d.work.motion) == 4.0
     d.work.motion.x[1] = -3.0
-    assert speed_bound(d.work.motion) == 4.5
+    assert speed_bound(d, d.work.motion) == 4.5
     d.work.motion.x[:], d.work.motion.y[:] = 0.0, 0.25
-    assert speed_bound(d.work.motion) == 0.25
+    assert speed_bound(d, d.work.motion) == 0.25
 
 
 def test_leeway_and_fading_are_relative_to_the_reach_and_to_the_joints():
@@ -279,7 +282,8 @@ def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regula
     y, u = random_state(rng, d), 0.6
     y[sundman_u_at(2)] = u
     locate_points(d, y)
-    d.step.regularized, d.contact.impulsive = regularized, impulsive
+    d.step.regularized = regularized
+    make_rigid(d, impulsive)
     d.touch.depth_scale[:] = 0.3
     touch(d, [2, 4])
     pace = 1.0 if regularized < 0 else u / (1.0 + u * u)

@@ -87,7 +87,7 @@ def test_twice_the_speed_is_latched_with_all_that_follows_from_it():
     assert handle_relatch(d, C)
     assert d.touch.impact_speed[C] == pytest.approx(2.0, rel=1e-9)
     energy = 0.5 * mass * 2.0**2
-    assert elastic_energy(d.contact, d.touch.depth_scale[C]) == pytest.approx(energy, rel=1e-8)
+    assert elastic_energy(d, C, d.touch.depth_scale[C]) == pytest.approx(energy, rel=1e-8)
     assert d.touch.damping[C] == pytest.approx(0.5 * damping, rel=1e-9)
     assert d.touch.beyond_kink[C] == 0
 

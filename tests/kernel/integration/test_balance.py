@@ -143,7 +143,7 @@ def test_energy_that_a_parameter_takes_is_not_lost():
     d = Plain(instance.record)
     balance = d["balance"]
     start, lost = float(balance["at_start"]), float(balance["origin"] - balance["at_start"])
-    d["contact"]["stiffness"] *= 0.5
+    d["law"]["stiffness"] *= 0.5
     for _ in range(2):  # there may be no step between two changes
         reinit_balance(d)
         assert balance["at_end"] < start - 0.05

@@ -297,7 +297,8 @@ def test_error_of_a_contact_is_measured_against_its_depth():
     for depth_scale in (1e-4, 1e-6):
         d = started(ball(0.0, 1e-9, stiffness=1e5))
         d["step"]["state_end"][1] = -1e-7
-        d["touch"]["active"][0] = d["touch"]["active_count"] = 1
+        d["touch"]["active"][0] = 1
+        d["touch"]["active_count"] = d["touch"]["compliant_count"] = 1
         d["touch"]["impact_speed"][0] = 1.0
         d["touch"]["depth_scale"][0] = depth_scale
         errors.append(step(d, 0.1))

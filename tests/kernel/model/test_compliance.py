@@ -6,16 +6,24 @@ import pytest
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.model.compliance import (
     LEAST_MOBILITY,
-    add_impedances,
     effective_mass,
     factorize_contacts,
-    factorize_contacts_damped,
-    load_contacts,
+    solve_chain,
     solve_contacts,
-    solve_contacts_damped,
 )
+from chain_impact.kernel.model.geometry import add_along_normal, clear_loads_of
 from tests.kernel.chain.test_damped import relative_motion
-from tests.kernel.chains import chain, free_coordinates, gradients, struck, vectors
+from tests.kernel.chains import (
+    chain,
+    free_coordinates,
+    gradients,
+    random_state,
+    stopped_chain,
+    stops_of,
+    struck,
+    touch,
+    vectors,
+)
 from tests.reference import mass_matrix, point_jacobian, random_impedances, set_impedances
 
 # links, base, how many candidates are in contact
@@ -46,11 +54,19 @@ def solved(d, matrix, right):
     return result
 
 
+def load(d, impulse, joints):
+    """Load the points with impulses of the contacts, packed, and the joints with others."""
+    clear_loads_of(d, d.work.load)
+    for k in range(d.touch.active_count):
+        add_along_normal(d, d.touch.active_index[k], d.work.load, impulse[k])
+    d.work.load.turn[1:] += joints
+
+
 def test_it_gives_way_as_assembled(case):
     scene, d, angles, matrix, jacobian, rng = case
     count, active = d.links, len(jacobian)
     impedance, impulse = rng.uniform(0.0, 30.0, d.candidates), rng.normal(size=d.candidates)
-    factorize_contacts(d, d.work.link, impedance, d.rigid.factors)
+    factorize_contacts(d, d.work.link, impedance, 0.0, d.rigid.factors)
     solve_contacts(d, d.work.link, d.rigid.factors, impulse, d.rigid.change)
     stiff = matrix + jacobian.T @ np.diag(impedance[:active]) @ jacobian
     expected = solved(d, stiff, jacobian.T @ impulse[:active])
@@ -64,14 +80,15 @@ def test_it_gives_way_as_assembled_when_joints_resist(case):
     scene, d, angles, matrix, jacobian, rng = case
     count, active, time = d.links, len(jacobian), 0.3
     impedance, impulse = rng.uniform(0.0, 30.0, d.candidates), rng.normal(size=d.candidates)
-    factorize_contacts_damped(d, d.work.link, impedance, time)
-    d.work.damped.impulse[:] = rng.normal(size=count)
+    factorize_contacts(d, d.work.link, impedance, time, d.implicit.real)
+    assert d.implicit.real.coupled == d.model.resisting == (count > 1 or d.model.pinned)
+    joints = rng.normal(size=count) * d.implicit.real.coupled
+    load(d, impulse, joints)
     change = np.full(count + 2, np.nan)
-    solve_contacts_damped(d, d.work.link, impulse, change)
+    solve_chain(d, d.work.link, d.implicit.real, change)
     links, across = scene.chain.links, relative_motion(count)
     resistance = np.array([time * link.joint_damping + time**2 * link.joint_stiffness for link in links])
     resistance[0] *= d.model.pinned  # a free base is no joint
-    joints = d.work.damped.impulse.copy()
     stiff = matrix + jacobian.T @ np.diag(impedance[:active]) @ jacobian
     stiff += across.T @ np.diag(resistance) @ across
     expected = solved(d, stiff, jacobian.T @ impulse[:active] + across.T @ joints)
@@ -84,8 +101,8 @@ def test_loads_and_impedances_are_those_of_the_contacts_alone(case):
     """The virtual work of the loads is Jᵀ p, and the energy of the impedances ½ Σ D (n·v)²."""
     scene, d, angles, _, jacobian, rng = case
     impedance, impulse = rng.uniform(1.0, 2.0, d.candidates), rng.normal(size=d.candidates)
-    add_impedances(d, impedance)
-    load_contacts(d, impulse)
+    factorize_contacts(d, d.work.link, impedance, 0.0, d.rigid.factors)
+    solve_contacts(d, d.work.link, d.rigid.factors, impulse, d.rigid.change)
     total, added = np.zeros(d.links + 2), np.zeros((d.links + 2, d.links + 2))
     own = d.work.impedance
     for k, load in enumerate(vectors(d.work.load)):
@@ -116,3 +133,62 @@ def test_where_nothing_moves_a_point_it_is_a_million_times_the_chain():
     locate_points(d, y)
     mass = sum(link.mass for link in scene.chain.links)
     assert effective_mass(d, struck_tip) == pytest.approx(mass / LEAST_MOBILITY, rel=1e-9)
+
+
+def stopped_case(base, count, **more):
+    """A chain in contact with walls and with stops: its record, M, and ∇g of all that touches, packed."""
+    rng = np.random.default_rng([count, len(base)])
+    scene, d = stopped_chain(count, base, **more)
+    y = random_state(rng, d)
+    locate_points(d, y)
+    stops = stops_of(d)
+    touch(d, [0, 3, *stops[1::3], *stops[::4]])
+    angles, across = y[2 : count + 2], relative_motion(count)
+    walls = [c for c in range(d.candidates) if c not in stops]
+    of_walls = dict(zip(walls, gradients(scene, d, angles, walls), strict=True))
+    rows = [
+        d.candidate.stop[c] * d.model.size * across[d.candidate.point[c] - 1] if c in stops else of_walls[c]
+        for c in map(int, d.touch.active_index[: d.touch.active_count])
+    ]
+    return scene, d, mass_matrix(scene, angles), np.array(rows), rng
+
+
+@pytest.mark.parametrize("time", [0.0, 0.3])
+@pytest.mark.parametrize("resist", [False, True])
+@pytest.mark.parametrize(("base", "count"), [("free", 2), ("free", 4), ("pinned", 1), ("pinned", 3)])
+def test_stops_give_way_as_assembled(base, count, resist, time):
+    """M + Jᵀ D J + K with impedances in joints; at a ``time`` of 0 dampers and springs do not resist."""
+    scene, d, matrix, jacobian, rng = stopped_case(base, count, springs=resist, dampers=resist)
+    assert d.model.stopped
+    active, across = len(jacobian), relative_motion(count)
+    assert active > 2
+    impedance, impulse = rng.uniform(0.0, 30.0, d.candidates), rng.normal(size=d.candidates)
+    factorize_contacts(d, d.work.link, impedance, time, d.implicit.real)
+    assert d.implicit.real.coupled == 1
+    links = scene.chain.links
+    resistance = np.array([time * link.joint_damping + time**2 * link.joint_stiffness for link in links])
+    resistance[0] *= d.model.pinned  # a free base is no joint
+    stiff = matrix + jacobian.T @ np.diag(impedance[:active]) @ jacobian
+    stiff += across.T @ np.diag(resistance) @ across
+    change = np.full(count + 2, np.nan)
+    solve_contacts(d, d.work.link, d.implicit.real, impulse, change)
+    expected = solved(d, stiff, jacobian.T @ impulse[:active])
+    np.testing.assert_allclose(change, expected, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(d.work.motion.turn[1:], across @ expected, rtol=0, atol=1e-9)
+    # and with impulses in joints besides
+    joints = rng.normal(size=count)
+    joints[0] *= d.model.pinned
+    load(d, impulse, joints)
+    solve_chain(d, d.work.link, d.implicit.real, change)
+    expected = solved(d, stiff, jacobian.T @ impulse[:active] + across.T @ joints)
+    np.testing.assert_allclose(change, expected, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize(("base", "count"), [("free", 3), ("pinned", 2)])
+def test_the_effective_mass_of_a_stop_is_the_inertia_of_its_joint_over_the_square_of_the_arm(base, count):
+    _scene, d, matrix, _, _ = stopped_case(base, count)
+    across = relative_motion(count)
+    for c in stops_of(d):
+        row = across[d.candidate.point[c] - 1]
+        inertia = 1.0 / (row @ solved(d, matrix, row))
+        assert effective_mass(d, c) == pytest.approx(inertia / d.model.size**2, rel=1e-10)

@@ -22,6 +22,7 @@ from chain_impact.kernel.model.contact import (
 from chain_impact.kernel.model.contact_force import elastic_energy, law_force
 from chain_impact.kernel.model.geometry import clearance
 from tests.kernel.chains import chain, gradients, press_in, struck, touch, vectors
+from tests.plain import make_rigid
 from tests.problems import of_law
 from tests.reference import mass_matrix, point_jacobian
 
@@ -64,7 +65,7 @@ def test_loads_do_the_work_of_the_contacts_and_of_the_input(law, touching):
     # the power of the walls is what the springs give and the dampers take
     h, stored = 1e-7, 0.0
     for k, rate in enumerate(rates):
-        ends = [elastic_energy(d.contact, DEPTH * (k + 1) - side * h * rate) for side in (1, -1)]
+        ends = [elastic_energy(d, candidates[k], DEPTH * (k + 1) - side * h * rate) for side in (1, -1)]
         stored += (ends[0] - ends[1]) / (2 * h)
     assert lost == pytest.approx(-forces @ rates - stored, abs=1e-6 * np.abs(forces * rates).sum())
     assert lost >= 0.0
@@ -147,7 +148,7 @@ def test_a_contact_begins_with_what_the_impact_is(law, speed):
         assert touched.depth_scale[c] == d.model.size
     else:
         energy = 0.5 * mass * first**2
-        assert elastic_energy(d.contact, touched.depth_scale[c]) == pytest.approx(energy, rel=1e-9)
+        assert elastic_energy(d, c, touched.depth_scale[c]) == pytest.approx(energy, rel=1e-9)
         lost = contact_force(d, c, -1e-3, -first) - contact_force(d, c, -1e-3, 0.0)
         assert lost > 0.0
 
@@ -164,9 +165,9 @@ def test_the_side_of_its_kink_is_that_on_which_a_contact_is(law):
         assert (kink_height(d, c) < 0.0) == (rate > 0.0)
     assert len({int(point[c]) for c in candidates}) == 3
     d.touch.beyond_kink[:] = [*[5] * d.candidates]
-    d.contact.impulsive = law == "newton_impact"
+    make_rigid(d, law == "newton_impact")
     set_kink_sides(d)
-    if d.contact.impulsive:  # a rigid wall has no force
+    if d.law.any_rigid:  # a rigid wall has no force
         assert (d.touch.beyond_kink == 5).all()
         return
     assert d.touch.beyond_kink[candidates].tolist() == sides
@@ -196,3 +197,37 @@ def test_contacts_are_listed_in_the_order_of_the_candidates(touching):
     d.touch.active_count = 5
     list_touching(d)
     assert d.touch.active_index[: d.touch.active_count].tolist() == list(touching)
+    assert d.touch.compliant_count == d.touch.active_count
+
+
+@pytest.mark.parametrize("touching", [[], [0], [3, 5], [2, 3, 7, 9, 14], range(16)])
+@pytest.mark.parametrize("rigid", [[], [3], [0, 3, 8, 9], range(16)])
+def test_contacts_with_a_force_are_listed_first_and_no_impulse_holds_them(touching, rigid):
+    _, d = chain(np.random.default_rng(0), 3)
+    touch(d, touching)
+    make_rigid(d, np.isin(np.arange(d.candidates), list(rigid)))
+    d.touch.active_count = d.touch.compliant_count = 5
+    d.touch.active_index[:], d.rigid.in_active_set[:], d.implicit.ready = 11, 1, 1
+    list_touching(d)
+    forces = [c for c in touching if c not in rigid]
+    held = [c for c in touching if c in rigid]
+    assert d.touch.compliant_count == len(forces)
+    assert d.touch.active_index[: d.touch.active_count].tolist() == forces + held
+    assert not d.rigid.in_active_set[: len(forces)].any()
+    assert d.rigid.in_active_set[len(forces) :].all()
+    assert d.implicit.ready == 0
+
+
+@pytest.mark.parametrize("rigid", [1, 6, 15])
+def test_beside_a_rigid_contact_only_the_others_have_a_force(rigid):
+    """Loads and dissipation are those of the others alone."""
+    _, d, _, candidates, _ = in_contact()
+    others = [c for c in candidates if c != rigid]
+    touch(d, others)
+    lost, loads = apply_contacts(d), vectors(d.work.load)
+    touch(d, candidates)
+    d.touch.force[rigid] = -5.0
+    make_rigid(d, np.arange(d.candidates) == rigid)
+    assert apply_contacts(d) == lost
+    np.testing.assert_array_equal(vectors(d.work.load), loads)
+    assert d.touch.force[rigid] == -5.0

@@ -9,7 +9,8 @@ from chain_impact.kernel.model.contact import begin_contact, set_kink_sides
 from chain_impact.kernel.model.contact_force import elastic_energy
 from chain_impact.kernel.model.energy import energy_balance, mechanical_energy, stored_energy
 from chain_impact.kernel.model.equations import state_rate
-from tests.kernel.chains import chain, potential_slopes, press_in, struck
+from tests.kernel.chains import chain, potential_slopes, press_in, struck, touch
+from tests.plain import make_rigid
 from tests.reference import centre_jacobian, mass_matrix
 
 CASES = [("free", 1), ("free", 4), ("pinned", 1), ("pinned", 3)]
@@ -23,7 +24,7 @@ def prepared(base, count, **more):
     candidates = [1, d.candidates - 1]
     y = struck(rng, d, candidates)
     for k, c in enumerate(candidates):
-        if not d.contact.impulsive:
+        if not d.law.any_rigid:
             begin_contact(d, c)
         press_in(d, c, 1e-3 * (k + 1))
     set_kink_sides(d)
@@ -71,15 +72,17 @@ def test_what_is_stored_is_that_of_the_springs_and_of_the_contacts_that_are_pres
     _, d, y, (first, _second) = prepared(base, count)
     assert d.model.sprung == (count > 1 or base == "pinned")
     springs = spring_energy(d, y)
-    contacts = [elastic_energy(d.contact, depth) for depth in (1e-3, 2e-3)]
+    contacts = [elastic_energy(d, 0, depth) for depth in (1e-3, 2e-3)]
     assert stored_energy(d, y) == pytest.approx(springs + sum(contacts), rel=1e-9)
     press_in(d, first, -1e-3)  # it has left, and its end has not been found yet
     assert stored_energy(d, y) == pytest.approx(springs + contacts[1], rel=1e-9)
     d.model.sprung = 0
     assert stored_energy(d, y) == pytest.approx(contacts[1], rel=1e-9)
-    d.contact.impulsive = 1
+    make_rigid(d)
     assert stored_energy(d, y) == 0.0
-    d.model.sprung, d.contact.impulsive, d.touch.active_count = 1, 0, 0
+    d.model.sprung = 1
+    make_rigid(d, 0)
+    touch(d, [])
     assert stored_energy(d, y) == springs
 
 
@@ -88,9 +91,8 @@ def test_what_is_stored_is_that_of_the_springs_and_of_the_contacts_that_are_pres
 def test_no_motion_changes_the_ledger(base, count, law):
     """By a central difference along ẏ, under gravity, springs, dampers, inputs and contacts."""
     _, d, y, _ = prepared(base, count, model=law, stiffness=1e5)
-    if d.contact.impulsive:
-        d.touch.active_count = 0
-        d.touch.active[:] = 0
+    if d.law.any_rigid:
+        touch(d, [])
     rate, h, ends, scale = np.zeros(len(y)), 1e-6, [], []
     state_rate(d, y, rate)
     for side in (h, -h):

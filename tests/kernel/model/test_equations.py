@@ -33,6 +33,7 @@ from tests.kernel.chains import (
     touch,
     vectors,
 )
+from tests.plain import make_rigid
 from tests.reference import generalized_force, mass_matrix, point_jacobian
 
 CASES = [("free", 1), ("free", 3), ("pinned", 1), ("pinned", 4)]
@@ -139,7 +140,8 @@ def test_the_loads_of_a_located_state_are_those_of_its_contacts_and_inputs(base,
     assert (vectors(d.work.load) == loads).all()
     state_rate(d, y, whole)
     np.testing.assert_array_equal(whole[:-2], rate[:-2])
-    # as if the walls were not there
+    # as if the walls were not there: rigid ones without their forces
+    make_rigid(d)
     clear_loads(d)
     only_inputs = vectors(d.work.load)
     loaded_rate(d, y, 0.0, expected)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.geometry import (
     HARMLESS,
@@ -14,16 +14,21 @@ from chain_impact.kernel.model.geometry import (
     add_along_normal,
     add_impedance,
     along_normal,
+    clear_loads_of,
     clearance,
+    coordinates_size,
     harmless_depth,
-    normal,
+    lever,
+    move_contacts,
     place_side,
     place_slope,
     place_walls,
+    speed_bound,
 )
 from chain_impact.kernel.status import OK, PARAMETER_OUT_OF_RANGE
 from chain_impact.scene.scene import with_values
 from chain_impact.variables.model import Model
+from tests.kernel.chains import random_state, stopped_chain, stops_of
 from tests.plain import Plain
 from tests.problems import default_scene
 
@@ -56,6 +61,11 @@ def vectors(d, seed):
     values = np.random.default_rng(seed).normal(size=(d.links + 1, 2))
     d.work.motion.x[:], d.work.motion.y[:] = values.T
     return d.work.motion, values
+
+
+def normal(d, c):
+    """The inward normal of the wall of candidate c."""
+    return d.candidate.normal_x[c], d.candidate.normal_y[c]
 
 
 def test_each_candidate_has_the_normal_and_the_offset_of_its_wall(placed):
@@ -147,10 +157,108 @@ def test_a_candidate_can_be_given_any_wall(c):
 
 def test_a_depth_is_harmless_by_round_off_of_a_link_and_none_in_a_rigid_wall():
     _, d = prepared(box=True)
-    d.model.size, d.contact.impulsive = 2.5, 0
-    assert harmless_depth(d) == 2.5 * HARMLESS
+    d.model.size = 2.5
+    assert harmless_depth(d, 0) == 2.5 * HARMLESS
     # a force of 1e-10 N at 1e8 N/m^1.5, and more than round-off of positions
-    assert 1e8 * harmless_depth(d) ** 1.5 < 1e-9
-    assert harmless_depth(d) > 1e3 * 2.0**-53 * d.model.size
-    d.contact.impulsive = 1
-    assert harmless_depth(d) == 0.0
+    assert 1e8 * harmless_depth(d, 0) ** 1.5 < 1e-9
+    assert harmless_depth(d, 0) > 1e3 * 2.0**-53 * d.model.size
+    d.law.impulsive[0] = 1
+    assert harmless_depth(d, 0) == 0.0
+
+
+# --- stops in joints ---------------------------------------------------------------------------------------
+
+
+@pytest.fixture(params=["free", "pinned"])
+def stopped(request):
+    """A chain of three links with stops in its joints, located in some state."""
+    d = stopped_chain(3, request.param)[1]
+    y = random_state(np.random.default_rng(7), d)
+    locate_points(d, y)
+    return d, y
+
+
+def test_the_clearance_of_a_stop_is_that_of_the_angle_of_its_joint_at_the_arm(stopped):
+    """g = s (ψ − joint_min) or s (joint_max − ψ), and its rate by a difference along the motion."""
+    d, y = stopped
+    size, gaps, h = d.model.size, [], 1e-6
+    angles = np.diff(y[2:5], prepend=0.0)
+    for c in stops_of(d):
+        joint, side = d.candidate.point[c] - 1, d.candidate.stop[c]
+        limit = (d.model.joint_min if side > 0 else d.model.joint_max)[joint]
+        assert clearance(d, c)[0] == pytest.approx(size * side * (angles[joint] - limit), rel=1e-13)
+        assert lever(d, c) == size
+        assert d.candidate.arm[c] == side * size
+        before = abs(y[joint + 1]) if joint else 0.0
+        assert coordinates_size(d, c, y) == pytest.approx(size * (abs(y[joint + 2]) + before), rel=1e-14)
+    rates = np.array([clearance(d, c)[1] for c in range(d.candidates)])
+    for shift in (h, -h):
+        moved = y.copy()
+        moved[:5] += shift * y[5:10]
+        locate_points(d, moved)
+        gaps.append(np.array([clearance(d, c)[0] for c in range(d.candidates)]))
+    np.testing.assert_allclose(rates, (gaps[0] - gaps[1]) / (2 * h), rtol=0, atol=1e-6)
+
+
+def test_a_stop_is_each_way_of_its_joint_alone(stopped):
+    """Two for each joint, of which only the base's own, when it is free, has none."""
+    d, _ = stopped
+    joints = [1, 2, 3] if d.model.pinned else [2, 3]
+    assert d.candidate.point[stops_of(d)].tolist() == list(np.repeat(joints, 2))
+    assert lever(d, 0) == 1.0
+
+
+def test_the_motion_and_the_load_of_contacts_are_adjoint(stopped):
+    """F·(J v) = (Jᵀ F)·v for any motion v of points and joints; the impedance has the energy ½ D (J v)²."""
+    d, y = stopped
+    rng = np.random.default_rng(9)
+    change = rng.normal(size=5)
+    if d.model.pinned:
+        change[:2] = 0.0
+    move_contacts(d, d.work.link, change, d.work.motion)
+    motion = d.work.motion
+    bound = speed_bound(d, motion)
+    for c in range(d.candidates):
+        speed, force = along_normal(d, c, motion), rng.normal()
+        assert abs(speed) <= bound
+        d.work.load.x[:] = d.work.load.y[:] = d.work.load.turn[:] = 9.0
+        clear_loads_of(d, d.work.load)
+        add_along_normal(d, c, d.work.load, force)
+        load, own = d.work.load, d.work.impedance
+        power = load.x @ motion.x + load.y @ motion.y + load.turn[1:] @ motion.turn[1:]
+        assert power == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
+        for name in ("xx", "xy", "yy", "turn"):
+            own[name][:] = 0.0
+        add_impedance(d, c, own, 2.5)
+        energy = own.xx @ motion.x**2 + 2.0 * (own.xy @ (motion.x * motion.y)) + own.yy @ motion.y**2
+        energy += own.turn[1:] @ motion.turn[1:] ** 2
+        assert energy == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
+    # J v by a difference of g
+    gaps, h = [], 1e-6
+    moved = [along_normal(d, c, motion) for c in range(d.candidates)]
+    for shift in (h, -h):
+        there = y.copy()
+        there[:5] += shift * change
+        locate_points(d, there)
+        gaps.append(np.array([clearance(d, c)[0] for c in range(d.candidates)]))
+    np.testing.assert_allclose(moved, (gaps[0] - gaps[1]) / (2 * h), rtol=0, atol=1e-6)
+
+
+def test_the_fastest_joint_is_in_the_bound_of_speeds(stopped):
+    d, _ = stopped
+    d.work.motion.x[:] = d.work.motion.y[:] = 0.1
+    d.work.motion.turn[:] = 99.0, 0.5, -4.0, 1.0
+    assert speed_bound(d, d.work.motion) == pytest.approx(4.0 * d.model.size, rel=1e-14)
+
+
+def test_the_acceleration_of_a_joint_is_that_of_its_angle(stopped):
+    """g̈ of a stop, which has no centripetal part."""
+    d, y = stopped
+    rate = np.zeros(len(y))
+    rate[:5], rate[5:10] = y[5:10], np.random.default_rng(1).normal(size=5)
+    accelerate_points(d, y, rate)
+    for c in stops_of(d):
+        joint = d.candidate.point[c] - 1
+        turn = rate[7 + joint] - (rate[6 + joint] if joint else 0.0)
+        expected = d.candidate.stop[c] * d.model.size * turn
+        assert along_normal(d, c, d.work.acceleration) == pytest.approx(expected, rel=1e-12)

@@ -33,6 +33,7 @@ from chain_impact.kernel.model.constraints import (
 from chain_impact.kernel.model.equations import free_rate
 from chain_impact.kernel.model.geometry import along_normal, clearance
 from tests.kernel.chains import chain, free_coordinates, gradients, press_in, struck, touch
+from tests.plain import make_rigid
 from tests.reference import complementary_impulses, mass_matrix
 
 CANDIDATES = [1, 6, 11, 16]  # points 0 to 4 of a free chain, each at another wall
@@ -84,7 +85,7 @@ def test_a_point_with_the_impedance_of_holding_hardly_moves(base):
     for k, c in enumerate(d.touch.active_index[:4]):
         touch(d, [c])
         d.rigid.impedance[0] = amount
-        factorize_contacts(d, d.work.link, d.rigid.impedance, d.rigid.factors)
+        factorize_contacts(d, d.work.link, d.rigid.impedance, 0.0, d.rigid.factors)
         solve_contacts(d, d.work.link, d.rigid.factors, np.ones(len(d.rigid.impulse)), d.rigid.change)
         moved = along_normal(d, c, d.work.motion)
         assert moved == pytest.approx(w[k, k] / (1.0 + amount * w[k, k]), rel=1e-6)
@@ -99,9 +100,9 @@ def test_a_sweep_is_a_step_of_the_augmented_lagrangian(base, pressed):
     d, _, _, _, w = problem(base, pressed)
     own, count, impedance = d.rigid, len(pressed), 40.0
     set_impedance(d, 0.0)
-    factorize_contacts(d, d.work.link, own.impedance, d.work.factors)
+    factorize_contacts(d, d.work.link, own.impedance, 0.0, d.work.factors)
     set_impedance(d, impedance)
-    factorize_contacts(d, d.work.link, own.impedance, own.factors)
+    factorize_contacts(d, d.work.link, own.impedance, 0.0, own.factors)
     clear_impulses(d)
     p, amounts = np.zeros(count), impedance * np.array(pressed)
     for _ in range(3):
@@ -165,7 +166,8 @@ def test_the_complementary_impulses_do_not_depend_on_the_guess(seed, guess):
 @pytest.mark.parametrize(("impulsive", "touching"), [(0, 0), (0, 2), (1, 0), (1, 2)])
 def test_rigid_walls_hold_what_touches(impulsive, touching):
     d, *_ = problem()
-    d.contact.impulsive, d.touch.active_count = impulsive, touching
+    touch(d, CANDIDATES[:touching])
+    make_rigid(d, impulsive)
     assert bool(any_point_held(d)) == (impulsive == 1 and touching > 0)
 
 

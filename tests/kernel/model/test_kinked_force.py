@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS
-from chain_impact.kernel import initialize
 from chain_impact.kernel.laws import user_law
 from chain_impact.kernel.laws.contact_laws import damping_factor
 from chain_impact.kernel.model import contact_force as forces
+from chain_impact.kernel.model import contact_law
 from chain_impact.kernel.model.contact_force import (
     TURNED,
-    USER_LAW,
     continued_force,
     cut_off,
     damping_share,
@@ -31,6 +30,7 @@ from chain_impact.kernel.model.contact_force import (
     uncut_force,
     user_slopes,
 )
+from chain_impact.kernel.model.contact_law import USER_LAW
 from tests.kernel.model.test_contact_force import FAMILY, LAWS, MASS, SPEED, STIFFNESS, contact_of
 
 DEPTHS, RATES = (1e-6, 1e-3, 0.1), (-40.0, -1.0, -1e-3, 0.0, 1e-3, 1.0)
@@ -42,7 +42,7 @@ FACTOR = functools.cache(damping_factor)  # that of Kuwabara and Kono takes an i
 
 @pytest.fixture(autouse=True)
 def _factors_once(monkeypatch):
-    monkeypatch.setattr(initialize, "damping_factor", FACTOR)
+    monkeypatch.setattr(contact_law, "damping_factor", FACTOR)
 
 
 @pytest.mark.parametrize("exponent", EXPONENTS)
@@ -114,9 +114,7 @@ def test_the_depth_and_the_damping_follow_from_the_impact(law, stiffness, speed,
     d = contact_of(law.id, stiffness=stiffness, tolerance=1e-6)
     d.touch.impact_speed[0], d.touch.effective_mass[0], d.touch.kink_margin[0] = speed, mass, 9.0
     set_expected_depth(d, 0)
-    assert elastic_energy(d.contact, d.touch.depth_scale[0]) == pytest.approx(
-        0.5 * mass * speed**2, rel=1e-12
-    )
+    assert elastic_energy(d, 0, d.touch.depth_scale[0]) == pytest.approx(0.5 * mass * speed**2, rel=1e-12)
     set_damping(d, 0)
     s, f = law.mass_power, FACTOR(law.number, 0.3)
     expected = f * stiffness ** (1 - s) * mass**s / (speed if s == 0.0 else 1.0)
@@ -139,9 +137,9 @@ def test_the_margin_of_a_turn_is_a_tenth_of_the_tolerance_in_the_impulse():
 @LAWS
 def test_a_force_may_jump_where_its_damping_does_not_fade_with_the_depth(law):
     d = contact_of(law.id)
-    assert may_jump(d.contact) == (not law.continuous)
-    d.contact.law = USER_LAW
-    assert may_jump(d.contact)
+    assert may_jump(d, 0) == (not law.continuous)
+    d.law.number[0] = USER_LAW
+    assert may_jump(d, 0)
 
 
 @FAMILY
@@ -170,24 +168,24 @@ def own_force(*arguments):
 def own(monkeypatch):
     """A contact under that law."""
     d = contact_of()
-    d.contact.law = USER_LAW
+    d.law.number[0] = USER_LAW
     monkeypatch.setattr(user_law, "present", lambda: 1)
     monkeypatch.setattr(user_law, "force", own_force)
     return d
 
 
 def test_a_users_law_gives_the_force_and_its_slopes_are_differences(own):
-    contact = own.contact
-    values = SPEED, MASS, contact.stiffness, contact.exponent, contact.restitution
+    restitution = own.law.restitution[0]
+    values = SPEED, MASS, own.law.stiffness[0], own.law.exponent[0], restitution
     for depth in (1e-3, 0.1):
         for rate in (-0.4, 0.0, 2.0):
             force, elastic = law_force(own, 0, depth, rate)
             assert force == own_force(depth, rate, *values)
-            assert forces.user_force(depth, rate, *values) == force
+            assert forces.user_force(own, 0, depth, rate) == force
             assert elastic == pytest.approx(STIFFNESS * depth**1.5, rel=1e-13)
-            ratio = 1.0 + contact.restitution * rate / SPEED
+            ratio = 1.0 + restitution * rate / SPEED
             by_depth = 1.5 * STIFFNESS * math.sqrt(depth) * ratio + MASS * rate
-            by_rate = elastic * contact.restitution / SPEED + MASS * depth
+            by_rate = elastic * restitution / SPEED + MASS * depth
             assert user_slopes(own, 0, depth, rate) == pytest.approx((by_depth, by_rate), rel=1e-8)
             assert law_slopes(own, 0, depth, rate) == user_slopes(own, 0, depth, rate)
     # where there is no depth to differ by there is no stiffness, and one that falls counts as none

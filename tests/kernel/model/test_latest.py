@@ -116,6 +116,7 @@ def test_each_row_is_an_impact_and_keeps_what_it_has_come_to(kept):
         c, time, speed = int(rng.integers(d.candidates)), float(number), rng.uniform()
         impact = d.impact
         impact.count, impact.last_time, impact.last_speed = number, time, speed
+        d.touch.onset_speed[c] = speed
         impact.last_point, impact.last_wall = number % 3, number % 4 + 1
         list_impact(d, c)
         assert d.touch.number[c] == number

@@ -50,6 +50,9 @@ class Dual:
         quotient = self.value / other.value
         return Dual(quotient, (self.slope - quotient * other.slope) / other.value)
 
+    def __rtruediv__(self, other: float) -> Dual:
+        return self.dual(other) / self
+
     def __abs__(self) -> Dual:
         return self if self.value >= 0.0 else -self
 

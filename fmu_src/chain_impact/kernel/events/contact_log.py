@@ -180,12 +180,15 @@ def value_at(d, c, quantity, theta):
     return force if quantity == FORCE else -gap
 
 
-def log_contact(d, c):
-    """Log the contact of candidate c, which ends now. In a full log it overwrites the oldest entry."""
+def log_contact(d, c, held):
+    """Log the contact of candidate c, which ends now. In a full log it overwrites the oldest entry.
+
+    ``held``: whether a rigid wall held it until now; by now its law may have changed to one with a force.
+    """
     touch, log, arm = d.touch, d.finished, lever(d, c)
     _, gap_rate = clearance(d, c)
     # a point that was held at a rigid wall is at rest: a negative rate is round-off
-    speed = max(0.0, gap_rate) if d.law.impulsive[c] else gap_rate
+    speed = max(0.0, gap_rate) if held else gap_rate
     impulse = d.impulse.total[c] - d.impulse.onset[c]
     row = log.count % len(log.point)
     log.point[row] = d.candidate.point[c]

@@ -161,7 +161,7 @@ def end_rigid_contact(d, c):
     """End and log a contact. One of no duration has an impulse and an infinite peak force."""
     if d.touch.onset[c] == d.step.end:
         d.touch.peak_force[c] = math.inf
-    log_contact(d, c)
+    log_contact(d, c, True)
     d.touch.active[c] = 0
 
 

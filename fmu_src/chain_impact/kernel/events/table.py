@@ -53,7 +53,7 @@ def handle_end(d, c):
     gap, gap_rate = clearance(d, c)
     # −g/ġ ≤ LEFT δ*/v₀
     if gap_rate >= 0.0 and -gap * touch.impact_speed[c] <= LEFT * touch.depth_scale[c] * gap_rate:
-        log_contact(d, c)
+        log_contact(d, c, False)
         touch.active[c] = 0
     return may_jump(d, c)
 
