@@ -1,16 +1,35 @@
 """How an instance of dual numbers begins."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from chain_impact import load_scene
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact import CONTACT_LAWS, load_scene
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.initialize import derive_law, initialize
+from chain_impact.kernel.model.contact import begin_contact
+from chain_impact.kernel.model.contact_force import elastic_energy
+from chain_impact.kernel.status import OK
+from chain_impact.kernel.tangent import start as starts
+from chain_impact.kernel.tangent.directions import DIRECTIONS, TRUST
+from chain_impact.kernel.tangent.start import (
+    apply_given_of,
+    copy_inputs,
+    copy_parameters,
+    derive_law_of,
+    reinit_tangent,
+    start_tangent,
+)
+from chain_impact.kernel.tangent.trust import TRUSTED
+from chain_impact.variables.model import Model
 from tests.complex_laws import FAMILY, WITH_MASS
 from tests.complex_step import TINY
 from tests.derivative_scenes import Case, pinned_chain, sprung_chain, struck_twice
-from tests.kernel.tangent.dual import followed, started
+from tests.kernel.chains import chain, press_in, random_state, touch, vectors
+from tests.kernel.tangent.dual import Dual, followed, started
+from tests.plain import Plain
 from tests.problems import ball, of_law
 
 FACTORS = FAMILY | {name: factor for name, (factor, *_) in WITH_MASS.items()}
@@ -138,3 +157,239 @@ def test_what_follows_from_the_parameters_varies_with_them():
         for part in [link.center_of_mass / link.length]
     )
     assert of("kinetic", "initial.vy") == pytest.approx(momentum, rel=1e-14)
+
+
+# --- in plain Python: whose values and whose derivatives it has ------------------------------------------
+
+PARAMETERS = {
+    "model": (
+        *("gravity", "length", "mass", "center_of_mass", "inertia", "wall"),
+        *("joint_damping", "joint_stiffness", "joint_rest_angle"),
+    ),
+    "walls": ("x", "y", "angle"),
+    "initial": ("position", "velocity", "angle", "angular_velocity"),
+    "contact": ("exponent", "radius"),
+}
+GIVEN = ("stiffness", "restitution", "joint_torque", "tip_force")
+
+
+class Duals(SimpleNamespace):
+    """A record of dual numbers."""
+
+    def copy_values(self, source):
+        for name, own in vars(self).items():
+            given = source[name]
+            if isinstance(own, Duals):
+                own.copy_values(given)
+            elif isinstance(own, np.ndarray) and own.dtype == object:
+                for place in np.ndindex(own.shape):
+                    own[place] = own[place].carried(given[place], 1.0)
+            else:
+                setattr(self, name, own.carried(given, 1.0) if isinstance(own, Dual) else given)
+
+
+def dual(rng, dtype):
+    """A record with dual numbers of any values and slopes for its reals, and with any small integers."""
+
+    def number():
+        return Dual(rng.normal(), rng.normal(size=DIRECTIONS))
+
+    own = Duals()
+    for name in dtype.names:
+        part = dtype[name]
+        item, shape = part.subdtype or (part, ())
+        if part.names:
+            value = dual(rng, part)
+        elif item != np.float64:
+            value = np.zeros(shape, int) if shape else 0
+        elif shape:
+            value = np.empty(shape, object)
+            for place in np.ndindex(shape):
+                value[place] = number()
+        else:
+            value = number()
+        setattr(own, name, value)
+    return own
+
+
+@pytest.fixture
+def both():
+    """A chain with inputs and any parameters, and an instance of dual numbers of its layout."""
+    rng = np.random.default_rng(8)
+    _, d = chain(rng, 2, springs=True, inputs=True)
+    for record, names in PARAMETERS.items():
+        for name in names:
+            d[record]._record[name] = rng.uniform(0.5, 2.0, np.shape(d[record][name]))
+    t = dual(rng, d._record.dtype)
+    t.links, t.candidates = d.links, d.candidates
+    return d, t
+
+
+def values(numbers):
+    return np.vectorize(lambda one: one.value, otypes=[float])(numbers)
+
+
+def slopes(numbers):
+    return np.array([one.slope for one in np.ravel(numbers)])
+
+
+def test_parameters_are_taken_with_the_derivatives_that_it_has_of_them(both):
+    d, t = both
+    before = {
+        (record, name): slopes(getattr(getattr(t, record), name))
+        for record in PARAMETERS
+        for name in PARAMETERS[record]
+    }
+    copy_parameters(d, t)
+    for (record, name), own in before.items():
+        found = getattr(getattr(t, record), name)
+        np.testing.assert_array_equal(values(found), d[record][name], err_msg=name)
+        np.testing.assert_array_equal(slopes(found), own, err_msg=name)
+    assert t.contact.minimum_impact_speed == d.contact.minimum_impact_speed
+    assert t.solver.tolerance == d.solver.tolerance
+
+
+def test_the_inputs_that_hold_are_the_constants_of_their_course(both):
+    d, t = both
+    d.inputs.course.order = 1
+    d.inputs.course.joint_torque[:], d.inputs.course.tip_force[:] = 9.0, 9.0
+    d.inputs.course.joint_torque[0], d.inputs.course.tip_force[0] = 7.0, 8.0
+    copy_inputs(d, t)
+    own = t.inputs
+    assert list(own.joint_torque) == list(own.course.joint_torque[0])
+    assert list(own.tip_force) == list(own.course.tip_force[0])
+    assert (values(own.joint_torque) == 7.0).all()
+    assert (values(own.tip_force) == 8.0).all()
+
+
+def test_what_was_given_holds_with_its_derivatives(both):
+    d, t = both
+    d.given.law, d.given.stiffness, d.given.restitution = 3, 5e5, 0.25
+    d.given.joint_torque[:], d.given.tip_force[:] = 1.5, (2.0, 3.0)
+    d.given.course.order, d.given.course.until = 1, 6.5
+    before = {name: slopes(getattr(t.given, name)) for name in GIVEN}
+    apply_given_of(d, t)
+    assert t.contact.law == t.given.law == 3
+    assert (t.inputs.course.order, t.inputs.course.until) == (1, 6.5)
+    for place, names in ((t.contact, GIVEN[:2]), (t.inputs, GIVEN[2:])):
+        for name in names:
+            np.testing.assert_array_equal(values(getattr(place, name)), d.given[name])
+            np.testing.assert_array_equal(slopes(getattr(place, name)), before[name])
+
+
+@pytest.mark.parametrize("law", ["hunt_crossley", "lankarani_nikravesh", "ye", "jankowski", "newton_impact"])
+def test_the_factor_of_a_law_has_the_value_of_the_instance_and_its_own_derivatives(both, law):
+    """d f/d e by a difference, times those of the restitution."""
+    d, t = both
+    entry, e, h = CONTACT_LAWS[law], 0.6, 1e-6
+    d.contact.law, d.contact.restitution = entry.number, e
+    d.contact.exponent = 1.5
+    assert derive_law(d) == OK
+    t.contact.restitution = Dual(e, t.contact.restitution.slope)
+    derive_law_of(d, t)
+    slope = (entry.damping_factor(e + h) - entry.damping_factor(e - h)) / (2 * h)
+    own = t.contact
+    assert own.damping_factor.value == d.contact.damping_factor
+    np.testing.assert_allclose(own.damping_factor.slope, slope * own.restitution.slope, rtol=1e-7, atol=1e-9)
+    assert (own.impulsive, own.approach_only) == (entry.impulsive, entry.approach_only)
+    if entry.rate_exponent is None:
+        assert own.rate_exponent is own.exponent
+    else:
+        assert own.rate_exponent == entry.rate_exponent
+
+
+def test_a_users_law_has_the_factor_that_it_has(both):
+    d, t = both
+    d.contact.law, d.contact.damping_factor, d.contact.rate_exponent = len(CONTACT_LAWS) + 1, 0.0, 1.5
+    derive_law_of(d, t)
+    assert (t.contact.damping_factor, t.contact.rate_exponent) == (0.0, 1.5)
+
+
+# --- with numbers in place of dual ones --------------------------------------------------------------------
+
+
+@pytest.fixture
+def twins(monkeypatch):
+    """A chain and another record of its layout in place of one of dual numbers."""
+    monkeypatch.setattr(starts, "carried", lambda number, _slope, _argument: number)
+    monkeypatch.setattr(starts, "value", float)
+    rng = np.random.default_rng(9)
+    scene, d = chain(rng, 2, springs=True, dampers=True, inputs=True)
+    dtype = d._record.dtype
+    fields = [*((name, dtype[name]) for name in dtype.names), ("trust", TRUST)]
+    t = Plain(np.zeros(1, np.dtype(fields))[0])
+    blank = Plain(Model(scene).new_instance()[0])
+    for name in ("links", "candidates", "candidate"):
+        t._record[name] = blank._record[name]
+    t.model.pinned, t.model.driven = d.model.pinned, d.model.driven
+    return d, t
+
+
+def test_it_starts_as_the_instance_does(twins):
+    d, t = twins
+    d.initial.angular_velocity[:], d.inputs.tip_force[:] = (0.3, -0.4), (1.0, 2.0)
+    d.given.tip_force[:] = 1.0, 2.0
+    assert initialize(d, 1.5) == OK
+    t.work.load.x[:], t.touch.active_count, t.step.method, t.trust.reason = 9.0, 3, 1, 7
+    start_tangent(d, t)
+    for record in ("model", "initial", "candidate", "walls", "inputs", "impact", "touch"):
+        for name in d[record]._record.dtype.names:
+            if not d[record]._record.dtype[name].names:
+                np.testing.assert_array_equal(t[record][name], d[record][name], err_msg=f"{record}.{name}")
+    for name in ("law", "stiffness", "exponent", "damping_factor", "rate_exponent", "radius"):
+        assert t.contact[name] == d.contact[name]
+    for name in ("time", "start", "end", "clock", "size", "regularized", "method", "switch_hysteresis"):
+        assert t.step[name] == d.step[name], name
+    np.testing.assert_array_equal(t.step.state_end, d.step.state_end)
+    np.testing.assert_array_equal(vectors(t.work.load), vectors(d.work.load))
+    assert t.trust.reason == TRUSTED
+    assert t.impact.last_time == 1.5
+
+
+@pytest.mark.parametrize("law", ["hunt_crossley", "newton_impact"])
+def test_it_starts_anew_from_the_end_of_its_step_with_what_was_given(twins, law, monkeypatch):
+    """Contacts that last take the new law; those at rigid walls stay as they are."""
+    d, t = twins
+    assert initialize(d, 0.0) == OK
+    start_tangent(d, t)
+    rng = np.random.default_rng(1)
+    y = random_state(rng, t)
+    t.step.state_end[:], t.step.end = y, 2.5
+    locate_points(t, y)
+    touch(t, [4])
+    press_in(t, 4, 1e-3)
+    begin_contact(t, 4)
+    damping, number = t.touch.damping[4], CONTACT_LAWS[law].number
+    d.given.law, d.given.stiffness, d.given.restitution, d.given.tip_force[:] = number, 3e5, 0.8, (5.0, 6.0)
+    d.contact.law, d.contact.stiffness, d.contact.restitution = number, 3e5, 0.8
+    assert derive_law(d) == OK
+    t.work.load.x[:], t.touch.beyond_kink[4], t.step.time = 9.0, 5, 1.0
+    told = []
+    monkeypatch.setattr(starts, "recompute_active_set", lambda *arguments: told.append(arguments))
+    reinit_tangent(d, t)
+    assert told == [(t, 0)]  # the walls were not rigid
+    assert t.step.time == t.step.start == t.step.end == 2.5
+    np.testing.assert_array_equal(t.step.state[:-2], y[:-2])
+    assert vectors(t.work.load).tolist() == [[0.0, 0.0], [0.0, 0.0], [5.0, 6.0]]
+    assert (t.contact.law, t.contact.stiffness) == (number, 3e5)
+    assert t.touch.active_count == 1
+    if law == "newton_impact":
+        assert t.touch.damping[4] == damping
+        assert t.touch.beyond_kink[4] == 5
+    else:
+        mass, speed = t.touch.effective_mass[4], t.touch.impact_speed[4]
+        expected = CONTACT_LAWS[law].damping_factor(0.8) * 3e5 / speed
+        assert t.touch.damping[4] == pytest.approx(expected, rel=1e-12)
+        energy = elastic_energy(t.contact, t.touch.depth_scale[4])
+        assert energy == pytest.approx(0.5 * mass * speed**2, rel=1e-9)
+        assert t.touch.beyond_kink[4] in {0, 1}
+
+
+@pytest.mark.parametrize(("ended", "expected"), [(2.0, 3), (2.5, 3), (2.6, TRUSTED)])
+def test_derivatives_that_ended_in_what_is_dropped_go_on(twins, ended, expected):
+    d, t = twins
+    assert initialize(d, 0.0) == OK
+    start_tangent(d, t)
+    t.step.end, t.trust.reason, t.trust.time = 2.5, 3, ended
+    reinit_tangent(d, t)
+    assert t.trust.reason == expected
