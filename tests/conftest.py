@@ -1,8 +1,10 @@
 """The order of the tests; for many of them the command line, run in an empty folder, and an FMU."""
 
 import os
+import shutil
 import sys
 import tempfile
+from multiprocessing.util import Finalize
 
 import pytest
 from xdist.scheduler import LoadFileScheduling
@@ -43,14 +45,15 @@ def pytest_configure(config):
     if hasattr(config, "workerinput"):
         return  # a process that has the settings of the one that started it
     os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", tempfile.gettempdir())
-    folder = tempfile.TemporaryDirectory(prefix="chain-impact-", ignore_cleanup_errors=True)
-    config.add_cleanup(folder.cleanup)
+    folder = tempfile.mkdtemp(prefix="chain-impact-")
+    # when multiprocessing has removed its own folder, of priority -100, which is in this one
+    Finalize(None, shutil.rmtree, (folder, True), exitpriority=-200)
     # an importer unpacks an FMU into a temporary folder, and does not always remove it
-    os.environ["TMPDIR"] = tempfile.tempdir = folder.name
+    os.environ["TMPDIR"] = tempfile.tempdir = folder
     if sys.dont_write_bytecode:
         # bytecode is kept where the environment keeps none: the tests start Python often
         os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
-        os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix = f"{folder.name}/bytecode"
+        os.environ["PYTHONPYCACHEPREFIX"] = sys.pycache_prefix = f"{folder}/bytecode"
         sys.dont_write_bytecode = False
 
 

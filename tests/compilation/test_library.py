@@ -100,8 +100,10 @@ def test_a_law_that_calls_what_only_numba_has_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(compilers, "interface_sources", list)  # the law alone
     (tmp_path / "mine.py").write_text("import math\n\n\ndef mine(rate):\n    return math.gamma(rate)\n")
     compilers.lower(tmp_path / "mine.ll", tmp_path / "mine.py")
+    nothing = tmp_path / "nothing.c"
+    nothing.touch()
     with pytest.raises(LawError, match=r"^calls gamma, which a kernel does not have$"):
-        compilers.link("", tmp_path / "kernel.so", compilers.HOST, 1, tmp_path / "mine.ll")
+        compilers.link_law(nothing, tmp_path / "kernel.so", compilers.HOST, tmp_path / "mine.ll")
 
 
 def test_all_long_chains_share_a_kernel():
@@ -115,17 +117,26 @@ class Compilers:
     """Stand in for numba and zig."""
 
     def __init__(self):
-        self.lowered, self.linked, self.processors = [], [], []
+        self.lowered, self.linked, self.opened, self.processors = [], [], [], []
 
     def lower(self, module, law=None, plain=None):
         self.lowered.append(law)
         module.write_text(f"{plain} with derivatives" if plain else "a module")
 
-    def link(self, module, library, platform, links, law=None, *, derivatives, cpu=None):
+    def link(self, module, library, platform, links, *, derivatives, cpu=None):
         assert library.name.startswith("derivatives" if derivatives else "kernel")
-        self.linked.append((platform, links, law is not None))
+        self.linked.append((platform, links))
         self.processors.append(cpu)
         library.write_text(module)
+
+    def compile_open(self, module, compiled, platform, links, *, derivatives, cpu=None):
+        assert compiled.name.startswith("derivatives" if derivatives else "kernel")
+        self.opened.append((platform, links, cpu))
+        compiled.write_text(f"{module} for {links}")
+
+    def link_law(self, compiled, library, platform, law, *, cpu=None):
+        assert (platform, cpu) == (self.opened[-1][0], self.opened[-1][2])
+        library.write_text(f"{compiled.read_text()} with {law.name}")
 
 
 @pytest.fixture
@@ -134,8 +145,8 @@ def stand_in(tmp_path, monkeypatch):
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(ready, "_usable", lambda: False)
     both = Compilers()
-    monkeypatch.setattr(compilers, "lower", both.lower)
-    monkeypatch.setattr(compilers, "link", both.link)
+    for name in ("lower", "link", "compile_open", "link_law"):
+        monkeypatch.setattr(compilers, name, getattr(both, name))
     return both
 
 
@@ -146,7 +157,7 @@ def test_the_kernel_is_lowered_once_and_linked_for_each_number_of_links(stand_in
     assert kernel_library(3, notify=said.append) == first
     assert kernel_library(4, notify=said.append) != first
     assert len(stand_in.lowered) == 1
-    assert stand_in.linked == [("linux64", 3, False), ("linux64", 4, False)]
+    assert stand_in.linked == [("linux64", 3), ("linux64", 4)]
     assert len(said) == 3
 
 
@@ -175,7 +186,29 @@ def test_a_law_is_linked_to_it(stand_in, tmp_path):
     one, two = (kernel_library(3, law_file=str(file)) for file in files)
     assert len({one, two, kernel_library(3)}) == 3
     assert [law is not None for law in stand_in.lowered] == [True, False, True]
-    assert stand_in.linked == [("linux64", 3, True), ("linux64", 3, True), ("linux64", 3, False)]
+    assert stand_in.linked == [("linux64", 3)]
+    assert stand_in.opened == [("linux64", 3, None)]
+    assert [file.read_text() for file in (one, two)] == [
+        f"a module for 3 with {file.stem.removeprefix('kernel-3-').removesuffix('-linux64')}.ll"
+        for file in (one, two)
+    ]
+
+
+def test_laws_share_what_is_compiled_for_a_number_of_links_a_platform_and_a_processor(stand_in, tmp_path):
+    for links, platform, settings in (
+        (3, "linux64", {}),
+        (4, "linux64", {}),
+        (3, "win64", {}),
+        (3, "linux64", {"derivatives": True}),
+        (3, "linux64", {"derivatives": True, "portable": False}),
+    ):
+        for force in "12":
+            law = tmp_path / "mine.py"
+            law.write_text(f"def mine(rate):\n    return {force}.0\n")
+            kernel_library(links, platform, law_file=str(law), **settings)
+        assert stand_in.opened[-1][:2] == (platform, links)
+    assert len(stand_in.opened) == 5
+    assert [cpu for _, _, cpu in stand_in.opened] == [None] * 4 + [compilers.wide_cpu()]
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ import os
 import re
 import subprocess
 import sys
+from collections.abc import Iterable
 from importlib.resources import files
 from importlib.util import find_spec
 from pathlib import Path
@@ -137,7 +138,6 @@ def link(
     library: Path,
     platform: str,
     links: int | None,
-    law: Path | None = None,
     *,
     derivatives: bool = False,
     cpu: str | None = None,
@@ -149,21 +149,61 @@ def link(
         library: the file to write; others are put beside it.
         platform: of ``ZIG_TARGETS``.
         links: the number of links that it is for; None for any.
-        law: the user's law in LLVM's language, if there is one.
         derivatives: whether the kernel carries derivatives.
         cpu: zig's name of the processor that it is for; by default that of ``CPUS``.
+
+    Raises:
+        BuildError: when the compiler fails.
+    """
+    kernel = library.with_name("kernel.ll")
+    kernel.write_text(complete(module, links, with_law=False))
+    prepare_zig(platform)
+    flags = () if derivatives else INLINE_MORE
+    _zig_library(platform, library, kernel, *interface_sources(), cpu=cpu, flags=flags)
+
+
+def compile_open(
+    module: str,
+    compiled: Path,
+    platform: str,
+    links: int | None,
+    *,
+    derivatives: bool = False,
+    cpu: str | None = None,
+) -> None:
+    """Compile a lowered kernel that calls a user's law, whichever that is: ``link_law`` adds it.
+
+    The arguments are those of ``link``, but for ``compiled``, the file to write.
+
+    Raises:
+        BuildError: when the compiler fails.
+    """
+    kernel = compiled.with_name("kernel.ll")
+    kernel.write_text(complete(module, links, with_law=True))
+    prepare_zig(platform)
+    flags = ["-c", *(() if derivatives else INLINE_MORE)]
+    if "windows" not in ZIG_TARGETS[platform][0]:  # whose code is always so
+        flags.append("-fPIC")
+    _zig(platform, compiled, kernel, cpu=cpu, flags=flags)
+
+
+def link_law(compiled: Path, library: Path, platform: str, law: Path, *, cpu: str | None = None) -> None:
+    """Make the library of a kernel with a user's law.
+
+    Args:
+        compiled: the kernel, as ``compile_open`` writes it.
+        library: the file to write; others are put beside it.
+        platform: of ``ZIG_TARGETS``.
+        law: the law in LLVM's language.
+        cpu: as that of the kernel.
 
     Raises:
         LawError: when the law calls what only numba has.
         BuildError: when the compiler fails.
     """
-    kernel = library.with_name("kernel.ll")
-    kernel.write_text(complete(module, links, law is not None))
-    prepare_zig(platform)
-    flags = () if derivatives else INLINE_MORE
-    inputs = [kernel, *([law] if law else []), *interface_sources()]
     try:
-        _zig(platform, library, *inputs, cpu=cpu, flags=flags)
+        inputs = (compiled, law, *interface_sources())
+        _zig_library(platform, library, *inputs, cpu=cpu, flags=INLINE_MORE)
     except BuildError as error:
         missing = _OF_NUMBA.search(str(error))
         if missing:
@@ -198,7 +238,7 @@ def prepare_zig(platform: str) -> None:
         if not zig_is_prepared(platform):
             something = Path(scratch, "something.c")  # zig crashes at an empty library for macOS
             something.write_text(STUB.replace("hidden", "default").format("something"))
-            _zig(platform, Path(scratch, "library"), something)
+            _zig_library(platform, Path(scratch, "library"), something)
             (folder / f"prepared-{platform}").touch()
 
 
@@ -207,15 +247,14 @@ def interface_sources() -> list[Path]:
     return sorted(INTERFACE.rglob("*.c"))
 
 
-def _zig(
-    platform: str, library: Path, *inputs: Path, cpu: str | None = None, flags: tuple[str, ...] = ()
+def _zig_library(
+    platform: str, library: Path, *inputs: Path, cpu: str | None = None, flags: Iterable[str] = ()
 ) -> None:
-    """Make a library with zig's C compiler, in a cache that no other program uses."""
+    """Compile what is not compiled yet, and link a library."""
     stubs = library.with_name("stubs.c")
     stubs.write_text("".join(map(STUB.format, PYTHON_SYMBOLS)))
     target, _ = ZIG_TARGETS[platform]
-    options = ["cc", "-target", target, f"-mcpu={cpu or CPUS[target.partition('-')[0]]}", *FLAGS, *flags]
-    options += ["-fvisibility=hidden", "-shared", "-s"]
+    options = [*flags, "-shared", "-s"]
     if "linux" in target:
         # what it calls must not be found in another library that the same process has loaded, nor be missing
         options += ["-Wl,-Bsymbolic", "-Wl,-z,defs"]
@@ -224,10 +263,25 @@ def _zig(
     # Without start files and, but for Windows, zig's runtime, which it would first have to build. Nothing
     # calls them.
     libraries = ["-nostdlib", *(_from_windows() if "windows" in target else ["-lm", "-lc"])]
-    folders = {"ZIG_GLOBAL_CACHE_DIR": linker_folder(), "ZIG_LOCAL_CACHE_DIR": library.with_name("zig")}
-    inputs_and_output = map(str, (*(f"-I{folder}" for folder in INCLUDES), "-o", library, *inputs, stubs))
+    _zig(platform, library, *inputs, stubs, cpu=cpu, flags=options, libraries=libraries)
+
+
+def _zig(
+    platform: str,
+    output: Path,
+    *inputs: Path,
+    cpu: str | None,
+    flags: Iterable[str],
+    libraries: Iterable[str] = (),
+) -> None:
+    """Run zig's C compiler, in a cache that no other program uses."""
+    target, _ = ZIG_TARGETS[platform]
+    options = ["cc", "-target", target, f"-mcpu={cpu or CPUS[target.partition('-')[0]]}", *FLAGS]
+    options += ["-fvisibility=hidden", *flags]
+    paths = map(str, (*(f"-I{folder}" for folder in INCLUDES), "-o", output, *inputs))
+    folders = {"ZIG_GLOBAL_CACHE_DIR": linker_folder(), "ZIG_LOCAL_CACHE_DIR": output.with_name("zig")}
     places = {name: str(path) for name, path in folders.items()}
-    _check(_run("-m", "ziglang", *options, *inputs_and_output, *libraries, **places))
+    _check(_run("-m", "ziglang", *options, *paths, *libraries, **places))
 
 
 def _from_windows() -> list[str]:

@@ -52,19 +52,28 @@ def kernel_library(
     if found:
         return found
     compilers.require_compilers(_purpose(platform, law_file, derivatives))
-    law_module = _lowered_law(law, law_file, notify) if law else None
-    module = _lowered_kernel(what, notify)
+    cpu = ready.PROCESSORS[kind]
 
-    def link(library: Path) -> None:
-        seconds = LINKING[what] + (
-            0.0 if compilers.zig_is_prepared(platform) else PREPARING.get(platform, 0.0)
-        )
+    def write(file: Path) -> None:
+        module = _lowered_kernel(what, notify)
+        prepared = compilers.zig_is_prepared(platform)
+        seconds = LINKING[what] + (0.0 if prepared else PREPARING.get(platform, 0.0))
         notify(Work(f"linking the kernel for {platform}", seconds))
-        cpu = ready.PROCESSORS[kind]
-        with _about(law_file):
-            compilers.link(module, library, platform, exact, law_module, derivatives=derivatives, cpu=cpu)
+        compiler = compilers.compile_open if law else compilers.link
+        compiler(module, file, platform, exact, derivatives=derivatives, cpu=cpu)
 
-    return cache.made(name, link, notify)
+    if not law:
+        return cache.made(name, write, notify)
+    lowered_law = _lowered_law(law, law_file, notify)
+
+    def add_law(library: Path) -> None:
+        all_but_law = Path(ready.library_name(exact, platform, what=kind)).with_suffix(".o").name
+        with _about(law_file):
+            compilers.link_law(
+                cache.made(all_but_law, write, notify), library, platform, lowered_law, cpu=cpu
+            )
+
+    return cache.made(name, add_law, notify)
 
 
 def _lowered_kernel(what: str, notify: Notify) -> str:

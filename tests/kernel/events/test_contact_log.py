@@ -1,9 +1,38 @@
-"""Peak values of contacts at loose tolerances: a step may begin before a peak and end with the contact."""
+"""What is followed of a contact and logged at its end: at loose tolerances, and on motions in closed form."""
+
+import math
 
 import numpy as np
 import pytest
 
+from chain_impact.kernel import hooks
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.events import contact_log
+from chain_impact.kernel.events.contact_log import (
+    FORCE,
+    PENETRATION,
+    end_at_output_time,
+    log_contact,
+    maximum_inside,
+    peaks,
+    rate_of_force,
+    turns_at_end,
+    update_extremes,
+    update_held_extremes,
+    update_latest,
+    update_own_to_output_time,
+    update_to_output_time,
+    value_at,
+)
+from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET
+from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER
+from chain_impact.kernel.model.contact import contact_force
+from chain_impact.kernel.model.contact_force import set_damping
+from chain_impact.kernel.model.geometry import clearance
 from chain_impact.simulation.instance import Instance
+from tests.kernel.events.test_kinks_of_a_step import DEEP, falling
+from tests.kernel.steps import held_tip, let_push, points_of
+from tests.plain import make_rigid
 from tests.problems import GRAVITY, build
 
 STIFFNESS = 1e8
@@ -12,7 +41,7 @@ STIFFNESS = 1e8
 @pytest.mark.parametrize("tolerance", [3e-3, 1e-3])
 @pytest.mark.parametrize("seed", range(30))
 def test_the_largest_force_of_an_elastic_contact_is_that_at_its_largest_depth(seed, tolerance):
-    """F = K δ^(3/2)."""
+    """F = K δ^(3/2). At loose tolerances a step may begin before a peak and end with the contact."""
     random = np.random.default_rng(seed)
     initial = {
         "position": [0.0, 0.01],
@@ -28,3 +57,289 @@ def test_the_largest_force_of_an_elastic_contact_is_that_at_its_largest_depth(se
     assert len(found) > 1
     expected = STIFFNESS * found["max_penetration"] ** 1.5
     np.testing.assert_allclose(found["peak_force"], expected, rtol=5e-3)
+
+
+# --- while a step is followed ----------------------------------------------------------------------------
+
+K, N = 4.0, 1.5
+FINE = np.linspace(0.0, 1.0, 20001)
+
+
+def depth(t, height):
+    return DEEP - np.polynomial.polynomial.polyval(t, height)
+
+
+def forces(d, t, height):
+    """F = K δⁿ (1 + λ δ̇/v₀) of the family, by the latched damping."""
+    rate = -np.polynomial.polynomial.polyval(t, np.polynomial.polynomial.polyder(height))
+    return depth(t, height) ** N * (K + d.touch.damping[1] * rate)
+
+
+def pressed(height, law="zhang_sharf", size=1.0):
+    """A step of a contact that has been followed to its start."""
+    d, motion = falling(height, law=law, size=size)
+    d.touch.impact_speed[1] = 3.0
+    set_damping(d, 1)
+    rate = -height[1]
+    d.touch.peak_force[1] = d.touch.max_penetration[1] = 0.0
+    d.touch.speed[1], d.touch.force_rate[1] = rate, 1.0
+    return d, motion
+
+
+TURNING = [0.0, -0.5, 0.6, 0.1]  # turns within the step
+
+
+def there(d, points):
+    """Whether the points are located at these."""
+    np.testing.assert_allclose(d.work.position.x + 1j * d.work.position.y, points, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("size", [1.0, 0.2])
+def test_peaks_are_the_largest_values_on_the_way(size):
+    """Inside the step, or at its end while it still compresses."""
+    d, motion = pressed(TURNING, size=size)
+    update_extremes(d)
+    t = FINE * size
+    assert d.touch.peak_force[1] == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
+    assert d.touch.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
+    h = 1e-6
+    slope = (forces(d, size + h, TURNING) - forces(d, size - h, TURNING)) / (2 * h)
+    assert d.touch.force_rate[1] == pytest.approx(slope, rel=1e-6)
+    rate = -np.polynomial.polynomial.polyval(size, np.polynomial.polynomial.polyder(TURNING))
+    assert d.touch.speed[1] == pytest.approx(rate, rel=1e-12)
+    there(d, points_of(d, motion.at(size)))
+
+
+def test_all_contacts_are_followed():
+    d, _ = falling(TURNING, law="zhang_sharf", touching=(1, 5))
+    d.touch.speed[[1, 5]], d.touch.force_rate[[1, 5]] = 0.5, 1.0
+    d.touch.impact_speed[[1, 5]] = 3.0
+    for c in (1, 5):
+        set_damping(d, c)
+    update_extremes(d)
+    deepest = depth(FINE, TURNING).max()
+    np.testing.assert_allclose(d.touch.max_penetration[[1, 5]], deepest, rtol=1e-6)
+    np.testing.assert_allclose(d.touch.peak_force[[1, 5]], forces(d, FINE, TURNING).max(), rtol=1e-6)
+
+
+def test_what_only_falls_has_no_peak_to_look_for():
+    d, _ = pressed([0.0, 0.1, 0.1])
+    d.touch.speed[1], d.touch.force_rate[1] = -0.1, -0.5
+    locate_points(d, d.step.state_end)
+    *_, elsewhere = peaks(d, 1, -1.0, d.step.end, SOLVER)
+    assert not elsewhere
+
+
+def test_a_peak_that_was_larger_before_is_kept():
+    d, _ = pressed(TURNING)
+    d.touch.peak_force[1], d.touch.max_penetration[1] = 1e3, 2e3
+    update_extremes(d)
+    assert (d.touch.peak_force[1], d.touch.max_penetration[1]) == (1e3, 2e3)
+
+
+def test_peaks_until_a_time_within_the_step():
+    """As far as an observer has come, who changes nothing in the contact, and whose look is no work."""
+    for until in (0.1, 0.25, 0.9):
+        d, motion = pressed(TURNING)
+        y = motion.at(until)
+        locate_points(d, y)
+        accelerate_points(d, y, motion.at(until, 1))
+        rate = rate_of_force(d, 1)
+        t = FINE * until
+        d.step.dense_for = OUTPUTS
+        evaluations = d.statistics.rhs_evaluations
+        force, deepest, elsewhere = peaks(d, 1, rate, d.step.start + until, OUTPUTS)
+        assert force == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
+        assert deepest == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
+        assert elsewhere == (rate <= 0.0 or y[d.links + 3] >= 0.0)
+        assert d.touch.peak_force[1] == d.touch.max_penetration[1] == 0.0
+        assert d.statistics.rhs_evaluations == evaluations
+
+
+@pytest.mark.parametrize(("approach_only", "event", "lands"), [(1, KINK, 1), (1, END, 0), (0, KINK, 0)])
+def test_a_step_that_lands_on_the_turn_is_deepest_there(approach_only, event, lands):
+    d, _ = pressed(TURNING, law="jankowski")
+    d.law.approach_only[1], d.touch.event[1] = approach_only, event
+    assert turns_at_end(d, 1) == bool(lands)
+    d, _ = pressed([0.0, -1.0, 0.5], law="jankowski")  # turns at its end
+    d.touch.event[1] = KINK
+    update_extremes(d)
+    assert d.touch.max_penetration[1] == pytest.approx(DEEP + 0.5, rel=1e-14)
+
+
+@pytest.mark.parametrize("theta", [0.0, 0.3, 1.0])
+def test_a_sample_is_the_force_or_the_depth_there(theta):
+    d, motion = pressed(TURNING)
+    assert value_at(d, 1, PENETRATION, theta) == pytest.approx(depth(theta, TURNING), rel=1e-13)
+    there(d, points_of(d, motion.at(theta)))
+    assert value_at(d, 1, FORCE, theta) == pytest.approx(forces(d, theta, TURNING), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "height",
+    [
+        [0.0, -0.5, 0.5],  # a parabola
+        TURNING,
+        [0.0, -0.5, 1.0, 1.0, 1.0],
+        [0.0, -0.05, 0.4],  # at its start
+        [0.0, -0.9, 0.5],  # near its end
+        [0.0, -0.5, -0.2],  # no top
+        [0.0, -0.7, 0.1],
+        [0.0, 0.2, -0.1],
+    ],
+)
+@pytest.mark.parametrize("until", [1.0, 0.5])
+def test_a_maximum_is_found_by_parabolas_wherever_it_is(height, until):
+    d, _ = pressed(height)
+    found = maximum_inside(d, 1, PENETRATION, d.step.start + until)
+    tops = np.polynomial.polynomial.polyroots(np.polynomial.polynomial.polyder(height))
+    places = [0.0, until, *(t.real for t in tops if abs(t.imag) < 1e-12 and 0.0 < t.real < until)]
+    most, place = max((depth(t, height), t) for t in places)
+    # near an end the last parabola does not reach the top
+    inside = 0.2 < place / until < 0.9
+    assert found == pytest.approx(most, rel=2e-8 if inside else 1e-3)
+
+
+def test_the_rate_of_a_force_is_that_along_the_motion():
+    for t in (0.2, 0.7):
+        d, motion = pressed(TURNING)
+        locate_points(d, motion.at(t))
+        accelerate_points(d, motion.at(t), motion.at(t, 1))
+        h = 1e-5
+        slope = (forces(d, t + h, TURNING) - forces(d, t - h, TURNING)) / (2 * h)
+        assert rate_of_force(d, 1) == pytest.approx(slope, rel=1e-7)
+
+
+@pytest.mark.parametrize("due", [False, True])
+def test_the_last_step_ends_at_the_communication_point_and_events_beyond_are_forgotten(due):
+    """But for an onset that is due just there."""
+    d, motion = pressed(TURNING)
+    d.touch.event[:4] = ONSET, END, KINK, NONE
+    d.step.time = d.step.end if due else d.step.start + 0.4
+    breaks, clock = d.step.breaks, d.step.time
+    end_at_output_time(d)
+    assert d.step.end == clock
+    assert d.touch.event[:4].tolist() == [ONSET if due else NONE, NONE, NONE, NONE]
+    expected = motion.at(1.0 if due else 0.4)
+    np.testing.assert_allclose(d.step.state_end[:-2], expected[:-2], rtol=0, atol=1e-13)
+    assert d.step.breaks > breaks
+
+
+def test_contacts_are_followed_to_the_communication_point_at_no_work(monkeypatch):
+    d, motion = pressed(TURNING)
+    d.step.time = d.step.start + 0.25
+    d.impulse.state_end[0], d.impulse.total[1] = 5.0, 1.0
+    d.impulse.state[0], d.impulse.dense[:, 0] = 2.0, 0.0
+    d.impulse.dense[0, 0] = 4.0  # 2 + 4 θ
+    d.impulse.wanted = 1
+    work = d.statistics.rhs_evaluations, d.limits.other_work
+    update_own_to_output_time(d)
+    t = 0.25 * FINE
+    assert d.touch.peak_force[1] == pytest.approx(forces(d, t, TURNING).max(), rel=1e-6)
+    assert d.touch.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
+    assert d.impulse.total[1] == pytest.approx(3.0, rel=1e-12)
+    assert (d.statistics.rhs_evaluations, d.limits.other_work) == work
+    there(d, points_of(d, motion.at(0.25)))
+    # and what goes on beside
+    told = []
+    monkeypatch.setattr(hooks, "on_truncate", told.append)
+    d, _ = pressed(TURNING)
+    d.step.time, d.work.rate_end[:] = d.step.start + 0.25, math.nan
+    update_to_output_time(d)
+    assert told == [d]
+    assert d.step.end == d.step.time
+    assert d.touch.max_penetration[1] == pytest.approx(depth(t, TURNING).max(), rel=1e-6)
+    # the accelerations are those there
+    assert math.isfinite(d.touch.force_rate[1])
+    there(d, points_of(d, d.step.state_end))
+
+
+@pytest.mark.parametrize("kept", [0, 4])
+@pytest.mark.parametrize("impulsive", [0, 1])
+def test_what_contacts_have_come_to_is_noted_at_the_communication_point(impulsive, kept):
+    for until in (0.1, 0.6):
+        d, motion = pressed(TURNING)
+        d.latest.kept = kept
+        make_rigid(d, impulsive)
+        d.latest.end[0] = -1.0
+        d.step.time = d.step.start + until
+        y = motion.at(until)
+        locate_points(d, y)
+        accelerate_points(d, y, motion.at(until, 1))
+        d.output.force[1] = contact_force(d, 1, *clearance(d, 1))
+        d.output.impulse[1], d.impulse.onset[1] = 7.5, 3.0
+        d.touch.peak_force[1] = 0.1 * (1 - impulsive) + 50.0 * impulsive
+        update_latest(d)
+        latest = d.latest
+        if kept == 0:
+            assert latest.end[0] == -1.0
+            continue
+        t = until * FINE
+        assert latest.end[0] == d.step.time
+        assert latest.impulse[0] == 4.5
+        assert latest.separation_speed[0] == pytest.approx(y[d.links + 3], rel=1e-12)
+        force = 50.0 if impulsive else forces(d, t, TURNING).max()
+        assert latest.peak_force[0] == pytest.approx(force, rel=1e-6)
+        deepest = 0.0 if impulsive else depth(t, TURNING).max()
+        assert latest.max_penetration[0] == pytest.approx(deepest, rel=1e-6)
+        there(d, points_of(d, y))
+
+
+# --- rigid walls -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("size", [1e-3, 0.2])
+def test_the_peak_of_a_holding_force_is_found_by_parabolas_through_samples(size):
+    """3 − (x − 0.6)² is 3 in between; one that only grows or falls is largest at an end."""
+    d, c, motion = held_tip(size, [3.0 - 0.6**2, 1.2, -1.0])
+    d.rigid.sample[:] = 0.0
+    evaluations = d.statistics.rhs_evaluations
+    update_held_extremes(d)
+    assert d.touch.peak_force[c] == pytest.approx(3.0, rel=1e-9)
+    assert d.statistics.rhs_evaluations - evaluations == contact_log.HELD_SAMPLES
+    there(d, points_of(d, motion.at(size)))
+    # at the end of a step in which it grows, and through the door of all contacts
+    let_push(d, c, [1.0, 2.0])
+    d.touch.peak_force[c], d.touch.force_rate[c] = 0.5, 77.0
+    update_extremes(d)
+    assert d.touch.force_rate[c] == 77.0
+    assert d.touch.peak_force[c] == pytest.approx(3.0, rel=1e-9)
+    let_push(d, c, [1.0, -0.5])
+    d.touch.peak_force[c] = 0.5
+    update_held_extremes(d)
+    assert d.touch.peak_force[c] == pytest.approx(1.0, rel=1e-9)
+
+
+@pytest.mark.parametrize("rate", [0.4, -0.4])
+@pytest.mark.parametrize("impulsive", [0, 1])
+def test_a_contact_that_ends_is_a_row_of_the_log_and_of_the_list(impulsive, rate):
+    d, _ = pressed([0.0, rate, 0.0])
+    make_rigid(d, impulsive)
+    d.latest.kept = 3
+    size = len(d.finished.point)
+    for count in (0, 5, size + 2):  # the oldest are lost
+        d.finished.count = count
+        values = {"onset": 1.5, "onset_speed": 0.7, "peak_force": 9.0, "max_penetration": 0.3}
+        for name, value in (values | {"effective_mass": 2.5}).items():
+            d.touch[name][1] = value + count
+        d.impulse.total[1], d.impulse.onset[1] = 8.0, 6.5
+        log_contact(d, 1, impulsive)
+        log, row = d.finished, count % size
+        assert log.count == count + 1
+        assert (log.point[row], log.wall[row]) == (d.candidate.point[1], d.candidate.wall[1])
+        assert log.onset[row] == 1.5 + count
+        assert log.end[row] == d.step.end == d.latest.end[0]
+        assert log.impact_speed[row] == 0.7 + count
+        leaves = max(0.0, rate) if impulsive else rate
+        assert log.separation_speed[row] == d.latest.separation_speed[0] == pytest.approx(leaves, rel=1e-12)
+        assert log.peak_force[row] == d.latest.peak_force[0] == 9.0 + count
+        assert log.max_penetration[row] == d.latest.max_penetration[0] == 0.3 + count
+        assert log.effective_mass[row] == 2.5 + count
+        assert log.impulse[row] == d.latest.impulse[0] == 1.5
+
+
+def test_who_needs_the_dense_output_is_noted():
+    d, _ = pressed(TURNING)
+    d.step.dense_for = OUTPUTS
+    update_extremes(d)
+    assert d.step.dense_for == SOLVER

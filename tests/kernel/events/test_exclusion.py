@@ -3,13 +3,43 @@
 import math
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.interpolate import BPoly
 
-from chain_impact.kernel.events.exclusion import FAR, WITH_CURVES, known_clearances
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.chain.state import sundman_u_at, time_at
+from chain_impact.kernel.events.exclusion import (
+    FAR,
+    MARGIN,
+    NEARLY,
+    NOTHING,
+    RELATCH_RATIO,
+    VALUES,
+    WITH_CURVES,
+    excludes_events,
+    fading,
+    is_quiet,
+    keep_start,
+    known_clearances,
+    leeway,
+    measure_all,
+    nearly_fast,
+    remains_far,
+    remember_clearances,
+    set_clearance,
+    set_clearances,
+    stays_positive,
+    sundman_u_now,
+)
+from chain_impact.kernel.integration.sundman import root_rate
+from chain_impact.kernel.model.geometry import clearance, speed_bound
 from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.simulation.instance import Instance
-from tests.plain import Plain
+from tests.kernel.chains import chain, random_state, touch
+from tests.kernel.steps import free_motion, gaps_of, set_step, translation, wall_at, walls_away
+from tests.plain import Plain, make_rigid
 
 
 def steps(instance, until):
@@ -60,3 +90,307 @@ def test_far_walls_are_left_alone_through_an_impact():
     ]
     assert len(kinds) > 8
     assert kinds.count(FAR) >= len(kinds) - 2
+
+
+# --- steps whose ends tell that nothing happens in them, against motions in closed form ------------------
+
+SAMPLES = np.linspace(0.0, 1.0, 1001)
+
+
+def stepped(seed, *, size=0.1, near=0.3, count=3, base="free", touching=0, **more):
+    """A step of which all points start about ``near`` [m] from their walls, or as deep if in contact."""
+    rng = np.random.default_rng(seed)
+    _, d = chain(rng, count, base, **more)
+    motion = free_motion(rng, d)
+    walls_away(d)
+    set_step(d, motion, size, start=2.0)
+    for c in range(d.candidates):
+        wall_at(d, c, motion.at(0.0), near * rng.uniform(0.5, 1.5) * (1.0 if c >= touching else -1.0))
+    touch(d, range(touching))
+    d.touch.impact_speed[:] = 1e3
+    d.touch.kink_crossed[:] = d.touch.speed[:] = 0
+    d.solver.tolerance = 1e-6
+    return d, motion
+
+
+def phi_all(d, motion):
+    """φ of all candidates on a fine grid of the step, shape (T, C)."""
+    signs = np.where(d.touch.active == 1, -1.0, 1.0)
+    return gaps_of(d, motion.at(SAMPLES * d.step.size).T) * signs
+
+
+@pytest.mark.parametrize("touching", [0, 2])
+@pytest.mark.parametrize("near", [0.02, 0.2, 2.0])
+@pytest.mark.parametrize("seed", range(6))
+def test_no_event_is_excluded_that_happens_and_none_is_looked_for_far_from_walls(seed, near, touching):
+    d, motion = stepped([seed, touching], near=near, touching=touching)
+    values = phi_all(d, motion)
+    happens = (values.min(axis=0) < 0.0).any()
+    excluded = excludes_events(d)
+    assert not (excluded and happens)
+    if values.min() > 0.3 * near and near >= 0.2:
+        assert excluded
+    # φ and φ′ of all at either end, and φ″
+    assert known_clearances(d) == WITH_CURVES
+    np.testing.assert_allclose(d.search.clear_start, values[0], rtol=0, atol=1e-11)
+    np.testing.assert_allclose(d.search.clear_end, values[-1], rtol=0, atol=1e-11)
+    h = d.step.size / 1000
+    for found, part in ((d.search.clear_start_rate, values[:3]), (d.search.clear_end_rate, values[:-4:-1])):
+        sign = 1.0 if part is not values and found is d.search.clear_start_rate else -1.0
+        slope = sign * (-1.5 * part[0] + 2.0 * part[1] - 0.5 * part[2]) / h
+        np.testing.assert_allclose(found, slope, rtol=0, atol=1e-4)
+    for found, part in ((d.search.clear_start_curve, values[:3]), (d.search.clear_end_curve, values[-3:])):
+        np.testing.assert_allclose(found, (part[0] - 2 * part[1] + part[2]) / h**2, rtol=0, atol=2e-2)
+
+
+def test_contacts_that_cross_their_kink_or_are_pushed_in_are_looked_at():
+    for change in ("kink_crossed", "speed"):
+        d, _ = stepped(0, near=2.0, touching=2)
+        assert excludes_events(d)
+        d, _ = stepped(0, near=2.0, touching=2)
+        d.touch[change][1] = 1e6
+        assert not excludes_events(d)
+
+
+def test_a_step_in_which_links_turn_far_or_inputs_change_fast_is_looked_at():
+    for field in ("turn", "pace", "fade"):
+        d, _motion = stepped(0, near=2.0)
+        # walls that are no way off the end: what it is known of them is small
+        if field == "turn":
+            d.work.rate_end[d.links + 4] = 2.0 / d.step.size**2 * 1.1
+        elif field == "pace":
+            d.inputs.course.pace = 1.1 / d.step.size
+        else:
+            d.model.joint_bound = 20.0 / d.step.size
+        assert not excludes_events(d)
+        assert excludes_events(stepped(0, near=2.0)[0])
+
+
+@pytest.mark.parametrize("active", [False, True])
+@pytest.mark.parametrize(("turn", "fade"), [(0.0, 0.0), (0.9, 0.0), (0.5, 2.0), (0.9, 3.0)])
+def test_clearances_are_clear_by_more_than_their_interpolants_can_be_off(turn, fade, active):
+    """Ten times h⁶ φ⁽⁶⁾/46080, of a stretched chain that turns and fades: reach ω² ρ⁴.
+
+    And what the tolerance allows of a position; nothing moves in this step.
+    """
+    _, d = chain(np.random.default_rng(0), 2)
+    off = 10.0 / 46080.0 * d.model.length.sum() * turn**2 * max(turn, fade) ** 4
+    off += 0.0 if active else d.solver.tolerance * d.model.length.sum()
+    for clear in (0.999, 1.001) if off > 0.0 else (-1e-3, 1e-3):
+        motion = translation(d, [0.0], [0.0])
+        walls_away(d)
+        set_step(d, motion, 0.5, start=2.0)
+        d.inputs.course.pace, d.model.joint_bound = turn / 0.5, fade / 0.5
+        touch(d, range(d.candidates) if active else [])
+        d.touch.impact_speed[:], d.touch.speed[:] = 1.0, 0.0
+        gap = (clear * off if off > 0.0 else clear) - d.law.harmless_depth[0]
+        for c in range(d.candidates):
+            wall_at(d, c, motion.at(0.0), -gap if active else gap)
+        assert excludes_events(d) == (clear > 1.0 or (off == 0.0 and clear > 0.0))
+
+
+@pytest.mark.parametrize("active", [False, True])
+@pytest.mark.parametrize("seed", range(10))
+def test_a_clearance_stays_above_the_least_bernstein_coefficient_of_its_interpolant(seed, active):
+    """Of the Hermite interpolant of order 6, by SciPy; less a margin of their range."""
+    rng = np.random.default_rng(seed)
+    _, d = chain(rng, 1)
+    search, c, h = d.search, 3, 0.7
+    d.step.size, d.step.regularized, d.touch.active[c] = h, -1, active
+    ends = rng.normal(size=(2, 3))
+    names = [[f"clear_{end}{part}" for part in ("", "_rate", "_curve")] for end in ("start", "end")]
+    for row, values in zip(names, ends, strict=True):
+        for name, value in zip(row, values, strict=True):
+            search[name][c] = value
+    inner = BPoly.from_derivatives([0.0, h], ends).c[1:, 0]
+    limit = inner.min() - MARGIN * (inner.max() - inner.min()) + d.law.harmless_depth[c]
+    assert stays_positive(d, c, limit - 1e-9)
+    assert not stays_positive(d, c, limit + 1e-9)
+
+
+@pytest.mark.parametrize(("end", "expected"), [(0.1, True), (0.0, False), (-0.1, False)])
+def test_the_root_of_the_regularized_contact_decides_by_its_end(end, expected):
+    _, d = chain(np.random.default_rng(0), 1)
+    d.step.regularized, d.search.clear_end[2] = 2, end
+    d.search.clear_start[2] = -9.0
+    assert stays_positive(d, 2, 1e9) == expected
+
+
+@pytest.mark.parametrize("what", [VALUES, WITH_CURVES, FAR])
+def test_what_is_learned_is_known_until_the_steps_break(what):
+    _, d = chain(np.random.default_rng(0), 1)
+    d.step.breaks = 3
+    remember_clearances(d, what)
+    assert known_clearances(d) == what
+    d.step.breaks = 4
+    assert known_clearances(d) == NOTHING
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_walls_are_far_as_long_as_no_point_can_have_come_near(seed):
+    """The room that is remembered is never more than there is, and lasts for some steps."""
+    d, motion = stepped(seed, size=0.01, near=1.0)
+    assert excludes_events(d)
+    least = phi_all(d, motion)[-1].min()
+    assert d.search.safe_distance == pytest.approx(least, rel=1e-9)
+    d.search.speed = speed_bound(d, d.work.velocity)
+    d.search.acceleration = speed_bound(d, d.work.acceleration)
+    lasted = 0
+    for k in range(1, 40):
+        y = motion.at(0.01 * (k + 1))
+        d.step.state[:], d.step.state_end[:] = motion.at(0.01 * k), y
+        d.step.start, d.step.end = 0.01 * k, 0.01 * (k + 1)
+        locate_points(d, y)
+        accelerate_points(d, y, motion.at(0.01 * (k + 1), 1))
+        far = remains_far(d)
+        room = gaps_of(d, y).min()
+        assert d.search.safe_distance <= room
+        assert far == (d.search.safe_distance > leeway(d))
+        if not far:
+            break
+        assert known_clearances(d) == FAR
+        lasted += 1
+    assert lasted >= 2
+    # nobody goes further than its speed and acceleration say: no point nor wall has been looked at
+    assert d.search.speed == speed_bound(d, d.work.velocity)
+    assert d.search.acceleration == speed_bound(d, d.work.acceleration)
+
+
+def quiet_start(regularized=-1):
+    d, _ = stepped(0, size=0.01, near=1.0)
+    d.search.safe_distance, d.search.speed, d.search.acceleration = 5.0, 0.0, 0.0
+    d.step.regularized = regularized
+    remember_clearances(d, WITH_CURVES)
+    return d
+
+
+def test_walls_are_not_far_for_who_touches_unless_its_contact_is_regularized_and_goes_on():
+    d = quiet_start()
+    assert remains_far(d)
+    for what in (NOTHING, VALUES):
+        d = quiet_start()
+        remember_clearances(d, what)
+        assert not remains_far(d)
+    d = quiet_start()
+    touch(d, [2])
+    assert not remains_far(d)
+    for u, crossed, expected in ((0.5, 0, True), (0.0, 0, False), (-0.1, 0, False), (0.5, 1, False)):
+        d = quiet_start(regularized=2)
+        touch(d, [2])
+        d.step.state_end[sundman_u_at(d.links)], d.touch.kink_crossed[2] = u, crossed
+        assert remains_far(d) == expected
+        assert known_clearances(d) == (FAR if expected else WITH_CURVES)
+
+
+def test_the_way_that_points_can_have_come_is_bounded_by_what_they_do_at_the_ends():
+    """h (v + h a), with the larger v and a of both ends."""
+    for speed, acceleration in ((0.0, 0.0), (1e3, 0.0), (0.0, 1e5)):
+        d = quiet_start()
+        d.search.speed, d.search.acceleration = speed, acceleration
+        h = d.step.end - d.step.start
+        v, a = (
+            max(speed, speed_bound(d, d.work.velocity)),
+            max(acceleration, speed_bound(d, d.work.acceleration)),
+        )
+        remains_far(d)
+        assert d.search.safe_distance == pytest.approx(5.0 - h * (v + h * a), rel=1e-12)
+
+
+def test_the_fastest_point_is_bounded_by_the_sum_of_its_components():
+    _, d = chain(np.random.default_rng(0), 2)
+    d.work.motion.x[:], d.work.motion.y[:] = (0.3, -2.0, 1.0), (-0.4, 1.5, 3.0)
+    assert speed_bound(d, d.work.motion) == 4.0
+    d.work.motion.x[1] = -3.0
+    assert speed_bound(d, d.work.motion) == 4.5
+    d.work.motion.x[:], d.work.motion.y[:] = 0.0, 0.25
+    assert speed_bound(d, d.work.motion) == 0.25
+
+
+def test_leeway_and_fading_are_relative_to_the_reach_and_to_the_joints():
+    d, _ = stepped(0, size=0.25)
+    d.solver.tolerance, d.model.joint_bound = 1e-3, 8.0
+    assert leeway(d) == pytest.approx(1e-3 * d.model.length.sum(), rel=1e-14)
+    assert fading(d) == pytest.approx(0.25 * 8.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("speed", [0.0, 1.4, 1.6])
+@pytest.mark.parametrize("end", [0.0, 1.4, 1.6])
+def test_a_contact_is_nearly_fast_at_three_quarters_of_the_speed_that_latches_anew(speed, end):
+    """At either end of the step."""
+    d, _ = stepped(0, touching=1)
+    d.touch.impact_speed[0], d.touch.speed[0] = 3.0, 3.0 * speed
+    point = d.candidate.point[0]
+    d.work.velocity.x[point] = -3.0 * end * d.candidate.normal_x[0]
+    d.work.velocity.y[point] = -3.0 * end * d.candidate.normal_y[0]
+    expected = max(speed, end) > NEARLY * RELATCH_RATIO
+    assert nearly_fast(d, 0) == expected
+    d.touch.kink_crossed[0] = 0
+    assert is_quiet(d, 0) == (not expected)
+    d.touch.kink_crossed[0] = 1
+    assert not is_quiet(d, 0)
+
+
+@pytest.mark.parametrize("impulsive", [0, 1])
+@pytest.mark.parametrize("regularized", [-1, 2])
+def test_clearances_and_their_rates_are_those_in_the_variable_of_the_step(regularized, impulsive):
+    """φ′ = p φ̇ with p = u/(1 + u²); of the regularized contact u and u′; a held point cannot touch."""
+    rng = np.random.default_rng(5)
+    _, d = chain(rng, 2)
+    y, u = random_state(rng, d), 0.6
+    y[sundman_u_at(2)] = u
+    locate_points(d, y)
+    d.step.regularized = regularized
+    make_rigid(d, impulsive)
+    d.touch.depth_scale[:] = 0.3
+    touch(d, [2, 4])
+    pace = 1.0 if regularized < 0 else u / (1.0 + u * u)
+    found = sundman_u_now(d, y)
+    slope = 0.0 if regularized < 0 else -0.5 * clearance(d, 2)[1] / (0.3 * (1.0 + u * u))
+    assert found == pytest.approx((1.0, 0.0) if regularized < 0 else (u, slope), rel=1e-12)
+    assert set_clearances(d, y) == found[1]
+    for c in range(d.candidates):
+        gap, rate = clearance(d, c)
+        sign = -1.0 if c in (2, 4) else 1.0
+        expected = sign * gap, sign * pace * rate
+        if c in (2, 4) and impulsive:
+            expected = math.inf, 0.0
+        if c == regularized:
+            expected = found
+        assert (d.search.clear_end[c], d.search.clear_end_rate[c]) == pytest.approx(expected, rel=1e-12)
+        d.search.clear_end[c] = 7.0
+        set_clearance(d, c, *found)
+        assert d.search.clear_end[c] == pytest.approx(expected[0], rel=1e-12)
+    keep_start(d)
+    np.testing.assert_array_equal(d.search.clear_start, d.search.clear_end)
+    np.testing.assert_array_equal(d.search.clear_start_rate, d.search.clear_end_rate)
+
+
+@pytest.mark.parametrize("regularized", [-1, 2])
+def test_second_derivatives_are_those_in_the_variable_of_the_step(regularized):
+    """φ″ by differences of φ′ along dy/ds = p dy/dt."""
+    rng = np.random.default_rng(6)
+    _, d = chain(rng, 2)
+    motion = free_motion(rng, d)
+    touch(d, [2, 4])
+    d.touch.depth_scale[:], d.step.regularized = 0.3, regularized
+    u, h, rates = 0.6, 1e-5, []
+    y, rate = motion.at(0.0), motion.at(0.0, 1)
+    y[sundman_u_at(2)] = u
+    locate_points(d, y)
+    pace = 1.0 if regularized < 0 else u / (1.0 + u * u)
+    change = 0.0 if regularized < 0 else root_rate(d, u)
+    for side in (h, -h):
+        moved = motion.at(side * pace)
+        moved[sundman_u_at(2)] = u + side * change
+        locate_points(d, moved)
+        set_clearances(d, moved)
+        rates.append(d.search.clear_end_rate.copy())
+    locate_points(d, y)
+    accelerate_points(d, y, rate)
+    measure_all(d, y)
+    np.testing.assert_allclose(
+        d.search.clear_end_curve, (rates[0] - rates[1]) / (2 * h), rtol=1e-6, atol=1e-6
+    )
+    apart = [c for c in range(d.candidates) if c not in (2, 4)]
+    assert d.search.safe_distance == d.search.clear_end[apart].min()
+    assert time_at(2) == len(y) - 1

@@ -1,16 +1,36 @@
 """How an instance of dual numbers begins."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from chain_impact import load_scene
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact import CONTACT_LAWS, load_scene
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.model.contact import begin_contact
+from chain_impact.kernel.model.contact_force import elastic_energy
+from chain_impact.kernel.model.contact_law import start_laws, update_laws
+from chain_impact.kernel.status import OK
+from chain_impact.kernel.tangent import start as starts
+from chain_impact.kernel.tangent.directions import DIRECTIONS, TRUST
+from chain_impact.kernel.tangent.start import (
+    apply_given_of,
+    copy_inputs,
+    copy_parameters,
+    derive_law_of,
+    reinit_tangent,
+    start_tangent,
+)
+from chain_impact.kernel.tangent.trust import TRUSTED
+from chain_impact.variables.model import Model
 from tests.complex_laws import FAMILY, WITH_MASS
 from tests.complex_step import TINY
 from tests.derivative_scenes import Case, pinned_chain, sprung_chain, struck_twice
-from tests.kernel.tangent.dual import followed, started
+from tests.kernel.chains import chain, press_in, random_state, touch, vectors
+from tests.kernel.tangent.dual import Dual, followed, started
+from tests.plain import Plain, make_rigid
 from tests.problems import ball, of_law
 
 FACTORS = FAMILY | {name: factor for name, (factor, *_) in WITH_MASS.items()}
@@ -137,3 +157,248 @@ def test_what_follows_from_the_parameters_varies_with_them():
         for part in [link.center_of_mass / link.length]
     )
     assert of("kinetic", "initial.vy") == pytest.approx(momentum, rel=1e-14)
+
+
+# --- in plain Python: whose values and whose derivatives it has ------------------------------------------
+
+PARAMETERS = {
+    "model": (
+        *("gravity", "length", "mass", "center_of_mass", "inertia", "wall"),
+        *("joint_damping", "joint_stiffness", "joint_rest_angle"),
+    ),
+    "walls": ("x", "y", "angle"),
+    "initial": ("position", "velocity", "angle", "angular_velocity"),
+    "contact": ("exponent", "radius"),
+}
+GIVEN = ("stiffness", "restitution", "joint_torque", "tip_force")
+
+
+class Duals(SimpleNamespace):
+    """A record of dual numbers."""
+
+    def copy_values(self, source):
+        for name, own in vars(self).items():
+            given = source[name]
+            if isinstance(own, Duals):
+                own.copy_values(given)
+            elif isinstance(own, np.ndarray) and own.dtype == object:
+                for place in np.ndindex(own.shape):
+                    own[place] = own[place].carried(given[place], 1.0)
+            else:
+                setattr(self, name, own.carried(given, 1.0) if isinstance(own, Dual) else given)
+
+
+def dual(rng, dtype):
+    """A record with dual numbers of any values and slopes for its reals, and with any small integers."""
+
+    def number():
+        return Dual(rng.normal(), rng.normal(size=DIRECTIONS))
+
+    own = Duals()
+    for name in dtype.names:
+        part = dtype[name]
+        item, shape = part.subdtype or (part, ())
+        if part.names:
+            value = dual(rng, part)
+        elif item != np.float64:
+            value = np.zeros(shape, int) if shape else 0
+        elif shape:
+            value = np.empty(shape, object)
+            for place in np.ndindex(shape):
+                value[place] = number()
+        else:
+            value = number()
+        setattr(own, name, value)
+    return own
+
+
+@pytest.fixture
+def both():
+    """A chain with inputs and any parameters, and an instance of dual numbers of its layout."""
+    rng = np.random.default_rng(8)
+    _, d = chain(rng, 2, springs=True, inputs=True)
+    for record, names in PARAMETERS.items():
+        for name in names:
+            d[record]._record[name] = rng.uniform(0.5, 2.0, np.shape(d[record][name]))
+    t = dual(rng, d._record.dtype)
+    t.links, t.candidates = d.links, d.candidates
+    return d, t
+
+
+def values(numbers):
+    return np.vectorize(lambda one: one.value, otypes=[float])(numbers)
+
+
+def slopes(numbers):
+    return np.array([one.slope for one in np.ravel(numbers)])
+
+
+def test_parameters_are_taken_with_the_derivatives_that_it_has_of_them(both):
+    d, t = both
+    before = {
+        (record, name): slopes(getattr(getattr(t, record), name))
+        for record in PARAMETERS
+        for name in PARAMETERS[record]
+    }
+    d.given.law = CONTACT_LAWS["hunt_crossley"].number
+    assert update_laws(d) == OK
+    copy_parameters(d, t)
+    apply_given_of(d, t)  # which takes the walls, whose material may change in a run
+    for (record, name), own in before.items():
+        found = getattr(getattr(t, record), name)
+        np.testing.assert_array_equal(values(found), d[record][name], err_msg=name)
+        np.testing.assert_array_equal(slopes(found), own, err_msg=name)
+    assert t.contact.minimum_impact_speed == d.contact.minimum_impact_speed
+    assert t.solver.tolerance == d.solver.tolerance
+
+
+def test_the_inputs_that_hold_are_the_constants_of_their_course(both):
+    d, t = both
+    d.inputs.course.order = 1
+    d.inputs.course.joint_torque[:], d.inputs.course.tip_force[:] = 9.0, 9.0
+    d.inputs.course.joint_torque[0], d.inputs.course.tip_force[0] = 7.0, 8.0
+    copy_inputs(d, t)
+    own = t.inputs
+    assert list(own.joint_torque) == list(own.course.joint_torque[0])
+    assert list(own.tip_force) == list(own.course.tip_force[0])
+    assert (values(own.joint_torque) == 7.0).all()
+    assert (values(own.tip_force) == 8.0).all()
+
+
+def test_what_was_given_holds_with_its_derivatives(both):
+    d, t = both
+    number = CONTACT_LAWS["ye"].number
+    d.given.law, d.given.stiffness, d.given.restitution = number, 5e5, 0.25
+    d.given.joint_torque[:], d.given.tip_force[:] = 1.5, (2.0, 3.0)
+    d.given.course.order, d.given.course.until = 1, 6.5
+    before = {name: slopes(getattr(t.given, name)) for name in GIVEN}
+    assert update_laws(d) == OK
+    apply_given_of(d, t)
+    assert (t.law.number == number).all()
+    assert t.given.law == number
+    assert (t.inputs.course.order, t.inputs.course.until) == (1, 6.5)
+    for name in GIVEN[:2]:
+        for number in getattr(t.law, name):
+            assert number.value == d.given[name]
+            np.testing.assert_array_equal([number.slope], before[name])
+    for name in GIVEN[2:]:
+        np.testing.assert_array_equal(values(getattr(t.inputs, name)), d.given[name])
+        np.testing.assert_array_equal(slopes(getattr(t.inputs, name)), before[name])
+
+
+@pytest.mark.parametrize("law", ["hunt_crossley", "lankarani_nikravesh", "ye", "jankowski", "newton_impact"])
+def test_the_factor_of_a_law_has_the_value_of_the_instance_and_its_own_derivatives(both, law):
+    """d f/d e by a difference, times those of the restitution."""
+    d, t = both
+    entry, e, h = CONTACT_LAWS[law], 0.6, 1e-6
+    d.given.law, d.given.restitution = entry.number, e
+    d.contact.exponent = 1.5
+    assert start_laws(d) == OK
+    t.law.restitution[0] = Dual(e, t.law.restitution[0].slope)
+    derive_law_of(d, t, 0)
+    slope = (entry.damping_factor(e + h) - entry.damping_factor(e - h)) / (2 * h)
+    own = t.law
+    factor = own.damping_factor[0]
+    assert factor.value == d.law.damping_factor[0]
+    np.testing.assert_allclose(factor.slope, slope * own.restitution[0].slope, rtol=1e-7, atol=1e-9)
+    assert (own.impulsive[0], own.approach_only[0]) == (entry.impulsive, entry.approach_only)
+    if entry.rate_exponent is None:
+        assert own.rate_exponent[0] is own.exponent[0]
+    else:
+        assert own.rate_exponent[0] == entry.rate_exponent
+
+
+def test_a_users_law_has_the_factor_that_it_has(both):
+    d, t = both
+    d.law.number[0], d.law.damping_factor[0], d.law.rate_exponent[0] = len(CONTACT_LAWS) + 1, 0.0, 1.5
+    derive_law_of(d, t, 0)
+    assert (t.law.damping_factor[0], t.law.rate_exponent[0]) == (0.0, 1.5)
+
+
+# --- with numbers in place of dual ones --------------------------------------------------------------------
+
+
+@pytest.fixture
+def twins(monkeypatch):
+    """A chain and another record of its layout in place of one of dual numbers."""
+    monkeypatch.setattr(starts, "carried", lambda number, _slope, _argument: number)
+    monkeypatch.setattr(starts, "value", float)
+    rng = np.random.default_rng(9)
+    scene, d = chain(rng, 2, springs=True, dampers=True, inputs=True)
+    dtype = d._record.dtype
+    fields = [*((name, dtype[name]) for name in dtype.names), ("trust", TRUST)]
+    t = Plain(np.zeros(1, np.dtype(fields))[0])
+    blank = Plain(Model(scene).new_instance()[0])
+    for name in ("links", "candidates", "candidate"):
+        t._record[name] = blank._record[name]
+    t.model.pinned, t.model.driven = d.model.pinned, d.model.driven
+    return d, t
+
+
+def test_it_starts_as_the_instance_does(twins):
+    d, t = twins
+    d.initial.angular_velocity[:], d.inputs.tip_force[:] = (0.3, -0.4), (1.0, 2.0)
+    d.given.tip_force[:] = 1.0, 2.0
+    assert initialize(d, 1.5) == OK
+    t.work.load.x[:], t.touch.active_count, t.step.method, t.trust.reason = 9.0, 3, 1, 7
+    start_tangent(d, t)
+    records = ("model", "contact", "law", "initial", "candidate", "walls", "inputs", "impact", "touch")
+    for record in records:
+        for name in d[record]._record.dtype.names:
+            if not d[record]._record.dtype[name].names:
+                np.testing.assert_array_equal(t[record][name], d[record][name], err_msg=f"{record}.{name}")
+    for name in ("time", "start", "end", "clock", "size", "regularized", "method", "switch_hysteresis"):
+        assert t.step[name] == d.step[name], name
+    np.testing.assert_array_equal(t.step.state_end, d.step.state_end)
+    np.testing.assert_array_equal(vectors(t.work.load), vectors(d.work.load))
+    assert t.trust.reason == TRUSTED
+    assert t.impact.last_time == 1.5
+
+
+@pytest.mark.parametrize("law", ["hunt_crossley", "newton_impact"])
+def test_it_starts_anew_from_the_end_of_its_step_with_what_was_given(twins, law, monkeypatch):
+    """Contacts that last take the new law; those at rigid walls stay as they are."""
+    d, t = twins
+    assert initialize(d, 0.0) == OK
+    start_tangent(d, t)
+    rng = np.random.default_rng(1)
+    y = random_state(rng, t)
+    t.step.state_end[:], t.step.end = y, 2.5
+    locate_points(t, y)
+    touch(t, [4])
+    press_in(t, 4, 1e-3)
+    begin_contact(t, 4)
+    make_rigid(t, law == "newton_impact")
+    damping, number = t.touch.damping[4], CONTACT_LAWS[law].number
+    d.given.law, d.given.stiffness, d.given.restitution, d.given.tip_force[:] = number, 3e5, 0.8, (5.0, 6.0)
+    assert update_laws(d) == OK
+    t.work.load.x[:], t.touch.beyond_kink[4], t.step.time = 9.0, 5, 1.0
+    told = []
+    monkeypatch.setattr(starts, "recompute_active_set", lambda *arguments: told.append(arguments))
+    reinit_tangent(d, t)
+    assert told == [(t,)]
+    assert t.step.time == t.step.start == t.step.end == 2.5
+    np.testing.assert_array_equal(t.step.state[:-2], y[:-2])
+    assert vectors(t.work.load).tolist() == [[0.0, 0.0], [0.0, 0.0], [5.0, 6.0]]
+    assert (t.law.number[4], t.law.stiffness[4]) == (number, 3e5)
+    assert t.touch.active_count == 1
+    if law == "newton_impact":
+        assert t.touch.damping[4] == damping
+        assert t.touch.beyond_kink[4] == 5
+    else:
+        mass, speed = t.touch.effective_mass[4], t.touch.impact_speed[4]
+        expected = CONTACT_LAWS[law].damping_factor(0.8) * 3e5 / speed
+        assert t.touch.damping[4] == pytest.approx(expected, rel=1e-12)
+        energy = elastic_energy(t, 4, t.touch.depth_scale[4])
+        assert energy == pytest.approx(0.5 * mass * speed**2, rel=1e-9)
+        assert t.touch.beyond_kink[4] in {0, 1}
+
+
+@pytest.mark.parametrize(("ended", "expected"), [(2.0, 3), (2.5, 3), (2.6, TRUSTED)])
+def test_derivatives_that_ended_in_what_is_dropped_go_on(twins, ended, expected):
+    d, t = twins
+    assert initialize(d, 0.0) == OK
+    start_tangent(d, t)
+    t.step.end, t.trust.reason, t.trust.time = 2.5, 3, ended
+    reinit_tangent(d, t)
+    assert t.trust.reason == expected

@@ -86,7 +86,7 @@ def test_the_same_rows_as_here(scheduler, tmp_path):
 def test_a_lost_worker_is_replaced_by_the_others(scheduler):
     scheduler.worker()
     doomed = scheduler.worker()
-    vary = {"contact.restitution": "0.3:0.7:60000"}
+    vary = {"contact.restitution": "0.3:0.7:20000"}
 
     def progress(part):
         if part > 0.2:
