@@ -1,11 +1,13 @@
 """When implicit steps are taken for joints' damping, and that what is not stiff does without."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from chain_impact import simulate
 from chain_impact.kernel.integration.method import IMPLICIT
-from chain_impact.kernel.integration.switching import PATIENCE
+from chain_impact.kernel.integration.switching import LONGER, PATIENCE, suggests_switch
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
 from tests.problems import build, contact_table, stiff_joint
@@ -24,6 +26,23 @@ def test_stiff_damping_is_implicit_in_flight_after_its_own_motion_has_decayed(da
     assert len(result.impacts) == 0
     assert PATIENCE <= steps - implicit <= 30
     assert implicit <= 60
+
+
+@pytest.mark.parametrize("last", [0.1, 10.0])
+@pytest.mark.parametrize("longer", [0.9, 1.1])
+def test_the_size_of_the_next_implicit_step_decides(longer, last):
+    """The last one may be a first step after an event, or cut short by an input."""
+    step = SimpleNamespace(method=IMPLICIT, explicit_size=2.0, start=1.0, end=1.0 + last)
+    step.next_size = longer * LONGER * step.explicit_size
+    assert suggests_switch(SimpleNamespace(step=step)) == (longer < 1.0)
+
+
+def test_impacts_between_stiff_joints_take_explicit_steps_from_their_onset():
+    """Three implicit steps at each onset first would take 370 right-hand sides more."""
+    result = simulate(stiff_joint(100.0), tolerance=1e-7)
+    assert len(result.impacts) == 8
+    assert result.statistics["rhs_evaluations"] < 4_300
+    assert result.statistics["rejected_steps"] < 50
 
 
 def test_a_forced_method_is_kept():

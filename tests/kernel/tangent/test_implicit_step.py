@@ -2,11 +2,14 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from chain_impact.kernel.integration.radau import STAGES, Q
+from chain_impact.kernel.tangent import implicit_step
+from chain_impact.kernel.tangent.trust import GRAZING, NOT_SOLVED, TRUSTED
 from tests.derivative_scenes import Case, table
 from tests.kernel.tangent.dual import followed, started
 
@@ -75,3 +78,20 @@ def test_derivatives_that_an_iteration_does_not_reach_are_not_there(more):
     (limit,) = instance.limits
     assert limit.startswith("there are no derivatives from t = 0 s on: ")
     assert "iteration" in limit
+
+
+@pytest.mark.parametrize("reason", [TRUSTED, GRAZING, NOT_SOLVED])
+def test_derivatives_that_have_ended_are_not_iterated(reason, monkeypatch):
+    """The step is made for its values all the same."""
+    called = []
+    before = ["extend_start", "extrapolate_stages", "take_stages", "take_slopes", "factorize"]
+    for name in (*before, "set_result"):
+        monkeypatch.setattr(implicit_step, name, lambda *_, name=name: called.append(name))
+    monkeypatch.setattr(implicit_step, "extended_size", lambda _t: 1)
+    monkeypatch.setattr(implicit_step, "compliant", lambda _t: 0)
+    monkeypatch.setattr(implicit_step, "iterate_slopes", lambda *_: called.append("iterate_slopes"))
+    monkeypatch.setattr(implicit_step, "mark_untrusted", lambda *_: called.append("mark_untrusted"))
+    d = SimpleNamespace(step=SimpleNamespace(start=0.0))
+    implicit_step.make_implicit(d, SimpleNamespace(trust=SimpleNamespace(reason=reason)), H)
+    iterated = ["iterate_slopes", "mark_untrusted"] if reason == TRUSTED else []
+    assert called == [*before, *iterated, "set_result"]

@@ -6,7 +6,7 @@ contact its stability limits the step, or its loss of order. The fastest motion 
 Impacts are resolved with hρ below 1, so explicit steps beyond STIFF show, at no cost, that the contact is
 sustained. A sustained contact may still oscillate, with shorter steps: there, too, implicit steps may be
 cheaper. As an implicit step costs two or three explicit ones, it must be longer than the last of these by the
-same factor.
+same factor. Its size is that of the next step, because the first implicit steps after an event grow fast.
 
 A joint with a damper or a spring has a rate of its own, in flight and in contact (chain/joint_rate.py). A
 spring oscillates rather than decays. If the oscillation matters at the tolerance, the explicit steps have hρ
@@ -32,8 +32,9 @@ RINGS, LASTS = 0.1, 20.0
 # work; and the hρ of implicit steps below which this holds, if the size of explicit ones is not known.
 LONGER, NOT_STIFF = 2.5, 5.0
 STABLE = 4.0  # hρ of the explicit step to begin a flight with: two thirds of what is stable
-# The size of an implicit step in an impact over that of an explicit one, at tolerances about 1e-8.
-IMPACT = 0.4
+# The part of the explicit method's first step in an impact by which joints are judged. Explicit steps of an
+# impact cost so much less than implicit ones that joints must be far stiffer than this step to favour these.
+IMPACT = 0.1
 # The number of steps in a row that must favour the other method: with fewer the method would change in the
 # compression of an impact.
 PATIENCE = 3
@@ -50,7 +51,7 @@ def choose_method(d):
     elif not (touching or d.model.resisting):
         begin_explicit(step)  # nothing is stiff
     elif step.end > step.start:  # not just re-initialized
-        step.stiff_count = step.stiff_count + 1 if suggests_switch(d, step.end - step.start) else 0
+        step.stiff_count = step.stiff_count + 1 if suggests_switch(d) else 0
         if step.stiff_count >= step.switch_hysteresis:
             step.stiff_count = 0
             if step.method == IMPLICIT:
@@ -63,13 +64,14 @@ def choose_method(d):
                 step.method = IMPLICIT
 
 
-def suggests_switch(d, h):
-    """Whether the last step, of size h [s], favours the other method."""
-    if d.step.method == IMPLICIT and d.step.explicit_size > 0.0:
-        return h < LONGER * d.step.explicit_size
-    z = stiffness_number(d, h)
-    if d.step.method == IMPLICIT:
-        return z < NOT_STIFF
+def suggests_switch(d):
+    """Whether the size of the next implicit step, or of the last explicit one, favours the other method."""
+    step = d.step
+    if step.method == IMPLICIT:
+        if step.explicit_size > 0.0:
+            return step.next_size < LONGER * step.explicit_size
+        return stiffness_number(d, step.next_size) < NOT_STIFF
+    z = stiffness_number(d, step.end - step.start)
     return z > STIFF or (z > RINGS and contacts_last(d))
 
 
@@ -88,11 +90,12 @@ def contacts_last(d):
 def begin_impact(d, c):
     """Begin a new phase at the onset of candidate c, with the explicit method and its proposed step size.
 
-    If steps were implicit and joints make those of the impact stiff, too, the method is kept.
+    That size is the one of ``at_onset`` for the explicit method. If steps were implicit and joints make those
+    of the impact stiff, too, the method is kept.
     """
     if joints_over(d, IMPACT * d.step.next_size) <= STIFF:
         d.step.method = EXPLICIT
-    else:
+    elif d.step.method != EXPLICIT:
         d.step.next_size = min(d.step.next_size, at_onset(d, c, d.step.method))
     reset_stiff_count(d.step)
 

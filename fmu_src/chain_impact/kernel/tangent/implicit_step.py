@@ -37,7 +37,8 @@ def make_implicit(d, t, h):
     take_stages(d, t, size)
     take_slopes(d, t)
     factorize(t, h)
-    if not iterate_slopes(d, t, h, size) and t.trust.reason == TRUSTED:
+    # derivatives that have ended are not needed
+    if t.trust.reason == TRUSTED and not iterate_slopes(d, t, h, size):
         mark_untrusted(t, NOT_SOLVED, NO_IMPACT, d.step.start)
     set_result(t, h)
     if compliant(t) > 0:
