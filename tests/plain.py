@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.kernel.record.fields import is_table
+
 
 class Plain:
     """A record of NumPy with its fields as attributes; they can also be had by name, as in NumPy's own."""
@@ -15,6 +17,8 @@ class Plain:
         for name in record.dtype.names:
             if record.dtype[name].names:
                 object.__setattr__(self, name, Plain(record[name]))
+            elif is_table(record.dtype[name]):
+                object.__setattr__(self, name, record[name].view(np.recarray))
             elif record.dtype[name].shape:
                 object.__setattr__(self, name, record[name])
 

@@ -116,9 +116,9 @@ def _stops(draw: Draw, link: dict[str, Any], angle: float) -> None:
     margin = draw.power(1e-3, 3.0) if draw.chance(0.8) else 0.0
     kind = draw.one(("joint_min", "joint_max", "both"), (0.25, 0.25, 0.5))
     if kind != "joint_max":
-        link["joint_min"] = max(angle - margin, -math.tau)
+        link["joint_min"] = min(angle, max(angle - margin, -math.tau))
     if kind != "joint_min":
-        link["joint_max"] = min(angle + draw.power(1e-3, 3.0), math.tau)
+        link["joint_max"] = max(angle + 1e-3, min(angle + draw.power(1e-3, 3.0), math.tau))
 
 
 class _Shapes:

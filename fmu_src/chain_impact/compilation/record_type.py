@@ -31,7 +31,7 @@ from numba.extending import (
 )
 
 from chain_impact.compilation.dual_numbers import DUAL
-from chain_impact.kernel.record.fields import REAL
+from chain_impact.kernel.record.fields import REAL, is_table
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent import blocks
 from chain_impact.kernel.tangent.directions import dual_dtype, tangent_dtype
@@ -71,6 +71,7 @@ class Field:
         fields: the parts of a record; none for a number or an array.
         kind: numba's type of a number or of the entries of an array.
         shape: of an array.
+        stride: bytes from one entry to the next, of a column of a table; 0 for an array without gaps.
     """
 
     offset: Affine
@@ -78,6 +79,7 @@ class Field:
     fields: Sequence[str]
     kind: types.Type
     shape: Sequence[Affine]
+    stride: int = 0
 
 
 def _affine(numbers: Sequence[int]) -> Affine:
@@ -100,6 +102,9 @@ def _table(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
 
     def add(path: Path, dtypes: Sequence[Any], offsets: Sequence[int]) -> None:
         one = dtypes[0]
+        if one.subdtype and is_table(one):
+            add_columns(path, dtypes, offsets)
+            return
         kind = _kind(one.base)
         fields = () if kind == DUAL else one.names or ()
         table[path] = Field(
@@ -112,6 +117,19 @@ def _table(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
         for name in fields:
             inner, starts, *_ = zip(*(dtype.fields[name] for dtype in dtypes), strict=True)
             add((*path, name), inner, [sum(pair) for pair in zip(offsets, starts, strict=True)])
+
+    def add_columns(path: Path, dtypes: Sequence[Any], offsets: Sequence[int]) -> None:
+        """Add a table, an array of records, as a record of columns."""
+        row, shape = (
+            dtypes[0].base,
+            [_affine(sizes) for sizes in zip(*(d.shape for d in dtypes), strict=True)],
+        )
+        size = _affine([dtype.itemsize for dtype in dtypes])
+        table[path] = Field(_affine(offsets), size, row.names, types.none, ())
+        for name in row.names:
+            kind, start = row.fields[name][:2]
+            place = _affine([offset + start for offset in offsets])
+            table[*path, name] = Field(place, size, (), _kind(kind), shape, row.itemsize)
 
     add((), layouts, [0] * len(layouts))
     return table
@@ -156,7 +174,8 @@ class _Fields(AttributeTemplate):
             return None
         if field.fields:
             return Record(record.what, (*record.path, name))
-        return types.Array(field.kind, len(field.shape), "C") if field.shape else field.kind
+        layout = "A" if field.stride else "C"
+        return types.Array(field.kind, len(field.shape), layout) if field.shape else field.kind
 
 
 def _counter(builder: ir.IRBuilder, name: str) -> ir.Function:
@@ -180,24 +199,35 @@ def _get_field(context: Any, builder: ir.IRBuilder, record: Record, instance: ir
     place = _place(context, builder, instance, field)
     if field.shape:
         shape = [size.built(builder, instance) for size in field.shape]
-        return _array(context, builder, field.kind, place, shape)
+        return _array(context, builder, field.kind, place, shape, stride=field.stride)
     return context.unpack_value(builder, field.kind, place)
 
 
 def _array(
-    context: Any, builder: ir.IRBuilder, scalar: types.Type, first: ir.Value, shape: Sequence[ir.Value]
+    context: Any,
+    builder: ir.IRBuilder,
+    scalar: types.Type,
+    first: ir.Value,
+    shape: Sequence[ir.Value],
+    *,
+    stride: int = 0,
 ) -> ir.Value:
-    """An array without gaps that does not own its memory, from the address of its first entry."""
-    array = cgutils.create_struct_proxy(types.Array(scalar, len(shape), "C"))(context, builder)
+    """An array that does not own its memory, from the address of its first entry.
+
+    It has no gaps, or a ``stride`` of so many bytes from one entry to the next.
+    """
+    array = cgutils.create_struct_proxy(types.Array(scalar, len(shape), "A" if stride else "C"))(
+        context, builder
+    )
     strides: list[ir.Value] = []
     word = cgutils.intp_t(context.get_abi_sizeof(context.get_data_type(scalar)))
-    step: ir.Value = word
+    step: ir.Value = cgutils.intp_t(stride) if stride else word
     for size in reversed(shape):
         strides.insert(0, step)
         step = builder.mul(step, size)
     array.meminfo = cgutils.get_null_value(array.meminfo.type)
     array.parent = cgutils.get_null_value(array.parent.type)
-    array.nitems = builder.udiv(step, word)
+    array.nitems = builder.udiv(step, strides[-1])
     array.itemsize, array.data = word, first
     array.shape, array.strides = cgutils.pack_array(builder, shape), cgutils.pack_array(builder, strides)
     return array._getvalue()

@@ -293,7 +293,7 @@ def begin_step(d):
     if d.given.changed:
         d.given.changed = 0
         apply_inputs(d)
-    landed = events > 0 and d.law.any_rigid and d.touch.compliant_count == 0
+    landed = events > 0 and d.contact.any_rigid and d.touch.compliant_count == 0
     if landed and not MEASURES_START[d.step.method]:
         d.step.next_size = min(d.step.next_size, step_size.in_flight(d, d.step.state_end, d.work.rate_start))
     if events > 0 or d.balance.breaks != d.step.breaks:

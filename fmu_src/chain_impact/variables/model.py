@@ -329,7 +329,7 @@ def _copy_values(source: Any, target: np.ndarray) -> None:
     """Copy the values of a record to each of some records of dual numbers."""
     for name in source.dtype.names:
         part = target[name]
-        if source.dtype[name].names:
+        if source.dtype[name].base.names:
             _copy_values(source[name], part)
         else:
             (part["value"] if part.dtype.names else part)[...] = source[name]

@@ -13,7 +13,6 @@ from chain_impact.kernel.events.sampling import locate_at
 from chain_impact.kernel.integration.dense import rate_bounds, rate_bounds_along
 from chain_impact.kernel.integration.methods import bound_curvatures
 from chain_impact.kernel.integration.sundman import NO_CONTACT
-from chain_impact.kernel.model.geometry import harmless_depth
 from chain_impact.kernel.work_limit import work_exceeded
 
 RESOLUTION = 1e-15  # of a link length: if φ bends less, the bend is round-off, and no interval is halved
@@ -67,7 +66,7 @@ def check_candidate(d, c, a, b):
         return CROSSES if end < 0.0 else QUIET
     rate_start, rate_end = d.search.clear_start_rate[c], d.search.clear_end_rate[c]
     curvature = d.search.curvature[c]
-    sag, harmless = curvature * width * width / 8.0, harmless_depth(d, c)
+    sag, harmless = curvature * width * width / 8.0, d.law.harmless_depth[c]
     # a point so shallow at the end of the step, or one that leaves, may never penetrate further
     near = b == 1.0 or d.touch.active[c]
     falls = end < (-harmless if near else 0.0) and rate_end < 0.0

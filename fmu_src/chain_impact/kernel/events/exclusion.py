@@ -17,7 +17,7 @@ from chain_impact.kernel.integration.sundman import (
     time_rate_change,
     time_rate_of,
 )
-from chain_impact.kernel.model.geometry import along_normal, clearance, harmless_depth, speed_bound
+from chain_impact.kernel.model.geometry import along_normal, clearance, speed_bound
 
 # rad. If a link turns more in a step, the estimated remainder of the interpolant is no bound any more.
 SMALL_TURN = 1.0
@@ -138,7 +138,7 @@ def stays_positive(d, c, error):
     b3 = 2.0 * b4 - d.search.clear_end[c] + h * h * d.search.clear_end_curve[c] / 20.0
     least = min(b1, b2, b3, b4, d.search.clear_end[c])
     most = max(b1, b2, b3, b4, d.search.clear_end[c])
-    return least > MARGIN * (most - least) + error - harmless_depth(d, c)
+    return least > MARGIN * (most - least) + error - d.law.harmless_depth[c]
 
 
 def measure_all(d, y):

@@ -43,7 +43,7 @@ def choose_method(d):
     """Choose the method of the next step, with the points located at its start."""
     step = d.step
     touching = d.touch.active_count > 0
-    if d.law.any_rigid and not (d.law.any_force or d.model.resisting):
+    if d.contact.any_rigid and not (d.contact.any_force or d.model.resisting):
         begin_explicit(step)  # constraints by rigid walls are not stiff
     elif d.solver.method != AUTO:
         step.method = chosen(d.solver.method)

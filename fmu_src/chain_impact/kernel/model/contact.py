@@ -118,12 +118,12 @@ def list_touching(d):
     """
     touch = d.touch
     touch.active_count, d.implicit.ready = 0, 0
-    if d.law.any_force:
+    if d.contact.any_force:
         list_kind(d, 0)
     touch.compliant_count = touch.active_count
     for k in range(touch.compliant_count):
         d.rigid.in_active_set[k] = 0
-    if d.law.any_rigid:
+    if d.contact.any_rigid:
         list_kind(d, 1)
 
 

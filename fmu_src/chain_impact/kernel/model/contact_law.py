@@ -29,6 +29,10 @@ from chain_impact.kernel.status import (
     UNKNOWN_LAW,
 )
 
+# Of a link length: how deep a point may be in a wall without being in contact. Its force would be K δⁿ, 1e-10
+# N for K = 1e8; and the round-off of positions is some 1e-15. Without it, every step of a point that slides
+# along a wall at zero clearance would be searched for an onset.
+HARMLESS = 1e-12
 USER_LAW = LAW_COUNT + 1  # number of the user's law, in a kernel that is linked with one
 
 
@@ -58,27 +62,39 @@ def origin(d, c):
 
 def update_laws(d):
     """Set the laws of all candidates from the given values; returns a status. Invalid ones change nothing."""
+    status = check_laws(d)
+    if status != OK:
+        return status
+    d.contact.any_force, d.contact.any_rigid = 0, 0
     for c in range(d.candidates):
-        status = check_law(d, c)
-        if status != OK:
-            return status
-    d.law.any_force, d.law.any_rigid = 0, 0
-    for c in range(d.candidates):
-        if d.law.same_as[c] == c:
+        first = d.law.same_as[c]
+        if first == c:
             derive_damping(d, c)
+            set_parameters(d, c)
+            note_kind(d, c)
         else:
-            copy_law(d, d.law.same_as[c], c)
-        set_parameters(d, c)
-        note_kind(d.law, c)
+            copy_law(d.law, first, c)
     return OK
 
 
-def note_kind(law, c):
+def check_laws(d):
+    """Check the given values; returns a status. A law with a force cannot become rigid during a contact."""
+    for c in range(d.candidates):
+        status = check_law(d, c) if d.law.same_as[c] == c else OK
+        if status != OK:
+            return status
+    for k in range(d.touch.compliant_count):
+        if given_number(d, d.touch.active_index[k]) == NEWTON_IMPACT:
+            return RIGID_WHILE_TOUCHING
+    return OK
+
+
+def note_kind(d, c):
     """Note that the law of candidate c is one with a force, or rigid."""
-    if law.impulsive[c]:
-        law.any_rigid = 1
+    if d.law.impulsive[c]:
+        d.contact.any_rigid = 1
     else:
-        law.any_force = 1
+        d.contact.any_force = 1
 
 
 def given_number(d, c):
@@ -114,9 +130,7 @@ def check_law(d, c):
         return UNKNOWN_LAW
     if not 0.0 <= restitution <= 1.0 or not given_stiffness(d, c) > 0.0:
         return PARAMETER_OUT_OF_RANGE
-    if d.touch.active[c] and number == NEWTON_IMPACT and not d.law.impulsive[c]:
-        return RIGID_WHILE_TOUCHING
-    if number == USER_LAW or d.law.same_as[c] != c or is_derived(d, c):
+    if number == USER_LAW or is_derived(d, c):
         return OK
     if EXPONENTS[number - 1] not in (ANY, exponent(d, c)):
         return EXPONENT_NOT_ALLOWED
@@ -142,11 +156,14 @@ def derive_damping(d, c):
         law.damping_factor[c] = damping_factor(number, given_restitution(d, c))
 
 
-def copy_law(d, source, c):
-    """Give candidate c the constants of another one, whose law is the same."""
-    law = d.law
+def copy_law(law, source, c):
+    """Give candidate c the law of another one."""
+    law.number[c], law.exponent[c] = law.number[source], law.exponent[source]
+    law.stiffness[c], law.restitution[c] = law.stiffness[source], law.restitution[source]
     law.impulsive[c], law.approach_only[c] = law.impulsive[source], law.approach_only[source]
     law.rate_exponent[c], law.damping_factor[c] = law.rate_exponent[source], law.damping_factor[source]
+    law.minimum_impact_speed[c] = law.minimum_impact_speed[source]
+    law.harmless_depth[c] = law.harmless_depth[source]
 
 
 def set_parameters(d, c):
@@ -154,6 +171,7 @@ def set_parameters(d, c):
     law = d.law
     law.number[c], law.exponent[c] = given_number(d, c), exponent(d, c)
     law.stiffness[c], law.restitution[c] = given_stiffness(d, c), given_restitution(d, c)
+    law.harmless_depth[c] = 0.0 if law.impulsive[c] else HARMLESS * d.model.size
     law.minimum_impact_speed[c] = d.contact.minimum_impact_speed
     if d.candidate.stop[c] != 0:
         law.minimum_impact_speed[c] = d.stops.minimum_impact_speed * d.model.size

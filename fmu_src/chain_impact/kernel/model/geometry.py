@@ -16,11 +16,6 @@ from chain_impact.kernel.chain.kinematics import zero
 from chain_impact.kernel.chain.sincos import polar
 from chain_impact.kernel.chain.state import ANGLES
 
-# Of a link length: how deep a point may be in a wall without being in contact. Its force would be K δⁿ, 1e-10
-# N for K = 1e8; and the round-off of positions is some 1e-15. Without it, every step of a point that slides
-# along a wall at zero clearance would be searched for an onset.
-HARMLESS = 1e-12
-
 WALLS = ("x_min", "x_max", "y_min", "y_max")
 """The walls of the box in the order of their numbers, from 0. After them come those at any angle."""
 
@@ -139,8 +134,3 @@ def coordinates_size(d, c, y):
 def lever(d, c):
     """The length [m] by which speeds, forces and masses of candidate c are those of an angle; of a wall 1."""
     return d.model.size if d.candidate.stop[c] != 0 else 1.0
-
-
-def harmless_depth(d, c):
-    """How deep [m] a point may be in a wall without being in contact; 0 for a rigid wall."""
-    return 0.0 if d.law.impulsive[c] else HARMLESS * d.model.size

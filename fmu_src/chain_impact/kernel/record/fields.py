@@ -10,6 +10,16 @@ def record(*fields: tuple[object, ...]) -> np.dtype:
     return np.dtype(list(fields), align=True)
 
 
+def table(count: int, *columns: tuple[object, ...]) -> np.dtype:
+    """A table of columns (name, type) with ``count`` rows, each of which stands together in memory."""
+    return np.dtype((record(*columns), (count,)))
+
+
+def is_table(dtype: np.dtype) -> bool:
+    """Whether this is a table, and not an array of numbers or of dual numbers."""
+    return dtype.base.names is not None and dtype.base.names != ("value", "slope")
+
+
 def vectors_dtype(points: int) -> np.dtype:
     """A vector for each of some points."""
     return record(("x", REAL, (points,)), ("y", REAL, (points,)))

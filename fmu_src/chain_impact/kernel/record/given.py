@@ -4,7 +4,7 @@ import numpy as np
 
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.model.inputs import DEGREE
-from chain_impact.kernel.record.fields import INTEGER, REAL, record
+from chain_impact.kernel.record.fields import INTEGER, REAL, record, table
 
 
 def model_dtype(links: int) -> np.dtype:
@@ -52,6 +52,9 @@ def contact_dtype() -> np.dtype:
         ("exponent", REAL),
         ("radius", REAL),  # m
         ("minimum_impact_speed", REAL),  # m/s, lower limit of v0, which is latched at onset
+        # derived by model/contact_law.py
+        ("any_force", INTEGER),  # 1: some candidate has a law with a force …
+        ("any_rigid", INTEGER),  # … and one with impulses instead
     )
 
 
@@ -131,35 +134,35 @@ def candidate_dtype(candidates: int) -> np.dtype:
 
     Owner: variables/model.py; of derived values, ``place_walls`` in model/geometry.py.
     """
-    return record(
-        ("point", INTEGER, (candidates,)),  # 0…N; of a stop 1…N, the number of its joint
-        # index into WALLS, or 4 and the index into `walls`; of a stop the numbers after those
-        ("wall", INTEGER, (candidates,)),
-        ("stop", INTEGER, (candidates,)),  # 1: at joint_min, −1: at joint_max, 0: a point at a wall
+    return table(
+        candidates,
+        ("point", INTEGER),  # 0…N; of a stop 1…N, the number of its joint
+        ("wall", INTEGER),  # index into WALLS, or 4 and that into `walls`; of a stop the numbers after those
+        ("stop", INTEGER),  # 1: at joint_min, −1: at joint_max, 0: a point at a wall
         # derived at initialization
-        ("normal_x", REAL, (candidates,)),  # n of the wall …
-        ("normal_y", REAL, (candidates,)),
-        ("offset", REAL, (candidates,)),  # m, … and n·p of the points on it
-        ("place", INTEGER, (candidates,)),  # the point, or of a stop N and the number of the joint
+        ("place", INTEGER),  # the point, or of a stop N and the number of the joint
+        ("normal_x", REAL),  # n of the wall …
+        ("normal_y", REAL),
+        ("offset", REAL),  # m, … and n·p of the points on it
     )
 
 
 def law_dtype(candidates: int) -> np.dtype:
     """The contact law of each candidate. Owner: model/contact_law.py."""
-    return record(
-        ("any_force", INTEGER),  # 1: some candidate has a law with a force …
-        ("any_rigid", INTEGER),  # … and one with impulses instead
-        ("same_as", INTEGER, (candidates,)),  # the first candidate with the same law
-        ("number", INTEGER, (candidates,)),  # of the law, from 1; 0: not yet set
-        ("stiffness", REAL, (candidates,)),  # N/m^exponent
-        ("exponent", REAL, (candidates,)),
-        ("restitution", REAL, (candidates,)),
-        ("minimum_impact_speed", REAL, (candidates,)),  # m/s
+    return table(
+        candidates,
+        ("same_as", INTEGER),  # the first candidate with the same law
+        ("number", INTEGER),  # of the law, from 1; 0: not yet set
+        ("stiffness", REAL),  # N/m^exponent
+        ("exponent", REAL),
+        ("restitution", REAL),
+        ("minimum_impact_speed", REAL),  # m/s
         # derived
-        ("damping_factor", REAL, (candidates,)),  # f(e), λ of the Hunt–Crossley family
-        ("rate_exponent", REAL, (candidates,)),  # p of the damping d δᵖ δ̇
-        ("approach_only", INTEGER, (candidates,)),  # 1: damped during compression only
-        ("impulsive", INTEGER, (candidates,)),  # 1: rigid, with impulses instead of a force law
+        ("damping_factor", REAL),  # f(e), λ of the Hunt–Crossley family
+        ("rate_exponent", REAL),  # p of the damping d δᵖ δ̇
+        ("approach_only", INTEGER),  # 1: damped during compression only
+        ("impulsive", INTEGER),  # 1: rigid, with impulses instead of a force law
+        ("harmless_depth", REAL),  # m, how deep a point may be in the wall without being in contact
     )
 
 

@@ -72,14 +72,14 @@ def copy_inputs(d, t):
 def derive_laws_of(d, t):
     """Derive the constants of the laws of d from the parameters of t."""
     own, law = t.law, d.law
-    own.any_force, own.any_rigid = law.any_force, law.any_rigid
+    t.contact.any_force, t.contact.any_rigid = d.contact.any_force, d.contact.any_rigid
     for c in range(t.candidates):
         own.same_as[c] = law.same_as[c]
-        set_parameters(t, c)
-        if own.same_as[c] == c:
+        if law.same_as[c] == c:
+            set_parameters(t, c)
             derive_law_of(d, t, c)
         else:
-            copy_law(t, own.same_as[c], c)
+            copy_law(own, law.same_as[c], c)
 
 
 def derive_law_of(d, t, c):
