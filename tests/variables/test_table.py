@@ -65,7 +65,7 @@ def test_word_index_counts_as_numpy_does():
     instance = Model(SCENES["four_link_box"]).new_instance()
     instance.view(np.int64)[:] = np.arange(instance.nbytes // 8)
     whole = instance.view(instance.dtype)[0]
-    assert word_index(instance.dtype, ("candidate", "wall", 7)) == whole["candidate"]["wall"][7]
+    assert word_index(instance.dtype, ("candidate", 7, "wall")) == whole["candidate"]["wall"][7]
     place = ("step", "dense", 2, 5)
     assert word_index(instance.dtype, place) == whole["step"]["dense"].view(np.int64)[2, 5]
 
