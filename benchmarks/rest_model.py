@@ -44,7 +44,7 @@ class NoSundialsError(RuntimeError):
 def static_depth(d):
     """Penetration [m] under the weight of one link."""
     weight = abs(d.model.gravity[1]) * d.model.mass[0]
-    return (weight / d.contact.stiffness) ** (1.0 / d.contact.exponent)
+    return (weight / d.law.stiffness[0]) ** (1.0 / d.law.exponent[0])
 
 
 def rate(d, y, out):

@@ -47,7 +47,7 @@ class Plain:
 def make_rigid(d: Plain, rigid: Any = 1) -> None:
     """Let the contacts of all candidates be rigid, 1, or have a force, 0; or say so of each of them."""
     d.law.impulsive[:] = rigid
-    d.law.any_rigid, d.law.any_force = int(d.law.impulsive.any()), int(not d.law.impulsive.all())
+    d.contact.any_rigid, d.contact.any_force = int(d.law.impulsive.any()), int(not d.law.impulsive.all())
     pack(d)
 
 

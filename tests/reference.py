@@ -207,9 +207,15 @@ def random_impedances(rng: np.random.Generator, count: int, largest: float) -> n
 
 
 def set_impedances(record: Any, impedances: np.ndarray) -> None:
-    """Put impedances, shape (N+1, 2, 2), into a record with ``xx, xy, yy``."""
-    record["xx"][:], record["yy"][:] = impedances[:, 0, 0], impedances[:, 1, 1]
-    record["xy"][:] = impedances[:, 0, 1]
+    """Put impedances, shape (N+1, 2, 2), into a record with ``xx, xy, yy``; joints have none."""
+    points = len(impedances)
+    record["xx"][:points], record["yy"][:points] = impedances[:, 0, 0], impedances[:, 1, 1]
+    record["xy"][:points] = impedances[:, 0, 1]
+
+
+def set_vectors(record: Any, vectors: Any) -> None:
+    """Put vectors of the points, shape (N+1, 2), into a record with ``x, y``."""
+    record["x"][: len(vectors)], record["y"][: len(vectors)] = np.transpose(vectors)
 
 
 def clearance_gradient(scene: Scene, angles: Sequence[float], point: int, wall: str) -> np.ndarray:

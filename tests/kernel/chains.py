@@ -167,8 +167,9 @@ def free_coordinates(d: Plain) -> slice:
 
 
 def vectors(record: Any) -> np.ndarray:
-    """The vectors of all points of a record with ``x, y``, shape (N+1, 2)."""
-    return np.transpose([record.x, record.y]).copy()
+    """The vectors of all points of a record with those of all places, shape (N+1, 2)."""
+    points = len(record.x) // 2 + 1
+    return np.transpose([record.x[:points], record.y[:points]])
 
 
 def potential_slopes(d: Plain, y: np.ndarray) -> np.ndarray:

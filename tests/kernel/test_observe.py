@@ -206,4 +206,4 @@ def test_what_an_observer_sees_of_a_stop_is_its_moment_and_its_depth():
     # the moment acts on both links of the joint: the momentum of the chain does not change
     before = vectors(d.work.load)
     assert not before.any()
-    assert d.work.load.turn[2] == pytest.approx(-force * d.model.size, rel=1e-9)
+    assert d.work.load.x[d.links + 2] == pytest.approx(-force, rel=1e-9)

@@ -10,7 +10,7 @@ from chain_impact.kernel.initialize import derive_chain
 from chain_impact.scene.scene import scene_from_dict, with_values
 from chain_impact.variables.model import Model
 from tests.plain import Plain
-from tests.reference import mass_matrix, point_jacobian, random_impedances, set_impedances
+from tests.reference import mass_matrix, point_jacobian, random_impedances, set_impedances, set_vectors
 
 
 def random_chain(rng, count, base, largest):
@@ -49,8 +49,8 @@ def answer(d, impedance, shift, impulses, aim):
     found = np.full(count + 2, np.nan)
     set_impedances(work.impedance, impedance)
     factorize_damped(d, work.link, work.impedance, shift, work.factors)
-    work.load.x[:], work.load.y[:] = impulses.T
-    work.load.turn[1:] = work.factors.damper * aim
+    set_vectors(work.load, impulses)
+    work.load.joint[:] = work.factors.damper * aim
     solve_damped(d, work.link, work.factors, work.load, found)
     return found
 

@@ -79,7 +79,7 @@ def test_a_change_of_the_coordinates_moves_the_points_as_their_jacobians_say(cou
     scene, d = chain(rng, count, base)
     y, change = random_state(rng, d), rng.normal(size=count + 2)
     link_vectors(d, y)
-    move_points(d.work.link, change, d.work.motion)
+    move_points(d, d.work.link, change, d.work.motion)
     expected = [point_jacobian(scene, y[2 : count + 2], k) @ change for k in range(count + 1)]
     np.testing.assert_allclose(vectors(d.work.motion), expected, rtol=0, atol=1e-13)
 
@@ -92,7 +92,7 @@ def test_the_largest_component_is_found_wherever_it_stands(row, axis, sign):
     motion, part = d.work.motion, (d.work.motion.x, d.work.motion.y)[axis]
     motion.x[:], motion.y[:] = (0.1, -0.3, 0.2), (-0.2, 0.1, 0.3)
     part[row] = 0.5 * sign
-    assert largest(motion) == 0.5
-    zero(motion)
+    assert largest(d, motion) == 0.5
+    zero(d, motion)
     assert not vectors(motion).any()
-    assert largest(motion) == 0.0
+    assert largest(d, motion) == 0.0

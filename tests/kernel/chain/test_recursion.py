@@ -337,7 +337,7 @@ def test_impulses_move_the_chain_and_its_impedances_as_assembled(count, stiff, b
     accuracy = 1e-11 * max(1.0, stiff / 1e4)
     np.testing.assert_allclose(found, expected, rtol=0, atol=accuracy * np.abs(expected).max())
 
-    move_points(work["link"], found, work["motion"])
+    move_points(d, work["link"], found, work["motion"])
     for k in range(count + 1):
         moved = work["motion"]["x"][k], work["motion"]["y"][k]
         np.testing.assert_allclose(moved, point_jacobian(scene, angles, k) @ found, rtol=0, atol=1e-12)

@@ -89,7 +89,7 @@ def test_what_it_allows_has_positive_pivots(pinned):
         derive_chain(d)
         for angles in (rng.choice([0.0, np.pi], count), rng.uniform(-3.0, 3.0, count)):
             link_vectors(d, np.array([0.0, 0.0, *angles]))
-            no_impedance(d.work.impedance)
+            no_impedance(d, d.work.impedance)
             factorize(d, d.work.link, d.work.impedance, d.work.factors)
             assert (d.work.factors.inverse > 0.0).all()
             assert d.work.factors.inverse.max() < 1e6

@@ -6,7 +6,7 @@ import pytest
 from chain_impact.kernel.chain.damped import factorize_damped, solve_damped
 from chain_impact.kernel.chain.shifted import factorize_shifted, solve_shifted
 from tests.kernel.chain.test_damped import prepared, random_chain, relative_motion
-from tests.reference import mass_matrix, point_jacobian, random_impedances, set_impedances
+from tests.reference import mass_matrix, point_jacobian, random_impedances, set_impedances, set_vectors
 
 
 def answer(d, impedance, shift, impulses, joint_impulses):
@@ -15,11 +15,11 @@ def answer(d, impedance, shift, impulses, joint_impulses):
     impedance, stops = impedance if isinstance(impedance, tuple) else (impedance, np.zeros(d.links) + 0j)
     set_impedances(work.impedance, impedance.real)
     set_impedances(own.reactance, impedance.imag)
-    work.impedance.turn[1:], own.reactance.turn[1:] = stops.real, stops.imag
+    work.impedance.joint[:], own.reactance.joint[:] = stops.real, stops.imag
     factorize_shifted(d, work.link, work.impedance, own.reactance, pair, shift.real, shift.imag, own.factors)
-    work.load.x[:], work.load.y[:] = impulses.real.T
-    own.load.x[:], own.load.y[:] = impulses.imag.T
-    work.load.turn[1:], own.load.turn[1:] = joint_impulses.real, joint_impulses.imag
+    set_vectors(work.load, impulses.real)
+    set_vectors(own.load, impulses.imag)
+    work.load.joint[:], own.load.joint[:] = joint_impulses.real, joint_impulses.imag
     own.answer[:] = np.nan
     solve_shifted(d, work.link, own.factors, pair, work.load, own.load, own.answer)
     return own.answer[0] + 1j * own.answer[1]

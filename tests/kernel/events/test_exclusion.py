@@ -40,6 +40,7 @@ from chain_impact.simulation.instance import Instance
 from tests.kernel.chains import chain, random_state, touch
 from tests.kernel.steps import free_motion, gaps_of, set_step, translation, wall_at, walls_away
 from tests.plain import Plain, make_rigid
+from tests.reference import set_vectors
 
 
 def steps(instance, until):
@@ -298,7 +299,7 @@ def test_the_way_that_points_can_have_come_is_bounded_by_what_they_do_at_the_end
 
 def test_the_fastest_point_is_bounded_by_the_sum_of_its_components():
     _, d = chain(np.random.default_rng(0), 2)
-    d.work.motion.x[:], d.work.motion.y[:] = (0.3, -2.0, 1.0), (-0.4, 1.5, 3.0)
+    set_vectors(d.work.motion, [(0.3, -0.4), (-2.0, 1.5), (1.0, 3.0)])
     assert speed_bound(d, d.work.motion) == 4.0
     d.work.motion.x[1] = -3.0
     assert speed_bound(d, d.work.motion) == 4.5

@@ -209,7 +209,7 @@ def test_rebounds_too_slow_to_leave_are_none(times, aims):
 def test_impulses_fall_short_by_more_than_round_off(short):
     d, *_ = touching(1, POINTS, kinds=NONE)
     d.rigid.target[:4] = 0.5
-    d.rigid.reached[:4] = 0.5, 0.9, 0.5 - short * GAIN * largest(d.work.velocity), 0.5
+    d.rigid.reached[:4] = 0.5, 0.9, 0.5 - short * GAIN * largest(d, d.work.velocity), 0.5
     assert lacks_rebound(d) == (short > 1.0)
 
 
@@ -331,7 +331,7 @@ def test_contacts_end_where_they_stand_for_another_law():
 def test_contacts_that_no_push_can_bring_to_rest_are_let_go():
     """By more than round-off of the fastest point, and only those that are not pressed."""
     d, *_ = touching(1, POINTS, kinds=NONE)
-    scale = largest(d.work.velocity)
+    scale = largest(d, d.work.velocity)
     d.rigid.in_active_set[:4] = 0, 0, 1, 0
     d.rigid.reached[:4] = 0.5 * DOUBT * scale, 2.0 * DOUBT * scale, 1.0, 0.0
     end_unstopped_contacts(d)

@@ -69,7 +69,7 @@ def factor_of(law, e):
     given["law"], given["restitution"], contact["exponent"] = law.number, e, law.exponent or 1.5
     status = initialize(instance)
     assert status in (OK, RESTITUTION_NOT_ALLOWED)
-    return float(contact["damping_factor"]) if status == OK else math.inf
+    return float(instance.record["law"]["damping_factor"][0]) if status == OK else math.inf
 
 
 @functools.cache

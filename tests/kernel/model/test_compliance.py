@@ -59,7 +59,7 @@ def load(d, impulse, joints):
     clear_loads_of(d, d.work.load)
     for k in range(d.touch.active_count):
         add_along_normal(d, d.touch.active_index[k], d.work.load, impulse[k])
-    d.work.load.turn[1:] += joints
+    d.work.load.joint[:] += joints
 
 
 def test_it_gives_way_as_assembled(case):
@@ -174,7 +174,9 @@ def test_stops_give_way_as_assembled(base, count, resist, time):
     solve_contacts(d, d.work.link, d.implicit.real, impulse, change)
     expected = solved(d, stiff, jacobian.T @ impulse[:active])
     np.testing.assert_allclose(change, expected, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(d.work.motion.turn[1:], across @ expected, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(
+        d.work.motion.x[count + 1 :], d.model.size * (across @ expected), rtol=0, atol=1e-9
+    )
     # and with impulses in joints besides
     joints = rng.normal(size=count)
     joints[0] *= d.model.pinned

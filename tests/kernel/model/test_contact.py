@@ -167,7 +167,7 @@ def test_the_side_of_its_kink_is_that_on_which_a_contact_is(law):
     d.touch.beyond_kink[:] = [*[5] * d.candidates]
     make_rigid(d, law == "newton_impact")
     set_kink_sides(d)
-    if d.law.any_rigid:  # a rigid wall has no force
+    if d.contact.any_rigid:  # a rigid wall has no force
         assert (d.touch.beyond_kink == 5).all()
         return
     assert d.touch.beyond_kink[candidates].tolist() == sides

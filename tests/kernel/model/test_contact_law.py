@@ -11,7 +11,7 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.laws import user_law
 from chain_impact.kernel.laws.contact_laws import LAW_COUNT
 from chain_impact.kernel.model.contact_force import elastic_energy, law_force, set_damping
-from chain_impact.kernel.model.contact_law import USER_LAW, start_laws, update_laws
+from chain_impact.kernel.model.contact_law import HARMLESS, USER_LAW, start_laws, update_laws
 from chain_impact.kernel.model.inputs import apply_inputs
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
@@ -63,7 +63,7 @@ def test_a_law_is_what_the_registry_says(law):
     assert (own.approach_only == law.approach_only).all()
     assert (own.damping_factor == law.damping_factor(e)).all()
     assert (own.impulsive == law.impulsive).all()
-    assert (own.any_rigid, own.any_force) == (law.impulsive, not law.impulsive)
+    assert (contact.any_rigid, contact.any_force) == (law.impulsive, not law.impulsive)
     if law.exponent is not None:
         contact.exponent = 1.1
         assert start_laws(d) == EXPONENT_NOT_ALLOWED
@@ -292,6 +292,20 @@ def test_what_touches_with_a_force_cannot_become_rigid():
     d.stops.law = kept
     assert update_laws(d) == OK
     assert (d.law.impulsive == (d.candidate.stop == 0)).all()
-    assert (d.law.any_rigid, d.law.any_force) == (1, 1)
+    assert (d.contact.any_rigid, d.contact.any_force) == (1, 1)
     touch(d, [0])
     assert update_laws(d) == OK
+
+
+def test_a_depth_is_harmless_by_round_off_of_a_link_and_none_in_a_rigid_wall():
+    d = prepared()
+    d.model.size = 2.5
+    assert start_laws(d) == OK
+    harmless = d.law.harmless_depth[0]
+    assert harmless == 2.5 * HARMLESS
+    # a force of 1e-10 N at 1e8 N/m^1.5, and more than round-off of positions
+    assert 1e8 * harmless**1.5 < 1e-9
+    assert harmless > 1e3 * 2.0**-53 * d.model.size
+    d.given.law = CONTACT_LAWS["newton_impact"].number
+    assert update_laws(d) == OK
+    assert (d.law.harmless_depth == 0.0).all()

@@ -24,7 +24,7 @@ def prepared(base, count, **more):
     candidates = [1, d.candidates - 1]
     y = struck(rng, d, candidates)
     for k, c in enumerate(candidates):
-        if not d.law.any_rigid:
+        if not d.contact.any_rigid:
             begin_contact(d, c)
         press_in(d, c, 1e-3 * (k + 1))
     set_kink_sides(d)
@@ -91,7 +91,7 @@ def test_what_is_stored_is_that_of_the_springs_and_of_the_contacts_that_are_pres
 def test_no_motion_changes_the_ledger(base, count, law):
     """By a central difference along ẏ, under gravity, springs, dampers, inputs and contacts."""
     _, d, y, _ = prepared(base, count, model=law, stiffness=1e5)
-    if d.law.any_rigid:
+    if d.contact.any_rigid:
         touch(d, [])
     rate, h, ends, scale = np.zeros(len(y)), 1e-6, [], []
     state_rate(d, y, rate)

@@ -34,7 +34,7 @@ from tests.kernel.chains import (
     vectors,
 )
 from tests.plain import make_rigid
-from tests.reference import generalized_force, mass_matrix, point_jacobian
+from tests.reference import generalized_force, mass_matrix, point_jacobian, set_vectors
 
 CASES = [("free", 1), ("free", 3), ("pinned", 1), ("pinned", 4)]
 BASES = pytest.mark.parametrize(("base", "count"), CASES)
@@ -105,7 +105,7 @@ def test_the_rate_solves_the_assembled_equations_under_the_present_loads(base, c
     scene, d, y, _ = prepared(base, count, springs=resisting, dampers=resisting, inputs=inputs)
     rng, rate = np.random.default_rng(5), np.full(len(y), np.nan)
     loads = rng.normal(size=(count + 1, 2))
-    d.work.load.x[:], d.work.load.y[:] = loads.T
+    set_vectors(d.work.load, loads)
     moments, powers = np.zeros(count), (0.0, 0.0)
     if inputs or d.model.resisting:
         powers = joint_moments(d, y)

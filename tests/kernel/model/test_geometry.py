@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, move_points
+from chain_impact.kernel.chain.recursion import no_impedance
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.geometry import (
-    HARMLESS,
     NORMALS,
     WALLS,
     add_along_normal,
@@ -17,13 +17,13 @@ from chain_impact.kernel.model.geometry import (
     clear_loads_of,
     clearance,
     coordinates_size,
-    harmless_depth,
+    impedance_of_joints,
     lever,
-    move_contacts,
     place_side,
     place_slope,
     place_walls,
     speed_bound,
+    to_joints,
 )
 from chain_impact.kernel.status import OK, PARAMETER_OUT_OF_RANGE
 from chain_impact.scene.scene import with_values
@@ -31,6 +31,7 @@ from chain_impact.variables.model import Model
 from tests.kernel.chains import random_state, stopped_chain, stops_of
 from tests.plain import Plain
 from tests.problems import default_scene
+from tests.reference import set_vectors
 
 # angle and point; the last angle is beyond what the kernel's own sines are for
 SLOPES = [
@@ -59,7 +60,7 @@ def placed(request):
 def vectors(d, seed):
     """Any vectors of all points, in the record and as an array (N+1, 2)."""
     values = np.random.default_rng(seed).normal(size=(d.links + 1, 2))
-    d.work.motion.x[:], d.work.motion.y[:] = values.T
+    set_vectors(d.work.motion, values)
     return d.work.motion, values
 
 
@@ -155,17 +156,6 @@ def test_a_candidate_can_be_given_any_wall(c):
             assert gap + d.contact.radius == pytest.approx(distance, abs=3e-14)
 
 
-def test_a_depth_is_harmless_by_round_off_of_a_link_and_none_in_a_rigid_wall():
-    _, d = prepared(box=True)
-    d.model.size = 2.5
-    assert harmless_depth(d, 0) == 2.5 * HARMLESS
-    # a force of 1e-10 N at 1e8 N/m^1.5, and more than round-off of positions
-    assert 1e8 * harmless_depth(d, 0) ** 1.5 < 1e-9
-    assert harmless_depth(d, 0) > 1e3 * 2.0**-53 * d.model.size
-    d.law.impulsive[0] = 1
-    assert harmless_depth(d, 0) == 0.0
-
-
 # --- stops in joints ---------------------------------------------------------------------------------------
 
 
@@ -188,7 +178,7 @@ def test_the_clearance_of_a_stop_is_that_of_the_angle_of_its_joint_at_the_arm(st
         limit = (d.model.joint_min if side > 0 else d.model.joint_max)[joint]
         assert clearance(d, c)[0] == pytest.approx(size * side * (angles[joint] - limit), rel=1e-13)
         assert lever(d, c) == size
-        assert d.candidate.arm[c] == side * size
+        assert (d.candidate.place[c], d.candidate.normal_x[c]) == (d.links + joint + 1, side)
         before = abs(y[joint + 1]) if joint else 0.0
         assert coordinates_size(d, c, y) == pytest.approx(size * (abs(y[joint + 2]) + before), rel=1e-14)
     rates = np.array([clearance(d, c)[1] for c in range(d.candidates)])
@@ -215,24 +205,31 @@ def test_the_motion_and_the_load_of_contacts_are_adjoint(stopped):
     change = rng.normal(size=5)
     if d.model.pinned:
         change[:2] = 0.0
-    move_contacts(d, d.work.link, change, d.work.motion)
+    move_points(d, d.work.link, change, d.work.motion)
     motion = d.work.motion
     bound = speed_bound(d, motion)
     for c in range(d.candidates):
         speed, force = along_normal(d, c, motion), rng.normal()
         assert abs(speed) <= bound
-        d.work.load.x[:] = d.work.load.y[:] = d.work.load.turn[:] = 9.0
+        d.work.load.x[:] = d.work.load.y[:] = d.work.load.joint[:] = 9.0
         clear_loads_of(d, d.work.load)
         add_along_normal(d, c, d.work.load, force)
         load, own = d.work.load, d.work.impedance
-        power = load.x @ motion.x + load.y @ motion.y + load.turn[1:] @ motion.turn[1:]
+        assert load.x @ motion.x + load.y @ motion.y == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
+        # as moments in the joints and forces on the points
+        to_joints(d, load)
+        turns, points = np.diff(change[2:], prepend=0.0), slice(0, d.links + 1)
+        power = load.x[points] @ motion.x[points] + load.y[points] @ motion.y[points] + load.joint @ turns
         assert power == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
-        for name in ("xx", "xy", "yy", "turn"):
-            own[name][:] = 0.0
+        own.xx[:] = own.xy[:] = own.yy[:] = own.joint[:] = 9.0
+        no_impedance(d, own)
+        own.xy[d.links + 1 :] = own.yy[d.links + 1 :] = 0.0  # which nothing reads
         add_impedance(d, c, own, 2.5)
         energy = own.xx @ motion.x**2 + 2.0 * (own.xy @ (motion.x * motion.y)) + own.yy @ motion.y**2
-        energy += own.turn[1:] @ motion.turn[1:] ** 2
         assert energy == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
+        impedance_of_joints(d, own)
+        if d.candidate.stop[c]:
+            assert own.joint @ turns**2 == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
     # J v by a difference of g
     gaps, h = [], 1e-6
     moved = [along_normal(d, c, motion) for c in range(d.candidates)]
@@ -247,8 +244,8 @@ def test_the_motion_and_the_load_of_contacts_are_adjoint(stopped):
 def test_the_fastest_joint_is_in_the_bound_of_speeds(stopped):
     d, _ = stopped
     d.work.motion.x[:] = d.work.motion.y[:] = 0.1
-    d.work.motion.turn[:] = 99.0, 0.5, -4.0, 1.0
-    assert speed_bound(d, d.work.motion) == pytest.approx(4.0 * d.model.size, rel=1e-14)
+    d.work.motion.x[4:] = 0.5, -4.0, 1.0
+    assert speed_bound(d, d.work.motion) == 4.1
 
 
 def test_the_acceleration_of_a_joint_is_that_of_its_angle(stopped):
