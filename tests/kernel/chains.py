@@ -172,6 +172,11 @@ def vectors(record: Any) -> np.ndarray:
     return np.transpose([record.x[:points], record.y[:points]])
 
 
+def located(d: Plain) -> np.ndarray:
+    """Where the points of a record are located, as complex numbers, shape (N+1,)."""
+    return np.asarray(vectors(d.work.position) @ (1.0, 1.0j))
+
+
 def potential_slopes(d: Plain, y: np.ndarray) -> np.ndarray:
     """The slopes of the potential energy by the coordinates, by central differences, shape (N+2,).
 

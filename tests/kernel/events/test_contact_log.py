@@ -30,6 +30,7 @@ from chain_impact.kernel.model.contact import contact_force
 from chain_impact.kernel.model.contact_force import set_damping
 from chain_impact.kernel.model.geometry import clearance
 from chain_impact.simulation.instance import Instance
+from tests.kernel.chains import located
 from tests.kernel.events.test_kinks_of_a_step import DEEP, falling
 from tests.kernel.steps import held_tip, let_push, points_of
 from tests.plain import make_rigid
@@ -91,7 +92,7 @@ TURNING = [0.0, -0.5, 0.6, 0.1]  # turns within the step
 
 def there(d, points):
     """Whether the points are located at these."""
-    np.testing.assert_allclose(d.work.position.x + 1j * d.work.position.y, points, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(located(d), points, rtol=0, atol=1e-13)
 
 
 @pytest.mark.parametrize("size", [1.0, 0.2])

@@ -13,7 +13,7 @@ from chain_impact.kernel.events.kinks import crossed, find_kink, find_kink_root,
 from chain_impact.kernel.events.relatch import find_relatch, is_fast
 from chain_impact.kernel.events.sampling import bisection, first_passage, locate_at
 from chain_impact.kernel.model.contact import begin_contact, set_kink_sides
-from tests.kernel.chains import chain, touch
+from tests.kernel.chains import chain, located, touch
 from tests.kernel.steps import points_of, set_step, translation, wall_at, walls_away
 from tests.problems import of_law
 
@@ -85,7 +85,7 @@ def test_points_are_located_at_a_fraction_of_the_step_which_counts_as_work(theta
     d.step.dense[:, -2:] = 0.0
     locate_at(d, theta)
     here = points_of(d, motion.at(theta))
-    np.testing.assert_allclose(d.work.position.x + 1j * d.work.position.y, here, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(located(d), here, rtol=0, atol=1e-13)
     np.testing.assert_allclose(d.work.y[:-2], motion.at(theta)[:-2], rtol=0, atol=1e-13)
     assert d.limits.other_work == work + 1
 

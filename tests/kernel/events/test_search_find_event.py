@@ -20,7 +20,7 @@ from chain_impact.kernel.events.search import (
 )
 from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER
 from chain_impact.kernel.integration.method import IMPLICIT
-from tests.kernel.chains import chain, touch
+from tests.kernel.chains import chain, located, touch
 from tests.kernel.events.test_crossing import first_fall, moving
 from tests.kernel.events.test_kinks_of_a_step import falling
 from tests.kernel.steps import gaps_of, held_tip, points_of, set_step, translation, wall_at, walls_away
@@ -164,7 +164,7 @@ def test_a_candidate_starts_clear_by_its_taylor_polynomial(gap, rate, bend, clea
         d.candidate.offset[1] -= sign * 1e-12
     there = points_of(d, d.work.y)
     assert starts_clear(d, 0.1) == clear
-    np.testing.assert_allclose(d.work.position.x + 1j * d.work.position.y, there, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(located(d), there, rtol=0, atol=1e-13)
     # other events and the regularized contact do not count, and one of many is enough
     d.touch.event[1] = KINK
     assert not starts_clear(d, 0.1)

@@ -32,7 +32,9 @@ def record(start, weight=1e14):
         + [(name, float) for name in SCALARS]
         + [("iterations", int)]
     )
-    block = np.zeros(1, [("implicit", implicit), ("contact", [("impulsive", int)])])
+    block = np.zeros(
+        1, [("implicit", implicit), ("touch", [("active_count", int), ("compliant_count", int)])]
+    )
     d = Plain(block[0])
     d.implicit.start[:], d.implicit.weight[:] = start, weight
     d.implicit.slowness = UNKNOWN

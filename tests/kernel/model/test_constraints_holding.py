@@ -250,6 +250,7 @@ def test_points_are_put_onto_their_walls_unless_that_takes_far_more_than_is_miss
     if bad:  # the same point, at walls of which one is turned by 1e-3
         first, second = d.touch.active_index[:2]
         d.candidate.point[second] = d.candidate.point[first]
+        d.candidate.place[second] = d.candidate.place[first]
         c, s = math.cos(1e-3), math.sin(1e-3)
         nx, ny = d.candidate.normal_x[first], d.candidate.normal_y[first]
         d.candidate.normal_x[second], d.candidate.normal_y[second] = c * nx - s * ny, s * nx + c * ny

@@ -117,7 +117,7 @@ def test_a_law_that_is_none_or_out_of_range_is_refused(field, value, status, mon
 
 def laws_of(d):
     """All that is known of the laws, as bytes."""
-    return d.law._record.tobytes()
+    return d.law.tobytes(), d.contact.any_force, d.contact.any_rigid
 
 
 def test_a_law_is_derived_when_it_or_its_restitution_has_changed_also_for_contacts_that_last():

@@ -181,7 +181,7 @@ def test_a_users_law_gives_the_force_and_its_slopes_are_differences(own):
         for rate in (-0.4, 0.0, 2.0):
             force, elastic = law_force(own, 0, depth, rate)
             assert force == own_force(depth, rate, *values)
-            assert forces.user_force(own, 0, depth, rate) == force
+            assert forces.user_contact_force(own, 0, depth, rate) == force
             assert elastic == pytest.approx(STIFFNESS * depth**1.5, rel=1e-13)
             ratio = 1.0 + restitution * rate / SPEED
             by_depth = 1.5 * STIFFNESS * math.sqrt(depth) * ratio + MASS * rate
