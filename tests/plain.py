@@ -57,3 +57,4 @@ def pack(d: Plain) -> None:
     d.touch.active_index[: len(packed)] = packed
     d.touch.active_count = len(packed)
     d.touch.compliant_count = sum(not d.law.impulsive[c] for c in packed)
+    d.touch.stop_count = np.count_nonzero(d.candidate.stop[packed])

@@ -84,7 +84,7 @@ def set_initial_state(d, y):
 
 def clear_run(d):
     """Clear the data of an earlier run: moments, contacts, impacts, the log and all counts."""
-    d.touch.active_count, d.touch.compliant_count = 0, 0
+    d.touch.active_count, d.touch.compliant_count, d.touch.stop_count = 0, 0, 0
     for i in range(d.links):
         d.work.moment[i], d.work.load.joint[i], d.implicit.load.joint[i] = 0.0, 0.0, 0.0
     for c in range(d.candidates):

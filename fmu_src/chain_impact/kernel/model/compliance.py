@@ -32,15 +32,16 @@ def factorize_contacts(d, links, impedance, time, factors):
     no_impedance(d, d.work.impedance)
     for k in range(d.touch.active_count):
         add_impedance(d, d.touch.active_index[k], d.work.impedance, impedance[k])
-    factorize_chain(d, links, time, factors)
+    coupled = d.touch.stop_count > 0 or (d.model.resisting and time > 0.0)
+    factorize_chain(d, links, time, coupled, factors)
 
 
-def factorize_chain(d, links, time, factors):
-    """Eliminate M + Jᵀ D J + K, with D in ``work.impedance``, in the way that the scene needs."""
-    factors.coupled = 1 if d.model.stopped or (d.model.resisting and time > 0.0) else 0
-    if d.model.stopped:
-        impedance_of_joints(d, d.work.impedance)
+def factorize_chain(d, links, time, coupled, factors):
+    """Eliminate M + Jᵀ D J + K, with D in ``work.impedance``, for joints that transmit moments or do not."""
+    factors.coupled = 1 if coupled else 0
     if factors.coupled:
+        if d.model.stopped:
+            impedance_of_joints(d, d.work.impedance)
         factorize_damped(d, links, d.work.impedance, time, factors)
     else:
         factorize(d, links, d.work.impedance, factors)
@@ -56,9 +57,9 @@ def solve_chain(d, links, factors, change):
         change: result Δ of the coordinates' rates, shape (N+2,) [m/s, rad/s]. The resulting motion of the
             places is stored in ``work.motion``.
     """
-    if d.model.stopped:
-        to_joints(d, d.work.load)
     if factors.coupled:
+        if d.model.stopped:
+            to_joints(d, d.work.load)
         solve_damped(d, links, factors, d.work.load, change)
     else:
         solve(d, links, factors, d.work.load, change)
@@ -77,7 +78,7 @@ def effective_mass(d, c):
     """Effective mass 1/(J M⁻¹ Jᵀ) [kg] of candidate c along its normal, at the located points."""
     work = d.work
     no_impedance(d, work.impedance)
-    factorize_chain(d, work.link, 0.0, work.factors)
+    factorize_chain(d, work.link, 0.0, d.candidate.stop[c] != 0, work.factors)
     clear_loads_of(d, work.load)
     add_along_normal(d, c, work.load, 1.0)
     solve_chain(d, work.link, work.factors, work.change)

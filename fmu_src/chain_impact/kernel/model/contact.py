@@ -125,6 +125,9 @@ def list_touching(d):
         d.rigid.in_active_set[k] = 0
     if d.contact.any_rigid:
         list_kind(d, 1)
+    touch.stop_count = 0
+    for k in range(touch.active_count if d.model.stopped else 0):
+        touch.stop_count += d.candidate.stop[touch.active_index[k]] != 0
 
 
 def list_kind(d, impulsive):

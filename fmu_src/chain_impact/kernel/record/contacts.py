@@ -20,6 +20,7 @@ def touch_dtype(candidates: int) -> np.dtype:
     return record(
         ("active_count", INTEGER),
         ("compliant_count", INTEGER),  # of them, with a force law: these come first
+        ("stop_count", INTEGER),  # of them, stops
         ("active_index", INTEGER, (candidates,)),  # the candidates in contact, packed
         ("active", INTEGER, (candidates,)),  # 1: in contact
         ("event", INTEGER, (candidates,)),  # at `step.end` and not yet applied, see kernel/events/kinds.py
