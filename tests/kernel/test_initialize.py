@@ -140,7 +140,7 @@ def test_a_run_begins_anew_whatever_went_before(monkeypatch):
     _, d = prepared(springs=True, dampers=True)
     told = []
     assert initialize(d, 2.0) == OK
-    first = {name: d[name]._record.tobytes() for name in ("model", "law", "step", "statistics", "balance")}
+    first = {name: d._record[name].tobytes() for name in ("model", "law", "step", "statistics", "balance")}
     d.step.next_size, d.step.method, d.step.stiff_count, d.impact.last_time = 9.0, 1, 3, 9.0
     d.limits.event_start = d.limits.work_start = 9.0
     d.step.breaks, d.statistics.steps, d.given.changed, d.work.y[:] = 7, 7, 1, 9.0
@@ -148,7 +148,7 @@ def test_a_run_begins_anew_whatever_went_before(monkeypatch):
     assert initialize(d, 2.0) == OK
     assert told == [d]
     for name, values in first.items():
-        assert d[name]._record.tobytes() == values, name
+        assert d._record[name].tobytes() == values, name
     assert d.step.time == d.step.start == d.step.end == d.impact.last_time == 2.0
     assert d.limits.event_start == d.limits.work_start == 2.0
     assert d.given.changed == 0

@@ -9,6 +9,7 @@ from chain_impact.kernel.chain.springs import spring_energy
 from chain_impact.kernel.chain.state import dissipated_at, supplied_at
 from chain_impact.kernel.model.contact import begin_contact, set_kink_sides
 from chain_impact.kernel.model.contact_force import elastic_energy, law_force
+from chain_impact.kernel.model.geometry import place_walls
 from chain_impact.kernel.observe import combine_stops, fill_outputs, first_stop, observe
 from tests.kernel.chains import chain, stopped_chain, stops_of, touch, vectors
 from tests.kernel.steps import (
@@ -189,8 +190,9 @@ def test_what_an_observer_sees_of_a_stop_is_its_moment_and_its_depth():
     set_step(d, motion, SIZE)
     y, n = motion.at(0.0), d.links
     angle, rate = y[3] - y[2], y[n + 5] - y[n + 4]
+    d.model.joint_min[1], d.model.joint_max[1] = angle - 1.0, angle - 0.02
+    place_walls(d)
     d.candidate.offset[:low] = -1e9
-    d.candidate.offset[low], d.candidate.offset[high] = angle - 1.0, angle - 0.02
     touch(d, [high])
     locate_points(d, y)
     begin_contact(d, high)

@@ -65,7 +65,7 @@ def test_a_number_out_of_its_range_is_not(d, record, field, value):
     [
         *(("touch", field) for field in ("active", "active_index", "event")),
         *(("law", field) for field in ("number", "same_as")),
-        *(("candidate", field) for field in ("point", "wall", "stop")),
+        *(("candidate", field) for field in ("point", "wall", "stop", "place")),
     ],
 )
 @pytest.mark.parametrize("value", [-2, 1 << 40])
@@ -96,6 +96,7 @@ BOUNDS = {
     ("touch", "number"): (0, 7),
     ("candidate", "point"): (0, 3),
     ("candidate", "wall"): (0, 4 + 15),
+    ("candidate", "place"): (0, 6),
 }
 
 
@@ -107,7 +108,7 @@ def test_each_index_has_its_least_and_its_most(record, field):
     if field == "stop":
         d.candidate.point[:] = 1  # a stop is in a joint, and these are counted from 1
     assert within_bounds(d)
-    shape = d[record]._record.dtype[field].shape
+    shape = np.shape(d[record][field])
     for i in range(shape[0]) if shape else [None]:
         for bound, beyond in ((least, -1), (most, 1)):
             for value, fits in ((bound, True), (bound if bound is None else bound + beyond, False)):

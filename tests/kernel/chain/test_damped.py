@@ -96,7 +96,7 @@ def test_without_damping_it_is_the_recursion_without(base):
     found, expected = answer(d, impedance, 0.7, impulses, np.ones(6)), np.full(8, np.nan)
     set_impedances(d.work.impedance, impedance)
     factorize(d, d.work.link, d.work.impedance, d.work.factors)
-    d.work.load.x[:], d.work.load.y[:] = impulses.T
+    set_vectors(d.work.load, impulses)
     solve(d, d.work.link, d.work.factors, d.work.load, expected)
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 

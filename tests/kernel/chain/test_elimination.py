@@ -22,13 +22,14 @@ from chain_impact.kernel.chain.recursion import (
     spread,
     take_out,
 )
-from tests.kernel.chains import chain, random_state, vectors
+from tests.kernel.chains import chain, random_state, stopped_chain, vectors
 from tests.reference import (
     generalized_force,
     mass_matrix,
     point_jacobian,
     random_impedances,
     set_impedances,
+    set_vectors,
 )
 
 OUTWARD = pytest.mark.parametrize("outward", [True, False])
@@ -53,7 +54,7 @@ class Hanging:
         joint = 0 if outward else n
         # of no importance to what hangs from the joint
         added = random_impedances(rng, n + 1, heaviest)
-        d.work.load.x[:], d.work.load.y[:] = loads.T
+        set_vectors(d.work.load, loads)
         loads[joint] = added[joint] = 0.0
         set_impedances(d.work.impedance, added)
         matrix, right = mass_matrix(self.scene, angles), np.zeros(n + 2)
@@ -168,7 +169,7 @@ def test_the_arms_of_a_free_chain_may_meet_at_any_joint(count):
     y, work = random_state(rng, d), d.work
     link_vectors(d, y)
     loads, work.moment[:] = rng.normal(size=(count + 1, 2)), rng.normal(size=count)
-    work.load.x[:], work.load.y[:] = loads.T
+    set_vectors(work.load, loads)
     added = random_impedances(rng, count + 1, 2.0)
     angles, omega = y[2 : count + 2], y[count + 4 : 2 * count + 4]
     matrix, right = mass_matrix(scene, angles), np.zeros(count + 2)
@@ -200,3 +201,8 @@ def test_without_impedances_the_points_are_as_light_as_they_are():
     set_impedances(d.work.impedance, random_impedances(np.random.default_rng(1), 4, 5.0) + 1.0)
     no_impedance(d, d.work.impedance)
     assert not any(part.any() for part in (d.work.impedance.xx, d.work.impedance.xy, d.work.impedance.yy))
+    # nor have the places of joints with stops any
+    _, d = stopped_chain(3)
+    d.work.impedance.xx[:] = 7.0
+    no_impedance(d, d.work.impedance)
+    assert not d.work.impedance.xx.any()

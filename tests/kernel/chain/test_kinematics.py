@@ -12,8 +12,8 @@ from chain_impact.kernel.chain.kinematics import (
     place_points,
     zero,
 )
-from tests.kernel.chains import chain, random_state, vectors
-from tests.reference import point_jacobian
+from tests.kernel.chains import chain, random_state, stopped_chain, vectors
+from tests.reference import point_jacobian, set_vectors
 
 BASES = pytest.mark.parametrize("base", ["free", "pinned"])
 COUNTS = pytest.mark.parametrize("count", [1, 2, 5])
@@ -26,7 +26,7 @@ def places(d, y):
 
 
 def as_complex(points):
-    return points.x + 1j * points.y
+    return vectors(points) @ (1.0, 1.0j)
 
 
 @BASES
@@ -90,9 +90,23 @@ def test_a_change_of_the_coordinates_moves_the_points_as_their_jacobians_say(cou
 def test_the_largest_component_is_found_wherever_it_stands(row, axis, sign):
     _, d = chain(np.random.default_rng(0), 2)
     motion, part = d.work.motion, (d.work.motion.x, d.work.motion.y)[axis]
-    motion.x[:], motion.y[:] = (0.1, -0.3, 0.2), (-0.2, 0.1, 0.3)
+    set_vectors(motion, [(0.1, -0.2), (-0.3, 0.1), (0.2, 0.3)])
     part[row] = 0.5 * sign
     assert largest(d, motion) == 0.5
     zero(d, motion)
     assert not vectors(motion).any()
     assert largest(d, motion) == 0.0
+
+
+@pytest.mark.parametrize("joint", [1, 2])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_with_stops_the_places_of_joints_are_among_all(joint, sign):
+    _, d = stopped_chain(2)
+    motion = d.work.motion
+    set_vectors(motion, [(0.1, -0.2), (-0.3, 0.1), (0.2, 0.3)])
+    motion.x[3:] = 0.1, -0.2
+    motion.x[2 + joint] = 0.5 * sign
+    assert largest(d, motion) == 0.5
+    zero(d, motion)
+    assert not motion.x.any()
+    assert not motion.y.any()

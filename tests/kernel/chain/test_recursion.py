@@ -30,6 +30,7 @@ from tests.reference import (
     point_jacobian,
     random_impedances,
     set_impedances,
+    set_vectors,
 )
 
 RESTITUTION, STIFFNESS, DEPTH = 0.5, 2e4, 1e-3
@@ -247,7 +248,7 @@ def long_chain(count, base, seed=2):
 def recursive_accelerations(scene, angles, omega, loads, moments):
     d = instance(scene)
     work = d["work"]
-    work["load"]["x"], work["load"]["y"] = loads.T
+    set_vectors(work["load"], loads)
     work["moment"] = moments
     y = np.array([0.0, 0.0, *angles, 0.0, 0.0, *omega])
     link_vectors(d, y)
@@ -331,7 +332,7 @@ def test_impulses_move_the_chain_and_its_impedances_as_assembled(count, stiff, b
     found = np.full(count + 2, np.nan)
     set_impedances(work["impedance"], added)
     factorize(d, work["link"], work["impedance"], work["factors"])
-    work["load"]["x"], work["load"]["y"] = impulses.T
+    set_vectors(work["load"], impulses)
     solve(d, work["link"], work["factors"], work["load"], found)
     # what an impedance holds fast moves by differences of what does not
     accuracy = 1e-11 * max(1.0, stiff / 1e4)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from functools import total_ordering
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
+from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.inputs import drive
 from chain_impact.variables.model import Model
@@ -67,6 +69,48 @@ class Dual:
     def dual(self, number: Dual | float) -> Dual:
         """A number as a dual one."""
         return number if isinstance(number, Dual) else Dual(number, np.zeros_like(self.slope))
+
+
+class Duals(SimpleNamespace):
+    """A record or a table of dual numbers."""
+
+    def copy_values(self, source: Any) -> None:
+        for name, own in vars(self).items():
+            given = source[name]
+            if isinstance(own, Duals):
+                own.copy_values(given)
+            elif isinstance(own, np.ndarray) and own.dtype == object:
+                for place in np.ndindex(own.shape):
+                    own[place] = own[place].carried(given[place], 1.0)
+            else:
+                setattr(self, name, own.carried(given, 1.0) if isinstance(own, Dual) else given)
+
+
+def random_duals(rng: np.random.Generator, dtype: np.dtype, rows: tuple[int, ...] = ()) -> Duals:
+    """A record with dual numbers of any values and slopes for its reals, and with integers that are 0.
+
+    Of a table with some rows it has each column as an array.
+    """
+
+    def number() -> Dual:
+        return Dual(rng.normal(), rng.normal(size=DIRECTIONS))
+
+    own = Duals()
+    for name in dtype.names or ():
+        item, shape = dtype[name].base, rows + dtype[name].shape
+        value: Any
+        if item.names:
+            value = random_duals(rng, item, shape)
+        elif item != np.float64:
+            value = np.zeros(shape, int) if shape else 0
+        elif shape:
+            value = np.empty(shape, object)
+            for place in np.ndindex(shape):
+                value[place] = number()
+        else:
+            value = number()
+        setattr(own, name, value)
+    return own
 
 
 def started(case: Case) -> DifferentiatedInstance:

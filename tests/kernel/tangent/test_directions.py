@@ -18,14 +18,15 @@ from tests.kernel.tangent.dual import Dual
 REAL = np.dtype(np.float64)
 
 
-def leaves(dtype, path=()):
-    """Path, type and shape of every number and array of a record; a dual number is one."""
+def leaves(dtype, path=(), rows=()):
+    """Path, type and shape of every number, array and column of a record; a dual number is one."""
     for name in dtype.names:
         kind = dtype[name]
-        if kind.names and kind.names != ("value", "slope"):
-            yield from leaves(kind, (*path, name))
+        shape = rows + kind.shape
+        if kind.base.names and kind.base.names != ("value", "slope"):
+            yield from leaves(kind.base, (*path, name), shape)
         else:
-            yield (*path, name), kind.base, kind.shape
+            yield (*path, name), kind.base, shape
 
 
 @pytest.mark.parametrize(("links", "candidates"), [(1, 0), (4, 20), (10, 44)])
