@@ -22,6 +22,7 @@ from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import Instance, SimulationError
 from tests.kernel_calls import move
+from tests.oracle_laws import Law, chain_of, laws
 from tests.random_scenes import drive
 
 CPU = 2.0  # s, that a run may take
@@ -178,7 +179,7 @@ def energy_scale(run: Account) -> float:
     Motion that has more energy than there is counts as if it had just that: an explosion is no excuse of
     itself.
     """
-    chain, outputs, there = _chain(run.scene), run.outputs, available(run)
+    chain, outputs, there = chain_of(run.scene), run.outputs, available(run)
     share = np.sqrt(np.minimum(1.0, there / np.maximum(outputs["kinetic"], 1e-300)))[:, None]
     base = chain.size + share * np.linalg.norm(outputs["point_velocity"][:, :1], axis=2)
     omega = share * np.abs(outputs["angular_velocity"])
@@ -206,7 +207,7 @@ def spring_moments(run: Account) -> np.ndarray:
 def dissipated_scale(run: Account) -> float:
     """That of the dissipated energy [J], the energy itself and the kinetic one that contacts begin with."""
     sizes = np.abs(run.outputs["dissipated"]).max() + brought(run)
-    return _chain(run.scene).energy + min(float(sizes), 2.0 * float(available(run).max()))
+    return chain_of(run.scene).energy + min(float(sizes), 2.0 * float(available(run).max()))
 
 
 def available(run: Account) -> np.ndarray:
@@ -221,7 +222,7 @@ def elastic_scale(run: Account) -> float:
     if not len(impacts):
         return 0.0
     depth, (v0, foreseen) = impacts["max_penetration"], expected(run)
-    chain = _chain(run.scene)
+    chain = chain_of(run.scene)
     leeway = np.maximum(1.0, np.minimum(chain.size / law.unit / v0, 0.01 / run.scene.solver.tolerance))
     # but a clearance errs no more than the coordinates do
     error = np.minimum(np.maximum(depth, foreseen) * leeway, (chain.size + chain.length.sum()) / law.unit)
@@ -251,7 +252,7 @@ def round_off(run: Account) -> float:
     )
     # sums of what may cancel
     far = np.abs(outputs["point_position"]).max()
-    terms += _chain(run.scene).mass.sum() * np.linalg.norm(run.scene.gravity) * far
+    terms += chain_of(run.scene).mass.sum() * np.linalg.norm(run.scene.gravity) * far
     if len(run.impacts):
         law = of_impacts(run)
         force = law.stiffness * np.maximum(0.0, run.impacts["max_penetration"]) ** law.exponent
@@ -273,7 +274,7 @@ def containment(run: Account) -> Iterator[tuple[str, float, float, str]]:
     every = laws(run.scene)
     if not every:
         return
-    reach = _chain(run.scene).size + _chain(run.scene).length.sum()
+    reach = chain_of(run.scene).size + chain_of(run.scene).length.sum()
     # a held point is put back to its wall after each step; in between it errs as its position does
     held = INTERPOLATED * run.scene.solver.tolerance * reach
     slack = np.array([(OUTSIDE + held * (law.stiffness == 0.0)) / law.unit for law in every])
@@ -346,45 +347,10 @@ def depth_bound(run: Account, law: Law) -> float:
         return 0.0
     there = float(available(run).max()) + energy_bound(run)
     n, k = law.exponent, law.stiffness
-    force = _chain(run.scene).mass.sum() * np.linalg.norm(run.scene.gravity) + run.push
+    force = chain_of(run.scene).mass.sum() * np.linalg.norm(run.scene.gravity) + run.push
     if law.stop:
-        force = force * _chain(run.scene).length.sum() + run.torque + spring_moments(run).sum()
+        force = force * chain_of(run.scene).length.sum() + run.torque + spring_moments(run).sum()
     return float(DEEPER * ((there * (n + 1) / k) ** (1 / (n + 1)) + (force / k) ** (1 / n)))
-
-
-@dataclass(frozen=True)
-class Law:
-    """The law of a candidate, of a stop in the angle of its joint; a rigid one has a stiffness of 0."""
-
-    point: int
-    wall: int
-    stop: bool
-    model: str
-    stiffness: float
-    exponent: float
-    slowest: float  # m/s or rad/s
-    unit: float  # m: 1, or the longest link, on which the errors of an angle in rad act
-
-
-def laws(scene: Scene) -> list[Law]:
-    """The law of each candidate."""
-    contact, stops, found = scene.contact, scene.stops, []
-    size = max(link.length for link in scene.chain.links)
-    for point, wall in candidates(scene):
-        name = scene.wall_names[wall]
-        stop = name in ("joint_min", "joint_max") and bool(scene.chain.stops)
-        model = (stops.model or contact.model) if stop else contact.model
-        own = contact.wall.get(name)
-        stiffness = stops.stiffness if stop else (own and own.stiffness) or contact.stiffness
-        exponent, slowest = (
-            (stops.exponent, stops.minimum_impact_speed)
-            if stop
-            else (contact.exponent, contact.minimum_impact_speed)
-        )
-        rigid = model == "newton_impact"
-        unit = size if stop else 1.0
-        found.append(Law(point, wall, stop, model, 0.0 if rigid else stiffness, exponent, slowest, unit))
-    return found
 
 
 def of_impacts(run: Account) -> Any:
@@ -397,7 +363,7 @@ def of_impacts(run: Account) -> Any:
 
 def speeds(run: Account) -> Iterator[tuple[str, float, float, str]]:
     """No contact begins with a point on its way from the wall, or ends with one on its way into it."""
-    fastest = _chain(run.scene).size + float(np.linalg.norm(run.outputs["point_velocity"], axis=2).max())
+    fastest = chain_of(run.scene).size + float(np.linalg.norm(run.outputs["point_velocity"], axis=2).max())
     for name in ("impact_speed", "separation_speed"):
         known = run.impacts[name][~np.isnan(run.impacts[name])]
         least = float((known * of_impacts(run).unit[~np.isnan(run.impacts[name])]).min(initial=0.0))
@@ -419,32 +385,7 @@ def moments(run: Account) -> Iterator[tuple[str, float, float, str]]:
 # --- the chain ---------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class _Columns:
-    length: np.ndarray
-    mass: np.ndarray
-    ratio: np.ndarray
-    inertia: np.ndarray
-
-    @property
-    def size(self) -> float:
-        return float(self.length.max())
-
-    @property
-    def energy(self) -> float:
-        """Σ m s²/s² [J], the scale of the norm."""
-        return float(self.mass.sum()) * self.size**2
-
-
-def _chain(scene: Scene) -> _Columns:
-    rows = [
-        (link.length, link.mass, link.center_of_mass / link.length, link.inertia)
-        for link in scene.chain.links
-    ]
-    return _Columns(*np.transpose(rows))
-
-
 def centres(run: Account, name: str) -> np.ndarray:
     """A vector of the points, at the centres of mass."""
-    points, ratio = run.outputs[name], _chain(run.scene).ratio[:, None]
+    points, ratio = run.outputs[name], chain_of(run.scene).ratio[:, None]
     return points[:, :-1] + ratio * np.diff(points, axis=1)

@@ -22,6 +22,7 @@ from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.scene.scene import SOLVER_METHODS, Scene, scene_from_dict, with_values
 from tests.draw import Draw
 from tests.folds import fold
+from tests.random_stops import stopped
 from tests.turned import turned
 
 # The first seeds of scenes with
@@ -77,48 +78,6 @@ def sprung(scene: Scene, draw: Draw, weakest: float = 1e-3, stiffest: float = 1e
             ("solver", "work_limit"): HARD_WORK / stop,
         },
     )
-
-
-def stopped_of(seed: int) -> Scene:
-    """The scene of a seed with stops, half of them also with springs or point masses."""
-    plain, draw = upright(seed), Draw(seed, 7)
-    return stopped(sprung(plain, Draw(seed, 3), 1e-3, 1e4) if draw.chance(0.5) else plain, draw)
-
-
-def stopped(scene: Scene, draw: Draw) -> Scene:
-    """The scene with stops in some joints around their start, and materials of their own for some walls."""
-    angles, before = scene.initial.angles, (0.0, *scene.initial.angles)
-    links, pinned = [asdict(link) for link in scene.chain.links], scene.chain.base == "pinned"
-    every = draw.chance(0.5)
-    movable = range(0 if pinned else 1, len(links))
-    for i in movable:
-        if every or draw.chance(0.5) or i == movable[-1]:
-            _stops(draw, links[i], angles[i] - before[i])
-    contact = asdict(scene.contact)
-    for name in scene.half_planes:
-        if draw.chance(0.4):
-            changed = {"stiffness": contact["stiffness"] * draw.power(0.1, 10.0)} if draw.chance(0.7) else {}
-            if not changed or draw.chance(0.5):
-                changed["restitution"] = draw.real(0.01, 1.0)
-            contact["wall"][name] = changed
-    law = _contact(draw, len(links), "free", rigid=0.25)
-    stops = {key: law[key] for key in ("model", "exponent", "restitution")} if draw.chance(0.7) else {}
-    stops |= {"stiffness": draw.power(1e1, 1e8), "minimum_impact_speed": draw.power(1e-6, 1e-1)}
-    solver = asdict(scene.solver)
-    if hard(solver, law) and solver["work_limit"] > HARD_WORK / scene.simulation.stop_time:
-        solver["work_limit"] = HARD_WORK / min(1.0, scene.simulation.stop_time)
-    changes = {("chain", "links"): links, ("contact",): contact, ("solver",): solver}
-    return with_values(scene, changes | ({("stops",): stops} if movable else {}))
-
-
-def _stops(draw: Draw, link: dict[str, Any], angle: float) -> None:
-    """Give a joint one stop or two, at or around the angle at which it starts."""
-    margin = draw.power(1e-3, 3.0) if draw.chance(0.8) else 0.0
-    kind = draw.one(("joint_min", "joint_max", "both"), (0.25, 0.25, 0.5))
-    if kind != "joint_max":
-        link["joint_min"] = min(angle, max(angle - margin, -math.tau))
-    if kind != "joint_min":
-        link["joint_max"] = max(angle + 1e-3, min(angle + draw.power(1e-3, 3.0), math.tau))
 
 
 class _Shapes:
@@ -386,6 +345,14 @@ def _motion(draw: Draw, start: str, base: str, count: int, wall: int) -> dict[st
     if base == "pinned":
         velocity = [0.0, 0.0]
     return {"velocity": velocity, "angular_velocities": spins}
+
+
+def stopped_of(seed: int) -> Scene:
+    """The scene of a seed with stops, half of them also with springs or point masses."""
+    plain, draw = upright(seed), Draw(seed, 7)
+    scene = sprung(plain, Draw(seed, 3), 1e-3, 1e4) if draw.chance(0.5) else plain
+    law = _contact(draw, len(scene.chain.links), "free", rigid=0.25)
+    return stopped(scene, draw, law, HARD_WORK if hard(asdict(scene.solver), law) else math.inf)
 
 
 _KINDS: dict[int, Callable[[int], Scene]] = {

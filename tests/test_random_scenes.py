@@ -15,13 +15,25 @@ from chain_impact.kernel.status import EVENT_STORM, TOO_MUCH_WORK
 from chain_impact.scene.scene import Scene, with_values
 from tests.oracle import account, judge
 from tests.problems import default_scene, dropped_ball
-from tests.random_scenes import FOLDED, HARSH, LONG, SLANTED, SPRUNG, STARTS, TAUT, UNEVEN, drive, scene
+from tests.random_scenes import (
+    FOLDED,
+    HARSH,
+    LONG,
+    SLANTED,
+    SPRUNG,
+    STARTS,
+    STOPPED,
+    TAUT,
+    UNEVEN,
+    drive,
+    scene,
+)
 from tests.search import verdict, verdicts
 
 BLOCK = 500  # seeds
 BLOCKS = [
     range(first + BLOCK * block, first + BLOCK * (block + 1))
-    for first, blocks in ((0, 6), (SLANTED, 1), (SPRUNG, 1), (FOLDED, 1), (TAUT, 1))
+    for first, blocks in ((0, 6), (SLANTED, 1), (SPRUNG, 1), (FOLDED, 1), (TAUT, 1), (STOPPED, 1))
     for block in range(blocks)
 ] + [range(first, first + BLOCK // 2) for first in (UNEVEN, LONG)]
 
@@ -102,6 +114,19 @@ def test_stiff_springs_at_loose_tolerances_have_seeds_of_their_own():
     assert min(springs) >= 1e3
     assert max(springs) <= 1e6
     assert min(one.solver.tolerance for one in scenes) >= 1e-4
+
+
+def test_scenes_with_stops_have_seeds_of_their_own():
+    scenes = [scene(seed) for seed in range(STOPPED, STOPPED + 200)]
+    stopped = [one for one in scenes if one.chain.stops]
+    assert len(stopped) > 180
+    assert not any(scene(seed).chain.stops for seed in range(200))
+    models = {one.stops.model or one.contact.model for one in stopped}
+    assert len(models) > 12
+    mixed = [one for one in stopped if "newton_impact" in {one.stops.model, one.contact.model}]
+    assert len([one for one in mixed if one.stops.model not in (None, one.contact.model)]) > 20
+    assert len([one for one in scenes if one.contact.wall]) > 50
+    assert sum(any(link.joint_stiffness for link in one.chain.links) for one in scenes) > 50
 
 
 def test_rigid_walls_with_uneven_masses_have_seeds_of_their_own():

@@ -1,0 +1,179 @@
+"""Stops in joints, against one impact of each law, assembled chains, and the statics of rest."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact import CONTACT_LAWS, simulate
+from chain_impact.scene.scene import scene_from_dict
+from tests.assembled import Assembled
+from tests.reference import point_impact, rebound
+
+LENGTH, MASS, SPEED, STIFFNESS = 0.4, 1.3, 2.0, 2e4
+INERTIA = MASS * LENGTH**2 / 3
+FORCES = [law for law in CONTACT_LAWS.values() if not law.impulsive]
+
+
+def arm(links, angles, stop_time, **more):
+    """A pinned chain in no box."""
+    scene = {
+        "name": "Arm",
+        "chain": {"base": "pinned", "links": links},
+        "initial": {"angles": angles},
+        "simulation": {"stop_time": stop_time, "step_size": stop_time / 100},
+    }
+    return scene_from_dict(scene | more, "arm")
+
+
+def struck_rod(model, e, **stops):
+    """A rod without gravity that turns into its stop at .9 rad, with 2 rad/s."""
+    link = {"length": LENGTH, "mass": MASS, "joint_max": 0.9}
+    motion = {"angles": [0.0], "angular_velocities": [SPEED]}
+    law = {"model": model, "stiffness": STIFFNESS, "restitution": e, **stops}
+    return arm([link], [0.0], 1.5, gravity=[0.0, 0.0], initial=motion, stops=law)
+
+
+def exact_impact(law, e):
+    """Separation speed [rad/s], depth [rad] and moment [N·m] of I φ̈ = −K φⁿ − d φᵖ φ̇, without the kernel."""
+    n, s = law.exponent or 1.5, law.mass_power
+    factor = law.damping_factor(e)
+    if law.rate_exponent is None:  # the Hunt–Crossley family
+        impact = point_impact(INERTIA, SPEED, STIFFNESS, n, factor)
+        return impact.separation_speed, impact.max_penetration, impact.peak_force
+    # in the units (I ω²/K)^{1/(n+1)} of the angle, and that over ω of time
+    unit = (INERTIA * SPEED**2 / STIFFNESS) ** (1 / (n + 1))
+    scaled = factor * STIFFNESS ** (1 - s) * INERTIA**s * unit ** (law.rate_exponent + 1) / (INERTIA * SPEED)
+    found = rebound(n, law.rate_exponent, scaled, law.approach_only)
+    return found.restitution * SPEED, found.depth * unit, found.force * INERTIA * SPEED**2 / unit
+
+
+@pytest.mark.parametrize("law", FORCES, ids=lambda law: law.id)
+def test_a_rod_rebounds_from_its_stop_as_the_law_says_of_an_angle(law):
+    e = 0.6
+    result = simulate(struck_rod(law.id, e, exponent=law.exponent or 1.5), tolerance=1e-12)
+    impact, (speed, depth, moment) = result.impacts[0], exact_impact(law, e)
+    assert impact["onset"] == pytest.approx(0.45, abs=1e-13)
+    assert impact["impact_speed"] == pytest.approx(SPEED, rel=1e-12)
+    assert impact["effective_mass"] == pytest.approx(INERTIA, rel=1e-13)
+    assert impact["separation_speed"] == pytest.approx(speed, rel=1e-8)
+    assert impact["max_penetration"] == pytest.approx(depth, rel=1e-6)
+    assert impact["peak_force"] == pytest.approx(moment, rel=1e-6)
+    moved = INERTIA * (impact["impact_speed"] + impact["separation_speed"])
+    assert impact["impulse"] == pytest.approx(moved, rel=1e-9)
+
+
+def test_the_prescribed_restitution_is_exact():
+    for model, e in (("zhang_sharf", 0.35), ("newton_impact", 0.35), ("newton_impact", 0.0)):
+        result = simulate(struck_rod(model, e), tolerance=1e-12)
+        (impact,) = result.impacts[:1]
+        if e > 0.0:
+            assert impact["separation_speed"] == pytest.approx(e * SPEED, rel=1e-10)
+        lost = 0.5 * INERTIA * SPEED**2 * (1.0 - e * e)
+        assert result.energy["dissipated"][-1] == pytest.approx(lost, rel=1e-9)
+
+
+# --- chains ------------------------------------------------------------------------------------------------
+
+KNEE = arm(
+    [
+        {"length": 0.4, "mass": 1.3, "joint_min": -2.5, "joint_max": -0.6},
+        {"length": 0.35, "mass": 0.8, "joint_min": -1.2, "joint_max": 0.1},
+    ],
+    [-1.2, -1.6],
+    2.0,
+    initial={"angles": [-1.2, -1.6], "angular_velocities": [3.0, -4.0]},
+    stops={"stiffness": 3e3, "restitution": 0.4},
+)
+SIX = scene_from_dict(
+    {
+        "name": "Six",
+        "chain": {
+            "base": "free",
+            "links": [
+                {"length": 0.3, "mass": 1.0}
+                | ({"joint_min": -0.8 - 0.05 * i, "joint_max": 0.7 + 0.1 * i} if i else {})
+                for i in range(6)
+            ],
+        },
+        "stops": {"stiffness": 2e3, "restitution": 0.5},
+        "initial": {
+            "position": [0.0, 0.0],
+            "angles": [0.1, 0.3, 0.2, -0.1, 0.2, 0.0],
+            "velocity": [0.0, 3.0],
+            "angular_velocities": [1.0, -2.0, 3.0, -1.5, 2.5, -3.0],
+        },
+        "simulation": {"stop_time": 2.0, "step_size": 0.01},
+    },
+    "six",
+)
+
+
+@pytest.mark.parametrize("scene", [KNEE, SIX], ids=lambda scene: scene.name)
+def test_an_assembled_chain_moves_alike(scene):
+    """States to 1e-9 and onsets to 1e-11 s, over all impacts of 2 s."""
+    state, onsets = Assembled(scene).run(scene.simulation.stop_time)
+    assert len(onsets) >= 3
+    result = simulate(scene, tolerance=1e-12)
+    found = sorted((row["onset"], int(row["point"]), scene.wall_names[row["wall"]]) for row in result.impacts)
+    assert [(joint, name) for _, joint, name in found] == [
+        (stop.joint, "joint_min" if stop.side > 0 else "joint_max") for _, stop in onsets
+    ]
+    np.testing.assert_allclose([time for time, *_ in found], [time for time, _ in onsets], rtol=0, atol=1e-11)
+    n = len(scene.chain.links)
+    moved = np.concatenate([result.points[-1, 0], result.angles[-1]])
+    np.testing.assert_allclose(moved, state[: n + 2], rtol=0, atol=1e-9)
+    np.testing.assert_allclose(result.angular_velocities[-1], state[n + 4 :], rtol=0, atol=1e-9)
+    ledger = result.energy["total"] + result.energy["dissipated"]
+    assert np.ptp(ledger) < 1e-9
+
+
+# --- rest --------------------------------------------------------------------------------------------------
+
+RESTING = [
+    {"length": 0.4, "mass": 1.3, "joint_min": -0.4},
+    {"length": 0.3, "mass": 0.5, "joint_min": -0.5, "joint_max": 0.6},
+]
+
+
+@pytest.mark.parametrize("model", ["zhang_sharf", "newton_impact"])
+def test_an_arm_comes_to_rest_on_its_stops(model):
+    """The stops bear the moments of the weight: K φⁿ, or the constraint of a rigid one."""
+    scene = arm(RESTING, [0.3, 0.4], 6.0, stops={"model": model, "stiffness": 1e6, "restitution": 0.3})
+    result = simulate(scene)
+    first, second = result.angles[-1]
+    np.testing.assert_allclose(result.angular_velocities[-1], 0.0, atol=1e-9)
+    distal = 0.5 * 9.81 * 0.15 * math.cos(second)
+    proximal = 1.3 * 9.81 * 0.2 * math.cos(first) + 0.5 * 9.81 * 0.4 * math.cos(first) + distal
+    moments = result["joint[1].stop_moment"][-1], result["joint[2].stop_moment"][-1]
+    assert moments == pytest.approx((proximal, distal), rel=1e-8)
+    depths = (0.0, 0.0) if model == "newton_impact" else [(moment / 1e6) ** (2 / 3) for moment in moments]
+    assert (-0.4 - first, -0.5 - (second - first)) == pytest.approx(depths, abs=1e-9)
+
+
+@pytest.mark.parametrize(("walls", "stops"), [("zhang_sharf", "newton_impact"), ("newton_impact", "flores")])
+def test_rigid_stops_and_walls_with_a_force_hold_an_arm_together_and_the_other_way_round(walls, stops):
+    """An arm on its stop and on a floor: the moments about the base, and about the knee, are in balance."""
+    scene = arm(
+        RESTING,
+        [0.3, 0.4],
+        6.0,
+        box={"y_min": -0.3},
+        contact={"model": walls, "stiffness": 1e7, "restitution": 0.3},
+        stops={"model": stops, "stiffness": 1e6, "restitution": 0.3},
+    )
+    for method in ("auto", "explicit", "implicit"):
+        result = simulate(scene, method=method)
+        np.testing.assert_allclose(result.angular_velocities[-1], 0.0, atol=1e-7)
+        first, second = result.angles[-1]
+        knee, hip = result["joint[2].stop_moment"][-1], result["joint[1].stop_moment"][-1]
+        push = result["contact[2].y_min.force"][-1]
+        reach = 0.3 * math.cos(second)
+        assert knee + push * reach == pytest.approx(0.5 * 9.81 * 0.15 * math.cos(second), rel=1e-6)
+        total = 1.3 * 9.81 * 0.2 * math.cos(first) + 0.5 * 9.81 * (
+            0.4 * math.cos(first) + 0.15 * math.cos(second)
+        )
+        assert hip + push * (0.4 * math.cos(first) + reach) == pytest.approx(total, rel=1e-6)
+        assert (result.impacts["wall"] == scene.wall_names.index("joint_min")).any()
+        drop = np.diff(result.energy["dissipated"]).min()
+        assert drop > -1e-9
