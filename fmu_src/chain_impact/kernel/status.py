@@ -28,15 +28,15 @@ STATUS_TEXT = {
     "inputs are too large",
     EVENT_STORM: "too many contacts begin and end in too short a time: a larger contact.minimum_impact_speed "
     "or a smaller contact.restitution brings points to rest",
-    STARTS_INSIDE_WALL: "a contact point starts beyond a wall",
+    STARTS_INSIDE_WALL: "a contact point starts beyond a wall, or a joint beyond a stop",
     RESTITUTION_NOT_ALLOWED: "the contact law does not allow this restitution",
     UNKNOWN_LAW: "contact.model is not the number of a law",
     UNKNOWN_METHOD: "solver.method is not the number of a method",
     PARAMETER_OUT_OF_RANGE: "a parameter is not finite or lies outside its range",
     TOO_MUCH_WORK: "a second of simulated time takes more evaluations than solver.work_limit allows: "
     "raise it, loosen solver.tolerance, or lower contact.stiffness or the joint_stiffness of links",
-    EXPONENT_NOT_ALLOWED: "the contact law is defined for another contact.exponent",
-    RIGID_WHILE_TOUCHING: "contact.model can change to newton_impact only while no point touches a wall",
+    EXPONENT_NOT_ALLOWED: "the contact law is defined for another exponent",
+    RIGID_WHILE_TOUCHING: "contact.model can change to newton_impact only while nothing touches",
     ENERGY_NOT_KEPT: "the energy drifts in a second of simulated time by more than 100 times what "
     "solver.tolerance allows for a step, or errors have added or taken a fifth of it: tighten it if it is "
     "above 1e-8, or else loosen it",
