@@ -155,7 +155,7 @@ def variable_patterns() -> str:
 # what a scene has, and whether it has it: the first that tells the scenes of a variable from the others
 KINDS = {
     "": lambda _: True,
-    "; with walls": lambda scene: bool(scene.half_planes and scene.contact.points),
+    "; with walls": lambda scene: bool(scene.half_planes),
     "; with a free base": lambda scene: scene.chain.base == "free",
     "; with inputs": lambda scene: scene.inputs.joint_torques,
 }
