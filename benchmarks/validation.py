@@ -29,6 +29,7 @@ SOURCES = {
     "clattering_rod": "Goyal et al. 1998",
     "falling_arm": "Brogliato 2016",
     "steel_bar": "Stoianovici & Hurmuzlu 1996; Euler–Bernoulli",
+    "kneed_leg": "Hsu Chen 2007",
     "golf_ball": "Cantarini 2023, laboratory course",
     "triple_pendulum": "Kaheman et al. 2023",
 }

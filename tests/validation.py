@@ -22,6 +22,7 @@ from tests.beam import Bar, impulse
 from tests.figures import Figure, Problem, problem, run
 from tests.measured import golf_ball, triple_pendulum
 from tests.textbook import Chain
+from tests.walker import kneed_leg
 
 # --- double pendulum at a wall -------------------------------------------------------------------------
 
@@ -343,6 +344,7 @@ PROBLEMS: dict[str, Callable[[float], Problem]] = {
         clattering_rod,
         falling_arm,
         steel_bar,
+        kneed_leg,
         golf_ball,
         triple_pendulum,
     )

@@ -1,0 +1,113 @@
+"""The knee strike of a walker: our stop against the two angular momenta that it keeps."""
+
+import functools
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene, simulate
+from tests.walker import (
+    BENT,
+    LOCK,
+    MASSES,
+    PUBLISHED,
+    SLOPE,
+    STRAIGHT,
+    UPRIGHT,
+    Walker,
+    energy,
+    equations,
+    knee_strike,
+)
+
+MODEL = "kneed_leg"
+
+
+@functools.cache
+def around_the_strike():
+    """q, q̇ just before the knee strike, q̇ just after it, the row of the impact, and the energy lost."""
+    impact = simulate(MODEL, tolerance=1e-12).impacts[0]
+    onset = float(impact["onset"])
+    before = simulate(MODEL, tolerance=1e-12, stop_time=onset)
+    after = simulate(MODEL, tolerance=1e-12, stop_time=float(np.nextafter(onset, 1.0)))
+    assert (len(before.impacts), len(after.impacts)) == (0, 1)
+    q = before.angles[-1] - UPRIGHT
+    return (
+        q,
+        before.angular_velocities[-1],
+        after.angular_velocities[-1],
+        impact,
+        after["energy.dissipated"][-1],
+    )
+
+
+def test_the_scene_has_the_masses_and_the_start_of_the_source():
+    scene = load_scene(MODEL)
+    first = scene.chain.links[0]
+    standing, arms = MASSES[:3], -BENT[:3, 0]
+    assert first.mass == pytest.approx(standing.sum(), abs=1e-15)
+    assert first.mass * first.center_of_mass == pytest.approx(standing @ arms, abs=1e-15)
+    about_the_foot = first.inertia + first.mass * first.center_of_mass**2
+    assert about_the_foot == pytest.approx(standing @ arms**2, abs=1e-15)
+    assert [(link.mass, link.center_of_mass) for link in scene.chain.links[1:]] == [
+        (0.5, 0.325),
+        (0.05, 0.125),
+    ]
+    q = np.array(scene.initial.angles) - UPRIGHT
+    stance, rate, swinging = map(float, PUBLISHED)
+    assert q == pytest.approx([stance, -0.2884, -0.2884], abs=1e-15)
+    # both feet are on the slope, but for the rounding of the published angles
+    assert q[0] + q[1] == pytest.approx(-2 * SLOPE, abs=1.01e-4)
+    assert scene.initial.angular_velocities == (rate, swinging, swinging)
+
+
+def test_the_knee_strike_keeps_both_angular_momenta():
+    q, before, after, _, _ = around_the_strike()
+    expected = LOCK @ knee_strike(q, before)
+    assert after == pytest.approx(expected, rel=0, abs=1e-12)
+    assert after[1] == after[2]
+
+
+def test_the_energy_lost_is_that_of_the_map():
+    q, before, after, impact, lost = around_the_strike()
+    locked = knee_strike(q, before)
+    expected = energy(BENT, q, before) - energy(STRAIGHT, q[:2], locked)
+    assert lost == pytest.approx(expected, rel=0, abs=1e-13)
+    assert lost == pytest.approx(0.5 * impact["effective_mass"] * impact["impact_speed"] ** 2, rel=1e-12)
+    assert energy(BENT, q, before) - energy(BENT, q, after) == pytest.approx(expected, rel=0, abs=1e-13)
+
+
+def test_the_knee_then_leans_on_its_stop_as_a_locked_leg_does():
+    """The moment of the stop is what the motion of the locked leg leaves over in the shank's equation."""
+    walker, result = Walker(load_scene(MODEL)), simulate(MODEL, tolerance=1e-12)
+    late = result.time > walker.onset
+    assert result.angles[late, 2] == pytest.approx(result.angles[late, 1], rel=0, abs=1e-12)
+    moment = result["joint[3].stop_moment"]
+    assert (moment[~late] == 0.0).all()
+    assert (moment[late] < 0.0).all()
+    for row in np.flatnonzero(late)[::50]:
+        q, w = np.split(walker.locked.sol(result.time[row]), 2)
+        turns = LOCK @ np.linalg.solve(*equations(STRAIGHT, q, w, walker.g))
+        matrix, right = equations(BENT, LOCK @ q, LOCK @ w, walker.g)
+        assert moment[row] == pytest.approx((matrix @ turns - right)[2], abs=1e-10)
+
+
+def test_the_foot_clears_the_slope_until_the_heel_strike():
+    result, walker = simulate(MODEL, tolerance=1e-12), Walker(load_scene(MODEL))
+    height = result["point[3].x"] * np.sin(SLOPE) + result["point[3].y"] * np.cos(SLOPE)
+    # the published angles are rounded, so the start is 0.02 mm off the slope
+    assert abs(height[0]) < 3e-5
+    assert (height[1:] > 0.0).all()
+    assert walker.lands() > result.time[-1]
+
+
+def test_softer_stops_give_the_same_leg_in_the_end():
+    """A compliant stop that takes nearly all of the impact comes close to the plastic strike."""
+    rigid = simulate(MODEL, tolerance=1e-10)
+    off = []
+    for stiffness in (1e2, 1e3, 1e4):
+        changes = {"stops.model": "flores", "stop.restitution": 0.01, "stop.stiffness": stiffness}
+        soft = simulate(load_scene(MODEL).with_values(changes), tolerance=1e-10)
+        off.append(abs(soft.angles[-1] - rigid.angles[-1]).max())
+    assert off[0] > 4 * off[1] > 16 * off[2]
+    assert off[2] < 2e-4
