@@ -216,7 +216,8 @@ def test_there_are_notebooks():
 def test_the_fields_of_the_symbol_table_exist():
     text = (ROOT / "docs" / "computation.md").read_text(encoding="utf-8")
     fields = re.findall(
-        r"`((?:model|contact|inputs|step|work|touch|candidate|search|implicit|rigid|output)(?:\.\w+)+)`", text
+        r"`((?:model|contact|law|inputs|step|work|touch|candidate|search|implicit|rigid|output)(?:\.\w+)+)`",
+        text,
     )
     assert len(fields) > 30
     for field in fields:

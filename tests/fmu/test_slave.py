@@ -144,7 +144,10 @@ def without_a_log(fmu):
 def test_a_fault_is_seen_where_the_importer_does_not_log(fmus, clean):
     error, said = clean(without_a_log, fmus["rod_drop"])
     assert "status 4 (fatal)" in error
-    assert said == "RodDrop: the simulation cannot start: a contact point starts beyond a wall, or a joint beyond a stop\n"
+    assert (
+        said
+        == "RodDrop: the simulation cannot start: a contact point starts beyond a wall, or a joint beyond a stop\n"
+    )
 
 
 def escaped(fmu):

@@ -15,6 +15,7 @@ from chain_impact.scene.scene import SOLVER_METHODS, WALLS, Scene, model_names, 
 from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
 from chain_impact.variables.units import UNITS
+from tests.stops import knee
 
 DRIVEN = {("inputs", "joint_torques"): True, ("inputs", "tip_force"): True}
 STOPS = {"link[2].joint_min": -2.0, "link[2].joint_max": 2.0, "link[4].joint_max": 1.5, "stop.stiffness": 1e4}
@@ -327,3 +328,12 @@ def test_stops_and_materials_have_derivatives_but_for_the_least_speed():
     wanted = {*STOPS, *MATERIALS, "stop.exponent", "stop.restitution"}
     assert wanted <= varied.keys()
     assert not [name for name in varied if "minimum_impact_speed" in name or name.startswith("solver")]
+
+
+def test_the_walls_of_a_scene_whose_joints_alone_touch_are_there_as_impacts_are_numbered_after_them():
+    scene = with_values(knee(), {("walls",): [{"name": "slope", "point": (0.0, -2.0), "angle": 0.1}]})
+    alone = with_values(scene, {("contact", "points"): (), ("contact", "wall"): {}})
+    names = {variable.name for variable in Model(alone).variables}
+    assert {"wall.slope.x", "wall.slope.angle", "stop.stiffness"} <= names
+    assert not any(name.startswith("contact.") for name in names - {"contact.model"})
+    assert scene.wall_names.index("joint_min") == 5
