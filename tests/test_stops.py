@@ -177,3 +177,27 @@ def test_rigid_stops_and_walls_with_a_force_hold_an_arm_together_and_the_other_w
         assert (result.impacts["wall"] == scene.wall_names.index("joint_min")).any()
         drop = np.diff(result.energy["dissipated"]).min()
         assert drop > -1e-9
+
+
+@pytest.mark.parametrize("law", ["zhang_sharf", "lankarani_nikravesh", "kelvin_voigt"])
+@pytest.mark.parametrize(("walls", "stops"), [(None, "newton_impact"), ("newton_impact", None)])
+def test_the_peak_of_a_force_is_the_largest_one_also_where_rigid_contacts_strike_or_hold(law, walls, stops):
+    """A rigid impact makes the force of the other contacts jump; and a held one takes part in their rates."""
+    exponent = 1.0 if law == "kelvin_voigt" else 1.5
+    scene = arm(
+        [{"length": 0.5, "mass": 1.0}, {"length": 0.4, "mass": 0.5, "joint_max": 0.3}],
+        [0.4, 0.2],
+        1.5,
+        box={"y_min": -0.55},
+        contact={"model": walls or law, "stiffness": 3e3, "restitution": 0.3, "exponent": exponent},
+        stops={"model": stops or law, "stiffness": 500.0, "restitution": 0.3, "exponent": exponent},
+    )
+    result = simulate(scene, output_step=1e-5, tolerance=1e-9)
+    forces = {
+        "y_min": np.max([result[f"contact[{k}].y_min.force"] for k in (1, 2)], axis=0),
+        "joint_max": -result["joint[2].stop_moment"],
+    }
+    for name, force in forces.items():
+        own = result.impacts[result.impacts["wall"] == scene.wall_names.index(name)]
+        if np.isfinite(own["peak_force"]).all():
+            assert force.max() <= own["peak_force"].max() * (1.0 + 1e-9)

@@ -6,7 +6,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from chain_impact import load_scene
+from chain_impact import Chain, load_scene
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.record.outputs import output_dtype
 from chain_impact.kernel.status import STATUS_TEXT
@@ -330,10 +330,14 @@ def test_stops_and_materials_have_derivatives_but_for_the_least_speed():
     assert not [name for name in varied if "minimum_impact_speed" in name or name.startswith("solver")]
 
 
-def test_the_walls_of_a_scene_whose_joints_alone_touch_are_there_as_impacts_are_numbered_after_them():
-    scene = with_values(knee(), {("walls",): [{"name": "slope", "point": (0.0, -2.0), "angle": 0.1}]})
-    alone = with_values(scene, {("contact", "points"): (), ("contact", "wall"): {}})
-    names = {variable.name for variable in Model(alone).variables}
-    assert {"wall.slope.x", "wall.slope.angle", "stop.stiffness"} <= names
-    assert not any(name.startswith("contact.") for name in names - {"contact.model"})
-    assert scene.wall_names.index("joint_min") == 5
+def test_walls_that_no_point_can_touch_have_no_number_before_those_of_stops():
+    walls = [{"name": f"slope_{w}", "point": (0.0, -2.0 - w), "angle": 0.1} for w in range(6)]
+    alone = with_values(knee(), {("walls",): walls, ("contact", "points"): (), ("contact", "wall"): {}})
+    assert alone.wall_names == (*WALLS, "joint_min", "joint_max")
+    assert candidates(alone) == [(2, 4), (2, 5)]
+    assert not any(variable.name.startswith("wall.") for variable in Model(alone).variables)
+    chain = Chain(alone)
+    chain.step(0.5)
+    chain.restore(chain.save())
+    touched = with_values(knee(), {("walls",): walls})
+    assert touched.wall_names.index("joint_min") == 10

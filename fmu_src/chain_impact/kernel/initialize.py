@@ -149,9 +149,22 @@ def check_parameters(d):
     for w in range(d.candidates):
         if not math.isfinite(d.walls.x[w] + d.walls.y[w] + d.walls.angle[w]):
             return PARAMETER_OUT_OF_RANGE
+    if d.model.stopped and not stops_in_range(d):
+        return PARAMETER_OUT_OF_RANGE
     if not 1 <= d.solver.method <= len(SOLVER_METHODS):
         return UNKNOWN_METHOD
     return OK
+
+
+def stops_in_range(d):
+    """Whether the parameters of the stops in joints can be: each joint_min below its joint_max."""
+    for value in (d.stops.exponent, d.stops.minimum_impact_speed):
+        if not (value > 0.0 and math.isfinite(value)):
+            return False
+    for i in range(d.links):
+        if not d.model.joint_min[i] < d.model.joint_max[i]:
+            return False
+    return True
 
 
 def check_links(d):

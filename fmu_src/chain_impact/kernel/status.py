@@ -23,11 +23,11 @@ ONSET_DUE = -3  # not a fault: contacts begin at the time reached and are not ye
 STATUS_TEXT = {
     OK: "no fault",
     STEP_TOO_SMALL: "the error control asks for a step smaller than the resolution of time: loosen "
-    "solver.tolerance or lower contact.stiffness",
+    "solver.tolerance or lower contact.stiffness or stop.stiffness",
     NOT_FINITE: "the state or its energy is no longer finite: initial values, parameters or "
     "inputs are too large",
     EVENT_STORM: "too many contacts begin and end in too short a time: a larger contact.minimum_impact_speed "
-    "or a smaller contact.restitution brings points to rest",
+    "or a smaller contact.restitution brings points to rest, and those of stops bring joints to rest",
     STARTS_INSIDE_WALL: "a contact point starts beyond a wall, or a joint beyond a stop",
     RESTITUTION_NOT_ALLOWED: "the contact law does not allow this restitution",
     UNKNOWN_LAW: "contact.model is not the number of a law",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.scene.names import STOPS
 from chain_impact.scene.scene import Scene
 
 
@@ -17,8 +16,8 @@ def candidates(scene: Scene) -> list[tuple[int, int]]:
 
 def stop_pairs(scene: Scene) -> list[tuple[int, int]]:
     """The stops, as pairs (joint, index into ``scene.wall_names``)."""
-    first = len(WALLS) + len(scene.walls)
-    return [(joint, first + STOPS.index(stop)) for joint, stop in scene.chain.stops]
+    names = scene.wall_names
+    return [(joint, names.index(stop)) for joint, stop in scene.chain.stops]
 
 
 def point_wall_pairs(scene: Scene) -> list[tuple[int, int]]:

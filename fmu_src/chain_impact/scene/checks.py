@@ -96,7 +96,7 @@ def check_together(scene: Scene) -> None:
     if scene.chain.base == "pinned" and any(scene.initial.velocity):
         raise SceneError(f"initial.velocity = {list(scene.initial.velocity)} must be zero for a pinned base")
     for i, wall in enumerate(scene.walls):
-        others = scene.wall_names[: len(WALLS) + i]
+        others = *WALLS, *(other.name for other in scene.walls[:i])
         if wall.name in others:
             raise SceneError(f"walls[{i + 1}].name = {wall.name!r} must be none of {', '.join(others)}")
     for axis, low, high in (("x", box.x_min, box.x_max), ("y", box.y_min, box.y_max)):

@@ -66,9 +66,11 @@ class Scene:
     def wall_names(self) -> tuple[str, ...]:
         """The names of the walls, in the order of their numbers: those of the box, then ``walls``.
 
-        Of a scene with stops in joints these come last, as two more: ``joint_min`` and ``joint_max``.
+        Of a scene with stops in joints these come last, as two more: ``joint_min`` and ``joint_max``. Where
+        no point can touch a wall, ``walls`` have no numbers.
         """
-        return *WALLS, *(wall.name for wall in self.walls), *(STOPS if self.chain.stops else ())
+        walls = self.walls if self.contact.points else ()
+        return *WALLS, *(wall.name for wall in walls), *(STOPS if self.chain.stops else ())
 
     @property
     def law_names(self) -> tuple[str, ...]:

@@ -74,7 +74,8 @@ def contact_at(scene: Scene, impact: np.void) -> Contact:
     """The values of the contact law where an impact is: at its wall, or at the stops of joints."""
     contact, stops = scene.contact, scene.stops
     if at_stop(scene, impact["wall"]):
-        values = {name: getattr(stops, name) for name in ("stiffness", "exponent", "restitution")}
+        keys = ("stiffness", "exponent", "restitution", "minimum_impact_speed")
+        values = {name: getattr(stops, name) for name in keys}
         return replace(contact, **values, model=stops.model or contact.model, wall={})
     material = contact.wall.get(scene.wall_names[impact["wall"]])
     given = {

@@ -20,7 +20,7 @@ from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.tangent.directions import DIRECTIONS
-from chain_impact.scene.candidates import candidates, point_wall_pairs
+from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.names import AXES, STOPS, Place, name_of, sensitivity_name
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.tables import Box, Contact, Initial, Link, Material, Solver, Stops, Wall
@@ -112,10 +112,8 @@ def parameters(scene: Scene) -> Iterator[Variable]:
     for w, wall in enumerate(WALLS):
         if getattr(scene.box, wall) is not None:
             yield _parameter(rules[wall], ("model", "wall", w), ("box", wall), "position of the {}")
-    if candidates(scene):
-        # the numbers of the walls in the list of impacts follow from them, also where only stops are touched
-        yield from _wall_parameters(scene)
     if point_wall_pairs(scene):
+        yield from _wall_parameters(scene)
         yield from _contact_parameters(scene)
         yield from _material_parameters(scene)
     if scene.chain.stops:

@@ -1,7 +1,7 @@
 """Data of each contact: peak force and penetration, updated in every step, and the log of finished ones."""
 
 from chain_impact.kernel import hooks
-from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.events.kinds import KINK, NONE, ONSET
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.impulse import commit_impulses
@@ -88,6 +88,8 @@ def update_held_extremes(d):
             samples[0, k], samples[1, k] = top, right
     d.statistics.rhs_evaluations += HELD_SAMPLES
     locate_points(d, step.state_end)
+    # those of the samples are without the constraint forces
+    accelerate_points(d, step.state_end, d.work.rate_end)
 
 
 def update_to_output_time(d):

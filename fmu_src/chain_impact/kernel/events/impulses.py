@@ -32,7 +32,13 @@ from chain_impact.kernel.model.constraints import (
     solve_positions,
     start_from_accelerations,
 )
-from chain_impact.kernel.model.contact import begin_contact, clear_loads, drop_events, list_touching
+from chain_impact.kernel.model.contact import (
+    begin_contact,
+    clear_loads,
+    drop_events,
+    list_touching,
+    set_kink_side,
+)
 from chain_impact.kernel.model.equations import free_rate
 from chain_impact.kernel.model.geometry import clearance
 
@@ -64,8 +70,20 @@ def handle_impact(d):
     if struck:
         apply_impulses(d)
         end_rebounding_contacts(d)
+        follow_jump(d)
     update_active_set(d)
     clear_loads(d)
+
+
+def follow_jump(d):
+    """Take the rates of contacts with a force law, and their kink's side, from the motion after impulses."""
+    locate_points(d, d.step.state_end)
+    for k in range(d.touch.compliant_count):
+        c = d.touch.active_index[k]
+        _, gap_rate = clearance(d, c)
+        # the force has jumped: a smaller rate of it would hide that it is at its peak
+        d.touch.speed[c], d.touch.force_rate[c] = -gap_rate, 1.0
+        set_kink_side(d, c)
 
 
 def include_near_contacts(d):

@@ -236,7 +236,7 @@ def solve_positions(d):
     If the residuals and errors do not explain so large a change, only candidates with g < target are moved.
     """
     own, size, asked, moved = d.rigid, d.model.size, 0.0, 0.0
-    for k in range(d.touch.active_count):
+    for k in range(d.touch.compliant_count, d.touch.active_count):
         asked = max(asked, abs(own.target[k] - own.start[k]))
     solve_equality(d, size)
     for j in range(coordinate_count(d.links)):

@@ -150,7 +150,9 @@ def user_contact_force(d, c, depth, rate):
     """
     law, arm = d.law, lever(d, c)
     speed, mass = d.touch.impact_speed[c] / arm, d.touch.effective_mass[c] * arm * arm
-    stiffness = d.given.stop_stiffness if d.candidate.stop[c] != 0 else law.stiffness[c]
+    stiffness = law.stiffness[c]
+    if d.candidate.stop[c] != 0:
+        stiffness *= arm ** (law.exponent[c] + 1.0)
     force = user_force(depth / arm, rate / arm, speed, mass, stiffness, law.exponent[c], law.restitution[c])
     return force / arm
 
