@@ -10,7 +10,7 @@ from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.integration.switching import LONGER, PATIENCE, suggests_switch
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
-from tests.problems import build, contact_table, stiff_joint
+from tests.problems import GRAVITY, build, contact_table, stiff_joint
 
 
 def test_light_damping_stays_explicit():
@@ -76,6 +76,18 @@ def test_rigid_walls_have_implicit_steps_in_flight_and_at_rest(damping):
     assert counts["implicit_steps"] > 30
     assert counts["steps"] < 400
     assert counts["rhs_evaluations"] < 6_000
+
+
+@pytest.mark.parametrize(("damping", "most"), [(1e4, 200), (1e6, 600)])
+def test_the_projection_onto_rigid_walls_makes_no_steps_short(damping, most):
+    """It leaves a fast motion of the joints, for which 2,000 to 5,000 steps were tried."""
+    changes = {("contact", "model"): "newton_impact", ("contact", "restitution"): 0.0}
+    instance = Instance(with_values(stiff_joint(damping), changes | {("solver", "tolerance"): 1e-6}))
+    assert instance.advance(1.0) == 0
+    instance.observe()
+    counts, weight = instance.statistics, 0.1 * GRAVITY
+    assert counts["steps"] + counts["rejected_steps"] < most
+    assert instance.record["output"]["force"].sum() == pytest.approx(weight, rel=1e-5)
 
 
 def test_rigid_walls_alone_make_nothing_stiff():
