@@ -21,6 +21,8 @@ from chain_impact.simulation.inputs import Drive
 from chain_impact.variables.model import Model, model_of
 from chain_impact.variables.variable import Variable
 
+SIZES = 3  # words at the start of a record: the numbers of links, candidates and instances of dual numbers
+
 
 class SimulationError(RuntimeError):
     """The solver could not go on.
@@ -101,7 +103,9 @@ class Instance:
 
     def is_sound(self, words: np.ndarray) -> bool:
         """Whether the words of a record can be those of an instance with this kernel."""
-        return bool(self._kernel.sound(words.ctypes.data))
+        # the kernel takes the sizes at its start for granted
+        same_sizes = words[:SIZES].tobytes() == self.words[:SIZES].tobytes()
+        return same_sizes and bool(self._kernel.sound(words.ctypes.data))
 
     def advance(self, time: float) -> int:
         """Advance to a time [s], not before the present one; return the status."""
