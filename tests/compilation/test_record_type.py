@@ -6,6 +6,7 @@ import pytest
 from chain_impact.compilation.record_type import TABLES, _affine
 from chain_impact.kernel.entry import observe_now, trajectory
 from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.record.fields import is_table
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent.directions import tangent_dtype
 from chain_impact.scene.scene import scene_from_dict, with_values
@@ -24,6 +25,9 @@ def number(affine, links, candidates):
 def places(dtype, path=(), offset=0):
     """Path, offset and type of every record, array and number of a record."""
     yield path, offset, dtype
+    if dtype.subdtype and is_table(dtype):
+        for name, (inner, start, *_) in dtype.base.fields.items():
+            yield (*path, name), offset + start, np.dtype((inner, dtype.shape))
     dual = dtype.names == ("value", "slope")
     for name, (inner, start, *_) in ({} if dual else dtype.fields or {}).items():
         yield from places(inner, (*path, name), offset + start)
@@ -38,8 +42,15 @@ def test_every_field_is_where_numpy_has_it(what, links, candidates):
     for path, offset, dtype in found:
         field = table[path]
         assert number(field.offset, links, candidates) == offset, path
-        assert number(field.size, links, candidates) == dtype.itemsize, path
-        assert tuple(number(size, links, candidates) for size in field.shape) == dtype.shape, path
+        shape = tuple(number(size, links, candidates) for size in field.shape)
+        if dtype.subdtype and is_table(dtype):
+            # its columns tell its rows
+            assert (shape, dtype.base.names) == ((), field.fields), path
+            assert {table[*path, name].stride for name in field.fields} == {dtype.base.itemsize}, path
+        else:
+            assert shape == dtype.shape, path
+        if not field.stride:
+            assert number(field.size, links, candidates) == dtype.itemsize, path
 
 
 def test_what_has_to_do_with_candidates_comes_last():

@@ -163,4 +163,4 @@ def test_walls_that_no_point_can_touch_need_no_room():
     walls = [{"name": f"w{i}", "point": [-9.0, -9.0], "normal": [1.0, 1.0]} for i in range(6)]
     changes = {("walls",): walls, ("contact", "points"): [], ("chain", "links", 1, "joint_max"): 3.0}
     d = Model(with_values(load_scene("four_link_box"), changes)).new_instance()[0]
-    assert (d["candidate"]["wall"].tolist(), d["walls"]["angle"].tolist()) == ([11], [0.0])
+    assert (d["candidate"]["wall"].tolist(), d["walls"]["angle"].tolist()) == ([5], [0.0])

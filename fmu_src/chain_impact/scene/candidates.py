@@ -11,7 +11,9 @@ def candidates(scene: Scene) -> list[tuple[int, int]]:
 
     Then come the stops, as pairs (joint, index into ``scene.wall_names``); joints are numbered as links are.
     """
-    return [*point_wall_pairs(scene), *stop_pairs(scene)]
+    pairs = point_wall_pairs(scene)
+    # its values are given where there are stops
+    return pairs if scene.stops.exponent is None else [*pairs, *stop_pairs(scene)]
 
 
 def stop_pairs(scene: Scene) -> list[tuple[int, int]]:

@@ -70,7 +70,7 @@ class Scene:
         no point can touch a wall, ``walls`` have no numbers.
         """
         walls = self.walls if self.contact.points else ()
-        return *WALLS, *(wall.name for wall in walls), *(STOPS if self.chain.stops else ())
+        return *WALLS, *(wall.name for wall in walls), *(STOPS if self.stops.exponent is not None else ())
 
     @property
     def law_names(self) -> tuple[str, ...]:

@@ -20,7 +20,7 @@ from chain_impact.kernel.model.contact_law import USER_LAW
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent.directions import DIRECTIONS, tangent_dtype
-from chain_impact.scene.candidates import candidates, point_wall_pairs
+from chain_impact.scene.candidates import candidates
 from chain_impact.scene.names import Place, input_key, parameter_hint
 from chain_impact.scene.reading import matching
 from chain_impact.scene.scene import Scene
@@ -240,14 +240,13 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     for name in LINK_PARAMETERS:
         model[name] = [getattr(link, name) for link in links]
     model["joint_min"], model["joint_max"] = -math.inf, math.inf
-    for joint, ends in scene.chain.joint_ranges.items():
-        model["joint_min"][joint - 1], model["joint_max"][joint - 1] = ends
     # the position of a wall that is not there is never looked at
     model["wall"] = [getattr(scene.box, name) or 0.0 for name in WALLS]
     if pairs:
         d["candidate"]["point"], d["candidate"]["wall"] = np.transpose(pairs)
     _fill_walls(d, scene)
-    _fill_stops(d, scene)
+    if scene.stops.exponent is not None:
+        _fill_stops(d, scene)
     model["pinned"] = scene.chain.base == "pinned"
     model["driven"] = scene.inputs.joint_torques or scene.inputs.tip_force
 
@@ -274,7 +273,7 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
 def _fill_walls(d: Any, scene: Scene) -> None:
     """Put the walls at any angle, and the materials of all walls, in their places."""
     d["walls"]["restitution"] = -1.0  # that of `contact`
-    if not point_wall_pairs(scene):  # the record has room for walls only where points may touch them
+    if not scene.contact.points:  # the record has room for walls only where points may touch them
         return
     for w, wall in enumerate(scene.walls):
         for name, value in (("x", wall.point[0]), ("y", wall.point[1]), ("angle", wall.angle)):
@@ -289,8 +288,8 @@ def _fill_walls(d: Any, scene: Scene) -> None:
 def _fill_stops(d: Any, scene: Scene) -> None:
     """Put the stops in joints in their places."""
     stops, found = scene.stops, scene.chain.stops
-    if not found:
-        return
+    for joint, ends in scene.chain.joint_ranges.items():
+        d["model"]["joint_min"][joint - 1], d["model"]["joint_max"][joint - 1] = ends
     d["candidate"]["stop"][-len(found) :] = [1 if stop == "joint_min" else -1 for _, stop in found]
     d["stops"]["law"] = _law_number(stops.model) if stops.model else 0
     for name in ("exponent", "minimum_impact_speed"):

@@ -187,7 +187,7 @@ def _of_stops(scene: Scene) -> dict[str, str]:
         "penetration": "; of a stop the angle in rad",
         "impulse": "; of a stop in N.m.s",
     }
-    return texts if scene.chain.stops else dict.fromkeys(texts, "")
+    return texts if scene.stops.exponent is not None else dict.fromkeys(texts, "")
 
 
 def _wall_numbers(scene: Scene) -> str:

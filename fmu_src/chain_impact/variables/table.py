@@ -116,7 +116,7 @@ def parameters(scene: Scene) -> Iterator[Variable]:
         yield from _wall_parameters(scene)
         yield from _contact_parameters(scene)
         yield from _material_parameters(scene)
-    if scene.chain.stops:
+    if scene.stops.exponent is not None:
         yield from _stop_parameters(scene)
     yield from _initial_values(scene)
     for key, rule in _rules(Solver).items():
