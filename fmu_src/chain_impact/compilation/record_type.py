@@ -120,10 +120,8 @@ def _table(layouts: Sequence[np.dtype]) -> dict[Path, Field]:
 
     def add_columns(path: Path, dtypes: Sequence[Any], offsets: Sequence[int]) -> None:
         """Add a table, an array of records, as a record of columns."""
-        row, shape = (
-            dtypes[0].base,
-            [_affine(sizes) for sizes in zip(*(d.shape for d in dtypes), strict=True)],
-        )
+        row = dtypes[0].base
+        shape = [_affine(sizes) for sizes in zip(*(dtype.shape for dtype in dtypes), strict=True)]
         size = _affine([dtype.itemsize for dtype in dtypes])
         table[path] = Field(_affine(offsets), size, row.names, types.none, ())
         for name in row.names:

@@ -46,13 +46,13 @@ def model_dtype(links: int) -> np.dtype:
 def contact_dtype() -> np.dtype:
     """What all contacts with walls have in common; the rest of their law is in `given`.
 
-    Owner: variables/model.py.
+    Owner: variables/model.py; of derived values, model/contact_law.py.
     """
     return record(
         ("exponent", REAL),
         ("radius", REAL),  # m
         ("minimum_impact_speed", REAL),  # m/s, lower limit of v0, which is latched at onset
-        # derived by model/contact_law.py
+        # derived
         ("any_force", INTEGER),  # 1: some candidate has a law with a force …
         ("any_rigid", INTEGER),  # … and one with impulses instead
     )
