@@ -17,7 +17,7 @@ import numpy as np
 
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import WALLS, Scene
-from tests.complex_laws import FAMILY, WITH_MASS
+from tests.complex_laws import Law
 from tests.complex_place import Place, Touch, chained
 from tests.complex_step import TINY, power
 
@@ -52,7 +52,8 @@ class ComplexChain:
         self._places()
         self._bodies()
         self._walls()
-        self._law()
+        self._stops()
+        self._laws()
 
     def value(self, name: str, otherwise: float = 0.0) -> np.ndarray:
         """A parameter in each lane, shape (lanes,)."""
@@ -98,13 +99,14 @@ class ComplexChain:
         self.tip = np.stack([self.value("tip.force.x"), self.value("tip.force.y")], 1)
 
     def _walls(self) -> None:
-        """Points, names, normals and offsets n·x of the walls of all candidates."""
+        """Points and walls of all candidates; normals and offsets n·x of those that are at walls."""
         found = candidates(self.scene)
         self.points = np.array([point for point, _ in found], int)
         self.walls = np.array([wall for _, wall in found], int)
-        self.normal = np.zeros((self.lanes, len(found), 2), complex)
-        self.offset = np.zeros((self.lanes, len(found)), complex)
-        for c, wall in enumerate(self.walls):
+        self.at_walls = len(found) - len(self.scene.chain.stops)
+        self.normal = np.zeros((self.lanes, self.at_walls, 2), complex)
+        self.offset = np.zeros((self.lanes, self.at_walls), complex)
+        for c, wall in enumerate(self.walls[: self.at_walls]):
             name = self.scene.wall_names[wall]
             if wall < len(WALLS):
                 sign = 1.0 - 2.0 * (wall % 2)
@@ -117,29 +119,31 @@ class ComplexChain:
                 self.offset[:, c] = (self.normal[:, c] * place).sum(1)
         self.offset += self.value("contact.radius")[:, None]
 
-    def _law(self) -> None:
-        self.law = self.scene.contact.model
-        self.stiffness, self.exponent = self.value("contact.stiffness"), self.value("contact.exponent")
-        self.restitution = self.value("contact.restitution")
-        self.slowest = self.value("contact.minimum_impact_speed")
-        self.rigid, self.approach_only = self.law == "newton_impact", self.law == "jankowski"
-        self.rate_exponent, self.mass_power, factor = self.exponent, 0.0, lambda e: 0.0 * e
-        if self.law in FAMILY:
-            factor = FAMILY[self.law]
-        elif not self.rigid:
-            factor, p, self.mass_power = WITH_MASS[self.law]
-            self.rate_exponent = np.full(self.lanes, p, complex)
-        # lanes differ in the restitution of at most one of them
-        made = {e: factor(complex(e)) for e in set(self.restitution)}
-        self.factor = np.array([made[e] for e in self.restitution])
-        n, p = self.exponent, self.rate_exponent
-        smooth = [
-            m
-            for m in (1, 2, 4)
-            if not (m * n).imag.any() and not (m * n[0]).real % 1 and not (m * p[0]).real % 1
-        ]
-        # in the eighth root, δⁿ of any n has derivatives up to the order of the method
-        self.m = smooth[0] if smooth else 8
+    def _stops(self) -> None:
+        """Joints i, sides and limits of the stops: the clearance is side · (θ_i − θ_{i−1} − limit)."""
+        self.joints = self.points[self.at_walls :] - 1
+        kinds = [self.scene.wall_names[wall] for wall in self.walls[self.at_walls :]]
+        self.side = np.array([1.0 if kind == "joint_min" else -1.0 for kind in kinds])
+        limits = [self.value(f"link[{i + 1}].{kind}") for i, kind in zip(self.joints, kinds, strict=True)]
+        self.limit = np.array(limits, complex).reshape(len(limits), self.lanes).T
+
+    def _laws(self) -> None:
+        """The law of each candidate."""
+        names = [self.scene.wall_names[wall] for wall in self.walls[: self.at_walls]]
+        at_walls = {name: self._law("contact", self.scene.contact.model, f"wall.{name}") for name in names}
+        self.laws = [at_walls[name] for name in names]
+        if len(self.joints):
+            self.laws += [self._law("stop", self.scene.stops.model or self.scene.contact.model)] * len(
+                self.joints
+            )
+
+    def _law(self, table: str, model: str, material: str = "") -> Law:
+        def value(key: str) -> np.ndarray:
+            own = f"{material}.{key}"
+            return self.value(own if own in self.base else f"{table}.{key}")
+
+        keys = ("stiffness", "exponent", "restitution", "minimum_impact_speed")
+        return Law(model, *(value(key) for key in keys))
 
     def start(self) -> np.ndarray:
         """The state at time 0, shape (lanes, size)."""
@@ -188,6 +192,13 @@ class ComplexChain:
 
     def gradient(self, place: Place, c: int) -> np.ndarray:
         """J of the clearance of candidate c."""
+        if c >= self.at_walls:
+            joint, side = self.joints[c - self.at_walls], self.side[c - self.at_walls]
+            result = np.zeros((self.lanes, self.links + 2), complex)
+            result[:, 2 + joint] = side
+            if joint:
+                result[:, 1 + joint] = -side
+            return result
         loads = np.zeros((self.lanes, self.links + 1, 2), complex)
         loads[:, self.points[c]] = self.normal[:, c]
         return self.spread(place, loads)
@@ -198,11 +209,10 @@ class ComplexChain:
         loads = np.zeros((self.lanes, self.links + 1, 2), complex)
         loads[:, -1] += self.tip
         pairs = [self.force(y, place, touch) for touch in touches]
-        for touch, (force, _) in zip(touches, pairs, strict=True):
-            c = touch.candidate
-            loads[:, self.points[c]] += self.normal[:, c] * force[:, None]
         omega, along, across = place.omega, place.along, place.across
         forces = self.spread(place, loads)
+        for touch, (force, _) in zip(touches, pairs, strict=True):
+            forces += self.gradient(place, touch.candidate) * force[:, None]
         # Σ_j c_ij sin(θ_i−θ_j) ω_j² and −Σ b_i ω_i² e_i, to the other side
         square = (omega**2)[..., None]
         outward = self.c @ (square * along) + self.b[..., None] * self.gravity[:, None]
@@ -241,11 +251,19 @@ class ComplexChain:
         inward = place.along * (self.length * place.omega**2)[..., None]
         return chained(look.acceleration[:, :2], turning - inward)
 
+    def sinking(self, look: SimpleNamespace, c: int) -> np.ndarray:
+        """δ̈ of candidate c."""
+        if c < self.at_walls:
+            point = self.point_accelerations(look)[:, self.points[c]]
+            return -(self.normal[:, c] * point).sum(1)
+        turning = self.relative(look.acceleration[:, 2:])[:, self.joints[c - self.at_walls]]
+        return -self.side[c - self.at_walls] * turning
+
     def rate(self, y: np.ndarray, touches: Sequence[Touch]) -> np.ndarray:
         """dy/ds."""
         look = self.look(y, touches)
         result = np.zeros_like(y)
-        m, tempo = self.m, self.tempo(y, touches)
+        tempo = self.tempo(y, touches)
         result[:, self.q], result[:, self.v] = y[:, self.v], look.acceleration
         result[:, self.time], result[:, self.dissipated], result[:, self.supplied] = (
             1.0,
@@ -258,17 +276,18 @@ class ComplexChain:
         for touch in touches:
             others = self.tempo(y, touches, without=touch)
             approach = -look.place.gap_rate[:, touch.candidate]
-            result[:, self.root + touch.candidate] = approach / (m * touch.scale) * others
+            result[:, self.root + touch.candidate] = approach / (touch.law.m * touch.scale) * others
         return result
 
     def tempo(self, y: np.ndarray, touches: Sequence[Touch], without: Touch | None = None) -> np.ndarray:
         """dt/ds = τ Π z^(m−1), τ = m δ*/v₀ of the first contact; 1 in flight."""
         if not touches:
             return np.ones(self.lanes, complex)
-        tempo = np.full(self.lanes, self.m * touches[0].scale / touches[0].speed[0].real, complex)
+        first = touches[0]
+        tempo = np.full(self.lanes, first.law.m * first.scale / first.speed[0].real, complex)
         for touch in touches:
             if touch is not without:
-                tempo = tempo * y[:, self.root + touch.candidate] ** (self.m - 1)
+                tempo = tempo * y[:, self.root + touch.candidate] ** (touch.law.m - 1)
         return tempo
 
     # --- contacts ----------------------------------------------------------------------------------------
@@ -277,68 +296,62 @@ class ComplexChain:
         """δ^exponent, from the root of the penetration."""
         exponent = exponent + np.zeros(self.lanes, complex)
         root = y[:, self.root + touch.candidate]
-        return np.exp(exponent * math.log(touch.scale)) * power(root, self.m * exponent)
+        return np.exp(exponent * math.log(touch.scale)) * power(root, touch.law.m * exponent)
 
     def damping(self, touch: Touch) -> np.ndarray:
         return touch.damping if touch.damped else 0.0 * touch.damping
 
     def force(self, y: np.ndarray, place: Place, touch: Touch) -> tuple[np.ndarray, np.ndarray]:
         """F = K δⁿ + d δᵖ δ̇, or 0 where it is cut off, and K δⁿ."""
-        elastic = self.stiffness * self.depth_power(y, touch, self.exponent)
+        law = touch.law
+        elastic = law.stiffness * self.depth_power(y, touch, law.exponent)
         if not touch.pushes:
             return 0.0 * elastic, elastic
         approach = -place.gap_rate[:, touch.candidate]
-        damped = self.damping(touch) * self.depth_power(y, touch, self.rate_exponent) * approach
+        damped = self.damping(touch) * self.depth_power(y, touch, law.rate_exponent) * approach
         return elastic + damped, elastic
 
     def push(self, y: np.ndarray, touch: Touch) -> np.ndarray:
         """F/δᵖ, whose sign tells whether the force is cut off."""
-        spring = self.stiffness * self.depth_power(y, touch, self.exponent - self.rate_exponent)
+        law = touch.law
+        spring = law.stiffness * self.depth_power(y, touch, law.exponent - law.rate_exponent)
         return spring - self.damping(touch) * self.locate(y).gap_rate[:, touch.candidate]
 
     def force_rate(self, y: np.ndarray, touches: Sequence[Touch], touch: Touch) -> np.ndarray:
         """Ḟ δ^(1−p), which is zero at a peak of the force and neither at onset nor end."""
         look, c, d = self.look(y, touches), touch.candidate, self.damping(touch)
-        n, p = self.exponent, self.rate_exponent
-        approach = -look.place.gap_rate[:, c]
-        point = self.point_accelerations(look)[:, self.points[c]]
-        sinking = -(self.normal[:, c] * point).sum(1)
+        law = touch.law
+        n, p = law.exponent, law.rate_exponent
+        approach, sinking = -look.place.gap_rate[:, c], self.sinking(look, c)
         if not p.any():
-            return self.stiffness * approach + d * sinking
-        spring = n * self.stiffness * self.depth_power(y, touch, n - p)
+            return law.stiffness * approach + d * sinking
+        spring = n * law.stiffness * self.depth_power(y, touch, n - p)
         return (spring + p * d * approach) * approach + d * self.depth_power(y, touch, 1.0) * sinking
 
     def begin(self, y: np.ndarray, c: int) -> Touch:
         """The contact of candidate c whose clearance falls through zero in the state y."""
-        place = self.locate(y)
+        place, law = self.locate(y), self.laws[c]
         gradient = self.gradient(place, c)
         mass = 1.0 / (gradient * self.answer(place, gradient)).sum(1)
         arrival = -place.gap_rate[:, c]
-        speed = arrival if arrival[0].real > self.slowest[0].real else self.slowest
-        n, k = self.exponent[0].real, self.stiffness[0].real
+        speed = arrival if arrival[0].real > law.slowest[0].real else law.slowest
+        n, k = law.exponent[0].real, law.stiffness[0].real
         # K δ*ⁿ⁺¹/(n+1) = ½ m v₀²
         scale = ((n + 1.0) * mass[0].real * speed[0].real ** 2 / (2.0 * k)) ** (1.0 / (n + 1.0))
         impulse = y[:, self.impulse + c].copy()
-        touch = Touch(c, y[:, self.time].copy(), arrival, speed, mass, impulse, scale)
-        self.latch(touch)
+        touch = Touch(c, law, y[:, self.time].copy(), arrival, speed, mass, impulse, scale)
+        touch.latch()
         y[:, self.root + c] = 0.0
         return touch
-
-    def latch(self, touch: Touch) -> None:
-        """d = λ K/v₀ of the Hunt–Crossley family, else f K^(1−s) m^s."""
-        if self.mass_power == 0.0:
-            touch.damping = self.factor * self.stiffness / touch.speed
-        else:
-            touch.damping = self.factor * self.stiffness * (touch.mass / self.stiffness) ** self.mass_power
 
     def bounce(self, y: np.ndarray, c: int) -> tuple[np.ndarray, Touch]:
         """The state after a rigid impact of candidate c: q̇⁺ = q̇ − M⁻¹Jᵀ m (1+e) J q̇."""
         place, touch = self.locate(y), self.begin(y, c)
-        assert touch.onset_speed[0].real > self.slowest[0].real, "a point comes to rest at a rigid wall"
-        impulse = touch.mass * (1.0 + self.restitution) * touch.onset_speed
+        assert touch.onset_speed[0].real > touch.law.slowest[0].real, "a contact comes to rest"
+        impulse = touch.mass * (1.0 + touch.law.restitution) * touch.onset_speed
         after = y.copy()
         after[:, self.v] += self.answer(place, self.gradient(place, c)) * impulse[:, None]
         after[:, self.impulse + c] += impulse
-        loss = 0.5 * touch.mass * (1.0 - self.restitution**2) * touch.onset_speed**2
+        loss = 0.5 * touch.mass * (1.0 - touch.law.restitution**2) * touch.onset_speed**2
         after[:, self.dissipated] += loss
         return after, touch

@@ -5,6 +5,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -106,3 +107,40 @@ WITH_MASS: dict[str, tuple[Callable[[complex], complex], float, float]] = {
     "kuwabara_kono": (viscoelastic_factor, 0.5, 0.4),
 }
 """f(e), the power p of δ and the power s of the mass, of F = K δⁿ + d δᵖ δ̇ with d = f K^(1−s) m^s."""
+
+
+@dataclass
+class Law:
+    """F = K δⁿ + d δᵖ δ̇ of one wall or stop, with its parameters in each lane, shape (lanes,)."""
+
+    model: str
+    stiffness: np.ndarray
+    exponent: np.ndarray
+    restitution: np.ndarray
+    slowest: np.ndarray  # m/s or rad/s, the least speed that is latched
+
+    def __post_init__(self) -> None:
+        self.rigid, self.approach_only = self.model == "newton_impact", self.model == "jankowski"
+        self.rate_exponent, self.mass_power, factor = self.exponent, 0.0, lambda e: 0.0 * e
+        if self.model in FAMILY:
+            factor = FAMILY[self.model]
+        elif not self.rigid:
+            factor, p, self.mass_power = WITH_MASS[self.model]
+            self.rate_exponent = np.full(len(self.exponent), p, complex)
+        # lanes differ in the restitution of at most one of them
+        made = {e: factor(complex(e)) for e in set(self.restitution)}
+        self.factor = np.array([made[e] for e in self.restitution])
+        n, p = self.exponent, self.rate_exponent
+        smooth = [
+            m
+            for m in (1, 2, 4)
+            if not (m * n).imag.any() and not (m * n[0]).real % 1 and not (m * p[0]).real % 1
+        ]
+        # in the eighth root, δⁿ of any n has derivatives up to the order of the method
+        self.m = smooth[0] if smooth else 8
+
+    def damping(self, speed: np.ndarray, mass: np.ndarray) -> np.ndarray:
+        """d = λ K/v₀ of the Hunt–Crossley family, else f K^(1−s) m^s."""
+        if self.mass_power == 0.0:
+            return self.factor * self.stiffness / speed
+        return self.factor * self.stiffness * (mass / self.stiffness) ** self.mass_power

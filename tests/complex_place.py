@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tests.complex_laws import Law
+
 if TYPE_CHECKING:
     from tests.complex_chain import ComplexChain
 
@@ -17,6 +19,7 @@ class Place:
 
     def __init__(self, chain: ComplexChain, y: np.ndarray) -> None:
         self.chain, self.y = chain, y
+        self.points = chain.points[: chain.at_walls]
         self.angle, self.omega = y[:, 2 : chain.v.start], y[:, chain.v.start + 2 : chain.v.stop]
         self.along = np.empty((*self.angle.shape, 2), complex)  # e_i …
         self.across = np.empty_like(self.along)  # … and e_i⊥
@@ -36,11 +39,18 @@ class Place:
     @cached_property
     def gap(self) -> np.ndarray:
         chain = self.chain
-        return (chain.normal * self.position[:, chain.points]).sum(2) - chain.offset
+        at_walls = (chain.normal * self.position[:, self.points]).sum(2) - chain.offset
+        return np.concatenate([at_walls, chain.side * (self._joints(self.angle) - chain.limit)], 1)
 
     @cached_property
     def gap_rate(self) -> np.ndarray:
-        return (self.chain.normal * self.velocity[:, self.chain.points]).sum(2)
+        chain = self.chain
+        at_walls = (chain.normal * self.velocity[:, self.points]).sum(2)
+        return np.concatenate([at_walls, chain.side * self._joints(self.omega)], 1)
+
+    def _joints(self, values: np.ndarray) -> np.ndarray:
+        """What the link behind the joint of each stop has more than the one before it."""
+        return self.chain.relative(values)[:, self.chain.joints]
 
 
 def chained(base: np.ndarray, parts: np.ndarray) -> np.ndarray:
@@ -57,6 +67,7 @@ class Touch:
     """A contact that lasts: what is latched at its onset, and its largest force and penetration so far."""
 
     candidate: int
+    law: Law
     onset: np.ndarray  # s
     onset_speed: np.ndarray  # m/s
     speed: np.ndarray  # m/s, v₀
@@ -68,3 +79,6 @@ class Touch:
     damped: bool = True  # δ̇ > 0, or the law damps on the way back, too
     forces: list[np.ndarray] = field(default_factory=list)  # N, at each of its peaks
     depths: list[np.ndarray] = field(default_factory=list)  # m, likewise
+
+    def latch(self) -> None:
+        self.damping = self.law.damping(self.speed, self.mass)

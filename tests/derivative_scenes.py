@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact import simulate
+from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.scene import Scene, scene_from_dict
 from tests.derivatives import FIELDS, Derivatives, differentiate
 from tests.problems import default_scene, of_law
@@ -76,8 +77,10 @@ def struck_twice(law: str, restitution: float = 0.7, stiffness: float = 1e7) -> 
 
 def all_parameters(scene: Scene, inputs: Mapping[str, float]) -> tuple[str, ...]:
     """All numbers that a motion depends on, but the exponent and what belongs to the solver."""
-    tables = ("gravity", "link", "box", "wall", "initial", "contact")
-    left_out = ("contact.exponent", "contact.minimum_impact_speed")
+    tables = ["gravity", "link", "box", "wall", "initial", "stop"]
+    if point_wall_pairs(scene):
+        tables.append("contact")
+    left_out = [f"{law}.{key}" for law in ("contact", "stop") for key in ("exponent", "minimum_impact_speed")]
     pinned = scene.chain.base == "pinned"
     names = [
         name
@@ -172,6 +175,69 @@ def pressed_tip(law: str = "zhang_sharf", **solver: Any) -> Case:
     return Case(scene, parameters, (0.02, 0.06, 0.12), inputs)
 
 
+def stopped_chain(contact: str, stops: str, times: tuple[float, ...], **solver: Any) -> Case:
+    """Two links on a pinned base that come to the stops of the second joint, and to a floor of a material.
+
+    Their impacts are at the knee at 0.135 s, at the floor at 0.418 s, and from 0.424 s on at both together.
+    """
+    scene = table(
+        [
+            {"length": 0.5, "mass": 1.0, "joint_max": 0.5, "joint_damping": 0.02},
+            {
+                "length": 0.4,
+                "mass": 0.5,
+                "center_of_mass": 0.15,
+                "joint_min": -0.9,
+                "joint_max": 0.3,
+                "joint_stiffness": 1.0,
+                "joint_damping": 0.01,
+            },
+        ],
+        base="pinned",
+        box={"y_min": -0.55},
+        contact={
+            "restitution": 0.6,
+            "radius": 0.01,
+            "points": [2],
+            "wall": {"y_min": {"stiffness": 1e6, "restitution": 0.75}},
+            **of_law(contact),
+        },
+        stops={"stiffness": 5e3, "restitution": 0.5, **of_law(stops)},
+        initial={"position": [0.0, 0.0], "angles": [0.4, 0.2], "angular_velocities": [1.0, 2.0]},
+        simulation={"stop_time": times[-1], "step_size": 1e-3},
+        solver=solver,
+    )
+    return Case(scene, all_parameters(scene, {}), times)
+
+
+def thrown_chain() -> Case:
+    """Four links with stops in all three joints, thrown up without a wall: three impacts until 0.8 s."""
+    stopped = {"length": 0.3, "mass": 0.6, "joint_min": -0.8, "joint_max": 0.7}
+    scene = table(
+        [{"length": 0.4, "mass": 1.0}, stopped, stopped | {"joint_max": 0.9}, stopped | {"length": 0.2}],
+        stops={"stiffness": 2e3, "restitution": 0.5},
+        initial={
+            "position": [0.0, 0.0],
+            "angles": [0.1, 0.3, 0.2, -0.1],
+            "velocity": [0.0, 3.0],
+            "angular_velocities": [1.0, -2.0, 3.0, -1.5],
+        },
+        simulation={"stop_time": 0.8, "step_size": 0.02},
+    )
+    return Case(scene, all_parameters(scene, {}), (0.2, 0.5, 0.8))
+
+
+AT_STOPS = {
+    "stops": thrown_chain(),
+    "stop and wall": stopped_chain("zhang_sharf", "lankarani_nikravesh", (0.2, 0.42, 0.424)),
+    "stop with wall": stopped_chain("zhang_sharf", "zhang_sharf", (0.2, 0.43, 0.5)),
+    "stop, rigid wall": stopped_chain("newton_impact", "zhang_sharf", (0.2, 0.43, 0.5)),
+    "rigid stop, wall": stopped_chain("zhang_sharf", "newton_impact", (0.2, 0.425, 0.434)),
+    "rigid stop and wall": stopped_chain("newton_impact", "newton_impact", (0.2, 0.43, 0.5)),
+}
+"""Chains with stops in their joints, and walls of another law."""
+
+
 def six_impacts() -> Case:
     """The default scene until 1.2 s: six impacts of five points."""
     scene = default_scene().with_values({"simulation.stop_time": 1.2, "simulation.step_size": 0.1})
@@ -190,6 +256,11 @@ def six_impacts() -> Case:
         "box.y_min",
     )
     return Case(scene, parameters, (0.3, 0.6, 0.9, 1.2))
+
+
+def at_stops(scene: Scene, walls: np.ndarray) -> np.ndarray:
+    """Which impacts are those at stops of joints, by the indices of their walls."""
+    return np.isin(walls, [scene.wall_names.index(stop) for _, stop in scene.chain.stops])
 
 
 def state_names(scene: Scene) -> list[str]:

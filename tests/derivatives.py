@@ -16,7 +16,8 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from chain_impact.scene.scene import Scene
-from tests.complex_chain import ComplexChain, Place, Touch
+from tests.complex_chain import ComplexChain, Touch
+from tests.complex_outputs import outputs_of
 from tests.complex_step import TINY, combine, runge_kutta
 
 FIELDS = (
@@ -98,7 +99,7 @@ class _Run:
         rows = []
         for time in times:
             self.advance(time)
-            rows.append(self.outputs())
+            rows.append(outputs_of(self.chain, self.y, self.touches))
         none = np.full(self.chain.lanes, np.nan)
         log = self.finished + [
             (touch, self.row(touch, none, none, [self.force_now(touch)])) for touch in self.touches
@@ -203,7 +204,7 @@ class _Run:
             if chain.damping(touch)[0].real:
                 cut = Event("cut", touch, lambda y, t=touch: chain.push(y, t), not touch.pushes)
                 found.append(cut)
-            if chain.approach_only:
+            if touch.law.approach_only:
                 turn = Event("turn", touch, lambda y, c=c: -chain.locate(y).gap_rate[:, c], not touch.damped)
                 found.append(turn)
             fast = Event(
@@ -278,7 +279,7 @@ class _Run:
         """Change the equations, at the state where the event is."""
         chain, subject = self.chain, event.subject
         match event.kind:
-            case "onset" if chain.rigid:
+            case "onset" if chain.laws[subject].rigid:
                 self.y, touch = chain.bounce(self.y, subject)
                 away = chain.locate(self.y).gap_rate[:, subject]
                 row = self.row(touch, touch.onset, away, [np.full(chain.lanes, np.inf)])
@@ -301,7 +302,7 @@ class _Run:
                 subject.damped = not subject.damped
             case "fast":
                 subject.speed = RELATCH * subject.speed
-                chain.latch(subject)
+                subject.latch()
 
     # --- what is told ------------------------------------------------------------------------------------
 
@@ -335,60 +336,12 @@ class _Run:
     ) -> dict[str, np.ndarray]:
         """The line of a contact in the list of impacts."""
         chain = self.chain
-        now = chain.depth_power(self.y, touch, 1.0) if not chain.rigid else np.zeros(chain.lanes)
+        now = chain.depth_power(self.y, touch, 1.0) if not touch.law.rigid else np.zeros(chain.lanes)
         peak = max([*touch.forces, *forces], key=lambda force: force[0].real)
         depth = max([*touch.depths, now], key=lambda one: one[0].real)
         impulse = self.y[:, chain.impulse + touch.candidate] - touch.impulse
         values = (touch.onset, end, touch.onset_speed, away, peak, depth, touch.mass, impulse)
         return dict(zip(FIELDS, values, strict=True))
-
-    def outputs(self) -> dict[str, np.ndarray]:
-        """All outputs of the present state, by their names in the FMU."""
-        chain, y = self.chain, self.y
-        look = chain.look(y, self.touches)
-        values = {"time": y[:, chain.time]}
-        acceleration = chain.point_accelerations(look)
-        for k in range(chain.links + 1):
-            for j, axis in enumerate("xy"):
-                values[f"point[{k}].{axis}"] = look.place.position[:, k, j]
-                values[f"point[{k}].v{axis}"] = look.place.velocity[:, k, j]
-                values[f"point[{k}].a{axis}"] = acceleration[:, k, j]
-        for i in range(chain.links):
-            values[f"link[{i + 1}].angle"] = look.place.angle[:, i]
-            values[f"link[{i + 1}].angular_velocity"] = look.place.omega[:, i]
-            values[f"link[{i + 1}].angular_acceleration"] = look.acceleration[:, 2 + i]
-        names = chain.scene.wall_names
-        elastic, zero = look.spring_energy, np.zeros(chain.lanes, complex)
-        active = {touch.candidate: i for i, touch in enumerate(self.touches)}
-        for c, (point, wall) in enumerate(zip(chain.points, chain.walls, strict=True)):
-            name, i = f"contact[{point}].{names[wall]}", active.get(c)
-            values[f"{name}.force"] = zero if i is None else look.pairs[i][0]
-            values[f"{name}.penetration"] = zero if i is None else -look.place.gap[:, c]
-            values[f"{name}.penetration_rate"] = zero if i is None else -look.place.gap_rate[:, c]
-            values[f"{name}.impulse"] = y[:, chain.impulse + c]
-            if i is not None:
-                # K δⁿ⁺¹/(n+1)
-                elastic = elastic - look.pairs[i][1] * look.place.gap[:, c] / (chain.exponent + 1.0)
-        values |= self.energies(look.place, elastic)
-        return {name: value.copy() for name, value in values.items()}
-
-    def energies(self, place: Place, elastic: np.ndarray) -> dict[str, np.ndarray]:
-        chain, v = self.chain, self.y[:, self.chain.v]
-        momentum = (chain.mass_matrix(place) @ v[..., None])[..., 0]
-        kinetic = 0.5 * (v * momentum).sum(1)
-        # Σ m x_C: of the base, and b_i e_i
-        moment = chain.total[:, None] * place.position[:, 0] + (chain.b[..., None] * place.along).sum(1)
-        potential = -(chain.gravity * moment).sum(1)
-        return {
-            "energy.kinetic": kinetic,
-            "energy.potential": potential,
-            "energy.elastic": elastic,
-            "energy.dissipated": self.y[:, chain.dissipated],
-            "energy.supplied": self.y[:, chain.supplied],
-            "energy.total": kinetic + potential + elastic,
-            "momentum.x": momentum[:, 0],
-            "momentum.y": momentum[:, 1],
-        }
 
 
 def _hermite(start: Any, end: Any, slope: Any, end_slope: Any, part: np.ndarray) -> np.ndarray:

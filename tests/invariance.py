@@ -23,6 +23,8 @@ _PARAMETERS = {
     "joint_damping": (1, 2, -1),
     "joint_stiffness": (1, 2, -2),
     "joint_rest_angle": (0, 0, 0),
+    "joint_min": (0, 0, 0),
+    "joint_max": (0, 0, 0),
     "box": (0, 1, 0),
     "restitution": (0, 0, 0),
     "radius": (0, 1, 0),
@@ -47,6 +49,17 @@ _FIELDS = {
     "effective_mass": (1, 0, 0),
     "impulse": (1, 1, -1),
 }
+# of a joint at a stop: angles, their rates, and moments
+_AT_STOPS = {
+    "onset": (0, 0, 1),
+    "end": (0, 0, 1),
+    "impact_speed": (0, 0, -1),
+    "separation_speed": (0, 0, -1),
+    "peak_force": (1, 2, -2),
+    "max_penetration": (0, 0, 0),
+    "effective_mass": (1, 2, 0),
+    "impulse": (1, 2, -1),
+}
 RATES = {"x": "vx", "y": "vy", "vx": "ax", "vy": "ay", "angle": "angular_velocity"}
 RATES |= {"angular_velocity": "angular_acceleration"}
 
@@ -54,15 +67,15 @@ RATES |= {"angular_velocity": "angular_acceleration"}
 def applicable(laws: Iterable[str]) -> list[tuple[str, str]]:
     """The pairs of law and unit for which the relation holds."""
     # the restitution of Kuwabara and Kono is that at 1 m/s, a speed that is no parameter
-    return [(law, unit) for law in laws for unit in UNITS if law != "kuwabara_kono" or unit == "mass"]
+    return [(law, unit) for law in laws for unit in UNITS if "kuwabara_kono" not in law or unit == "mass"]
 
 
 def weights(values: Mapping[str, float], unit: int, exponent: float) -> np.ndarray:
-    """a_p p of each parameter, by name, for the exponent of the contact law."""
+    """a_p p of each parameter, by name, for the exponent of the contact law of walls."""
 
     def power(name: str) -> float:
-        if name == "contact.stiffness":
-            return (1.0, 1.0 - exponent, -2.0)[unit]
+        if name.endswith(".stiffness"):
+            return ((1.0, 2.0, -2.0) if name == "stop.stiffness" else (1.0, 1.0 - exponent, -2.0))[unit]
         known = _PARAMETERS | _VARIABLES
         parts = [part.split("[", 1)[0] for part in name.split(".")]
         return next(known[part][unit] for part in parts if part in known)
@@ -97,20 +110,27 @@ def state_residual(
 
 
 def impact_residual(
-    impacts: Mapping[str, np.ndarray], slopes: Mapping[str, np.ndarray], weight: np.ndarray, unit: int
+    impacts: Mapping[str, np.ndarray],
+    slopes: Mapping[str, np.ndarray],
+    at_stops: np.ndarray,
+    weight: np.ndarray,
+    unit: int,
 ) -> float:
-    """The same of the impacts that are over. Their times are quantities, too."""
-    over = np.isfinite(impacts["end"])
-    return max(
-        _missed(slope[over] * weight, _FIELDS[field][unit] * impacts[field][over])
-        for field, slope in slopes.items()
-        if np.isfinite(impacts[field][over]).all()
-    )
+    """The same of the impacts that are over, at walls and at stops. Their times are quantities, too."""
+    worst, over = 0.0, np.isfinite(impacts["end"])
+    for kind, powers in ((over & ~at_stops, _FIELDS), (over & at_stops, _AT_STOPS)):
+        for field, slope in slopes.items():
+            values = impacts[field][kind]
+            if np.isfinite(values).all():
+                least = 1e-3 * np.abs(values).max(initial=0.0)
+                worst = max(worst, _missed(slope[kind] * weight, powers[field][unit] * values, least))
+    return worst
 
 
-def _missed(terms: np.ndarray, right: np.ndarray) -> float:
+def _missed(terms: np.ndarray, right: np.ndarray, least: float = 0.0) -> float:
+    """The error of Σ a_p p ∂y/∂p over the largest term, or over the least size that counts."""
     error = np.abs(terms.sum(-1) - right).max(initial=0.0)
-    largest = max(np.abs(terms).max(initial=0.0), np.abs(right).max(initial=0.0))
+    largest = max(np.abs(terms).max(initial=0.0), np.abs(right).max(initial=0.0), least)
     return float(error / largest) if largest else 0.0
 
 

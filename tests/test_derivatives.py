@@ -9,7 +9,9 @@ from chain_impact import simulate
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from tests import invariance
 from tests.derivative_scenes import (
+    AT_STOPS,
     Case,
+    at_stops,
     differences,
     exact,
     off,
@@ -31,7 +33,7 @@ OF_ALL_KINDS = {
     "pressed": pressed_tip(),
     "rigid": pinned_chain("newton_impact"),
 }
-CASES = OF_ALL_KINDS | {law: struck_twice(law) for law in CONTACT_LAWS}
+CASES = OF_ALL_KINDS | AT_STOPS | {law: struck_twice(law) for law in CONTACT_LAWS}
 OF_EACH_LAW = ("contact.stiffness", "contact.restitution", "link[2].mass", "initial.angle[2]", "box.y_min")
 # the kernel finds f(e) to 1e-10 only, and with noise in what a difference of it tells
 ROUGH = {"kuwabara_kono": 1e-5}
@@ -60,7 +62,7 @@ def test_values_are_those_of_the_kernel(name):
     bound = 1e-9 if name == "kuwabara_kono" else 3e-11
     for field in ("point", "wall"):
         assert np.array_equal(getattr(right, f"{field}s"), result.impacts[field])
-    assert len(right.points) >= (1 if name == "pressed" else 3)
+    assert len(right.points) >= {"pressed": 1, "stop and wall": 2}.get(name, 3)
     for field in FIELDS:
         np.testing.assert_allclose(right.impacts[field], result.impacts[field], rtol=bound, err_msg=field)
     rows = np.searchsorted(result.time, np.array(case.times) - 1e-9)
@@ -79,7 +81,10 @@ def test_derivatives_are_those_of_differences(name):
     for k, parameter in enumerate(case.parameters):
         if name in CONTACT_LAWS and parameter not in OF_EACH_LAW:
             continue
-        if parameter.endswith(("joint_stiffness", "radius")) and case.value(parameter) == 0.0:
+        if (
+            parameter.endswith(("joint_damping", "joint_stiffness", "radius"))
+            and case.value(parameter) == 0.0
+        ):
             continue  # it cannot be negative
         by_state, by_impact = differences(case, parameter)
         unit = size_of(case, parameter)
@@ -229,7 +234,8 @@ def test_units_are_of_no_consequence(name, unit):
     weight = invariance.weights(values, of, case.scene.contact.exponent)
     slopes = {output: right.slopes[output] for output in state_names(case.scene)}
     assert invariance.state_residual(right.values, slopes, np.array(case.times), weight, of) < 1e-10
-    assert invariance.impact_residual(right.impacts, right.impact_slopes, weight, of) < 1e-10
+    stops = at_stops(case.scene, right.walls)
+    assert invariance.impact_residual(right.impacts, right.impact_slopes, stops, weight, of) < 1e-10
 
 
 @pytest.mark.parametrize("axis", "xy")

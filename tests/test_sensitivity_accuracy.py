@@ -11,7 +11,9 @@ from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.simulation.derivatives import DifferentiatedRun
 from tests import invariance
 from tests.derivative_scenes import (
+    AT_STOPS,
     Case,
+    at_stops,
     exact,
     off,
     pinned_chain,
@@ -20,6 +22,7 @@ from tests.derivative_scenes import (
     size_of,
     sprung_chain,
     state_names,
+    stopped_chain,
     struck_twice,
 )
 from tests.derivatives import FIELDS
@@ -30,22 +33,29 @@ STIFFNESS = "contact.stiffness"
 EXACT = 1e-8  # the error to reach at the tolerance 1e-12
 # of a state where more is not reached: contacts that overlap have no variable of their own in which their
 # force is smooth, and the f(e) of Kuwabara and Kono is a root of a numerical solution
-STATES = {"sprung": 2e-8, "kuwabara_kono": 3e-8}
+STATES = {"sprung": 2e-8, "stop with wall": 2e-6, "kuwabara_kono": 3e-8}
 # of impacts: likewise, and the top of a force that peaks right after the onset is found by parabolas
 IMPACTS = {
     "sprung": 1e-7,
     "pressed": 1e-7,
+    "stop with wall": 2e-6,
     "kelvin_voigt": 1e-7,
+    "stop, kelvin_voigt": 1e-7,
     "kuwabara_kono": 3e-8,
+    "stop, kuwabara_kono": 1e-6,
     "ye": 3e-7,
     "flores": 3e-7,
 }
+# the laws that take the inertia of the joint, and two that do not
+AT_A_STOP = ("hertz", "flores", "kelvin_voigt", "tsuji", "jankowski", "kuwabara_kono")
 CASES = {
     "sprung": sprung_chain(),
     "pinned": pinned_chain(),
     "pressed": pressed_tip(),
     "rigid": pinned_chain("newton_impact"),
     "six": six_impacts(),
+    **AT_STOPS,
+    **{f"stop, {law}": stopped_chain("zhang_sharf", law, (0.1, 0.2)) for law in AT_A_STOP},
 } | {law: struck_twice(law) for law in CONTACT_LAWS}
 IMPLICIT = {
     "sprung": sprung_chain(method="implicit"),
@@ -266,7 +276,8 @@ def test_units_are_of_no_consequence(name, unit):
     outputs = {output: answer.values[:, w] for w, output in enumerate(columns)}
     assert invariance.state_residual(outputs, slopes, np.array(case.times), weight, of) < EXACT
     bound = IMPACTS.get(name, EXACT)
-    assert invariance.impact_residual(answer.impacts, answer.impact_slopes, weight, of) < bound
+    stops = at_stops(case.scene, answer.impacts["wall"])
+    assert invariance.impact_residual(answer.impacts, answer.impact_slopes, stops, weight, of) < bound
 
 
 def test_before_any_impact_the_wall_has_no_say():

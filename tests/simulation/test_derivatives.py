@@ -9,7 +9,7 @@ from chain_impact import Chain, SceneError, SimulationError, UnknownNameError, l
 from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.simulation.derivatives import IMPACT_QUANTITIES, DifferentiatedRun
 from chain_impact.variables.model import Model
-from tests.derivative_scenes import sprung_chain, struck_twice
+from tests.derivative_scenes import AT_STOPS, sprung_chain, struck_twice
 from tests.problems import ball
 
 CASE = struck_twice("hunt_crossley")
@@ -123,9 +123,9 @@ def test_a_run_again_is_that_of_a_new_one():
         assert (found.status, found.limits) == (0, ())
 
 
-def test_a_run_again_takes_all_parameters():
+@pytest.mark.parametrize("case", [sprung_chain(), AT_STOPS["stop, rigid wall"]], ids=["sprung", "stop"])
+def test_a_run_again_takes_all_parameters(case):
     """Each of the scene's is moved: derivatives at the value before would be others."""
-    case = sprung_chain()
     again = DifferentiatedRun(case.scene, case.parameters, OUTPUTS, inputs=case.inputs)
     values = {name: case.value(name) for name in case.parameters}
     moved = {name: 1.001 * value or 1e-4 for name, value in values.items() if name not in case.inputs}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact import simulate
-from tests.derivative_scenes import pinned_chain, pressed_tip, sprung_chain, struck_twice
+from tests.derivative_scenes import AT_STOPS, pinned_chain, pressed_tip, sprung_chain, struck_twice
 from tests.kernel.tangent.dual import followed, started
 
 CASES = {
@@ -14,6 +14,7 @@ CASES = {
     "pressed": pressed_tip(),
     "with a jump": struck_twice("kelvin_voigt"),
     "other root": struck_twice("kuwabara_kono"),
+    "stop": AT_STOPS["stop, rigid wall"],
 }
 # what the last step is, and what is told: the same bits
 SAME = {
