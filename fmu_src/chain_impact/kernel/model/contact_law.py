@@ -40,16 +40,11 @@ def start_laws(d):
     """Find which candidates share a law, and set the laws of all; returns a status."""
     for c in range(d.candidates):
         d.law.number[c] = 0  # any parameter may have changed
-        first = 0
-        while not same_origin(d, c, first):
+        first, own = 0, origin(d, c)
+        while origin(d, first) != own:
             first += 1
         d.law.same_as[c] = first
     return update_laws(d)
-
-
-def same_origin(d, c, other):
-    """Whether the parameters of the laws of two candidates come from the same place."""
-    return origin(d, c) == origin(d, other)
 
 
 def origin(d, c):
@@ -134,7 +129,8 @@ def check_law(d, c):
         return OK
     if EXPONENTS[number - 1] not in (ANY, exponent(d, c)):
         return EXPONENT_NOT_ALLOWED
-    return OK if math.isfinite(damping_factor(number, restitution)) else RESTITUTION_NOT_ALLOWED
+    d.law.given_factor[c] = damping_factor(number, restitution)
+    return OK if math.isfinite(d.law.given_factor[c]) else RESTITUTION_NOT_ALLOWED
 
 
 def is_derived(d, c):
@@ -153,7 +149,7 @@ def derive_damping(d, c):
         if RATE_EXPONENTS[number - 1] != ANY:
             law.rate_exponent[c] = RATE_EXPONENTS[number - 1]
         law.approach_only[c] = APPROACH_ONLY[number - 1]
-        law.damping_factor[c] = damping_factor(number, given_restitution(d, c))
+        law.damping_factor[c] = law.given_factor[c]
 
 
 def copy_law(law, source, c):
