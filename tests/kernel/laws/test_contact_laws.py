@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from chain_impact import CONTACT_LAWS, SceneError, load_scene
-from chain_impact.kernel.laws.contact_laws import LAW_COUNT, viscoelastic_rebound
+from chain_impact.kernel.laws.contact_laws import LAW_COUNT, LEAST_RESTITUTIONS, viscoelastic_rebound
 from chain_impact.kernel.status import OK, RESTITUTION_NOT_ALLOWED
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
@@ -108,6 +108,8 @@ def test_damping_never_drives_and_falls_with_the_restitution(law):
 @LAWS
 def test_only_laws_that_allow_it_are_finite_at_zero_restitution(law):
     assert math.isfinite(factor_of(law, 0.0)) == law.allows_zero
+    assert math.isfinite(factor_of(law, LEAST_RESTITUTIONS[law.number - 1]))
+    assert math.isfinite(factor_of(law, 9e-301)) == law.allows_zero
     assert ("0 ≤ e" in law.restitution_range) == law.allows_zero
 
 

@@ -102,6 +102,14 @@ def test_the_factor_of_kuwabara_and_kono(e):
     np.testing.assert_allclose(found.slope, [2.0 * right], rtol=3e-5 if e > 0.999 else 1e-7)
 
 
+@pytest.mark.parametrize("e", [1.001e-12, 0.999e-12, 1e-300])
+def test_the_factor_of_kuwabara_and_kono_at_hardly_any_restitution(e):
+    """It is 1.176 e^(−3/5), and there is an end to its search."""
+    found = rules.kuwabara_kono(Dual(e, [2.0]))
+    assert found.value == pytest.approx(1.176079022 * e**-0.6, rel=1e-9)
+    np.testing.assert_allclose(found.slope, [-1.2 * found.value / e], rtol=1e-3)
+
+
 def test_a_constant_of_a_joint_that_is_zero_may_vary():
     assert not rules.resists(Dual(0.0, [0.0, 0.0]))
     assert rules.resists(Dual(0.0, [0.0, 1.0]))

@@ -255,6 +255,11 @@ def jankowski(e):
     return 9.0 * math.sqrt(5.0) * (1.0 - e * e) / (e * (e * (9.0 * math.pi - 16.0) + 16.0))
 
 
+# Below this restitution, f(e) of Kuwabara and Kono is its limit, to 1e-10. The numerical solution of the
+# impact would not end, as its steps would be lost to round-off.
+LEAST_SOLVED = 1e-12
+
+
 @contact_law(
     "Kuwabara & Kono",
     "Kuwabara & Kono 1987, Jpn J Appl Phys 26:1230",
@@ -275,6 +280,8 @@ def kuwabara_kono(e):
         return math.inf
     if 1.0 - e < 1e-6:
         return (1.0 - e) / 1.153449
+    if e < LEAST_SOLVED:
+        return 1.17607902252 * e**-0.6
     # e′(f) falls from 1, as 1 − 1.153449 f, and tends to 1.31 f^(−5/3)
     low, high = 0.0, 2.0 * e**-0.6
     while high - low > 1e-14 * high:
@@ -339,6 +346,8 @@ _factor = dispatch([law.damping_factor for law in _LAWS])
 ANY = -1.0
 EXPONENTS = tuple(ANY if law.exponent is None else law.exponent for law in _LAWS)
 RATE_EXPONENTS = tuple(ANY if law.rate_exponent is None else law.rate_exponent for law in _LAWS)
+# 1/e of a smaller one would overflow
+LEAST_RESTITUTIONS = tuple(0.0 if law.allows_zero else 1e-300 for law in _LAWS)
 MASS_POWERS = tuple(law.mass_power for law in _LAWS)
 APPROACH_ONLY = tuple(int(law.approach_only) for law in _LAWS)
 

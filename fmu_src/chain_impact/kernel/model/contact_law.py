@@ -8,14 +8,13 @@ Candidates whose parameters come from the same place have the same law. Its cons
 first of them, and the others copy these: ``law.same_as``.
 """
 
-import math
-
 from chain_impact.kernel.laws import user_law
 from chain_impact.kernel.laws.contact_laws import (
     ANY,
     APPROACH_ONLY,
     EXPONENTS,
     LAW_COUNT,
+    LEAST_RESTITUTIONS,
     NEWTON_IMPACT,
     RATE_EXPONENTS,
     damping_factor,
@@ -125,12 +124,11 @@ def check_law(d, c):
         return UNKNOWN_LAW
     if not 0.0 <= restitution <= 1.0 or not given_stiffness(d, c) > 0.0:
         return PARAMETER_OUT_OF_RANGE
-    if number == USER_LAW or is_derived(d, c):
+    if number == USER_LAW:
         return OK
     if EXPONENTS[number - 1] not in (ANY, exponent(d, c)):
         return EXPONENT_NOT_ALLOWED
-    d.law.given_factor[c] = damping_factor(number, restitution)
-    return OK if math.isfinite(d.law.given_factor[c]) else RESTITUTION_NOT_ALLOWED
+    return OK if restitution >= LEAST_RESTITUTIONS[number - 1] else RESTITUTION_NOT_ALLOWED
 
 
 def is_derived(d, c):
@@ -149,7 +147,7 @@ def derive_damping(d, c):
         if RATE_EXPONENTS[number - 1] != ANY:
             law.rate_exponent[c] = RATE_EXPONENTS[number - 1]
         law.approach_only[c] = APPROACH_ONLY[number - 1]
-        law.damping_factor[c] = law.given_factor[c]
+        law.damping_factor[c] = damping_factor(number, given_restitution(d, c))
 
 
 def copy_law(law, source, c):

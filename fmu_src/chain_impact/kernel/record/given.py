@@ -159,7 +159,6 @@ def law_dtype(candidates: int) -> np.dtype:
         ("minimum_impact_speed", REAL),  # m/s
         # derived
         ("damping_factor", REAL),  # f(e), λ of the Hunt–Crossley family
-        ("given_factor", REAL),  # the same of values that are given and checked, but not yet set
         ("rate_exponent", REAL),  # p of the damping d δᵖ δ̇
         ("approach_only", INTEGER),  # 1: damped during compression only
         ("impulsive", INTEGER),  # 1: rigid, with impulses instead of a force law

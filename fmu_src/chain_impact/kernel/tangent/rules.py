@@ -88,6 +88,8 @@ def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
 def kuwabara_kono(e):
     """f(e), the root of e′(f) = e, has the slope 1/(de′/df): by central differences of order 6."""
     f = contact_laws.kuwabara_kono(value(e))
+    if value(e) < contact_laws.LEAST_SOLVED:
+        return carried(f, -0.6 * f / value(e), e)
     h = REBOUND_DIFFERENCE * f
     # e′ = 1 − 1.153449 f near f = 0
     slope = -1.153449
