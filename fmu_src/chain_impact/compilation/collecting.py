@@ -17,6 +17,7 @@ from typing import Any
 from llvmlite import binding as llvm
 from llvmlite import ir
 from numba.core import base, callconv, cgutils, codegen, compiler_machinery, cpu, types
+from numba.np import arrayobj
 
 
 class Library(codegen.JITCodeLibrary):
@@ -82,7 +83,13 @@ def collect_only() -> None:
         lambda function, _, kinds, keywords: (function, kinds, *keywords.items()),
     )
     compiler_machinery.PassManager._runPass = _run_pass
+    arrayobj.fix_integer_index = _plain_index
     gc.disable()  # the garbage of a compiler that ends soon
+
+
+def _plain_index(context: Any, builder: Any, kind: Any, index: Any, _size: Any) -> Any:
+    """An index as it is: no index of the kernel is negative, so none counts from the end."""
+    return context.cast(builder, index, kind, types.intp)
 
 
 def _entry_point(context: Any, library: Library, description: Any, *_: Any) -> None:
