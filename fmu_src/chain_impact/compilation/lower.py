@@ -16,7 +16,7 @@ from llvmlite import binding as llvm
 from numba import cfunc
 
 from chain_impact.compilation import reuse
-from chain_impact.compilation.collecting import Library, collect_only
+from chain_impact.compilation.collecting import IDLE, Library, collect_only
 from chain_impact.compilation.compilers import BAD_LAW, PORTABLE_CPU
 from chain_impact.compilation.entry_points import Entries, entry_points
 from chain_impact.compilation.functions import OPTIONS
@@ -88,7 +88,7 @@ def main() -> None:
     """Write the module of WHAT to FILE."""
     expected, file, what, *given = sys.argv[1:]
     path = Path(file)
-    collect_only()
+    collect_only(leave_out=frozenset() if what == "law" else IDLE)  # a law may be any Python
     try:
         if what == "law":
             entries = law_entry(read_law(Path(given[0])))
