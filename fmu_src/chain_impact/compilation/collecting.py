@@ -11,13 +11,20 @@ function returns a number only: an exception would be pickled into the code, wit
 from __future__ import annotations
 
 import gc
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Container, Iterator
 from typing import Any
 
 from llvmlite import binding as llvm
 from llvmlite import ir
 from numba.core import base, callconv, cgutils, codegen, compiler_machinery, cpu, types
 from numba.np import arrayobj
+
+IDLE = frozenset(
+    {"inline_closure_likes", "inline_inlinables", "inline_overloads", "nopython_rewrites", "with_lifting"}
+)
+"""Steps of numba that look for what a kernel does not have, and take a tenth of the time: closures,
+expressions of whole arrays, functions that numba inlines, ``with``. Without them the lowered kernel has the
+same bytes."""
 
 
 class Library(codegen.JITCodeLibrary):
@@ -71,8 +78,12 @@ class Convention(callconv.MinimalCallConv):
         self._return_errcode_raw(builder, callconv.RETCODE_USEREXC)
 
 
-def collect_only() -> None:
-    """Make numba, in this process, lower functions and do nothing else."""
+def collect_only(any_python: bool = False) -> None:
+    """Make numba, in this process, lower functions and do nothing else.
+
+    Args:
+        any_python: whether the functions may use all that numba knows; else what the kernel's use.
+    """
     codegen.JITCPUCodegen._library_class = Library
     codegen.JITCPUCodegen.set_env = _nothing
     cpu.CPUContext.call_conv = property(Convention)
@@ -82,8 +93,9 @@ def collect_only() -> None:
         types.Function.get_call_type,
         lambda function, _, kinds, keywords: (function, kinds, *keywords.items()),
     )
-    compiler_machinery.PassManager._runPass = _run_pass
-    arrayobj.fix_integer_index = _plain_index
+    compiler_machinery.PassManager._runPass = _runs_passes(frozenset() if any_python else IDLE)
+    if not any_python:
+        arrayobj.fix_integer_index = _plain_index
     gc.disable()  # the garbage of a compiler that ends soon
 
 
@@ -107,10 +119,15 @@ def _entry_point(context: Any, library: Library, description: Any, *_: Any) -> N
     library.add_ir_module(module)
 
 
-def _run_pass(manager: Any, _index: int, step: Any, state: Any) -> None:
-    """One pass over a function, without taking its time and without analysing the function once more."""
-    step.analysis = manager._analysis
-    step.run_pass(state)
+def _runs_passes(leave_out: Container[str]) -> Callable[..., None]:
+    """What runs one pass over a function, without taking its time and without analysing it once more."""
+
+    def run(manager: Any, _index: int, step: Any, state: Any) -> None:
+        if step.name() not in leave_out:
+            step.analysis = manager._analysis
+            step.run_pass(state)
+
+    return run
 
 
 def _remembered(method: Callable[..., Any], key: Callable[..., Any]) -> Callable[..., Any]:

@@ -88,7 +88,7 @@ def main() -> None:
     """Write the module of WHAT to FILE."""
     expected, file, what, *given = sys.argv[1:]
     path = Path(file)
-    collect_only()
+    collect_only(any_python=what == "law")
     try:
         if what == "law":
             entries = law_entry(read_law(Path(given[0])))
