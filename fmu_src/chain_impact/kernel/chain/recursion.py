@@ -179,7 +179,11 @@ def factorize(d, links, impedance, factors):
     ayy = ayy + cyy + impedance.yy[middle]
     # A⁻¹ of the middle joint, 0 when that is a pinned base
     scale = 0.0 if d.model.pinned else 1.0 / (axx * ayy - axy * axy)
-    factors.middle[0], factors.middle[1], factors.middle[2] = ayy * scale, -axy * scale, axx * scale
+    factors.middle_mobility[0], factors.middle_mobility[1], factors.middle_mobility[2] = (
+        ayy * scale,
+        -axy * scale,
+        axx * scale,
+    )
 
 
 def factorize_link(d, links, impedance, factors, i, outward, axx, axy, ayy):
@@ -214,8 +218,8 @@ def solve(d, links, factors, load, change):
         if k < middle:
             cx, cy = gather(links, factors, load, k, False, cx, cy, change)
     bx, by = bx + cx + load.x[middle], by + cy + load.y[middle]
-    x = factors.middle[0] * bx + factors.middle[1] * by
-    y = factors.middle[1] * bx + factors.middle[2] * by
+    x = factors.middle_mobility[0] * bx + factors.middle_mobility[1] * by
+    y = factors.middle_mobility[1] * bx + factors.middle_mobility[2] * by
     cx, cy = x, y
     for k in range(n - middle):
         x, y = spread(links, factors, middle + k, True, x, y, change)
