@@ -253,3 +253,22 @@ def test_a_contact_begins_after_a_rigid_impact_at_the_same_moment_if_it_still_ap
     if left < 0.0:
         assert at_once[second]["impact_speed"] == pytest.approx(-left, rel=1e-12)
         assert 1.0 < at_once[second]["peak_force"] < np.inf
+
+
+def test_steps_after_an_impact_are_as_long_as_before_it_while_a_rigid_stop_holds_another_joint():
+    """An arm rests on its rigid stop, and its tip bounces on a floor that has a force."""
+    links = [{"length": 0.5, "mass": 5.0, "joint_min": -0.1}, {"length": 0.3, "mass": 0.2}]
+    scene = arm(
+        links,
+        [-0.1, 0.6],
+        5.0,
+        box={"y_min": -0.2},
+        contact={"model": "zhang_sharf", "stiffness": 1e6, "restitution": 0.95},
+        stops={"model": "newton_impact", "restitution": 0.0},
+        initial={"angles": [-0.1, 0.6], "angular_velocities": [0.0, -2.0]},
+    )
+    result = simulate(scene)
+    bounces = np.isfinite(result.impacts["peak_force"]) & (result.impacts["wall"] == 2)
+    assert bounces.sum() > 10
+    # if steps had to grow from the size of those of an impact, there would be 26 for each
+    assert result.statistics["steps"] < 24 * bounces.sum()

@@ -102,7 +102,8 @@ def apply_events(d):
     touch, onset, jumped, goes_on = d.touch, -1, False, False
     rigid, strikes = any_point_held(d), rigid_onset(d)
     locate_points(d, d.step.state_end)
-    if touch.active_count == 0:
+    forces = touch.compliant_count > 0
+    if not forces:
         d.step.flight_size = d.step.next_size
     for c in range(d.candidates):
         kind = touch.event[c]
@@ -120,6 +121,8 @@ def apply_events(d):
         onset = late if late >= 0 else onset
     list_touching(d)
     if rigid and touch.compliant_count == 0:
+        if forces:
+            d.step.next_size = d.step.flight_size  # the last size was that of an impact with a force
         begin_flight(d)
     else:
         choose_size(d, onset, goes_on)
