@@ -54,7 +54,7 @@ def eliminate(d, y, i, outward, axx, axy, ayy, bx, by):
     dx = bx - d.work.load.x[joint] - w2 * (axx * lx + axy * ly)
     dy = by - d.work.load.y[joint] - w2 * (axy * lx + ayy * ly)
     hx, hy, inverse = hinge(lx, ly, sx, sy, inertia, axx, axy, ayy)
-    return take_out(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy)
+    return eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy)
 
 
 def eliminate_end(d, y, i, outward):
@@ -63,10 +63,10 @@ def eliminate_end(d, y, i, outward):
     link = _, _, sx, sy, inertia = arm(d, d.work.link, i, outward)
     dx, dy = -d.work.load.x[joint], -d.work.load.y[joint]
     w2 = omega * omega
-    return take_out(d, i, w2, link, -sy, sx, 1.0 / inertia, 0.0, 0.0, 0.0, dx, dy)
+    return eliminate_link(d, i, w2, link, -sy, sx, 1.0 / inertia, 0.0, 0.0, 0.0, dx, dy)
 
 
-def take_out(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
+def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
     """Return A and b for A' and d; store what ``accelerate`` needs of link i."""
     lx, ly, sx, sy, _ = link
     m, gx, gy = d.model.mass[i], d.model.gravity[0], d.model.gravity[1]
