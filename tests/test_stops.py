@@ -8,7 +8,7 @@ import pytest
 from chain_impact import CONTACT_LAWS, simulate
 from chain_impact.scene.scene import scene_from_dict
 from tests.assembled import Assembled
-from tests.reference import point_impact, rebound
+from tests.reference import Textbook, point_impact, rebound
 
 LENGTH, MASS, SPEED, STIFFNESS = 0.4, 1.3, 2.0, 2e4
 INERTIA = MASS * LENGTH**2 / 3
@@ -201,3 +201,74 @@ def test_the_peak_of_a_force_is_the_largest_one_also_where_rigid_contacts_strike
         own = result.impacts[result.impacts["wall"] == scene.wall_names.index(name)]
         if np.isfinite(own["peak_force"]).all():
             assert force.max() <= own["peak_force"].max() * (1.0 + 1e-9)
+
+
+# --- impacts at one moment ---------------------------------------------------------------------------------
+
+
+def together(walls, stops, omegas):
+    """Two links that at time 0 arrive at a floor with their tip and at the stop of their knee."""
+    angles = [0.0, -0.5]
+    law = {"restitution": 0.5, "stiffness": 1e5, "exponent": 1.0}
+    motion = {"angles": angles, "angular_velocities": omegas}
+    links = [{"length": 0.4, "mass": 1.3}, {"length": 0.3, "mass": 0.5, "joint_min": -0.5}]
+    return arm(
+        links,
+        angles,
+        0.1,
+        box={"y_min": 0.3 * math.sin(-0.5)},
+        contact={"model": walls, **law},
+        stops={"model": stops, **law},
+        initial=motion,
+    )
+
+
+def after_impact(scene, rigid):
+    """The rates of the knee and of the tip after the rigid impact, at the floor or at the stop."""
+    angle, omega = np.array(scene.initial.angles), np.array(scene.initial.angular_velocities)
+    matrix, _ = Textbook(scene).assemble(angle, omega)
+    knee, tip = np.array([-1.0, 1.0]), np.array([0.4, 0.3]) * np.cos(angle)
+    struck = tip if rigid == "floor" else knee
+    response = np.linalg.solve(matrix[2:, 2:], struck)
+    omega = omega - response * (1.5 * (struck @ omega) / (struck @ response))
+    return knee @ omega, tip @ omega
+
+
+@pytest.mark.parametrize(
+    ("rigid", "omegas"),
+    [("floor", [-2.0, -2.5]), ("floor", [2.5, -4.0]), ("stop", [2.0, -4.0]), ("stop", [-2.0, -2.5])],
+)
+@pytest.mark.parametrize("law", ["zhang_sharf", "kelvin_voigt"])
+def test_a_contact_begins_after_a_rigid_impact_at_the_same_moment_if_it_still_approaches(rigid, omegas, law):
+    """Else there is none: no impact is listed that has no force."""
+    laws = ("newton_impact", law) if rigid == "floor" else (law, "newton_impact")
+    scene = together(*laws, omegas)
+    knee, tip = after_impact(scene, rigid)
+    left = knee if rigid == "floor" else tip
+    first, second = ("y_min", "joint_min") if rigid == "floor" else ("joint_min", "y_min")
+    hits = simulate(scene, tolerance=1e-10).impacts
+    at_once = {scene.wall_names[hit["wall"]]: hit for hit in hits if hit["onset"] < 1e-10}
+    assert np.isinf(at_once[first]["peak_force"])
+    assert (second in at_once) == (left < 0.0)
+    if left < 0.0:
+        assert at_once[second]["impact_speed"] == pytest.approx(-left, rel=1e-12)
+        assert 1.0 < at_once[second]["peak_force"] < np.inf
+
+
+def test_steps_after_an_impact_are_as_long_as_before_it_while_a_rigid_stop_holds_another_joint():
+    """An arm rests on its rigid stop, and its tip bounces on a floor that has a force."""
+    links = [{"length": 0.5, "mass": 5.0, "joint_min": -0.1}, {"length": 0.3, "mass": 0.2}]
+    scene = arm(
+        links,
+        [-0.1, 0.6],
+        5.0,
+        box={"y_min": -0.2},
+        contact={"model": "zhang_sharf", "stiffness": 1e6, "restitution": 0.95},
+        stops={"model": "newton_impact", "restitution": 0.0},
+        initial={"angles": [-0.1, 0.6], "angular_velocities": [0.0, -2.0]},
+    )
+    result = simulate(scene)
+    bounces = np.isfinite(result.impacts["peak_force"]) & (result.impacts["wall"] == 2)
+    assert bounces.sum() > 10
+    # if steps had to grow from the size of those of an impact, there would be 26 for each
+    assert result.statistics["steps"] < 24 * bounces.sum()

@@ -10,8 +10,12 @@ import numpy as np
 import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene, simulate
+from chain_impact.fmu.build import build_fmu
+from tests.fmu.conftest import KINDS
 from tests.fmu.interface3 import ERROR, NEVER, OK, PHASES, Component, Library, calls, each_call
 from tests.fmu.standard import all_functions_of_fmi3
+from tests.shared import once, shared_folder
+from tests.stops import knee
 
 
 @pytest.fixture(scope="session")
@@ -264,6 +268,48 @@ def test_parameters_set_at_an_impact_hold_for_it(fmi3, run):
     for restitution, left, right in run(changed_at_impacts, fmi3["rod_drop"], law):
         assert left[0] < 0.0
         np.testing.assert_allclose(right, -restitution * np.array(left), rtol=1e-12)
+
+
+@pytest.fixture(scope="module")
+def stopped(tmp_path_factory):
+    """The FMU of an arm whose knee has stops, and whose tip can touch a wall."""
+    folder = shared_folder(tmp_path_factory, "stops") / "fmi3"
+    (fmu,) = once(folder, lambda folder: build_fmu(knee(), folder, **KINDS["fmi3"])).glob("*.fmu")
+    return str(fmu)
+
+
+@pytest.mark.parametrize("size", [1e-3, 0.1])
+def test_every_impact_at_a_stop_is_an_event(stopped, run, size):
+    events, equal = run(stopping, stopped, size, 2.0)
+    impacts = simulate(knee()).impacts
+    assert set(impacts["wall"]) == {1, 4}
+    assert [time for time, *_ in events] == sorted(impacts["onset"])
+    assert all(count == 1 and time == last == now for time, count, last, now in events)
+    assert equal
+
+
+def changed_at_stops(fmu, law):
+    """At the first impact of the knee another restitution of stops, and the rates before and after it."""
+    library, found = Library(fmu), []
+    rates = [f"link[{i}].angular_velocity" for i in (1, 2)]
+    for restitution in (0.9, 0.25):
+        one = Component(library).start(**{"contact.model": law})
+        _, needed, _, early, time = one.step(0.0, 2.0)
+        assert [needed, early, one.get("impact.count", kind="Int64")] == [True, True, [0]]
+        assert [one.call("EnterEventMode"), one.set("stop.restitution", restitution)] == [OK, OK]
+        left = one.get(*rates)
+        assert one.update() == [OK, False, False, False, False, False, time]
+        assert one.get("impact.count", "impact.last_point", kind="Int64") == [1, 2]
+        found.append([restitution, left, one.get(*rates), one.get("impact.last_speed")[0]])
+        assert [one.call("EnterStepMode"), one.step(time, 0.01)[0]] == [OK, OK]
+    return found
+
+
+def test_parameters_set_at_an_impact_of_a_stop_hold_for_it(stopped, run):
+    law = CONTACT_LAWS["newton_impact"].number
+    for restitution, left, right, speed in run(changed_at_stops, stopped, law):
+        assert left[1] - left[0] == pytest.approx(-speed, rel=1e-12)
+        assert right[1] - right[0] == pytest.approx(restitution * speed, rel=1e-12)
 
 
 def torque_at_impact(fmu):

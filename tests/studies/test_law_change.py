@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from chain_impact import compare, simulate
-from chain_impact.studies.compare import realised_restitution
-from chain_impact.studies.compare_text import head, heading
+from chain_impact.scene.reading import SceneError
+from chain_impact.studies.compare import OVERLAP, realised_restitution
+from chain_impact.studies.compare_plot import conditions, looks_of, message
+from chain_impact.studies.compare_text import advice, head, heading, legend
 from chain_impact.studies.law_change import contact_at, keeps_exponents, law_values, with_law
 from tests.stops import UP, knee
 
@@ -74,3 +76,59 @@ def test_laws_are_compared_at_a_stop(up):
     assert curves["zhang_sharf"] == pytest.approx([0.5], rel=1e-6)
     assert curves["newton_impact"] == pytest.approx([0.5], rel=1e-6)
     assert curves["flores"][0] < 0.5
+
+
+@pytest.mark.parametrize("kept", ["flores", "newton_impact"])
+def test_where_stops_keep_their_law_the_laws_are_compared_at_a_wall(kept):
+    """The first impact is at a stop, under every law the same: it tells nothing of the laws."""
+    found = compare(knee(**{"stops.model": kept}), laws=["flores", "zhang_sharf", "kelvin_voigt"])
+    result = found["zhang_sharf"].result
+    assert result.scene.wall_names[result.impacts["wall"][0]] == "joint_min"
+    at_wall = result.impacts[result.impacts["wall"] == 1][0]
+    assert found.first_impact == at_wall
+    assert not found.at_stop
+    assert found.contact.restitution == 0.25
+    assert f"first impact at a wall at {at_wall['onset']:.6g} s" in heading(found)
+    assert head(found)[2] == "peak, kN"
+    assert legend(found).endswith(f"The stops keep {kept} under every law.")
+    assert advice(found)[0].startswith("for e = 0.25: zhang_sharf")
+    assert advice(found)[-1] == "not for e = 0.25: flores, kelvin_voigt"
+    for law in ("flores", "zhang_sharf"):
+        run, row = found[law], found[law].result.impacts[found[law].result.impacts["wall"] == 1][0]
+        assert run.restitution == row["separation_speed"] / row["impact_speed"]
+        assert run.loop.max(axis=1) == pytest.approx([row["max_penetration"], row["peak_force"]], rel=1e-3)
+    other = found["kelvin_voigt"]
+    energy = 0.5 * at_wall["effective_mass"] * at_wall["impact_speed"] ** 2
+    assert depth(other.stiffness, 1.0, energy) == pytest.approx(depth(1e8, 1.5, energy), rel=1e-12)
+    curves = realised_restitution(found, np.array([0.25]))
+    assert curves["zhang_sharf"] == pytest.approx([0.25], rel=1e-6)
+    assert message(found).endswith("in the first impact at a wall")
+    assert conditions(found, looks_of(found, curves)).startswith("first impact at a wall of ")
+
+
+def test_a_contact_that_holds_while_the_compared_impact_begins_is_told():
+    """A spring presses the knee onto a rigid stop when the tip arrives at the wall."""
+    pressed = {"link[2].joint_stiffness": 50.0, "link[2].joint_rest_angle": -1.0}
+    straight = {"initial.angle[1]": -1.0, "initial.angle[2]": -1.0}
+    turning = {"initial.angular_velocity[1]": 4.0, "initial.angular_velocity[2]": 4.0}
+    scene = knee(
+        **{"stops.model": "newton_impact", "stop.restitution": 0.0}, **pressed, **straight, **turning
+    )
+    found = compare(scene, laws=["zhang_sharf"])
+    stop, wall = found["zhang_sharf"].result.impacts[[0, 1]]
+    assert (stop["wall"], wall["wall"]) == (4, 1)
+    assert not stop["end"] < wall["onset"]
+    assert found["zhang_sharf"].note == OVERLAP
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"simulation.stop_time": 1.0}, "there is none at a wall before 1 s"),
+        ({"contact.points": []}, "no point can touch a wall"),
+    ],
+)
+def test_no_impact_is_compared_where_only_stops_are_hit_that_keep_their_law(changes, reason):
+    scene = knee(**{"stops.model": "flores"}, **changes)
+    with pytest.raises(SceneError, match=f"the stops keep stops.model = flores, and {reason}"):
+        compare(scene, laws=["zhang_sharf"])

@@ -10,14 +10,14 @@
     int32 follow(instance*)
     int64 trajectory(instance*, const double* times, int64 rows, output* out)
     int64 run_each(instance*, const instance* start, const int64* places, int64 parameters,
-                   const double* values, const double* stops, int64 runs, const int64* looks, int64 columns,
-                   double* rows, int32 going_on)
+                   const double* values, const double* stops, int64 runs, const int64* output_indices,
+                   int64 columns, double* rows, int32 continuing)
 
 What they do, kernel/entry.py and kernel/advance.py tell. In a kernel that carries derivatives they take the
 instances of dual numbers along that are behind theirs, and there is one more (kernel/tangent/entry.py):
 
-    int64 trajectory_with(instance*, const double* times, int64 rows, const int64* looks, int64 columns,
-                          double* values, double* slopes)
+    int64 trajectory_with(instance*, const double* times, int64 rows, const int64* output_indices,
+                          int64 columns, double* values, double* slopes)
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def trajectory(d, times, count, out):
 
 
 def run_each(  # noqa: PLR0917 - in C, arguments have no names
-    d, start, places, parameters, values, stops, runs, looks, columns, rows, going_on
+    d, start, places, parameters, values, stops, runs, output_indices, columns, rows, continuing
 ):
     """Run again and again with other parameters; return how many runs are done."""
     instance = words(d)
@@ -66,18 +66,18 @@ def run_each(  # noqa: PLR0917 - in C, arguments have no names
         vector(places, parameters),
         matrix(values, runs, parameters),
         vector(stops, runs),
-        vector(looks, columns),
+        vector(output_indices, columns),
         matrix(rows, runs, entry.PEAKS + columns),
-        going_on,
+        continuing,
     )
 
 
-def trajectory_with(d, times, rows, looks, columns, values, slopes):  # noqa: PLR0917
+def trajectory_with(d, times, rows, output_indices, columns, values, slopes):  # noqa: PLR0917
     """Fill rows of outputs and of their derivatives; return how many."""
     return tangent_entry.trajectory_with(
         d,
         vector(times, rows),
-        vector(looks, columns),
+        vector(output_indices, columns),
         matrix(values, rows, columns),
         matrix(slopes, rows, columns * d.tangents * DIRECTIONS),
     )
@@ -101,6 +101,6 @@ def entry_points(derivatives: bool = False) -> Entries:
     }
     if derivatives:
         functions.STAND_INS.update(tangent_entry.HOOKS)
-        looks = (reals, int64, indices, int64, reals, reals)
-        entries["trajectory_with"] = (int64(INSTANCE, *looks), trajectory_with)
+        signature = (reals, int64, indices, int64, reals, reals)
+        entries["trajectory_with"] = (int64(INSTANCE, *signature), trajectory_with)
     return entries

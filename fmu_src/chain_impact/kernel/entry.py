@@ -57,7 +57,7 @@ def trajectory(d, times, output, rows):
     return len(times)
 
 
-def run_each(d, words, start, places, values, stops, looks, rows, going_on):
+def run_each(d, words, start, places, values, stops, output_indices, rows, continuing):
     """Run the instance once for each row of parameter values, each time from its start.
 
     Args:
@@ -67,18 +67,18 @@ def run_each(d, words, start, places, values, stops, looks, rows, going_on):
         places: indices of the words that vary, shape (K,).
         values: their values in each run, shape (R, K).
         stops: the end time of each run, shape (R,) [s].
-        looks: indices of the words to return from the end of a run, shape (L,).
+        output_indices: indices of the words to return from the end of a run, shape (L,).
         rows: result, shape (R, 2 + L): the largest force [N] and the largest penetration [m] of all contacts,
-            then the words of ``looks``. After a fault the outputs among them are not those of the end.
-        going_on: 1 if an earlier call has begun the first run, which now continues.
+            then the words that are asked for. After a fault the outputs among them are not those of the end.
+        continuing: 1 if an earlier call has begun the first run, which now continues.
 
     Returns:
         How many runs are complete: fewer than requested to return within a second of computing. The next run
         has begun then.
     """
-    work = work_of_a_call(d) + (work_done(d) if going_on else 0)
+    work = work_of_a_call(d) + (work_done(d) if continuing else 0)
     for r in range(len(rows)):
-        if r > 0 or not going_on:
+        if r > 0 or not continuing:
             for j in range(len(words)):
                 words[j] = start[j]
             for j in range(len(places)):
@@ -88,8 +88,8 @@ def run_each(d, words, start, places, values, stops, looks, rows, going_on):
         if finish_run(d, stops[r], work, rows[r]) == PAUSED:
             return r
         work -= work_done(d)
-        for j in range(len(looks)):
-            rows[r, PEAKS + j] = words[looks[j]]
+        for j in range(len(output_indices)):
+            rows[r, PEAKS + j] = words[output_indices[j]]
     return len(rows)
 
 
@@ -101,7 +101,7 @@ def finish_run(d, stop, work, row):
     while status == LOG_FULL:
         status = advance(d, stop, log_capacity, work)
         for k in range(d.finished.count):
-            see_peaks(row, d.finished.peak_force[k], d.finished.max_penetration[k])
+            update_peaks(row, d.finished.peak_force[k], d.finished.max_penetration[k])
         d.finished.count = 0
     if status == OK:
         observe(d)
@@ -109,11 +109,11 @@ def finish_run(d, stop, work, row):
         update_to_output_time(d)
         for k in range(d.touch.active_count):
             c = d.touch.active_index[k]
-            see_peaks(row, d.touch.peak_force[c], d.touch.max_penetration[c])
+            update_peaks(row, d.touch.peak_force[c], d.touch.max_penetration[c])
     return status
 
 
-def see_peaks(row, force, penetration):
+def update_peaks(row, force, penetration):
     """Update the largest force [N] and penetration [m] in a row of ``run_each``."""
     row[PEAK_FORCE] = max(row[PEAK_FORCE], force)
     row[MAX_PENETRATION] = max(row[MAX_PENETRATION], penetration)

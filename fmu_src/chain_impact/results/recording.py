@@ -72,6 +72,7 @@ class Recording:
         parameters: FMU variable name → value at the start, of a choice its name; none where they are unknown.
         sensitivities: the derivatives that were asked for, if any.
         stops: the joints with stops, and their ranges.
+        stop_law: the contact law of the stops, if it is known to be another than `contact.model`; else "".
     """
 
     name: str
@@ -82,6 +83,7 @@ class Recording:
     parameters: dict[str, Any] = field(default_factory=dict)
     sensitivities: Sensitivities | None = None
     stops: dict[int, JointRange] = field(default_factory=dict)
+    stop_law: str = ""
 
     def __repr__(self) -> str:
         """What it is of, and how much there is."""

@@ -322,4 +322,5 @@ def recording_of(result: Result) -> Recording:
         parameters={name: values[name] for name in result.model.parameter_paths},
         sensitivities=result.sensitivities,
         stops=stops,
+        stop_law=result.scene.stops.model or "",
     )

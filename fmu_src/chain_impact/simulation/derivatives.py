@@ -17,7 +17,7 @@ import numpy as np
 from chain_impact.compilation.work import Notify
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.directions import DIRECTIONS
-from chain_impact.kernel.tangent.trust import NO_IMPACT, REASONS, TRUSTED
+from chain_impact.kernel.tangent.trust import NO_IMPACT, REASONS, REASONS_AT_STOPS, TRUSTED
 from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.joint_stops import at_stop, what
 from chain_impact.scene.names import Place
@@ -47,7 +47,7 @@ class DifferentiatedInstance(Instance):
         self,
         source: Scene | Model,
         varied: Sequence[Variable],
-        looks: Sequence[int],
+        output_indices: Sequence[int],
         notify: Notify | None = None,
         driven: Drive | None = None,
     ) -> None:
@@ -62,7 +62,7 @@ class DifferentiatedInstance(Instance):
             raise SceneError(f"{model.scene.name}: name at least one parameter for the derivatives")
         self.varied = varied
         self.parameters = tuple(variable.name for variable in varied)
-        self._looks = np.array(looks, np.int64)
+        self._output_indices = np.array(output_indices, np.int64)
         self._impact_slopes: list[np.ndarray] = []
         self._impact_layout = np.dtype(
             [(name, np.float64, (len(self.parameters),)) for name in IMPACT_QUANTITIES]
@@ -100,12 +100,12 @@ class DifferentiatedInstance(Instance):
         Returns:
             How many rows are filled.
         """
-        found = np.zeros((min(len(times), ROWS_AT_ONCE), len(self._looks), self._directions))
+        found = np.zeros((min(len(times), ROWS_AT_ONCE), len(self._output_indices), self._directions))
         times = times[: len(found)]
-        looks = (self._looks.ctypes.data, len(self._looks))
+        output_indices = (self._output_indices.ctypes.data, len(self._output_indices))
         places = (values.ctypes.data, found.ctypes.data)
         filled: int = self._kernel.trajectory_with(
-            self._address, times.ctypes.data, len(times), *looks, *places
+            self._address, times.ctypes.data, len(times), *output_indices, *places
         )
         slopes[:filled] = found[:filled, :, : len(self.parameters)]
         return filled
@@ -182,12 +182,13 @@ class DifferentiatedInstance(Instance):
         trust = self._tangents["trust"][0]
         if trust["reason"] == TRUSTED:
             return ()
-        where = ""
+        where, reasons = "", REASONS
         if trust["point"] != NO_IMPACT:
-            wall = self.model.scene.wall_names[trust["wall"]]
-            touching = what(trust["point"], at_stop(self.model.scene, trust["wall"]))
-            where = f", the impact of {touching} at {wall}"
-        reason = REASONS[int(trust["reason"])]
+            scene, wall = self.model.scene, trust["wall"]
+            stopped = at_stop(scene, wall)
+            where = f", the impact of {what(trust['point'], stopped)} at {scene.wall_names[wall]}"
+            reasons = REASONS_AT_STOPS if stopped else REASONS
+        reason = reasons[int(trust["reason"])]
         return (f"there are no derivatives from t = {trust['time']:.9g} s on{where}: {reason}",)
 
 
@@ -263,8 +264,8 @@ class DifferentiatedRun:
         self._places = [variable.place for variable in varied]
         self._count, self._width = len(self._places), len(outputs)
         words = self._model.columns_named(outputs)
-        looks = [words[name] for name in outputs]
-        self._instance = DifferentiatedInstance(self._model, varied, looks, notify)
+        output_indices = [words[name] for name in outputs]
+        self._instance = DifferentiatedInstance(self._model, varied, output_indices, notify)
 
     def run(self, values: np.ndarray, times: np.ndarray) -> Differentiated:
         """Run with some values of the parameters.

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from chain_impact.kernel.model.inputs import AT_ONCE, GOING_ON
+from chain_impact.kernel.model.inputs import AT_ONCE, CONTINUES
 from chain_impact.scene.names import Place
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
@@ -64,7 +64,7 @@ class Drive:
                 course[name] = value
         if changed:
             anew = row != self.first[at] or self.pieces.jumps[at]
-            given["changed"] = AT_ONCE if anew else GOING_ON
+            given["changed"] = AT_ONCE if anew else CONTINUES
 
 
 def drive(

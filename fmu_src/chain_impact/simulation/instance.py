@@ -230,7 +230,7 @@ def load_kernel(library: Path) -> ctypes.CDLL:
     kernel.run_each.argtypes = [*runs, ctypes.c_int32]
     kernel.trajectory.restype = kernel.run_each.restype = integer
     if hasattr(kernel, "trajectory_with"):
-        looks = (pointer, integer, pointer, integer, pointer, pointer)
-        kernel.trajectory_with.argtypes = [pointer, *looks]
+        signature = (pointer, integer, pointer, integer, pointer, pointer)
+        kernel.trajectory_with.argtypes = [pointer, *signature]
         kernel.trajectory_with.restype = integer
     return kernel

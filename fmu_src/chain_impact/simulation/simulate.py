@@ -116,8 +116,8 @@ def simulate(
     slopes, differentiated = np.zeros((*numbers.shape, len(varied))), None
     rows: Rows
     if varied:
-        looks = list(range(numbers.shape[1]) if words is None else words.values())
-        differentiated = DifferentiatedInstance(model, varied, looks, notify, driven)
+        output_indices = list(range(numbers.shape[1]) if words is None else words.values())
+        differentiated = DifferentiatedInstance(model, varied, output_indices, notify, driven)
         rows = RowsWithSlopes(numbers, slopes)
     else:
         rows = AllOutputs(kept) if words is None else _SomeOutputs(model.row, numbers, words.values())

@@ -23,7 +23,14 @@ from chain_impact.scene.scene import Scene, SceneSource, scene_from_dict, scene_
 from chain_impact.scene.tables import Contact
 from chain_impact.simulation.instance import Instance, SimulationError
 from chain_impact.simulation.simulate import simulate
-from chain_impact.studies.law_change import contact_at, keeps_exponents, law_names, law_values, with_law
+from chain_impact.studies.law_change import (
+    contact_at,
+    first_number,
+    keeps_exponents,
+    law_names,
+    law_values,
+    with_law,
+)
 
 EXACT = "zhang_sharf"
 """The law that the others are measured by, where the scene's restitution allows it."""
@@ -37,7 +44,8 @@ HEIGHT = 1e-3  # m, from which the mass of a free impact flies to the wall
 class LawRun:
     """The result of one law.
 
-    The values of the first impact are NaN where there is none, or it has not ended.
+    The values of the first impact are NaN where there is none, or it has not ended. Where stops have a law of
+    their own, the first impact is the first one at a wall.
 
     Attributes:
         law: its id.
@@ -102,10 +110,12 @@ class Comparison:
 
     @property
     def first_impact(self) -> np.void:
-        """The first impact under the reference law, a row of ``Result.impacts``."""
-        result = self[self.reference].result
-        assert result is not None  # that is what makes it the reference
-        impact: np.void = result.impacts[0]
+        """The first impact under the reference law, a row of ``Result.impacts``.
+
+        Where stops have a law of their own, it is the first one at a wall.
+        """
+        impact = _first_of(self[self.reference].result)
+        assert impact is not None  # that is what makes it the reference
         return impact
 
     @property
@@ -165,7 +175,8 @@ def compare(
 
     A law that needs another exponent than the scene's is run with that, and with the stiffness that makes
     the first impact equally deep if it were elastic. A law that does not allow the scene's restitution, or
-    fails, is listed with the reason.
+    fails, is listed with the reason. Stops with a law of their own keep it: then the laws are those of the
+    walls, and are compared by the first impact there.
 
     Args:
         scene: a scene, or what ``load_scene`` takes; its contact model does not matter.
@@ -190,20 +201,34 @@ def compare(
     for law in at_home:
         run(law, None)
     preferred = dict.fromkeys([EXACT, scene.contact.model, *at_home])
-    reference = next((law for law in preferred if law in found and found[law].impacts), None)
+    firsts = {law: _first_of(found[law].result) for law in preferred if law in found}
+    reference = next((law for law, first in firsts.items() if first is not None), None)
     if reference is None:
-        reason = (
-            next((run.note for run in found.values() if run.note), "")
-            or f"there is none before {scene.simulation.stop_time:g} s"
-        )
+        reason = next((run.note for run in found.values() if run.note), "") or _why_none(scene)
         raise SceneError(f"{scene.name}: no impact to compare the laws by: {reason}")
     expected = found[reference].result
     assert expected is not None
     for law in laws:
         if law not in found:
-            run(law, expected.impacts[0])
+            run(law, firsts[reference])
     runs = tuple(_against(expected, found[law]) for law in laws)
     return Comparison(scene, reference, runs)
+
+
+def _first_of(result: Result | None) -> np.void | None:
+    """The first impact at which the law of `contact` acts, a row of ``Result.impacts``."""
+    number = None if result is None else first_number(result.scene, result.impacts)
+    return None if result is None or number is None else result.impacts[number]
+
+
+def _why_none(scene: Scene) -> str:
+    """Why a run that did not fail has no impact at which the law acts."""
+    if scene.stops.model is None:
+        return f"there is none before {scene.simulation.stop_time:g} s"
+    kept = f"the stops keep stops.model = {scene.stops.model}, and"
+    if not point_wall_pairs(scene):
+        return f"{kept} no point can touch a wall"
+    return f"{kept} there is none at a wall before {scene.simulation.stop_time:g} s"
 
 
 def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
@@ -234,17 +259,21 @@ def _run(scene: Scene, law: str, impact: np.void | None, notify: Notify | None, 
     except SimulationError as error:
         notes.append(str(error))
         result = error.result
-    if result is not None and len(result.impacts):
-        first = _first_impact(result)
-        used = contact_at(result.scene, result.impacts[0])
-        overlap = result.impacts[1:2]["onset"] <= result.impacts["onset"][0] + first["duration"]
-        notes += [OVERLAP] if overlap.any() else []
+    number = None if result is None else first_number(result.scene, result.impacts)
+    if result is not None and number is not None:
+        impact = result.impacts[number]
+        first = _values_of(result, impact)
+        used = contact_at(result.scene, impact)
+        earlier, later = result.impacts[:number], result.impacts[number + 1 : number + 2]
+        # a contact that lasts to the end of the run has no end
+        overlap = later["onset"] <= impact["onset"] + first["duration"]
+        notes += [OVERLAP] if overlap.any() or not (earlier["end"] <= impact["onset"]).all() else []
     return LawRun(law, used.exponent, used.stiffness, **first, note="; ".join(notes), result=result)
 
 
-def _first_impact(result: Result) -> dict[str, Any]:
-    """The values of the first impact, by name."""
-    impact = result.impacts[0].copy()
+def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
+    """The values of an impact, by name."""
+    impact = impact.copy()
     law = CONTACT_LAWS.get(contact_at(result.scene, impact).model)
     if law and law.impulsive and impact["end"] != impact["onset"]:
         # stopped by the impulse; how long the wall holds the point then is no part of the impact

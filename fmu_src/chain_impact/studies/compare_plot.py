@@ -20,6 +20,7 @@ from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.results.plots.labels import label_curves, settle, spread_labels
 from chain_impact.results.plots.style import BLACK, GREY, INK, PALETTE, STYLE, headline, number, save
 from chain_impact.studies.compare import Comparison, LawRun, realised_restitution
+from chain_impact.studies.law_change import first_place
 
 SIZE = (11.0, 4.5)  # inches
 PRESCRIBED = np.linspace(0.02, 1.0, 50)  # restitutions
@@ -66,14 +67,17 @@ def message(comparison: Comparison) -> str:
     if not found:
         return f"{name}: no law finished its first impact"
     span = f"{min(found):.2f} to {max(found):.2f}"
-    return f"{name}: asked for e = {e:g}, {len(found)} laws give {span} in the first impact"
+    return (
+        f"{name}: asked for e = {e:g}, {len(found)} laws give {span} in the {first_place(comparison.scene)}"
+    )
 
 
 def conditions(comparison: Comparison, looks: Looks) -> str:
     """The first impact, the scene's contact, and what is grey."""
     contact, impact = comparison.contact, comparison.first_impact
     mass, speed, per = ("kg m²", "rad/s", "N m/rad") if comparison.at_stop else ("kg", "m/s", "N/m")
-    hit = f"first impact of {impact['effective_mass']:.3g} {mass} at {impact['impact_speed']:.3g} {speed}"
+    moving = f"{impact['effective_mass']:.3g} {mass} at {impact['impact_speed']:.3g} {speed}"
+    hit = f"{first_place(comparison.scene)} of {moving}"
     stiffness = f"stiffness K = {number(contact.stiffness)} {per}$^{{{contact.exponent:g}}}$"
     tolerance = f"tolerance {number(comparison.scene.solver.tolerance)}"
     grey = sum(look["color"] == GREY for look in looks.values())
@@ -144,7 +148,7 @@ def draw_loops(axes: Axes, comparison: Comparison, looks: Looks) -> None:
         elif math.isinf(run.peak_force):
             axes.axvline(0.0, **look)
     depth_unit, name = ("mrad", "moment [kN m]") if comparison.at_stop else ("mm", "force [kN]")
-    axes.set(xlabel=f"penetration in the first impact [{depth_unit}]", ylabel=name)
+    axes.set(xlabel=f"penetration in the {first_place(comparison.scene)} [{depth_unit}]", ylabel=name)
 
 
 def draw_energy(axes: Axes, comparison: Comparison, looks: Looks) -> list[Annotation]:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.results.summary import aligned
 from chain_impact.studies.compare import EXACT, OVERLAP, Comparison, LawRun
+from chain_impact.studies.law_change import first_place
 
 NEAR = 0.05  # part of the prescribed restitution, as in the registry's ranges
 NOTHING = "–"
@@ -36,7 +37,7 @@ def heading(comparison: Comparison) -> str:
     mass, speed = ("kg m²", "rad/s") if comparison.at_stop else ("kg", "m/s")
     return (
         f"{scene.name}  e = {contact.restitution:g}, n = {contact.exponent:g}, "
-        f"K = {contact.stiffness:.4g}; first impact at {impact['onset']:.6g} s with "
+        f"K = {contact.stiffness:.4g}; {first_place(scene)} at {impact['onset']:.6g} s with "
         f"{impact['effective_mass']:.4g} {mass} at {impact['impact_speed']:.4g} {speed}"
     )
 
@@ -64,11 +65,13 @@ def told(value: float, form: str) -> str:
 
 
 def legend(comparison: Comparison) -> str:
-    """What the columns are."""
+    """What the columns are, and which law the stops keep, if any."""
+    scene = comparison.scene
+    kept = f" The stops keep {scene.stops.model} under every law." if scene.stops.model else ""
     return (
-        "Columns e′ to lost describe the first impact; e′ is its restitution, separation over approach "
-        "speed. 'differs at' is the first impact with another point "
-        f"or wall than under {comparison.reference}: its number and time."
+        f"Columns e′ to lost describe the {first_place(scene)}; e′ is its restitution, separation over "
+        "approach speed. 'differs at' is the first impact with another point "
+        f"or wall than under {comparison.reference}: its number and time.{kept}"
     )
 
 

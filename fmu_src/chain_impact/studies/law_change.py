@@ -47,6 +47,20 @@ def _tables(scene: Scene) -> Iterator[tuple[tuple[str, ...], float, float]]:
         yield ("stops",), stops.exponent, stops.stiffness
 
 
+def first_number(scene: Scene, impacts: np.ndarray) -> int | None:
+    """Which row of ``Result.impacts`` is the first where the law of `contact` acts; None if there is none.
+
+    At stops with a law of their own it does not act.
+    """
+    own = scene.stops.model is not None
+    return next((k for k, row in enumerate(impacts) if not (own and at_stop(scene, row["wall"]))), None)
+
+
+def first_place(scene: Scene) -> str:
+    """What the impact that laws are compared by is called."""
+    return "first impact" if scene.stops.model is None else "first impact at a wall"
+
+
 def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
     """What to change in a scene to give it a law: stops with a law of their own keep it.
 

@@ -13,6 +13,7 @@ from chain_impact.kernel.chain.recursion import (
     arms,
     eliminate,
     eliminate_end,
+    eliminate_link,
     factorize,
     factorize_link,
     gather,
@@ -20,7 +21,6 @@ from chain_impact.kernel.chain.recursion import (
     no_impedance,
     solve,
     spread,
-    take_out,
 )
 from tests.kernel.chains import chain, random_state, stopped_chain, vectors
 from tests.reference import (
@@ -156,7 +156,7 @@ def test_one_link_with_an_inertia_at_its_end_is_a_body_of_three_coordinates(outw
     right = case.right - jacobian.T @ outer
     load = jacobian.T @ vectors(d.work.load)[1 if outward else 0]
     omega = case.y[5]
-    found = take_out(d, 0, omega * omega, link, hx, hy, inverse, axx, axy, ayy, *outer)
+    found = eliminate_link(d, 0, omega * omega, link, hx, hy, inverse, axx, axy, ayy, *outer)
     whole = SimpleNamespace(matrix=matrix)
     a, b = Hanging.condensed(whole, right - load)
     np.testing.assert_allclose(found, [a[0, 0], a[0, 1], a[1, 1], *b], rtol=1e-11, atol=1e-12)

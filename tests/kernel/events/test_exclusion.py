@@ -311,6 +311,8 @@ def test_leeway_and_fading_are_relative_to_the_reach_and_to_the_joints():
     d, _ = stepped(0, size=0.25)
     d.solver.tolerance, d.model.joint_bound = 1e-3, 8.0
     assert leeway(d) == pytest.approx(1e-3 * d.model.length.sum(), rel=1e-14)
+    d.model.stopped, d.model.size = 1, d.model.reach
+    assert leeway(d) == pytest.approx(2e-3 * d.model.length.sum(), rel=1e-14)
     assert fading(d) == pytest.approx(0.25 * 8.0, rel=1e-12)
 
 

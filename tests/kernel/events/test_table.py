@@ -19,7 +19,7 @@ from chain_impact.kernel.events.table import (
 )
 from chain_impact.kernel.integration import step_size
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
-from chain_impact.kernel.integration.switching import PATIENCE
+from chain_impact.kernel.integration.switching import MIN_SWITCH_STEPS
 from chain_impact.kernel.model.contact_force import elastic_energy
 from tests.kernel.chains import chain, gradients, press_in, random_state, struck, touch, vectors
 from tests.problems import of_law
@@ -162,7 +162,7 @@ def test_rigid_walls_take_all_events_at_once_and_steps_are_explicit():
     p = complementary_impulses(np.array([[gradient @ response]]), np.array([-1.0]), np.array([0.5]))
     assert apply_events(d)
     np.testing.assert_allclose(d.step.state_end[5:10], y[5:10] + response * p, rtol=0, atol=1e-9)
-    assert (d.step.method, d.step.stiff_count, d.step.switch_hysteresis) == (EXPLICIT, 0, PATIENCE)
+    assert (d.step.method, d.step.stiff_count, d.step.switch_hysteresis) == (EXPLICIT, 0, MIN_SWITCH_STEPS)
 
 
 def test_the_size_of_steps_in_flight_is_kept_when_a_first_contact_begins():
@@ -191,7 +191,7 @@ def test_a_flight_goes_on_with_the_steps_of_the_last_one_or_as_links_turn(method
     assert d.step.next_size == min(flight, turning)
     assert vectors(d.work.load).tolist() == [[0.0, 0.0]] * 3 + [[0.3, 0.4]]
     # no joint resists: explicit steps do
-    assert (d.step.method, d.step.stiff_count, d.step.switch_hysteresis) == (EXPLICIT, 0, PATIENCE)
+    assert (d.step.method, d.step.stiff_count, d.step.switch_hysteresis) == (EXPLICIT, 0, MIN_SWITCH_STEPS)
 
 
 @pytest.mark.parametrize("onset", [-1, 0, C])
@@ -204,7 +204,11 @@ def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
     choose_size(d, onset, goes_on)
     if onset >= 0:
         assert d.step.next_size == step_size.at_onset(d, onset, EXPLICIT)
-        assert (d.step.method, d.step.stiff_count, d.step.switch_hysteresis) == (EXPLICIT, 0, PATIENCE)
+        assert (d.step.method, d.step.stiff_count, d.step.switch_hysteresis) == (
+            EXPLICIT,
+            0,
+            MIN_SWITCH_STEPS,
+        )
     else:
         kept = method == IMPLICIT or goes_on
         assert d.step.next_size == (0.125 if kept else step_size.at_onset(d, 0, EXPLICIT))

@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact import simulate
 from chain_impact.kernel.integration.method import IMPLICIT
-from chain_impact.kernel.integration.switching import LONGER, PATIENCE, suggests_switch
+from chain_impact.kernel.integration.switching import LONGER, MIN_SWITCH_STEPS, suggests_switch
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
 from tests.problems import GRAVITY, build, contact_table, stiff_joint
@@ -24,7 +24,7 @@ def test_stiff_damping_is_implicit_in_flight_after_its_own_motion_has_decayed(da
     result = simulate(with_values(stiff_joint(damping), {("simulation", "stop_time"): 0.25}))
     steps, implicit = result.statistics["steps"], result.statistics["implicit_steps"]
     assert len(result.impacts) == 0
-    assert PATIENCE <= steps - implicit <= 30
+    assert MIN_SWITCH_STEPS <= steps - implicit <= 30
     assert implicit <= 60
 
 

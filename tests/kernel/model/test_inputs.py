@@ -7,8 +7,8 @@ from chain_impact import load_scene
 from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.model.inputs import (
     AT_ONCE,
+    CONTINUES,
     DEGREE,
-    GOING_ON,
     apply_inputs,
     ensure_inputs,
     inputs_continue,
@@ -58,7 +58,7 @@ def test_a_step_ends_with_the_piece_or_well_before(size, expected):
 
 def test_inputs_go_on_where_the_last_step_ends_with_the_piece():
     d = driven()
-    d.step.time, d.step.end, d.given.changed = 2.0, 2.0 + 1e-15, GOING_ON
+    d.step.time, d.step.end, d.given.changed = 2.0, 2.0 + 1e-15, CONTINUES
     assert inputs_continue(d)
     d.step.end = 2.1
     assert not inputs_continue(d)

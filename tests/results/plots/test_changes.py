@@ -11,6 +11,8 @@ from chain_impact.results.plots.changes import calm, fill_sensitivities
 from chain_impact.results.plots.style import GREY, PALETTE
 from chain_impact.results.result import recording_of
 from tests.problems import flat_rod
+from tests.stops import knee
+from tests.test_stops import struck_rod
 
 FEW = ("contact.restitution", "initial.angle[2]")
 
@@ -171,3 +173,17 @@ def test_a_result_draws_itself(tmp_path):
     assert (tmp_path / "rod.png").read_bytes().startswith(b"\x89PNG")
     with pytest.raises(UnknownNameError, match=r"simulate\(scene, sensitivities=\[…\]\) makes them"):
         simulate("rod_drop", stop_time=0.5).plot_sensitivities()
+
+
+@pytest.mark.parametrize(
+    ("scene", "label", "markers"),
+    [
+        (knee(), "change of impact speed [m/s]\n◆ at stops [rad/s]", {"o", "D"}),
+        (struck_rod("zhang_sharf", 0.3), "change of impact speed [rad/s]", {"D"}),
+    ],
+    ids=["walls and stops", "stops only"],
+)
+def test_changes_of_speeds_at_stops_have_their_own_unit(scene, label, markers):
+    speeds = drawn(made(scene, ["stop.restitution"]), "link[1].angle").axes[-1]
+    assert speeds.get_ylabel() == label
+    assert {line.get_marker() for line in speeds.lines} & {"o", "D"} == markers

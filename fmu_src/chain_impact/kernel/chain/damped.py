@@ -68,7 +68,11 @@ def factorize_damped(d, links, impedance, shift, factors):
     ayy += impedance.yy[0]
     # A⁻¹ of the base, 0 when that is pinned
     scale = 0.0 if d.model.pinned else 1.0 / (axx * ayy - axy * axy)
-    factors.middle[0], factors.middle[1], factors.middle[2] = ayy * scale, -axy * scale, axx * scale
+    factors.base_mobility[0], factors.base_mobility[1], factors.base_mobility[2] = (
+        ayy * scale,
+        -axy * scale,
+        axx * scale,
+    )
 
 
 def joint_resistance(d, i, shift):
@@ -110,8 +114,8 @@ def solve_damped(d, links, factors, load, change):
         t = inverse * (damper * s - factors.own[i] * load.joint[i])
     bx += load.x[0]
     by += load.y[0]
-    x = factors.middle[0] * bx + factors.middle[1] * by
-    y = factors.middle[1] * bx + factors.middle[2] * by
+    x = factors.base_mobility[0] * bx + factors.base_mobility[1] * by
+    y = factors.base_mobility[1] * bx + factors.base_mobility[2] * by
     change[0], change[1] = x, y
     before = 0.0
     for i in range(n):

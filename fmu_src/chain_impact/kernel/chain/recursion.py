@@ -54,7 +54,7 @@ def eliminate(d, y, i, outward, axx, axy, ayy, bx, by):
     dx = bx - d.work.load.x[joint] - w2 * (axx * lx + axy * ly)
     dy = by - d.work.load.y[joint] - w2 * (axy * lx + ayy * ly)
     hx, hy, inverse = hinge(lx, ly, sx, sy, inertia, axx, axy, ayy)
-    return take_out(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy)
+    return eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy)
 
 
 def eliminate_end(d, y, i, outward):
@@ -63,10 +63,10 @@ def eliminate_end(d, y, i, outward):
     link = _, _, sx, sy, inertia = arm(d, d.work.link, i, outward)
     dx, dy = -d.work.load.x[joint], -d.work.load.y[joint]
     w2 = omega * omega
-    return take_out(d, i, w2, link, -sy, sx, 1.0 / inertia, 0.0, 0.0, 0.0, dx, dy)
+    return eliminate_link(d, i, w2, link, -sy, sx, 1.0 / inertia, 0.0, 0.0, 0.0, dx, dy)
 
 
-def take_out(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
+def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
     """Return A and b for A' and d; store what ``accelerate`` needs of link i."""
     lx, ly, sx, sy, _ = link
     m, gx, gy = d.model.mass[i], d.model.gravity[0], d.model.gravity[1]
@@ -179,7 +179,11 @@ def factorize(d, links, impedance, factors):
     ayy = ayy + cyy + impedance.yy[middle]
     # A⁻¹ of the middle joint, 0 when that is a pinned base
     scale = 0.0 if d.model.pinned else 1.0 / (axx * ayy - axy * axy)
-    factors.middle[0], factors.middle[1], factors.middle[2] = ayy * scale, -axy * scale, axx * scale
+    factors.middle_mobility[0], factors.middle_mobility[1], factors.middle_mobility[2] = (
+        ayy * scale,
+        -axy * scale,
+        axx * scale,
+    )
 
 
 def factorize_link(d, links, impedance, factors, i, outward, axx, axy, ayy):
@@ -214,8 +218,8 @@ def solve(d, links, factors, load, change):
         if k < middle:
             cx, cy = gather(links, factors, load, k, False, cx, cy, change)
     bx, by = bx + cx + load.x[middle], by + cy + load.y[middle]
-    x = factors.middle[0] * bx + factors.middle[1] * by
-    y = factors.middle[1] * bx + factors.middle[2] * by
+    x = factors.middle_mobility[0] * bx + factors.middle_mobility[1] * by
+    y = factors.middle_mobility[1] * bx + factors.middle_mobility[2] * by
     cx, cy = x, y
     for k in range(n - middle):
         x, y = spread(links, factors, middle + k, True, x, y, change)

@@ -50,10 +50,10 @@ def check_interval(d, a, b):
     """QUIET if no candidate can have an event in (a, b], CROSSES if one has, SPLIT if undecided."""
     verdict = QUIET
     for c in range(d.candidates):
-        judged = check_candidate(d, c, a, b)
-        if judged == SPLIT:
+        outcome = check_candidate(d, c, a, b)
+        if outcome == SPLIT:
             return SPLIT
-        verdict = max(verdict, judged)
+        verdict = max(verdict, outcome)
     return verdict
 
 

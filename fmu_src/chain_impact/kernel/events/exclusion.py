@@ -67,7 +67,7 @@ def excludes_events(d):
     # the remainder is h⁶ φ⁽⁶⁾/46080; ten times that of the tip of a stretched chain in uniform rotation, and
     # that of a motion which decays or oscillates with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|
     fade = fading(d)
-    error = d.model.reach * turn**2 * max(turn, fade) ** 4 / 4608.0
+    error = way_per_radian(d) * turn**2 * max(turn, fade) ** 4 / 4608.0
     clear = turn < SMALL_TURN
     for c in range(d.candidates):
         # the scale of errors in a penetration is far below that of a position
@@ -78,12 +78,23 @@ def excludes_events(d):
 
 
 def leeway(d):
-    """The error [m] that the tolerance allows in the position of a point, at most that of the tip.
+    """The error [m] that the tolerance allows in the position of a place: the largest one of all places.
 
     The dense output, by which outputs and the search locate a point, may differ that much from the Hermite
     interpolant between the ends of the step.
     """
-    return d.solver.tolerance * d.model.reach
+    return d.solver.tolerance * way_per_radian(d)
+
+
+def way_per_radian(d):
+    """How far a place moves at most [m] when the angle of every link changes by at most 1 rad.
+
+    That is the length of the stretched chain. The angle of a joint changes by 2 rad, at the lever arm of a
+    stop: if a link is longer than all others together, this is more.
+    """
+    if d.model.stopped and d.links > 1:
+        return max(d.model.reach, 2.0 * d.model.size)
+    return d.model.reach
 
 
 def fading(d):

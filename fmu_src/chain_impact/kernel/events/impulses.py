@@ -14,6 +14,9 @@ within NEAR of a wall moves away from it, u⁻ > 0: then the impact is computed 
 A contact that separates with a speed ends. The others, at rest, are held by forces F as long as these push:
 
     0 ≤ F ⟂ g̈ ≥ 0.
+
+A contact with a force law whose onset is at the moment of an impact begins after it, with the speed that the
+impulses leave. If these turn the point back, there is no such contact.
 """
 
 import math
@@ -38,6 +41,7 @@ from chain_impact.kernel.model.contact import (
     drop_events,
     list_touching,
     set_kink_side,
+    start_contact,
 )
 from chain_impact.kernel.model.equations import free_rate
 from chain_impact.kernel.model.geometry import clearance
@@ -53,8 +57,14 @@ RELEASE_GAP = 1e-13
 
 
 def handle_impact(d):
-    """Apply the events of rigid contacts: impulses, then the update of the active set; points are located."""
-    touch = d.touch
+    """Apply the events of rigid contacts: impulses, then the update of the active set; points are located.
+
+    The onsets of contacts with a force law that are still in ``touch.event`` are applied in between.
+
+    Returns:
+        The last candidate with a force law whose contact began, or −1.
+    """
+    touch, onset = d.touch, -1
     # an interpolated state satisfies the constraints only up to the error of the interpolant
     project_state(d, d.step.state_end)
     give_impulses(d)
@@ -71,8 +81,34 @@ def handle_impact(d):
         apply_impulses(d)
         end_rebounding_contacts(d)
         follow_jump(d)
+        onset = begin_late_contacts(d)
     update_active_set(d)
     clear_loads(d)
+    return onset
+
+
+def rigid_onset(d):
+    """Whether a point arrives at a rigid wall."""
+    for c in range(d.candidates):
+        if d.touch.event[c] == ONSET and d.law.impulsive[c]:
+            return True
+    return False
+
+
+def begin_late_contacts(d):
+    """Begin the contacts with a force law, due now, whose points still move inward after the impulses.
+
+    Returns:
+        The last of them, or −1.
+    """
+    onset, round_off = -1, DOUBT * largest(d, d.work.velocity)
+    for c in range(d.candidates):
+        _, gap_rate = clearance(d, c)
+        if d.touch.event[c] == ONSET and not d.law.impulsive[c] and gap_rate < -round_off:
+            start_contact(d, c)
+            onset = c
+    list_touching(d)
+    return onset
 
 
 def follow_jump(d):

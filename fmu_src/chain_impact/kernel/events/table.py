@@ -12,21 +12,22 @@
 Crossings of clearances are found with bounds, so that none is missed; the other events by sampling a step
 (sampling.py), because to find one of them late does no harm. A handler takes (d, c), with the points located,
 and returns whether a force has jumped. v₀ is latched, which means fixed at the onset of the contact. For
-rigid walls, handle_impact handles all simultaneous events together (impulses.py).
+rigid walls, handle_impact handles all simultaneous events together (impulses.py). If a point arrives at one,
+the simultaneous onsets of contacts with a force wait for the impulses.
 """
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.dispatch import dispatch
 from chain_impact.kernel.events.contact_log import log_contact
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
-from chain_impact.kernel.events.impulses import handle_impact
+from chain_impact.kernel.events.impulses import handle_impact, rigid_onset
 from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, RELATCH, RELEASE
 from chain_impact.kernel.integration import step_size
 from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.integration.methods import MEASURES_START
 from chain_impact.kernel.integration.switching import begin_flight, begin_impact
 from chain_impact.kernel.model.constraints import any_point_held
-from chain_impact.kernel.model.contact import begin_contact, clear_loads, list_touching, set_kink_side
+from chain_impact.kernel.model.contact import clear_loads, list_touching, set_kink_side, start_contact
 from chain_impact.kernel.model.contact_force import cut_off, may_jump, set_damping, set_expected_depth
 from chain_impact.kernel.model.geometry import clearance
 
@@ -37,9 +38,7 @@ LEFT = 0.01
 
 def handle_onset(d, c):
     """Begin the contact of a point that has arrived at a wall."""
-    begin_contact(d, c)
-    set_kink_side(d, c)
-    d.touch.active[c] = 1
+    start_contact(d, c)
     return may_jump(d, c)
 
 
@@ -101,23 +100,29 @@ def apply_events(d):
         Whether a force has jumped, because a contact begins or ends or a v₀ was latched again.
     """
     touch, onset, jumped, goes_on = d.touch, -1, False, False
-    rigid = any_point_held(d)
+    rigid, strikes = any_point_held(d), rigid_onset(d)
     locate_points(d, d.step.state_end)
-    if touch.active_count == 0:
+    forces = touch.compliant_count > 0
+    if not forces:
         d.step.flight_size = d.step.next_size
     for c in range(d.candidates):
         kind = touch.event[c]
         if d.law.impulsive[c]:
             rigid = rigid or kind != NONE
             continue
+        if strikes and kind == ONSET:
+            continue
         jumped = _handle(kind, d, c) or jumped
         goes_on = goes_on or kind in (RELATCH, KINK)
         onset = c if kind == ONSET else onset
         touch.event[c] = NONE
     if rigid:
-        handle_impact(d)
+        late = handle_impact(d)
+        onset = late if late >= 0 else onset
     list_touching(d)
     if rigid and touch.compliant_count == 0:
+        if forces:
+            d.step.next_size = d.step.flight_size  # the last size was that of an impact with a force
         begin_flight(d)
     else:
         choose_size(d, onset, goes_on)

@@ -22,7 +22,7 @@ from chain_impact.kernel.integration.sundman import NO_CONTACT, lone_contact, ti
 from chain_impact.kernel.model.constraints import any_point_held, project_state
 from chain_impact.kernel.model.equations import located_rate, state_rate
 
-NOBODY, OUTPUTS, SOLVER = 0, 1, 2  # step.dense_for: what has requested the dense output
+NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2  # step.dense_for: what has requested the dense output
 
 
 def reset_step(d, time, y):
@@ -59,7 +59,7 @@ def accept(d, h):
     step.size, step.kept = h, 1.0
     step.end = step.start + y[time_at(d.links)]
     step.last_method = step.method
-    step.dense_for = NOBODY
+    step.dense_for = NOT_REQUESTED
     step.rate_known, d.work.at_end = 0, 0
     finish(d)
     if RATE_AT_END[step.last_method]:
@@ -105,12 +105,12 @@ def mark_jump(d):
     d.step.breaks += 1
 
 
-def choose_variable(d, anew):
+def choose_variable(d, size_chosen):
     """Choose the integration variable of the next step, for the points located at its start.
 
     Args:
         d: the instance.
-        anew: whether its size has already been chosen for this variable, as contacts began or ended.
+        size_chosen: whether its size has already been chosen for this variable, as contacts began or ended.
     """
     step, root = d.step, sundman_u_at(d.links)
     before, (contact, u) = time_rate_now(d, step.state_end), lone_contact(d)
@@ -120,7 +120,7 @@ def choose_variable(d, anew):
     step.state_end[time_at(d.links)], step.clock = 0.0, step.end
     if changed:
         step.breaks += 1
-        if not anew:
+        if not size_chosen:
             step.next_size *= before / time_rate_now(d, step.state_end)
 
 
@@ -180,7 +180,7 @@ def ensure_dense(d, reader):
     """
     step = d.step
     known, step.dense_for = step.dense_for, max(step.dense_for, reader)
-    if known == NOBODY:
+    if known == NOT_REQUESTED:
         work = d.limits.other_work
         dense_output(d)
         d.limits.other_work = work

@@ -32,12 +32,12 @@ RINGS, LASTS = 0.1, 20.0
 # work; and the hρ of implicit steps below which this holds, if the size of explicit ones is not known.
 LONGER, NOT_STIFF = 2.5, 5.0
 STABLE = 4.0  # hρ of the explicit step to begin a flight with: two thirds of what is stable
-# The part of the explicit method's first step in an impact by which joints are judged. Explicit steps of an
-# impact cost so much less than implicit ones that joints must be far stiffer than this step to favour these.
+# The part of the explicit method's first step in an impact with which joints are compared. Explicit steps of
+# an impact cost so much less than implicit ones that joints must be far stiffer than it to favour these.
 IMPACT = 0.1
 # The number of steps in a row that must favour the other method: with fewer the method would change in the
 # compression of an impact.
-PATIENCE = 3
+MIN_SWITCH_STEPS = 3
 
 
 def choose_method(d):
@@ -127,7 +127,7 @@ def begin_explicit(step):
 def reset_stiff_count(step):
     """Reset the counts that lead to a change of the method."""
     step.stiff_count, step.explicit_size = 0, 0.0
-    step.switch_hysteresis = PATIENCE
+    step.switch_hysteresis = MIN_SWITCH_STEPS
 
 
 def stiffness_number(d, h):

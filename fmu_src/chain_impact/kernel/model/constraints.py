@@ -29,7 +29,7 @@ STIFF = 1e6
 # Near a toggle position 1/W is far more than the mass of a link. If an iteration does not halve the residual,
 # D grows by the factor STIFFER, up to STIFFEST times that mass; beyond it the residual is only round-off.
 STIFFEST, STIFFER = 1e12, 1e3
-MOST_SWEEPS = 30  # iterations; reached only in toggle positions, where the last ones change nothing
+MAX_ITERATIONS = 30  # iterations; reached only in toggle positions, where the last ones change nothing
 ROUND_OFF = 1e-15  # of the largest motion: a residual that is accepted
 # Of a link length: a point that rises less before it falls again has not left. Its clearance could not be
 # distinguished from round-off, and its next onset could not be located.
@@ -40,7 +40,7 @@ MISPLACED = 10.0
 DOUBT = 1e-12  # of the largest value: a wrong sign within it is round-off and does not change the active set
 # Pivots of all violated candidates at once that may fail to reduce their number, before only one at a time is
 # changed, which terminates in every case but takes more pivots.
-PATIENCE = 3
+MAX_STALLED_PIVOTS = 3
 ROUNDS = 30  # plus 4 for each candidate: a bound on the pivots, far above any number that was observed
 
 
@@ -77,7 +77,7 @@ def solve_equality(d, scale):
     factorize_contacts(d, link, own.impedance, 0.0, own.factors)
     clear_impulses(d)
     before = math.inf
-    for _ in range(MOST_SWEEPS):
+    for _ in range(MAX_ITERATIONS):
         worst = find_residual(d)
         if worst <= ROUND_OFF * scale:
             return
@@ -136,21 +136,21 @@ def solve_lcp(d, scale):
     """
     own, first = d.rigid, d.touch.compliant_count
     count = d.touch.active_count - first
-    fewest, patience = count + 1, PATIENCE
+    fewest, stalls_left = count + 1, MAX_STALLED_PIVOTS
     for _ in range(ROUNDS + 4 * count):
         solve_equality(d, scale)
         wrong = count_violations(d, scale)
         if wrong == 0 or work_exceeded(d):
             return
         if wrong < fewest:
-            fewest, patience = wrong, PATIENCE
+            fewest, stalls_left = wrong, MAX_STALLED_PIVOTS
         else:
-            patience -= 1
+            stalls_left -= 1
         for i in range(count):
             k = first + count - 1 - i
             if own.violated[k]:
                 own.in_active_set[k] = 1 - own.in_active_set[k]
-                if patience < 0:
+                if stalls_left < 0:
                     break
 
 

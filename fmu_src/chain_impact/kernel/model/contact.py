@@ -86,6 +86,13 @@ def begin_contact(d, c):
     list_impact(d, c)
 
 
+def start_contact(d, c):
+    """Begin the contact of candidate c, which has a force law, and make it active."""
+    begin_contact(d, c)
+    set_kink_side(d, c)
+    d.touch.active[c] = 1
+
+
 def kink_height(d, c):
     """The function with a sign change at the kink of the force of candidate c, for the located points."""
     gap, gap_rate = clearance(d, c)

@@ -9,7 +9,7 @@
 from chain_impact.kernel.chain.state import time_at
 
 DEGREE = 9  # the highest degree of the polynomials
-AT_ONCE, GOING_ON = 1, 2  # given.changed: re-initialize; or the inputs continue without a jump
+AT_ONCE, CONTINUES = 1, 2  # given.changed: re-initialize; or the inputs continue without a jump
 LANDED = 4e-15  # of the time: a step that ends at most this much after a piece counts as ending with it
 
 
@@ -54,7 +54,7 @@ def polynomial(powers, order, i, x):
 
 def inputs_continue(d):
     """Whether the inputs only continue with another piece, which begins where the last step ends."""
-    return d.given.changed == GOING_ON and d.step.end - d.step.time <= LANDED * abs(d.step.end)
+    return d.given.changed == CONTINUES and d.step.end - d.step.time <= LANDED * abs(d.step.end)
 
 
 def limit_to_piece(d, h):

@@ -108,7 +108,7 @@ def given_dtype(links: int) -> np.dtype:
     Owner: the importer. They are applied at the next step, or when the output time is set.
     """
     return record(
-        ("changed", INTEGER),  # AT_ONCE: a value was set since the last step; GOING_ON: only the course was
+        ("changed", INTEGER),  # AT_ONCE: a value was set since the last step; CONTINUES: only the course was
         ("law", INTEGER),  # number of the contact law, from 1
         ("stiffness", REAL),  # N/m^exponent
         ("restitution", REAL),

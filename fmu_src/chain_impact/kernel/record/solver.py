@@ -103,8 +103,9 @@ def factors_dtype(links: int) -> np.dtype:
     """M + Jᵀ D J + K, eliminated. Owner: ``factorize_contacts`` in model/compliance.py."""
     return record(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse")),
-        ("middle", REAL, (3,)),  # 1/kg, A⁻¹ of the middle joint or, if coupled, of the base: xx, xy, yy
+        ("middle_mobility", REAL, (3,)),  # 1/kg, A⁻¹ of the middle joint: xx, xy, yy; not used if coupled
         ("coupled", INTEGER),  # 1: joints transmit moments, see kernel/chain/damped.py; only then:
+        ("base_mobility", REAL, (3,)),  # 1/kg, A⁻¹ of the base: xx, xy, yy
         ("own", REAL, (links,)),  # kg·m², H
         ("damper", REAL, (links,)),  # kg·m², κ
     )

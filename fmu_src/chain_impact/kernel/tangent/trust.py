@@ -27,6 +27,14 @@ REASONS = {
 }
 """Why derivatives end: all but the last at an impact."""
 
+REASONS_AT_STOPS = REASONS | {
+    GRAZING: "its joint reaches the stop so slowly that the tolerance leaves open whether it does so at all",
+    AT_FLOOR: "its joint's speed is below stops.minimum_impact_speed, which the contact law takes instead",
+    SIMULTANEOUS: "several contacts begin at one moment, and what follows depends on which is first",
+    JUMP: "the moment of its contact law jumps where the joint turns back",
+}
+"""The same for an impact at a stop of a joint."""
+
 
 def check_onsets(t):
     """Check the onsets at the end of the last step, for the points located there."""

@@ -15,6 +15,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from chain_impact.results.joint_stops import at_stop, speed_unit
 from chain_impact.results.plots.message import conditions
 from chain_impact.results.plots.over_time import DOT, mark_impacts
 from chain_impact.results.plots.room import OUTSIDE_COLOUR
@@ -129,14 +130,18 @@ def draw_changes(axes: Axes, recording: Recording, output: str, looks: Looks) ->
 
 
 def draw_speeds(axes: Axes, recording: Recording, looks: Looks) -> None:
-    """The change of the speed of each impact, with each parameter."""
+    """The change of the speed of each impact, with each parameter: dots at walls, diamonds at stops."""
     found = sensitivities_of(recording)
-    changes = found.impact_changes("impact_speed")
+    changes, scene = found.impact_changes("impact_speed"), found.model.scene
+    stopped = np.array([at_stop(scene, wall) for wall in found.impacts["wall"]], bool)
     for values, look in zip(changes.T, looks, strict=True):
         style = {"color": look["color"], "zorder": look["zorder"], "markersize": DOT}
-        axes.plot(found.impacts["onset"], values, "o", **style)
-    at_stops = ", at stops [rad/s]" if any(impact.at_stop for impact in recording.impacts) else ""
-    axes.set_ylabel(f"change of impact speed [m/s]{at_stops}")
+        for rows, marker in ((~stopped, "o"), (stopped, "D")):
+            if rows.any():
+                axes.plot(found.impacts["onset"][rows], values[rows], marker, **style)
+    mixed = stopped.any() and not stopped.all()
+    unit = speed_unit(len(stopped) > 0 and bool(stopped.all()))
+    axes.set_ylabel(f"change of impact speed [{unit}]" + ("\n◆ at stops [rad/s]" if mixed else ""))
     fit_scale(axes, changes, NOTHING * max((impact.speed for impact in recording.impacts), default=0.0))
     if not len(found.impacts):
         axes.text(0.5, 0.6, "no impact", transform=axes.transAxes, ha="center", color=GREY)

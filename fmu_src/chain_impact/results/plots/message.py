@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 import numpy as np
@@ -11,6 +12,7 @@ from chain_impact.results.plots.style import number
 from chain_impact.results.recording import Recording
 
 SHARE = 0.01  # of the energy at the start: more below zero, and a share of it means nothing
+ROUND_OFF = 1e-12  # of the largest energy: less is not dissipated
 
 
 def message(recording: Recording) -> str:
@@ -23,14 +25,18 @@ def message(recording: Recording) -> str:
     count, span = recording.impact_count, f"in {recording.time[-1] - recording.time[0]:g} s"
     impacts = f"{count or 'no'} impact{'s' if count != 1 else ''}"
     lost = recording.columns.get("energy.dissipated", np.zeros(1))[-1]
-    if not lost > 0.0:
+    if not lost > ROUND_OFF * np.abs(recording.columns.get("energy.total", np.zeros(1))).max():
         return f"{recording.name}: {impacts} {span}"
-    amount = (
-        f"{lost:.3g} J" if (share := lost_share(recording)) is None else f"{100 * share:.0f} % of the energy"
-    )
+    share = lost_share(recording)
+    amount = f"{lost:.3g} J" if share is None else f"{percentage(share)} % of the energy"
     if count and joint_damping(recording) == 0.0:
         return f"{recording.name}: {impacts} dissipate{'s' if count == 1 else ''} {amount} {span}"
     return f"{recording.name}: {impacts}, {amount} dissipated {span}"
+
+
+def percentage(share: float) -> str:
+    """A share in percent: a whole number, and below 1 % two digits."""
+    return f"{100 * share:.0f}" if share >= SHARE else f"{100 * share:.2g}"
 
 
 def lost_share(recording: Recording) -> float | None:
@@ -63,15 +69,34 @@ def conditions(recording: Recording) -> str:
         parts.append(f"law {law}")
     if "contact.restitution" in known:
         parts.append(f"restitution e = {known['contact.restitution']:g}")
-        entry = CONTACT_LAWS.get(str(law))
-        if entry is None or not entry.impulsive:
+        if not is_rigid(str(law)):
             unit = f"N/m$^{{{known['contact.exponent']:g}}}$"
             parts.append(f"stiffness K = {number(known['contact.stiffness'])} {unit}")
     if "stop.restitution" in known:
-        unit = f"N·m/rad$^{{{known['stop.exponent']:g}}}$"
-        parts.append(f"stops e = {known['stop.restitution']:g}, K = {number(known['stop.stiffness'])} {unit}")
+        parts.append(stop_conditions(recording))
     if known.get("contact.radius"):
         parts.append(f"radius {known['contact.radius']:g} m")
     if "solver.tolerance" in known:
         parts.append(f"method {known['solver.method']}, tolerance {number(known['solver.tolerance'])}")
     return "  ·  ".join(parts)
+
+
+def is_rigid(law: str) -> bool:
+    """Whether a law has impulses in place of a force, and so no stiffness."""
+    entry = CONTACT_LAWS.get(law)
+    return entry is not None and entry.impulsive
+
+
+def stop_conditions(recording: Recording) -> str:
+    """The law of the stops if it is one of their own, their restitution, and, if they have a force, K.
+
+    An FMU does not tell which law its stops have; but an infinite force shows that they are rigid.
+    """
+    known, own = recording.parameters, recording.stop_law
+    struck = any(hit.at_stop and math.isinf(hit.peak_force) for hit in recording.impacts)
+    rigid = struck or is_rigid(own or str(known.get("contact.model")))
+    told = f"stops {f'law {own}, ' if own else ''}e = {known['stop.restitution']:g}"
+    if rigid:
+        return told
+    unit = f"N·m/rad$^{{{known['stop.exponent']:g}}}$"
+    return f"{told}, K = {number(known['stop.stiffness'])} {unit}"

@@ -10,7 +10,7 @@ from chain_impact.compilation.work import Progress
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
 from chain_impact.studies.fit.result import Fit, LawFit
-from chain_impact.studies.law_change import law_names, law_values, needed_exponent
+from chain_impact.studies.law_change import first_number, law_names, law_values, needed_exponent
 
 DIGITS = 1  # of the criterion: laws that differ by less stay in order, the scene's own first
 FitOne = Callable[[Sequence[Scene], Progress], Fit]
@@ -70,7 +70,9 @@ def _part(progress: Progress, k: int, count: int) -> Progress:
 
 def _with_law(scene: Scene, law: str, first: Fit | None) -> Scene:
     """The scene with another law."""
-    impact = first.models[0].impacts[0] if first and len(first.models[0].impacts) else None
+    impacts = first.models[0].impacts if first else None
+    number = None if impacts is None else first_number(scene, impacts)
+    impact = None if impacts is None or number is None else impacts[number]
     return scene.with_values(law_values(scene, law, impact))
 
 

@@ -111,8 +111,8 @@ class Runner:
         in_record = [k for k, place in enumerate(job.varied) if place]
         self._in_record, self._whole = in_record, [job.kinds[k] == "enumeration" for k in in_record]
         self._places = np.array([word_index(layout, job.varied[k]) for k in in_record], np.int64)
-        looks = [("step", "time"), *(variable.place for variable in self._columns.values())]
-        self._looks = np.array([word_index(layout, place) for place in looks], np.int64)
+        places = [("step", "time"), *(variable.place for variable in self._columns.values())]
+        self._output_indices = np.array([word_index(layout, place) for place in places], np.int64)
 
     def run(self, values: np.ndarray, wanted: Callable[[], bool] = lambda: True) -> np.ndarray | None:
         """Run the chain once for each row of values, shape (R, K).
@@ -132,7 +132,7 @@ class Runner:
         if () in self._job.varied:
             stops = np.ascontiguousarray(values[:, self._job.varied.index(())], np.float64)
         rows = np.zeros(len(values), self._dtype)
-        done, going_on = 0, 0
+        done, continuing = 0, 0
         while done < len(rows):
             if not wanted():
                 return None
@@ -144,12 +144,12 @@ class Runner:
                 words[done:].ctypes.data,
                 stops[done:].ctypes.data,
                 len(rows) - done,
-                self._looks.ctypes.data,
-                len(self._looks),
+                self._output_indices.ctypes.data,
+                len(self._output_indices),
                 rows[done:].ctypes.data,
-                going_on,
+                continuing,
             )
-            going_on = 1
+            continuing = 1
         self._forget_unknown(rows)
         return rows
 
