@@ -42,7 +42,7 @@ def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monke
     tangents = [
         SimpleNamespace(links=4, candidates=20, output=SimpleNamespace(words=[0.0])) for _ in range(3)
     ]
-    d = SimpleNamespace(tangents=3, beside=tangents, links=4, candidates=20)
+    d = SimpleNamespace(tangents=3, tangent_instances=tangents, links=4, candidates=20)
     d.statistics = SimpleNamespace(status=0)
 
     def note(name):
@@ -72,7 +72,7 @@ def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monke
 
 def test_one_that_does_not_fit_is_not_sound(monkeypatch):
     tangents = [SimpleNamespace(links=4, candidates=20) for _ in range(2)]
-    d = SimpleNamespace(tangents=2, beside=tangents, links=4, candidates=20)
+    d = SimpleNamespace(tangents=2, tangent_instances=tangents, links=4, candidates=20)
     monkeypatch.setattr(entry, "within_bounds", lambda t: t is not d)
     assert HOOKS[hooks.indices_valid](d)
     for field in ("links", "candidates"):
@@ -90,7 +90,7 @@ def test_slopes_that_cannot_be_trusted_are_none(trusted, status, kept, monkeypat
     """Their values are."""
     words = [float(k) for k in range(2 * (1 + DIRECTIONS))]
     t = SimpleNamespace(output=SimpleNamespace(words=words))
-    d = SimpleNamespace(tangents=1, beside=[t], statistics=SimpleNamespace(status=status))
+    d = SimpleNamespace(tangents=1, tangent_instances=[t], statistics=SimpleNamespace(status=status))
     monkeypatch.setattr(entry, "fill_outputs", lambda t: None)
     monkeypatch.setattr(entry, "trusted", lambda t: trusted)
     HOOKS[hooks.on_observe](d)

@@ -44,7 +44,7 @@ class _Place:
 
 
 @dataclass(frozen=True, slots=True)
-class _Look:
+class _Selection:
     """Several variables that are read at once: words, which are integers, whether any is an output."""
 
     words: np.ndarray
@@ -87,7 +87,7 @@ class Chain:
         self._time_word = word_index(dtype, ("step", "time"))
         self._changed_word = word_index(dtype, ("given", "changed"))
         self._finished_word = word_index(dtype, ("finished", "count"))
-        self._looks: dict[str | tuple[str, ...], _Look] = {}
+        self._selections: dict[str | tuple[str, ...], _Selection] = {}
         self._instant = np.zeros(1)
         self._outputs = np.zeros(1, dtype["output"])
         self._stepped, self._initialized, self._observed = False, True, False
@@ -156,16 +156,16 @@ class Chain:
             UnknownNameError: when there is none of that name.
         """
         key = names if isinstance(names, str) else tuple(names)
-        look = self._looks.get(key) or self._look(key)
-        if look.observed and not self._observed:
+        selection = self._selections.get(key) or self._select(key)
+        if selection.observed and not self._observed:
             self._ready()
             self._instance.observe()
             self._observed = True
-        values = self._reals[look.words]
-        if look.whole.size:
-            values[look.whole] = self._integers[look.words[look.whole]]
+        values = self._reals[selection.words]
+        if selection.whole.size:
+            values[selection.whole] = self._integers[selection.words[selection.whole]]
         if isinstance(key, str) and "*" not in key:
-            return int(values[0]) if look.whole.size else float(values[0])
+            return int(values[0]) if selection.whole.size else float(values[0])
         return values
 
     def set(self, values: Mapping[str, Any] | str, value: Any = None) -> None:
@@ -249,7 +249,7 @@ class Chain:
         if self._integers[self._finished_word]:
             self._impacts.append(self._instance.collect())
 
-    def _look(self, key: str | tuple[str, ...]) -> _Look:
+    def _select(self, key: str | tuple[str, ...]) -> _Selection:
         names = (key,) if isinstance(key, str) else key
         found = [
             one
@@ -257,13 +257,13 @@ class Chain:
             for one in matching(self.scene.name, name, self._places, "no variable", self._hint)
         ]
         places = [self._places[name] for name in found]
-        look = _Look(
+        selection = _Selection(
             words=np.array([place.word for place in places], int),
             whole=np.flatnonzero([place.whole for place in places]),
             observed=any(place.kind == "output" for place in places),
         )
-        self._looks[key] = look
-        return look
+        self._selections[key] = selection
+        return selection
 
     def _checked(self, name: str, value: Any) -> tuple[int, bool, float]:
         """The word of a variable, whether it holds an integer, and the value for it."""

@@ -3,7 +3,7 @@
 
 def block(d, number):
     """Tangent instance ``number`` of d, from 0; for the compiled kernel see compilation/record_type.py."""
-    return d.beside[number]
+    return d.tangent_instances[number]
 
 
 def words(record):

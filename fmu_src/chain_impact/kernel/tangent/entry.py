@@ -94,13 +94,13 @@ HOOKS = {
 """Function of kernel/hooks.py → what it does in a kernel that carries derivatives."""
 
 
-def trajectory_with(d, times, looks, values, slopes):
+def trajectory_with(d, times, output_indices, values, slopes):
     """Advance to each of the times [s] in turn, and sample some outputs and their derivatives.
 
     Args:
         d: the instance, with B instances of dual numbers after it in memory.
         times: shape (T,), increasing [s].
-        looks: the requested outputs, as indices of numbers in ``d.output``, shape (W,).
+        output_indices: the requested outputs, as indices of numbers in ``d.output``, shape (W,).
         values: result, shape (T, W).
         slopes: result, shape (T, W · B · DIRECTIONS).
 
@@ -114,17 +114,17 @@ def trajectory_with(d, times, looks, values, slopes):
         if advance(d, times[row], log_capacity, work) != OK:
             return row
         observe(d)
-        fill_row(d, looks, values[row], slopes[row])
+        fill_row(d, output_indices, values[row], slopes[row])
     return len(times)
 
 
-def fill_row(d, looks, values, slopes):
+def fill_row(d, output_indices, values, slopes):
     """Fill a row of outputs and one of their derivatives with the observed values."""
     count = d.tangents
-    for j in range(len(looks)):
-        values[j] = words(d.output)[looks[j]]
+    for j in range(len(output_indices)):
+        values[j] = words(d.output)[output_indices[j]]
     for b in range(count):
         seen = words(block(d, b).output)
-        for j in range(len(looks)):
+        for j in range(len(output_indices)):
             for k in range(DIRECTIONS):
-                slopes[(j * count + b) * DIRECTIONS + k] = seen[looks[j] * (1 + DIRECTIONS) + 1 + k]
+                slopes[(j * count + b) * DIRECTIONS + k] = seen[output_indices[j] * (1 + DIRECTIONS) + 1 + k]
