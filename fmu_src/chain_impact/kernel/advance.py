@@ -11,7 +11,7 @@ import math
 from chain_impact.kernel import hooks
 from chain_impact.kernel.events.contact_log import update_extremes, update_to_output_time
 from chain_impact.kernel.events.impulses import end_changed_contacts, update_active_set
-from chain_impact.kernel.events.kinds import KINK, ONSET, REFUSED
+from chain_impact.kernel.events.kinds import KINK, NONE, ONSET, REFUSED
 from chain_impact.kernel.events.search import find_event, onset_fraction
 from chain_impact.kernel.events.table import apply_events, bends_force
 from chain_impact.kernel.initialize import first_size
@@ -57,7 +57,13 @@ from chain_impact.kernel.status import (
     STEP_TOO_SMALL,
     TOO_MUCH_WORK,
 )
-from chain_impact.kernel.work_limit import check_events, check_work, work_done, work_exceeded
+from chain_impact.kernel.work_limit import (
+    check_events,
+    check_work,
+    count_evaluations,
+    work_done,
+    work_exceeded,
+)
 
 # s. A chain in flight without spin has no other limit, because its error estimate is only round-off.
 LONGEST_STEP = 1.0
@@ -309,7 +315,7 @@ def apply_pending_events(d):
     """Apply the events and set the rate after them; returns their number, and whether any is a kink."""
     events, kinked = 0, False
     for c in range(d.candidates):
-        events += d.touch.event[c] != 0
+        events += d.touch.event[c] != NONE
         kinked = kinked or d.touch.event[c] == KINK
 
     ensure_rate(d)
@@ -325,7 +331,7 @@ def apply_pending_events(d):
         if apply_events(d):
             state_rate(d, d.step.state_end, rate)
             keep_end_forces(d)
-            d.statistics.rhs_evaluations += 1
+            count_evaluations(d, 1)
         reset_impulse_step(d)
     return events, kinked
 

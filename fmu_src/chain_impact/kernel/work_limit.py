@@ -23,6 +23,16 @@ def work_done(d):
     return d.statistics.rhs_evaluations + d.limits.other_work
 
 
+def count_evaluations(d, number):
+    """Count evaluations of the right-hand side."""
+    d.statistics.rhs_evaluations += number
+
+
+def count_other_work(d, number):
+    """Count work that costs about as much as so many evaluations."""
+    d.limits.other_work += number
+
+
 def work_exceeded(d):
     """Whether the work in a second of simulated time exceeds the limit; every long loop checks it."""
     return work_done(d) - d.limits.work_count > d.solver.work_limit * WORK_WINDOW

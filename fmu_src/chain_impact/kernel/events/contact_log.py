@@ -18,6 +18,7 @@ from chain_impact.kernel.model.contact import contact_force, contact_slopes
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import along_normal, clearance, lever
 from chain_impact.kernel.model.latest import note_impact
+from chain_impact.kernel.work_limit import count_evaluations
 
 FORCE, PENETRATION = 0, 1
 HELD_SAMPLES = 5  # samples of a constraint force over a step, its ends included
@@ -86,7 +87,7 @@ def update_held_extremes(d):
                 peak = top - (right - left) ** 2 / (8.0 * bend)
             d.touch.peak_force[c] = max(d.touch.peak_force[c], peak)
             samples[0, k], samples[1, k] = top, right
-    d.statistics.rhs_evaluations += HELD_SAMPLES
+    count_evaluations(d, HELD_SAMPLES)
     locate_points(d, step.state_end)
     # those of the samples are without the constraint forces
     accelerate_points(d, step.state_end, d.work.rate_end)

@@ -8,6 +8,7 @@ from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.model.constraints import project_state
 from chain_impact.kernel.model.contact import drop_events
 from chain_impact.kernel.model.equations import state_rate
+from chain_impact.kernel.work_limit import count_evaluations
 
 # Relative to the chain's mass times (gravity + one link length per s²): a smaller pull is round-off.
 PULL = 1e-11
@@ -63,7 +64,7 @@ def pulls(d, _c, theta):
     locate_points(d, d.work.y)
     project_state(d, d.work.y)
     state_rate(d, d.work.y, d.work.rate)
-    d.statistics.rhs_evaluations += 1
+    count_evaluations(d, 1)
     least = 0.0
     for k in range(d.touch.compliant_count, d.touch.active_count):
         least = min(least, d.rigid.impulse[k])

@@ -3,6 +3,7 @@
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.last_step import SOLVER, ensure_dense
+from chain_impact.kernel.work_limit import count_other_work
 
 RESOLUTION = 1e-12  # s of the step's variable, the same as the interval in which onsets are one event
 
@@ -74,7 +75,7 @@ def first_contact(suspected, passage):
 
 def locate_at(d, theta):
     """Set ``work.y`` to the state at the fraction θ of the step, and locate its points."""
-    d.limits.other_work += 1
+    count_other_work(d, 1)
     if 0.0 < theta < 1.0:
         ensure_dense(d, SOLVER)
         interpolate(d.step, theta, d.work.y)

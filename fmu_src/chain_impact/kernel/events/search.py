@@ -19,7 +19,7 @@ from chain_impact.kernel.events.exclusion import (
     known_clearances,
     remember_clearances,
 )
-from chain_impact.kernel.events.kinds import END, ONSET, REFUSED
+from chain_impact.kernel.events.kinds import END, NONE, ONSET, REFUSED
 from chain_impact.kernel.events.kinks import find_kink
 from chain_impact.kernel.events.relatch import find_relatch
 from chain_impact.kernel.events.release import find_release
@@ -165,6 +165,6 @@ def drop_separating(d, theta):
     left = False
     for c in range(d.candidates):
         if not d.touch.active[c] and d.search.clear_end_rate[c] > 0.0:
-            d.touch.event[c] = 0
-        left = left or d.touch.event[c] != 0
+            d.touch.event[c] = NONE
+        left = left or d.touch.event[c] != NONE
     return theta if left else -1.0

@@ -54,6 +54,7 @@ from chain_impact.kernel.integration.radau import (
 )
 from chain_impact.kernel.model.constraints import any_point_held
 from chain_impact.kernel.model.contact import clear_stage_notes
+from chain_impact.kernel.work_limit import count_evaluations, count_other_work
 
 LAST = STAGES - 1
 ERROR_ORDER = STAGES + 2
@@ -142,7 +143,7 @@ def first_size(d, h):
         fast[j] = own.start_rate[j] - fast[j]
         left[j] = fast[j]
     solve_real(d, shift, left)
-    d.limits.other_work += 3
+    count_other_work(d, 3)
     most, remains = 0.0, 0.0
     for j in range(velocity_at(d.links), dissipated_at(d.links)):
         most, remains = max(most, abs(fast[j]) * own.weight[j]), max(remains, abs(left[j]) * own.weight[j])
@@ -199,8 +200,8 @@ def attempt(d, h):
     own, size = d.implicit, extended_size(d)
     extrapolate_stages(d, h, size)
     solved = _converge(d, h, size)
-    d.statistics.rhs_evaluations += STAGES * own.iterations
-    d.limits.other_work += FACTORIZATIONS + SOLUTIONS * own.iterations + ESTIMATE
+    count_evaluations(d, STAGES * own.iterations)
+    count_other_work(d, FACTORIZATIONS + SOLUTIONS * own.iterations + ESTIMATE)
     d.step.cost_factor = 1.0
     if not solved:
         own.slowness = UNKNOWN
@@ -260,7 +261,7 @@ def estimate(d, h, size):
         # The projection onto rigid walls leaves a fast motion of stiff joints at the start, which decays
         # within the step. E would show it in full, however long the step is, so it is solved for once more.
         solve_real(d, shift, own.parts[0])
-        d.limits.other_work += 1
+        count_other_work(d, 1)
         for j in range(dissipated_at(d.links)):
             d.work.error[0, j], d.work.error[1, j] = own.parts[0, j], own.parts[1, j]
         one = max(one, moment_error(d, 0) / d.solver.tolerance)

@@ -16,6 +16,7 @@ from chain_impact.kernel.integration.sundman import (
     root_curve,
     runs_back,
 )
+from chain_impact.kernel.work_limit import count_evaluations
 
 STAGES = len(dop853.A)
 LAST = dop853.STEP_STAGES  # the stage at the end of the step
@@ -75,7 +76,7 @@ def attempt(d, h):
     """
     make(d, h)
     d.step.cost_factor = 1.0
-    d.statistics.rhs_evaluations += STEP_EVALUATIONS
+    count_evaluations(d, STEP_EVALUATIONS)
     if runs_back(d, d.work.y):
         return HALVE
     controlled = dissipated_at(d.links) + 1

@@ -21,6 +21,7 @@ from chain_impact.kernel.integration.methods import DENSE_EVALUATIONS, RATE_AT_E
 from chain_impact.kernel.integration.sundman import NO_CONTACT, lone_contact, time_rate_now
 from chain_impact.kernel.model.constraints import any_point_held, project_state
 from chain_impact.kernel.model.equations import located_rate, state_rate
+from chain_impact.kernel.work_limit import count_evaluations
 
 NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2  # step.dense_for: what has requested the dense output
 
@@ -146,7 +147,7 @@ def find_rate(d, located):
             place_points(d, y)
         accelerate_points(d, y, rate)
         d.work.at_end = 1
-    d.statistics.rhs_evaluations += 1
+    count_evaluations(d, 1)
     d.step.rate_known = 1
 
 
@@ -185,4 +186,4 @@ def ensure_dense(d, reader):
         dense_output(d)
         d.limits.other_work = work
     if known < SOLVER <= reader:
-        d.statistics.rhs_evaluations += DENSE_EVALUATIONS[step.last_method]
+        count_evaluations(d, DENSE_EVALUATIONS[step.last_method])

@@ -21,7 +21,7 @@ from chain_impact.kernel.chain.kinematics import accelerate_points, largest, loc
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, velocity_at
 from chain_impact.kernel.model.compliance import factorize_contacts, solve_contacts
 from chain_impact.kernel.model.geometry import along_normal, clearance
-from chain_impact.kernel.work_limit import work_exceeded
+from chain_impact.kernel.work_limit import count_other_work, work_exceeded
 
 # D over the mean mass of a link. An iteration leaves 1/(D W) of the residual: two or three suffice. A larger
 # D would lose digits of the chain's own inertia, a smaller one takes more iterations.
@@ -124,7 +124,7 @@ def correct_impulses(d, impedance):
     solve_contacts(d, link, d.work.factors, own.impulse, own.change)
     for k in range(d.touch.active_count):
         own.reached[k] = own.start[k] + along_normal(d, d.touch.active_index[k], motion)
-    d.limits.other_work += 2
+    count_other_work(d, 2)
 
 
 def solve_lcp(d, scale):
