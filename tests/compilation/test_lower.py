@@ -7,9 +7,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from numba.core import typed_passes, untyped_passes
+from numba.np import arrayobj
 
 from chain_impact.compilation import compilers, library
-from chain_impact.compilation.collecting import Library
+from chain_impact.compilation.collecting import IDLE, Library
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.sources import PACKAGE
 
@@ -98,3 +100,20 @@ def test_every_library_is_collected_once():
     top = Node(one, two, one)
     found = list(top.and_those_it_calls())
     assert sorted(map(id, found)) == sorted(map(id, (top, one, two, leaf)))
+
+
+def test_numba_has_what_is_replaced_and_left_out():
+    """A name that is gone would be replaced in vain."""
+    steps = {
+        getattr(one, "_name", "")
+        for module in (typed_passes, untyped_passes)
+        for one in vars(module).values()
+    }
+    assert steps >= IDLE
+    assert callable(arrayobj.fix_integer_index)
+
+
+def test_an_index_is_not_compared_with_zero(module):
+    """As numba does to count negative ones from the end: one comparison for each subscript."""
+    compared = len(re.findall(r"icmp slt i64 %\S+, 0$", module, re.M))
+    assert compared < 0.1 * len(re.findall("getelementptr", module))

@@ -1,4 +1,7 @@
-"""No index of the kernel is negative: compiled, it would not count from the end of an array."""
+"""No index is negative in runs of the plain kernel: compiled, it would not count from the end of an array.
+
+The derivatives beside a run (kernel/tangent/) have the same kernel functions, but their own are not run here.
+"""
 
 from typing import Any
 
@@ -6,14 +9,16 @@ import numpy as np
 import pytest
 
 from chain_impact import load_scene
-from chain_impact.kernel.advance import advance
+from chain_impact.kernel.advance import advance, advance_to_onset
+from chain_impact.kernel.entry import trajectory
 from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.model.inputs import AT_ONCE
 from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.work_limit import UNLIMITED
 from chain_impact.scene.scene import Scene, scene_from_dict
 from chain_impact.variables.model import Model
-from tests.derivative_scenes import AT_STOPS
+from tests.derivative_scenes import AT_STOPS, pressed_tip
 from tests.plain import Plain
 
 
@@ -89,4 +94,24 @@ def test_no_index_is_negative(name):
     assert initialize(d, 0.0) == OK
     assert advance(d, time, UNLIMITED, UNLIMITED) == OK
     observe(d)
+    assert d.impact.count > 0
+
+
+@pytest.mark.parametrize("model", ["zhang_sharf", "newton_impact"])
+def test_nor_where_inputs_and_parameters_change(model):
+    """A tip is pressed onto the floor, its law changes, a torque follows a polynomial, the tip is lifted."""
+    scene = pressed_tip(model).scene.with_values({"outputs.impacts": 5, "solver.tolerance": 1e-4})
+    d = Plain(Model(scene).new_instance()[0])
+    checked(d)
+    d.given.tip_force[1] = -30.0
+    assert initialize(d, 0.0) == OK
+    assert advance(d, 0.1, UNLIMITED, UNLIMITED) == OK
+    assert d.touch.active_count == 1
+    d.given.restitution, d.given.changed = 0.7, AT_ONCE
+    d.given.course.order, d.given.course.until, d.given.course.scale = 2, 0.2, 1.0
+    d.given.course.joint_torque[1] = 0.5
+    assert advance_to_onset(d, 0.12) == OK
+    d.given.tip_force[1], d.given.changed = 60.0, AT_ONCE
+    assert trajectory(d, np.array([0.15, 0.2]), np.zeros(1), np.zeros((2, 1))) == 2
+    assert d.touch.active_count == 0
     assert d.impact.count > 0

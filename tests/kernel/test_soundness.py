@@ -13,7 +13,7 @@ from chain_impact.kernel.laws.contact_laws import LAW_COUNT
 from chain_impact.kernel.model.inputs import DEGREE
 from chain_impact.kernel.model.latest import LATEST
 from chain_impact.kernel.soundness import sound, within, within_bounds
-from chain_impact.kernel.status import LAST_STATUS, OK, STATUS_TEXT
+from chain_impact.kernel.status import LAST_STATUS, OK, STATUS_TEXT, UNKNOWN_LAW
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.instance import Instance
@@ -74,6 +74,22 @@ def test_nor_is_one_of_a_candidate(d, record, field, value):
     assert sound(d) == 0
 
 
+def test_without_candidates_no_contact_is_regularized():
+    still = {"position": [0.0, 0.0], "angles": [0.0] * 3}
+    d = Plain(Model(table([{"length": 0.3, "mass": 1.0}] * 3, initial=still)).new_instance()[0])
+    assert sound(d) == 1
+    d.step.regularized = 0
+    assert sound(d) == 0
+
+
+def test_each_candidate_has_a_law_once_a_run_has_started(d):
+    d.touch.active_count = d.touch.compliant_count = 0
+    d.law.number[3] = 0
+    assert sound(d) == 0
+    d.statistics.status = UNKNOWN_LAW  # a start that failed
+    assert sound(d) == 1
+
+
 # the least and the most of each index of a chain of N links with C candidates and 7 impacts
 BOUNDS = {
     ("model", "middle"): (0, 3),
@@ -82,7 +98,7 @@ BOUNDS = {
     ("step", "last_method"): (0, METHOD_COUNT - 1),
     ("step", "dense_for"): (0, SOLVER),
     ("search", "known"): (0, FAR),
-    ("law", "number"): (0, LAW_COUNT),
+    ("law", "number"): (1, LAW_COUNT),
     ("candidate", "stop"): (-1, 1),
     ("solver", "method"): (1, len(SOLVER_METHODS)),
     ("statistics", "status"): (OK, LAST_STATUS),
@@ -129,9 +145,11 @@ def test_no_more_contacts_have_a_force_than_there_are():
         assert bool(within_bounds(d)) == fits
 
 
-def test_a_law_may_be_missing_only_where_nothing_touches():
+def test_a_law_may_be_missing_only_before_a_start_and_where_nothing_touches():
     _, d = chain(np.random.default_rng(0), 3)
     d.law.number[5] = 0
+    assert not within_bounds(d)
+    d.model.size = 0.0  # it is derived at the start
     assert within_bounds(d)
     touch(d, [1])
     assert not within_bounds(d)

@@ -30,7 +30,7 @@ def within_bounds(d):
     """Whether every index of the record is within its bounds."""
     laws = LAW_COUNT + present()
     fits = within(d.model.middle, 0, d.links)
-    fits = fits and within(d.step.regularized, NO_CONTACT, max(0, d.candidates - 1))
+    fits = fits and within(d.step.regularized, NO_CONTACT, d.candidates - 1)
     fits = fits and within(d.solver.method, 1, len(SOLVER_METHODS)) and d.finished.count >= 0
     fits = fits and within(d.step.method, 0, METHOD_COUNT - 1)
     fits = fits and within(d.step.last_method, 0, METHOD_COUNT - 1)
@@ -50,13 +50,18 @@ def within_bounds(d):
             # those of stops have the two numbers after those of walls
             and within(d.candidate.wall[c], 0, len(WALLS) + d.candidates - 1 + 2 * abs(d.candidate.stop[c]))
         )
-        # without a law nothing touches
-        fits = fits and within(d.law.number[c], min(1, d.touch.active_count), laws)
+        fits = fits and within(d.law.number[c], least_law(d), laws)
         fits = fits and within(d.law.same_as[c], 0, c)
         fits = fits and within(d.touch.number[c], 0, d.impact.count)
         fits = fits and within(d.touch.active_index[c], 0, d.candidates - 1)
         fits = fits and within(d.touch.active[c], 0, 1) and within(d.touch.event[c], 0, NEIGHBOUR)
     return fits
+
+
+def least_law(d):
+    """The least number of a law: 0 before the start of a run and after a start that failed."""
+    started = d.model.size != 0.0 and d.statistics.status == OK
+    return 1 if started or d.touch.active_count > 0 else 0
 
 
 def within(number, least, most):

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.kernel.integration.methods import SOLVER_METHODS
+from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.contact_law import USER_LAW
 from chain_impact.kernel.model.geometry import WALLS
@@ -204,6 +205,7 @@ class Model:
         varied = self.varied if varied is None else varied
         block = np.zeros(1, self._layout)
         _fill(block[0], self.scene, self.candidates)
+        block[0]["step"]["regularized"] = NO_CONTACT
         return _with_tangents(block, [variable.place for variable in varied]) if varied else block
 
     def _named(

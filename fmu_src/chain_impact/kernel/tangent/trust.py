@@ -38,15 +38,15 @@ REASONS_AT_STOPS = REASONS | {
 
 def check_onsets(t):
     """Check the onsets at the end of the last step, for the points located there."""
-    onsets, least = 0, math.inf
-    first = -1
+    onsets, least, first = 0, math.inf, -1
     for c in range(t.candidates):
         if t.touch.event[c] == ONSET:
             onsets += 1
             _, gap_rate = clearance(t, c)
             if -value(gap_rate) < least:
                 least, first = -value(gap_rate), c
-    if onsets == 0 or t.trust.reason != TRUSTED:
+    # there is no first one without an onset, nor among rates that are no numbers
+    if first < 0 or t.trust.reason != TRUSTED:
         return
     if least <= math.sqrt(value(t.solver.tolerance)) * fastest_speed(t):
         mark_untrusted(t, GRAZING, first, value(t.step.end))
