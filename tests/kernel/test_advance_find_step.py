@@ -191,7 +191,7 @@ def test_what_cannot_be_located_or_repeated_is_refused(monkeypatch):
     assert landing.run(0.4) == (1e6, ["roll back", ("accept", 0.4)])
 
 
-@pytest.mark.parametrize(("loss", "error"), [(0.0, 1e6), (1.0, 1e6), (3.0, 3.0)])
+@pytest.mark.parametrize(("loss", "error"), [(0.0, 1e6), (1.0, 1e6), (1.05, 1.05), (3.0, 3.0)])
 def test_a_step_that_does_not_keep_the_energy_is_refused_by_its_loss(monkeypatch, loss, error):
     landing = Landing(monkeypatch, bends=False, keeps=False, loss=loss)
     assert landing.run(0.4) == (error, [("energy", 0.4)])
@@ -282,3 +282,31 @@ def test_a_step_cut_by_a_kink_says_nothing_about_the_method(monkeypatch):
         monkeypatch.setattr(loop, "apply_pending_events", lambda _, kinked=kinked: (1, kinked))
         loop.begin_step(d)
     assert len(chosen) == 1
+
+
+@pytest.mark.parametrize("status", [OK, STEP_TOO_SMALL])
+def test_the_status_after_the_onsets_at_a_communication_point_is_told(monkeypatch, status):
+    d, due = at_end_of_a_step(), [True, True, False]
+    monkeypatch.setattr(loop, "reinit_if_changed", lambda _: OK)
+    monkeypatch.setattr(loop, "onset_due", lambda _: due.pop(0))
+    monkeypatch.setattr(loop, "advance_one_step", lambda _: status)
+    assert loop.event_update(d) == status
+    assert len(due) == (0 if status == OK else 2)
+
+
+def test_a_change_that_is_refused_ends_an_update(monkeypatch):
+    d = at_end_of_a_step([ONSET])
+    monkeypatch.setattr(loop, "reinit_if_changed", lambda _: STEP_TOO_SMALL)
+    assert loop.event_update(d) == STEP_TOO_SMALL
+
+
+@pytest.mark.parametrize(("events", "changed"), [([], True), ([ONSET], False), ([ONSET], True)])
+def test_impulses_are_stored_and_begun_anew_at_events(monkeypatch, events, changed):
+    d, done = at_end_of_a_step(events), []
+    loop.ensure_rate(d)
+    monkeypatch.setattr(loop, "apply_events", lambda _: done.append("apply") or changed)
+    for name in ("commit_impulses", "keep_end_forces", "reset_impulse_step"):
+        monkeypatch.setattr(loop, name, lambda _, name=name: done.append(name))
+    loop.apply_pending_events(d)
+    kept = ["keep_end_forces"] if changed else []
+    assert done == (["commit_impulses", "apply", *kept, "reset_impulse_step"] if events else [])

@@ -16,6 +16,7 @@ from chain_impact.kernel.integration.balance import (
     ROUND_OFF,
     allowance,
     begin_window,
+    check_balance,
     dissipates_evenly,
     interpolates,
     is_long,
@@ -34,6 +35,7 @@ from chain_impact.kernel.integration.switching import STABLE, joints_over
 from chain_impact.kernel.model.contact_force import elastic_force
 from chain_impact.kernel.model.energy import energy_balance, mechanical_energy
 from chain_impact.kernel.model.geometry import clearance, coordinates_size
+from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 from tests.kernel.chains import chain, press_in, random_state, touch
 from tests.kernel.steps import free_motion, set_step, walls_away
 
@@ -267,3 +269,24 @@ def test_nor_is_energy_dissipated_in_the_middle_only():
     d.balance.least_allowed = 1e9
     assert not interpolates(d)
     assert d.step.dense_for == SOLVER
+
+
+def test_a_run_ends_when_errors_have_added_a_fifth_of_the_energy():
+    d, _ = moving()
+    start_balance(d, 0.0)
+    own = d.balance
+    own.available, own.allowed, own.start = 40.0, 1e9, d.step.end
+    for gain, status in ((0.19, OK), (0.21, ENERGY_NOT_KEPT)):
+        own.at_end = own.origin + gain * own.available
+        assert check_balance(d) == status
+
+
+@pytest.mark.parametrize("loss", [0.9, 1.1])
+def test_or_have_taken_more_than_a_fifth_and_twice_what_a_loose_tolerance_allows(loss):
+    d, _ = moving()
+    start_balance(d, 0.0)
+    own, d.solver.tolerance = d.balance, 1.0
+    own.available, own.allowed, own.start = 40.0, 1e9, d.step.end
+    assert loss_budget(d, 40.0) > 0.1 * 40.0
+    own.at_end = own.origin - 2.0 * loss * loss_budget(d, 40.0)
+    assert check_balance(d) == (OK if loss < 1.0 else ENERGY_NOT_KEPT)
