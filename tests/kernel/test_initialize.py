@@ -17,6 +17,7 @@ from chain_impact.kernel.initialize import (
     first_size,
     initialize,
     set_initial_state,
+    stops_in_range,
 )
 from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.integration.methods import METHOD_COUNT, SOLVER_METHODS
@@ -31,7 +32,7 @@ from chain_impact.kernel.status import (
     STARTS_INSIDE_WALL,
     UNKNOWN_METHOD,
 )
-from tests.kernel.chains import chain
+from tests.kernel.chains import chain, stopped_chain
 from tests.reference import mass_matrix
 
 BASES = pytest.mark.parametrize("base", ["free", "pinned"])
@@ -262,3 +263,32 @@ def test_a_spring_that_stores_no_finite_energy_is_refused():
     assert check_start(d) == OK
     d.model.joint_stiffness[1], d.model.joint_rest_angle[1] = 1e300, 1e10
     assert check_start(d) == NOT_FINITE
+
+
+@pytest.mark.parametrize("bad", [0.0, -1.0, math.inf, math.nan])
+@pytest.mark.parametrize("name", ["exponent", "minimum_impact_speed"])
+def test_a_stop_needs_an_exponent_and_a_least_speed(name, bad):
+    _, d = stopped_chain(2)
+    assert stops_in_range(d)
+    assert check_parameters(d) == OK
+    d.stops[name] = bad
+    assert not stops_in_range(d)
+    assert check_parameters(d) == PARAMETER_OUT_OF_RANGE
+    d.model.stopped = 0  # without stops nobody asks
+    assert check_parameters(d) == OK
+
+
+@pytest.mark.parametrize("joint", [0, 1])
+@pytest.mark.parametrize("limits", [(0.5, 0.5), (0.5, 0.4), (math.nan, 1.0), (0.0, math.nan)])
+def test_the_limits_of_a_joint_are_in_order(joint, limits):
+    _, d = stopped_chain(2)
+    d.model.joint_min[joint], d.model.joint_max[joint] = limits
+    assert not stops_in_range(d)
+    d.model.joint_min[joint], d.model.joint_max[joint] = 0.4, 0.5
+    assert stops_in_range(d)
+
+
+def test_an_only_link_without_inertia_about_its_joint_is_refused():
+    _, d = prepared(1, "pinned")
+    d.model.inertia[0] = d.model.center_of_mass[0] = 0.0
+    assert check_links(d) == MASS_MATRIX_SINGULAR

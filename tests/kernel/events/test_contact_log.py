@@ -30,7 +30,7 @@ from chain_impact.kernel.model.contact import contact_force
 from chain_impact.kernel.model.contact_force import set_damping
 from chain_impact.kernel.model.geometry import clearance
 from chain_impact.simulation.instance import Instance
-from tests.kernel.chains import located
+from tests.kernel.chains import located, stopped_chain, stops_of
 from tests.kernel.events.test_kinks_of_a_step import DEEP, falling
 from tests.kernel.steps import held_tip, let_push, points_of
 from tests.plain import make_rigid
@@ -344,3 +344,27 @@ def test_who_needs_the_dense_output_is_noted():
     d.step.dense_for = OUTPUTS
     update_extremes(d)
     assert d.step.dense_for == SOLVER
+
+
+def test_a_contact_of_a_stop_is_logged_as_an_angle_and_a_moment():
+    """At the lever arm s: φ = δ/s, M = F s, and the inertia m s²."""
+    _, d = stopped_chain(2)
+    c, arm = stops_of(d)[0], 1.4
+    d.model.size = arm
+    for name, value in {
+        "onset_speed": 0.7,
+        "peak_force": 9.0,
+        "max_penetration": 0.3,
+        "effective_mass": 2.5,
+    }.items():
+        d.touch[name][c] = value
+    d.impulse.total[c], d.impulse.onset[c] = 8.0, 6.5
+    rate = clearance(d, c)[1]
+    log_contact(d, c, 0)
+    log = d.finished
+    assert log.impact_speed[0] == pytest.approx(0.7 / arm)
+    assert log.separation_speed[0] == pytest.approx(rate / arm)
+    assert log.peak_force[0] == pytest.approx(9.0 * arm)
+    assert log.max_penetration[0] == pytest.approx(0.3 / arm)
+    assert log.effective_mass[0] == pytest.approx(2.5 * arm**2)
+    assert log.impulse[0] == pytest.approx(1.5 * arm)

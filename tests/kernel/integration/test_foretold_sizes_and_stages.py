@@ -224,3 +224,55 @@ def test_the_iteration_of_a_step_that_is_far_too_long_diverges():
     assert LATE in errors
     assert DIVERGED in errors
     assert not any(error <= 1.0 for error in errors[errors.index(DIVERGED) :])
+
+
+# --- what it costs and what it errs -------------------------------------------------------------------------
+
+
+def test_the_measure_of_a_fast_motion_counts_as_three_evaluations():
+    d, _, _ = stiff_joint(1e3)
+    before = d.limits.other_work
+    prepare(d, 0.1)
+    assert d.limits.other_work == before + 3
+    d.implicit.ready, d.step.last_method = 1, IMPLICIT
+    prepare(d, 0.1)
+    assert d.limits.other_work == before + 3
+
+
+def test_a_step_that_is_solved_counts_its_systems_and_gives_its_error(monkeypatch):
+    d, _, _ = stiff_joint(1e3)
+    h = prepare(d, 1e-3)
+    before, evaluations = d.limits.other_work, d.statistics.rhs_evaluations
+    monkeypatch.setattr(collocation, "estimate", lambda *_: 0.25)
+    assert attempt(d, h) == 0.25
+    iterations = d.implicit.iterations
+    assert d.limits.other_work - before == 6 + 4 * iterations + 3
+    assert d.statistics.rhs_evaluations - evaluations == STAGES * iterations
+    monkeypatch.setattr(collocation, "estimate", lambda *_: math.nan)
+    d.implicit.slowness = 0.5
+    assert math.isnan(attempt(d, h))
+    assert d.implicit.slowness == UNKNOWN
+
+
+@pytest.mark.parametrize("part", [0, 1])
+def test_an_error_that_is_not_finite_is_infinite(part):
+    d, _, _ = stiff_joint(1e3)
+    attempt(d, prepare(d, 1e-3))
+    size = extended_size(d)
+    assert math.isfinite(collocation.estimate(d, 1e-3, size))
+    d.implicit.start_rate[0] = math.nan if part else math.inf
+    assert collocation.estimate(d, 1e-3, size) == math.inf
+
+
+def test_the_error_with_a_held_point_is_worked_out_once_more(monkeypatch):
+    d, _, _ = stiff_joint(1e3)
+    attempt(d, prepare(d, 1e-3))
+    size, before = extended_size(d), d.limits.other_work
+    free = collocation.estimate(d, 1e-3, size)
+    assert d.limits.other_work == before
+    monkeypatch.setattr(collocation, "any_point_held", lambda _: True)
+    monkeypatch.setattr(collocation, "moment_error", lambda d, row: (1e3 + row) * d.solver.tolerance)
+    # e₁ min(1, e₁/e₂), with the moments in place of the other errors
+    assert collocation.estimate(d, 1e-3, size) == pytest.approx(1e3 * 1e3 / 1001.0, rel=1e-9)
+    assert d.limits.other_work == before + 1
+    assert free < 1e3

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.state import omega_at
 from chain_impact.kernel.events.exclusion import (
     FAR,
     NOTHING,
@@ -12,6 +13,7 @@ from chain_impact.kernel.events.exclusion import (
     remember_clearances,
 )
 from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.integration import last_step
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.last_step import (
     OUTPUTS,
@@ -21,6 +23,7 @@ from chain_impact.kernel.integration.last_step import (
     ensure_dense,
     ensure_points,
     ensure_rate,
+    largest_turn,
     mark_jump,
     reset_step,
     roll_back,
@@ -163,3 +166,42 @@ def test_without_contact_a_step_runs_in_time():
     assert d["step"]["next_size"] == 0.5 * H
     assert d["step"]["breaks"] == breaks
     assert list(d["step"]["state_end"][-2:]) == [1.0, 0.0]
+
+
+def test_a_step_of_no_length_is_the_state_at_all_of_its_fractions():
+    d = with_a_step(started())
+    ensure_dense(d, OUTPUTS)
+    there, y = d["step"]["state_end"] + 0.25, np.zeros(len(d["work"]["y"]))
+    reset_step(d, 0.7, there)
+    there[-2:] = 1.0, 0.0  # u, and the time in the step
+    for theta in (0.0, 0.3, 1.0):
+        interpolate(d["step"], theta, y)
+        np.testing.assert_array_equal(y, there)
+    assert [float(d["step"][name]) for name in ("time", "start", "end", "clock", "size")] == [0.7] * 4 + [1.0]
+
+
+def test_a_link_can_have_turned_as_its_rates_at_the_ends_allow():
+    d = started()
+    first, step, work = omega_at(4), d["step"], d["work"]
+    step["start"], step["end"] = 1.0, 1.5
+    for vector in (step["state"], step["state_end"], work["rate_start"], work["rate_end"]):
+        vector[:] = 0.0
+    assert largest_turn(d) == 0.0
+    step["state"][first + 2], step["state_end"][first + 1] = -3.0, 2.0
+    assert largest_turn(d) == pytest.approx(1.5)
+    work["rate_end"][first + 1] = -8.0
+    assert largest_turn(d) == pytest.approx(0.5 * (2.0 + 0.25 * 8.0))
+    work["rate_start"][first + 1] = 12.0
+    assert largest_turn(d) == pytest.approx(0.5 * (2.0 + 0.25 * 12.0))
+
+
+@pytest.mark.parametrize("touching", [0, 1, 2])
+def test_points_that_the_error_of_a_step_has_located_are_not_located_again(monkeypatch, touching):
+    """With one contact as with two."""
+    d, told = started(), []
+    prepare(d, H)
+    attempt(d, H)
+    d["touch"]["active_count"] = touching
+    monkeypatch.setattr(last_step, "find_rate", lambda _, located: told.append(bool(located)))
+    accept(d, H)
+    assert told == [touching > 0]

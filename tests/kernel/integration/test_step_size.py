@@ -1,9 +1,16 @@
 """Sizes of steps that are foreseen instead of tried."""
 
+import numpy as np
 import pytest
 
+from chain_impact.kernel.chain.state import omega_at
+from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
+from chain_impact.kernel.integration.methods import EXPONENT, ONSET_EXPONENT, ONSET_SIZE, SAFETY
+from chain_impact.kernel.integration.step_size import at_onset, factor, in_flight, time_scale
+from chain_impact.kernel.model.contact_force import damping_share
 from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.simulation.simulate import simulate
+from tests.kernel.chains import chain, struck
 
 
 @pytest.mark.parametrize("restitution", [0.3, 0.7, 0.95])
@@ -20,3 +27,48 @@ def test_few_steps_of_an_impact_are_rejected(tolerance, stiffness, restitution):
     assert 3 <= impacts <= 5
     rejected = result.statistics["rejected_steps"] - before.statistics["rejected_steps"]
     assert rejected <= 5 * impacts
+
+
+@pytest.mark.parametrize("power", [0.0, 0.25, 1.5])
+@pytest.mark.parametrize("restitution", [1.0, 0.3])
+def test_a_force_rises_in_the_time_in_which_its_depth_is_reached_or_damping_stops_the_point(
+    power, restitution
+):
+    """δ*/v₀ (1 + damping over elastic force)^(−1/(p+1))."""
+    rng = np.random.default_rng(7)
+    _, d = chain(rng, 1)
+    struck(rng, d, [0])
+    d.touch.depth_scale[0], d.touch.impact_speed[0] = 2e-3, 0.5
+    d.touch.damping[0], d.law.rate_exponent[0] = 0.0 if restitution == 1.0 else 1e9, power
+    share = damping_share(d, 0)
+    assert (share > 0.1) == (restitution < 1.0)
+    time = 4e-3 * (1.0 + share) ** (-1.0 / (1.0 + power))
+    assert time_scale(d, 0) == pytest.approx(time, rel=1e-13)
+    d.solver.tolerance = 1e-6
+    for method in (EXPLICIT, IMPLICIT):
+        right = ONSET_SIZE[method] * time * 1e-6 ** ONSET_EXPONENT[method]
+        assert at_onset(d, 0, method) == pytest.approx(right, rel=1e-13)
+
+
+def test_a_size_follows_from_the_error_and_from_the_cost():
+    _, d = chain(np.random.default_rng(7), 1)
+    for method in (EXPLICIT, IMPLICIT):
+        d.step.method, d.step.cost_factor = method, 0.7
+        right = SAFETY[method] * 0.7 * 5.0 ** EXPONENT[method]
+        assert factor(d, 5.0) == pytest.approx(right, rel=1e-13)
+        assert factor(d, 1e12) == 0.1  # not less
+
+
+def test_in_flight_the_fastest_turn_decides():
+    _, d = chain(np.random.default_rng(7), 3)
+    d.solver.tolerance = 1e-8
+    turn = 2.8 * 1e-8 ** (1.0 / 8.0)
+    y, rate = np.zeros(len(d.step.state)), np.zeros(len(d.step.state))
+    assert in_flight(d, y, rate) == 1.0
+    y[omega_at(3) + 1] = -5.0
+    assert in_flight(d, y, rate) == pytest.approx(turn / 5.0, rel=1e-13)
+    rate[omega_at(3) + 2] = -49.0  # rad/s²
+    assert in_flight(d, y, rate) == pytest.approx(turn / 7.0, rel=1e-13)
+    y[omega_at(3)] = 0.5 * turn
+    y[omega_at(3) + 1] = rate[omega_at(3) + 2] = 0.0
+    assert in_flight(d, y, rate) == 1.0

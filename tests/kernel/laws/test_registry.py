@@ -5,7 +5,7 @@ import math
 import pytest
 
 from chain_impact.kernel.laws import registry
-from chain_impact.kernel.laws.contact_laws import _logarithmic_damping, _slowing
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS, _logarithmic_damping, _slowing
 from chain_impact.kernel.laws.registry import contact_law
 
 
@@ -56,3 +56,21 @@ def test_a_viscoelastic_sphere_is_slowed_by_its_force(damping):
         for w in (-0.8, 0.0, 1.0):
             force = (z * z) ** 1.5 + damping * math.sqrt(z * z) * w
             assert _slowing(z, w, damping) == pytest.approx(-force * 2.0 * z, rel=1e-14)
+
+
+@pytest.mark.parametrize("law", CONTACT_LAWS.values(), ids=CONTACT_LAWS)
+def test_a_damping_beside_the_family_is_a_force_in_every_unit(law):
+    """d δᵖ δ̇ with d = f K^(1−s) m^s: seconds ask for s = ½ and metres for p = (n − 1)/2."""
+    if law.mass_power == 0.4:
+        # f K^(3/5) m^(2/5) (m/s)^(1/5): of a sphere at 1 m/s, δ ~ (m/K)^(2/5)
+        assert (law.exponent, law.rate_exponent) == (1.5, 0.5)
+    elif law.mass_power:
+        assert law.mass_power == 0.5
+        assert law.rate_exponent == 0.5 * (law.exponent - 1.0)
+    else:
+        assert law.in_family or law.impulsive
+
+
+@pytest.mark.parametrize("law", CONTACT_LAWS.values(), ids=CONTACT_LAWS)
+def test_restitutions_are_between_zero_and_one(law):
+    assert 0.0 <= law.accurate_from <= law.accurate_to <= 1.0

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.model import constraints
 from chain_impact.kernel.model.compliance import effective_mass, factorize_contacts, solve_contacts
 from chain_impact.kernel.model.constraints import (
     DOUBT,
@@ -291,3 +292,25 @@ def test_what_meeting_the_walls_takes_of_the_kinetic_energy_is_dissipated(base):
     assert y[12] - 5.0 == pytest.approx(0.5 * rates @ np.linalg.solve(w, rates), rel=1e-5)
     for c in d.touch.active_index[:4]:
         assert clearance(d, c) == pytest.approx((0.0, 0.0), abs=1e-12)
+
+
+@pytest.mark.parametrize(("moved", "again"), [(0.99, False), (1.01, True)])
+@pytest.mark.parametrize("turns", [False, True])
+def test_a_change_is_judged_by_the_largest_that_is_asked_for_and_by_link_lengths(
+    monkeypatch, moved, again, turns
+):
+    d, *_ = problem(pressed=(1, 1))
+    own, size, called = d.rigid, d.model.size, []
+    own.start[:2], own.target[:2] = [2e-3, 5e-3], [3e-3, 1e-3]
+    d.solver.tolerance = 1e-6
+    limit = MISPLACED * (1e-6 + 4e-3 / size)
+
+    def solve_equality(d, scale):
+        called.append(scale)
+        own.change[:] = 0.0
+        own.change[4 if turns else 1] = -moved * limit * (1.0 if turns else size)
+
+    monkeypatch.setattr(constraints, "solve_equality", solve_equality)
+    monkeypatch.setattr(constraints, "solve_lcp", lambda _, scale: called.append(scale))
+    solve_positions(d)
+    assert called == [size] * (1 + again)

@@ -21,7 +21,7 @@ from chain_impact.kernel.model.contact import (
 )
 from chain_impact.kernel.model.contact_force import elastic_energy, law_force
 from chain_impact.kernel.model.geometry import clearance
-from tests.kernel.chains import chain, gradients, press_in, struck, touch, vectors
+from tests.kernel.chains import chain, gradients, press_in, stopped_chain, stops_of, struck, touch, vectors
 from tests.plain import make_rigid
 from tests.problems import of_law
 from tests.reference import mass_matrix, point_jacobian
@@ -231,3 +231,14 @@ def test_beside_a_rigid_contact_only_the_others_have_a_force(rigid):
     assert apply_contacts(d) == lost
     np.testing.assert_array_equal(vectors(d.work.load), loads)
     assert d.touch.force[rigid] == -5.0
+
+
+def test_the_stops_among_the_contacts_are_counted():
+    _, d = stopped_chain(3)
+    stops = stops_of(d)
+    for touching in ([], [0, 1], stops[:1], [0, *stops[:3]], [*stops, 0]):
+        d.touch.active[:] = np.isin(np.arange(d.candidates), touching)
+        d.touch.stop_count = 9
+        list_touching(d)
+        assert d.touch.active_count == len(touching)
+        assert d.touch.stop_count == len(set(touching) & set(stops))

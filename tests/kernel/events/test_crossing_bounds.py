@@ -1,0 +1,53 @@
+"""Bounds on the speed and acceleration of points and joints over a step, without the turns of the links."""
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain.state import omega_at, velocity_at
+from chain_impact.kernel.events.crossing import motion_bounds
+from chain_impact.kernel.integration.dense import rate_bounds, rate_bounds_along
+from tests.kernel.chains import stopped_chain, stops_of
+
+LINKS = 3
+
+
+@pytest.fixture
+def moving():
+    """A chain with stops in its joints, a step of any motion, and the bounds of its base along the axes."""
+    rng = np.random.default_rng(29)
+    _, d = stopped_chain(LINKS, "pinned")
+    d.step.state[:] = rng.uniform(-1.0, 1.0, d.step.state.shape)
+    d.step.dense[:] = rng.uniform(-1.0, 1.0, d.step.dense.shape)
+    d.step.size = 0.2
+    first = velocity_at(LINKS)
+    return d, rate_bounds(d.step, first), rate_bounds(d.step, first + 1)
+
+
+def test_a_point_is_bounded_along_the_normal_of_its_wall(moving):
+    d, along_x, along_y = moving
+    seen = set()
+    for c in set(range(d.candidates)) - set(stops_of(d)):
+        nx, ny = d.candidate.normal_x[c], d.candidate.normal_y[c]
+        right = rate_bounds_along(d.step, velocity_at(LINKS), nx, ny)
+        assert motion_bounds(d, c, along_x, along_y) == pytest.approx(right, rel=1e-12)
+        seen.add((abs(nx) > 0.5, nx * ny == 0.0))
+    assert len(seen) > 2
+
+
+def test_a_joint_is_bounded_by_the_turn_of_its_link_relative_to_the_one_before(moving):
+    d, along_x, along_y = moving
+    at, joints = omega_at(LINKS), set()
+    for c in stops_of(d):
+        joint = int(d.candidate.point[c])
+        joints.add(joint)
+        found = motion_bounds(d, c, along_x, along_y)
+        values, dense = d.step.state[at + joint - 1], d.step.dense[:, at + joint - 1].copy()
+        if joint > 1:
+            values, dense = values - d.step.state[at + joint - 2], dense - d.step.dense[:, at + joint - 2]
+        before, kept = d.step.state[0], d.step.dense[:, 0].copy()
+        d.step.state[0], d.step.dense[:, 0] = values, dense
+        turn, change = rate_bounds(d.step, 0)
+        d.step.state[0], d.step.dense[:, 0] = before, kept
+        # at the lever arm of a stop, the longest link
+        assert found == pytest.approx((d.model.size * turn, d.model.size * change), rel=1e-12)
+    assert joints == {1, 2, 3}

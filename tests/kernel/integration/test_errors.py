@@ -1,0 +1,197 @@
+"""The scales of errors: those of coordinates, speeds, energies, clearances and moments of joints."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, supplied_at, velocity_at
+from chain_impact.kernel.integration.errors import (
+    LARGEST_ERROR,
+    finite,
+    impact_energy,
+    largest,
+    moment_error,
+    penetration_scale,
+    scaled_errors,
+    set_gap_errors,
+    set_weights,
+)
+from chain_impact.kernel.model.geometry import clearance
+from tests.kernel.chains import chain, gradients, random_state, struck, touch
+from tests.plain import make_rigid
+
+LINKS, TOLERANCE = 3, 1e-5
+ONE, OTHER = 0, 1  # rows of the two estimates
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(5)
+
+
+def deep(rng, depth=1e-3, **more):
+    """Three links with two points in contact, that deep, of known scales; also the state."""
+    scene, d = chain(rng, LINKS, **more)
+    d.solver.tolerance = TOLERANCE
+    touched = [c for c in range(d.candidates) if d.candidate.point[c] in (1, 3)][:4:3]
+    y = struck(rng, d, touched, depth)
+    d.work.y[:] = y
+    d.work.error[:] = 0.0
+    d.touch.gap_error[:] = 0.0
+    d.touch.depth_scale[touched] = [2e-3, 3e-4]
+    d.touch.impact_speed[touched] = [0.5, 2.0]
+    d.touch.effective_mass[touched] = [0.7, 1.9]
+    return scene, d, touched, y
+
+
+def scales(d, y):
+    """Of the components of a state: what an error of the tolerance is, over the tolerance."""
+    n, size = d.links, d.model.size
+    energy = d.model.energy + abs(y[dissipated_at(n)]) + impact_energy(d)
+    turns = 1.0 + np.abs(y[omega_at(n) : dissipated_at(n)])
+    return np.concatenate(
+        [[size, size], np.ones(n), size + np.abs(y[velocity_at(n) : omega_at(n)]), turns, [energy]]
+    )
+
+
+def test_the_energy_of_impacts_is_that_of_the_masses_at_their_speeds(rng):
+    _, d, _, _ = deep(rng)
+    assert impact_energy(d) == pytest.approx(0.5 * 0.7 * 0.5**2 + 0.5 * 1.9 * 2.0**2, rel=1e-14)
+    touch(d, [])
+    assert impact_energy(d) == 0.0
+
+
+def test_an_error_is_that_of_its_worst_component_in_each_estimate(rng):
+    _, d, _, y = deep(rng)
+    for j, scale in enumerate(scales(d, y)):
+        d.work.error[:] = 0.0
+        d.work.error[ONE][j], d.work.error[OTHER][j] = -3e-6 * scale, 2e-6 * scale
+        assert scaled_errors(d, ONE, OTHER) == pytest.approx((0.3, 0.2), rel=1e-12)
+        # beside a larger one it does not count
+        d.work.error[ONE][0], d.work.error[OTHER][0] = 5e-6 * d.model.size, -5e-6 * d.model.size
+        assert scaled_errors(d, ONE, OTHER) == pytest.approx((0.5, 0.5), rel=1e-12)
+
+
+def test_supplied_energy_and_the_variable_of_the_step_are_not_controlled(rng):
+    _, d, _, _ = deep(rng)
+    d.work.error[:, supplied_at(LINKS) :] = 1e3
+    assert scaled_errors(d, ONE, OTHER) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("k", [0, 1])
+def test_the_error_of_a_clearance_is_measured_by_its_penetration(rng, k):
+    _, d, touched, _ = deep(rng)
+    scale = penetration_scale(d, touched[k])
+    d.touch.gap_error[ONE, k], d.touch.gap_error[OTHER, k] = -4e-6 * scale, 1e-6 * scale
+    assert scaled_errors(d, ONE, OTHER) == pytest.approx((0.4, 0.1), rel=1e-12)
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("where", ["one", "other", "result"])
+def test_what_is_not_finite_is_infinitely_wrong(rng, bad, where):
+    _, d, _, _ = deep(rng)
+    for j in range(dissipated_at(LINKS) + 1):
+        d.work.error[:] = 0.0
+        row = {"one": d.work.error[ONE], "other": d.work.error[OTHER], "result": d.work.y}[where]
+        right, row[j] = row[j], bad
+        assert scaled_errors(d, ONE, OTHER) == (math.inf, math.inf)
+        row[j] = right
+    assert scaled_errors(d, ONE, OTHER) == (0.0, 0.0)
+
+
+def test_numbers_are_finite_as_far_as_they_are_counted():
+    good, bad = np.array([1.0, -1e300, 2.0]), np.array([0.0, 0.0, math.nan])
+    assert finite(good, good, good, 3)
+    assert finite(bad, good, good, 2)
+    for parts in ((bad, good, good), (good, bad, good), (good, good, bad)):
+        assert not finite(*parts, 3)
+
+
+def test_the_largest_of_a_range_is_over_its_scale_and_not_below_what_was_found():
+    one, other, y = (
+        np.array([9.0, -1.0, 2.0, 9.0]),
+        np.array([9.0, 3.0, -4.0, 9.0]),
+        np.array([0.0, 1.0, -3.0, 0.0]),
+    )
+    # scales 0.5 + 2 |y|: 2.5 and 6.5
+    assert largest(one, other, y, 1, 3, 0.5, 2.0, (0.0, 0.0)) == pytest.approx((0.4, 1.2))
+    assert largest(one, other, y, 1, 3, 0.5, 2.0, (0.7, 0.9)) == pytest.approx((0.7, 1.2))
+    assert largest(one, other, y, 1, 1, 0.5, 2.0, (0.7, 0.9)) == (0.7, 0.9)
+
+
+def test_the_weights_of_implicit_steps_are_one_over_the_same_scales(rng):
+    _, d, touched, y = deep(rng)
+    z, weight = y.copy(), np.full(len(y) + 4, 7.0)
+    set_weights(d, z, weight)
+    right = 1.0 / (TOLERANCE * scales(d, y))
+    assert weight[: len(right)] == pytest.approx(right, rel=1e-13)
+    first = sundman_u_at(LINKS)
+    gaps = [1.0 / (TOLERANCE * penetration_scale(d, c)) for c in touched]
+    assert weight[first : first + 2] == pytest.approx(gaps, rel=1e-13)
+    assert not weight[len(right) : first].any()
+    assert not weight[first + 2 :].any()
+
+
+def test_only_contacts_with_a_force_have_a_weight(rng):
+    _, d, _, y = deep(rng)
+    make_rigid(d)
+    weight = np.full(len(y) + 4, 7.0)
+    set_weights(d, y, weight)
+    assert not weight[supplied_at(LINKS) :].any()
+
+
+def test_a_penetration_may_be_off_as_the_speed_of_its_impact_allows(rng):
+    """δ itself for fast impacts, more for slow ones, never so much that the error exceeds 1 % of it."""
+    _, d, touched, _ = deep(rng, depth=1e-4)
+    c, size = touched[0], d.model.size
+    depth = d.touch.depth_scale[c]
+    for speed, leeway in ((4.0 * size, 1.0), (size / 8.0, 8.0), (1e-9 * size, LARGEST_ERROR / TOLERANCE)):
+        d.touch.impact_speed[c] = speed
+        assert penetration_scale(d, c) == pytest.approx(leeway * depth, rel=1e-13)
+    assert LARGEST_ERROR == 0.01
+    # deeper than was expected
+    d.touch.impact_speed[c], d.touch.depth_scale[c] = 4.0 * size, 1e-6
+    assert penetration_scale(d, c) == pytest.approx(-clearance(d, c)[0], rel=1e-13)
+    assert penetration_scale(d, c) == pytest.approx(1e-4, rel=1e-9)
+
+
+def test_the_errors_of_clearances_are_those_of_the_coordinates_along_the_normals(rng):
+    scene, d, touched, y = deep(rng)
+    d.work.error[:] = rng.uniform(-1e-6, 1e-6, d.work.error.shape)
+    locate_points(d, y)
+    for row in (ONE, OTHER):
+        set_gap_errors(d, row)
+    slopes = gradients(scene, d, y[2 : LINKS + 2], touched)
+    right = slopes @ d.work.error[:2, : LINKS + 2].T
+    assert pytest.approx(right, rel=1e-12) == d.touch.gap_error[:2, :2].T
+
+
+def test_the_moment_of_a_joint_is_off_by_its_own_turn(rng):
+    """The spring's moment by the error of the joint's angle, the damper's by that of its rate."""
+    _, d = chain(rng, LINKS, "pinned", springs=True, dampers=True)
+    d.work.error[:] = rng.uniform(-1e-3, 1e-3, d.work.error.shape)
+    unit = d.model.energy * (1.0 + d.model.gravity_size / d.model.size)
+    for row in (ONE, OTHER):
+        turns = np.diff(d.work.error[row][2 : LINKS + 2], prepend=0.0)
+        spins = np.diff(d.work.error[row][omega_at(LINKS) : dissipated_at(LINKS)], prepend=0.0)
+        moments = d.model.joint_stiffness * abs(turns) + d.model.joint_damping * abs(spins)
+        assert moment_error(d, row) == pytest.approx(max(moments) / unit, rel=1e-12)
+
+
+def test_moments_count_where_a_rigid_wall_holds_a_point(rng):
+    _, d = chain(rng, LINKS, "pinned", springs=True, dampers=True, model="newton_impact")
+    d.solver.tolerance = TOLERANCE
+    d.model.joint_stiffness[:] = 1e9
+    y = random_state(rng, d)
+    locate_points(d, y)
+    d.work.y[:], d.work.error[:] = y, 0.0
+    d.work.error[ONE][3], d.work.error[OTHER][4] = 1e-7, 2e-7
+    touch(d, [])
+    free = scaled_errors(d, ONE, OTHER)
+    assert free == pytest.approx((1e-7 / TOLERANCE, 2e-7 / TOLERANCE), rel=1e-12)
+    touch(d, [0])
+    held = tuple(moment_error(d, row) / TOLERANCE for row in (ONE, OTHER))
+    assert scaled_errors(d, ONE, OTHER) == pytest.approx(held, rel=1e-12)
+    assert min(held) > max(free)

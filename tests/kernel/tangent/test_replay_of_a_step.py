@@ -1,0 +1,201 @@
+"""How a step is repeated in dual numbers, one part at a time: what is made, taken over and moved."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain.state import sundman_u_at, time_at
+from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, RELATCH
+from chain_impact.kernel.events.relatch import RELATCH_RATIO
+from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
+from chain_impact.kernel.tangent import replay
+from tests.kernel.tangent.dual import Dual
+
+LINKS = 1
+SIZE = 2 * (LINKS + 2) + 4  # of a state
+
+
+def dual(number, *slopes):
+    return Dual(number, slopes or (0.0, 0.0))
+
+
+def parts(number):
+    return number.value, number.slope.tolist()
+
+
+def instances(regularized=-1, events=(NONE, NONE), kept=1.0, method=EXPLICIT):
+    """An instance after a step of 0.2 s, and one of dual numbers before it."""
+    rng = np.random.default_rng(31)
+    d, t = SimpleNamespace(candidates=2), SimpleNamespace(links=LINKS, candidates=2)
+    d.step = SimpleNamespace(last_method=method, size=0.2, kept=kept, regularized=regularized, end=1.5)
+    d.step.state_end = rng.normal(size=SIZE)
+    d.touch = SimpleNamespace(event=list(events))
+    t.touch = SimpleNamespace(event=[NONE, NONE], active_count=1, active_index=[1])
+    t.touch.force_end = [dual(99.0), dual(7.0, 100.0, 100.0)]
+    t.touch.impact_speed = [dual(0.5, 1.0, 2.0)] * 2
+    t.step = SimpleNamespace(method=-1, regularized=regularized, end=dual(1.4999, 3.0, 4.0))
+    t.step.state_end = np.array([dual(9.0, *rng.normal(size=2)) for _ in range(SIZE)], object)
+    t.work = SimpleNamespace(y="y", acceleration="acceleration")
+    t.work.rate_end = [dual(0.5 + j, 100.0, 100.0) for j in range(SIZE)]
+    t.impulse = SimpleNamespace(wanted=1, state_end=[dual(4.0, 1.0, 2.0)])
+    return d, t
+
+
+@pytest.fixture
+def calls(monkeypatch):
+    """The functions that are called, with what they are given beside the instances."""
+    called = []
+
+    def note(name):
+        def call(*arguments):
+            called.append((name, *(one for one in arguments if not isinstance(one, SimpleNamespace))))
+
+        monkeypatch.setattr(replay, name, call)
+
+    for name in [
+        "apply_pending_events",
+        "copy_inputs",
+        "choose_variable",
+        "set_first_stage",
+        "check_turns",
+        "mark_jump",
+        "truncate_step",
+        "accept",
+        "ensure_rate",
+        "ensure_points",
+        "check_onsets",
+    ]:
+        note(name)
+    return called
+
+
+BEGIN = [("apply_pending_events",), ("copy_inputs",), ("choose_variable", True), ("set_first_stage",)]
+
+
+def repeated(monkeypatch, calls, d, t):
+    monkeypatch.setattr(replay, "make", lambda _d, t, h: calls.append(("make", t.step.method, h)))
+    monkeypatch.setattr(replay, "take_values", lambda _d, _t: calls.append(("take_values",)))
+    monkeypatch.setattr(replay, "move_end", lambda t: calls.append(("move_end", *t.touch.event)))
+    replay.replay(d, t)
+    assert calls[:4] == BEGIN
+    return calls[4:]
+
+
+@pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
+def test_a_whole_step_is_made_once_more(monkeypatch, calls, method):
+    done = repeated(monkeypatch, calls, *instances(method=method, events=(NONE, KINK)))
+    assert done == [("make", method, 0.2), ("check_turns",), ("take_values",), ("move_end", NONE, KINK)]
+
+
+def test_a_step_that_was_cut_is_made_whole_and_cut(monkeypatch, calls):
+    done = repeated(monkeypatch, calls, *instances(kept=0.25, events=(NONE, ONSET)))
+    cut = [("truncate_step", 0.25), ("take_values",), ("move_end", NONE, ONSET)]
+    assert done == [("make", EXPLICIT, 0.2), ("check_turns",), *cut]
+
+
+def test_up_to_the_end_of_its_contact_a_step_is_made_short(monkeypatch, calls):
+    """Beyond the end the slope of the force has a kink."""
+    done = repeated(monkeypatch, calls, *instances(1, (NONE, END), kept=0.25))
+    short = [("take_values",), ("mark_jump",), ("move_end", NONE, END)]
+    assert done == [("make", EXPLICIT, 0.05), ("check_turns",), *short]
+
+
+@pytest.mark.parametrize(
+    ("regularized", "events", "right"),
+    [(1, (NONE, END), True), (0, (END, NONE), True), (0, (NONE, END), False), (1, (NONE, ONSET), False)],
+)
+def test_a_step_ends_with_its_contact_or_with_another(regularized, events, right):
+    assert replay.ends_regularized(instances(regularized, events)[0]) == right
+
+
+def test_in_time_no_contact_is_that_of_the_step():
+    assert not replay.ends_regularized(instances(-1, (END, END))[0])
+
+
+def test_a_step_that_is_made_is_accepted(monkeypatch, calls):
+    d, t = instances()
+    t.step.method = IMPLICIT
+    monkeypatch.setattr(replay, "_make", lambda method, _d, _t, h: calls.append(("made", method, h)))
+    replay.make(d, t, 0.05)
+    assert calls == [("made", IMPLICIT, 0.05), ("accept", 0.05)]
+
+
+@pytest.mark.parametrize("active", [0, 1])
+def test_points_are_located_after_an_explicit_step_with_contacts(monkeypatch, active):
+    d, t = instances()
+    done, t.touch.active_count = [], active
+    monkeypatch.setattr(replay.explicit, "make", lambda _, h: done.append(h))
+    monkeypatch.setattr(replay, "locate_points", lambda _, y: done.append(y))
+    replay.make_explicit(d, t, 0.2)
+    assert done == [0.2, "y"][: 1 + active]
+
+
+def test_values_are_those_of_the_run_and_slopes_stay():
+    d, t = instances()
+    slopes = [one.slope.tolist() for one in t.step.state_end]
+    replay.take_values(d, t)
+    assert [one.value for one in t.step.state_end] == d.step.state_end.tolist()
+    assert [one.slope.tolist() for one in t.step.state_end] == slopes
+    assert parts(t.step.end) == (1.5, [3.0, 4.0])
+
+
+@pytest.mark.parametrize("kind", [ONSET, END])
+def test_an_event_is_late_by_its_clearance_over_its_rate(monkeypatch, kind):
+    _, t = instances()
+    monkeypatch.setattr(replay, "clearance", lambda _t, _c: (dual(1e-9, 3.0, -6.0), dual(-2.0, 50.0, 50.0)))
+    assert parts(replay.delay(t, 1, kind)) == (0.0, [1.5, -3.0])
+
+
+def test_a_contact_that_is_latched_anew_is_late_by_its_speed_over_its_acceleration(monkeypatch):
+    """φ = −ġ − 2 v₀, and φ̇ = −g̈."""
+    _, t = instances()
+    monkeypatch.setattr(replay, "clearance", lambda _t, _c: (dual(1.0, 7.0, 7.0), dual(-1.0, 3.0, 8.0)))
+    monkeypatch.setattr(
+        replay,
+        "along_normal",
+        lambda _t, c, what: dual(-4.0 * c, 9.0, 9.0) if what == "acceleration" else None,
+    )
+    value, slopes = parts(replay.delay(t, 1, RELATCH))
+    assert value == 0.0
+    assert slopes == pytest.approx([-(-3.0 - RELATCH_RATIO) / 4.0, -(-8.0 - 2.0 * RELATCH_RATIO) / 4.0])
+
+
+@pytest.mark.parametrize(
+    ("regularized", "events", "moved"),
+    [
+        (-1, (NONE, ONSET), (1, ONSET)),
+        (-1, (RELATCH, ONSET), (0, RELATCH)),
+        (-1, (NONE, END), (1, END)),
+        (0, (NONE, END), (1, END)),
+        (1, (NONE, END), None),
+        (-1, (KINK, NONE), None),
+    ],
+)
+def test_the_end_moves_with_the_first_event_that_has_a_time_of_its_own(
+    monkeypatch, calls, regularized, events, moved
+):
+    _, t = instances(regularized)
+    t.touch.event, found = list(events), []
+    monkeypatch.setattr(replay, "delay", lambda _t, c, kind: (c, kind))
+    monkeypatch.setattr(replay, "move_along", lambda _t, time: found.append(time))
+    replay.move_end(t)
+    assert found == ([moved] if moved else [])
+    assert calls == ([("ensure_rate",), ("ensure_points",), ("check_onsets",)] if moved else [])
+
+
+def test_the_end_of_a_step_moves_along_the_motion(calls):
+    """y by ẏ, the end of the step by the time itself, the impulse by the force of its contact."""
+    _, t = instances()
+    before = [parts(one) for one in t.step.state_end]
+    replay.move_along(t, dual(0.0, 2.0, -3.0))
+    moved = np.array([2.0, -3.0])
+    for j, (value, slopes) in enumerate(before):
+        pace = 0.5 + j if j < sundman_u_at(LINKS) else 1.0 if j == time_at(LINKS) else 0.0
+        assert parts(t.step.state_end[j]) == (
+            value,
+            pytest.approx((np.array(slopes) + pace * moved).tolist()),
+        )
+    assert parts(t.step.end) == (pytest.approx(1.4999), [5.0, 1.0])
+    assert parts(t.impulse.state_end[0]) == (4.0, [1.0 + 7.0 * 2.0, 2.0 - 7.0 * 3.0])
+    assert calls == [("mark_jump",)]

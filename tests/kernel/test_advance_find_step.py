@@ -1,0 +1,312 @@
+"""The size of the next step after steps that are taken, refused or cut, and what begins a step."""
+
+import math
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel import advance as loop
+from chain_impact.kernel.events.kinds import KINK, NONE, ONSET, REFUSED
+from chain_impact.kernel.integration import step_size
+from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
+from chain_impact.kernel.integration.methods import SAFETY
+from chain_impact.kernel.status import LOG_FULL, OK, STEP_TOO_SMALL, TOO_MUCH_WORK
+from tests.kernel.chains import chain, touch
+
+SIZE = 0.01  # s, proposed for the next step
+ORDER = 8
+
+
+class Trials:
+    """A solver whose errors, events and energies are told in advance."""
+
+    def __init__(self, monkeypatch, errors, thetas=(), limit=math.inf):
+        _, self.d = chain(np.random.default_rng(1), 2)
+        self.d.step.next_size, self.d.step.method = SIZE, EXPLICIT
+        self.d.step.end, self.d.step.cost_factor = 1.0, 1.0
+        self.sizes, self.errors, self.thetas, self.noted = [], list(errors), list(thetas), []
+        monkeypatch.setattr(loop, "attempt", self.attempt)
+        monkeypatch.setattr(loop, "prepare", lambda _, h: h)
+        monkeypatch.setattr(loop, "limit_to_piece", lambda _, h: min(h, limit))
+        monkeypatch.setattr(loop, "accept", self.note("accept"))
+        monkeypatch.setattr(loop, "roll_back", self.note("roll back"))
+        monkeypatch.setattr(loop, "drop_events", self.note("drop events"))
+        monkeypatch.setattr(loop, "find_event", lambda _: -1.0)
+        monkeypatch.setattr(
+            loop, "accept_to_event", lambda _d, _theta: self.thetas.pop(0) if self.thetas else 0.0
+        )
+
+    def note(self, what):
+        return lambda *_: self.noted.append(what)
+
+    def attempt(self, _, h):
+        self.sizes.append(h)
+        return self.errors.pop(0)
+
+    def run(self):
+        status = loop.find_step(self.d)
+        return status, self.d.step.next_size / SIZE
+
+
+def suggested(error):
+    return SAFETY[EXPLICIT] * error ** (-1.0 / ORDER)
+
+
+@pytest.mark.parametrize("error", [1e-4, 0.1, 1.0])
+def test_the_next_step_has_the_size_that_the_error_suggests(monkeypatch, error):
+    trials = Trials(monkeypatch, [error])
+    assert trials.run() == (OK, pytest.approx(suggested(error), rel=1e-13))
+    assert trials.sizes == [SIZE]
+    assert trials.noted == ["accept"]
+
+
+def test_a_step_grows_sixfold_at_most_without_an_error(monkeypatch):
+    assert Trials(monkeypatch, [0.0]).run() == (OK, pytest.approx(6.0))
+    assert Trials(monkeypatch, [1e-16]).run() == (OK, pytest.approx(6.0))
+    assert step_size.GROW == 6.0
+
+
+def test_the_larger_of_two_errors_counts(monkeypatch):
+    trials = Trials(monkeypatch, [1e-3], [0.2])
+    assert trials.run() == (OK, pytest.approx(suggested(0.2), rel=1e-13))
+
+
+def test_a_refused_step_is_tried_with_the_size_its_error_suggests_and_the_next_one_does_not_grow(monkeypatch):
+    trials = Trials(monkeypatch, [20.0, 1e-9])
+    assert trials.run() == (OK, pytest.approx(suggested(20.0), rel=1e-13))
+    assert trials.sizes == pytest.approx([SIZE, SIZE * suggested(20.0)], rel=1e-13)
+    assert trials.d.statistics.rejected_steps == 1
+    assert trials.noted == ["accept"]
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf])
+def test_a_step_that_is_not_finite_is_tried_with_a_tenth(monkeypatch, bad):
+    trials = Trials(monkeypatch, [bad, bad, 0.5])
+    trials.run()
+    assert trials.sizes == pytest.approx([SIZE, 0.1 * SIZE, 0.01 * SIZE], rel=1e-13)
+
+
+def test_a_step_that_was_accepted_too_early_is_rolled_back_with_its_events(monkeypatch):
+    trials = Trials(monkeypatch, [0.5, 0.5], [20.0, 0.1])
+    trials.run()
+    assert trials.sizes == pytest.approx([SIZE, SIZE * suggested(20.0)], rel=1e-13)
+    assert trials.noted == ["accept", "roll back", "drop events", "accept"]
+    assert trials.d.statistics.rejected_steps == 1
+
+
+def test_no_step_is_longer_than_a_second(monkeypatch):
+    trials = Trials(monkeypatch, [0.5])
+    trials.d.step.next_size = 7.0
+    trials.run()
+    assert trials.sizes == [1.0]
+
+
+def test_the_end_of_an_input_says_nothing_about_the_size_after_it(monkeypatch):
+    trials = Trials(monkeypatch, [0.5], limit=0.1 * SIZE)
+    assert trials.run() == (OK, pytest.approx(1.0))
+    assert trials.sizes == [0.1 * SIZE]
+    # unless the step was still too long, or could have been longer than was wanted
+    trials = Trials(monkeypatch, [20.0, 0.5], limit=0.1 * SIZE)
+    assert trials.run() == (OK, pytest.approx(0.1 * suggested(20.0) * min(1.0, suggested(0.5)), rel=1e-13))
+    trials = Trials(monkeypatch, [1e-9], limit=0.5 * SIZE)
+    assert trials.run() == (OK, pytest.approx(3.0))
+
+
+def test_a_step_ends_where_its_size_is_lost_in_the_time(monkeypatch):
+    trials = Trials(monkeypatch, [2e6] * 40)
+    trials.d.step.end = 1.0
+    assert trials.run()[0] == STEP_TOO_SMALL
+    assert trials.sizes[-1] > 1e-16
+    trials = Trials(monkeypatch, [2e6] * 40)
+    trials.d.step.end = 0.0
+    assert trials.run()[0] == STEP_TOO_SMALL
+    assert 1e-18 <= trials.sizes[-1] < 1e-17
+
+
+def test_a_refused_step_may_be_the_last_that_the_work_allows(monkeypatch):
+    trials = Trials(monkeypatch, [20.0, 0.5])
+    monkeypatch.setattr(loop, "work_exceeded", lambda _: True)
+    assert trials.run()[0] == TOO_MUCH_WORK
+    assert len(trials.sizes) == 1
+
+
+class Landing:
+    """A step whose event, repeats and energies are told in advance."""
+
+    def __init__(
+        self, monkeypatch, *, bends, method=EXPLICIT, errors=(0.5,), onset=-1.0, keeps=True, loss=0.0
+    ):
+        _, self.d = chain(np.random.default_rng(1), 2)
+        self.d.step.size, self.d.step.last_method = SIZE, method
+        self.noted, errors = [], list(errors)
+        monkeypatch.setattr(loop, "bends_force", lambda _: bends)
+        monkeypatch.setattr(loop, "roll_back", lambda _: self.noted.append("roll back"))
+        monkeypatch.setattr(loop, "accept", lambda _, h: self.noted.append(("accept", h / SIZE)))
+        monkeypatch.setattr(loop, "attempt", lambda _d, _h: errors.pop(0))
+        monkeypatch.setattr(loop, "onset_fraction", lambda _: onset)
+        monkeypatch.setattr(loop, "truncate_step", lambda _, theta: self.noted.append(("cut", theta)))
+
+        def energy_step_ok(d, theta):
+            self.noted.append(("energy", theta))
+            d.balance.loss = loss
+            return keeps
+
+        monkeypatch.setattr(loop, "energy_step_ok", energy_step_ok)
+
+    def run(self, theta):
+        return loop.accept_to_event(self.d, theta), self.noted
+
+
+def test_a_step_without_an_event_is_only_checked(monkeypatch):
+    assert Landing(monkeypatch, bends=True, loss=0.3).run(-1.0) == (0.3, [("energy", -1.0)])
+
+
+def test_a_step_is_cut_at_an_event_at_which_the_force_does_not_bend(monkeypatch):
+    assert Landing(monkeypatch, bends=False).run(0.4) == (0.0, [("energy", 0.4), ("cut", 0.4)])
+    assert Landing(monkeypatch, bends=True).run(0.0) == (0.0, [("energy", 0.0), ("cut", 0.0)])
+
+
+@pytest.mark.parametrize(("bends", "method"), [(True, EXPLICIT), (False, IMPLICIT)])
+def test_it_is_repeated_up_to_one_at_which_the_force_bends_or_if_it_is_implicit(monkeypatch, bends, method):
+    landing = Landing(monkeypatch, bends=bends, method=method)
+    assert landing.run(0.4) == (0.0, ["roll back", ("accept", 0.4), ("energy", -1.0)])
+
+
+@pytest.mark.parametrize("theta", [1e-3, 1.0])
+def test_at_its_ends_the_interpolant_of_an_implicit_step_is_right(monkeypatch, theta):
+    landing = Landing(monkeypatch, bends=False, method=IMPLICIT)
+    assert landing.run(theta) == (0.0, [("energy", theta), ("cut", theta)])
+
+
+def test_a_repeated_step_may_have_an_onset_before_its_end(monkeypatch):
+    landing = Landing(monkeypatch, bends=True, onset=0.9)
+    assert landing.run(0.4) == (0.0, ["roll back", ("accept", 0.4), ("energy", 0.9), ("cut", 0.9)])
+
+
+def test_what_cannot_be_located_or_repeated_is_refused(monkeypatch):
+    assert Landing(monkeypatch, bends=True).run(REFUSED) == (1e6, [])
+    for error in (1.5, math.nan):
+        assert Landing(monkeypatch, bends=True, errors=[error]).run(0.4) == (1e6, ["roll back"])
+    landing = Landing(monkeypatch, bends=True, onset=REFUSED)
+    assert landing.run(0.4) == (1e6, ["roll back", ("accept", 0.4)])
+
+
+@pytest.mark.parametrize(("loss", "error"), [(0.0, 1e6), (1.0, 1e6), (1.05, 1.05), (3.0, 3.0)])
+def test_a_step_that_does_not_keep_the_energy_is_refused_by_its_loss(monkeypatch, loss, error):
+    landing = Landing(monkeypatch, bends=False, keeps=False, loss=loss)
+    assert landing.run(0.4) == (error, [("energy", 0.4)])
+
+
+def at_end_of_a_step(events=(), **more):
+    _, d = chain(np.random.default_rng(2), 2, **more)
+    d.touch.event[: len(events)] = events
+    return d
+
+
+def test_a_call_stops_where_the_log_is_full():
+    d = at_end_of_a_step()
+    d.finished.count = 3
+    assert loop.advance(d, 0.01, 3, loop.work_done(d) + 10**6) == LOG_FULL
+    assert d.step.end == 0.0
+    assert loop.advance(d, 0.01, 4, loop.work_done(d) + 10**6) == OK
+    assert d.step.end >= 0.01
+
+
+def test_an_onset_is_due_at_the_end_of_the_step_only():
+    d = at_end_of_a_step([NONE, ONSET])
+    d.step.end = d.step.time = 0.5
+    assert loop.ends_in_onset(d)
+    assert loop.onset_due(d)
+    d.step.time = 0.4
+    assert not loop.onset_due(d)
+    d.step.time = 0.5
+    d.touch.event[1] = KINK
+    assert not loop.ends_in_onset(d)
+    assert not loop.onset_due(d)
+
+
+@pytest.mark.parametrize(
+    ("events", "known"),
+    [
+        ([], (0, False)),
+        ([ONSET, NONE, ONSET], (2, False)),
+        ([ONSET, KINK], (2, True)),
+        ([KINK, ONSET], (2, True)),
+    ],
+)
+def test_events_are_counted_and_kinks_are_told(monkeypatch, events, known):
+    d = at_end_of_a_step(events)
+    monkeypatch.setattr(loop, "apply_events", lambda _: False)
+    assert loop.apply_pending_events(d) == known
+
+
+@pytest.mark.parametrize("changed", [False, True])
+def test_the_rate_after_events_is_worked_out_where_they_change_it(monkeypatch, changed):
+    d, rates = at_end_of_a_step([ONSET]), []
+    monkeypatch.setattr(loop, "apply_events", lambda _: changed)
+    monkeypatch.setattr(loop, "state_rate", lambda _d, _y, rate: rates.append(rate.copy()))
+    loop.ensure_rate(d)
+    d.work.rate_end[:] = np.arange(len(d.work.y))
+    before = d.statistics.rhs_evaluations
+    loop.apply_pending_events(d)
+    assert d.work.rate_start.tolist() == list(range(len(d.work.y)))
+    assert d.statistics.rhs_evaluations - before == len(rates) == changed
+
+
+@pytest.mark.parametrize(
+    ("rigid", "compliant", "events", "right"),
+    [(1, 0, 1, True), (0, 0, 1, False), (1, 1, 1, False), (1, 0, 0, False)],
+)
+def test_after_an_impact_on_a_rigid_wall_a_step_is_not_longer_than_in_flight(
+    monkeypatch, rigid, compliant, events, right
+):
+    d = at_end_of_a_step()
+    if compliant:
+        touch(d, [0])
+    d.contact.any_rigid, d.step.method = rigid, EXPLICIT
+    monkeypatch.setattr(loop, "apply_pending_events", lambda _: (events, True))
+    monkeypatch.setattr(loop.step_size, "in_flight", lambda *_: 1e-3)
+    for size in (1e-2, 1e-4):
+        d.step.next_size = size
+        assert loop.begin_step(d) == events
+        assert d.step.next_size == (min(size, 1e-3) if right else size)
+    d.step.next_size, d.step.method = 1e-2, IMPLICIT  # it measures the size itself
+    loop.begin_step(d)
+    assert d.step.next_size == 1e-2
+
+
+def test_a_step_cut_by_a_kink_says_nothing_about_the_method(monkeypatch):
+    d, chosen = at_end_of_a_step(), []
+    monkeypatch.setattr(loop, "choose_method", lambda _: chosen.append(True))
+    for kinked in (True, False):
+        monkeypatch.setattr(loop, "apply_pending_events", lambda _, kinked=kinked: (1, kinked))
+        loop.begin_step(d)
+    assert len(chosen) == 1
+
+
+@pytest.mark.parametrize("status", [OK, STEP_TOO_SMALL])
+def test_the_status_after_the_onsets_at_a_communication_point_is_told(monkeypatch, status):
+    d, due = at_end_of_a_step(), [True, True, False]
+    monkeypatch.setattr(loop, "reinit_if_changed", lambda _: OK)
+    monkeypatch.setattr(loop, "onset_due", lambda _: due.pop(0))
+    monkeypatch.setattr(loop, "advance_one_step", lambda _: status)
+    assert loop.event_update(d) == status
+    assert len(due) == (0 if status == OK else 2)
+
+
+def test_a_change_that_is_refused_ends_an_update(monkeypatch):
+    d = at_end_of_a_step([ONSET])
+    monkeypatch.setattr(loop, "reinit_if_changed", lambda _: STEP_TOO_SMALL)
+    assert loop.event_update(d) == STEP_TOO_SMALL
+
+
+@pytest.mark.parametrize(("events", "changed"), [([], True), ([ONSET], False), ([ONSET], True)])
+def test_impulses_are_stored_and_begun_anew_at_events(monkeypatch, events, changed):
+    d, done = at_end_of_a_step(events), []
+    loop.ensure_rate(d)
+    monkeypatch.setattr(loop, "apply_events", lambda _: done.append("apply") or changed)
+    for name in ("commit_impulses", "keep_end_forces", "reset_impulse_step"):
+        monkeypatch.setattr(loop, name, lambda _, name=name: done.append(name))
+    loop.apply_pending_events(d)
+    kept = ["keep_end_forces"] if changed else []
+    assert done == (["commit_impulses", "apply", *kept, "reset_impulse_step"] if events else [])

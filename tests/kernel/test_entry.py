@@ -1,0 +1,182 @@
+"""The functions for callers: runs of an instance over and over, rows of outputs, and peaks."""
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel import entry
+from chain_impact.kernel.advance import advance
+from chain_impact.kernel.entry import (
+    MAX_PENETRATION,
+    PEAK_FORCE,
+    PEAKS,
+    advance_awhile,
+    advance_to,
+    finish_run,
+    observe_now,
+    run_each,
+    see_peaks,
+    trajectory,
+)
+from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.observe import observe
+from chain_impact.kernel.status import OK, PARAMETER_OUT_OF_RANGE, PAUSED
+from chain_impact.kernel.work_limit import UNLIMITED
+from chain_impact.scene.scene import with_values
+from chain_impact.variables.model import Model
+from tests.plain import Plain
+from tests.problems import ball
+
+STIFFNESS = 1e4
+STOP = 0.2  # s, after the ball has left the floor
+
+
+class Runs:
+    """A ball above a floor, and its record as words."""
+
+    def __init__(self, height=1e-3, stop=STOP):
+        self.block = Model(ball(height, 1.0, stiffness=STIFFNESS)).new_instance()
+        self.start = self.block.view(np.float64).copy()
+        self.words, self.d = self.block.view(np.float64), Plain(self.block[0])
+        self.stop = stop
+
+    def word(self, *path):
+        """The index of a number in the record."""
+        offset, dtype = 0, self.block.dtype
+        for name in path:
+            dtype, more = dtype.fields[name][:2]
+            offset += more
+        return offset // 8
+
+    def run(self, stiffness, looks=(), rows=None, going_on=0):
+        count = len(stiffness)
+        rows = np.full((count, PEAKS + len(looks)), -1.0) if rows is None else rows
+        places = np.array([self.word("given", "stiffness")])
+        done = run_each(
+            self.d,
+            self.words,
+            self.start,
+            places,
+            np.array(stiffness).reshape(-1, 1),
+            np.full(count, self.stop),
+            np.array(looks, int),
+            rows,
+            going_on,
+        )
+        return done, rows
+
+
+def alone(stiffness, stop=STOP):
+    """The same by a fresh instance: its record at the end, and the impacts it has logged."""
+    d = Plain(
+        Model(
+            with_values(ball(1e-3, 1.0, stiffness=STIFFNESS), {("contact", "stiffness"): stiffness})
+        ).new_instance()[0]
+    )
+    assert initialize(d, 0.0) == OK
+    assert advance_to(d, stop) == OK
+    observe(d)
+    return d
+
+
+def test_each_run_is_that_of_a_fresh_instance():
+    runs, stiffness = Runs(), [1e4, 3e4, 1e4]
+    looks = [runs.word("step", "end"), runs.word("output", "kinetic"), runs.word("given", "stiffness")]
+    done, rows = runs.run(stiffness, looks)
+    assert done == 3
+    for row, value in zip(rows, stiffness, strict=True):
+        d = alone(value)
+        assert d.finished.count == 1
+        assert row[PEAK_FORCE] == d.finished.peak_force[0] > 0.0
+        assert row[MAX_PENETRATION] == d.finished.max_penetration[0] > 0.0
+        assert row[PEAKS:].tolist() == [d.step.end, d.output.kinetic, value]
+    assert rows[0].tolist() == rows[2].tolist() != rows[1].tolist()
+
+
+def test_a_run_that_ends_in_a_contact_has_its_peaks_so_far():
+    runs = Runs(stop=2e-3)
+    _, rows = runs.run([STIFFNESS])
+    d = alone(STIFFNESS, 2e-3)
+    assert d.touch.active_count == 1
+    assert rows[0, PEAK_FORCE] == pytest.approx(d.output.force[0], rel=1e-9)  # it still rises
+    assert rows[0, MAX_PENETRATION] == pytest.approx(d.output.penetration[0], rel=1e-9)
+
+
+def test_a_run_goes_on_where_a_call_has_paused(monkeypatch):
+    whole = Runs().run([1e4, 3e4])[1]
+    monkeypatch.setattr(entry, "work_of_a_call", lambda _: 60)
+    runs, rows, stiffness, done, calls = Runs(), np.full((2, PEAKS), -1.0), [1e4, 3e4], 0, 0
+    going_on = 0
+    while done < 2:
+        more, _ = runs.run(stiffness[done:], rows=rows[done:], going_on=going_on)
+        done, going_on, calls = done + more, 1, calls + 1
+    assert calls > 3
+    assert rows.tolist() == whole.tolist()
+
+
+def test_the_finished_contacts_of_a_run_are_collected_and_seen(monkeypatch):
+    runs = Runs()
+    d, row = runs.d, np.zeros(PEAKS)
+    initialize(d, 0.0)
+    d.finished.count, d.finished.peak_force[:2], d.finished.max_penetration[:2] = 2, [5.0, 3.0], [1e-3, 4e-3]
+    monkeypatch.setattr(entry, "advance", lambda *_: OK)
+    assert finish_run(d, 0.1, UNLIMITED, row) == OK
+    assert row.tolist() == [5.0, 4e-3]
+    assert d.finished.count == 0
+
+
+def test_peaks_are_the_largest_of_all():
+    row = np.zeros(PEAKS)
+    for force, penetration in ((2.0, 1e-3), (1.0, 5e-3), (3.0, 2e-3)):
+        see_peaks(row, force, penetration)
+    assert (row[PEAK_FORCE], row[MAX_PENETRATION]) == (3.0, 5e-3)
+
+
+def test_rows_are_the_outputs_at_their_times():
+    d, output = Runs().d, np.zeros(3)
+    initialize(d, 0.0)
+    times, rows = np.array([0.0, 0.01, 0.02]), np.full((3, 3), -1.0)
+    seen = []
+
+    def look(d):
+        output[:] = d.step.time, len(seen), 7.0
+        seen.append(d.step.time)
+
+    original, entry.observe = entry.observe, look
+    try:
+        assert trajectory(d, times, output, rows) == 3
+    finally:
+        entry.observe = original
+    assert rows.tolist() == [[time, k, 7.0] for k, time in enumerate(times)]
+    assert seen == times.tolist()
+
+
+def test_rows_end_where_the_solver_does():
+    d = Runs().d
+    initialize(d, 0.0)
+    d.solver.work_limit = 1.0
+    rows = np.full((3, 1), -1.0)
+    assert trajectory(d, np.array([0.0, 0.05, 0.1]), np.zeros(1), rows) == 1
+    assert rows[1:].tolist() == [[-1.0], [-1.0]]
+
+
+def test_a_call_returns_awhile_before_its_time(monkeypatch):
+    d = Runs().d
+    initialize(d, 0.0)
+    monkeypatch.setattr(entry, "work_of_a_call", lambda _: 20)
+    assert advance_awhile(d, STOP) == PAUSED
+    assert 0.0 < d.step.end < STOP
+    assert advance_to(d, STOP) == OK
+    assert d.step.time == STOP
+
+
+def test_a_parameter_that_is_refused_is_tried_again_at_the_next_look():
+    d = Runs().d
+    initialize(d, 0.0)
+    advance(d, 1e-4, UNLIMITED, UNLIMITED)
+    d.given.stiffness, d.given.changed = -1.0, 1
+    assert observe_now(d) == OK
+    assert d.given.changed == 1
+    d.given.stiffness = 2e4
+    assert observe_now(d) == OK
+    assert d.given.changed == 0
+    assert PARAMETER_OUT_OF_RANGE != OK

@@ -1,0 +1,93 @@
+"""Which outputs there are and what is said of them, one group at a time."""
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.tangent.directions import DIRECTIONS
+from chain_impact.scene.scene import load_scene
+from chain_impact.variables.model import Model
+from chain_impact.variables.outputs import all_outputs
+from chain_impact.variables.table import inputs
+
+BOX, ARM = load_scene("four_link_box"), load_scene("pinned_arm")
+# key of [outputs] → a name that is only there with it
+GROUPS = {
+    "points": "point[0].x",
+    "links": "link[1].angle",
+    "contacts": "contact[0].y_min.force",
+    "energies": "energy.total",
+    "solver": "solver.steps",
+}
+
+
+@pytest.mark.parametrize("left_out", GROUPS)
+def test_a_group_that_is_not_asked_for_is_not_there(left_out):
+    every = {variable.name for variable in all_outputs(BOX)}
+    found = {variable.name for variable in all_outputs(BOX.with_values({f"outputs.{left_out}": False}))}
+    for key, name in GROUPS.items():
+        if any(name in one for one in every):
+            assert (name in found) == (key != left_out)
+    missing = every - found
+    assert missing
+    assert all(
+        one.split("[")[0].split(".")[0] in {left_out.removesuffix("s"), "energy", "solver"} for one in missing
+    )
+
+
+@pytest.mark.parametrize("scene", [BOX, ARM], ids=["free", "pinned"])
+def test_only_the_base_of_a_pinned_chain_is_held(scene):
+    held = {variable.name for variable in all_outputs(scene) if variable.held}
+    base = {f"point[0].{prefix}{axis}" for prefix in ("", "v", "a") for axis in "xy"}
+    assert held == (base if scene is ARM else set())
+
+
+def test_an_input_says_between_which_links_its_torque_acts():
+    told = {one.name: one.description for one in inputs(ARM)}
+    assert told["joint[1].torque"] == "torque on link 1 from the base"
+    assert told["joint[2].torque"] == "torque on link 2 from link 1"
+    driven = BOX.with_values({"inputs.joint_torques": True})
+    assert next(inputs(driven)).description == "torque on link 2 from link 1"
+
+
+def test_behind_an_instance_are_those_that_carry_its_derivatives():
+    """With its own values, and a slope of one for each parameter, in its own direction."""
+    model = Model(BOX)
+    names = [f"link[{i}].mass" for i in range(1, 5)] + ["contact.stiffness", "link[2].length"]
+    varied = model.varied_by(names)
+    plain, block = model.new_instance([])[0], model.new_instance(varied)[0]
+    count = -(-len(names) // DIRECTIONS)
+    assert (plain["tangents"], block["tangents"]) == (0, count)
+    behind = block[block.dtype.names[-1]]
+    assert behind.shape == (count,)
+    for name in plain.dtype.names:
+        if name != "tangents":
+            assert block[name].tobytes() == plain[name].tobytes()
+
+    def check(source, duals):
+        for name in set(source.dtype.names) - {"tangents"}:
+            if source.dtype[name].base.names:
+                check(source[name], duals[name])
+            else:
+                own = duals[name]["value"] if duals[name].dtype.names else duals[name]
+                np.testing.assert_array_equal(own, source[name])
+
+    slopes = np.zeros((count, DIRECTIONS))
+    for number, variable in enumerate(varied):
+        t = number // DIRECTIONS
+        check(plain, behind[t])
+        field = behind[t]
+        for step in variable.place:
+            field = field[step]
+        assert field["slope"].tolist() == [float(k == number % DIRECTIONS) for k in range(DIRECTIONS)]
+        slopes[t, number % DIRECTIONS] = 1.0
+    # and no other slope
+    reals = sum(int(total_slopes(behind[t])) for t in range(count))
+    assert reals == slopes.sum() == len(names)
+
+
+def total_slopes(duals):
+    if duals.dtype.names and duals.dtype.names == ("value", "slope"):
+        return np.abs(duals["slope"]).sum()
+    if not duals.dtype.names:
+        return 0.0
+    return sum(total_slopes(duals[name]) for name in duals.dtype.names)

@@ -1,0 +1,62 @@
+"""Units of variables and of derivatives: their powers of base units are those that their names say."""
+
+import re
+from collections import Counter
+
+import pytest
+
+from chain_impact.variables.units import UNITS, in_order, quotient, unit_of
+
+# derived units in kg, m, s
+DERIVED = {"N": {"kg": 1, "m": 1, "s": -2}, "J": {"kg": 1, "m": 2, "s": -2}, "1": {}}
+PLAIN = [name for name, unit in UNITS.items() if unit.powers is not None]
+
+
+def powers_of(name):
+    """The powers of base units in a name such as ``N.m.s/rad``."""
+    total = Counter()
+    above, _, below = name.partition("/")
+    for part, sign in ((above, 1), (below, -1)):
+        for factor in filter(None, part.split(".")):
+            base, power = re.fullmatch(r"([A-Za-z1]+?)(\d?)", factor).groups()
+            for one, count in DERIVED.get(base, {base: 1}).items():
+                total[one] += sign * count * int(power or 1)
+    return {base: power for base, power in total.items() if power}
+
+
+@pytest.mark.parametrize("name", PLAIN)
+def test_a_unit_has_the_powers_that_its_name_says(name):
+    # an angle is a pure number but where it is in the name
+    assert {base: power for base, power in UNITS[name].powers.items() if power} == powers_of(name)
+
+
+def test_only_units_with_an_exponent_of_the_scene_have_no_powers():
+    assert [name for name in UNITS if name not in PLAIN] == ["N/m^exponent", "N.m/rad^exponent"]
+
+
+def test_a_quotient_is_written_as_one():
+    assert quotient("m", "kg") == "m/(kg)"
+    assert quotient("N.m", "m/s") == "N.m/(m/s)"
+    assert quotient("m", "1") == "m"  # by a number without a unit
+    assert quotient("m", "m") == "1"
+    assert quotient("1", "1") == "1"
+
+
+@pytest.mark.parametrize("above", ["m/s", "N.m", "J", "1"])
+@pytest.mark.parametrize("below", ["kg", "m/s", "N.m.s/rad"])
+def test_the_powers_of_a_quotient_are_differences(above, below):
+    powers = Counter(UNITS[above].powers)
+    powers.subtract(UNITS[below].powers)
+    found = unit_of(f"{above}/({below})")
+    assert found.powers == {base: power for base, power in powers.items() if power}
+    assert found.quantity == f"{UNITS[above].quantity}Per{UNITS[below].quantity}"
+    assert unit_of(above) is UNITS[above]
+
+
+def test_a_quotient_with_an_exponent_has_no_powers():
+    assert unit_of("m/(N/m^exponent)").powers is None
+    assert unit_of("N.m/rad^exponent").powers is None
+
+
+def test_units_are_listed_in_one_order():
+    assert in_order({"", "m/(kg)", "m", "J", "J/(kg)", "1"}) == ["1", "m", "J", "J/(kg)", "m/(kg)"]
