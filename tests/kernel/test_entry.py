@@ -14,8 +14,8 @@ from chain_impact.kernel.entry import (
     finish_run,
     observe_now,
     run_each,
-    see_peaks,
     trajectory,
+    update_peaks,
 )
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe
@@ -47,9 +47,9 @@ class Runs:
             offset += more
         return offset // 8
 
-    def run(self, stiffness, looks=(), rows=None, going_on=0):
+    def run(self, stiffness, output_indices=(), rows=None, continuing=0):
         count = len(stiffness)
-        rows = np.full((count, PEAKS + len(looks)), -1.0) if rows is None else rows
+        rows = np.full((count, PEAKS + len(output_indices)), -1.0) if rows is None else rows
         places = np.array([self.word("given", "stiffness")])
         done = run_each(
             self.d,
@@ -58,9 +58,9 @@ class Runs:
             places,
             np.array(stiffness).reshape(-1, 1),
             np.full(count, self.stop),
-            np.array(looks, int),
+            np.array(output_indices, int),
             rows,
-            going_on,
+            continuing,
         )
         return done, rows
 
@@ -80,8 +80,12 @@ def alone(stiffness, stop=STOP):
 
 def test_each_run_is_that_of_a_fresh_instance():
     runs, stiffness = Runs(), [1e4, 3e4, 1e4]
-    looks = [runs.word("step", "end"), runs.word("output", "kinetic"), runs.word("given", "stiffness")]
-    done, rows = runs.run(stiffness, looks)
+    output_indices = [
+        runs.word("step", "end"),
+        runs.word("output", "kinetic"),
+        runs.word("given", "stiffness"),
+    ]
+    done, rows = runs.run(stiffness, output_indices)
     assert done == 3
     for row, value in zip(rows, stiffness, strict=True):
         d = alone(value)
@@ -105,10 +109,10 @@ def test_a_run_goes_on_where_a_call_has_paused(monkeypatch):
     whole = Runs().run([1e4, 3e4])[1]
     monkeypatch.setattr(entry, "work_of_a_call", lambda _: 60)
     runs, rows, stiffness, done, calls = Runs(), np.full((2, PEAKS), -1.0), [1e4, 3e4], 0, 0
-    going_on = 0
+    continuing = 0
     while done < 2:
-        more, _ = runs.run(stiffness[done:], rows=rows[done:], going_on=going_on)
-        done, going_on, calls = done + more, 1, calls + 1
+        more, _ = runs.run(stiffness[done:], rows=rows[done:], continuing=continuing)
+        done, continuing, calls = done + more, 1, calls + 1
     assert calls > 3
     assert rows.tolist() == whole.tolist()
 
@@ -127,7 +131,7 @@ def test_the_finished_contacts_of_a_run_are_collected_and_seen(monkeypatch):
 def test_peaks_are_the_largest_of_all():
     row = np.zeros(PEAKS)
     for force, penetration in ((2.0, 1e-3), (1.0, 5e-3), (3.0, 2e-3)):
-        see_peaks(row, force, penetration)
+        update_peaks(row, force, penetration)
     assert (row[PEAK_FORCE], row[MAX_PENETRATION]) == (3.0, 5e-3)
 
 

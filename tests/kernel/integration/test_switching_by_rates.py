@@ -12,8 +12,8 @@ from chain_impact.kernel.integration.step_size import at_onset
 from chain_impact.kernel.integration.switching import (
     IMPACT,
     LASTS,
+    MIN_SWITCH_STEPS,
     NOT_STIFF,
-    PATIENCE,
     RINGS,
     STABLE,
     STIFF,
@@ -137,11 +137,11 @@ def test_a_phase_begins_with_what_is_explicit_and_without_a_count(rng):
     d.step.stiff_count, d.step.explicit_size, d.step.switch_hysteresis = 2, 0.7, 48
     reset_stiff_count(d.step)
     assert d.step.method == IMPLICIT
-    assert (d.step.stiff_count, d.step.explicit_size, d.step.switch_hysteresis) == (0, 0.0, PATIENCE)
+    assert (d.step.stiff_count, d.step.explicit_size, d.step.switch_hysteresis) == (0, 0.0, MIN_SWITCH_STEPS)
     d.step.stiff_count, d.step.explicit_size, d.step.switch_hysteresis = 2, 0.7, 48
     begin_explicit(d.step)
     assert d.step.method == EXPLICIT
-    assert (d.step.stiff_count, d.step.explicit_size, d.step.switch_hysteresis) == (0, 0.0, PATIENCE)
+    assert (d.step.stiff_count, d.step.explicit_size, d.step.switch_hysteresis) == (0, 0.0, MIN_SWITCH_STEPS)
 
 
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
@@ -196,20 +196,20 @@ def test_a_method_changes_after_steps_in_a_row_and_later_the_next_time(rng):
     d.touch.onset[touched] = 0.0
     d.step.start, d.step.end = 0.0, 3.0 * STIFF / fastest_contact(d)
     d.step.kept = 1.0
-    for done in range(1, PATIENCE):
+    for done in range(1, MIN_SWITCH_STEPS):
         choose_method(d)
         assert (d.step.method, d.step.stiff_count) == (EXPLICIT, done)
     choose_method(d)
     assert (d.step.method, d.step.stiff_count) == (IMPLICIT, 0)
     assert d.step.explicit_size == d.step.end
-    assert d.step.switch_hysteresis == PATIENCE
+    assert d.step.switch_hysteresis == MIN_SWITCH_STEPS
     # implicit steps that are no longer do not pay
     d.step.next_size = d.step.end
-    for _ in range(PATIENCE):
+    for _ in range(MIN_SWITCH_STEPS):
         assert d.step.method == IMPLICIT
         choose_method(d)
     assert (d.step.method, d.step.stiff_count) == (EXPLICIT, 0)
-    assert d.step.switch_hysteresis == 2 * PATIENCE
+    assert d.step.switch_hysteresis == 2 * MIN_SWITCH_STEPS
 
 
 def test_one_step_that_is_not_stiff_begins_the_count_anew(rng):
@@ -230,7 +230,7 @@ def test_a_step_that_was_cut_says_nothing_about_the_size_of_explicit_ones(rng):
     begin_explicit(d.step)
     d.touch.onset[touched] = 0.0
     d.step.start, d.step.end, d.step.kept = 0.0, 3.0 * STIFF / fastest_contact(d), 0.5
-    d.step.stiff_count = PATIENCE - 1
+    d.step.stiff_count = MIN_SWITCH_STEPS - 1
     choose_method(d)
     assert d.step.method == IMPLICIT
     assert d.step.explicit_size == 0.0
