@@ -1,8 +1,13 @@
-"""An arm whose knee has two stops, with a wall of another material: shared by the tests of stops."""
+"""Scenes with stops, shared by tests: a knee with a wall of another material, a rod, and two links."""
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
 from chain_impact.scene.scene import Scene, scene_from_dict
+
+LENGTH, MASS, SPEED, STIFFNESS = 0.4, 1.3, 2.0, 2e4
 
 
 def knee(**values: object) -> Scene:
@@ -25,3 +30,39 @@ def knee(**values: object) -> Scene:
 
 UP = {"link[2].joint_max": 1.25, "initial.angular_velocity[2]": 8.0}
 """What makes the knee hit its upper stop first."""
+
+
+def arm(links: list[dict[str, float]], angles: list[float], stop_time: float, **more: Any) -> Scene:
+    """A pinned chain in no box."""
+    scene = {
+        "name": "Arm",
+        "chain": {"base": "pinned", "links": links},
+        "initial": {"angles": angles},
+        "simulation": {"stop_time": stop_time, "step_size": stop_time / 100},
+    }
+    return scene_from_dict(scene | more, "arm")
+
+
+def struck_rod(model: str, e: float, **stops: Any) -> Scene:
+    """A rod without gravity that turns into its stop at .9 rad, with 2 rad/s."""
+    link = {"length": LENGTH, "mass": MASS, "joint_max": 0.9}
+    motion = {"angles": [0.0], "angular_velocities": [SPEED]}
+    law = {"model": model, "stiffness": STIFFNESS, "restitution": e, **stops}
+    return arm([link], [0.0], 1.5, gravity=[0.0, 0.0], initial=motion, stops=law)
+
+
+def together(walls: str, stops: str, omegas: list[float]) -> Scene:
+    """Two links that at time 0 arrive at a floor with their tip and at the stop of their knee."""
+    angles = [0.0, -0.5]
+    law = {"restitution": 0.5, "stiffness": 1e5, "exponent": 1.0}
+    motion = {"angles": angles, "angular_velocities": omegas}
+    links = [{"length": 0.4, "mass": 1.3}, {"length": 0.3, "mass": 0.5, "joint_min": -0.5}]
+    return arm(
+        links,
+        angles,
+        0.1,
+        box={"y_min": 0.3 * math.sin(-0.5)},
+        contact={"model": walls, **law},
+        stops={"model": stops, **law},
+        initial=motion,
+    )

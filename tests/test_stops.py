@@ -9,29 +9,10 @@ from chain_impact import CONTACT_LAWS, simulate
 from chain_impact.scene.scene import scene_from_dict
 from tests.assembled import Assembled
 from tests.reference import Textbook, point_impact, rebound
+from tests.stops import LENGTH, MASS, SPEED, STIFFNESS, arm, struck_rod, together
 
-LENGTH, MASS, SPEED, STIFFNESS = 0.4, 1.3, 2.0, 2e4
 INERTIA = MASS * LENGTH**2 / 3
 FORCES = [law for law in CONTACT_LAWS.values() if not law.impulsive]
-
-
-def arm(links, angles, stop_time, **more):
-    """A pinned chain in no box."""
-    scene = {
-        "name": "Arm",
-        "chain": {"base": "pinned", "links": links},
-        "initial": {"angles": angles},
-        "simulation": {"stop_time": stop_time, "step_size": stop_time / 100},
-    }
-    return scene_from_dict(scene | more, "arm")
-
-
-def struck_rod(model, e, **stops):
-    """A rod without gravity that turns into its stop at .9 rad, with 2 rad/s."""
-    link = {"length": LENGTH, "mass": MASS, "joint_max": 0.9}
-    motion = {"angles": [0.0], "angular_velocities": [SPEED]}
-    law = {"model": model, "stiffness": STIFFNESS, "restitution": e, **stops}
-    return arm([link], [0.0], 1.5, gravity=[0.0, 0.0], initial=motion, stops=law)
 
 
 def exact_impact(law, e):
@@ -204,23 +185,6 @@ def test_the_peak_of_a_force_is_the_largest_one_also_where_rigid_contacts_strike
 
 
 # --- impacts at one moment ---------------------------------------------------------------------------------
-
-
-def together(walls, stops, omegas):
-    """Two links that at time 0 arrive at a floor with their tip and at the stop of their knee."""
-    angles = [0.0, -0.5]
-    law = {"restitution": 0.5, "stiffness": 1e5, "exponent": 1.0}
-    motion = {"angles": angles, "angular_velocities": omegas}
-    links = [{"length": 0.4, "mass": 1.3}, {"length": 0.3, "mass": 0.5, "joint_min": -0.5}]
-    return arm(
-        links,
-        angles,
-        0.1,
-        box={"y_min": 0.3 * math.sin(-0.5)},
-        contact={"model": walls, **law},
-        stops={"model": stops, **law},
-        initial=motion,
-    )
 
 
 def after_impact(scene, rigid):

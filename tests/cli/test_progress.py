@@ -41,7 +41,7 @@ def compiling(monkeypatch):
     cached = instance.kernel_library
 
     def kernel_library(*arguments, notify, **_):
-        notify(Work("compiling the kernel", 12.0))
+        notify(Work("compiling the kernel", 17.0))
         return cached(*arguments)
 
     monkeypatch.setattr(instance, "kernel_library", kernel_library)
@@ -82,7 +82,7 @@ def test_a_line_instead_of_a_bar_in_a_file(run, monkeypatch, terminal):
     with monkeypatch.context() as patch:
         compiling(patch)
         _, _, errors = run("simulate", "rod_drop")
-    assert errors == "chain-impact: compiling the kernel (about 12 s, then kept)\n"
+    assert errors == "chain-impact: compiling the kernel (about 17 s, then kept)\n"
     _, _, errors = run("build", "rod_drop")
     assert errors == ""  # of what takes a moment nothing is said
     assert text.getvalue() == ""

@@ -78,6 +78,8 @@ def test_a_new_instance_holds_nothing_but_the_scene():
     scene = load_scene("four_link_box")
     instance = Model(scene).new_instance()
     assert instance.tobytes() == Model(scene).new_instance().tobytes()
+    assert instance[0]["step"]["regularized"] == NO_CONTACT
+    instance[0]["step"]["regularized"] = 0
     for field in ("step", "touch", "search", "implicit", "rigid", "finished", "statistics", "output", "work"):
         assert not any(instance[0][field].tobytes()), field
 

@@ -14,8 +14,8 @@ from chain_impact.compilation.law_file import LawError, UserLaw, read_law
 from chain_impact.compilation.ready import DERIVATIVES, KERNEL, WIDE, lowered
 from chain_impact.compilation.work import Notify, Work, announce
 
-LOWERING, LINKING = {KERNEL: 12.0, DERIVATIVES: 20.0}, {KERNEL: 3.0, DERIVATIVES: 10.0}  # s
-PREPARING = {"win64": 4.0}  # s, in which zig makes what it links with; on other platforms it takes no time
+LOWERING, LINKING = {KERNEL: 17.0, DERIVATIVES: 16.0}, {KERNEL: 6.0, DERIVATIVES: 10.0}  # s
+PREPARING = {"win64": 3.0}  # s, in which zig makes what it links with; on other platforms it takes no time
 
 
 def kernel_library(

@@ -37,7 +37,9 @@ class Impact:
         end: of the contact [s]; NaN if it is unknown, or of one that lasts.
         peak_force: the largest force [N], infinite between rigid walls; NaN if it is unknown.
         arm: at a stop of a joint, the length of the joint's link [m]; None at a wall. The point is the
-            joint there, 1…N, the speed is in rad/s, and the peak force is a moment in N·m.
+            joint there, 1…N, the speed is in rad/s, the peak force is a moment in N·m, and the penetration
+            is an angle in rad.
+        max_penetration: the largest penetration [m], 0 at a rigid wall; NaN if it is unknown.
     """
 
     time: float
@@ -47,6 +49,7 @@ class Impact:
     end: float = field(default=math.nan, compare=False)
     peak_force: float = field(default=math.nan, compare=False)
     arm: float | None = field(default=None, compare=False)
+    max_penetration: float = field(default=math.nan, compare=False)
 
     @property
     def at_stop(self) -> bool:
@@ -72,7 +75,8 @@ class Recording:
         parameters: FMU variable name → value at the start, of a choice its name; none where they are unknown.
         sensitivities: the derivatives that were asked for, if any.
         stops: the joints with stops, and their ranges.
-        stop_law: the contact law of the stops, if it is known to be another than `contact.model`; else "".
+        stop_law: the contact law of the stops, if the scene names one in `stops.model`; "" if it names none,
+            or if that is unknown, as of an FMU.
     """
 
     name: str
@@ -197,6 +201,7 @@ def impact_list(
             end=float(row["end"]),
             peak_force=float(row["peak_force"]),
             arm=_arm(int(row["point"]), walls[row["wall"]], stops),
+            max_penetration=float(row["max_penetration"]),
         )
         for row in table
     ]

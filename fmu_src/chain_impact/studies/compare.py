@@ -261,13 +261,13 @@ def _run(scene: Scene, law: str, impact: np.void | None, notify: Notify | None, 
         result = error.result
     number = None if result is None else first_number(result.scene, result.impacts)
     if result is not None and number is not None:
-        impact = result.impacts[number]
-        first = _values_of(result, impact)
-        used = contact_at(result.scene, impact)
+        own = result.impacts[number]
+        first = _values_of(result, own)
+        used = contact_at(result.scene, own)
         earlier, later = result.impacts[:number], result.impacts[number + 1 : number + 2]
         # a contact that lasts to the end of the run has no end
-        overlap = later["onset"] <= impact["onset"] + first["duration"]
-        notes += [OVERLAP] if overlap.any() or not (earlier["end"] <= impact["onset"]).all() else []
+        overlap = later["onset"] <= own["onset"] + first["duration"]
+        notes += [OVERLAP] if overlap.any() or not (earlier["end"] <= own["onset"]).all() else []
     return LawRun(law, used.exponent, used.stiffness, **first, note="; ".join(notes), result=result)
 
 

@@ -11,8 +11,7 @@ from chain_impact.results.plots.changes import calm, fill_sensitivities
 from chain_impact.results.plots.style import GREY, PALETTE
 from chain_impact.results.result import recording_of
 from tests.problems import flat_rod
-from tests.stops import knee
-from tests.test_stops import struck_rod
+from tests.stops import knee, struck_rod
 
 FEW = ("contact.restitution", "initial.angle[2]")
 

@@ -1,5 +1,6 @@
 """The headline of a picture says what happened, in numbers that are those of the recording."""
 
+import math
 import re
 from dataclasses import replace
 
@@ -96,6 +97,7 @@ def test_without_parameters_only_the_links_are_known():
         ("newton_impact", None, "stops e = 0.5"),
         ("zhang_sharf", "newton_impact", "stops law newton_impact, e = 0.5"),
         ("newton_impact", "flores", "stops law flores, e = 0.5, K = 1e4 N·m/rad$^{1.5}$"),
+        ("flores", "flores", "stops law flores, e = 0.5, K = 1e4 N·m/rad$^{1.5}$"),
     ],
 )
 def test_rigid_stops_have_no_stiffness(walls, own, told):
@@ -105,10 +107,32 @@ def test_rigid_stops_have_no_stiffness(walls, own, told):
     assert ("stiffness K = 1e8 N/m$^{1.5}$" in parts) == (walls != "newton_impact")
 
 
-def test_the_rigid_stops_of_an_fmu_are_known_by_their_impacts():
+FORCE = "stops e = 0.5, K = 1e4 N·m/rad$^{1.5}$"
+
+
+@pytest.mark.parametrize(
+    ("values", "time", "told"),
+    [
+        ({"stops.model": "newton_impact"}, 0.5, "stops e = 0.5"),
+        ({"contact.model": "newton_impact", "stops.model": "flores"}, 0.5, FORCE),
+        # without an impact at a stop, only the law of the walls is known
+        ({"contact.model": "newton_impact", "stops.model": "flores"}, 0.1, "stops e = 0.5"),
+        ({"contact.model": "zhang_sharf", "stops.model": "newton_impact"}, 0.1, FORCE),
+    ],
+)
+def test_the_rigid_stops_of_an_fmu_are_known_by_their_impacts(values, time, told):
     """Its parameters do not tell that the stops have a law of their own."""
-    recording = recording_of(simulate(knee(**{"stops.model": "newton_impact"}), 0.5))
-    assert "stops e = 0.5" in conditions(replace(recording, stop_law="")).split("  ·  ")
+    recording = recording_of(simulate(knee(**values), time))
+    assert any(hit.at_stop for hit in recording.impacts) == (time > 0.1)
+    assert told in conditions(replace(recording, stop_law="")).split("  ·  ")
+
+
+def test_a_finite_force_at_a_rigid_stop_that_holds_a_joint_is_no_sign_of_a_stiffness():
+    rigid = {"contact.model": "newton_impact", "stop.restitution": 0.0}
+    recording = recording_of(simulate(knee(**rigid), 2.0))
+    held = [hit for hit in recording.impacts if hit.at_stop and math.isfinite(hit.peak_force)]
+    assert held
+    assert "stops e = 0" in conditions(replace(recording, impacts=held)).split("  ·  ")
 
 
 @pytest.mark.parametrize(

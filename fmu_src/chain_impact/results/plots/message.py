@@ -88,15 +88,27 @@ def is_rigid(law: str) -> bool:
 
 
 def stop_conditions(recording: Recording) -> str:
-    """The law of the stops if it is one of their own, their restitution, and, if they have a force, K.
-
-    An FMU does not tell which law its stops have; but an infinite force shows that they are rigid.
-    """
+    """The law of the stops if the scene names one, their restitution, and, if they have a force, K."""
     known, own = recording.parameters, recording.stop_law
-    struck = any(hit.at_stop and math.isinf(hit.peak_force) for hit in recording.impacts)
-    rigid = struck or is_rigid(own or str(known.get("contact.model")))
     told = f"stops {f'law {own}, ' if own else ''}e = {known['stop.restitution']:g}"
-    if rigid:
+    if has_rigid_stops(recording):
         return told
     unit = f"N·m/rad$^{{{known['stop.exponent']:g}}}$"
     return f"{told}, K = {number(known['stop.stiffness'])} {unit}"
+
+
+def has_rigid_stops(recording: Recording) -> bool:
+    """Whether the law of the stops has impulses in place of a force.
+
+    An FMU does not tell which law its stops have, but its impacts do: only a rigid stop has an infinite
+    force, and only one with a force is penetrated. A finite force tells nothing: a rigid stop that holds a
+    joint has one, too.
+    """
+    if recording.stop_law:
+        return is_rigid(recording.stop_law)
+    hits = [hit for hit in recording.impacts if hit.at_stop]
+    if any(math.isinf(hit.peak_force) for hit in hits):
+        return True
+    if any(hit.max_penetration > 0.0 for hit in hits):
+        return False
+    return is_rigid(str(recording.parameters.get("contact.model")))
