@@ -30,7 +30,7 @@ from types import CodeType
 from typing import Any
 
 from common import ROOT, environment, load, save
-from faulty import PACKAGE, PYTEST, apart, names_at_import, passes, stand_in, too_slow
+from faulty import PACKAGE, PYTEST, apart, module_name, names_at_import, passes, stand_in, too_slow
 from mutations import KINDS, Mutant, mutants_of
 
 PARTS = ("kernel", "variables")
@@ -115,48 +115,37 @@ def owner_of(code: CodeType | str) -> str:
 
 
 def selected(mutant: Mutant, profile: dict[str, Any], seconds: float) -> list[str]:
-    """The tests for a mutant, in their order."""
+    """The tests for a mutant, in their order: those that call it, of files that import its module first."""
     wanted, room = users(mutant), f"tests/{mutant.file.relative_to(PACKAGE).parent}/"
     files: dict[str, list[str]] = defaultdict(list)
     for key in sorted(profile, key=lambda key: profile[key]["seconds"]):
-        # what no function names, as a coefficient, is used by the room that it is in
-        if wanted.intersection(profile[key]["calls"]) if wanted else key.startswith(room):
-            files[key.partition("::")[0]].append(key)
-    mirror = f"tests/{mutant.file.relative_to(PACKAGE).parent}/test_{mutant.file.stem}"
-    own = [key for file in list(files) if file.startswith(mirror) for key in files.pop(file)]
-    others = [key for turn in zip_longest(*(files[file] for file in sorted(files))) for key in turn if key]
+        file = key.partition("::")[0]
+        # what is used as modules are imported may be seen by any test of the room that it is in
+        if wanted.intersection(profile[key]["calls"]) if wanted else file.startswith(room):
+            files[file].append(key)
+    near = [files.pop(file) for file in list(files) if module_name(mutant) in (ROOT / file).read_text()]
     chosen, total = [], 0.0
-    for key in own + others:
-        if total + profile[key]["seconds"] <= seconds:
-            total += profile[key]["seconds"]
-            chosen.append(key)
+    for part, some in ((0.7, near), (1.0, [files[file] for file in sorted(files)])):
+        for key in (key for turn in zip_longest(*some) for key in turn if key):
+            if total + profile[key]["seconds"] <= part * seconds:
+                total += profile[key]["seconds"]
+                chosen.append(key)
     return chosen
 
 
 def users(mutant: Mutant) -> set[str]:
     """The functions that a fault may change: its own, or those that name what it is in; or nobody knows."""
-    own = f"{mutant.file}:{mutant.owner}"
     if mutant.owner in functions_of(mutant.file):
+        own = f"{mutant.file}:{mutant.owner}"
         return set() if mutant.owner in names_at_import() else {own}
-    names = {name.strip(" ()") for name in mutant.owner.split(",")}
-    found = {own}  # a class
-    for part in PARTS:
-        for file in (PACKAGE / part).rglob("*.py"):
-            found |= {f"{file}:{name}" for name, used in functions_of(file).items() if used & names}
-    if found == {own}:
-        found |= {f"{mutant.file}:{name}" for name in functions_of(mutant.file)}
-    return found if len(found) > 1 else set()
+    return set()
 
 
 @functools.cache
-def functions_of(file: Path) -> dict[str, set[str]]:
-    """The functions at the top of a module, with the names that they use."""
+def functions_of(file: Path) -> set[str]:
+    """The functions at the top of a module."""
     tree = ast.parse(file.read_text(encoding="utf-8"))
-    return {
-        node.name: {getattr(one, "id", getattr(one, "attr", "")) for one in ast.walk(node)}
-        for node in tree.body
-        if isinstance(node, ast.FunctionDef)
-    }
+    return {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
 
 
 def of_each(mutants: list[dict[str, Any]], survivors: list[dict[str, Any]], key: str) -> dict[str, str]:
