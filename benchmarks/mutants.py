@@ -3,8 +3,8 @@
 The tests run in this process, with the kernel as plain Python in the place of the compiled one
 (plain_kernel.py): no fault is compiled. First each test runs once, which tells what it calls. Then, for each
 fault, a copy of the process (fork) takes the faulty function and runs tests that call it until one fails:
-those of the mirror file first, then of all other files in turn, the fastest first. What runs when a module
-is imported needs the modules anew.
+those of files that import its module first, then of all others in turn, the fastest first. What runs when a
+module is imported needs the modules anew.
 
     python benchmarks/mutants.py                  a sample, by --seed and --count
     python benchmarks/mutants.py --again          those that survived last, once more
@@ -20,6 +20,7 @@ import hashlib
 import json
 import os
 import random
+import re
 import signal
 import time
 from collections import Counter, defaultdict
@@ -123,7 +124,7 @@ def selected(mutant: Mutant, profile: dict[str, Any], seconds: float) -> list[st
         # what is used as modules are imported may be seen by any test of the room that it is in
         if wanted.intersection(profile[key]["calls"]) if wanted else file.startswith(room):
             files[file].append(key)
-    near = [files.pop(file) for file in list(files) if module_name(mutant) in (ROOT / file).read_text()]
+    near = [files.pop(file) for file in list(files) if imports(file, module_name(mutant))]
     chosen, total = [], 0.0
     for part, some in ((0.7, near), (1.0, [files[file] for file in sorted(files)])):
         for key in (key for turn in zip_longest(*some) for key in turn if key):
@@ -131,6 +132,13 @@ def selected(mutant: Mutant, profile: dict[str, Any], seconds: float) -> list[st
                 total += profile[key]["seconds"]
                 chosen.append(key)
     return chosen
+
+
+def imports(file: str, module: str) -> bool:
+    """Whether a file imports a module, or names of it."""
+    package, _, name = module.rpartition(".")
+    text = (ROOT / file).read_text(encoding="utf-8")
+    return re.search(rf"{module}\b|from {package} import .*\b{name}\b", text) is not None
 
 
 def users(mutant: Mutant) -> set[str]:
