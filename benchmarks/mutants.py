@@ -3,8 +3,8 @@
 The tests run in this process, with the kernel as plain Python in the place of the compiled one
 (plain_kernel.py): no fault is compiled. First each test runs once, which tells what it calls. Then, for each
 fault, a copy of the process (fork) takes the faulty function and runs tests that call it until one fails:
-those of the mirror file first, then of all other files in turn, the fastest first. What runs when a module
-is imported needs the modules anew.
+those of files that import its module first, then of all others in turn, the fastest first. What runs when a
+module is imported needs the modules anew.
 
     python benchmarks/mutants.py                  a sample, by --seed and --count
     python benchmarks/mutants.py --again          those that survived last, once more
@@ -20,6 +20,7 @@ import hashlib
 import json
 import os
 import random
+import re
 import signal
 import time
 from collections import Counter, defaultdict
@@ -30,7 +31,7 @@ from types import CodeType
 from typing import Any
 
 from common import ROOT, environment, load, save
-from faulty import PACKAGE, PYTEST, apart, names_at_import, passes, stand_in, too_slow
+from faulty import PACKAGE, PYTEST, apart, module_name, names_at_import, passes, stand_in, too_slow
 from mutations import KINDS, Mutant, mutants_of
 
 PARTS = ("kernel", "variables")
@@ -115,48 +116,44 @@ def owner_of(code: CodeType | str) -> str:
 
 
 def selected(mutant: Mutant, profile: dict[str, Any], seconds: float) -> list[str]:
-    """The tests for a mutant, in their order."""
+    """The tests for a mutant, in their order: those that call it, of files that import its module first."""
     wanted, room = users(mutant), f"tests/{mutant.file.relative_to(PACKAGE).parent}/"
     files: dict[str, list[str]] = defaultdict(list)
     for key in sorted(profile, key=lambda key: profile[key]["seconds"]):
-        # what no function names, as a coefficient, is used by the room that it is in
-        if wanted.intersection(profile[key]["calls"]) if wanted else key.startswith(room):
-            files[key.partition("::")[0]].append(key)
-    mirror = f"tests/{mutant.file.relative_to(PACKAGE).parent}/test_{mutant.file.stem}"
-    own = [key for file in list(files) if file.startswith(mirror) for key in files.pop(file)]
-    others = [key for turn in zip_longest(*(files[file] for file in sorted(files))) for key in turn if key]
+        file = key.partition("::")[0]
+        # what is used as modules are imported may be seen by any test of the room that it is in
+        if wanted.intersection(profile[key]["calls"]) if wanted else file.startswith(room):
+            files[file].append(key)
+    near = [files.pop(file) for file in list(files) if imports(file, module_name(mutant))]
     chosen, total = [], 0.0
-    for key in own + others:
-        if total + profile[key]["seconds"] <= seconds:
-            total += profile[key]["seconds"]
-            chosen.append(key)
+    for part, some in ((0.7, near), (1.0, [files[file] for file in sorted(files)])):
+        for key in (key for turn in zip_longest(*some) for key in turn if key):
+            if total + profile[key]["seconds"] <= part * seconds:
+                total += profile[key]["seconds"]
+                chosen.append(key)
     return chosen
+
+
+def imports(file: str, module: str) -> bool:
+    """Whether a file imports a module, or names of it."""
+    package, _, name = module.rpartition(".")
+    text = (ROOT / file).read_text(encoding="utf-8")
+    return re.search(rf"{module}\b|from {package} import .*\b{name}\b", text) is not None
 
 
 def users(mutant: Mutant) -> set[str]:
     """The functions that a fault may change: its own, or those that name what it is in; or nobody knows."""
-    own = f"{mutant.file}:{mutant.owner}"
     if mutant.owner in functions_of(mutant.file):
+        own = f"{mutant.file}:{mutant.owner}"
         return set() if mutant.owner in names_at_import() else {own}
-    names = {name.strip(" ()") for name in mutant.owner.split(",")}
-    found = {own}  # a class
-    for part in PARTS:
-        for file in (PACKAGE / part).rglob("*.py"):
-            found |= {f"{file}:{name}" for name, used in functions_of(file).items() if used & names}
-    if found == {own}:
-        found |= {f"{mutant.file}:{name}" for name in functions_of(mutant.file)}
-    return found if len(found) > 1 else set()
+    return set()
 
 
 @functools.cache
-def functions_of(file: Path) -> dict[str, set[str]]:
-    """The functions at the top of a module, with the names that they use."""
+def functions_of(file: Path) -> set[str]:
+    """The functions at the top of a module."""
     tree = ast.parse(file.read_text(encoding="utf-8"))
-    return {
-        node.name: {getattr(one, "id", getattr(one, "attr", "")) for one in ast.walk(node)}
-        for node in tree.body
-        if isinstance(node, ast.FunctionDef)
-    }
+    return {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
 
 
 def of_each(mutants: list[dict[str, Any]], survivors: list[dict[str, Any]], key: str) -> dict[str, str]:

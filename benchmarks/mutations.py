@@ -171,6 +171,8 @@ def _owners(tree: ast.Module) -> dict[int, str]:
             case _:
                 name = ""
         owners |= {id(node): name for node in ast.walk(statement)}
+        for decorator in getattr(statement, "decorator_list", []):
+            owners |= {id(node): f"@{name}" for node in ast.walk(decorator)}
     return owners
 
 

@@ -60,6 +60,15 @@ def test_the_next_step_has_the_size_that_the_error_suggests(monkeypatch, error):
     assert trials.noted == ["accept"]
 
 
+def test_an_error_above_the_tolerance_is_refused(monkeypatch):
+    trials = Trials(monkeypatch, [1.05, 0.5])
+    trials.run()
+    assert len(trials.sizes) == 2
+    trials = Trials(monkeypatch, [0.5, 0.5], [1.05, 0.0])
+    trials.run()
+    assert len(trials.sizes) == 2
+
+
 def test_a_step_grows_sixfold_at_most_without_an_error(monkeypatch):
     assert Trials(monkeypatch, [0.0]).run() == (OK, pytest.approx(6.0))
     assert Trials(monkeypatch, [1e-16]).run() == (OK, pytest.approx(6.0))

@@ -1,10 +1,11 @@
-"""Bounds on the speed and acceleration of points and joints over a step, without the turns of the links."""
+"""What a search for crossings goes by: bounds on speeds and accelerations, and the intervals of a step."""
 
 import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.state import omega_at, velocity_at
-from chain_impact.kernel.events.crossing import motion_bounds
+from chain_impact.kernel.events import crossing
+from chain_impact.kernel.events.crossing import QUIET, SPLIT, find_crossing, motion_bounds
 from chain_impact.kernel.integration.dense import rate_bounds, rate_bounds_along
 from tests.kernel.chains import stopped_chain, stops_of
 
@@ -51,3 +52,24 @@ def test_a_joint_is_bounded_by_the_turn_of_its_link_relative_to_the_one_before(m
         # at the lever arm of a stop, the longest link
         assert found == pytest.approx((d.model.size * turn, d.model.size * change), rel=1e-12)
     assert joints == {1, 2, 3}
+
+
+@pytest.mark.parametrize(
+    ("near", "ends"),
+    [
+        (0.0, [1.0, 0.5, 0.25, 0.125, 0.25, 0.5, 1.0]),
+        (0.3, [1.0, 0.5, 0.25, 0.5, 0.375, 0.5, 1.0]),
+        (0.6, [1.0, 0.5, 1.0, 0.75, 0.625, 0.75, 1.0]),
+    ],
+)
+def test_intervals_are_halved_where_they_must_and_as_wide_as_they_can_be_after_that(monkeypatch, near, ends):
+    """Those of the bisection: [k/2ⁿ, (k+1)/2ⁿ], here down to 1/8 where they hold some moment."""
+    _, d = stopped_chain(1, "pinned")
+    seen = []
+    monkeypatch.setattr(crossing, "measure", lambda _, b: seen.append(b))
+    monkeypatch.setattr(crossing, "keep_start", lambda _: None)
+    monkeypatch.setattr(
+        crossing, "check_interval", lambda _, a, b: SPLIT if a <= near < b and b - a > 0.125 else QUIET
+    )
+    assert find_crossing(d) == -1.0
+    assert seen == ends

@@ -7,6 +7,7 @@ import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, supplied_at
+from chain_impact.kernel.integration import balance
 from chain_impact.kernel.integration.balance import (
     LASTING,
     LONG_TURN,
@@ -245,6 +246,16 @@ def test_energy_dissipates_between_what_it_is_at_the_ends(before, after):
         (3.0 + 1.1 * slack, False),
     ):
         assert dissipates_evenly(d, middle) == right
+
+
+def test_the_energy_of_impacts_allows_for_some_of_it(monkeypatch):
+    d = after_a_step(0.1)
+    at = dissipated_at(LINKS)
+    d.step.state[at] = d.step.state_end[at] = 1.0
+    monkeypatch.setattr(balance, "impact_energy", lambda _: 50.0)
+    slack = 10.0 * 3.0 * TOLERANCE * (d.model.energy + 1.0 + 50.0)
+    assert dissipates_evenly(d, 1.0 + 0.99 * slack)
+    assert not dissipates_evenly(d, 1.0 + 1.01 * slack)
 
 
 def test_a_motion_that_keeps_its_energy_does_so_in_the_middle():
