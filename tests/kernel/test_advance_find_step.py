@@ -319,3 +319,30 @@ def test_impulses_are_stored_and_begun_anew_at_events(monkeypatch, events, chang
     loop.apply_pending_events(d)
     kept = ["keep_end_forces"] if changed else []
     assert done == (["commit_impulses", "apply", *kept, "reset_impulse_step"] if events else [])
+
+
+@pytest.mark.parametrize(
+    ("status", "changed", "goes_on", "right"),
+    [(OK, 1, False, 77), (OK, 1, True, OK), (OK, 0, False, OK), (STEP_TOO_SMALL, 1, False, STEP_TOO_SMALL)],
+)
+def test_a_change_is_applied_at_the_communication_point_unless_it_is_no_jump(
+    monkeypatch, status, changed, goes_on, right
+):
+    d = at_end_of_a_step()
+    d.statistics.status, d.given.changed = status, changed
+    monkeypatch.setattr(loop, "inputs_continue", lambda _: goes_on)
+    monkeypatch.setattr(loop, "reinit", lambda _: 77)
+    assert loop.reinit_if_changed(d) == d.statistics.status == right
+
+
+@pytest.mark.parametrize("held", [(False,), (True, False), (True, True)])
+def test_what_rigid_walls_hold_is_found_anew_after_a_change(monkeypatch, held):
+    d, done, answers = at_end_of_a_step(), [], list(held)
+    d.step.end = 0.5
+    monkeypatch.setattr(loop, "any_point_held", lambda _: answers.pop(0))
+    for name in ("end_changed_contacts", "update_active_set"):
+        monkeypatch.setattr(loop, name, lambda _, name=name: done.append(name))
+    monkeypatch.setattr(loop, "reset_step", lambda d, time, y: done.append((time, y is d.step.state_end)))
+    loop.recompute_active_set(d)
+    found = ["end_changed_contacts", *["update_active_set"] * held[-1], (0.5, True)]
+    assert done == (found if held[0] else [])

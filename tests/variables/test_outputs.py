@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.scene.scene import load_scene
 from chain_impact.variables.model import Model
@@ -91,3 +92,16 @@ def total_slopes(duals):
     if not duals.dtype.names:
         return 0.0
     return sum(total_slopes(duals[name]) for name in duals.dtype.names)
+
+
+def test_numbers_of_points_and_walls_have_the_limits_that_their_texts_tell():
+    """Point −1 and wall 0 stand for none."""
+    limits = {variable.name: (variable.minimum, variable.maximum) for variable in all_outputs(BOX)}
+    for prefix in ("impact.last_", "impact[1].", "impact[2]."):
+        assert limits[f"{prefix}point"] == (-1, 4)
+        assert limits[f"{prefix}wall"] == (0, 4)
+        assert limits[f"{prefix}speed"] == (0.0, None)
+    assert limits["impact.count"] == (0, None)
+    assert limits["impact[1].peak_force"] == limits["impact[1].max_penetration"] == (0.0, None)
+    assert limits["solver.steps"] == (0, None)
+    assert limits["solver.status"] == (0, max(STATUS_TEXT))

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.chain.state import omega_at, velocity_at
+from chain_impact.kernel.chain.state import omega_at, sundman_u_at, velocity_at
 from chain_impact.kernel.events import crossing
-from chain_impact.kernel.events.crossing import QUIET, SPLIT, find_crossing, motion_bounds
+from chain_impact.kernel.events.crossing import QUIET, SPLIT, bound_curvature, find_crossing, motion_bounds
 from chain_impact.kernel.integration.dense import rate_bounds, rate_bounds_along
+from chain_impact.kernel.integration.sundman import NO_CONTACT
 from tests.kernel.chains import stopped_chain, stops_of
 
 LINKS = 3
@@ -73,3 +74,33 @@ def test_intervals_are_halved_where_they_must_and_as_wide_as_they_can_be_after_t
     )
     assert find_crossing(d) == -1.0
     assert seen == ends
+
+
+def test_the_curvature_of_a_stop_is_that_of_its_joint_and_of_a_point_that_of_the_links_before_it(moving):
+    d, along_x, along_y = moving
+    d.step.regularized = NO_CONTACT
+    bound_curvature(d)
+    reach = [0.0]
+    for i in range(LINKS):
+        omega, alpha = rate_bounds(d.step, omega_at(LINKS) + i)
+        reach.append(reach[-1] + d.model.length[i] * (alpha + omega**2))
+    for c in range(d.candidates):
+        _, bend = motion_bounds(d, c, along_x, along_y)
+        links = 0.0 if d.candidate.stop[c] else reach[d.candidate.point[c]]
+        assert d.search.curvature[c] == pytest.approx(bend + links, rel=1e-12)
+
+
+def test_in_another_variable_it_is_that_of_the_motion_at_its_pace(moving):
+    """d²g/ds² = p² g̈ + p′ ġ, with p and p′ at most u and u′."""
+    d, along_x, along_y = moving
+    d.step.regularized = 0
+    bound_curvature(d)
+    p, change = rate_bounds(d.step, sundman_u_at(LINKS))
+    reach = [0.0]
+    for i in range(LINKS):
+        omega, alpha = rate_bounds(d.step, omega_at(LINKS) + i)
+        reach.append(reach[-1] + d.model.length[i] * (p * (alpha + p * omega**2) + change * omega))
+    for c in range(d.candidates):
+        speed, bend = motion_bounds(d, c, along_x, along_y)
+        links = 0.0 if d.candidate.stop[c] else reach[d.candidate.point[c]]
+        assert d.search.curvature[c] == pytest.approx(p * bend + change * speed + links, rel=1e-12)

@@ -5,6 +5,7 @@ import pytest
 
 from chain_impact.kernel.chain.joint_rate import joint_bound
 from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.events import table
 from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, RELATCH, RELEASE
 from chain_impact.kernel.events.table import (
     LEFT,
@@ -238,3 +239,17 @@ def test_a_force_bends_where_it_ends_or_has_its_kink_in_time(whose, regularized,
     d.touch.event[whose], d.step.regularized = kind, regularized
     smooth = regularized == whose and kind == END
     assert bends_force(d) == (kind in {END, KINK} and not smooth)
+
+
+@pytest.mark.parametrize(
+    ("held", "touching", "flies"), [(True, [], True), (True, [0], False), (False, [], False)]
+)
+def test_after_an_impact_on_rigid_walls_alone_a_flight_begins(monkeypatch, held, touching, flies):
+    """Beside a contact with a force its events decide, as they do without rigid walls."""
+    d, called = arrived(touching=touching), []
+    monkeypatch.setattr(table, "any_point_held", lambda _: held)
+    monkeypatch.setattr(table, "handle_impact", lambda _: called.append("impact"))
+    monkeypatch.setattr(table, "begin_flight", lambda _: called.append("flight"))
+    monkeypatch.setattr(table, "choose_size", lambda _d, *what: called.append(what))
+    assert apply_events(d) == held
+    assert called == ["impact"] * held + ["flight" if flies else (-1, False)]

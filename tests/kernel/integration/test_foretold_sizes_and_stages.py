@@ -271,8 +271,19 @@ def test_the_error_with_a_held_point_is_worked_out_once_more(monkeypatch):
     free = collocation.estimate(d, 1e-3, size)
     assert d.limits.other_work == before
     monkeypatch.setattr(collocation, "any_point_held", lambda _: True)
+    solve, solved = collocation.solve_real, []
+
+    def note(d, shift, x):
+        given = x.tolist()
+        solve(d, shift, x)
+        solved.append((shift, given, x.tolist()))
+
+    monkeypatch.setattr(collocation, "solve_real", note)
     monkeypatch.setattr(collocation, "moment_error", lambda d, row: (1e3 + row) * d.solver.tolerance)
     # e₁ min(1, e₁/e₂), with the moments in place of the other errors
     assert collocation.estimate(d, 1e-3, size) == pytest.approx(1e3 * 1e3 / 1001.0, rel=1e-9)
     assert d.limits.other_work == before + 1
     assert free < 1e3
+    # the error of the start once more
+    assert [shift for shift, *_ in solved] == [1e-3 * REAL_EIGENVALUE] * 3
+    assert solved[2][1] == solved[0][2]

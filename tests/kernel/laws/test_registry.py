@@ -74,3 +74,17 @@ def test_a_damping_beside_the_family_is_a_force_in_every_unit(law):
 @pytest.mark.parametrize("law", CONTACT_LAWS.values(), ids=CONTACT_LAWS)
 def test_restitutions_are_between_zero_and_one(law):
     assert 0.0 <= law.accurate_from <= law.accurate_to <= 1.0
+
+
+def test_the_force_of_a_law_is_told_with_its_exponents():
+    told = {
+        name: CONTACT_LAWS[name].force for name in ("kelvin_voigt", "tsuji", "jankowski", "kuwabara_kono")
+    }
+    assert told == {
+        "kelvin_voigt": "Kδ + d δ̇",
+        "tsuji": "Kδ√δ + d δ^¼ δ̇",
+        "jankowski": "Kδ√δ + d δ^¼ max(0, δ̇)",
+        "kuwabara_kono": "Kδ√δ + d δ^½ δ̇",
+    }
+    assert CONTACT_LAWS["newton_impact"].force == "impulses"
+    assert CONTACT_LAWS["hunt_crossley"].force == registry.FAMILY_FORCE

@@ -308,7 +308,7 @@ def test_a_change_is_judged_by_the_largest_that_is_asked_for_and_by_link_lengths
     def solve_equality(d, scale):
         called.append(scale)
         own.change[:] = 0.0
-        own.change[4 if turns else 1] = -moved * limit * (1.0 if turns else size)
+        own.change[2 if turns else 1] = -moved * limit * (1.0 if turns else size)
 
     monkeypatch.setattr(constraints, "solve_equality", solve_equality)
     monkeypatch.setattr(constraints, "solve_lcp", lambda _, scale: called.append(scale))

@@ -259,3 +259,30 @@ def test_the_acceleration_of_a_joint_is_that_of_its_angle(stopped):
         turn = rate[7 + joint] - (rate[6 + joint] if joint else 0.0)
         expected = d.candidate.stop[c] * d.model.size * turn
         assert along_normal(d, c, d.work.acceleration) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("place", range(1, 7))
+def test_any_place_may_be_the_fastest(place):
+    """Points 0 to 3, and the joints of three links."""
+    d = stopped_chain(3)[1]
+    for axis in "xy":
+        d.work.motion[axis][:] = 0.25
+    d.work.motion.x[place] = -4.0
+    assert speed_bound(d, d.work.motion) == (4.25 if place <= 3 else 4.0)
+    d.model.stopped = 0
+    assert speed_bound(d, d.work.motion) == (4.25 if place <= 3 else 0.5)
+
+
+def test_round_off_is_that_of_both_coordinates_of_a_point_or_of_both_angles_of_a_joint():
+    d = stopped_chain(3, "pinned")[1]
+    y, position, size = np.zeros(len(d.step.state)), d.work.position, d.model.size
+    position.x[:], position.y[:] = np.linspace(-3.0, 3.0, len(position.x)), 2.5
+    y[2:5] = 0.5, -1.5, 4.0
+    joints = {1: 0.5, 2: 2.0, 3: 5.5}
+    for c in range(d.candidates):
+        point = d.candidate.point[c]
+        right = size * joints[int(point)] if d.candidate.stop[c] else abs(position.x[point]) + 2.5
+        assert coordinates_size(d, c, y) == pytest.approx(right, rel=1e-13)
+    position.y[:] = -2.5
+    c = next(c for c in range(d.candidates) if not d.candidate.stop[c])
+    assert coordinates_size(d, c, y) == pytest.approx(abs(position.x[d.candidate.point[c]]) + 2.5, rel=1e-13)

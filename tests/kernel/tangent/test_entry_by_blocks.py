@@ -1,0 +1,130 @@
+"""What is done with the instances of dual numbers behind an instance, one after the other."""
+
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.status import NOT_FINITE, OK
+from chain_impact.kernel.tangent import entry
+from chain_impact.kernel.tangent.directions import DIRECTIONS
+from chain_impact.kernel.tangent.entry import (
+    all_valid,
+    fill_row,
+    forget_slopes,
+    observe_all,
+    replay_all,
+    trajectory_with,
+    truncate_all,
+)
+
+WIDE, LOOKS, BLOCKS = 1 + DIRECTIONS, 4, 2
+
+
+def output(words):
+    return SimpleNamespace(words=words)
+
+
+@pytest.fixture
+def d():
+    """An instance with four outputs, and two of dual numbers behind it: each number is told by its place."""
+    one = SimpleNamespace(tangents=BLOCKS, links=2, candidates=6, output=output(np.arange(4.0)))
+    one.statistics = SimpleNamespace(status=OK)
+    one.beside = [
+        SimpleNamespace(links=2, candidates=6, output=output(1000.0 * (b + 1) + np.arange(LOOKS * WIDE)))
+        for b in range(BLOCKS)
+    ]
+    return one
+
+
+def test_a_row_has_the_outputs_asked_for_and_their_slopes_in_the_order_of_parameters(d):
+    looks = [2, 0]
+    values, slopes = np.zeros(2), np.full(2 * BLOCKS * DIRECTIONS, -1.0)
+    fill_row(d, looks, values, slopes)
+    assert values.tolist() == [2.0, 0.0]
+    right = [
+        [1000.0 * (b + 1) + look * WIDE + 1 + k for b in range(BLOCKS) for k in range(DIRECTIONS)]
+        for look in looks
+    ]
+    assert slopes.tolist() == [one for row in right for one in row]
+
+
+def test_slopes_are_forgotten_and_values_are_not():
+    numbers = np.arange(2.0 * WIDE)
+    forget_slopes(numbers)
+    assert numbers[[0, WIDE]].tolist() == [0.0, WIDE]
+    assert np.isnan(np.delete(numbers, [0, WIDE])).all()
+
+
+@pytest.mark.parametrize("status", [OK, NOT_FINITE])
+def test_after_a_fault_no_derivative_is_told_nor_one_that_is_not_trusted(d, status, monkeypatch):
+    filled = []
+    monkeypatch.setattr(entry, "fill_outputs", filled.append)
+    monkeypatch.setattr(entry, "trusted", lambda t: t is d.beside[1])
+    d.statistics.status = status
+    observe_all(d)
+    assert filled == d.beside
+    for t, kept in zip(d.beside, (False, status == OK), strict=True):
+        assert math.isnan(t.output.words[1]) != kept
+
+
+def test_the_earliest_end_of_all_is_shared_by_all(d, monkeypatch):
+    d.tangents = 3
+    d.beside.append(SimpleNamespace())
+    d.beside = [SimpleNamespace(end=end) for end in (5.0, 3.0, 4.0)]
+    replayed = []
+    monkeypatch.setattr(entry, "replay", lambda _, t: replayed.append(t))
+
+    def share_reason(t, other):
+        t.end = min(t.end, other.end)
+
+    monkeypatch.setattr(entry, "share_reason", share_reason)
+    replay_all(d)
+    assert replayed == d.beside
+    assert [t.end for t in d.beside] == [3.0, 3.0, 3.0]
+
+
+def test_each_follows_its_contacts_and_then_its_end(d, monkeypatch):
+    done = []
+    monkeypatch.setattr(entry, "update_own_to_output_time", lambda t: done.append(("contacts", t)))
+    monkeypatch.setattr(entry, "move_end", lambda t: done.append(("end", t)))
+    truncate_all(d)
+    assert done == [(what, t) for t in d.beside for what in ("contacts", "end")]
+
+
+@pytest.mark.parametrize("wrong", [0, 1])
+@pytest.mark.parametrize("what", ["links", "candidates", "bounds"])
+def test_one_that_is_not_valid_is_enough(d, wrong, what, monkeypatch):
+    valid = [True, True]
+    monkeypatch.setattr(entry, "within_bounds", lambda t: valid[t is d.beside[1]])
+    assert all_valid(d)
+    if what == "bounds":
+        valid[wrong] = False
+    else:
+        setattr(d.beside[wrong], what, 7)
+    assert not all_valid(d)
+
+
+@pytest.mark.parametrize("fault", [None, 0, 1])
+def test_rows_are_filled_at_their_times_until_a_fault(d, fault, monkeypatch):
+    d.finished, times, done = SimpleNamespace(point=[0] * 10), [0.1, 0.2], []
+    monkeypatch.setattr(entry, "work_done", lambda _: 100)
+    monkeypatch.setattr(entry, "work_of_a_call", lambda _: 23)
+    monkeypatch.setattr(entry, "allow_any_length", lambda _: done.append("any length"))
+    monkeypatch.setattr(entry, "observe", lambda _: done.append("observe"))
+    monkeypatch.setattr(
+        entry, "fill_row", lambda _d, looks, values, slopes: done.append((looks, values, slopes))
+    )
+
+    def advance(_, time, room, work):
+        assert (room, work) == (4, 123)  # the log has ten rows, of which six candidates may need one each
+        done.append(time)
+        return NOT_FINITE if fault == times.index(time) else OK
+
+    monkeypatch.setattr(entry, "advance", advance)
+    filled = trajectory_with(d, times, "looks", ["v0", "v1"], ["s0", "s1"])
+    assert filled == (2 if fault is None else fault)
+    rows = [["any length", time, "observe", ("looks", f"v{k}", f"s{k}")] for k, time in enumerate(times)]
+    last = [] if fault is None else ["any length", times[fault]]
+    assert done == [one for row in rows[:filled] for one in row] + last
