@@ -248,7 +248,7 @@ def test_after_an_impact_on_rigid_walls_alone_a_flight_begins(monkeypatch, held,
     """Beside a contact with a force its events decide, as they do without rigid walls."""
     d, called = arrived(touching=touching), []
     monkeypatch.setattr(table, "any_point_held", lambda _: held)
-    monkeypatch.setattr(table, "handle_impact", lambda _: called.append("impact"))
+    monkeypatch.setattr(table, "handle_impact", lambda _: called.append("impact") or -1)
     monkeypatch.setattr(table, "begin_flight", lambda _: called.append("flight"))
     monkeypatch.setattr(table, "choose_size", lambda _d, *what: called.append(what))
     assert apply_events(d) == held

@@ -31,7 +31,7 @@ def d():
     """An instance with four outputs, and two of dual numbers behind it: each number is told by its place."""
     one = SimpleNamespace(tangents=BLOCKS, links=2, candidates=6, output=output(np.arange(4.0)))
     one.statistics = SimpleNamespace(status=OK)
-    one.beside = [
+    one.tangent_instances = [
         SimpleNamespace(links=2, candidates=6, output=output(1000.0 * (b + 1) + np.arange(LOOKS * WIDE)))
         for b in range(BLOCKS)
     ]
@@ -61,18 +61,18 @@ def test_slopes_are_forgotten_and_values_are_not():
 def test_after_a_fault_no_derivative_is_told_nor_one_that_is_not_trusted(d, status, monkeypatch):
     filled = []
     monkeypatch.setattr(entry, "fill_outputs", filled.append)
-    monkeypatch.setattr(entry, "trusted", lambda t: t is d.beside[1])
+    monkeypatch.setattr(entry, "trusted", lambda t: t is d.tangent_instances[1])
     d.statistics.status = status
     observe_all(d)
-    assert filled == d.beside
-    for t, kept in zip(d.beside, (False, status == OK), strict=True):
+    assert filled == d.tangent_instances
+    for t, kept in zip(d.tangent_instances, (False, status == OK), strict=True):
         assert math.isnan(t.output.words[1]) != kept
 
 
 def test_the_earliest_end_of_all_is_shared_by_all(d, monkeypatch):
     d.tangents = 3
-    d.beside.append(SimpleNamespace())
-    d.beside = [SimpleNamespace(end=end) for end in (5.0, 3.0, 4.0)]
+    d.tangent_instances.append(SimpleNamespace())
+    d.tangent_instances = [SimpleNamespace(end=end) for end in (5.0, 3.0, 4.0)]
     replayed = []
     monkeypatch.setattr(entry, "replay", lambda _, t: replayed.append(t))
 
@@ -81,8 +81,8 @@ def test_the_earliest_end_of_all_is_shared_by_all(d, monkeypatch):
 
     monkeypatch.setattr(entry, "share_reason", share_reason)
     replay_all(d)
-    assert replayed == d.beside
-    assert [t.end for t in d.beside] == [3.0, 3.0, 3.0]
+    assert replayed == d.tangent_instances
+    assert [t.end for t in d.tangent_instances] == [3.0, 3.0, 3.0]
 
 
 def test_each_follows_its_contacts_and_then_its_end(d, monkeypatch):
@@ -90,19 +90,19 @@ def test_each_follows_its_contacts_and_then_its_end(d, monkeypatch):
     monkeypatch.setattr(entry, "update_own_to_output_time", lambda t: done.append(("contacts", t)))
     monkeypatch.setattr(entry, "move_end", lambda t: done.append(("end", t)))
     truncate_all(d)
-    assert done == [(what, t) for t in d.beside for what in ("contacts", "end")]
+    assert done == [(what, t) for t in d.tangent_instances for what in ("contacts", "end")]
 
 
 @pytest.mark.parametrize("wrong", [0, 1])
 @pytest.mark.parametrize("what", ["links", "candidates", "bounds"])
 def test_one_that_is_not_valid_is_enough(d, wrong, what, monkeypatch):
     valid = [True, True]
-    monkeypatch.setattr(entry, "within_bounds", lambda t: valid[t is d.beside[1]])
+    monkeypatch.setattr(entry, "within_bounds", lambda t: valid[t is d.tangent_instances[1]])
     assert all_valid(d)
     if what == "bounds":
         valid[wrong] = False
     else:
-        setattr(d.beside[wrong], what, 7)
+        setattr(d.tangent_instances[wrong], what, 7)
     assert not all_valid(d)
 
 
