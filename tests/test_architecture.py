@@ -59,14 +59,10 @@ TESTED_ELSEWHERE = {
     "scene/tables.py": "scene/test_scene.py",
     "scene/limits.py": "scene/test_checks.py",
     "fmu/check_references.py": "fmu/test_references.py",
-    "variables/units.py": "variables/test_table.py",
     "scene/half_planes.py": "test_walls.py",
     "scene/models.py": "test_models.py",
     "kernel/integration/combination.py": "kernel/integration/test_explicit.py",
-    "kernel/integration/dense.py": "kernel/integration/test_explicit.py",
     "kernel/integration/dop853.py": "kernel/integration/test_explicit.py",
-    "kernel/entry.py": "simulation/test_simulate.py",  # each call goes through it
-    "kernel/integration/errors.py": "kernel/integration/test_explicit.py",
     "kernel/events/kinds.py": "kernel/events/test_search.py",
     "kernel/events/relatch.py": "kernel/events/test_search.py",
     "kernel/events/sampling.py": "test_newton_rest.py",
@@ -74,18 +70,13 @@ TESTED_ELSEWHERE = {
     "kernel/integration/method.py": "kernel/integration/test_switching.py",
     "kernel/integration/methods.py": "kernel/integration/test_switching.py",
     "kernel/inlining.py": "kernel/chain/test_recursion.py",
-    "kernel/integration/collocation_dense.py": "kernel/integration/test_collocation.py",
-    "kernel/integration/extended.py": "kernel/integration/test_linear_system.py",
-    "kernel/integration/projection.py": "kernel/integration/test_collocation.py",
     **{
         f"kernel/record/{name}.py": "kernel/test_record.py"
         for name in ("contacts", "fields", "given", "implicit", "instance", "outputs", "solver")
     },
-    "variables/outputs.py": "variables/test_table.py",
     "variables/variable.py": "variables/test_table.py",
     "results/impacts.py": "results/test_impacts_of.py",
     "kernel/status.py": "variables/test_table.py",
-    "kernel/laws/user_law.py": "test_law_file.py",
     "kernel/tangent/blocks.py": "kernel/tangent/test_entry.py",
 }
 
