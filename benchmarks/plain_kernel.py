@@ -78,7 +78,7 @@ def run_each(  # noqa: PLR0917 - in C, arguments have no names
     looks: Any,
     columns: int,
     rows: Any,
-    going_on: int,
+    continuing: int,
 ) -> int:
     """Run again and again with other parameters; return how many runs are done."""
     d = instance(address)
@@ -93,7 +93,7 @@ def run_each(  # noqa: PLR0917 - in C, arguments have no names
             array(stops, runs),
             array(looks, columns, np.int64),
             array(rows, runs * (entry.PEAKS + columns)).reshape(runs, -1),
-            going_on,
+            continuing,
         )
     )
 
