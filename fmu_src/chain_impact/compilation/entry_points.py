@@ -50,7 +50,8 @@ def follow(d):
 
 def trajectory(d, times, count, out):
     """Fill rows of outputs; return how many."""
-    output = words(d.output)
+    hidden = 0 if d.friction.shown else len(words(d.output.friction))
+    output = words(d.output)[: len(words(d.output)) - hidden]
     return entry.trajectory(d, vector(times, count), output, matrix(out, count, len(output)))
 
 

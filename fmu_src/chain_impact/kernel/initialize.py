@@ -15,6 +15,7 @@ from chain_impact.kernel.chain.state import (
     supplied_at,
     velocity_at,
 )
+from chain_impact.kernel.events.friction_modes import update_modes
 from chain_impact.kernel.integration.balance import start_balance
 from chain_impact.kernel.integration.last_step import reset_step
 from chain_impact.kernel.integration.methods import IS_IMPLICIT, SOLVER_METHODS, first_method
@@ -24,6 +25,7 @@ from chain_impact.kernel.model.contact import clear_loads, drop_events
 from chain_impact.kernel.model.contact_law import start_laws
 from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
 from chain_impact.kernel.model.equations import state_rate
+from chain_impact.kernel.model.friction import clear_friction, set_friction_used
 from chain_impact.kernel.model.geometry import clearance, place_walls
 from chain_impact.kernel.model.inputs import apply_inputs
 from chain_impact.kernel.model.latest import forget_impacts
@@ -53,6 +55,7 @@ def initialize(d, time):
     set_initial_state(d, d.work.y)
     reset_step(d, time, d.work.y)
     clear_loads(d)
+    start_modes(d)
     d.step.next_size = first_size(d)
     if not IS_IMPLICIT[first_method(d.solver.method)]:
         d.step.next_size = stable(d, d.step.next_size)
@@ -67,6 +70,15 @@ def initialize(d, time):
     if d.statistics.status == OK:
         hooks.on_start(d)
     return d.statistics.status
+
+
+def start_modes(d):
+    """Choose the modes of the joints with dry friction; nothing touches a wall yet."""
+    set_friction_used(d)
+    if d.friction.used:
+        locate_points(d, d.step.state_end)
+        update_modes(d, True)
+        reset_step(d, d.step.end, d.step.state_end)
 
 
 def set_initial_state(d, y):
@@ -85,15 +97,17 @@ def set_initial_state(d, y):
 def clear_run(d):
     """Clear the data of an earlier run: moments, contacts, impacts, the log and all counts."""
     d.touch.active_count, d.touch.compliant_count, d.touch.stop_count = 0, 0, 0
+    clear_friction(d)
     for i in range(d.links):
         d.work.moment[i], d.work.load.joint[i], d.implicit.load.joint[i] = 0.0, 0.0, 0.0
     for c in range(d.candidates):
         d.touch.active[c], d.touch.active_index[c] = 0, 0
-        d.impulse.total[c], d.touch.number[c] = 0.0, 0
+        d.impulse.total[c], d.impulse.friction[c], d.touch.number[c] = 0.0, 0.0, 0
+    d.impulse.friction_energy = 0.0
     drop_events(d)
     impact, statistics, limits = d.impact, d.statistics, d.limits
     impact.count, impact.last_point, impact.last_wall, impact.last_speed = 0, -1, 0, 0.0
-    d.finished.count = 0
+    d.finished.count, d.changes.count = 0, 0
     forget_impacts(d)
     d.step.breaks, d.search.known_for = 0, 0
     statistics.steps, statistics.rejected_steps = 0, 0
@@ -127,10 +141,14 @@ def derive_chain(d):
     model.gravity_size = math.hypot(model.gravity[0], model.gravity[1])
     model.resisting = max(model.damped, model.sprung)
     model.joint_bound = joint_bound(d)
-    model.stopped = 0
+    model.stopped, model.rubbing = 0, 0
+    for i in range(0 if model.pinned else 1, len(model.length)):
+        if resists(model.joint_friction[i]):
+            model.rubbing = 1
     for c in range(d.candidates):
         if d.candidate.stop[c] != 0:
             model.stopped = 1
+    model.jointed = max(model.stopped, model.rubbing)
 
 
 def check_parameters(d):
@@ -173,7 +191,12 @@ def check_links(d):
         for value in (d.model.length[i], d.model.mass[i]):
             if not (value > 0.0 and math.isfinite(value)):
                 return PARAMETER_OUT_OF_RANGE
-        for value in (d.model.inertia[i], d.model.joint_damping[i], d.model.joint_stiffness[i]):
+        for value in (
+            d.model.inertia[i],
+            d.model.joint_damping[i],
+            d.model.joint_stiffness[i],
+            d.model.joint_friction[i],
+        ):
             if not (value >= 0.0 and math.isfinite(value)):
                 return PARAMETER_OUT_OF_RANGE
         if not math.isfinite(d.model.joint_rest_angle[i] + d.model.center_of_mass[i]):

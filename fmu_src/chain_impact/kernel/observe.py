@@ -5,10 +5,11 @@ from chain_impact.kernel.chain.kinematics import accelerate_points, locate_point
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at
 from chain_impact.kernel.events.contact_log import update_latest
 from chain_impact.kernel.integration.dense import fraction, interpolate, interpolate_component
-from chain_impact.kernel.integration.impulse import impulse_count
+from chain_impact.kernel.integration.impulse import friction_energy_at, impulse_count, rubbing_contact
 from chain_impact.kernel.model.contact import contact_force
 from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
 from chain_impact.kernel.model.equations import located_rate
+from chain_impact.kernel.model.friction import STICKS, joint_of
 from chain_impact.kernel.model.geometry import clearance, lever
 
 
@@ -54,8 +55,11 @@ def fill_outputs(d):
         elif gap < 0.0:
             out.force[c] = contact_force(d, c, gap, gap_rate)
             out.penetration[c], out.penetration_rate[c] = -gap, -gap_rate
-    for k in range(impulse_count(d)):
-        out.impulse[d.touch.active_index[k]] = interpolate_component(d.impulse, theta, k)
+    if d.impulse.wanted:
+        for k in range(d.touch.active_count):
+            out.impulse[d.touch.active_index[k]] = interpolate_component(d.impulse, theta, k)
+    if d.friction.shown:
+        observe_friction(d, theta)
     out.kinetic, out.potential = mechanical_energy(d, y)
     out.elastic = stored_energy(d, y)
     out.dissipated = y[dissipated_at(n)]
@@ -65,6 +69,30 @@ def fill_outputs(d):
     if d.model.stopped:
         combine_stops(d)
     d.limits.other_work = work_done  # evaluating outputs does not count as work
+
+
+def observe_friction(d, theta):
+    """Fill the outputs of dry friction with the values at the fraction θ of the last step."""
+    own, out = d.friction, d.output.friction
+    for c in range(d.candidates):
+        out.force[c], out.sticking[c], out.impulse[c] = 0.0, 0.0, d.impulse.friction[c]
+    for i in range(d.links):
+        out.joint_moment[i], out.joint_sticking[i] = 0.0, 0.0
+    for k in range(own.count):
+        e = own.index[k]
+        sticks = 1.0 if own.mode[e] == STICKS else 0.0
+        if e < d.candidates:
+            out.force[e], out.sticking[e] = own.force[e], sticks
+        else:
+            i = joint_of(d, e)
+            out.joint_moment[i], out.joint_sticking[i] = d.model.size * own.force[e], sticks
+    out.dissipated = d.impulse.friction_energy
+    for k in range(d.touch.active_count, impulse_count(d)):
+        value = interpolate_component(d.impulse, theta, k)
+        if k == friction_energy_at(d):
+            out.dissipated = value
+        else:
+            out.impulse[rubbing_contact(d, k)] = value
 
 
 def combine_stops(d):

@@ -15,7 +15,8 @@ RIGID_WHILE_TOUCHING = 11
 ENERGY_NOT_KEPT = 12
 MASS_MATRIX_SINGULAR = 13
 STEP_TOO_LONG = 14
-LAST_STATUS = STEP_TOO_LONG
+FRICTION_WITH_RIGID_WALLS = 15
+LAST_STATUS = FRICTION_WITH_RIGID_WALLS
 LOG_FULL = -1  # not a fault: collect the finished contacts, then continue
 PAUSED = -2  # not a fault: the caller may continue
 ONSET_DUE = -3  # not a fault: contacts begin at the time reached and are not yet applied
@@ -44,6 +45,9 @@ STATUS_TEXT = {
     "mass: the inertia of one of them must be > 0",
     STEP_TOO_LONG: "the time to the next communication point takes more evaluations than 20 times "
     "solver.work_limit: take shorter communication steps or raise it",
+    FRICTION_WITH_RIGID_WALLS: "newton_impact has no contact friction: Newton's law of impact together with "
+    "Coulomb's law of friction can add energy, and the motion of a rigid body that slides on a rigid wall "
+    "need not exist: choose a law with a force, or set the coefficients of friction to 0",
 }
 
 STATUS_NAME = {
@@ -62,4 +66,5 @@ STATUS_NAME = {
     ENERGY_NOT_KEPT: "energy_not_kept",
     MASS_MATRIX_SINGULAR: "mass_matrix_singular",
     STEP_TOO_LONG: "step_too_long",
+    FRICTION_WITH_RIGID_WALLS: "friction_with_rigid_walls",
 }

@@ -68,4 +68,5 @@ def check_events(d, events):
         limits.event_start = d.step.end
         limits.event_count = 0
     limits.event_count += events
-    return OK if limits.event_count <= MOST_EVENTS * d.candidates else EVENT_STORM
+    elements = d.candidates + (d.links if d.friction.used else 0)
+    return OK if limits.event_count <= MOST_EVENTS * elements else EVENT_STORM

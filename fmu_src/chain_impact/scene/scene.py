@@ -73,6 +73,18 @@ class Scene:
         return *WALLS, *(wall.name for wall in walls), *(STOPS if self.stops.exponent is not None else ())
 
     @property
+    def has_contact_friction(self) -> bool:
+        """Whether any contact may have dry friction: a coefficient is not 0, or given for a wall."""
+        coefficients = ("friction", "static_friction")
+        own = any(getattr(m, key) is not None for m in self.contact.wall.values() for key in coefficients)
+        return own or self.contact.friction > 0.0 or self.contact.static_friction > 0.0
+
+    @property
+    def has_friction(self) -> bool:
+        """Whether any contact or joint may have dry friction."""
+        return self.has_contact_friction or any(link.joint_friction > 0.0 for link in self.chain.links)
+
+    @property
     def law_names(self) -> tuple[str, ...]:
         """The contact laws in the order of their numbers in the FMU, a law of one's own last."""
         file = self.contact.law_file

@@ -59,6 +59,9 @@ class Link:
         "N.m/rad", "stiffness of the joint nearer to the base", 0.0, minimum=0.0
     )
     joint_rest_angle: float = quantity("rad", "angle of the joint at which its spring is slack", 0.0)
+    joint_friction: float = quantity(
+        "N.m", "moment of dry friction in the joint nearer to the base", 0.0, minimum=0.0
+    )
     joint_min: float | None = quantity("rad", "stop of the joint nearer to the base: its least angle", None)
     joint_max: float | None = quantity("rad", "stop of the joint nearer to the base: its largest angle", None)
 
@@ -132,6 +135,12 @@ class Material:
     restitution: float | None = quantity(
         "1", "prescribed restitution, if not that of contact", None, minimum=0.0, maximum=1.0
     )
+    friction: float | None = quantity(
+        "1", "coefficient of sliding friction, if not that of contact", None, minimum=0.0
+    )
+    static_friction: float | None = quantity(
+        "1", "coefficient of static friction, if not that of contact", None, minimum=0.0
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -147,6 +156,10 @@ class Contact:
     points: tuple[int, ...] = quantity("", "points that may touch, base (0) to tip (N)", _MOVABLE)
     minimum_impact_speed: float = quantity(
         "m/s", "slower impacts are treated as having this speed", 1e-3, above=0.0
+    )
+    friction: float = quantity("1", "coefficient of sliding friction", 0.0, minimum=0.0)
+    static_friction: float = quantity(
+        "1", "coefficient of static friction; if it is less than friction, friction holds", 0.0, minimum=0.0
     )
     wall: Mapping[str, Material] = quantity("", "materials of single walls, by the name of the wall", {})
 

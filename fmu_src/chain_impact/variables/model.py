@@ -31,7 +31,7 @@ from chain_impact.variables.variable import Variable
 
 LINK_PARAMETERS = (
     *("length", "mass", "center_of_mass", "inertia"),
-    *("joint_damping", "joint_stiffness", "joint_rest_angle"),
+    *("joint_damping", "joint_stiffness", "joint_rest_angle", "joint_friction"),
 )
 
 
@@ -117,8 +117,9 @@ class Model:
     @cached_property
     def row(self) -> np.dtype:
         """The record of the outputs, a row of ``Result.outputs``."""
-        row: np.dtype = self._layout["output"]
-        return row
+        whole = self._layout["output"]
+        names = [name for name in whole.names or () if name != "friction"]
+        return whole if self.scene.has_friction else np.dtype([(name, whole[name]) for name in names])
 
     @cached_property
     def _layout(self) -> np.dtype:
@@ -257,8 +258,9 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
 
     given = d["given"]
     given["law"] = _law_number(scene.contact.model)
-    for name in ("stiffness", "restitution"):
+    for name in ("stiffness", "restitution", "friction", "static_friction"):
         given[name] = getattr(scene.contact, name)
+    d["friction"]["shown"] = scene.has_friction
 
     initial = d["initial"]
     initial["position"], initial["velocity"] = scene.initial.position, scene.initial.velocity
@@ -266,7 +268,8 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     initial["angular_velocity"] = scene.initial.angular_velocities
 
     d["latest"]["kept"] = scene.outputs.impacts
-    d["impulse"]["wanted"] = scene.outputs.contacts or scene.outputs.impacts > 0
+    asked = scene.outputs
+    d["impulse"]["wanted"] = asked.contacts or asked.impacts > 0 or (scene.has_friction and asked.energies)
     d["solver"]["method"] = SOLVER_METHODS.index(scene.solver.method) + 1
     for name in ("tolerance", "work_limit"):
         d["solver"][name] = getattr(scene.solver, name)
@@ -274,7 +277,8 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
 
 def _fill_walls(d: Any, scene: Scene) -> None:
     """Put the walls at any angle, and the materials of all walls, in their places."""
-    d["walls"]["restitution"] = -1.0  # that of `contact`
+    for name in ("restitution", "friction", "static_friction"):
+        d["walls"][name] = -1.0  # that of `contact`
     if not scene.contact.points:  # the record has room for walls only where points may touch them
         return
     for w, wall in enumerate(scene.walls):
@@ -282,7 +286,7 @@ def _fill_walls(d: Any, scene: Scene) -> None:
             d["walls"][name][w] = value
     for wall_name, material in scene.contact.wall.items():
         w = scene.wall_names.index(wall_name)
-        for name in ("stiffness", "restitution"):
+        for name in ("stiffness", "restitution", "friction", "static_friction"):
             if (value := getattr(material, name)) is not None:
                 d["walls"][name][w] = value
 

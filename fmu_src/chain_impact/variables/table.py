@@ -108,6 +108,8 @@ def parameters(scene: Scene) -> Iterator[Variable]:
         for key, rule in _rules(Link).items():
             if key in STOPS and getattr(scene.chain.links[i], key) is None:
                 continue
+            if key == "joint_friction" and scene.chain.links[i].joint_friction == 0.0:
+                continue
             yield _parameter(rule, ("model", key, i), ("chain", "links", i, key), f"link {i + 1}: {{}}")
     for w, wall in enumerate(WALLS):
         if getattr(scene.box, wall) is not None:

@@ -29,7 +29,7 @@ def place_points(d, y):
         vx -= omega * link.y[i]
         vy += omega * link.x[i]
     position.x[n], position.y[n], velocity.x[n], velocity.y[n] = x, y_, vx, vy
-    if d.model.stopped:
+    if d.model.jointed:
         place_joints(d, y, ANGLES, position)
         place_joints(d, y, omega_at(n), velocity)
 
@@ -54,7 +54,7 @@ def accelerate_points(d, y, rate):
         ax -= alpha * link.y[i] + w2 * link.x[i]
         ay += alpha * link.x[i] - w2 * link.y[i]
     acceleration.x[n], acceleration.y[n] = ax, ay
-    if d.model.stopped:
+    if d.model.jointed:
         place_joints(d, rate, omega_at(n), acceleration)
 
 
@@ -63,7 +63,7 @@ def zero(d, vectors):
     # the compiler knows the number of links, and of points
     for k in range(d.links + 1):
         vectors.x[k], vectors.y[k] = 0.0, 0.0
-    if d.model.stopped:
+    if d.model.jointed:
         for k in range(d.links + 1, 2 * d.links + 1):
             vectors.x[k], vectors.y[k] = 0.0, 0.0
 
@@ -83,7 +83,7 @@ def move_points(d, links, change, motion):
         x -= change[ANGLES + i] * links.y[i]
         y += change[ANGLES + i] * links.x[i]
     motion.x[n], motion.y[n] = x, y
-    if d.model.stopped:
+    if d.model.jointed:
         place_joints(d, change, ANGLES, motion)
 
 
@@ -92,7 +92,7 @@ def largest(d, vectors):
     most = 0.0
     for k in range(d.links + 1):
         most = max(most, abs(vectors.x[k]), abs(vectors.y[k]))
-    if d.model.stopped:
+    if d.model.jointed:
         for k in range(d.links + 1, 2 * d.links + 1):
             most = max(most, abs(vectors.x[k]))
     return most

@@ -152,7 +152,7 @@ def no_impedance(d, impedance):
     """Set the impedances at all places to zero."""
     for k in range(d.links + 1):
         impedance.xx[k], impedance.xy[k], impedance.yy[k] = 0.0, 0.0, 0.0
-    if d.model.stopped:
+    if d.model.jointed:
         for k in range(d.links + 1, 2 * d.links + 1):
             impedance.xx[k] = 0.0
 

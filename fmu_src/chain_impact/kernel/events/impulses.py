@@ -24,6 +24,7 @@ import math
 from chain_impact.kernel.chain.kinematics import largest, locate_points
 from chain_impact.kernel.chain.state import coordinate_count, dissipated_at, velocity_at
 from chain_impact.kernel.events.contact_log import log_contact
+from chain_impact.kernel.events.friction_modes import update_modes
 from chain_impact.kernel.events.kinds import NEIGHBOUR, ONSET, RELEASE
 from chain_impact.kernel.integration.impulse import give_impulses
 from chain_impact.kernel.model.constraints import (
@@ -44,6 +45,7 @@ from chain_impact.kernel.model.contact import (
     start_contact,
 )
 from chain_impact.kernel.model.equations import free_rate
+from chain_impact.kernel.model.friction import suspend_sticking
 from chain_impact.kernel.model.geometry import clearance
 
 # Fraction of the smallest speed that rebounds: slower points do not separate, because bounces that each have
@@ -78,10 +80,13 @@ def handle_impact(d):
         include_near_contacts(d)
     list_touching(d)
     if struck:
+        suspend_sticking(d)
         apply_impulses(d)
         end_rebounding_contacts(d)
         follow_jump(d)
         onset = begin_late_contacts(d)
+        if d.friction.used:
+            update_modes(d, True)
     update_active_set(d)
     clear_loads(d)
     return onset

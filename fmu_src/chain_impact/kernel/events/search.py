@@ -19,6 +19,7 @@ from chain_impact.kernel.events.exclusion import (
     known_clearances,
     remember_clearances,
 )
+from chain_impact.kernel.events.friction_events import find_mode_change
 from chain_impact.kernel.events.kinds import END, NONE, ONSET, REFUSED
 from chain_impact.kernel.events.kinks import find_kink
 from chain_impact.kernel.events.relatch import find_relatch
@@ -50,13 +51,13 @@ def find_event(d):
         to locate it. ``touch.event`` then holds the kind of event of each candidate.
     """
     if d.candidates == 0:
-        return -1.0
+        return find_mode_change(d, -1.0)
     if any_point_held(d) or not RATE_AT_END[d.step.last_method]:
         if known_clearances(d) in (NOTHING, FAR):
             measure(d, 0.0)
         keep_start(d)
     elif excludes_events(d):
-        return -1.0
+        return find_mode_change(d, -1.0)
     if DENSE_EVALUATIONS[d.step.last_method] > 0:
         ensure_dense(d, SOLVER)
     bound_curvature(d)
@@ -73,6 +74,8 @@ def find_event(d):
             locate_at(d, theta if theta >= 0.0 else 1.0)
     if d.touch.compliant_count > 0 and theta != REFUSED:
         theta = find_kink(d, find_relatch(d, theta))
+    if theta != REFUSED:
+        theta = find_mode_change(d, theta)
     remember_clearances(d, VALUES)
     # the time in a regularized step is not under error control
     if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:

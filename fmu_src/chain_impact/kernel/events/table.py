@@ -20,6 +20,7 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.dispatch import dispatch
 from chain_impact.kernel.events.contact_log import log_contact
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
+from chain_impact.kernel.events.friction_modes import pending_changes, update_modes
 from chain_impact.kernel.events.impulses import handle_impact, rigid_onset
 from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, RELATCH, RELEASE
 from chain_impact.kernel.integration import step_size
@@ -97,9 +98,9 @@ def apply_events(d):
     """Apply the events at the end of the last step, and choose the size and the method of the next one.
 
     Returns:
-        Whether a force has jumped, because a contact begins or ends or a v₀ was latched again.
+        Whether a force may have jumped: a contact begins or ends, a v₀ was latched again, a mode changes.
     """
-    touch, onset, jumped, goes_on = d.touch, -1, False, False
+    touch, onset, jumped, goes_on = d.touch, -1, False, pending_changes(d) > 0
     rigid, strikes = any_point_held(d), rigid_onset(d)
     locate_points(d, d.step.state_end)
     forces = touch.compliant_count > 0
@@ -120,13 +121,15 @@ def apply_events(d):
         late = handle_impact(d)
         onset = late if late >= 0 else onset
     list_touching(d)
+    if d.friction.used:
+        update_modes(d, False)
     if rigid and touch.compliant_count == 0:
         if forces:
             d.step.next_size = d.step.flight_size  # the last size was that of an impact with a force
         begin_flight(d)
     else:
         choose_size(d, onset, goes_on)
-    return jumped or rigid
+    return jumped or rigid or d.friction.used != 0
 
 
 def choose_size(d, onset, goes_on):

@@ -52,7 +52,7 @@ from chain_impact.kernel.integration.radau import (
     REAL_EIGENVALUE,
     STAGES,
 )
-from chain_impact.kernel.model.constraints import any_point_held
+from chain_impact.kernel.model.constraints import any_constraint
 from chain_impact.kernel.model.contact import clear_stage_notes
 from chain_impact.kernel.work_limit import count_evaluations, count_other_work
 
@@ -257,7 +257,7 @@ def estimate(d, h, size):
         one, other, total = max(one, first), max(other, second), total + first + second
     if not math.isfinite(total):
         return math.inf
-    if any_point_held(d):
+    if any_constraint(d):
         # The projection onto rigid walls leaves a fast motion of stiff joints at the start, which decays
         # within the step. E would show it in full, however long the step is, so it is solved for once more.
         solve_real(d, shift, own.parts[0])

@@ -14,7 +14,7 @@ from chain_impact.kernel.chain.state import (
     velocity_at,
 )
 from chain_impact.kernel.inlining import inlined
-from chain_impact.kernel.model.constraints import any_point_held
+from chain_impact.kernel.model.constraints import any_constraint
 from chain_impact.kernel.model.geometry import along_normal, clearance
 
 # The largest relative error of a penetration, however loose the tolerance: with more than some hundredths a
@@ -51,7 +51,7 @@ def scaled_errors(d, row, other_row):
         scale = penetration_scale(d, d.touch.active_index[k])
         first = max(first, abs(d.touch.gap_error[row, k]) / scale)
         second = max(second, abs(d.touch.gap_error[other_row, k]) / scale)
-    if any_point_held(d) and d.model.resisting:
+    if any_constraint(d) and d.model.resisting:
         first, second = max(first, moment_error(d, row)), max(second, moment_error(d, other_row))
     return first / d.solver.tolerance, second / d.solver.tolerance
 

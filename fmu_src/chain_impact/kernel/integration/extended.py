@@ -12,11 +12,12 @@ no entries for them.
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import sundman_u_at
-from chain_impact.kernel.integration.impulse import impulse_count
-from chain_impact.kernel.model.constraints import add_constraint_forces, any_point_held
+from chain_impact.kernel.integration.impulse import impulse_count, integrand, integrand_at_end
+from chain_impact.kernel.model.constraints import add_constraint_forces, any_constraint
 from chain_impact.kernel.model.contact import apply_contact, clear_loads
 from chain_impact.kernel.model.contact_force import law_slopes
 from chain_impact.kernel.model.equations import loaded_rate
+from chain_impact.kernel.model.friction import any_joint_rubs, apply_joint_friction
 from chain_impact.kernel.model.geometry import along_normal, clearance
 from chain_impact.kernel.model.inputs import set_inputs
 
@@ -58,7 +59,7 @@ def extend_start(d):
         own.start[gap_at(d, k)], own.start[rate_at(d, k)] = clearance(d, d.touch.active_index[k])
     for k in range(impulse_count(d)):
         own.start[impulse_at(d, k)] = d.impulse.state_end[k]
-        own.start_rate[impulse_at(d, k)] = d.touch.force_end[d.touch.active_index[k]]
+        own.start_rate[impulse_at(d, k)] = integrand_at_end(d, k)
     clearance_rates(d, own.start, own.start_rate)
 
 
@@ -78,11 +79,13 @@ def extended_rate(d, z, elapsed, rate):
     dissipated = 0.0
     for k in range(compliant(d)):
         dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
+    if any_joint_rubs(d):
+        dissipated += apply_joint_friction(d)
     loaded_rate(d, z, dissipated, rate)  # also sets those of u and time, where z has other entries
-    if any_point_held(d):
+    if any_constraint(d):
         add_constraint_forces(d, z, rate)
     for k in range(impulse_count(d)):
-        rate[impulse_at(d, k)] = d.touch.force[d.touch.active_index[k]]
+        rate[impulse_at(d, k)] = integrand(d, k)
     accelerate_points(d, z, rate)
     clearance_rates(d, z, rate)
 

@@ -12,22 +12,60 @@ from chain_impact.kernel.integration.dense import interpolate_component
 
 
 def impulse_count(d):
-    """The number of impulses that are integrated: those of the active contacts, if they are requested."""
-    return d.touch.active_count if d.impulse.wanted else 0
+    """The number of integrals: the impulses of the active contacts, if they are requested, …
+
+    … and if there is dry friction those of its forces at contacts, and last the energy that it dissipates.
+    """
+    if not d.impulse.wanted:
+        return 0
+    return d.touch.active_count + (d.friction.contact_count + 1 if d.friction.used else 0)
+
+
+def friction_energy_at(d):
+    """The index of the energy dissipated by dry friction."""
+    return d.touch.active_count + d.friction.contact_count
+
+
+def rubbing_contact(d, k):
+    """The candidate whose friction has the k-th of the integrals."""
+    return d.friction.index[k - d.touch.active_count]
+
+
+def integrand(d, k):
+    """The rate of the k-th integral where the rate of the state was evaluated just now: N or W."""
+    if k < d.touch.active_count:
+        return d.touch.force[d.touch.active_index[k]]
+    return d.friction.power if k == friction_energy_at(d) else d.friction.force[rubbing_contact(d, k)]
+
+
+def integrand_at_end(d, k):
+    """The rate of the k-th integral at the end of the last step."""
+    if k < d.touch.active_count:
+        return d.touch.force_end[d.touch.active_index[k]]
+    return d.friction.power_end if k == friction_energy_at(d) else d.friction.force_end[rubbing_contact(d, k)]
+
+
+def total(d, k):
+    """The k-th integral at the time when contacts last began or ended."""
+    if k < d.touch.active_count:
+        return d.impulse.total[d.touch.active_index[k]]
+    if k == friction_energy_at(d):
+        return d.impulse.friction_energy
+    return d.impulse.friction[rubbing_contact(d, k)]
 
 
 def set_impulse_stage(d, i):
     """Set stage i of the impulses, dp/ds = F dt/ds, where the rate of the state was evaluated just now."""
     pace = d.work.stage[i, time_at(d.links)]
     for k in range(impulse_count(d)):
-        d.impulse.stage[i, k] = d.touch.force[d.touch.active_index[k]] * pace
+        d.impulse.stage[i, k] = integrand(d, k) * pace
 
 
 def set_impulse_stage_at_end(d, i):
     """Set stage i of the impulses, at the end of the last step."""
     pace = d.work.stage[i, time_at(d.links)]
     for k in range(impulse_count(d)):
-        d.impulse.stage[i, k] = d.touch.force_end[d.touch.active_index[k]] * pace
+        d.impulse.stage[i, k] = integrand_at_end(d, k) * pace
 
 
 def keep_end_forces(d):
@@ -35,6 +73,10 @@ def keep_end_forces(d):
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         d.touch.force_end[c] = d.touch.force[c]
+    for i in range(d.friction.contact_count):
+        c = d.friction.index[i]
+        d.friction.force_end[c] = d.friction.force[c]
+    d.friction.power_end = d.friction.power
 
 
 def append_impulses(d):
@@ -59,14 +101,19 @@ def truncate_impulses(d, theta):
 def commit_impulses(d):
     """Store the totals at the end of the last step, before contacts begin or end."""
     for k in range(impulse_count(d)):
-        d.impulse.total[d.touch.active_index[k]] = d.impulse.state_end[k]
+        if k < d.touch.active_count:
+            d.impulse.total[d.touch.active_index[k]] = d.impulse.state_end[k]
+        elif k == friction_energy_at(d):
+            d.impulse.friction_energy = d.impulse.state_end[k]
+        else:
+            d.impulse.friction[rubbing_contact(d, k)] = d.impulse.state_end[k]
 
 
 def reset_impulse_step(d):
     """Start from the totals, with a last step of no length."""
     own = d.impulse
     for k in range(impulse_count(d)):
-        own.state_end[k] = own.total[d.touch.active_index[k]]
+        own.state_end[k] = total(d, k)
         own.state[k] = own.state_end[k]
         for m in range(len(own.dense)):
             own.dense[m, k] = 0.0

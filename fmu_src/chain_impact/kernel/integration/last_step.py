@@ -11,7 +11,6 @@ from chain_impact.kernel.chain.state import omega_at, sundman_u_at, time_at
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.impulse import (
     append_impulses,
-    impulse_count,
     keep_end_forces,
     reset_impulse_step,
     roll_back_impulses,
@@ -19,7 +18,7 @@ from chain_impact.kernel.integration.impulse import (
 )
 from chain_impact.kernel.integration.methods import DENSE_EVALUATIONS, RATE_AT_END, dense_output, finish
 from chain_impact.kernel.integration.sundman import NO_CONTACT, lone_contact, time_rate_now
-from chain_impact.kernel.model.constraints import any_point_held, project_state
+from chain_impact.kernel.model.constraints import any_constraint, project_state
 from chain_impact.kernel.model.equations import located_rate, state_rate
 from chain_impact.kernel.work_limit import count_evaluations
 
@@ -47,9 +46,9 @@ def reset_step(d, time, y):
 
 def accept(d, h):
     """Make the step of size h that was tried, with its result in ``work.y``, the last step."""
-    if any_point_held(d):
+    if any_constraint(d):
         project_state(d, d.work.y)
-        for k in range(d.touch.compliant_count, impulse_count(d)):
+        for k in range(d.touch.compliant_count, d.touch.active_count if d.impulse.wanted else 0):
             d.impulse.tried[k] += d.rigid.impulse[k]
     step, y = d.step, d.work.y
     for j in range(len(step.state)):
@@ -134,7 +133,7 @@ def ensure_rate(d):
 def find_rate(d, located):
     """Evaluate the rate at the end of the last step, where the points may be ``located``; place them."""
     y, rate = d.step.state_end, d.work.rate_end
-    touching = d.touch.active_count > 0
+    touching = d.touch.active_count > 0 or d.friction.count > 0
     if touching:
         if not located:
             locate_points(d, y)

@@ -28,10 +28,11 @@ from chain_impact.kernel.chain.state import ANGLES, coordinate_count, omega_at, 
 from chain_impact.kernel.integration.extended import compliant, gap_at, impulse_at, rate_at
 from chain_impact.kernel.integration.impulse import impulse_count
 from chain_impact.kernel.model.compliance import factorize_contacts, solve_chain
-from chain_impact.kernel.model.constraints import holding_impedance
+from chain_impact.kernel.model.constraints import constraint_rows, holding_impedance
 from chain_impact.kernel.model.geometry import (
     add_along_normal,
     add_impedance,
+    add_tangential_impedance,
     along_normal,
     clear_loads_of,
     impedance_of_joints,
@@ -45,7 +46,7 @@ def factorize_real(d, shift):
     for k in range(compliant(d)):
         # D = s c + s² k
         own.impedance[k] = shift * (own.damping[k] + shift * own.stiffness[k])
-    for k in range(compliant(d), d.touch.active_count):
+    for k in range(compliant(d), constraint_rows(d)):
         own.impedance[k] = holding_impedance(d)
     factorize_contacts(d, own.link, own.impedance, shift, own.real)
 
@@ -99,7 +100,9 @@ def factorize_complex(d, pair, s_r, s_i):
             complex_d[im, k] = s_i * own.damping[k] + square_i * own.stiffness[k]
             add_impedance(d, c, impedance, complex_d[re, k])
             add_impedance(d, c, reactance, complex_d[im, k])
-    if d.model.stopped:
+    for i in range(d.friction.stuck_count):
+        add_tangential_impedance(d, d.friction.stuck[i], impedance, holding_impedance(d))
+    if d.model.jointed:
         impedance_of_joints(d, impedance)
         impedance_of_joints(d, reactance)
     factorize_shifted(d, own.link, impedance, reactance, pair, s_r, s_i, own.factors)
@@ -120,7 +123,7 @@ def solve_complex(d, pair, s_r, s_i, x, y):
         deep_r, deep_i = times(s_r, s_i, x[gap_at(d, k)], y[gap_at(d, k)])
         add_along_normal(d, c, work.load, fast_r + stiffness * deep_r)
         add_along_normal(d, c, own.load, fast_i + stiffness * deep_i)
-    if d.model.stopped:
+    if d.model.jointed:
         to_joints(d, work.load)
         to_joints(d, own.load)
     solve_shifted(d, own.link, own.factors, pair, work.load, own.load, own.answer)

@@ -15,7 +15,9 @@ from chain_impact.kernel.chain.kinematics import move_points
 from chain_impact.kernel.chain.recursion import factorize, no_impedance, solve
 from chain_impact.kernel.model.geometry import (
     add_along_normal,
+    add_along_tangent,
     add_impedance,
+    add_tangential_impedance,
     along_normal,
     clear_loads_of,
     impedance_of_joints,
@@ -28,11 +30,15 @@ LEAST_MOBILITY = 1e-6
 
 
 def factorize_contacts(d, links, impedance, time, factors):
-    """Eliminate M + Jᵀ D J + K, with D_k [kg] of the active contacts, packed, and K for a ``time`` s [s]."""
+    """Eliminate M + Jᵀ D J + K, with D_k [kg] of the constraints, packed, and K for a ``time`` s [s]."""
     no_impedance(d, d.work.impedance)
     for k in range(d.touch.active_count):
         add_impedance(d, d.touch.active_index[k], d.work.impedance, impedance[k])
-    coupled = d.touch.stop_count > 0 or (d.model.resisting and time > 0.0)
+    for i in range(d.friction.stuck_count):
+        amount = impedance[d.touch.active_count + i]
+        add_tangential_impedance(d, d.friction.stuck[i], d.work.impedance, amount)
+    joints = d.touch.stop_count + d.friction.stuck_joints
+    coupled = joints > 0 or (d.model.resisting and time > 0.0)
     factorize_chain(d, links, time, coupled, factors)
 
 
@@ -40,7 +46,7 @@ def factorize_chain(d, links, time, coupled, factors):
     """Eliminate M + Jᵀ D J + K, with D in ``work.impedance``, for joints that transmit moments or do not."""
     factors.coupled = 1 if coupled else 0
     if factors.coupled:
-        if d.model.stopped:
+        if d.model.jointed:
             impedance_of_joints(d, d.work.impedance)
         factorize_damped(d, links, d.work.impedance, time, factors)
     else:
@@ -58,7 +64,7 @@ def solve_chain(d, links, factors, change):
             places is stored in ``work.motion``.
     """
     if factors.coupled:
-        if d.model.stopped:
+        if d.model.jointed:
             to_joints(d, d.work.load)
         solve_damped(d, links, factors, d.work.load, change)
     else:
@@ -67,10 +73,12 @@ def solve_chain(d, links, factors, change):
 
 
 def solve_contacts(d, links, factors, impulse, change):
-    """As ``solve_chain``, for ``impulse`` p_k [N·s] of the active contacts, packed."""
+    """As ``solve_chain``, for ``impulse`` p_k [N·s] of the constraints, packed."""
     clear_loads_of(d, d.work.load)
     for k in range(d.touch.active_count):
         add_along_normal(d, d.touch.active_index[k], d.work.load, impulse[k])
+    for i in range(d.friction.stuck_count):
+        add_along_tangent(d, d.friction.stuck[i], d.work.load, impulse[d.touch.active_count + i])
     solve_chain(d, links, factors, change)
 
 

@@ -1,4 +1,4 @@
-"""Constraints of rigid walls: the impulses or forces that bring touching points to a target motion.
+"""Constraints: the impulses or forces that bring touching points to a target motion.
 
 A rigid wall has no force law. The touching candidates k have normal motions u_k, rates or accelerations, and
 impulses p_k change them by the recursion's response: M Δ = Jᵀ p, u = u⁻ + J Δ = u⁻ + W p, W = J M⁻¹ Jᵀ. Two
@@ -13,6 +13,11 @@ W is never formed. With an impedance D at the points of the active set the recur
 
 the iteration of an augmented Lagrangian: each one reduces the residual m to about 1/(D W) of it, down to
 round-off, and the constraints may be dependent. D is a million times a link's mass: a few iterations suffice.
+
+What sticks by dry friction (friction.py) is a constraint too, of its tangential motion, and is always in the
+active set: an equality. Of the possible solutions for dependent constraints the iteration finds the one with
+the least Σ p²/D. So with D in proportion to the limits of friction the sticking elements share their load in
+that proportion.
 """
 
 import math
@@ -20,7 +25,8 @@ import math
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, velocity_at
 from chain_impact.kernel.model.compliance import factorize_contacts, solve_contacts
-from chain_impact.kernel.model.geometry import along_normal, clearance
+from chain_impact.kernel.model.friction import any_sticking, keep_static_forces
+from chain_impact.kernel.model.geometry import along_normal, along_tangent, clearance
 from chain_impact.kernel.work_limit import count_other_work, work_exceeded
 
 # D over the mean mass of a link. An iteration leaves 1/(D W) of the residual: two or three suffice. A larger
@@ -41,6 +47,8 @@ DOUBT = 1e-12  # of the largest value: a wrong sign within it is round-off and d
 # Pivots of all violated candidates at once that may fail to reduce their number, before only one at a time is
 # changed, which terminates in every case but takes more pivots.
 MAX_STALLED_PIVOTS = 3
+# Of the impedance of what sticks with the largest limit: for a smaller one the residual would fall too slowly.
+LEAST_SHARE = 1e-2
 ROUNDS = 30  # plus 4 for each candidate: a bound on the pivots, far above any number that was observed
 
 
@@ -57,8 +65,20 @@ def mean_mass(d):
 def set_impedance(d, amount):
     """Set the impedance at the points of the active set to an amount [kg], and to zero elsewhere."""
     own = d.rigid
-    for k in range(d.touch.active_count):
+    for k in range(constraint_rows(d)):
         own.impedance[k] = amount if own.in_active_set[k] else 0.0
+    if any_sticking(d):
+        share_impedance(d)
+
+
+def share_impedance(d):
+    """Scale the impedances of what sticks by its limit of friction, relative to the largest limit."""
+    own, first, most = d.friction, d.touch.active_count, 0.0
+    for i in range(own.stuck_count):
+        most = max(most, own.limit[own.stuck[i]])
+    for i in range(own.stuck_count):
+        share = own.limit[own.stuck[i]] / most if most > 0.0 else 1.0
+        d.rigid.impedance[first + i] *= max(LEAST_SHARE, share)
 
 
 def solve_equality(d, scale):
@@ -89,7 +109,7 @@ def solve_equality(d, scale):
             set_impedance(d, impedance)
             factorize_contacts(d, link, own.impedance, 0.0, own.factors)
         before = worst
-        correct_impulses(d, impedance)
+        correct_impulses(d)
 
 
 def clear_impulses(d):
@@ -97,33 +117,33 @@ def clear_impulses(d):
     own = d.rigid
     for j in range(len(own.change)):
         own.change[j] = 0.0
-    for k in range(d.touch.active_count):
+    for k in range(constraint_rows(d)):
         own.impulse[k], own.reached[k] = 0.0, own.start[k]
 
 
 def find_residual(d):
     """Set the residuals m = target − u of the active set; return the largest |m|."""
     own, worst = d.rigid, 0.0
-    for k in range(d.touch.active_count):
+    for k in range(constraint_rows(d)):
         own.residual[k] = own.target[k] - own.reached[k] if own.in_active_set[k] else 0.0
         worst = max(worst, abs(own.residual[k]))
     return worst
 
 
-def correct_impulses(d, impedance):
+def correct_impulses(d):
     """Correct the impulses for the residuals, and find the motion with them."""
     own, link, motion = d.rigid, d.work.link, d.work.motion
     # (M + Jᵀ D J) z = Jᵀ D m,  p ← p + D (m − J z)
-    for k in range(d.touch.active_count):
-        own.residual[k] *= impedance
+    for k in range(constraint_rows(d)):
+        own.residual[k] *= own.impedance[k]
     solve_contacts(d, link, own.factors, own.residual, own.change)
-    for k in range(d.touch.active_count):
+    for k in range(constraint_rows(d)):
         if own.in_active_set[k]:
-            back = impedance * along_normal(d, d.touch.active_index[k], motion)
+            back = own.impedance[k] * along_constraint(d, k, motion)
             own.impulse[k] += own.residual[k] - back
     solve_contacts(d, link, d.work.factors, own.impulse, own.change)
-    for k in range(d.touch.active_count):
-        own.reached[k] = own.start[k] + along_normal(d, d.touch.active_index[k], motion)
+    for k in range(constraint_rows(d)):
+        own.reached[k] = own.start[k] + along_constraint(d, k, motion)
     count_other_work(d, 2)
 
 
@@ -157,7 +177,7 @@ def solve_lcp(d, scale):
 def count_violations(d, scale):
     """Mark the candidates with p < 0 or u < target by more than round-off; return how many."""
     own, largest, wrong = d.rigid, 0.0, 0
-    for k in range(d.touch.active_count):
+    for k in range(d.touch.compliant_count, d.touch.active_count):
         largest = max(largest, abs(own.impulse[k]))
     for k in range(d.touch.compliant_count, d.touch.active_count):
         if own.in_active_set[k]:
@@ -173,23 +193,40 @@ def any_point_held(d):
     return d.touch.active_count > d.touch.compliant_count
 
 
+def any_constraint(d):
+    """Whether rigid walls hold a point, or anything sticks by dry friction."""
+    return any_point_held(d) or any_sticking(d)
+
+
+def constraint_rows(d):
+    """The number of the active contacts and of what sticks."""
+    return d.touch.active_count + d.friction.stuck_count
+
+
+def along_constraint(d, k, vectors):
+    """J v of constraint k for the vectors v of all places."""
+    if k < d.touch.active_count:
+        return along_normal(d, d.touch.active_index[k], vectors)
+    return along_tangent(d, d.friction.stuck[k - d.touch.active_count], vectors)
+
+
 def activate_all(d):
-    """Put every touching candidate without a force law into the active set, with the target 0."""
-    for k in range(d.touch.compliant_count, d.touch.active_count):
+    """Put every contact without a force law, and what sticks, into the active set, with the target 0."""
+    for k in range(d.touch.compliant_count, constraint_rows(d)):
         d.rigid.in_active_set[k] = 1
         d.rigid.target[k] = 0.0
 
 
 def start_from_accelerations(d, y, rate):
-    """Set ``start`` to the g̈ of the touching candidates for a rate ẏ; return the largest |a| of a point."""
+    """Set ``start`` to the accelerations of all constraints for a rate ẏ; return the largest |a| of a point."""
     accelerate_points(d, y, rate)
-    for k in range(d.touch.active_count):
-        d.rigid.start[k] = along_normal(d, d.touch.active_index[k], d.work.acceleration)
+    for k in range(constraint_rows(d)):
+        d.rigid.start[k] = along_constraint(d, k, d.work.acceleration)
     return largest(d, d.work.acceleration)
 
 
 def add_constraint_forces(d, y, rate):
-    """Add to a rate ẏ, found without contact forces, the effect of the constraint forces of g̈ = 0.
+    """Add to a rate ẏ, found without them, the effect of the constraint forces of g̈ = 0 and t·a = 0.
 
     The forces [N] are then stored in ``d.rigid.impulse``; they do no work.
     """
@@ -203,10 +240,16 @@ def add_constraint_forces(d, y, rate):
         c = d.touch.active_index[k]
         own.least_force[c] = min(own.least_force[c], own.impulse[k])
         d.touch.force[c] = own.impulse[k]
+    if any_sticking(d):
+        keep_static_forces(d)
 
 
 def project_state(d, y):
-    """Project the located state y onto g = 0 and ġ = 0 of the held contacts, so that no drift accumulates.
+    """Project the located state y onto the constraints, so that no drift accumulates.
+
+    Held contacts have g = 0 and ġ = 0. What sticks has its tangential coordinate at its anchor and no tangential
+    speed, while the clearances of contacts with a force law stay as they are: on a stiff wall a change would act
+    as an impact.
 
     Near a toggle position, or where two points nearly coincide, small errors of ġ may need impulses of any
     size. Where walls would pull by more than the errors explain, the points that leave are not stopped and
@@ -218,6 +261,8 @@ def project_state(d, y):
         for k in range(d.touch.active_count):
             gap, gap_rate = clearance(d, d.touch.active_index[k])
             own.start[k] = gap_rate if derivative else gap
+        if any_sticking(d):
+            start_sticking(d, derivative)
         if derivative:
             solve_stopping_impulses(d)
         else:
@@ -225,9 +270,24 @@ def project_state(d, y):
         for j in range(coordinate_count(n)):
             y[derivative * velocity_at(n) + j] += own.change[j]
         locate_points(d, y)
-    for k in range(d.touch.active_count):
+    for k in range(constraint_rows(d)):
         # −½ p (u⁻ + u⁺)
         y[dissipated_at(n)] -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
+    for k in range(d.touch.compliant_count):
+        own.in_active_set[k] = 0
+
+
+def start_sticking(d, derivative):
+    """Set the start of the projection for what sticks, and hold the contacts with a force law."""
+    own, first = d.rigid, d.touch.active_count
+    for k in range(d.touch.compliant_count):
+        own.in_active_set[k], own.target[k] = 1, own.start[k]
+    for i in range(d.friction.stuck_count):
+        e = d.friction.stuck[i]
+        if derivative:
+            own.start[first + i] = along_tangent(d, e, d.work.velocity)
+        else:
+            own.start[first + i] = along_tangent(d, e, d.work.position) - d.friction.anchor[e]
 
 
 def solve_positions(d):
@@ -236,7 +296,7 @@ def solve_positions(d):
     If the residuals and errors do not explain so large a change, only candidates with g < target are moved.
     """
     own, size, asked, moved = d.rigid, d.model.size, 0.0, 0.0
-    for k in range(d.touch.compliant_count, d.touch.active_count):
+    for k in range(d.touch.compliant_count, constraint_rows(d)):
         asked = max(asked, abs(own.target[k] - own.start[k]))
     solve_equality(d, size)
     for j in range(coordinate_count(d.links)):
@@ -256,7 +316,7 @@ def solve_stopping_impulses(d):
 def least_impulse(d):
     """The most negative impulse, or 0 if all push."""
     least = 0.0
-    for k in range(d.touch.active_count):
+    for k in range(d.touch.compliant_count, d.touch.active_count):
         least = min(least, d.rigid.impulse[k])
     return least
 

@@ -13,6 +13,15 @@ from chain_impact.kernel.model.contact_force import (
     set_damping,
     set_expected_depth,
 )
+from chain_impact.kernel.model.friction import (
+    any_joint_rubs,
+    apply_contact_friction,
+    apply_joint_friction,
+    begin_friction,
+    clear_margins,
+    list_friction,
+    may_rub,
+)
 from chain_impact.kernel.model.geometry import add_along_normal, clear_loads_of, clearance, lever
 from chain_impact.kernel.model.latest import list_impact
 
@@ -30,12 +39,16 @@ def apply_contact(d, c, gap, gap_rate):
     d.touch.force[c] = force
     add_along_normal(d, c, d.work.load, force)
     # the power that the elastic part does not store is dissipated: (F − K δⁿ) δ̇ ≥ 0
-    return (elastic - force) * gap_rate
+    dissipated = (elastic - force) * gap_rate
+    if d.friction.contact_count > 0 and may_rub(d, c):
+        dissipated += apply_contact_friction(d, c, force)
+    return dissipated
 
 
 def clear_loads(d):
     """Set the loads on the points to the inputs alone."""
     clear_loads_of(d, d.work.load)
+    d.friction.power = 0.0
     tip = d.links
     d.work.load.x[tip] = d.inputs.tip_force[0]
     d.work.load.y[tip] = d.inputs.tip_force[1]
@@ -49,7 +62,7 @@ def apply_contacts(d):
         c = d.touch.active_index[k]
         gap, gap_rate = clearance(d, c)
         dissipated += apply_contact(d, c, gap, gap_rate)
-    return dissipated
+    return dissipated + apply_joint_friction(d) if any_joint_rubs(d) else dissipated
 
 
 def contact_slopes(d, c):
@@ -91,6 +104,8 @@ def start_contact(d, c):
     begin_contact(d, c)
     set_kink_side(d, c)
     d.touch.active[c] = 1
+    if may_rub(d, c):
+        begin_friction(d, c)
 
 
 def kink_height(d, c):
@@ -111,11 +126,12 @@ def set_kink_sides(d):
 
 
 def clear_stage_notes(d):
-    """Reset what the stages of a step record: crossings of kinks, and the least force of a rigid wall."""
+    """Reset what the stages of a step record: crossings of kinks, least forces, and margins of friction."""
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
         d.touch.kink_crossed[c] = 0
         d.rigid.least_force[c] = 0.0
+    clear_margins(d)
 
 
 def list_touching(d):
@@ -135,6 +151,8 @@ def list_touching(d):
     touch.stop_count = 0
     for k in range(touch.active_count if d.model.stopped else 0):
         touch.stop_count += d.candidate.stop[touch.active_index[k]] != 0
+    if d.friction.used:
+        list_friction(d)
 
 
 def list_kind(d, impulsive):
@@ -150,3 +168,5 @@ def drop_events(d):
     """Drop the events found in the last step."""
     for c in range(d.candidates):
         d.touch.event[c] = 0
+    for i in range(d.friction.count):
+        d.friction.event[d.friction.index[i]] = 0

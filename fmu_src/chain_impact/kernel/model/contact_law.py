@@ -8,6 +8,8 @@ Candidates whose parameters come from the same place have the same law. Its cons
 first of them, and the others copy these: ``law.same_as``.
 """
 
+import math
+
 from chain_impact.kernel.laws import user_law
 from chain_impact.kernel.laws.contact_laws import (
     ANY,
@@ -21,6 +23,7 @@ from chain_impact.kernel.laws.contact_laws import (
 )
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
+    FRICTION_WITH_RIGID_WALLS,
     OK,
     PARAMETER_OUT_OF_RANGE,
     RESTITUTION_NOT_ALLOWED,
@@ -51,7 +54,9 @@ def origin(d, c):
     if d.candidate.stop[c] != 0:
         return -2
     wall = d.candidate.wall[c]
-    return wall if d.walls.stiffness[wall] > 0.0 or d.walls.restitution[wall] >= 0.0 else -1
+    own = d.walls
+    collides = own.stiffness[wall] > 0.0 or own.restitution[wall] >= 0.0
+    return wall if collides or own.friction[wall] >= 0.0 or own.static_friction[wall] >= 0.0 else -1
 
 
 def update_laws(d):
@@ -59,7 +64,7 @@ def update_laws(d):
     status = check_laws(d)
     if status != OK:
         return status
-    d.contact.any_force, d.contact.any_rigid = 0, 0
+    d.contact.any_force, d.contact.any_rigid, d.contact.any_friction = 0, 0, 0
     for c in range(d.candidates):
         first = d.law.same_as[c]
         if first == c:
@@ -84,7 +89,9 @@ def check_laws(d):
 
 
 def note_kind(d, c):
-    """Note that the law of candidate c is one with a force, or rigid."""
+    """Note that the law of candidate c is one with a force, or rigid, and whether it has dry friction."""
+    if d.law.static_friction[c] > 0.0:
+        d.contact.any_friction = 1
     if d.law.impulsive[c]:
         d.contact.any_rigid = 1
     else:
@@ -112,6 +119,21 @@ def given_restitution(d, c):
     return own if own >= 0.0 else d.given.restitution
 
 
+def given_friction(d, c):
+    """The given coefficients of sliding and of static friction of candidate c; a stop has none.
+
+    The static one is at least that of sliding. If a wall has its own sliding friction only, both are equal.
+    """
+    if d.candidate.stop[c] != 0:
+        return 0.0, 0.0
+    wall, sliding, static = d.candidate.wall[c], d.given.friction, d.given.static_friction
+    if d.walls.friction[wall] >= 0.0:
+        sliding, static = d.walls.friction[wall], 0.0
+    if d.walls.static_friction[wall] >= 0.0:
+        static = d.walls.static_friction[wall]
+    return sliding, max(sliding, static)
+
+
 def exponent(d, c):
     """The exponent n of the law of candidate c."""
     return d.stops.exponent if d.candidate.stop[c] != 0 else d.contact.exponent
@@ -124,6 +146,11 @@ def check_law(d, c):
         return UNKNOWN_LAW
     if not 0.0 <= restitution <= 1.0 or not given_stiffness(d, c) > 0.0:
         return PARAMETER_OUT_OF_RANGE
+    sliding, static = given_friction(d, c)
+    if not (sliding >= 0.0 and math.isfinite(static)):
+        return PARAMETER_OUT_OF_RANGE
+    if number == NEWTON_IMPACT and static > 0.0:
+        return FRICTION_WITH_RIGID_WALLS
     if number == USER_LAW:
         return OK
     if EXPONENTS[number - 1] not in (ANY, exponent(d, c)):
@@ -158,6 +185,7 @@ def copy_law(law, source, c):
     law.rate_exponent[c], law.damping_factor[c] = law.rate_exponent[source], law.damping_factor[source]
     law.minimum_impact_speed[c] = law.minimum_impact_speed[source]
     law.harmless_depth[c] = law.harmless_depth[source]
+    law.friction[c], law.static_friction[c] = law.friction[source], law.static_friction[source]
 
 
 def set_parameters(d, c):
@@ -167,5 +195,6 @@ def set_parameters(d, c):
     law.stiffness[c], law.restitution[c] = given_stiffness(d, c), given_restitution(d, c)
     law.harmless_depth[c] = 0.0 if law.impulsive[c] else HARMLESS * d.model.size
     law.minimum_impact_speed[c] = d.contact.minimum_impact_speed
+    law.friction[c], law.static_friction[c] = given_friction(d, c)
     if d.candidate.stop[c] != 0:
         law.minimum_impact_speed[c] = d.stops.minimum_impact_speed * d.model.size

@@ -12,7 +12,7 @@ from chain_impact.kernel.chain.state import (
     time_at,
     velocity_at,
 )
-from chain_impact.kernel.model.constraints import add_constraint_forces, any_point_held
+from chain_impact.kernel.model.constraints import add_constraint_forces, any_constraint
 from chain_impact.kernel.model.contact import apply_contacts
 from chain_impact.kernel.model.inputs import ensure_inputs
 
@@ -20,7 +20,7 @@ from chain_impact.kernel.model.inputs import ensure_inputs
 def state_rate(d, y, rate):
     """Set rate = f(y), for the active contacts and the present inputs."""
     # in free flight no point is located and no force evaluated
-    if d.touch.active_count > 0 or d.model.driven:
+    if d.touch.active_count > 0 or d.model.driven or d.friction.count > 0:
         locate_points(d, y)
         located_rate(d, y, rate)
     else:
@@ -32,12 +32,12 @@ def located_rate(d, y, rate):
     """As ``state_rate``, for the located points."""
     ensure_inputs(d, y)
     free_rate(d, y, rate)
-    if any_point_held(d):
+    if any_constraint(d):
         add_constraint_forces(d, y, rate)
 
 
 def free_rate(d, y, rate):
-    """As ``located_rate``, without the forces of rigid contacts."""
+    """As ``located_rate``, without the forces of constraints."""
     loaded_rate(d, y, apply_contacts(d), rate)
 
 
@@ -45,7 +45,7 @@ def loaded_rate(d, y, dissipated, rate):
     """As ``state_rate``, for given loads; ``dissipated`` is the power [W] that the contacts dissipate."""
     n = d.links
     supplied = 0.0
-    if d.model.resisting or d.model.driven or d.model.stopped:
+    if d.model.resisting or d.model.driven or d.model.jointed:
         damped, supplied = joint_moments(d, y)
         dissipated += damped
 
@@ -83,13 +83,13 @@ def joint_moments(d, y):
         before = omega
     if d.model.sprung:
         add_spring_moments(d, y)
-    if d.model.stopped:
-        add_stop_moments(d)
+    if d.model.jointed:
+        add_place_moments(d)
     return dissipated, supplied
 
 
-def add_stop_moments(d):
-    """Add the moments of the stops, whose forces are loads at the joints' places, to both links of each."""
+def add_place_moments(d):
+    """Add the moments of stops and dry friction, loads at the joints' places, to both links of each joint."""
     for i in range(d.links):
         torque = d.model.size * d.work.load.x[d.links + 1 + i]
         d.work.moment[i] += torque

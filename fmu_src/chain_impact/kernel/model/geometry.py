@@ -106,7 +106,7 @@ def impedance_of_joints(d, impedance):
 def clear_loads_of(d, load):
     """Set the loads at all places and, if they are used, the moments in all joints to zero."""
     zero(d, load)
-    if d.model.stopped or d.model.resisting:
+    if d.model.jointed or d.model.resisting:
         for i in range(d.links):
             load.joint[i] = 0.0
 
@@ -134,3 +134,35 @@ def coordinates_size(d, c, y):
 def lever(d, c):
     """The length [m] by which speeds, forces and masses of candidate c are those of an angle; of a wall 1."""
     return d.model.size if d.candidate.stop[c] != 0 else 1.0
+
+
+def tangent(d, e):
+    """The place of element e, and the direction t along which dry friction acts there.
+
+    At a wall that is t = (n_y, −n_x). An element after the candidates is a joint: friction acts on its angle,
+    the x of its place, so that a force F is a moment of s F, with the lever arm s of a stop.
+    """
+    if e < d.candidates:
+        return d.candidate.place[e], d.candidate.normal_y[e], -d.candidate.normal_x[e]
+    return d.links + 1 + e - d.candidates, 1.0, 0.0
+
+
+def along_tangent(d, e, vectors):
+    """t·v of element e for the vectors v of all places."""
+    place, tx, ty = tangent(d, e)
+    return tx * vectors.x[place] + ty * vectors.y[place]
+
+
+def add_along_tangent(d, e, vectors, amount):
+    """Add ``amount`` times t to the vector of the place of element e."""
+    place, tx, ty = tangent(d, e)
+    vectors.x[place] += tx * amount
+    vectors.y[place] += ty * amount
+
+
+def add_tangential_impedance(d, e, impedance, amount):
+    """Add ``amount`` [kg] times t tᵀ to the impedance at the place of element e."""
+    place, tx, ty = tangent(d, e)
+    impedance.xx[place] += tx * tx * amount
+    impedance.xy[place] += tx * ty * amount
+    impedance.yy[place] += ty * ty * amount

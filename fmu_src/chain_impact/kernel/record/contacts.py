@@ -12,6 +12,21 @@ from chain_impact.kernel.record.solver import factors_dtype
 LOG_SIZE = 32  # finished contacts stored until they are collected, in addition to one for each candidate
 
 
+def element_count(links: int, candidates: int) -> int:
+    """The number of what may have dry friction: the candidates, and after them the joints."""
+    return candidates + links
+
+
+def constraint_count(links: int, candidates: int) -> int:
+    """The largest number of constraints at one moment."""
+    return candidates + element_count(links, candidates)
+
+
+def impulse_columns(candidates: int) -> int:
+    """The largest number of integrals along the motion: integration/impulse.py."""
+    return 2 * candidates + 1
+
+
 def touch_dtype(candidates: int) -> np.dtype:
     """The data of each candidate; values fixed ("latched") at onset hold until the end or a new latch of v₀.
 
@@ -77,22 +92,23 @@ def latest_dtype() -> np.dtype:
 
 
 def rigid_dtype(links: int, candidates: int) -> np.dtype:
-    """The touching candidates, packed; those with a force law are not in the active set.
+    """The constraints: the active contacts, packed, and after them what sticks by dry friction.
 
-    Owner: model/constraints.py.
+    Contacts with a force law are not in the active set. Owner: model/constraints.py.
     """
+    rows = constraint_count(links, candidates)
     return record(
         ("factors", factors_dtype(links)),  # with an impedance at the points of the active set
         # m, m/s or m/s², rad …: the change of the coordinates by the impulses
         ("change", REAL, (coordinate_count(links),)),
-        ("in_active_set", INTEGER, (candidates,)),  # 1: its impulse may differ from 0
-        ("violated", INTEGER, (candidates,)),  # 1: its impulse or residual has the wrong sign
-        ("start", REAL, (candidates,)),  # normal motion without impulses, m, m/s or m/s², …
-        ("reached", REAL, (candidates,)),  # … with them, …
-        ("target", REAL, (candidates,)),  # … its least required value, …
-        ("residual", REAL, (candidates,)),  # … the missing part, later times the impedance
-        ("impulse", REAL, (candidates,)),  # N·s, or N
-        ("impedance", REAL, (candidates,)),  # kg, D
+        ("in_active_set", INTEGER, (rows,)),  # 1: its impulse may differ from 0
+        ("violated", INTEGER, (rows,)),  # 1: its impulse or residual has the wrong sign
+        ("start", REAL, (rows,)),  # normal or tangential motion without impulses, m, m/s or m/s², …
+        ("reached", REAL, (rows,)),  # … with them, …
+        ("target", REAL, (rows,)),  # … its least required value, …
+        ("residual", REAL, (rows,)),  # … the missing part, later times the impedance
+        ("impulse", REAL, (rows,)),  # N·s, or N
+        ("impedance", REAL, (rows,)),  # kg, D
         ("sample", REAL, (2, candidates)),  # N, the last two sampled forces
         (
             "least_force",
@@ -121,14 +137,65 @@ def finished_dtype(candidates: int) -> np.dtype:
 
 
 def impulse_dtype(candidates: int) -> np.dtype:
-    """∫F dt of the walls on the points, packed unless noted. Owner: integration/impulse.py."""
+    """∫F dt of the walls on the points, and the work of dry friction, packed unless noted.
+
+    Owner: integration/impulse.py.
+    """
+    columns = impulse_columns(candidates)
     return record(
         ("wanted", INTEGER),  # 1: impulses are integrated
         ("total", REAL, (candidates,)),  # N·s since the start, not packed
         ("onset", REAL, (candidates,)),  # N·s, the total at the onset of the contact, not packed
-        ("state", REAL, (candidates,)),  # N·s, at the start of the last step …
-        ("state_end", REAL, (candidates,)),  # … and at its end
-        ("tried", REAL, (candidates,)),  # N·s, at the end of the tried step
-        ("dense", REAL, (DENSE_COEFFICIENTS, candidates)),  # the interpolant of the last step
-        ("stage", REAL, (STAGES, candidates)),  # dp/ds at the stages
+        ("friction", REAL, (candidates,)),  # N·s, along t since the start, not packed
+        ("friction_energy", REAL),  # J, dissipated by dry friction since the start
+        ("state", REAL, (columns,)),  # N·s, at the start of the last step …
+        ("state_end", REAL, (columns,)),  # … and at its end
+        ("tried", REAL, (columns,)),  # N·s, at the end of the tried step
+        ("dense", REAL, (DENSE_COEFFICIENTS, columns)),  # the interpolant of the last step
+        ("stage", REAL, (STAGES, columns)),  # dp/ds at the stages
+    )
+
+
+def friction_dtype(links: int, candidates: int) -> np.dtype:
+    """Dry friction of elements: the candidates, and after them the joints 1…N.
+
+    Owner: model/friction.py; of modes and events, the modules friction_*.py in events/.
+    """
+    elements = element_count(links, candidates)
+    return record(
+        ("shown", INTEGER),  # 1: rows of outputs have those of dry friction
+        ("used", INTEGER),  # 1: some contact or joint has dry friction
+        ("count", INTEGER),  # elements with friction now: active contacts first, then joints
+        ("contact_count", INTEGER),  # of them, contacts
+        ("stuck_count", INTEGER),  # of them, those that stick, …
+        ("stuck_joints", INTEGER),  # … and of these the joints
+        ("index", INTEGER, (elements,)),  # the elements with friction, packed
+        ("stuck", INTEGER, (elements,)),  # those that stick, packed
+        ("mode", INTEGER, (elements,)),  # 0: sticks, ±1: slides along ±t; 2: no friction now
+        ("event", INTEGER, (elements,)),  # at `step.end` and not yet applied, see kernel/events/kinds.py
+        ("before", INTEGER, (elements,)),  # its mode before the last choice
+        ("undecided", INTEGER, (elements,)),  # 1: its mode is chosen by the forces
+        ("anchor", REAL, (elements,)),  # m, the tangential coordinate at which it sticks
+        ("force", REAL, (elements,)),  # N along t, at the last evaluation of the rate …
+        ("force_end", REAL, (elements,)),  # … and at the end of the last step
+        ("limit", REAL, (elements,)),  # N, the largest static friction, at the last evaluation
+        # m/s of sliding, N of sticking: how far its mode was from ending in the stages of the tried step
+        ("margin", REAL, (elements,)),
+        ("power", REAL),  # W, dissipated by dry friction at the last evaluation …
+        ("power_end", REAL),  # … and at the end of the last step
+    )
+
+
+def changes_dtype(links: int, candidates: int) -> np.dtype:
+    """The log of changes between sticking and sliding. Owner: events/friction_modes.py.
+
+    A caller that collects sets count to 0.
+    """
+    log = LOG_SIZE + element_count(links, candidates)
+    return record(
+        ("count", INTEGER),
+        ("time", REAL, (log,)),  # s
+        ("point", INTEGER, (log,)),  # or the joint
+        ("wall", INTEGER, (log,)),  # index into the scene's wall_names, −1: dry friction in a joint
+        ("mode", INTEGER, (log,)),  # as `friction.mode`, from this time on
     )

@@ -21,6 +21,7 @@ def model_dtype(links: int) -> np.dtype:
         ("joint_damping", REAL, (links,)),  # N·m·s/rad at the proximal joint
         ("joint_stiffness", REAL, (links,)),  # N·m/rad, likewise
         ("joint_rest_angle", REAL, (links,)),  # rad, at which the spring is slack
+        ("joint_friction", REAL, (links,)),  # N·m, dry friction at the proximal joint
         ("joint_min", REAL, (links,)),  # rad, stops of the joint's own angle; −∞ …
         ("joint_max", REAL, (links,)),  # rad, … and ∞ where there is none
         ("wall", REAL, (len(WALLS),)),  # m, position of x_min, x_max, y_min, y_max
@@ -29,7 +30,9 @@ def model_dtype(links: int) -> np.dtype:
         # derived at initialization
         ("damped", INTEGER),  # 1: some joint has damping
         ("sprung", INTEGER),  # 1: some joint has a spring
-        ("stopped", INTEGER),  # 1: some joint has a stop
+        ("stopped", INTEGER),  # 1: some joint has a stop, …
+        ("rubbing", INTEGER),  # … 1: some joint has dry friction, …
+        ("jointed", INTEGER),  # … and 1: some has either, so that all joints have places
         ("resisting", INTEGER),  # 1: some joint has damping or a spring …
         ("joint_bound", REAL),  # 1/s, … and an upper bound on the rates of the motions that this causes
         ("center_of_mass_ratio", REAL, (links,)),  # centre of mass / length
@@ -55,6 +58,7 @@ def contact_dtype() -> np.dtype:
         # derived
         ("any_force", INTEGER),  # 1: some candidate has a law with a force …
         ("any_rigid", INTEGER),  # … and one with impulses instead
+        ("any_friction", INTEGER),  # 1: some candidate has dry friction
     )
 
 
@@ -112,6 +116,8 @@ def given_dtype(links: int) -> np.dtype:
         ("law", INTEGER),  # number of the contact law, from 1
         ("stiffness", REAL),  # N/m^exponent
         ("restitution", REAL),
+        ("friction", REAL),  # coefficient of sliding …
+        ("static_friction", REAL),  # … and of static friction; if it is less, that of sliding holds
         ("stop_stiffness", REAL),  # N·m/rad^exponent
         ("stop_restitution", REAL),
         ("joint_torque", REAL, (links,)),  # as in `inputs`
@@ -157,6 +163,8 @@ def law_dtype(candidates: int) -> np.dtype:
         ("exponent", REAL),
         ("restitution", REAL),
         ("minimum_impact_speed", REAL),  # m/s
+        ("friction", REAL),  # coefficient of sliding …
+        ("static_friction", REAL),  # … and of static friction, which is not less
         # derived
         ("damping_factor", REAL),  # f(e), λ of the Hunt–Crossley family
         ("rate_exponent", REAL),  # p of the damping d δᵖ δ̇
@@ -177,5 +185,8 @@ def walls_dtype(candidates: int) -> np.dtype:
         ("angle", REAL, (candidates,)),  # rad, … and its direction from +x: the free side is to its left
         # of the box's walls first: N/m^exponent, 0 for that of `contact`, …
         ("stiffness", REAL, (len(WALLS) + candidates,)),
-        ("restitution", REAL, (len(WALLS) + candidates,)),  # … and −1 for that of `contact`
+        # … and −1 for that of `contact`; likewise:
+        ("restitution", REAL, (len(WALLS) + candidates,)),
+        ("friction", REAL, (len(WALLS) + candidates,)),
+        ("static_friction", REAL, (len(WALLS) + candidates,)),
     )

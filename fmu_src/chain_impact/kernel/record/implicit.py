@@ -4,6 +4,7 @@ import numpy as np
 
 from chain_impact.kernel.chain.state import coordinate_count, state_size
 from chain_impact.kernel.integration.radau import PAIRS, STAGES
+from chain_impact.kernel.record.contacts import constraint_count, impulse_columns
 from chain_impact.kernel.record.fields import (
     INTEGER,
     REAL,
@@ -23,7 +24,7 @@ def implicit_dtype(links: int, candidates: int) -> np.dtype:
     Owners: collocation.py and newton.py in integration/, which call all other functions that write here.
     """
     state = state_size(links)
-    extended = state + 3 * candidates
+    extended = state + 2 * candidates + impulse_columns(candidates)
     # both parts of complex numbers, one below the other, for each pair of shifts
     shifted = record(
         *(
@@ -53,7 +54,8 @@ def implicit_dtype(links: int, candidates: int) -> np.dtype:
         ("link", vectors_dtype(links + 1)),  # m, L_i where A was evaluated
         ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts, packed, …
         ("damping", REAL, (candidates,)),  # N·s/m, … and ∂F/∂δ̇, likewise
-        ("impedance", REAL, (candidates,)),  # kg, … and their D, added to the inertia of their points
+        # kg, … and their D, added to the inertia of their points; then that of what sticks
+        ("impedance", REAL, (constraint_count(links, candidates),)),
         ("normal", REAL, (candidates,)),  # m or m/s, clearances or rates to which coordinates are moved
         ("real", factors_dtype(links)),  # for the real shift
         ("factors", shifted),  # for the complex shifts

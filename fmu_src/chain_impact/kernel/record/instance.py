@@ -15,7 +15,9 @@ that depend on C come last, so that the offsets of all others do not depend on i
 import numpy as np
 
 from chain_impact.kernel.record.contacts import (
+    changes_dtype,
     finished_dtype,
+    friction_dtype,
     impact_dtype,
     impulse_dtype,
     latest_dtype,
@@ -76,5 +78,7 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("rigid", rigid_dtype(links, candidates)),
         ("finished", finished_dtype(candidates)),
         ("impulse", impulse_dtype(candidates)),
+        ("friction", friction_dtype(links, candidates)),
+        ("changes", changes_dtype(links, candidates)),
         ("output", output_dtype(links, candidates)),
     )

@@ -28,4 +28,18 @@ def output_dtype(links: int, candidates: int) -> np.dtype:
         ("dissipated", REAL),  # J, by contacts and joint damping since the start
         ("supplied", REAL),  # J, by the inputs since the start
         ("total", REAL),  # J, kinetic + potential + elastic
+        # last, as rows of a scene without dry friction end before it
+        ("friction", friction_output_dtype(links, candidates)),
+    )
+
+
+def friction_output_dtype(links: int, candidates: int) -> np.dtype:
+    """The outputs of dry friction. Owner: observe.py."""
+    return record(
+        ("force", REAL, (candidates,)),  # N, wall on point, along t = (n_y, −n_x)
+        ("impulse", REAL, (candidates,)),  # N·s, likewise, since the start
+        ("sticking", REAL, (candidates,)),  # 1: the contact sticks
+        ("joint_moment", REAL, (links,)),  # N·m, on the link at its proximal joint
+        ("joint_sticking", REAL, (links,)),  # 1: the joint sticks
+        ("dissipated", REAL),  # J, part of `dissipated`
     )

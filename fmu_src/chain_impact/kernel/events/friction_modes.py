@@ -1,0 +1,140 @@
+"""The modes of dry friction after an event: which elements stick, and which slide in which direction.
+
+An element that moves along t slides in the direction of its motion. The modes of those at rest follow from
+the forces: they stick if the forces of their constraints are within the limits of static friction, and else
+slide so that friction acts against the motion that begins,
+
+    sticks    |F_t| ≤ µ_s F_n        slides with s    s t·a ≥ 0.
+
+The modes are found by pivoting, as in ``solve_lcp``: all that violate their condition change at once as long
+as fewer and fewer do, else only the last. An element keeps its mode if that is consistent.
+"""
+
+from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
+from chain_impact.kernel.events.friction_events import excess, rest_speed
+from chain_impact.kernel.events.kinds import SLIDING_ENDS, STICKING_ENDS
+from chain_impact.kernel.model.constraints import MAX_STALLED_PIVOTS, ROUNDS, project_state
+from chain_impact.kernel.model.equations import located_rate
+from chain_impact.kernel.model.friction import (
+    NO_FRICTION,
+    STICKS,
+    any_sticking,
+    joint_of,
+    list_friction,
+    list_sticking,
+)
+from chain_impact.kernel.model.geometry import along_tangent
+from chain_impact.kernel.work_limit import count_evaluations
+
+# Of the largest acceleration: a sliding element at rest that accelerates by no more against its direction
+# keeps sliding.
+AGAINST = 1e-9
+
+
+def update_modes(d, struck):
+    """Set the modes for the state at the end of the last step, and project it onto what sticks.
+
+    Args:
+        d: the instance, with the points located at the end of the last step.
+        struck: whether speeds may have jumped. Otherwise what stuck has no speed but for errors.
+    """
+    own = d.friction
+    list_friction(d)
+    for e in range(len(own.mode)):
+        own.before[e], own.mode[e] = own.mode[e], NO_FRICTION
+    for i in range(own.count):
+        own.mode[own.index[i]] = first_guess(d, own.index[i], struck)
+    choose_modes(d)
+    for i in range(own.stuck_count):
+        e = own.stuck[i]
+        if struck or own.before[e] != STICKS:
+            own.anchor[e] = along_tangent(d, e, d.work.position)
+    log_changes(d)
+    if any_sticking(d):
+        project_state(d, d.step.state_end)
+        locate_points(d, d.step.state_end)
+
+
+def pending_changes(d):
+    """The number of elements whose mode ends at the end of the last step."""
+    changes = 0
+    for i in range(d.friction.count):
+        changes += d.friction.event[d.friction.index[i]] != 0
+    return changes
+
+
+def first_guess(d, e, struck):
+    """The mode of element e by its motion; if it is at rest, the one it had, and it is undecided."""
+    own, speed = d.friction, along_tangent(d, e, d.work.velocity)
+    before, event = own.before[e], own.event[e]
+    own.event[e], own.undecided[e] = 0, 1
+    if event == STICKING_ENDS:
+        return against(own.force[e])
+    if event == SLIDING_ENDS or (before == STICKS and not struck):
+        return STICKS
+    if abs(speed) > rest_speed(d):
+        own.undecided[e] = 0
+        return against(-speed)
+    return STICKS if before == NO_FRICTION else before
+
+
+def against(force):
+    """The sign of the sliding that a friction force opposes."""
+    return 1 if force < 0.0 else -1
+
+
+def choose_modes(d):
+    """Change the modes of undecided elements until all are consistent."""
+    own, rate = d.friction, d.work.rate
+    fewest, stalls_left = own.count + 1, MAX_STALLED_PIVOTS
+    for _ in range(ROUNDS + 4 * own.count):
+        list_sticking(d)
+        located_rate(d, d.step.state_end, rate)
+        count_evaluations(d, 1)
+        accelerate_points(d, d.step.state_end, rate)
+        wrong = count_inconsistent(d)
+        if wrong == 0:
+            return
+        if wrong < fewest:
+            fewest, stalls_left = wrong, MAX_STALLED_PIVOTS
+        else:
+            stalls_left -= 1
+        for i in range(own.count):
+            e = own.index[own.count - 1 - i]
+            if is_inconsistent(d, e):
+                own.mode[e] = against(own.force[e]) if own.mode[e] == STICKS else STICKS
+                if stalls_left < 0:
+                    break
+    list_sticking(d)
+
+
+def count_inconsistent(d):
+    """The number of undecided elements whose mode is not consistent with the forces."""
+    wrong = 0
+    for i in range(d.friction.count):
+        wrong += is_inconsistent(d, d.friction.index[i])
+    return wrong
+
+
+def is_inconsistent(d, e):
+    """Whether element e is undecided and its mode is not consistent with the forces and accelerations."""
+    own = d.friction
+    if not own.undecided[e]:
+        return False
+    if own.mode[e] == STICKS:
+        return abs(own.force[e]) > own.limit[e] + 0.5 * excess(d, e)
+    acceleration = own.mode[e] * along_tangent(d, e, d.work.acceleration)
+    return acceleration < -AGAINST * largest(d, d.work.acceleration)
+
+
+def log_changes(d):
+    """Log the elements whose mode has changed. In a full log they overwrite the oldest entries."""
+    own, log = d.friction, d.changes
+    for e in range(len(own.mode)):
+        if own.mode[e] != own.before[e]:
+            row = log.count % len(log.time)
+            joint = e >= d.candidates
+            log.time[row], log.mode[row] = d.step.end, own.mode[e]
+            log.point[row] = joint_of(d, e) + 1 if joint else d.candidate.point[e]
+            log.wall[row] = -1 if joint else d.candidate.wall[e]
+            log.count += 1

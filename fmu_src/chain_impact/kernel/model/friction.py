@@ -1,0 +1,154 @@
+"""Dry friction after Coulomb, at walls and in joints, with sticking that is exact.
+
+An element is a candidate, at whose contact the wall's force has a part along the tangent t = (n_y, −n_x), or a
+joint. Each element with friction has a mode, which changes at events only (events/friction_modes.py), so that
+the equations of motion are smooth within a step:
+
+    sliding with the sign s    F_t = −s µ F_n
+    sticking                   t·a = 0, by the force F_t of a constraint, as long as |F_t| ≤ µ_s F_n
+
+with µ the coefficient of sliding and µ_s ≥ µ that of static friction. The sign of the tangential speed is not
+evaluated within a step: s is latched. In a joint with the friction moment M both limits are M/s, with the
+lever arm s of its place. As the normal force of a law with a force depends on the state alone, the modes and
+accelerations that follow from these laws exist; for µ_s = µ the accelerations are unique.
+
+Where several constraints are dependent, the forces of the sticking elements are not unique. They are shared
+in proportion to their limits (constraints.py).
+
+Source: C. A. Coulomb 1785, Théorie des machines simples, Mém. Math. Phys. Acad. Sci. 10:161; for latched
+modes in place of the sign of a speed, after Pfeiffer & Glocker 1996, Multibody Dynamics with Unilateral
+Contacts.
+"""
+
+from chain_impact.kernel.model.geometry import add_along_tangent, along_tangent
+
+STICKS, NO_FRICTION = 0, 2  # modes; ±1 slides along ±t
+
+
+def may_rub(d, c):
+    """Whether the contact of candidate c has dry friction."""
+    return d.law.static_friction[c] > 0.0
+
+
+def joint_of(d, e):
+    """The index of the joint of element e, which is none of the candidates; 0 is the joint of link 1."""
+    return e - d.candidates
+
+
+def set_friction_used(d):
+    """Set whether any contact or joint has dry friction."""
+    d.friction.used = max(d.contact.any_friction, d.model.rubbing)
+
+
+def clear_friction(d):
+    """Start without friction anywhere: no element has a mode."""
+    own = d.friction
+    own.count, own.contact_count, own.stuck_count, own.stuck_joints = 0, 0, 0, 0
+    own.power, own.power_end = 0.0, 0.0
+    for e in range(len(own.mode)):
+        own.mode[e], own.event[e], own.force[e], own.force_end[e] = NO_FRICTION, 0, 0.0, 0.0
+        own.index[e], own.stuck[e] = 0, 0
+
+
+def list_friction(d):
+    """Pack the elements that have friction now, contacts first, and those of them that stick.
+
+    A joint without a place, the first one of a free base, has none.
+    """
+    own = d.friction
+    own.count = 0
+    for k in range(d.touch.compliant_count):
+        if may_rub(d, d.touch.active_index[k]):
+            own.index[own.count] = d.touch.active_index[k]
+            own.count += 1
+    own.contact_count = own.count
+    for i in range(0 if d.model.pinned else 1, d.links if d.model.rubbing else 0):
+        if d.model.joint_friction[i] > 0.0:
+            own.index[own.count] = d.candidates + i
+            own.count += 1
+    list_sticking(d)
+
+
+def list_sticking(d):
+    """Pack the elements that stick: each of them is a constraint, after those of the contacts."""
+    own, first = d.friction, d.touch.active_count
+    own.stuck_count, own.stuck_joints = 0, 0
+    for i in range(own.count):
+        e = own.index[i]
+        if own.mode[e] == STICKS:
+            own.stuck[own.stuck_count] = e
+            d.rigid.in_active_set[first + own.stuck_count] = 1
+            d.rigid.target[first + own.stuck_count] = 0.0
+            own.stuck_count += 1
+            own.stuck_joints += e >= d.candidates
+
+
+def any_joint_rubs(d):
+    """Whether a joint has dry friction."""
+    return d.friction.count > d.friction.contact_count
+
+
+def suspend_sticking(d):
+    """Let nothing stick in an impact on rigid walls: the limits of friction are forces, not impulses."""
+    d.friction.stuck_count, d.friction.stuck_joints = 0, 0
+
+
+def any_sticking(d):
+    """Whether any element sticks."""
+    return d.friction.stuck_count > 0
+
+
+def begin_friction(d, c):
+    """Set the mode of a contact that begins, at the located points; events/friction_modes.py may change it."""
+    speed = along_tangent(d, c, d.work.velocity)
+    d.friction.mode[c] = STICKS if speed == 0.0 else (1 if speed > 0.0 else -1)
+
+
+def apply_contact_friction(d, c, normal_force):
+    """Add the sliding friction of contact c to the load on its point; return the dissipated power [W].
+
+    The friction of a sticking contact is found later, as the force of a constraint.
+    """
+    own = d.friction
+    own.limit[c] = d.law.static_friction[c] * normal_force
+    if own.mode[c] == STICKS:
+        return 0.0
+    return slide(d, c, d.law.friction[c] * normal_force)
+
+
+def apply_joint_friction(d):
+    """Add the sliding friction of joints to the loads at their places; return the dissipated power [W]."""
+    own, dissipated = d.friction, 0.0
+    for i in range(own.contact_count, own.count):
+        e = own.index[i]
+        own.limit[e] = d.model.joint_friction[joint_of(d, e)] / d.model.size
+        if own.mode[e] != STICKS:
+            dissipated += slide(d, e, own.limit[e])
+    return dissipated
+
+
+def slide(d, e, size):
+    """Add the friction of a given ``size`` [N] of element e, which slides; return the dissipated power [W]."""
+    own, sign = d.friction, float(d.friction.mode[e])
+    speed = along_tangent(d, e, d.work.velocity)
+    own.force[e] = -sign * size
+    own.margin[e] = min(own.margin[e], sign * speed)
+    add_along_tangent(d, e, d.work.load, own.force[e])
+    # −F_t v_t
+    own.power += sign * size * speed
+    return sign * size * speed
+
+
+def keep_static_forces(d):
+    """Store the forces of the sticking elements, found just now as those of constraints, and their margins."""
+    own, first = d.friction, d.touch.active_count
+    for i in range(own.stuck_count):
+        e = own.stuck[i]
+        own.force[e] = d.rigid.impulse[first + i]
+        own.margin[e] = min(own.margin[e], own.limit[e] - abs(own.force[e]))
+
+
+def clear_margins(d):
+    """Begin to record how near the modes of the elements are to their ends."""
+    for i in range(d.friction.count):
+        d.friction.margin[d.friction.index[i]] = 0.0
