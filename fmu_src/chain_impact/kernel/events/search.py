@@ -68,19 +68,23 @@ def find_event(d):
         theta = drop_separating(d, theta)
         if theta < 0.0:
             measure(d, 1.0)
+    theta = find_sampled_event(d, theta)
+    remember_clearances(d, VALUES)
+    # the time in a regularized step is not under error control
+    if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
+        return REFUSED
+    return theta
+
+
+def find_sampled_event(d, theta):
+    """θ of the crossing at ``theta`` (−1: none) or of an earlier event of another kind; or REFUSED."""
     if any_point_held(d):
         theta = find_release(d, theta)
         if d.touch.compliant_count > 0:
             locate_at(d, theta if theta >= 0.0 else 1.0)
     if d.touch.compliant_count > 0 and theta != REFUSED:
         theta = find_kink(d, find_relatch(d, theta))
-    if theta != REFUSED:
-        theta = find_mode_change(d, theta)
-    remember_clearances(d, VALUES)
-    # the time in a regularized step is not under error control
-    if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
-        return REFUSED
-    return theta
+    return theta if theta == REFUSED else find_mode_change(d, theta)
 
 
 def credible(d, theta):

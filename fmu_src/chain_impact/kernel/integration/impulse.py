@@ -12,9 +12,9 @@ from chain_impact.kernel.integration.dense import interpolate_component
 
 
 def impulse_count(d):
-    """The number of integrals: the impulses of the active contacts, if they are requested, …
+    """The number of integrals: if they are requested, the impulses of the active contacts.
 
-    … and if there is dry friction those of its forces at contacts, and last the energy that it dissipates.
+    In a scene with dry friction those of its forces at contacts follow, and last the energy it dissipates.
     """
     if not d.impulse.wanted:
         return 0

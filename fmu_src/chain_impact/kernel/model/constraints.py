@@ -47,7 +47,7 @@ DOUBT = 1e-12  # of the largest value: a wrong sign within it is round-off and d
 # Pivots of all violated candidates at once that may fail to reduce their number, before only one at a time is
 # changed, which terminates in every case but takes more pivots.
 MAX_STALLED_PIVOTS = 3
-# Of the impedance of what sticks with the largest limit: for a smaller one the residual would fall too slowly.
+# Of the impedance of what sticks with the largest limit: with less, the residual would fall too slowly.
 LEAST_SHARE = 1e-2
 ROUNDS = 30  # plus 4 for each candidate: a bound on the pivots, far above any number that was observed
 
@@ -218,7 +218,7 @@ def activate_all(d):
 
 
 def start_from_accelerations(d, y, rate):
-    """Set ``start`` to the accelerations of all constraints for a rate ẏ; return the largest |a| of a point."""
+    """Set ``start`` to the accelerations of all constraints for a rate ẏ; return the largest |a|."""
     accelerate_points(d, y, rate)
     for k in range(constraint_rows(d)):
         d.rigid.start[k] = along_constraint(d, k, d.work.acceleration)
@@ -247,9 +247,9 @@ def add_constraint_forces(d, y, rate):
 def project_state(d, y):
     """Project the located state y onto the constraints, so that no drift accumulates.
 
-    Held contacts have g = 0 and ġ = 0. What sticks has its tangential coordinate at its anchor and no tangential
-    speed, while the clearances of contacts with a force law stay as they are: on a stiff wall a change would act
-    as an impact.
+    Held contacts have g = 0 and ġ = 0. What sticks has its tangential coordinate at its anchor and no
+    tangential speed, while the clearances of contacts with a force law stay as they are: on a stiff wall a
+    change would act as an impact.
 
     Near a toggle position, or where two points nearly coincide, small errors of ġ may need impulses of any
     size. Where walls would pull by more than the errors explain, the points that leave are not stopped and

@@ -144,10 +144,9 @@ def check_law(d, c):
     number, restitution = given_number(d, c), given_restitution(d, c)
     if not 1 <= number <= LAW_COUNT + user_law.present():
         return UNKNOWN_LAW
-    if not 0.0 <= restitution <= 1.0 or not given_stiffness(d, c) > 0.0:
-        return PARAMETER_OUT_OF_RANGE
     sliding, static = given_friction(d, c)
-    if not (sliding >= 0.0 and math.isfinite(static)):
+    in_range = 0.0 <= restitution <= 1.0 and given_stiffness(d, c) > 0.0
+    if not (in_range and sliding >= 0.0 and math.isfinite(static)):
         return PARAMETER_OUT_OF_RANGE
     if number == NEWTON_IMPACT and static > 0.0:
         return FRICTION_WITH_RIGID_WALLS

@@ -1,6 +1,6 @@
 """Dry friction after Coulomb, at walls and in joints, with sticking that is exact.
 
-An element is a candidate, at whose contact the wall's force has a part along the tangent t = (n_y, −n_x), or a
+An element is a candidate, at whose contact the force of the wall has a part along t = (n_y, −n_x), or a
 joint. Each element with friction has a mode, which changes at events only (events/friction_modes.py), so that
 the equations of motion are smooth within a step:
 
@@ -99,7 +99,7 @@ def any_sticking(d):
 
 
 def begin_friction(d, c):
-    """Set the mode of a contact that begins, at the located points; events/friction_modes.py may change it."""
+    """Set the mode of a contact that begins, until events/friction_modes.py chooses it."""
     speed = along_tangent(d, c, d.work.velocity)
     d.friction.mode[c] = STICKS if speed == 0.0 else (1 if speed > 0.0 else -1)
 
@@ -128,7 +128,7 @@ def apply_joint_friction(d):
 
 
 def slide(d, e, size):
-    """Add the friction of a given ``size`` [N] of element e, which slides; return the dissipated power [W]."""
+    """Add the friction of a ``size`` [N] of element e, which slides; return the dissipated power [W]."""
     own, sign = d.friction, float(d.friction.mode[e])
     speed = along_tangent(d, e, d.work.velocity)
     own.force[e] = -sign * size
@@ -140,7 +140,7 @@ def slide(d, e, size):
 
 
 def keep_static_forces(d):
-    """Store the forces of the sticking elements, found just now as those of constraints, and their margins."""
+    """Store the forces of what sticks, found just now as those of constraints, and its margins."""
     own, first = d.friction, d.touch.active_count
     for i in range(own.stuck_count):
         e = own.stuck[i]
