@@ -159,7 +159,7 @@ def keep_static_forces(d):
 def keep_anchors(d):
     """Move the anchors of what sticks to the located points where these could not be moved to them.
 
-    These are motions that can hardly be held (constraints.py). To correct them in each step again would do work.
+    Such motions can hardly be held (constraints.py), and to correct them in each step would do work.
     """
     own = d.friction
     for i in range(own.stuck_count):
