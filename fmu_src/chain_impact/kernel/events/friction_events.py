@@ -7,10 +7,8 @@ The stages of a step record the least value of these functions (model/friction.p
 negative is the step sampled. To find an event late does no harm but a little energy of its error.
 """
 
-from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events.kinds import SLIDING_ENDS, STICKING_ENDS
 from chain_impact.kernel.events.sampling import bisection, first_passage, locate_at
-from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.model.constraints import mean_mass, project_state
 from chain_impact.kernel.model.contact import drop_events
 from chain_impact.kernel.model.equations import state_rate
@@ -54,7 +52,7 @@ def mark_changes(d, found, theta):
 
 def resolution_of(d, e):
     """By how much the function of element e may be negative, because that is round-off: m/s or N."""
-    return excess(d, e) if d.friction.mode[e] == STICKS else rest_speed(d)
+    return excess(d, e) if d.friction.mode[e] == STICKS else rest_speed(d) + d.friction.slack[e]
 
 
 def rest_speed(d):
@@ -70,19 +68,13 @@ def excess(d, e):
 def has_changed(d, e, theta):
     """Whether the mode of element e has ended at the fraction θ of the last step."""
     own = d.friction
+    locate_at(d, theta)
     if own.mode[e] != STICKS:
-        locate_at(d, theta)
-        return own.mode[e] * along_tangent(d, e, d.work.velocity) < -rest_speed(d)
-    if theta < 1.0:
-        interpolate(d.step, theta, d.work.y)
-    else:
-        for j in range(len(d.work.y)):
-            d.work.y[j] = d.step.state_end[j]
-    locate_points(d, d.work.y)
+        return own.mode[e] * along_tangent(d, e, d.work.velocity) < -resolution_of(d, e)
     project_state(d, d.work.y)
     state_rate(d, d.work.y, d.work.rate)
     count_evaluations(d, 1)
-    return own.limit[e] - abs(own.force[e]) < -excess(d, e)
+    return own.limit[e] - abs(own.force[e]) < -resolution_of(d, e)
 
 
 _first_change = first_passage(has_changed, SAMPLES, bisection(has_changed))

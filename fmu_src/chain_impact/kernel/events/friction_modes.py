@@ -53,6 +53,17 @@ def update_modes(d, struck):
     if any_sticking(d):
         project_state(d, d.step.state_end)
         locate_points(d, d.step.state_end)
+    for i in range(own.count):
+        set_slack(d, own.index[i])
+
+
+def set_slack(d, e):
+    """Set how far element e may move against its direction of sliding: as it does now, because of errors.
+
+    Sliding that begins at rest does so with the error of a speed that has been located to be 0.
+    """
+    backward = -d.friction.mode[e] * along_tangent(d, e, d.work.velocity)
+    d.friction.slack[e] = max(0.0, 2.0 * backward) if d.friction.undecided[e] else 0.0
 
 
 def pending_changes(d):

@@ -63,10 +63,10 @@ def mean_mass(d):
 
 
 def set_impedance(d, amount):
-    """Set the impedance at the points of the active set to an amount [kg], and to zero elsewhere."""
+    """Set the impedance at the points of the active set to an amount [kg], and elsewhere to the resistance."""
     own = d.rigid
     for k in range(constraint_rows(d)):
-        own.impedance[k] = amount if own.in_active_set[k] else 0.0
+        own.impedance[k] = amount if own.in_active_set[k] else own.resistance[k]
     if any_sticking(d):
         share_impedance(d)
 
@@ -248,8 +248,8 @@ def project_state(d, y):
     """Project the located state y onto the constraints, so that no drift accumulates.
 
     Held contacts have g = 0 and ġ = 0. What sticks has its tangential coordinate at its anchor and no
-    tangential speed, while the clearances of contacts with a force law stay as they are: on a stiff wall a
-    change would act as an impact.
+    tangential speed. The contacts with a force law resist it, as on a stiff wall a change of their clearances
+    would act as an impact.
 
     Near a toggle position, or where two points nearly coincide, small errors of ġ may need impulses of any
     size. Where walls would pull by more than the errors explain, the points that leave are not stopped and
@@ -274,14 +274,16 @@ def project_state(d, y):
         # −½ p (u⁻ + u⁺)
         y[dissipated_at(n)] -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
     for k in range(d.touch.compliant_count):
-        own.in_active_set[k] = 0
+        # the resistance has the impulse −D (u⁺ − u⁻)
+        y[dissipated_at(n)] += 0.5 * own.resistance[k] * (own.reached[k] ** 2 - own.start[k] ** 2)
+        own.resistance[k] = 0.0
 
 
 def start_sticking(d, derivative):
-    """Set the start of the projection for what sticks, and hold the contacts with a force law."""
+    """Set the start of the projection for what sticks, and let the contacts with a force law resist it."""
     own, first = d.rigid, d.touch.active_count
     for k in range(d.touch.compliant_count):
-        own.in_active_set[k], own.target[k] = 1, own.start[k]
+        own.resistance[k] = holding_impedance(d)
     for i in range(d.friction.stuck_count):
         e = d.friction.stuck[i]
         if derivative:

@@ -109,6 +109,7 @@ def rigid_dtype(links: int, candidates: int) -> np.dtype:
         ("residual", REAL, (rows,)),  # … the missing part, later times the impedance
         ("impulse", REAL, (rows,)),  # N·s, or N
         ("impedance", REAL, (rows,)),  # kg, D
+        ("resistance", REAL, (rows,)),  # kg, of the contacts with a force law to a projection; else 0
         ("sample", REAL, (2, candidates)),  # N, the last two sampled forces
         (
             "least_force",
@@ -175,6 +176,7 @@ def friction_dtype(links: int, candidates: int) -> np.dtype:
         ("event", INTEGER, (elements,)),  # at `step.end` and not yet applied, see kernel/events/kinds.py
         ("before", INTEGER, (elements,)),  # its mode before the last choice
         ("undecided", INTEGER, (elements,)),  # 1: its mode is chosen by the forces
+        ("slack", REAL, (elements,)),  # m/s, by which sliding may be backward when its mode begins
         ("anchor", REAL, (elements,)),  # m, the tangential coordinate at which it sticks
         ("force", REAL, (elements,)),  # N along t, at the last evaluation of the rate …
         ("force_end", REAL, (elements,)),  # … and at the end of the last step
