@@ -128,6 +128,8 @@ def variable_patterns() -> str:
     scenes = [load_scene(name) for name in model_names()]
     more = {"inputs.joint_torques": True, "inputs.tip_force": True, "link[2].joint_min": -2.0}
     more |= {"link[2].joint_max": 2.0, "wall.y_min.stiffness": 1e7, "wall.y_min.restitution": 0.3}
+    more |= {"contact.friction": 0.3, "wall.y_min.friction": 0.3, "wall.y_min.static_friction": 0.3}
+    more |= {"link[2].joint_friction": 0.1}
     everything = with_values(load_scene("four_link_box"), more)
     rows: dict[str, Variable] = {}
     for scene in (everything, *scenes):
@@ -158,9 +160,11 @@ KINDS = {
     "; with walls": lambda scene: bool(scene.half_planes),
     "; with a free base": lambda scene: scene.chain.base == "free",
     "; with inputs": lambda scene: scene.inputs.joint_torques,
+    "; with dry friction": lambda scene: scene.has_friction,
 }
 # variables of one wall, stop or input, which are there with it
-NAMED_AFTER = ("box.", "wall.", "stop.", "link[i].joint_min", "link[i].joint_max", "joint[", "tip.")
+NAMED_AFTER = ("box.", "wall.", "stop.", "joint[", "tip.")
+NAMED_AFTER += ("link[i].joint_min", "link[i].joint_max", "link[i].joint_friction")
 
 
 def _where(pattern: str, found: list[tuple[Any, set[str]]]) -> str:

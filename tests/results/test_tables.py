@@ -9,6 +9,7 @@ from chain_impact import simulate
 from chain_impact.extras import MissingExtraError
 from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.tables import IMPACT_UNITS
+from tests.friction import pendulum, sled
 from tests.problems import default_scene
 
 
@@ -70,3 +71,21 @@ def test_without_the_package_the_extra_is_named(result, monkeypatch, package, me
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(MissingExtraError, match=rf"pip install .*\[{package}\]'"):
         getattr(result, method)()
+
+
+def test_a_dataset_of_a_scene_with_dry_friction_has_the_friction_of_each_contact():
+    result = simulate(sled(), 0.5)
+    data = result.to_xarray()
+    force = data["friction_force"].sel(contact="contact[1].slope")
+    np.testing.assert_array_equal(force, result["contact[1].slope.friction_force"])
+    assert force.min() < -2.0
+    np.testing.assert_array_equal(data["sticking"][:, 0], result["contact[0].slope.sticking"])
+    np.testing.assert_array_equal(data["friction_impulse"][:, 0], result["contact[0].slope.friction_impulse"])
+    np.testing.assert_array_equal(data["energy.friction"], result["energy.friction"])
+
+
+def test_a_dataset_has_the_friction_of_joints_by_its_name():
+    result = simulate(pendulum(), 0.5)
+    data = result.to_xarray()
+    assert not {"friction_force", "sticking"} & set(data.data_vars)
+    np.testing.assert_array_equal(data["joint[2].friction_moment"], result["joint[2].friction_moment"])

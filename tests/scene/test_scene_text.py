@@ -3,6 +3,7 @@
 import pytest
 
 from chain_impact import Scene, load_scene, model_names
+from tests.friction import pendulum, sled
 from tests.stops import knee
 
 LINES, COLUMNS = 8, 120  # of a repr
@@ -44,3 +45,10 @@ def test_stops_and_materials_are_in_the_repr():
     assert line.split(maxsplit=1)[1] == (
         "zhang_sharf, e = 0.5, K = 10000 N.m/rad^1.5; joint 1 ≤ 3 rad, joint 2 0 to 2 rad"
     )
+
+
+def test_dry_friction_is_in_the_repr():
+    text = repr(sled(**{"contact.static_friction": 0.6, "wall.slope.friction": 0.2}))
+    assert "K = 1e+06 N/m^1.5, µ = 0.5, static µ = 0.6; points 0, 1" in text
+    assert "at slope µ = 0.2" in text
+    assert "base pinned; dry friction in joints 1, 2" in repr(pendulum())

@@ -15,11 +15,14 @@ from chain_impact.scene.scene import SOLVER_METHODS, WALLS, Scene, model_names, 
 from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
 from chain_impact.variables.units import UNITS
+from tests.friction import pendulum
 from tests.stops import knee
 
 DRIVEN = {("inputs", "joint_torques"): True, ("inputs", "tip_force"): True}
 STOPS = {"link[2].joint_min": -2.0, "link[2].joint_max": 2.0, "link[4].joint_max": 1.5, "stop.stiffness": 1e4}
 MATERIALS = {"wall.y_min.stiffness": 1e7, "wall.y_min.restitution": 0.25, "wall.x_max.restitution": 0.5}
+FRICTION = {"contact.friction": 0.3, "contact.static_friction": 0.4, "wall.x_max.static_friction": 0.5}
+FRICTION |= {"link[3].joint_friction": 0.2}
 NO_POINTS = {("contact", "points"): []}
 
 
@@ -34,6 +37,8 @@ def scenes() -> dict[str, Scene]:
         "stops": with_values(box, STOPS),
         "stops only": with_values(models["simple_pendulum"], {"link[1].joint_max": 7.0, **NO_POINTS}),
         "materials": with_values(box, MATERIALS),
+        "friction": with_values(box, FRICTION | STOPS),
+        "friction in joints": pendulum(),
         "slanted": with_values(box, {("walls",): [{"name": "slope", "point": [0.0, 0.0], "angle": -0.75}]}),
     }
 
@@ -248,8 +253,9 @@ def test_limits_come_from_the_scene():
 
 
 def test_every_status_is_in_the_description():
-    status = next(v for v in Model(SCENES["rod_drop"]).variables if v.name == "solver.status")
+    status = next(v for v in Model(SCENES["friction"]).variables if v.name == "solver.status")
     assert all(text in status.description for text in STATUS_TEXT.values())
+    assert status.maximum == max(STATUS_TEXT)
 
 
 # --- outputs -------------------------------------------------------------------------------------------
@@ -257,7 +263,9 @@ def test_every_status_is_in_the_description():
 
 @every_scene
 def test_columns_are_those_of_the_recorded_outputs(scene):
-    outputs = np.zeros(3, output_dtype(len(scene.chain.links), len(candidates(scene))))
+    outputs = np.zeros(3, Model(scene).row)
+    whole = output_dtype(len(scene.chain.links), len(candidates(scene)))
+    assert (outputs.dtype == whole) == scene.has_friction
     width = outputs.dtype.itemsize // 8
     outputs.view(np.float64)[:] = np.arange(3 * width)
     columns = Model(scene).series(outputs)

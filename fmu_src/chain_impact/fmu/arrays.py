@@ -8,10 +8,10 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from chain_impact.variables.model import Model
-from chain_impact.variables.outputs import OWNERS
+from chain_impact.variables.outputs import LABELS, OWNERS
 from chain_impact.variables.variable import Variable
 
-NAMES = {field: f"{owner}.{field.removeprefix('point_')}" for field, owner in OWNERS.items()}
+NAMES = {field: f"{owner}.{LABELS[field]}" for field, owner in OWNERS.items()}
 """Field of the output record → the array. Of the latest impacts it is impact.time and so on."""
 
 
@@ -35,19 +35,18 @@ class Array(NamedTuple):
 
 def array_variables(model: Model) -> list[Array]:
     """The arrays of the outputs that the scene asks for, in the order of their value references."""
-    groups: dict[tuple[str | int, ...], list[Variable]] = {}
+    groups: dict[tuple[str | int, str], list[Variable]] = {}
     for variable in model.outputs:
-        record, field, *index = variable.place
-        # stops have other units than contacts, and joints without a stop no element
-        if index and not variable.name.startswith("joint["):
-            groups.setdefault((record, field), []).append(variable)
+        # stops have other units than contacts, and joints without a stop or dry friction no element
+        if variable.index and not variable.name.startswith("joint["):
+            groups.setdefault((variable.place[0], variable.field), []).append(variable)
     return [_array(elements) for elements in groups.values()]
 
 
 def _array(elements: Sequence[Variable]) -> Array:
-    record, field, *_ = elements[0].place
-    indices = [variable.place[2:] for variable in elements]
-    shape = tuple(1 + max(int(index[axis]) for index in indices) for axis in range(len(indices[0])))
-    name = f"impact.{field}" if record == "latest" else NAMES[str(field)]
+    record, field = elements[0].place[0], elements[0].field
+    indices = [variable.index for variable in elements]
+    shape = tuple(1 + max(index[axis] for index in indices) for axis in range(len(indices[0])))
+    name = f"impact.{field}" if record == "latest" else NAMES[field]
     text = f"{elements[0].name} to {elements[-1].name}" if len(elements) > 1 else elements[0].name
     return Array(replace(elements[0], name=name, description=f"array of {text}", held=False), shape)

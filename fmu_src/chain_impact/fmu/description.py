@@ -108,9 +108,9 @@ def values_of(model: Model) -> list[dict[str, str]]:
         value = {}
         if variable.type == "real":
             value = {"declaredType": unit_of(variable.unit).quantity, "unit": variable.unit}
-            record, field, *_ = variable.place
-            key = f"stop_{field}" if variable.name.startswith("joint[") else str(field)
-            if record in OBSERVED and key in nominal:
+            of_stop = variable.name.startswith("joint[") and "friction" not in variable.place
+            key = f"stop_{variable.field}" if of_stop else variable.field
+            if variable.place[0] in OBSERVED and key in nominal:
                 value["nominal"] = repr(nominal[key])
         elif variable.items:
             value = {"declaredType": type_name(variable)}
@@ -147,8 +147,10 @@ def nominal_values(scene: Scene) -> dict[str, float]:
     energies = dict.fromkeys(("kinetic", "potential", "elastic", "dissipated", "supplied", "total"), energy)
     force = contact.stiffness * depth**contact.exponent
     contacts = {"penetration": depth, "force": force, "impulse": mass * size}
+    dry = {"force": force, "impulse": mass * size, "joint_moment": energy, "dissipated": energy}
+    friction = {f"friction.{field}": value for field, value in dry.items()}
     impacts = {"speed": size, "separation_speed": size, "peak_force": force, "max_penetration": depth}
-    return motion | energies | contacts | impacts | _of_stops(scene.stops, energy)
+    return motion | energies | contacts | friction | impacts | _of_stops(scene.stops, energy)
 
 
 def _of_stops(stops: Stops, energy: float) -> dict[str, float]:

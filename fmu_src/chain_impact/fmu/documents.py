@@ -27,7 +27,7 @@ STYLE = (
 )
 
 INTRODUCTION = (
-    "<p>A planar chain of rigid links that hits frictionless walls. FMI {version}, co-simulation. Quantities "
+    "<p>A planar chain of rigid links that hits {walls}. FMI {version}, co-simulation. Quantities "
     "are in SI units. The solver locates every impact: the results do not depend on the communication "
     "step.</p>",
     "<p>Inputs are held constant over a communication step. Fixed parameters can be set until the end of "
@@ -77,9 +77,10 @@ def page(model: Model, fmi: int) -> str:
         for v in variables
         for number, item in enumerate(v.items, 1)
     ]
+    walls = "walls with dry friction" if scene.has_contact_friction else "frictionless walls"
     parts = [
         f"<h1>{escape(scene.name)}</h1><p>{escape(scene.description)}</p>",
-        *(paragraph.format(version=f"{fmi}.0") for paragraph in INTRODUCTION),
+        *(paragraph.format(version=f"{fmi}.0", walls=walls) for paragraph in INTRODUCTION),
         *FURTHER[fmi],
         table("Parameters", ("name", "start", "unit", "variability", "allowed", "meaning"), settable),
         table("Inputs", ("name", "unit", "meaning"), inputs),

@@ -303,11 +303,11 @@ class Result:
         """A field of ``output_dtype`` in kernel/record/outputs.py, also if the outputs have other fields."""
         if field in (self.outputs.dtype.names or ()):
             return self.outputs[field]
-        parts = [v for v in self.model.motion if v.place[1] == field]
+        parts = [v for v in self.model.motion if v.field == field]
         if not parts:
             raise UnknownNameError(self.scene.name, field, self.names, "no output of the scene")
         values = np.stack([self[variable.name] for variable in parts], axis=-1)
-        return values.reshape(len(self.time), *(int(step) + 1 for step in parts[-1].place[2:]))
+        return values.reshape(len(self.time), *(step + 1 for step in parts[-1].index))
 
 
 def recording_of(result: Result) -> Recording:

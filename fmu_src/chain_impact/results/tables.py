@@ -9,7 +9,7 @@ import numpy as np
 from chain_impact.extras import require
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.names import AXES
-from chain_impact.variables.outputs import OWNERS
+from chain_impact.variables.outputs import LABELS, OWNERS
 
 if TYPE_CHECKING:
     from chain_impact.results.result import Result
@@ -70,14 +70,14 @@ def dataset(result: Result) -> Any:
     for variable in model.motion:
         if variable.name not in result.motion:
             continue
-        _, field, *index = variable.place
-        of_stop = variable.name.startswith("joint[")  # joints without a stop have no such values
-        dimensions = () if of_stop else _DIMENSIONS.get(str(field), ())
-        key = str(field).removeprefix("point_") if dimensions else variable.name
+        # joints without a stop or dry friction have no such values
+        of_joint = variable.name.startswith("joint[")
+        dimensions = () if of_joint else _DIMENSIONS.get(variable.field, ())
+        key = LABELS[variable.field] if dimensions else variable.name
         if key not in data:
             values = np.full((len(result.time), *(sizes[one] for one in dimensions)), np.nan)
             data[key] = (("time", *dimensions), values, {"units": variable.unit})
-        data[key][1][(slice(None), *index[: len(dimensions)])] = result.motion[variable.name]
+        data[key][1][(slice(None), *variable.index[: len(dimensions)])] = result.motion[variable.name]
     coordinates = {
         "time": ("time", result.time, {"units": "s"}),
         "point": np.arange(points),

@@ -18,7 +18,7 @@ from typing import Any, TypeAlias
 from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.scene import checks, scene_text, stops
+from chain_impact.scene import checks, friction, scene_text, stops
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.limits import quantity
 from chain_impact.scene.models import SCENE_FILE, model_names, scene_path
@@ -74,15 +74,17 @@ class Scene:
 
     @property
     def has_contact_friction(self) -> bool:
-        """Whether any contact may have dry friction: a coefficient is not 0, or given for a wall."""
-        coefficients = ("friction", "static_friction")
-        own = any(getattr(m, key) is not None for m in self.contact.wall.values() for key in coefficients)
-        return own or self.contact.friction > 0.0 or self.contact.static_friction > 0.0
+        """Whether a contact may have dry friction: a coefficient is not 0, or given for a wall."""
+        if not (self.contact.points and self.contact.wall):
+            return False
+        of_walls = ((one.friction, one.static_friction) for one in self.contact.wall.values())
+        given = any(value is not None for both in of_walls for value in both)
+        return given or self.contact.friction > 0.0 or self.contact.static_friction > 0.0
 
     @property
     def has_friction(self) -> bool:
-        """Whether any contact or joint may have dry friction."""
-        return self.has_contact_friction or any(link.joint_friction > 0.0 for link in self.chain.links)
+        """Whether a contact or a joint may have dry friction."""
+        return self.has_contact_friction or bool(self.chain.friction_joints)
 
     @property
     def law_names(self) -> tuple[str, ...]:
@@ -175,6 +177,7 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
         hints = checks.angle_hints(scene)
         checks.check_together(scene)
         stops.check_stops(scene)
+        friction.check_friction(scene)
         checks.check_start(scene)
         stops.check_joint_angles(scene)
     except SceneError as error:

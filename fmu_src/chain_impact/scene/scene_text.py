@@ -27,12 +27,15 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
     links, contact, start, run = scene.chain.links, scene.contact, scene.initial, scene.simulation
     count = f"{len(links)} link{'s' * (len(links) != 1)}"
     length, mass = sum(link.length for link in links), sum(link.mass for link in links)
-    yield "chain", f"{count}, {length:g} m, {mass:g} kg; base {scene.chain.base}"
+    rubbing = scene.chain.friction_joints
+    dry = f"; dry friction in joints {_listed(rubbing)}" if rubbing else ""
+    yield "chain", f"{count}, {length:g} m, {mass:g} kg; base {scene.chain.base}{dry}"
     box = [f"{wall} = {at:g} m" for wall in WALLS if (at := getattr(scene.box, wall)) is not None]
     yield "walls", ", ".join([*box, *(wall.name for wall in scene.walls)]) or "none"
     law = f"{contact.model}, e = {contact.restitution:g}"
     stiffness = f"K = {contact.stiffness:g} N/m^{contact.exponent:g}"
-    yield "contact", f"{law}, {stiffness}; points {_listed(contact.points)}"
+    mu = _friction(contact.friction or None, contact.static_friction or None)
+    yield "contact", f"{', '.join([law, stiffness, *mu])}; points {_listed(contact.points)}"
     materials = [line for name, one in contact.wall.items() if (line := _material(name, one))]
     if materials:
         yield "", "; ".join(materials)
@@ -52,7 +55,14 @@ def _material(name: str, material: Material) -> str:
     """What is particular of a wall; nothing if it is as the others."""
     parts = [] if material.restitution is None else [f"e = {material.restitution:g}"]
     parts += [] if material.stiffness is None else [f"K = {material.stiffness:g}"]
+    parts += _friction(material.friction, material.static_friction)
     return f"at {name} {', '.join(parts)}" if parts else ""
+
+
+def _friction(sliding: float | None, static: float | None) -> list[str]:
+    """The coefficients of dry friction that are given."""
+    given = {"µ": sliding, "static µ": static}
+    return [f"{name} = {value:g}" for name, value in given.items() if value is not None]
 
 
 def _range(low: float, high: float) -> str:

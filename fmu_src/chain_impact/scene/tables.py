@@ -92,6 +92,13 @@ class Chain:
         return tuple((i, stop) for i, link in links for stop in STOPS if getattr(link, stop) is not None)
 
     @property
+    def friction_joints(self) -> tuple[int, ...]:
+        """The joints with dry friction, numbered as their links; a free base has no joint 1."""
+        first = 1 if self.base == "pinned" else 2
+        links = enumerate(self.links[first - 1 :], first)
+        return tuple(joint for joint, link in links if link.joint_friction > 0.0)
+
+    @property
     def joint_ranges(self) -> dict[int, tuple[float, float]]:
         """The joints with a stop, and their joint_min and joint_max [rad], infinite where there is none."""
         links = {joint: self.links[joint - 1] for joint, _ in self.stops}
@@ -139,7 +146,7 @@ class Material:
         "1", "coefficient of sliding friction, if not that of contact", None, minimum=0.0
     )
     static_friction: float | None = quantity(
-        "1", "coefficient of static friction, if not that of contact", None, minimum=0.0
+        "1", "coefficient of static friction, if neither that of contact nor friction", None, minimum=0.0
     )
 
 
@@ -159,7 +166,7 @@ class Contact:
     )
     friction: float = quantity("1", "coefficient of sliding friction", 0.0, minimum=0.0)
     static_friction: float = quantity(
-        "1", "coefficient of static friction; if it is less than friction, friction holds", 0.0, minimum=0.0
+        "1", "coefficient of static friction, not less than friction; 0: that of friction", 0.0, minimum=0.0
     )
     wall: Mapping[str, Material] = quantity("", "materials of single walls, by the name of the wall", {})
 

@@ -191,8 +191,10 @@ class Model:
         """The time series in ``Result.outputs`` under the names of the FMU's outputs: name → shape (T,)."""
         found = {}
         for variable in self.motion:
-            _, name, *index = variable.place
-            found[variable.name] = outputs[name][(..., *index)]  # type: ignore[arg-type]
+            values = outputs
+            for name in variable.field.split("."):
+                values = values[name]
+            found[variable.name] = values[(..., *variable.index)]  # type: ignore[arg-type]
         return found
 
     def new_instance(self, varied: Sequence[Variable] | None = None) -> np.ndarray:

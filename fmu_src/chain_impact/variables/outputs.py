@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from chain_impact.kernel.status import STATUS_TEXT
+from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.scene.candidates import point_wall_pairs, stop_pairs
 from chain_impact.scene.names import AXES
 from chain_impact.scene.scene import Scene
@@ -14,9 +14,13 @@ OWNERS = {
     **dict.fromkeys(("point_position", "point_velocity", "point_acceleration"), "point"),
     **dict.fromkeys(("angle", "angular_velocity", "angular_acceleration"), "link"),
     **dict.fromkeys(("force", "penetration", "penetration_rate", "impulse"), "contact"),
+    **dict.fromkeys(("friction.force", "friction.impulse", "friction.sticking"), "contact"),
 }
 """Field of the output record with many elements → what each of them is of, the first part of its name."""
-_STATUSES = "; ".join(f"{code} {text}" for code, text in STATUS_TEXT.items())
+LABELS = {field: field.removeprefix("point_").replace(".", "_") for field in OWNERS} | {
+    "friction.sticking": "sticking"
+}
+"""Field of the output record with many elements → what all of them together are called."""
 
 
 def _output(
@@ -53,12 +57,13 @@ def all_outputs(scene: Scene) -> Iterator[Variable]:
     if asked.contacts:
         yield from _contacts(scene)
         yield from _stops(scene)
+        yield from _joint_friction(scene)
     if asked.energies:
         yield from _energies(scene)
     yield from _last_impact(scene)
     yield from _latest_impacts(scene)
     if asked.solver:
-        yield from _statistics()
+        yield from _statistics(scene)
 
 
 def _points(scene: Scene) -> Iterator[Variable]:
@@ -86,12 +91,44 @@ def _contacts(scene: Scene) -> Iterator[Variable]:
         ("penetration_rate", "m/s", "rate of penetration, positive when closing, 0 when apart"),
         ("impulse", "N.s", "impulse of the wall since the start, along its normal"),
     )
+    rubs = scene.has_contact_friction
     for c, (point, number) in enumerate(point_wall_pairs(scene)):
         wall = scene.wall_names[number]
         for quantity, unit, text in touches:
             name, where = f"contact[{point}].{wall}.{quantity}", f"point {point} at {wall}"
             least = 0.0 if quantity == "penetration" else None
             yield _output(name, unit, f"{where}: {text}", "output", quantity, c, minimum=least)
+        if rubs:
+            yield from _contact_friction(f"contact[{point}].{wall}", f"point {point} at {wall}", c)
+
+
+def _contact_friction(name: str, where: str, c: int) -> Iterator[Variable]:
+    """The dry friction of candidate c."""
+    along = "along t = (n_y, -n_x) of its normal n"
+    touches = (
+        ("force", "friction_force", "N", f"dry friction of the wall, {along}"),
+        ("impulse", "friction_impulse", "N.s", f"impulse of dry friction since the start, {along}"),
+    )
+    for field, key, unit, text in touches:
+        yield _output(f"{name}.{key}", unit, f"{where}: {text}", "output", "friction", field, c)
+    yield _sticking(name, where, "sticking", c)
+
+
+def _joint_friction(scene: Scene) -> Iterator[Variable]:
+    """The dry friction in joints."""
+    for joint in scene.chain.friction_joints:
+        name, where = f"joint[{joint}]", f"joint {joint}"
+        text = f"{where}: moment of dry friction on link {joint}"
+        place = ("output", "friction", "joint_moment", joint - 1)
+        yield _output(f"{name}.friction_moment", "N.m", text, *place)
+        yield _sticking(name, where, "joint_sticking", joint - 1)
+
+
+def _sticking(name: str, where: str, field: str, index: int) -> Variable:
+    """Whether something sticks. It is a real number, which FMI lets change at any time."""
+    place = ("output", "friction", field, index)
+    text = f"{where}: 1 while it sticks by dry friction, else 0"
+    return _output(f"{name}.sticking", "1", text, *place, minimum=0.0, maximum=1.0)
 
 
 def _stops(scene: Scene) -> Iterator[Variable]:
@@ -122,8 +159,13 @@ def _energies(scene: Scene) -> Iterator[Variable]:
     }
     if not (scene.inputs.joint_torques or scene.inputs.tip_force):
         del texts["supplied"]
+    if scene.has_friction:
+        texts["dissipated"] = "energy lost in contacts, joint damping and dry friction since the start"
     for key, text in texts.items():
         yield _output(f"energy.{key}", "J", text, "output", key, minimum=0.0 if key == "kinetic" else None)
+    if scene.has_friction:
+        text = "energy lost in dry friction since the start, part of energy.dissipated"
+        yield _output("energy.friction", "J", text, "output", "friction", "dissipated")
 
 
 def _last_impact(scene: Scene) -> Iterator[Variable]:
@@ -198,14 +240,20 @@ def _wall_numbers(scene: Scene) -> str:
     return ", ".join(f"{w} {wall}" for w, wall in enumerate(scene.wall_names, 1))
 
 
-def _statistics() -> Iterator[Variable]:
+def _statistics(scene: Scene) -> Iterator[Variable]:
+    statuses = {
+        code: text
+        for code, text in STATUS_TEXT.items()
+        if code != FRICTION_WITH_RIGID_WALLS or scene.has_contact_friction
+    }
+    listed = "; ".join(f"{code} {text}" for code, text in statuses.items())
     texts = {
         "steps": "accepted steps of the solver",
         "rejected_steps": "rejected steps of the solver",
         "rhs_evaluations": "evaluations of the equations of motion by the solver",
         "implicit_steps": "accepted implicit steps",
-        "status": f"status of the solver: {_STATUSES}",
+        "status": f"status of the solver: {listed}",
     }
     for key, text in texts.items():
-        most = max(STATUS_TEXT) if key == "status" else None
+        most = max(statuses) if key == "status" else None
         yield _output(f"solver.{key}", "", text, "statistics", key, minimum=0, maximum=most)

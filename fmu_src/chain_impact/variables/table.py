@@ -31,6 +31,8 @@ WORD = 8  # bytes of every scalar in the record
 BEHIND = "behind"
 """The field of the instances of dual numbers behind an instance (model.py)."""
 
+FRICTION = ("friction", "static_friction")
+"""The coefficients of dry friction."""
 _METHODS = tuple(
     Item(name, "as each phase needs" if name == "auto" else f"{name} steps only") for name in SOLVER_METHODS
 )
@@ -100,7 +102,7 @@ def _parameter(
 
 def parameters(scene: Scene) -> Iterator[Variable]:
     """The parameters of the scene's FMU."""
-    rules = _rules(Scene) | _rules(Box)
+    rules, rubbing = _rules(Scene) | _rules(Box), scene.chain.friction_joints
     for j, axis in enumerate(AXES):
         path: Place = ("gravity", j)
         yield _parameter(rules["gravity"], ("model", *path), path, f"{axis} of the {{}}")
@@ -108,7 +110,7 @@ def parameters(scene: Scene) -> Iterator[Variable]:
         for key, rule in _rules(Link).items():
             if key in STOPS and getattr(scene.chain.links[i], key) is None:
                 continue
-            if key == "joint_friction" and scene.chain.links[i].joint_friction == 0.0:
+            if key == "joint_friction" and i + 1 not in rubbing:
                 continue
             yield _parameter(rule, ("model", key, i), ("chain", "links", i, key), f"link {i + 1}: {{}}")
     for w, wall in enumerate(WALLS):
@@ -150,9 +152,10 @@ def _laws(scene: Scene) -> tuple[Item, ...]:
 def _contact_parameters(scene: Scene) -> Iterator[Variable]:
     rules = _rules(Contact)
     yield _law_parameter(scene)
-    for key in ("stiffness", "exponent", "restitution", "radius", "minimum_impact_speed"):
+    keys = ("stiffness", "exponent", "restitution", "radius", "minimum_impact_speed")
+    for key in (*keys, *(FRICTION if scene.has_contact_friction else ())):
         path = ("contact", key)
-        if key in ("stiffness", "restitution"):
+        if key in ("stiffness", "restitution", *FRICTION):
             yield _parameter(rules[key], ("given", key), path, variability="tunable")
         else:
             yield _parameter(rules[key], path, path)

@@ -67,9 +67,20 @@ class Variable:
         """Whether an input acts at once, without passing through a state.
 
         True of accelerations, but of what is held, and of forces and their peaks: those of rigid walls hold
-        against a torque.
+        against a torque, and so does what sticks by dry friction.
         """
-        return not self.held and str(self.place[1]).endswith(("acceleration", "force"))
+        at_once = ("acceleration", "force", "joint_moment", "sticking")
+        return not self.held and self.field.endswith(at_once)
+
+    @property
+    def field(self) -> str:
+        """The field of the record that has the value, ``point_position``, of a nested one with a dot."""
+        return ".".join(step for step in self.place[1:] if isinstance(step, str))
+
+    @property
+    def index(self) -> tuple[int, ...]:
+        """The place of the value in its field."""
+        return tuple(step for step in self.place if isinstance(step, int))
 
     @property
     def allowed(self) -> str:

@@ -104,10 +104,10 @@ class Runner:
         layout, self._job, self._dtype = self._start.dtype, job, job.dtype
         self._columns = job.columns
         # to follow impulses of walls takes time: it is done for the columns that have them only
-        looked_at = {part for column in self._columns.values() for part in column.place[:2]}
+        looked_at = {part for column in self._columns.values() for part in column.place}
         if "latest" not in looked_at:
             self._start["latest"]["kept"] = 0
-            self._start["impulse"]["wanted"] = "impulse" in looked_at
+            self._start["impulse"]["wanted"] = bool(looked_at & {"impulse", "friction"})
         in_record = [k for k, place in enumerate(job.varied) if place]
         self._in_record, self._whole = in_record, [job.kinds[k] == "enumeration" for k in in_record]
         self._places = np.array([word_index(layout, job.varied[k]) for k in in_record], np.int64)

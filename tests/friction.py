@@ -1,0 +1,60 @@
+"""Scenes with dry friction, shared by tests: a sled on a slope, and a pendulum with friction in its joint."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from chain_impact.scene.scene import Scene, scene_from_dict
+
+SLOPE = 0.35  # rad
+
+
+def sled(**values: Any) -> Scene:
+    """A rod that lies on a slope and slides down; values by their names."""
+    scene = scene_from_dict(
+        {
+            "name": "Sled",
+            "chain": {"links": [{"length": 0.5, "mass": 1.2}]},
+            "walls": [{"name": "slope", "point": [0.0, 0.0], "angle": -SLOPE}],
+            "contact": {"stiffness": 1e6, "restitution": 0.2, "friction": 0.5},
+            "initial": {"angles": [-SLOPE], "velocity": [1.2, -0.5]},
+            "simulation": {"stop_time": 2.0, "step_size": 0.01},
+        },
+        "sled",
+    )
+    return scene.with_values(values) if values else scene
+
+
+def pendulum(**values: Any) -> Scene:
+    """A double pendulum that comes to rest by dry friction in its joints; values by their names."""
+    link = {"length": 0.4, "mass": 0.9}
+    scene = scene_from_dict(
+        {
+            "name": "Pendulum",
+            "chain": {
+                "base": "pinned",
+                "links": [link | {"joint_friction": 0.8}, link | {"joint_friction": 0.5}],
+            },
+            "initial": {"angles": [-0.6, -1.1]},
+            "simulation": {"stop_time": 4.0, "step_size": 0.01},
+        },
+        "pendulum",
+    )
+    return scene.with_values(values) if values else scene
+
+
+def thrown(**values: Any) -> Scene:
+    """Two links with friction in their joint, thrown onto a floor with friction; values by their names."""
+    link = {"length": 0.3, "mass": 0.7}
+    scene = scene_from_dict(
+        {
+            "name": "Thrown",
+            "chain": {"links": [link, link | {"joint_friction": 0.2}]},
+            "box": {"y_min": 0.0},
+            "contact": {"stiffness": 1e6, "restitution": 0.4, "wall": {"y_min": {"friction": 0.35}}},
+            "initial": {"position": [0.0, 0.2], "angles": [0.3, -0.2], "velocity": [1.5, 0.0]},
+            "simulation": {"stop_time": 1.5, "step_size": 0.01},
+        },
+        "thrown",
+    )
+    return scene.with_values(values) if values else scene
