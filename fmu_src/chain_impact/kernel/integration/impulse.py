@@ -18,7 +18,7 @@ def impulse_count(d):
 
 def friction_count(d):
     """The number of integrals of dry friction: its impulses at contacts, and last its energy."""
-    return d.friction.contact_count + 1 if d.friction.used and d.impulse.wanted else 0
+    return d.friction.integral_count
 
 
 def friction_integrand(d, k):

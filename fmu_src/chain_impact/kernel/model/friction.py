@@ -45,6 +45,7 @@ def clear_friction(d):
     """Start without friction anywhere: no element has a mode."""
     own = d.friction
     own.count, own.contact_count, own.stuck_count, own.stuck_joints = 0, 0, 0, 0
+    own.integral_count = 0
     own.power, own.power_end, d.friction_impulse.energy = 0.0, 0.0, 0.0
     for e in range(d.elements):
         d.element.mode[e], d.element.event[e], d.element.force[e], d.element.force_end[e] = (
@@ -68,6 +69,7 @@ def list_friction(d):
             d.element.index[own.count] = d.touch.active_index[k]
             own.count += 1
     own.contact_count = own.count
+    own.integral_count = own.count + 1 if d.impulse.wanted else 0
     for i in range(0 if d.model.pinned else 1, d.links if d.model.rubbing else 0):
         if d.model.joint_friction[i] > 0.0:
             d.element.index[own.count] = d.candidates + i

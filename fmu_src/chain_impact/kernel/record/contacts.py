@@ -169,6 +169,7 @@ def friction_dtype() -> np.dtype:
         ("contact_count", INTEGER),  # of them, contacts
         ("stuck_count", INTEGER),  # of them, those that stick, …
         ("stuck_joints", INTEGER),  # … and of these the joints
+        ("integral_count", INTEGER),  # see integration/impulse.py
         ("power", REAL),  # W, dissipated by dry friction at the last evaluation …
         ("power_end", REAL),  # … and at the end of the last step
     )
