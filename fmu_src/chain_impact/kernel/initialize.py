@@ -143,7 +143,7 @@ def derive_chain(d):
     model.joint_bound = joint_bound(d)
     model.stopped, model.rubbing = 0, 0
     for i in range(0 if model.pinned else 1, len(model.length)):
-        if resists(model.joint_friction[i]):
+        if model.joint_friction[i] > 0.0:
             model.rubbing = 1
     for c in range(d.candidates):
         if d.candidate.stop[c] != 0:

@@ -20,6 +20,7 @@ from chain_impact.kernel.integration.methods import DENSE_EVALUATIONS, RATE_AT_E
 from chain_impact.kernel.integration.sundman import NO_CONTACT, lone_contact, time_rate_now
 from chain_impact.kernel.model.constraints import any_constraint, project_state
 from chain_impact.kernel.model.equations import located_rate, state_rate
+from chain_impact.kernel.model.friction import keep_anchors
 from chain_impact.kernel.work_limit import count_evaluations
 
 NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2  # step.dense_for: what has requested the dense output
@@ -48,6 +49,7 @@ def accept(d, h):
     """Make the step of size h that was tried, with its result in ``work.y``, the last step."""
     if any_constraint(d):
         project_state(d, d.work.y)
+        keep_anchors(d)
         for k in range(d.touch.compliant_count, d.touch.active_count if d.impulse.wanted else 0):
             d.impulse.tried[k] += d.rigid.impulse[k]
     step, y = d.step, d.work.y

@@ -17,7 +17,8 @@ round-off, and the constraints may be dependent. D is a million times a link's m
 What sticks by dry friction (friction.py) is a constraint too, of its tangential motion, and is always in the
 active set: an equality. Of the possible solutions for dependent constraints the iteration finds the one with
 the least Σ p²/D. So with D in proportion to the limits of friction the sticking elements share their load in
-that proportion.
+that proportion. Motions that can hardly be held, as one that changes the length of a straight chain on a
+floor, are left free: the forces that hold them could have any size.
 """
 
 import math
@@ -49,6 +50,8 @@ DOUBT = 1e-12  # of the largest value: a wrong sign within it is round-off and d
 MAX_STALLED_PIVOTS = 3
 # Of the impedance of what sticks with the largest limit: with less, the residual would fall too slowly.
 LEAST_SHARE = 1e-2
+# Over the mean mass of a link: the impedance with which stiff contacts resist the projection of what sticks.
+RESISTANCE = 1e3
 ROUNDS = 30  # plus 4 for each candidate: a bound on the pivots, far above any number that was observed
 
 
@@ -63,7 +66,7 @@ def mean_mass(d):
 
 
 def set_impedance(d, amount):
-    """Set the impedance at the points of the active set to an amount [kg], and elsewhere to the resistance."""
+    """Set the impedance of the active set to an amount [kg], and elsewhere to the resistance."""
     own = d.rigid
     for k in range(constraint_rows(d)):
         own.impedance[k] = amount if own.in_active_set[k] else own.resistance[k]
@@ -102,7 +105,7 @@ def solve_equality(d, scale):
         if worst <= ROUND_OFF * scale:
             return
         if not worst < 0.5 * before:
-            if worst <= DOUBT * scale or impedance >= STIFFEST * mean:
+            if worst <= DOUBT * scale or impedance >= STIFFEST * mean or not any_point_held(d):
                 return
             # near a toggle position a point has far more inertia than a link
             impedance *= STIFFER
@@ -228,7 +231,7 @@ def start_from_accelerations(d, y, rate):
 def add_constraint_forces(d, y, rate):
     """Add to a rate ẏ, found without them, the effect of the constraint forces of g̈ = 0 and t·a = 0.
 
-    The forces [N] are then stored in ``d.rigid.impulse``; they do no work.
+    The forces [N] are then stored in ``d.rigid.impulse``; they do no work but that of errors.
     """
     own, n = d.rigid, d.links
     scale = start_from_accelerations(d, y, rate)
@@ -241,7 +244,7 @@ def add_constraint_forces(d, y, rate):
         own.least_force[c] = min(own.least_force[c], own.impulse[k])
         d.touch.force[c] = own.impulse[k]
     if any_sticking(d):
-        keep_static_forces(d)
+        rate[dissipated_at(n)] += keep_static_forces(d)
 
 
 def project_state(d, y):
@@ -283,7 +286,7 @@ def start_sticking(d, derivative):
     """Set the start of the projection for what sticks, and let the contacts with a force law resist it."""
     own, first = d.rigid, d.touch.active_count
     for k in range(d.touch.compliant_count):
-        own.resistance[k] = holding_impedance(d)
+        own.resistance[k] = RESISTANCE * mean_mass(d)
     for i in range(d.friction.stuck_count):
         e = d.friction.stuck[i]
         if derivative:

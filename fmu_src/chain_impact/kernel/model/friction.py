@@ -23,6 +23,7 @@ Contacts.
 from chain_impact.kernel.model.geometry import add_along_tangent, along_tangent
 
 STICKS, NO_FRICTION = 0, 2  # modes; ±1 slides along ±t
+NOT_HELD = 1e-13  # of a link length: a larger distance from an anchor, after a projection, is not round-off
 
 
 def may_rub(d, c):
@@ -140,12 +141,32 @@ def slide(d, e, size):
 
 
 def keep_static_forces(d):
-    """Store the forces of what sticks, found just now as those of constraints, and its margins."""
-    own, first = d.friction, d.touch.active_count
+    """Store the forces of what sticks, found just now as those of constraints, and its margins.
+
+    Returns:
+        The power [W] that they dissipate, as what sticks has a speed of the size of errors.
+    """
+    own, first, dissipated = d.friction, d.touch.active_count, 0.0
     for i in range(own.stuck_count):
         e = own.stuck[i]
         own.force[e] = d.rigid.impulse[first + i]
         own.margin[e] = min(own.margin[e], own.limit[e] - abs(own.force[e]))
+        dissipated -= own.force[e] * along_tangent(d, e, d.work.velocity)
+    own.power += dissipated
+    return dissipated
+
+
+def keep_anchors(d):
+    """Move the anchors of what sticks to the located points where these could not be moved to them.
+
+    Such motions can hardly be held (constraints.py), and to correct them in each step would do work.
+    """
+    own = d.friction
+    for i in range(own.stuck_count):
+        e = own.stuck[i]
+        there = along_tangent(d, e, d.work.position)
+        if abs(there - own.anchor[e]) > NOT_HELD * d.model.size:
+            own.anchor[e] = there
 
 
 def clear_margins(d):

@@ -175,6 +175,7 @@ def friction_dtype(links: int, candidates: int) -> np.dtype:
         ("mode", INTEGER, (elements,)),  # 0: sticks, ±1: slides along ±t; 2: no friction now
         ("event", INTEGER, (elements,)),  # at `step.end` and not yet applied, see kernel/events/kinds.py
         ("before", INTEGER, (elements,)),  # its mode before the last choice
+        ("chosen", INTEGER, (elements,)),  # its mode in the primal run, for a tangent instance
         ("undecided", INTEGER, (elements,)),  # 1: its mode is chosen by the forces
         ("slack", REAL, (elements,)),  # m/s, by which sliding may be backward when its mode begins
         ("anchor", REAL, (elements,)),  # m, the tangential coordinate at which it sticks

@@ -8,9 +8,12 @@ import math
 
 from chain_impact.kernel.chain import sincos, springs
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
+from chain_impact.kernel.events import friction_modes
 from chain_impact.kernel.integration import dense
 from chain_impact.kernel.laws import contact_laws, user_law
 from chain_impact.kernel.model import contact_force
+from chain_impact.kernel.model.equations import located_rate
+from chain_impact.kernel.model.friction import list_sticking
 from chain_impact.kernel.tangent.directions import carried, value, varies
 
 DIFFERENCE = 1e-3  # relative step in an argument of a user's law, for its slopes by differences
@@ -63,6 +66,15 @@ def fraction(t, time):
     error = dense.interpolate_component(step, theta, clock) - elapsed
     # θ = θ₀ − (t(θ₀) − t)/ṫ; where a contact begins or ends ṫ = 0, and θ has no derivatives
     return carried(theta, -1.0 / rate if rate > 0.0 else 0.0, error)
+
+
+def choose_modes(t):
+    """The modes of dry friction are those of the primal run."""
+    own = t.friction
+    for e in range(len(own.mode)):
+        own.mode[e] = own.chosen[e]
+    list_sticking(t)
+    located_rate(t, t.step.state_end, t.work.rate)
 
 
 def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
@@ -130,6 +142,7 @@ def moved(argument, by, at):
 
 RULES = {
     contact_force.power: power,
+    friction_modes.choose_modes: choose_modes,
     contact_force.user_force: user_force,
     contact_laws.kuwabara_kono: kuwabara_kono,
     dense.fraction: fraction,

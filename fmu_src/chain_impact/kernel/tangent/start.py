@@ -1,7 +1,7 @@
 """The start of a tangent instance: the derivatives of all that follows from the parameters."""
 
-from chain_impact.kernel.advance import latch_again, recompute_active_set
-from chain_impact.kernel.initialize import clear_run, derive_chain, set_initial_state
+from chain_impact.kernel.advance import latch_again, recompute_active_set, recompute_modes
+from chain_impact.kernel.initialize import clear_run, derive_chain, set_initial_state, start_modes
 from chain_impact.kernel.integration.last_step import reset_step
 from chain_impact.kernel.integration.switching import begin_explicit
 from chain_impact.kernel.laws.contact_laws import ANY, LAW_COUNT, RATE_EXPONENTS, damping_factor
@@ -24,6 +24,8 @@ def start_tangent(d, t):
     set_initial_state(t, t.work.y)
     reset_step(t, d.step.time, t.work.y)
     clear_loads(t)
+    copy_modes(d, t)
+    start_modes(t)
     begin_explicit(t.step)
     t.impact.last_time = d.step.time
     t.trust.reason = TRUSTED
@@ -35,6 +37,8 @@ def reinit_tangent(d, t):
     apply_given_of(d, t)
     latch_again(t)
     recompute_active_set(t)
+    copy_modes(d, t)
+    recompute_modes(t)
     set_kink_sides(t)
     clear_loads(t)
     # derivatives that ended in the part of the run that is dropped may go on: the new part decides
@@ -59,6 +63,12 @@ def apply_given_of(d, t):
     derive_laws_of(d, t)
 
 
+def copy_modes(d, t):
+    """Copy the modes of dry friction of d to t, which takes them where it would choose (rules.py)."""
+    for e in range(len(d.friction.mode)):
+        t.friction.chosen[e] = d.friction.mode[e]
+
+
 def copy_inputs(d, t):
     """Copy the present inputs of d to t: a derivative is that for a constant added to an input."""
     own = t.inputs
@@ -73,6 +83,7 @@ def derive_laws_of(d, t):
     """Derive the constants of the laws of d from the parameters of t."""
     own, law = t.law, d.law
     t.contact.any_force, t.contact.any_rigid = d.contact.any_force, d.contact.any_rigid
+    t.contact.any_friction = d.contact.any_friction
     for c in range(t.candidates):
         own.same_as[c] = law.same_as[c]
         if law.same_as[c] == c:
