@@ -1,4 +1,4 @@
-"""The phases of dry friction: from a log of changes, from outputs, in results, recordings and on the screen."""
+"""The phases of dry friction: from a log of changes, from outputs, in results and on the screen."""
 
 import math
 
