@@ -18,7 +18,7 @@ from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.stick_slip import CHANGE_DTYPE, phases_of
 from chain_impact.results.summary import plural
 from chain_impact.scene.angles import in_radians, or_degrees
-from chain_impact.scene.names import input_key
+from chain_impact.scene.names import friction_hint, input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError, matching, shown
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.simulation.instance import Instance, SimulationError, in_order
@@ -304,10 +304,10 @@ class Chain:
         return place.word, place.whole, number
 
     def _hint(self, name: str) -> str | None:
-        """Of an input that the scene has not asked for: the key that makes it."""
+        """Of an input or a friction that the scene does not have: the key that makes it."""
         key = input_key(name)
         if key is None or getattr(self.scene.inputs, key):
-            return None
+            return friction_hint(name)
         return f"[inputs] {key} = true in the scene makes this input"
 
     @cached_property
