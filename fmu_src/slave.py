@@ -28,7 +28,8 @@ from xml.etree import ElementTree
 
 from pythonfmu import Fmi2Slave
 
-SIZES = 24  # bytes at the start of the block: the numbers of links, candidates and instances of dual numbers
+# bytes at the start of the block: the numbers of links, candidates, elements and instances of dual numbers
+SIZES = 32
 PAUSED = -2  # of the kernel's functions: there is more to do, see chain_impact/kernel/status.py
 INSTANTIATED, INITIALIZING, STEPPING, TERMINATED = range(4)
 PHASES = ("before initialization", "in initialization mode", "after initialization", "after terminate")

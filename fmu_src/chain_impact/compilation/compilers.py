@@ -83,17 +83,18 @@ LAW = """define internal i64 @user_law_present() alwaysinline {
 declare hidden double @user_law_force(double, double, double, double, double, double, double)
 """
 _DECLARED_ABOVE = re.compile(
-    r"^declare .*@(chain_links|chain_candidates|user_law_present|user_law_force)\(.*$\n", re.M
+    r"^declare .*@(chain_links|chain_candidates|chain_elements|user_law_present|user_law_force)\(.*$\n", re.M
 )
 _OF_NUMBA = re.compile(r"undefined symbol: _?numba_(\w+)")
 
 
 def complete(module: str, links: int | None, with_law: bool) -> str:
-    """A lowered kernel with what it leaves open: numbers of links (None: any) and candidates, and the law."""
+    """A lowered kernel with what it leaves open: the sizes of a record, N or None for any, and the law."""
     name = "chain_links"
     sizes = HELD.format(name=name, word=0) if links is None else CONSTANT.format(name=name, number=links)
-    prelude = sizes + HELD.format(name="chain_candidates", word=1) + (LAW if with_law else NO_LAW)
-    return _DECLARED_ABOVE.sub("", module) + prelude
+    for word, held in enumerate(("chain_candidates", "chain_elements"), 1):
+        sizes += HELD.format(name=held, word=word)
+    return _DECLARED_ABOVE.sub("", module) + sizes + (LAW if with_law else NO_LAW)
 
 
 def require_compilers(purpose: str) -> None:

@@ -1,8 +1,9 @@
 """The instance as a numba type: one lowering of the kernel serves every number of links and candidates.
 
-numba's own record types have all sizes in them. Code for this type asks for two numbers, N links and C
-candidates, by calling functions that are defined when a kernel is linked (compilers.py): as constants, or as
-numbers that the instance holds. All sizes and offsets are a + bN + cC, worked out from the layout.
+numba's own record types have all sizes in them. Code for this type asks for three numbers, N links, C
+candidates and F elements that may have dry friction, by calling functions that are defined when a kernel is
+linked (compilers.py): as constants, or as numbers that the instance holds. All sizes and offsets are
+a + bN + cC + dF, worked out from the layout.
 
 A value is the address of the instance. Which record or field of it is meant, the type tells; and whether its
 reals are plain numbers or dual ones, which carry derivatives (dual_numbers.py).
@@ -36,25 +37,29 @@ from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent import blocks
 from chain_impact.kernel.tangent.directions import dual_dtype, tangent_dtype
 
-LINKS, CANDIDATES = "chain_links", "chain_candidates"  # the functions that tell N and C for an instance
+# field of the instance → the function that tells its number for an instance: N, C and F
+COUNTERS = {"links": "chain_links", "candidates": "chain_candidates", "elements": "chain_elements"}
 WORD = 8  # bytes of every scalar
-SAMPLES = ((5, 7), (6, 7), (5, 8), (7, 10))  # pairs N, C from which all sizes and offsets are worked out
+# N, C and F from which all sizes and offsets are worked out; the last ones are a check
+SAMPLES = ((5, 7, 4), (6, 7, 4), (5, 8, 4), (5, 7, 5), (7, 10, 9))
 
 Path = tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class Affine:
-    """The number ``constant + per_link N + per_candidate C``."""
+    """The number ``constant + per_link N + per_candidate C + per_element F``."""
 
     constant: int
     per_link: int
     per_candidate: int
+    per_element: int
 
     def built(self, builder: ir.IRBuilder, instance: ir.Value) -> ir.Value:
         """The number, computed for an instance."""
         total: ir.Value = cgutils.intp_t(self.constant)
-        for factor, name in ((self.per_link, LINKS), (self.per_candidate, CANDIDATES)):
+        factors = (self.per_link, self.per_candidate, self.per_element)
+        for factor, name in zip(factors, COUNTERS.values(), strict=True):
             if factor:
                 count = builder.call(_counter(builder, name), [instance])
                 total = builder.add(total, builder.mul(count, cgutils.intp_t(factor)))
@@ -84,11 +89,12 @@ class Field:
 
 def _affine(numbers: Sequence[int]) -> Affine:
     """The number whose values for the layouts of ``SAMPLES`` are given; the last one is a check."""
-    links, candidates = SAMPLES[0]
-    first, b, c = numbers[0], numbers[1] - numbers[0], numbers[2] - numbers[0]
-    if first + 2 * b + 3 * c != numbers[3]:
-        raise ValueError(f"{numbers}: no size a + bN + cC")
-    return Affine(first - b * links - c * candidates, b, c)
+    first, *others, last = numbers
+    slopes = [number - first for number in others[: len(COUNTERS)]]
+    constant = first - sum(slope * count for slope, count in zip(slopes, SAMPLES[0], strict=True))
+    if constant + sum(slope * count for slope, count in zip(slopes, SAMPLES[-1], strict=True)) != last:
+        raise ValueError(f"{numbers}: no size a + bN + cC + dF")
+    return Affine(constant, *slopes)
 
 
 def _kind(dtype: np.dtype) -> types.Type:
@@ -192,8 +198,8 @@ def _get_field(context: Any, builder: ir.IRBuilder, record: Record, instance: ir
     field = record.field(name)
     if field.fields:
         return instance
-    if record.path == () and name in {"links", "candidates"}:
-        return builder.call(_counter(builder, LINKS if name == "links" else CANDIDATES), [instance])
+    if record.path == () and name in COUNTERS:
+        return builder.call(_counter(builder, COUNTERS[name]), [instance])
     place = _place(context, builder, instance, field)
     if field.shape:
         shape = [size.built(builder, instance) for size in field.shape]

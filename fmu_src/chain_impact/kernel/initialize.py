@@ -102,8 +102,7 @@ def clear_run(d):
         d.work.moment[i], d.work.load.joint[i], d.implicit.load.joint[i] = 0.0, 0.0, 0.0
     for c in range(d.candidates):
         d.touch.active[c], d.touch.active_index[c] = 0, 0
-        d.impulse.total[c], d.impulse.friction[c], d.touch.number[c] = 0.0, 0.0, 0
-    d.impulse.friction_energy = 0.0
+        d.impulse.total[c], d.touch.number[c] = 0.0, 0
     drop_events(d)
     impact, statistics, limits = d.impact, d.statistics, d.limits
     impact.count, impact.last_point, impact.last_wall, impact.last_speed = 0, -1, 0, 0.0

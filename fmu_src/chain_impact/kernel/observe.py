@@ -58,7 +58,7 @@ def fill_outputs(d):
     if d.impulse.wanted:
         for k in range(d.touch.active_count):
             out.impulse[d.touch.active_index[k]] = interpolate_component(d.impulse, theta, k)
-    if d.friction.shown:
+    if d.elements > 0:
         observe_friction(d, theta)
     out.kinetic, out.potential = mechanical_energy(d, y)
     out.elastic = stored_energy(d, y)
@@ -74,18 +74,17 @@ def fill_outputs(d):
 def observe_friction(d, theta):
     """Fill the outputs of dry friction with the values at the fraction θ of the last step."""
     own, out = d.friction, d.output.friction
-    for c in range(d.candidates):
-        out.force[c], out.sticking[c], out.impulse[c] = 0.0, 0.0, d.impulse.friction[c]
-    for i in range(d.links):
-        out.joint_moment[i], out.joint_sticking[i] = 0.0, 0.0
-    for k in range(own.count):
-        e = own.index[k]
+    for e in range(d.elements):
+        out.force[e], out.sticking[e], out.impulse[e] = 0.0, 0.0, d.impulse.friction[e]
+        out.joint_moment[e], out.joint_sticking[e] = 0.0, 0.0
+    for i in range(own.count):
+        e = own.index[i]
         sticks = 1.0 if own.mode[e] == STICKS else 0.0
         if e < d.candidates:
             out.force[e], out.sticking[e] = own.force[e], sticks
         else:
-            i = joint_of(d, e)
-            out.joint_moment[i], out.joint_sticking[i] = d.model.size * own.force[e], sticks
+            joint = joint_of(d, e)
+            out.joint_moment[joint], out.joint_sticking[joint] = d.model.size * own.force[e], sticks
     out.dissipated = d.impulse.friction_energy
     for k in range(d.touch.active_count, impulse_count(d)):
         value = interpolate_component(d.impulse, theta, k)

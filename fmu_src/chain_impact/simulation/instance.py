@@ -22,7 +22,8 @@ from chain_impact.simulation.inputs import Drive
 from chain_impact.variables.model import Model, model_of
 from chain_impact.variables.variable import Variable
 
-SIZES = 3  # words at the start of a record: the numbers of links, candidates and instances of dual numbers
+# words at the start of a record: the numbers of links, candidates, elements and instances of dual numbers
+SIZES = 4
 
 
 class SimulationError(RuntimeError):

@@ -124,7 +124,8 @@ class Model:
     @cached_property
     def _layout(self) -> np.dtype:
         """The record of an instance without derivatives."""
-        return _layout(len(self.scene.chain.links), len(self.candidates))
+        links, pairs = len(self.scene.chain.links), len(self.candidates)
+        return _layout(links, pairs, links + pairs if self.scene.has_friction else 0)
 
     @cached_property
     def start(self) -> np.ndarray:
@@ -239,6 +240,7 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     """Put the parameters of a scene, and its candidates, in their places in a new instance."""
     links = scene.chain.links
     d["links"], d["candidates"] = len(links), len(pairs)
+    d["elements"] = len(d["friction"]["mode"])
 
     model = d["model"]
     model["gravity"] = scene.gravity
@@ -262,7 +264,6 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     given["law"] = _law_number(scene.contact.model)
     for name in ("stiffness", "restitution", "friction", "static_friction"):
         given[name] = getattr(scene.contact, name)
-    d["friction"]["shown"] = scene.has_friction
 
     initial = d["initial"]
     initial["position"], initial["velocity"] = scene.initial.position, scene.initial.velocity

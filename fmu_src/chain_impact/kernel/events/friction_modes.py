@@ -40,7 +40,7 @@ def update_modes(d, struck):
     """
     own = d.friction
     list_friction(d)
-    for e in range(len(own.mode)):
+    for e in range(d.elements):
         own.before[e], own.mode[e] = own.mode[e], NO_FRICTION
     for i in range(own.count):
         own.mode[own.index[i]] = first_guess(d, own.index[i], struck)
@@ -141,7 +141,7 @@ def is_inconsistent(d, e):
 def log_changes(d):
     """Log the elements whose mode has changed. In a full log they overwrite the oldest entries."""
     own, log = d.friction, d.changes
-    for e in range(len(own.mode)):
+    for e in range(d.elements):
         if own.mode[e] != own.before[e]:
             row = log.count % len(log.time)
             joint = e >= d.candidates

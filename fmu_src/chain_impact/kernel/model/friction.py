@@ -37,18 +37,18 @@ def joint_of(d, e):
 
 
 def set_friction_used(d):
-    """Set whether any contact or joint has dry friction."""
-    d.friction.used = max(d.contact.any_friction, d.model.rubbing)
+    """Set whether any contact or joint has dry friction, in a record that has room for it."""
+    d.friction.used = max(d.contact.any_friction, d.model.rubbing) if d.elements > 0 else 0
 
 
 def clear_friction(d):
     """Start without friction anywhere: no element has a mode."""
     own = d.friction
     own.count, own.contact_count, own.stuck_count, own.stuck_joints = 0, 0, 0, 0
-    own.power, own.power_end = 0.0, 0.0
-    for e in range(len(own.mode)):
+    own.power, own.power_end, d.impulse.friction_energy = 0.0, 0.0, 0.0
+    for e in range(d.elements):
         own.mode[e], own.event[e], own.force[e], own.force_end[e] = NO_FRICTION, 0, 0.0, 0.0
-        own.index[e], own.stuck[e] = 0, 0
+        own.index[e], own.stuck[e], d.impulse.friction[e] = 0, 0, 0.0
 
 
 def list_friction(d):

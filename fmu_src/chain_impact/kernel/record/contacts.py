@@ -9,22 +9,18 @@ from chain_impact.kernel.model.latest import LATEST
 from chain_impact.kernel.record.fields import INTEGER, REAL, record
 from chain_impact.kernel.record.solver import factors_dtype
 
+CHANGES_OF_EACH = 4  # changes of a mode stored until they are collected, for each element
 LOG_SIZE = 32  # finished contacts stored until they are collected, in addition to one for each candidate
 
 
-def element_count(links: int, candidates: int) -> int:
-    """The number of what may have dry friction: the candidates, and after them the joints."""
-    return candidates + links
-
-
-def constraint_count(links: int, candidates: int) -> int:
+def constraint_count(candidates: int, elements: int) -> int:
     """The largest number of constraints at one moment."""
-    return candidates + element_count(links, candidates)
+    return candidates + elements
 
 
-def impulse_columns(candidates: int) -> int:
-    """The largest number of integrals along the motion: integration/impulse.py."""
-    return 2 * candidates + 1
+def impulse_columns(candidates: int, elements: int) -> int:
+    """The largest number of integrals along the motion (integration/impulse.py)."""
+    return candidates + elements
 
 
 def touch_dtype(candidates: int) -> np.dtype:
@@ -91,12 +87,12 @@ def latest_dtype() -> np.dtype:
     )
 
 
-def rigid_dtype(links: int, candidates: int) -> np.dtype:
+def rigid_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     """The constraints: the active contacts, packed, and after them what sticks by dry friction.
 
     Contacts with a force law are not in the active set. Owner: model/constraints.py.
     """
-    rows = constraint_count(links, candidates)
+    rows = constraint_count(candidates, elements)
     return record(
         ("factors", factors_dtype(links)),  # with an impedance at the points of the active set
         # m, m/s or m/s², rad …: the change of the coordinates by the impulses
@@ -137,17 +133,17 @@ def finished_dtype(candidates: int) -> np.dtype:
     )
 
 
-def impulse_dtype(candidates: int) -> np.dtype:
+def impulse_dtype(candidates: int, elements: int) -> np.dtype:
     """∫F dt of the walls on the points, and the work of dry friction, packed unless noted.
 
     Owner: integration/impulse.py.
     """
-    columns = impulse_columns(candidates)
+    columns = impulse_columns(candidates, elements)
     return record(
         ("wanted", INTEGER),  # 1: impulses are integrated
         ("total", REAL, (candidates,)),  # N·s since the start, not packed
         ("onset", REAL, (candidates,)),  # N·s, the total at the onset of the contact, not packed
-        ("friction", REAL, (candidates,)),  # N·s, along t since the start, not packed
+        ("friction", REAL, (elements,)),  # N·s, along t of a candidate since the start, not packed
         ("friction_energy", REAL),  # J, dissipated by dry friction since the start
         ("state", REAL, (columns,)),  # N·s, at the start of the last step …
         ("state_end", REAL, (columns,)),  # … and at its end
@@ -157,14 +153,12 @@ def impulse_dtype(candidates: int) -> np.dtype:
     )
 
 
-def friction_dtype(links: int, candidates: int) -> np.dtype:
+def friction_dtype(elements: int) -> np.dtype:
     """Dry friction of elements: the candidates, and after them the joints 1…N.
 
     Owner: model/friction.py; of modes and events, the modules friction_*.py in events/.
     """
-    elements = element_count(links, candidates)
     return record(
-        ("shown", INTEGER),  # 1: rows of outputs have those of dry friction
         ("used", INTEGER),  # 1: some contact or joint has dry friction
         ("count", INTEGER),  # elements with friction now: active contacts first, then joints
         ("contact_count", INTEGER),  # of them, contacts
@@ -189,12 +183,12 @@ def friction_dtype(links: int, candidates: int) -> np.dtype:
     )
 
 
-def changes_dtype(links: int, candidates: int) -> np.dtype:
+def changes_dtype(elements: int) -> np.dtype:
     """The log of changes between sticking and sliding. Owner: events/friction_modes.py.
 
     A caller that collects sets count to 0.
     """
-    log = LOG_SIZE + element_count(links, candidates)
+    log = CHANGES_OF_EACH * elements
     return record(
         ("count", INTEGER),
         ("time", REAL, (log,)),  # s

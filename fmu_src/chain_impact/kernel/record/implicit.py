@@ -16,7 +16,7 @@ from chain_impact.kernel.record.fields import (
 from chain_impact.kernel.record.solver import factors_dtype
 
 
-def implicit_dtype(links: int, candidates: int) -> np.dtype:
+def implicit_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     """The work space of an implicit step, and the data that it uses of the last one.
 
     z = (y, then the clearances of active contacts, their rates, impulses): kernel/integration/extended.py.
@@ -24,7 +24,7 @@ def implicit_dtype(links: int, candidates: int) -> np.dtype:
     Owners: collocation.py and newton.py in integration/, which call all other functions that write here.
     """
     state = state_size(links)
-    extended = state + 2 * candidates + impulse_columns(candidates)
+    extended = state + 2 * candidates + impulse_columns(candidates, elements)
     # both parts of complex numbers, one below the other, for each pair of shifts
     shifted = record(
         *(
@@ -55,7 +55,7 @@ def implicit_dtype(links: int, candidates: int) -> np.dtype:
         ("stiffness", REAL, (candidates,)),  # N/m, ∂F/∂δ of the active contacts, packed, …
         ("damping", REAL, (candidates,)),  # N·s/m, … and ∂F/∂δ̇, likewise
         # kg, … and their D, added to the inertia of their points; then that of what sticks
-        ("impedance", REAL, (constraint_count(links, candidates),)),
+        ("impedance", REAL, (constraint_count(candidates, elements),)),
         ("normal", REAL, (candidates,)),  # m or m/s, clearances or rates to which coordinates are moved
         ("real", factors_dtype(links)),  # for the real shift
         ("factors", shifted),  # for the complex shifts

@@ -8,8 +8,8 @@ needs no other knowledge of the layout.
 N links, points 0…N (0 the base, N the tip), C candidates (pairs of a point and a wall), state vector y
 (kernel/chain/state.py).
 
-Every size and offset is a + bN + cC. The compiled kernel relies on it (compilation/record_type.py). The parts
-that depend on C come last, so that the offsets of all others do not depend on it.
+Every size and offset is a + bN + cC + dF. The compiled kernel relies on it (compilation/record_type.py). The
+parts that depend on C or F come last, so that the offsets of all others do not depend on them.
 """
 
 import numpy as np
@@ -49,11 +49,16 @@ from chain_impact.kernel.record.solver import (
 )
 
 
-def instance_dtype(links: int, candidates: int) -> np.dtype:
-    """The record of an instance with N = ``links`` links and C = ``candidates`` candidates."""
+def instance_dtype(links: int, candidates: int, elements: int = 0) -> np.dtype:
+    """The record of an instance with N = ``links`` links, C = ``candidates`` candidates and F elements.
+
+    The ``elements`` are what may have dry friction: candidates and joints, C + N, or none, F = 0, in a scene
+    without dry friction, whose record has no room for it.
+    """
     return record(
         ("links", INTEGER),  # N
         ("candidates", INTEGER),  # C
+        ("elements", INTEGER),  # F
         ("tangents", INTEGER),  # number of tangent instances that follow this one in memory (kernel/tangent/)
         ("model", model_dtype(links)),
         ("contact", contact_dtype()),
@@ -74,11 +79,11 @@ def instance_dtype(links: int, candidates: int) -> np.dtype:
         ("walls", walls_dtype(candidates)),
         ("law", law_dtype(candidates)),
         ("search", search_dtype(candidates)),
-        ("implicit", implicit_dtype(links, candidates)),
-        ("rigid", rigid_dtype(links, candidates)),
+        ("implicit", implicit_dtype(links, candidates, elements)),
+        ("rigid", rigid_dtype(links, candidates, elements)),
         ("finished", finished_dtype(candidates)),
-        ("impulse", impulse_dtype(candidates)),
-        ("friction", friction_dtype(links, candidates)),
-        ("changes", changes_dtype(links, candidates)),
-        ("output", output_dtype(links, candidates)),
+        ("impulse", impulse_dtype(candidates, elements)),
+        ("friction", friction_dtype(elements)),
+        ("changes", changes_dtype(elements)),
+        ("output", output_dtype(links, candidates, elements)),
     )

@@ -5,7 +5,7 @@ import numpy as np
 from chain_impact.kernel.record.fields import REAL, record
 
 
-def output_dtype(links: int, candidates: int) -> np.dtype:
+def output_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     """The outputs at the communication point; one row of a time series.
 
     Owner: observe.py.
@@ -29,17 +29,17 @@ def output_dtype(links: int, candidates: int) -> np.dtype:
         ("supplied", REAL),  # J, by the inputs since the start
         ("total", REAL),  # J, kinetic + potential + elastic
         # last, as rows of a scene without dry friction end before it
-        ("friction", friction_output_dtype(links, candidates)),
+        ("friction", friction_output_dtype(elements)),
     )
 
 
-def friction_output_dtype(links: int, candidates: int) -> np.dtype:
-    """The outputs of dry friction. Owner: observe.py."""
+def friction_output_dtype(elements: int) -> np.dtype:
+    """The outputs of dry friction, by element. Owner: observe.py."""
     return record(
-        ("force", REAL, (candidates,)),  # N, wall on point, along t = (n_y, −n_x)
-        ("impulse", REAL, (candidates,)),  # N·s, likewise, since the start
-        ("sticking", REAL, (candidates,)),  # 1: the contact sticks
-        ("joint_moment", REAL, (links,)),  # N·m, on the link at its proximal joint
-        ("joint_sticking", REAL, (links,)),  # 1: the joint sticks
+        ("force", REAL, (elements,)),  # N, of a candidate: wall on point, along t = (n_y, −n_x)
+        ("impulse", REAL, (elements,)),  # N·s, likewise, since the start
+        ("sticking", REAL, (elements,)),  # 1: the contact sticks
+        ("joint_moment", REAL, (elements,)),  # N·m, on the link of each joint; there are fewer than elements
+        ("joint_sticking", REAL, (elements,)),  # 1: the joint sticks
         ("dissipated", REAL),  # J, part of `dissipated`
     )

@@ -65,7 +65,7 @@ def replay(d, t):
         take_values(d, t)
     for c in range(d.candidates):
         t.touch.event[c] = d.touch.event[c]
-    for e in range(len(d.friction.event)):
+    for e in range(d.elements):
         t.friction.event[e] = d.friction.event[e]
     move_end(t)
 
