@@ -58,3 +58,19 @@ def thrown(**values: Any) -> Scene:
         "thrown",
     )
     return scene.with_values(values) if values else scene
+
+
+def puck(**values: Any) -> Scene:
+    """A body that touches a slope at its centre of mass: it slides up, stops and slides back."""
+    scene = scene_from_dict(
+        {
+            "name": "Puck",
+            "chain": {"links": [{"length": 0.1, "mass": 0.4, "center_of_mass": 0.0}]},
+            "walls": [{"name": "slope", "point": [0.0, 0.0], "angle": SLOPE}],
+            "contact": {"points": [0], "stiffness": 1e6, "restitution": 0.1, "friction": 0.2},
+            "initial": {"angles": [SLOPE + 1.5], "velocity": [1.3, 0.4]},
+            "simulation": {"stop_time": 1.5, "step_size": 0.01},
+        },
+        "puck",
+    )
+    return scene.with_values(values) if values else scene

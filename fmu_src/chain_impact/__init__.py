@@ -11,6 +11,7 @@ from chain_impact.results.impacts import IMPACT_DTYPE, impacts_of
 from chain_impact.results.recording import Recording
 from chain_impact.results.result import Result
 from chain_impact.results.sensitivity import Sensitivities
+from chain_impact.results.stick_slip import STICK_SLIP_DTYPE
 from chain_impact.scene.models import model_names
 from chain_impact.scene.reading import SceneError, SceneWarning, UnknownNameError
 from chain_impact.scene.scene import Scene, load_scene, parse_scene, with_values
@@ -32,6 +33,7 @@ from chain_impact.studies.sweep.table import Sweep
 __all__ = [
     "CONTACT_LAWS",
     "IMPACT_DTYPE",
+    "STICK_SLIP_DTYPE",
     "AnimationError",
     "BuildError",
     "Chain",

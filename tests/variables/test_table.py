@@ -264,7 +264,8 @@ def test_every_status_is_in_the_description():
 @every_scene
 def test_columns_are_those_of_the_recorded_outputs(scene):
     outputs = np.zeros(3, Model(scene).row)
-    whole = output_dtype(len(scene.chain.links), len(candidates(scene)))
+    links, pairs = len(scene.chain.links), len(candidates(scene))
+    whole = output_dtype(links, pairs, pairs + links if scene.has_friction else 0)
     assert (outputs.dtype == whole) == scene.has_friction
     width = outputs.dtype.itemsize // 8
     outputs.view(np.float64)[:] = np.arange(3 * width)

@@ -15,6 +15,7 @@ from rich.table import Table
 from chain_impact.compilation.cache import LINKER, Entry
 from chain_impact.results.joint_stops import speed_unit, what
 from chain_impact.results.recording import Recording
+from chain_impact.results.stick_slip import phase_cells
 from chain_impact.results.summary import energy_lines, plural
 from chain_impact.studies.compare import Comparison
 from chain_impact.studies.compare_text import (
@@ -27,6 +28,7 @@ from chain_impact.studies.compare_text import (
     told,
 )
 
+LISTED = 20  # phases of dry friction
 RELATIVE = {
     "impact_speed": "speed",
     "separation_speed": "rebound",
@@ -78,7 +80,21 @@ def summary(recording: Recording) -> Iterator[RenderableType]:
     yield f"\n[bold]{escape(recording.name)}[/]  0 … {recording.time[-1]:g} s, {impacts}"
     if recording.impacts:
         yield table
+    yield from stick_slip_table(recording)
     yield from energy_lines(recording.columns)
+
+
+def stick_slip_table(recording: Recording) -> Iterator[RenderableType]:
+    """The first phases of sticking and sliding; nothing if there are none."""
+    phases, walls = recording.stick_slip, recording.wall_names
+    if not len(phases):
+        return
+    table = table_of(("start, s", "end, s", "dry friction", "mode"), ("start, s", "end, s"))
+    for phase in phases[:LISTED]:
+        table.add_row(*phase_cells(phase, walls))
+    yield table
+    if len(phases) > LISTED:
+        yield f"and {plural(len(phases) - LISTED, 'more phase')} of dry friction"
 
 
 def sensitivity_tables(recording: Recording) -> Iterator[RenderableType]:

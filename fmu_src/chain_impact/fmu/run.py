@@ -17,6 +17,7 @@ from chain_impact.compilation.work import Progress, silent
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.results.joint_stops import ranges_from
 from chain_impact.results.recording import Recording, impacts_from_outputs
+from chain_impact.results.stick_slip import phases_from_columns
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.names import STOPS, input_key
@@ -104,6 +105,8 @@ def record_fmu(
             walls=walls,
             parameters=named,
             stops=stops,
+            stick_slip=phases_from_columns(np.asarray(rows["time"]), columns, names),
+            wall_names=tuple(names),
         )
 
     recorders: list[Any] = []  # fmpy's, after the first step

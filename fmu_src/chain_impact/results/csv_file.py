@@ -11,6 +11,7 @@ import numpy as np
 from chain_impact.results.animation.contacts import impacts_from_forces, wall_forces
 from chain_impact.results.joint_stops import JointRange
 from chain_impact.results.recording import NO_STOPS, Recording, impacts_from_outputs
+from chain_impact.results.stick_slip import phases_from_columns
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import SENSITIVITY
 from chain_impact.scene.reading import SceneError
@@ -69,7 +70,16 @@ def read_csv(
         raise SceneError(
             f"{path}: line {row + 3}: time = {time[row + 1]:g} must be later than in the line before"
         )
-    recording = Recording(path.stem, time, columns, [], dict(walls or {}), stops=dict(stops))
+    recording = Recording(
+        path.stem,
+        time,
+        columns,
+        [],
+        dict(walls or {}),
+        stops=dict(stops),
+        stick_slip=phases_from_columns(time, columns, wall_names),
+        wall_names=wall_names,
+    )
     _check_walls(path, recording, walls)
     listed = "impact.count" in columns and walls is not None
     impacts = (

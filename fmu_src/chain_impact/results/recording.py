@@ -17,6 +17,7 @@ import numpy as np
 from chain_impact.results.impacts import impacts_of, names_of
 from chain_impact.results.joint_stops import JointRange, touching_place
 from chain_impact.results.sensitivity import Sensitivities
+from chain_impact.results.stick_slip import STICK_SLIP_DTYPE
 from chain_impact.results.summary import plural
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import STOPS
@@ -77,6 +78,9 @@ class Recording:
         stops: the joints with stops, and their ranges.
         stop_law: the contact law of the stops, if the scene names one in `stops.model`; "" if it names none,
             or if that is unknown, as of an FMU.
+        stick_slip: the phases of dry friction, see ``STICK_SLIP_DTYPE``; of an FMU to within a communication
+            step.
+        wall_names: the names of all walls, by the numbers in ``stick_slip``.
     """
 
     name: str
@@ -88,6 +92,8 @@ class Recording:
     sensitivities: Sensitivities | None = None
     stops: dict[int, JointRange] = field(default_factory=dict)
     stop_law: str = ""
+    stick_slip: np.ndarray = field(default_factory=lambda: np.zeros(0, STICK_SLIP_DTYPE))
+    wall_names: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         """What it is of, and how much there is."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, overload
@@ -16,6 +16,7 @@ from chain_impact.results import summary, tables
 from chain_impact.results.joint_stops import ranges_of
 from chain_impact.results.recording import Recording, impact_list
 from chain_impact.results.sensitivity import Sensitivities
+from chain_impact.results.stick_slip import STICK_SLIP_DTYPE
 from chain_impact.scene.reading import UnknownNameError, matching
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.model import Model, elsewhere
@@ -56,6 +57,8 @@ class Result:
         sensitivities: the derivatives that ``simulate(sensitivities=…)`` asked for, if any.
         stepwise: gives the outputs ``impact.*``, ``impact[j].*`` and ``solver.*``, which a second run finds
             when they are asked for; None if they are not known.
+        stick_slip: one row for each phase of sticking or sliding by dry friction, in order of its start, see
+            ``STICK_SLIP_DTYPE``.
     """
 
     model: Model
@@ -65,6 +68,7 @@ class Result:
     statistics: dict[str, int]
     sensitivities: Sensitivities | None = None
     stepwise: Stepwise | None = None
+    stick_slip: np.ndarray = field(default_factory=lambda: np.zeros(0, STICK_SLIP_DTYPE))
 
     @overload
     def __getitem__(self, name: str) -> np.ndarray: ...
@@ -225,6 +229,16 @@ class Result:
         """
         return tables.impact_table(self)
 
+    def stick_slip_table(self) -> pandas.DataFrame:
+        """The phases of dry friction as a table of pandas: the columns of ``STICK_SLIP_DTYPE``, in words.
+
+        The rows count from 1. ``attrs["units"]`` has the unit of each column.
+
+        Raises:
+            MissingExtraError: when pandas is not there: the extra ``pandas``.
+        """
+        return tables.stick_slip_table(self)
+
     def plot(self, path: str | os.PathLike[str] | None = None) -> Figure | None:
         """Draw motion, energy and impacts.
 
@@ -296,8 +310,8 @@ class Result:
 
     def _need(self, *fields: str) -> None:
         """Refuse what cannot be drawn, as an output of one of the fields was left out."""
-        for field in fields:
-            self._all(field)
+        for name in fields:
+            self._all(name)
 
     def _all(self, field: str) -> np.ndarray:
         """A field of ``output_dtype`` in kernel/record/outputs.py, also if the outputs have other fields."""
@@ -323,4 +337,6 @@ def recording_of(result: Result) -> Recording:
         sensitivities=result.sensitivities,
         stops=stops,
         stop_law=result.scene.stops.model or "",
+        stick_slip=result.stick_slip,
+        wall_names=result.scene.wall_names,
     )

@@ -8,13 +8,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from chain_impact.kernel.model.friction import STICKS
 from chain_impact.kernel.status import OK, STATUS_TEXT
 from chain_impact.results.joint_stops import at_stop, speed_unit, what
+from chain_impact.results.stick_slip import place_of
 
 if TYPE_CHECKING:
     from chain_impact.results.result import Result
 
 LISTED = 30  # impacts in a notebook
+SHOWN = 3  # contacts and joints that stick at the end
 
 
 def plural(count: int, what: str) -> str:
@@ -37,7 +40,7 @@ def energy_lines(columns: Mapping[str, np.ndarray]) -> Iterator[str]:
 
 def text(result: Result) -> str:
     """A result in a few lines."""
-    return "\n".join([_headline(result), *_impact_lines(result), *_facts(result)])
+    return "\n".join([_headline(result), *_impact_lines(result), *_friction_lines(result), *_facts(result)])
 
 
 def html(result: Result) -> str:
@@ -50,7 +53,7 @@ def html(result: Result) -> str:
     more = len(result.impacts) - LISTED
     table = f"<table><tr>{head}</tr>{''.join(f'<tr>{row}</tr>' for row in rows)}</table>" if rows else ""
     table += f"<p>… and {plural(more, 'more impact')}</p>" if more > 0 else ""
-    facts = "\n".join(map(escape, _facts(result)))
+    facts = "\n".join(map(escape, [*_friction_lines(result), *_facts(result)]))
     return f"<div><b>{escape(_headline(result))}</b>{table}<pre>{facts}</pre></div>"
 
 
@@ -68,6 +71,20 @@ def _impact_lines(result: Result) -> Iterator[str]:
             stop = at_stop(result.scene, row["wall"])
             hit = f"{what(row['point'], stop)} hits {wall} at {speed.split()[0]} {speed_unit(stop)}"
             yield f"{word:9}impact at {time} s: {hit}"
+
+
+def _friction_lines(result: Result) -> Iterator[str]:
+    """How many phases of dry friction there were, and what sticks at the end."""
+    phases = result.stick_slip
+    if not len(phases):
+        return
+    sticking = int((phases["mode"] == STICKS).sum())
+    yield f"friction {plural(sticking, 'phase')} of sticking, {len(phases) - sticking} of sliding"
+    last = phases[np.isnan(phases["end"]) & (phases["mode"] == STICKS)]
+    places = [f"{place_of(one, result.scene.wall_names)} since {one['start']:.6f} s" for one in last]
+    if places:
+        more = [f"{len(places) - SHOWN} more"] if len(places) > SHOWN else []
+        yield f"{'':9}sticks at the end: {', '.join([*places[:SHOWN], *more])}"
 
 
 def _cells(result: Result, impact: np.void) -> tuple[str, str, str, str]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from chain_impact.extras import require
+from chain_impact.results.stick_slip import JOINT, MODES
 from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.names import AXES
 from chain_impact.variables.outputs import LABELS, OWNERS
@@ -56,6 +57,18 @@ def impact_table(result: Result) -> Any:
     table.attrs["units"] = dict(IMPACT_UNITS)
     if result.scene.chain.stops:
         table.attrs["units_at_stops"] = IMPACT_UNITS | STOP_UNITS
+    return table
+
+
+def stick_slip_table(result: Result) -> Any:
+    """See ``Result.stick_slip_table``."""
+    pandas = require("pandas", "pandas")
+    phases, walls = result.stick_slip, result.scene.wall_names
+    columns: dict[str, Any] = {name: phases[name] for name in phases.dtype.names or ()}
+    columns["wall"] = ["" if wall == JOINT else walls[wall] for wall in phases["wall"]]
+    columns["mode"] = [MODES[mode] for mode in phases["mode"]]
+    table = pandas.DataFrame(columns, index=pandas.RangeIndex(1, len(phases) + 1, name="phase"))
+    table.attrs["units"] = {"start": "s", "end": "s"}
     return table
 
 

@@ -78,6 +78,13 @@ def parameter_hint(name: str, links: int) -> str | None:
     return f"links count from 1 to {links}" if link and not 1 <= int(link[1]) <= links else None
 
 
+def friction_hint(name: str) -> str | None:
+    """What to do about the name of a parameter that only the FMU of a scene with dry friction has."""
+    if re.fullmatch(r"(contact|wall\.\w+)\.(static_)?friction|link\[\d+\]\.joint_friction", name):
+        return "it is a parameter where the scene has dry friction: give it a value there first"
+    return None
+
+
 def nearest(name: str, names: Iterable[str], at_least: float = 0.6) -> str | None:
     """The name that is most like another, if one is alike by a ratio of 0 to 1."""
     return next(iter(get_close_matches(name, list(names), n=1, cutoff=at_least)), None)

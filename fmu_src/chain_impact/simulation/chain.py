@@ -15,9 +15,10 @@ import numpy as np
 from chain_impact.compilation.work import Notify
 from chain_impact.kernel.status import OK
 from chain_impact.results.impacts import IMPACT_DTYPE
+from chain_impact.results.stick_slip import CHANGE_DTYPE, phases_of
 from chain_impact.results.summary import plural
 from chain_impact.scene.angles import in_radians, or_degrees
-from chain_impact.scene.names import input_key
+from chain_impact.scene.names import friction_hint, input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError, matching, shown
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.simulation.instance import Instance, SimulationError, in_order
@@ -25,7 +26,7 @@ from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
 from chain_impact.variables.variable import Variable, variable_row
 
-STATE = struct.Struct("<8s16sqq")  # magic, the scene's digest, whether it has started, number of contacts
+STATE = struct.Struct("<8s16sqqq")  # magic, the scene's digest, whether it has started, contacts, changes
 MAGIC = b"chainsav"
 
 
@@ -87,11 +88,13 @@ class Chain:
         self._time_word = word_index(dtype, ("step", "time"))
         self._changed_word = word_index(dtype, ("given", "changed"))
         self._finished_word = word_index(dtype, ("finished", "count"))
+        self._changes_word = word_index(dtype, ("changes", "count"))
         self._selections: dict[str | tuple[str, ...], _Selection] = {}
         self._instant = np.zeros(1)
-        self._outputs = np.zeros(1, dtype["output"])
+        self._outputs = np.zeros(1, model.row)
         self._stepped, self._initialized, self._observed = False, True, False
         self._impacts: list[np.ndarray] = []
+        self._changes: list[np.ndarray] = []
 
     @property
     def time(self) -> float:
@@ -112,6 +115,14 @@ class Chain:
         lasting = self._instance.open_contacts()  # drops what was solved ahead, so on a copy
         self._reals[:] = before
         return in_order([*self._impacts, lasting])[1]
+
+    @property
+    def stick_slip(self) -> np.ndarray:
+        """The phases of dry friction so far, see ``STICK_SLIP_DTYPE``; the end of one that lasts is NaN."""
+        self._ready()
+        self._instance.observe()  # what was set acts at once
+        self._collect()
+        return phases_of(np.concatenate([np.zeros(0, CHANGE_DTYPE), *self._changes]))
 
     def step(self, duration: float) -> None:
         """Go on for a duration > 0 [s].
@@ -194,9 +205,11 @@ class Chain:
     def save(self) -> bytes:
         """The whole present state: a chain of the same scene can restore it, and continues bit by bit."""
         self._ready()
+        self._collect()
         impacts = np.concatenate([np.zeros(0, IMPACT_DTYPE), *self._impacts])
-        head = STATE.pack(MAGIC, self._digest, self._stepped, len(impacts))
-        return head + impacts.tobytes() + self._reals.tobytes()
+        changes = np.concatenate([np.zeros(0, CHANGE_DTYPE), *self._changes])
+        head = STATE.pack(MAGIC, self._digest, self._stepped, len(impacts), len(changes))
+        return head + impacts.tobytes() + changes.tobytes() + self._reals.tobytes()
 
     def restore(self, state: bytes) -> None:
         """Go to a saved state.
@@ -208,12 +221,13 @@ class Chain:
             found = f"restore({shown(state)})"
             raise SceneError(f"{self.scene.name}: {found} must be given the bytes that save() returned")
         state = bytes(state)
-        magic, digest, stepped, count = STATE.unpack_from(state.ljust(STATE.size, b"\0"))
-        record_at = STATE.size + count * IMPACT_DTYPE.itemsize
+        magic, digest, stepped, *counts = STATE.unpack_from(state.ljust(STATE.size, b"\0"))
+        changes_at = STATE.size + counts[0] * IMPACT_DTYPE.itemsize
+        record_at = changes_at + counts[1] * CHANGE_DTYPE.itemsize
         if (
             magic != MAGIC
             or digest != self._digest
-            or count < 0
+            or min(counts) < 0
             or len(state) != record_at + self._reals.nbytes
         ):
             raise SceneError(f"{self.scene.name}: restore: the bytes are no state of this scene")
@@ -221,13 +235,14 @@ class Chain:
         if not self._instance.is_sound(words):
             raise SceneError(f"{self.scene.name}: restore: the state is damaged")
         self._reals[:] = words
-        self._impacts = [np.frombuffer(state, IMPACT_DTYPE, count, STATE.size).copy()]
+        self._impacts = [np.frombuffer(state, IMPACT_DTYPE, counts[0], STATE.size).copy()]
+        self._changes = [np.frombuffer(state, CHANGE_DTYPE, counts[1], changes_at).copy()]
         self._stepped, self._initialized, self._observed = bool(stepped), True, False
 
     def reset(self) -> None:
         """Go back to the start of the scene; all values are those of the scene again."""
         self._reals[:] = self._start
-        self._impacts = []
+        self._impacts, self._changes = [], []
         self._stepped, self._initialized, self._observed = False, True, False
 
     def __reduce__(self) -> tuple[Callable[[Scene, bytes], Chain], tuple[Scene, bytes]]:
@@ -248,6 +263,8 @@ class Chain:
     def _collect(self) -> None:
         if self._integers[self._finished_word]:
             self._impacts.append(self._instance.collect())
+        if self._integers[self._changes_word]:
+            self._changes.append(self._instance.collect_changes())
 
     def _select(self, key: str | tuple[str, ...]) -> _Selection:
         names = (key,) if isinstance(key, str) else key
@@ -287,10 +304,10 @@ class Chain:
         return place.word, place.whole, number
 
     def _hint(self, name: str) -> str | None:
-        """Of an input that the scene has not asked for: the key that makes it."""
+        """Of an input or a friction that the scene does not have: the key that makes it."""
         key = input_key(name)
         if key is None or getattr(self.scene.inputs, key):
-            return None
+            return friction_hint(name)
         return f"[inputs] {key} = true in the scene makes this input"
 
     @cached_property

@@ -16,6 +16,7 @@ from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.kernel.status import OK, PAUSED, STATUS_TEXT
 from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.result import Result
+from chain_impact.results.stick_slip import CHANGE_DTYPE, phases_of
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.inputs import Drive
 from chain_impact.variables.model import Model, model_of
@@ -58,7 +59,13 @@ class Rows(Protocol):
 
 
 class Instance:
-    """An initialized instance and the kernel that works on it."""
+    """An initialized instance and the kernel that works on it.
+
+    Attributes:
+        model: of its scene.
+        record: its data.
+        changes: between sticking and sliding, as the runs since the start have collected them.
+    """
 
     def __init__(
         self,
@@ -90,6 +97,7 @@ class Instance:
         Raises:
             SimulationError: when it cannot start.
         """
+        self.changes: list[np.ndarray] = []
         if self._kernel.initialize(self._address, 0.0) != OK:
             raise SimulationError(self.status, 0.0, None)
 
@@ -129,6 +137,7 @@ class Instance:
             driven.set(self.record["given"], done)
             done += rows.fill(self, driven.times[done:end], done)
             impacts.append(self.collect())
+            self.changes.append(self.collect_changes())
             progress(done / len(driven.times))
         return done, impacts
 
@@ -142,6 +151,23 @@ class Instance:
         rows = _impact_rows(count, {name: log[name] for name in IMPACT_DTYPE.names or ()})
         log["count"] = 0
         return self._with_impulses(rows)
+
+    def collect_changes(self) -> np.ndarray:
+        """Take the changes between sticking and sliding out of the log, see ``CHANGE_DTYPE``."""
+        log = self.record["changes"]
+        count, room = int(log["count"]), len(log["time"])
+        # of those that nobody collected in time, the oldest are lost
+        places = np.arange(max(0, count - room), count) % max(1, room)
+        rows = np.zeros(len(places), CHANGE_DTYPE)
+        for name in CHANGE_DTYPE.names or ():
+            rows[name] = log[name][places]
+        log["count"] = 0
+        return rows
+
+    @property
+    def stick_slip(self) -> np.ndarray:
+        """The phases of sticking and sliding in the changes that have been collected."""
+        return phases_of(np.concatenate([np.zeros(0, CHANGE_DTYPE), *self.changes]))
 
     def open_contacts(self) -> np.ndarray:
         """The contacts that have not ended yet, with their peaks so far; drops what was solved ahead."""

@@ -144,6 +144,7 @@ def simulate(
         statistics=instance.statistics,
         sensitivities=sensitive,
         stepwise=stepwise,
+        stick_slip=instance.stick_slip,
     )
     if instance.status != OK:
         raise SimulationError(instance.status, instance.time, result)
@@ -279,7 +280,7 @@ class Stepwise:
         instance = Instance(self._model, notify, driven, ())
         dtype = instance.record.dtype
         words = np.array([word_index(dtype, one.place) for one in self._variables], int)
-        rows = _StepwiseRows(len(driven.times), words, dtype["output"])
+        rows = _StepwiseRows(len(driven.times), words, self._model.row)
         done, _ = instance.run(driven, rows, progress)
         kept = rows.kept[:done][driven.asked[:done]].T.copy()
         return {

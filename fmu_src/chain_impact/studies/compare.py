@@ -37,6 +37,7 @@ EXACT = "zhang_sharf"
 OVERLAP = "another contact began before the first ended"
 SAMPLES = 400  # of a loop of force and penetration
 LONGEST = 200.0  # elastic contact times, after which a free impact is given up
+NO_FRICTION = {"friction": 0.0, "static_friction": 0.0}  # a free impact has no motion along the wall
 HEIGHT = 1e-3  # m, from which the mass of a free impact flies to the wall
 
 
@@ -292,7 +293,7 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
         [[max(0.0, np.nextafter(impact["onset"], 0.0))], inside, [np.nextafter(impact["end"], np.inf)]]
     )
     instance = Instance(result.model)
-    outputs = np.zeros(len(times), instance.record.dtype["output"])
+    outputs = np.zeros(len(times), result.model.row)
     instance.trajectory(times, outputs)
     c, sign = _place(result, impact)
     found["energy_lost"] = float(outputs["dissipated"][-1] - outputs["dissipated"][0])
@@ -346,7 +347,7 @@ def free_impact(contact: Contact, mass: float, speed: float, notify: Notify | No
         "gravity": [0.0, 0.0],
         "chain": {"links": [link]},
         "box": {"y_min": 0.0},
-        "contact": asdict(contact) | {"points": [0], "radius": 0.0, "wall": {}},
+        "contact": asdict(contact) | {"points": [0], "radius": 0.0, "wall": {}} | NO_FRICTION,
         "initial": {"position": [0.0, HEIGHT], "angles": [0.0], "velocity": [0.0, -speed]},
         "simulation": {"stop_time": stop, "step_size": stop},
     }

@@ -65,6 +65,11 @@ def record_slowly(
     done, _ = instance.run(driven, AllOutputs(outputs), lambda part: show(0.5 + part / 2))
     return recording_of(
         Result(
-            result.model, driven.times[:done], outputs[:done], result.impacts, statistics=instance.statistics
+            result.model,
+            driven.times[:done],
+            outputs[:done],
+            result.impacts,
+            statistics=instance.statistics,
+            stick_slip=result.stick_slip,
         )
     )

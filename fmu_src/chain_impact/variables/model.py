@@ -22,7 +22,7 @@ from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent.directions import DIRECTIONS, tangent_dtype
 from chain_impact.scene.candidates import candidates
-from chain_impact.scene.names import Place, input_key, parameter_hint
+from chain_impact.scene.names import Place, friction_hint, input_key, parameter_hint
 from chain_impact.scene.reading import matching
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.outputs import all_outputs
@@ -162,7 +162,7 @@ class Model:
                 return "it is a choice, or a setting of the solver, of which the motion is no smooth function"
             if key := input_key(name):
                 return f"the scene does not have this input: it needs inputs.{key} = true"
-            return parameter_hint(name, len(self.scene.chain.links))
+            return friction_hint(name) or parameter_hint(name, len(self.scene.chain.links))
 
         wanted = (names,) if isinstance(names, str) else tuple(names)
         if not wanted:

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from chain_impact.scene.angles import in_radians, or_degrees
-from chain_impact.scene.names import nearest
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.names import friction_hint
+from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.model import Model, model_of
 from chain_impact.variables.variable import Variable
@@ -91,9 +91,8 @@ def variations_of(source: Scene | Model, vary: Mapping[str, Values]) -> tuple[Va
     found = []
     for name, values in vary.items():
         if name not in known:
-            near = nearest(name, known)
-            hint = f"the nearest is {near}" if near else "`chain-impact info` lists them"
-            raise SceneError(f"{scene.name}: {name} is no parameter that can be varied; {hint}")
+            what = "no parameter that can be varied"
+            raise UnknownNameError(scene.name, name, known, what, friction_hint(name))
         variation = _read(known[name], values, scene.name)
         _check(variation, scene.name)
         found.append(variation)

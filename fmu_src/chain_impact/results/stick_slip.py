@@ -1,0 +1,93 @@
+"""The phases of sticking and sliding by dry friction: their table, from the kernel's log or from outputs."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from chain_impact.kernel.model.friction import NO_FRICTION, STICKS
+
+CHANGE_DTYPE = np.dtype([("time", np.float64), ("point", np.int64), ("wall", np.int64), ("mode", np.int64)])
+"""One change of mode, as the kernel logs it: from this time [s] on the mode is 0, sticks; ±1, slides along
+±t; or 2, no friction. Point and wall as in ``STICK_SLIP_DTYPE``."""
+STICK_SLIP_DTYPE = np.dtype(
+    [
+        ("point", np.int64),
+        ("wall", np.int64),
+        ("start", np.float64),
+        ("end", np.float64),
+        ("mode", np.int64),
+    ]
+)
+"""One phase of dry friction: point 0…N; wall as index into ``scene.wall_names``; start and end [s], the end
+NaN of a phase that lasts to the end of the simulation; mode 0 while it sticks, 1 or −1 while it slides along
+t or −t, with t = (n_y, −n_x) of the wall's normal n. Of a joint the wall is −1, the point is the number of
+the joint, 1…N, and with mode 1 its angle grows."""
+MODES = {0: "stick", 1: "slip +", -1: "slip -"}
+"""The modes in words."""
+JOINT = -1
+"""The wall of a joint."""
+_STICKING = re.compile(r"(?:contact\[(?P<point>\d+)\]\.(?P<wall>\w+)|joint\[(?P<joint>\d+)\])\.sticking")
+
+
+def phases_of(changes: np.ndarray) -> np.ndarray:
+    """The phases in a log of changes, in order of their start, see ``STICK_SLIP_DTYPE``."""
+    found: list[tuple[int, int, float, float, int]] = []
+    order = np.argsort(changes["time"], kind="stable")
+    for place in np.unique(changes[["point", "wall"]]):
+        of_place = changes[order][changes[order][["point", "wall"]] == place]
+        found.extend(_phases(of_place))
+    return np.sort(np.array(found, STICK_SLIP_DTYPE), order=["start", "point", "wall"])
+
+
+def _phases(changes: np.ndarray) -> Iterator[tuple[int, int, float, float, int]]:
+    """The phases in the changes of one contact or joint, those of no length left out."""
+    lasting = np.append(np.diff(changes["time"]) > 0.0, True)
+    changes = changes[lasting]  # of several changes at one time, the last one
+    changes = changes[np.append(True, np.diff(changes["mode"]) != 0)]
+    ends = np.append(changes["time"][1:], np.nan)
+    for change, end in zip(changes, ends, strict=True):
+        if change["mode"] != NO_FRICTION:
+            yield int(change["point"]), int(change["wall"]), float(change["time"]), end, int(change["mode"])
+
+
+def phases_from_columns(
+    time: np.ndarray, columns: Mapping[str, np.ndarray], walls: Sequence[str]
+) -> np.ndarray:
+    """The phases that the outputs of an FMU show, to within a communication step.
+
+    Args:
+        time: of the rows, shape (T,) [s].
+        columns: name of an output → values, shape (T,).
+        walls: the names of the walls by their numbers.
+    """
+    changes: list[tuple[float, int, int, int]] = []
+    for name, sticking in columns.items():
+        if not (found := _STICKING.fullmatch(name)):
+            continue
+        joint = found["joint"]
+        own = name.removesuffix("sticking") + ("friction_moment" if joint else "friction_force")
+        if own not in columns or not (joint or found["wall"] in walls):
+            continue
+        point = int(joint or found["point"])
+        wall = JOINT if joint else walls.index(found["wall"])
+        sliding = np.where(columns[own] == 0.0, NO_FRICTION, -np.sign(columns[own]))
+        mode = np.where(sticking > 0.0, STICKS, sliding).astype(int)
+        starts = np.flatnonzero(np.append([True], np.diff(mode) != 0)[: len(mode)])
+        changes.extend((float(time[row]), point, wall, int(mode[row])) for row in starts)
+    return phases_of(np.array(changes, CHANGE_DTYPE))
+
+
+def place_of(phase: np.void, walls: Sequence[str]) -> str:
+    """What sticks or slides: "point 2 at y_min", "joint 3"."""
+    if phase["wall"] == JOINT:
+        return f"joint {phase['point']}"
+    return f"point {phase['point']} at {walls[phase['wall']]}"
+
+
+def phase_cells(phase: np.void, walls: Sequence[str]) -> tuple[str, str, str, str]:
+    """A phase in words: start, end, where, and mode."""
+    end = "" if np.isnan(phase["end"]) else f"{phase['end']:.6f}"
+    return f"{phase['start']:.6f}", end, place_of(phase, walls), MODES[int(phase["mode"])]

@@ -1,0 +1,109 @@
+"""Studies of scenes with dry friction: laws side by side, sweeps, fits and derivatives."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+
+from chain_impact import Chain, compare, fit, load_scene, simulate, sweep
+from chain_impact.scene.reading import UnknownNameError
+from tests.friction import SLOPE, pendulum, puck, sled, thrown
+from tests.refusal import refusal
+
+HINT = "it is a parameter where the scene has dry friction: give it a value there first"
+
+
+def test_laws_are_compared_with_friction_but_for_rigid_walls():
+    found = compare(puck(), laws=["flores", "zhang_sharf", "newton_impact"])
+    assert found["newton_impact"].result is None
+    assert found["newton_impact"].note.startswith("contact.friction = 0.2 must be 0 for the contact model")
+    assert found["flores"].result["energy.friction"][-1] > 0.5
+
+
+@pytest.mark.parametrize("scene", [thrown(), load_scene("rod_drop")], ids=["friction", "no friction"])
+def test_the_loop_of_the_first_impact_is_that_of_the_normal_force(scene):
+    (run,) = compare(scene, laws=["zhang_sharf"]).runs
+    depth, force = run.loop
+    assert force.max() == pytest.approx(run.peak_force, rel=1e-3)
+    assert depth.max() == pytest.approx(run.max_penetration, rel=1e-3)
+    first, chain = run.result.impacts[0], Chain(scene)
+    chain.step_to(first["onset"])
+    lost = chain.get("energy.dissipated")
+    chain.step_to(first["end"])
+    assert run.energy_lost == pytest.approx(chain.get("energy.dissipated") - lost, rel=1e-9)
+
+
+def test_a_sweep_over_friction_gives_what_single_runs_give():
+    columns = [
+        "point[0].x",
+        "energy.friction",
+        "contact[0].slope.sticking",
+        "contact[0].slope.friction_impulse",
+    ]
+    table = sweep(puck(), {"contact.friction": [0.0, 0.2, 0.5]}, outputs=columns)
+    for k, friction in enumerate(table["contact.friction"][1:], 1):
+        alone = simulate(puck(**{"contact.friction": friction}))
+        for name in columns:
+            assert table[name][k] == alone[name][-1], name
+    assert (table["energy.friction"][0], table["contact[0].slope.friction_impulse"][0]) == (0.0, 0.0)
+    assert table["contact[0].slope.sticking"].tolist() == [0.0, 0.0, 1.0]
+
+
+def test_a_sweep_over_laws_tells_which_one_has_no_friction():
+    table = sweep(puck(), {"contact.model": ["flores", "newton_impact"]})
+    assert table["status"].tolist() == ["ok", "friction_with_rigid_walls"]
+
+
+def measured():
+    result, noise = simulate(puck(), output_step=0.05), np.random.default_rng(7)
+    x = result["point[0].x"] + 1e-4 * noise.standard_normal(len(result.time))
+    return {"time": result.time, "point[0].x": x}
+
+
+@pytest.mark.parametrize("start", [0.1, 0.35])
+def test_a_coefficient_is_fitted_to_a_measured_motion(start):
+    """It slides up and back, as µ is less than tan β."""
+    found = fit(puck(**{"contact.friction": start}), measured(), ["contact.friction"])
+    assert found.converged
+    error = found.standard_errors["contact.friction"]
+    assert abs(found.values["contact.friction"] - 0.2) < 4.0 * error
+    assert error < 1e-4
+    assert np.tan(SLOPE) > 0.35
+
+
+def test_derivatives_agree_with_differences():
+    names, h = ["contact.friction", "wall.slope.angle"], 1e-6
+    result = simulate(puck(), sensitivities=names)
+    assert result.sensitivity_limits == ()
+    for name in names:
+        value = puck().values[name]
+        ends = [simulate(puck(**{name: value + d}))["point[0].y"] for d in (-h, h)]
+        found = result.sensitivity("point[0].y", name)
+        np.testing.assert_allclose(found, (ends[1] - ends[0]) / (2.0 * h), rtol=1e-5, atol=1e-7)
+
+
+def test_derivatives_of_friction_in_joints_agree_with_differences():
+    name, h = "link[2].joint_friction", 1e-6
+    result = simulate(pendulum(), 2.0, sensitivities=[name])
+    ends = [simulate(pendulum(**{name: 0.5 + d}), 2.0)["link[1].angle"] for d in (-h, h)]
+    found = result.sensitivity("link[1].angle", name)
+    np.testing.assert_allclose(found, (ends[1] - ends[0]) / (2.0 * h), rtol=1e-4, atol=2e-6)
+
+
+@pytest.mark.parametrize("name", ["contact.friction", "contact.static_friction", "link[2].joint_friction"])
+def test_the_friction_of_a_scene_that_has_none_is_no_parameter_yet(name):
+    scene = thrown(**{"wall.y_min.friction": None, "link[2].joint_friction": 0.0})
+    refused = [
+        refusal(sweep, scene, {name: [0.1, 0.2]}),
+        refusal(fit, scene, measured(), [name]),
+        refusal(partial(simulate, sensitivities=[name]), scene),
+        refusal(Chain(scene).set, name, 0.1),
+    ]
+    assert all(text.startswith(f"Thrown: {name} is no ") and text.endswith(HINT) for text in refused)
+    with pytest.raises(UnknownNameError, match="wall.y_min.friction is no parameter"):
+        sweep(scene, {"wall.y_min.friction": [0.1]})
+
+
+def test_a_sled_with_two_contacts_at_one_moment_has_no_derivatives():
+    result = simulate(sled(), 0.1, sensitivities=["contact.friction"])
+    assert "several points arrive at one moment" in result.sensitivity_limits[0]
