@@ -297,3 +297,25 @@ def _work(path: Path, phase: Phase, impulse: Any) -> Any:
 def _until(work: Any, path: Path, phase: Phase) -> Any:
     """The impulse in which the normal force does a work ≥ 0 [N·s]."""
     return (mpmath.sqrt(path.rate**2 + 2 * phase.normal * work) - path.rate) / phase.normal
+
+
+def algebraic(strike: Strike, restitution: float) -> Departure:
+    """Newton's hypothesis with Coulomb's law on the impulses, as of Whittaker and of Kane & Levinson 1985.
+
+    If |p_t| ≤ µ_s p_n makes v_t⁺ = 0, it does; else p_t = −µ p_n sign(v_t⁺). Time stepping by Moreau's
+    scheme does the same. No path of forces leads there: in the double pendulum of Kane
+    and Levinson it makes energy.
+    """
+    w, before = strike.inverse_inertia, np.array([-strike.approach, strike.sliding])
+    wanted = np.array([restitution * strike.approach, 0.0])
+    impulse, kind = np.linalg.solve(w, wanted - before), "stick"
+    static = strike.friction if strike.static_friction is None else strike.static_friction
+    if abs(impulse[1]) > static * impulse[0]:
+        for sign in (-1.0, 1.0):
+            force = np.array([1.0, -strike.friction * sign])
+            trial = force * (1.0 + restitution) * strike.approach / (w[0] @ force)
+            if sign * (before + w @ trial)[1] > 0.0:
+                impulse, kind = trial, "slip" if sign == np.sign(strike.sliding) else "reverse"
+    after = before + w @ impulse
+    lost = -0.5 * float(impulse @ (before + after))
+    return Departure(*map(float, after), *map(float, impulse), lost, (kind,))
