@@ -75,23 +75,25 @@ class Forces:
 
 
 class Geometry:
-    """The gaps of contacts, the velocities of what rubs, and their rows: ġ = J q̇ and v_t = J_t q̇."""
+    """Gaps of contacts and velocities of what rubs, with their rows: ġ = J q̇ and v_t = J_t q̇.
+
+    With the unit vector u_i along link i, and u⊥_i to its left, the point k is p₀ + Σ_{i≤k} ℓ_i u_i. Hence
+    J = [n, ℓ_i n·u⊥_i], and as t is n turned to the right, J_t = [t, −ℓ_i n·u_i], J̇_t q̇ = −Σ ℓ_i ω_i² n·u⊥_i.
+    """
 
     def __init__(self, book: Textbook, contacts: Sequence[Touch | Stop], rubs: Sequence[Touch | Joint]):
         self.n = n = book.n
-        # of a point, the lengths of the links before it
-        self.reach = np.tril(np.tile(book.length, (n + 1, 1)), -1)
-        self.walls = [contact for contact in contacts if isinstance(contact, Touch)]
-        self.grazed = [rub for rub in rubs if isinstance(rub, Touch)]
-        self.normals = np.array([wall.normal for wall in self.walls]).reshape(-1, 2)
-        self.tangents = np.array([(rub.normal[1], -rub.normal[0]) for rub in self.grazed]).reshape(-1, 2)
-        self.offsets = np.array([wall.offset for wall in self.walls])
-        self.touching = np.array([wall.point for wall in self.walls], int)
-        self.grazing = np.array([rub.point for rub in self.grazed], int)
+        walls = [contact for contact in contacts if isinstance(contact, Touch)]
+        self.normals = np.array([wall.normal for wall in walls]).reshape(-1, 2)
+        self.tangents = self.normals[:, ::-1] * [1.0, -1.0]
+        self.offsets = np.array([wall.offset for wall in walls])
+        # of each point, the lengths of the links before it
+        reach = np.tril(np.tile(book.length, (n + 1, 1)), -1)
+        self.reach = reach[[wall.point for wall in walls]].reshape(-1, n)
+        self.rubbing = [walls.index(rub) for rub in rubs if isinstance(rub, Touch)]
         sides = [contact for contact in contacts if isinstance(contact, Stop)]
-        self.stop_rows = np.array([stop.side * self.joint_row(stop.point) for stop in sides]).reshape(
-            -1, n + 2
-        )
+        rows = [stop.side * self.joint_row(stop.point) for stop in sides]
+        self.stop_rows = np.array(rows).reshape(-1, n + 2)
         self.limits = np.array([stop.side * stop.limit for stop in sides])
         dry = [self.joint_row(rub.point) for rub in rubs if isinstance(rub, Joint)]
         self.joint_rows = np.array(dry).reshape(-1, n + 2)
@@ -104,30 +106,26 @@ class Geometry:
             row[joint] = -1.0
         return row
 
-    def points(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Unit vectors of the links, points 0…N from the base, and their Jacobians, shape (N+1, 2, N+2)."""
-        directions = np.array([np.cos(q[2:]), np.sin(q[2:])]).T
-        jacobian = np.zeros((self.n + 1, 2, self.n + 2))
-        jacobian[:, 0, 0] = jacobian[:, 1, 1] = 1.0
-        jacobian[:, 0, 2:] = -self.reach * directions[:, 1]
-        jacobian[:, 1, 2:] = self.reach * directions[:, 0]
-        return directions, self.reach @ directions, jacobian
+    def parts(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """ℓ_i n·u_i and ℓ_i n·u⊥_i of each point that touches a wall."""
+        cos, sin = np.cos(q[2:]), np.sin(q[2:])
+        x, y = self.normals[:, :1], self.normals[:, 1:]
+        return self.reach * (x * cos + y * sin), self.reach * (y * cos - x * sin)
 
-    def gaps(self, q: np.ndarray, points: tuple[np.ndarray, ...]) -> tuple[np.ndarray, np.ndarray]:
+    def gaps(self, q: np.ndarray, parts: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """g and J."""
-        _, arms, jacobian = points
-        gap = np.einsum("ci,ci->c", self.normals, q[:2] + arms[self.touching]) - self.offsets
-        rows = np.einsum("ci,cij->cj", self.normals, jacobian[self.touching])
+        along, across = parts
+        gap = self.normals @ q[:2] + along.sum(axis=1) - self.offsets
+        rows = np.concatenate([self.normals, across], axis=1)
         if not len(self.limits):
             return gap, rows
         return np.append(gap, self.stop_rows @ q - self.limits), np.concatenate([rows, self.stop_rows])
 
-    def slips(self, v: np.ndarray, points: tuple[np.ndarray, ...]) -> tuple[np.ndarray, np.ndarray]:
+    def slips(self, v: np.ndarray, parts: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """J_t and J̇_t q̇."""
-        directions, _, jacobian = points
-        rows = np.einsum("ci,cij->cj", self.tangents, jacobian[self.grazing])
-        inward = (self.reach[self.grazing] * v[2:] ** 2) @ directions
-        bias = -np.einsum("ci,ci->c", self.tangents, inward)
+        along, across = parts
+        rows = np.concatenate([self.tangents, -along], axis=1)[self.rubbing]
+        bias = -(across @ v[2:] ** 2)[self.rubbing]
         if not len(self.joint_rows):
             return rows, bias
         return np.concatenate([rows, self.joint_rows]), np.append(bias, np.zeros(len(self.joint_rows)))
@@ -144,9 +142,12 @@ class Assembled:
         # of a touch that rubs, the number of its contact
         self.contact_of = [c for c, touch in enumerate(walls) if touch.holding > 0.0]
         self.rubs: list[Touch | Joint] = [walls[c] for c in self.contact_of]
-        self.rubs += [Joint(joint, moment) for joint, moment in sorted(friction.joints.items())]
+        self.rubs += [Joint(joint, moment, moment) for joint, moment in sorted(friction.joints.items())]
         self.damped = self.book.damping.any()
         self.geometry = Geometry(self.book, self.contacts, self.rubs)
+        self.sliding, self.holding = (
+            np.array([getattr(rub, name) for rub in self.rubs]) for name in ("sliding", "holding")
+        )
         laws = [contact.law for contact in self.contacts]
         self.stiffness, self.exponent, self.damping = (
             np.array([getattr(law, name) for law in laws]) for name in ("stiffness", "exponent", "damping")
@@ -165,21 +166,21 @@ class Assembled:
     def gaps(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The gaps of the contacts and their rates."""
         q, v, _ = self.split(y)
-        gap, rows = self.geometry.gaps(q, self.geometry.points(q))
+        gap, rows = self.geometry.gaps(q, self.geometry.parts(q))
         return gap, rows @ v
 
     def effective_mass(self, y: np.ndarray, c: int) -> float:
         """1/(J M⁻¹ Jᵀ) of a contact."""
         q, _, _ = self.split(y)
-        row = self.geometry.gaps(q, self.geometry.points(q))[1][c]
+        row = self.geometry.gaps(q, self.geometry.parts(q))[1][c]
         return 1.0 / float(row @ self.book.answer(self.matrix(y), row))
 
     def strike(self, y: np.ndarray, r: int) -> Strike:
         """What arrives at a wall where the point of a rub is now."""
         q, v, _ = self.split(y)
         rub, c = self.rubs[r], self.contact_of[r]
-        points = self.geometry.points(q)
-        rows = np.array([self.geometry.gaps(q, points)[1][c], self.geometry.slips(v, points)[0][r]])
+        parts = self.geometry.parts(q)
+        rows = np.array([self.geometry.gaps(q, parts)[1][c], self.geometry.slips(v, parts)[0][r]])
         w = rows @ self.book.answer(self.matrix(y), rows.T)
         approach, sliding = rows @ v * [-1.0, 1.0]
         return Strike(w[0, 0], w[0, 1], w[1, 1], approach, sliding, rub.sliding, rub.holding)
@@ -199,18 +200,18 @@ class Assembled:
             right, supplied = right + push, float(push @ v)
         if driven:
             supplied += float(modes.torques @ np.diff(v[2:], prepend=0.0))
-        points = self.geometry.points(q)
-        gap, gap_rows = self.geometry.gaps(q, points)
+        parts = self.geometry.parts(q)
+        gap, gap_rows = self.geometry.gaps(q, parts)
         gap_rate = gap_rows @ v
         normal, lost = self._normal(gap, gap_rate, modes)
         right += normal @ gap_rows
-        rows, bias, slipping, holding = self._friction(v, points, normal, modes)
+        rows, bias, slipping, holding = self._friction(v, parts, normal, modes)
         signs = np.array(list(modes.slip.values()))
         tangential, stuck = -signs * slipping, signs == 0
-        acceleration = self.book.answer(matrix, right + tangential @ rows)
-        if stuck.any():
-            held = rows[stuck]
-            response = self.book.answer(matrix, held.T)
+        held, pushed = rows[stuck], right + tangential @ rows
+        answers = self.book.answer(matrix, np.concatenate([pushed[None], held]).T)
+        acceleration, response = answers[:, 0], answers[:, 1:]
+        if len(held):
             wanted = -(held @ acceleration + bias[stuck])
             tangential[stuck] = shared(held @ response, wanted, holding[stuck])
             acceleration = acceleration + response @ tangential[stuck]
@@ -243,21 +244,15 @@ class Assembled:
         return normal, lost
 
     def _friction(
-        self, v: np.ndarray, points: tuple[np.ndarray, ...], normal: np.ndarray, modes: Modes
+        self, v: np.ndarray, parts: tuple[np.ndarray, np.ndarray], normal: np.ndarray, modes: Modes
     ) -> tuple[np.ndarray, ...]:
         """J_t, J̇_t q̇, the friction of slip and the bound of stick, of all that rubs and acts."""
         if not modes.slip:
             return np.zeros((0, self.n + 2)), *np.zeros((3, 0))
-        rows, bias = self.geometry.slips(v, points)
-        bounds = np.zeros((2, len(modes.slip)))
-        for k, r in enumerate(modes.slip):
-            place = self.rubs[r]
-            if isinstance(place, Joint):
-                bounds[:, k] = place.moment
-            else:
-                bounds[:, k] = normal[self.contact_of[r]] * np.array([place.sliding, place.holding])
         acting = list(modes.slip)
-        return rows[acting], bias[acting], *bounds
+        rows, bias = self.geometry.slips(v, parts)
+        pressed = np.append(normal[self.contact_of], np.ones(len(self.rubs) - len(self.contact_of)))[acting]
+        return rows[acting], bias[acting], self.sliding[acting] * pressed, self.holding[acting] * pressed
 
     def energies(self, y: np.ndarray, modes: Modes) -> tuple[float, float, float]:
         """Kinetic, potential and elastic energy [J]."""

@@ -116,7 +116,8 @@ class Joint:
     """A dry joint 1…N, with the moment M that slides and holds it [N·m]."""
 
     point: int
-    moment: float
+    sliding: float
+    holding: float
     wall: str = "joint"
 
 

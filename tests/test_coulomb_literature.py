@@ -60,6 +60,18 @@ def test_the_rod_of_glocker_comes_to_the_point_where_it_cannot_slide_on():
     assert float(exact.published) == pytest.approx(exact.time, abs=0.02)
 
 
+def test_a_soft_contact_takes_the_rod_of_glocker_over_that_point_into_an_impact_without_collision():
+    """The force grows until the end sticks, turns back, and leaves the floor upwards."""
+    table, exact = glocker_rod(1e5)
+    scene, friction = separated(table)
+    motion = simulate(scene, friction, [0.0, 0.8, 0.86])
+    (halt,) = motion.when("stick")
+    assert exact.time < halt == pytest.approx(float(exact.published), abs=0.01)
+    assert [change.kind for change in motion.changes[-3:]] == ["stick", "slip", "end"]
+    assert motion.states[2, 4] > 5.0
+    assert np.ptp(motion.balance) < 1e-10
+
+
 def test_the_rod_of_stewart_and_trinkle_hits_where_it_should():
     table, exact = stewart_rod(1e11)
     scene, friction = separated(table)
