@@ -61,6 +61,7 @@ from chain_impact.kernel.status import (
     TOO_MUCH_WORK,
 )
 from chain_impact.kernel.work_limit import (
+    UNLIMITED,
     check_events,
     check_work,
     count_evaluations,
@@ -84,12 +85,13 @@ def advance(d, time, log_capacity, work):
 
     Returns:
         A status. After a fault the instance stays at the last time it reached. The run can continue after
-        LOG_FULL, once the finished contacts, of which the log holds ``log_capacity``, are collected; and
+        LOG_FULL, once the finished contacts, of which the log holds ``log_capacity``, and the changes of dry
+        friction are collected; and
         after PAUSED, which is returned when the work since the start exceeds ``work`` evaluations.
     """
     status = reinit_if_changed(d)
     while status == OK and d.step.end < time:
-        if d.finished.count >= log_capacity:
+        if d.finished.count >= log_capacity or (log_capacity < UNLIMITED and changes_full(d)):
             return LOG_FULL
         if work_done(d) > work:
             return PAUSED
@@ -97,6 +99,11 @@ def advance(d, time, log_capacity, work):
     if status == OK:
         set_output_time(d, time)
     return status
+
+
+def changes_full(d):
+    """Whether the log of changes of dry friction has no room for one more of each element."""
+    return d.elements > 0 and d.changes.count > len(d.changes.time) - d.elements
 
 
 def advance_to_onset(d, time):

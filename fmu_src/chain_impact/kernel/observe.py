@@ -5,7 +5,7 @@ from chain_impact.kernel.chain.kinematics import accelerate_points, locate_point
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at
 from chain_impact.kernel.events.contact_log import update_latest
 from chain_impact.kernel.integration.dense import fraction, interpolate, interpolate_component
-from chain_impact.kernel.integration.impulse import friction_energy_at, impulse_count, rubbing_contact
+from chain_impact.kernel.integration.impulse import friction_count, impulse_count
 from chain_impact.kernel.model.contact import contact_force
 from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
 from chain_impact.kernel.model.equations import located_rate
@@ -55,9 +55,8 @@ def fill_outputs(d):
         elif gap < 0.0:
             out.force[c] = contact_force(d, c, gap, gap_rate)
             out.penetration[c], out.penetration_rate[c] = -gap, -gap_rate
-    if d.impulse.wanted:
-        for k in range(d.touch.active_count):
-            out.impulse[d.touch.active_index[k]] = interpolate_component(d.impulse, theta, k)
+    for k in range(impulse_count(d)):
+        out.impulse[d.touch.active_index[k]] = interpolate_component(d.impulse, theta, k)
     if d.elements > 0:
         observe_friction(d, theta)
     out.kinetic, out.potential = mechanical_energy(d, y)
@@ -75,23 +74,23 @@ def observe_friction(d, theta):
     """Fill the outputs of dry friction with the values at the fraction θ of the last step."""
     own, out = d.friction, d.output.friction
     for e in range(d.elements):
-        out.force[e], out.sticking[e], out.impulse[e] = 0.0, 0.0, d.impulse.friction[e]
+        out.force[e], out.sticking[e], out.impulse[e] = 0.0, 0.0, d.friction_impulse.total[e]
         out.joint_moment[e], out.joint_sticking[e] = 0.0, 0.0
     for i in range(own.count):
-        e = own.index[i]
-        sticks = 1.0 if own.mode[e] == STICKS else 0.0
+        e = d.element.index[i]
+        sticks = 1.0 if d.element.mode[e] == STICKS else 0.0
         if e < d.candidates:
-            out.force[e], out.sticking[e] = own.force[e], sticks
+            out.force[e], out.sticking[e] = d.element.force[e], sticks
         else:
             joint = joint_of(d, e)
-            out.joint_moment[joint], out.joint_sticking[joint] = d.model.size * own.force[e], sticks
-    out.dissipated = d.impulse.friction_energy
-    for k in range(d.touch.active_count, impulse_count(d)):
-        value = interpolate_component(d.impulse, theta, k)
-        if k == friction_energy_at(d):
-            out.dissipated = value
+            out.joint_moment[joint], out.joint_sticking[joint] = d.model.size * d.element.force[e], sticks
+    out.dissipated = d.friction_impulse.energy
+    for k in range(friction_count(d)):
+        value = interpolate_component(d.friction_impulse, theta, k)
+        if k < own.contact_count:
+            out.impulse[d.element.index[k]] = value
         else:
-            out.impulse[rubbing_contact(d, k)] = value
+            out.dissipated = value
 
 
 def combine_stops(d):

@@ -12,6 +12,7 @@ from chain_impact.kernel.integration.methods import METHOD_COUNT, SOLVER_METHODS
 from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.laws.contact_laws import LAW_COUNT
 from chain_impact.kernel.laws.user_law import present
+from chain_impact.kernel.model.friction import NO_FRICTION
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.model.inputs import DEGREE
 from chain_impact.kernel.model.latest import LATEST
@@ -40,6 +41,7 @@ def within_bounds(d):
     fits = fits and within(d.given.course.order, 0, DEGREE) and within(d.inputs.course.order, 0, DEGREE)
     fits = fits and within(d.touch.active_count, 0, d.candidates)
     fits = fits and within(d.touch.compliant_count, 0, d.touch.active_count)
+    fits = fits and friction_within_bounds(d)
     for c in range(d.candidates):
         fits = (
             fits
@@ -55,6 +57,22 @@ def within_bounds(d):
         fits = fits and within(d.touch.number[c], 0, d.impact.count)
         fits = fits and within(d.touch.active_index[c], 0, d.candidates - 1)
         fits = fits and within(d.touch.active[c], 0, 1) and within(d.touch.event[c], 0, NEIGHBOUR)
+    return fits
+
+
+def friction_within_bounds(d):
+    """Whether the indices and counts of dry friction are within their bounds."""
+    own = d.friction
+    fits = within(own.used, 0, min(1, d.elements)) and within(own.count, 0, d.elements)
+    fits = fits and within(own.contact_count, 0, min(own.count, d.candidates))
+    fits = fits and within(own.integral_count, 0, min(own.contact_count + 1, d.elements))
+    fits = fits and within(own.stuck_count, 0, own.count) and within(own.stuck_joints, 0, own.stuck_count)
+    fits = fits and d.changes.count >= 0
+    for e in range(d.elements):
+        own_fits = within(d.element.index[e], 0, d.elements - 1) and within(
+            d.element.stuck[e], 0, d.elements - 1
+        )
+        fits = fits and own_fits and within(d.element.mode[e], -1, NO_FRICTION)
     return fits
 
 

@@ -240,7 +240,7 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     """Put the parameters of a scene, and its candidates, in their places in a new instance."""
     links = scene.chain.links
     d["links"], d["candidates"] = len(links), len(pairs)
-    d["elements"] = len(d["friction"]["mode"])
+    d["elements"] = len(d["element"]["mode"])
 
     model = d["model"]
     model["gravity"] = scene.gravity

@@ -29,8 +29,8 @@ def find_mode_change(d, found):
     own = d.friction
     first, which = found if found >= 0.0 else 1.0, -1
     for i in range(own.count):
-        e = own.index[i]
-        if own.margin[e] < -resolution_of(d, e):
+        e = d.element.index[i]
+        if d.element.margin[e] < -resolution_of(d, e):
             theta = _first_change(d, e, first)
             if theta >= 0.0:
                 first, which = theta, e
@@ -45,14 +45,14 @@ def mark_changes(d, found, theta):
     """Mark the element found, and all others whose mode ends at θ as well: symmetric chains have such."""
     own = d.friction
     for i in range(own.count):
-        e = own.index[i]
+        e = d.element.index[i]
         if e == found or has_changed(d, e, theta):
-            own.event[e] = STICKING_ENDS if own.mode[e] == STICKS else SLIDING_ENDS
+            d.element.event[e] = STICKING_ENDS if d.element.mode[e] == STICKS else SLIDING_ENDS
 
 
 def resolution_of(d, e):
     """By how much the function of element e may be negative, because that is round-off: m/s or N."""
-    return excess(d, e) if d.friction.mode[e] == STICKS else rest_speed(d) + d.friction.slack[e]
+    return excess(d, e) if d.element.mode[e] == STICKS else rest_speed(d) + d.element.slack[e]
 
 
 def rest_speed(d):
@@ -62,19 +62,18 @@ def rest_speed(d):
 
 def excess(d, e):
     """The force [N] by which the friction of element e may exceed its limit."""
-    return EXCESS * (d.friction.limit[e] + mean_mass(d) * (d.model.gravity_size + d.model.size))
+    return EXCESS * (d.element.limit[e] + mean_mass(d) * (d.model.gravity_size + d.model.size))
 
 
 def has_changed(d, e, theta):
     """Whether the mode of element e has ended at the fraction θ of the last step."""
-    own = d.friction
     locate_at(d, theta)
-    if own.mode[e] != STICKS:
-        return own.mode[e] * along_tangent(d, e, d.work.velocity) < -resolution_of(d, e)
+    if d.element.mode[e] != STICKS:
+        return d.element.mode[e] * along_tangent(d, e, d.work.velocity) < -resolution_of(d, e)
     project_state(d, d.work.y)
     state_rate(d, d.work.y, d.work.rate)
     count_evaluations(d, 1)
-    return own.limit[e] - abs(own.force[e]) < -resolution_of(d, e)
+    return d.element.limit[e] - abs(d.element.force[e]) < -resolution_of(d, e)
 
 
 _first_change = first_passage(has_changed, SAMPLES, bisection(has_changed))

@@ -41,20 +41,20 @@ def update_modes(d, struck):
     own = d.friction
     list_friction(d)
     for e in range(d.elements):
-        own.before[e], own.mode[e] = own.mode[e], NO_FRICTION
+        d.element.before[e], d.element.mode[e] = d.element.mode[e], NO_FRICTION
     for i in range(own.count):
-        own.mode[own.index[i]] = first_guess(d, own.index[i], struck)
+        d.element.mode[d.element.index[i]] = first_guess(d, d.element.index[i], struck)
     choose_modes(d)
     for i in range(own.stuck_count):
-        e = own.stuck[i]
-        if struck or own.before[e] != STICKS:
-            own.anchor[e] = along_tangent(d, e, d.work.position)
+        e = d.element.stuck[i]
+        if struck or d.element.before[e] != STICKS:
+            d.element.anchor[e] = along_tangent(d, e, d.work.position)
     log_changes(d)
     if any_sticking(d):
         project_state(d, d.step.state_end)
         locate_points(d, d.step.state_end)
     for i in range(own.count):
-        set_slack(d, own.index[i])
+        set_slack(d, d.element.index[i])
 
 
 def set_slack(d, e):
@@ -62,29 +62,29 @@ def set_slack(d, e):
 
     Sliding that begins at rest does so with the error of a speed that has been located to be 0.
     """
-    backward = -d.friction.mode[e] * along_tangent(d, e, d.work.velocity)
-    d.friction.slack[e] = max(0.0, 2.0 * backward) if d.friction.undecided[e] else 0.0
+    backward = -d.element.mode[e] * along_tangent(d, e, d.work.velocity)
+    d.element.slack[e] = max(0.0, 2.0 * backward) if d.element.undecided[e] else 0.0
 
 
 def pending_changes(d):
     """The number of elements whose mode ends at the end of the last step."""
     changes = 0
     for i in range(d.friction.count):
-        changes += d.friction.event[d.friction.index[i]] != 0
+        changes += d.element.event[d.element.index[i]] != 0
     return changes
 
 
 def first_guess(d, e, struck):
     """The mode of element e by its motion; if it is at rest, the one it had, and it is undecided."""
-    own, speed = d.friction, along_tangent(d, e, d.work.velocity)
-    before, event = own.before[e], own.event[e]
-    own.event[e], own.undecided[e] = 0, 1
+    speed = along_tangent(d, e, d.work.velocity)
+    before, event = d.element.before[e], d.element.event[e]
+    d.element.event[e], d.element.undecided[e] = 0, 1
     if event == STICKING_ENDS:
-        return against(own.force[e])
+        return against(d.element.force[e])
     if event == SLIDING_ENDS or (before == STICKS and not struck):
         return STICKS
     if abs(speed) > rest_speed(d):
-        own.undecided[e] = 0
+        d.element.undecided[e] = 0
         return against(-speed)
     return STICKS if before == NO_FRICTION else before
 
@@ -111,9 +111,9 @@ def choose_modes(d):
         else:
             stalls_left -= 1
         for i in range(own.count):
-            e = own.index[own.count - 1 - i]
+            e = d.element.index[own.count - 1 - i]
             if is_inconsistent(d, e):
-                own.mode[e] = against(own.force[e]) if own.mode[e] == STICKS else STICKS
+                d.element.mode[e] = against(d.element.force[e]) if d.element.mode[e] == STICKS else STICKS
                 if stalls_left < 0:
                     break
     list_sticking(d)
@@ -123,29 +123,28 @@ def count_inconsistent(d):
     """The number of undecided elements whose mode is not consistent with the forces."""
     wrong = 0
     for i in range(d.friction.count):
-        wrong += is_inconsistent(d, d.friction.index[i])
+        wrong += is_inconsistent(d, d.element.index[i])
     return wrong
 
 
 def is_inconsistent(d, e):
     """Whether element e is undecided and its mode is not consistent with the forces and accelerations."""
-    own = d.friction
-    if not own.undecided[e]:
+    if not d.element.undecided[e]:
         return False
-    if own.mode[e] == STICKS:
-        return abs(own.force[e]) > own.limit[e] + 0.5 * excess(d, e)
-    acceleration = own.mode[e] * along_tangent(d, e, d.work.acceleration)
+    if d.element.mode[e] == STICKS:
+        return abs(d.element.force[e]) > d.element.limit[e] + 0.5 * excess(d, e)
+    acceleration = d.element.mode[e] * along_tangent(d, e, d.work.acceleration)
     return acceleration < -AGAINST * largest(d, d.work.acceleration)
 
 
 def log_changes(d):
     """Log the elements whose mode has changed. In a full log they overwrite the oldest entries."""
-    own, log = d.friction, d.changes
+    log = d.changes
     for e in range(d.elements):
-        if own.mode[e] != own.before[e]:
+        if d.element.mode[e] != d.element.before[e]:
             row = log.count % len(log.time)
             joint = e >= d.candidates
-            log.time[row], log.mode[row] = d.step.end, own.mode[e]
+            log.time[row], log.mode[row] = d.step.end, d.element.mode[e]
             log.point[row] = joint_of(d, e) + 1 if joint else d.candidate.point[e]
             log.wall[row] = -1 if joint else d.candidate.wall[e]
             log.count += 1

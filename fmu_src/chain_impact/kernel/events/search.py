@@ -51,13 +51,13 @@ def find_event(d):
         to locate it. ``touch.event`` then holds the kind of event of each candidate.
     """
     if d.candidates == 0:
-        return find_mode_change(d, -1.0)
+        return find_mode_change(d, -1.0) if d.friction.count > 0 else -1.0
     if any_point_held(d) or not RATE_AT_END[d.step.last_method]:
         if known_clearances(d) in (NOTHING, FAR):
             measure(d, 0.0)
         keep_start(d)
     elif excludes_events(d):
-        return find_mode_change(d, -1.0)
+        return find_mode_change(d, -1.0) if d.friction.count > 0 else -1.0
     if DENSE_EVALUATIONS[d.step.last_method] > 0:
         ensure_dense(d, SOLVER)
     bound_curvature(d)
@@ -84,7 +84,9 @@ def find_sampled_event(d, theta):
             locate_at(d, theta if theta >= 0.0 else 1.0)
     if d.touch.compliant_count > 0 and theta != REFUSED:
         theta = find_kink(d, find_relatch(d, theta))
-    return theta if theta == REFUSED else find_mode_change(d, theta)
+    if d.friction.count > 0 and theta != REFUSED:
+        theta = find_mode_change(d, theta)
+    return theta
 
 
 def credible(d, theta):

@@ -29,11 +29,12 @@ from chain_impact.kernel.integration.extended import (
     extended_rate,
     extended_size,
     extended_slopes,
+    friction_impulse_at,
     gap_at,
     impulse_at,
     rate_at,
 )
-from chain_impact.kernel.integration.impulse import impulse_count
+from chain_impact.kernel.integration.impulse import friction_count, impulse_count
 from chain_impact.kernel.integration.linear_system import (
     factorize_complex,
     factorize_real,
@@ -236,6 +237,8 @@ def set_result(d, h):
     work.y[sundman_u_at(d.links)], work.y[time_at(d.links)] = 1.0, h
     for k in range(impulse_count(d)):
         d.impulse.tried[k] = own.z[impulse_at(d, k)]
+    for k in range(friction_count(d)):
+        d.friction_impulse.tried[k] = own.z[friction_impulse_at(d, k)]
     locate_points(d, work.y)
 
 

@@ -9,8 +9,15 @@ import numpy as np
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at, velocity_at
 from chain_impact.kernel.integration.dense import POWERS, interpolate
-from chain_impact.kernel.integration.extended import compliant, gap_at, impulse_at, rate_at
-from chain_impact.kernel.integration.impulse import impulse_count
+from chain_impact.kernel.integration.extended import (
+    compliant,
+    extended_size,
+    friction_impulse_at,
+    gap_at,
+    impulse_at,
+    rate_at,
+)
+from chain_impact.kernel.integration.impulse import friction_count, impulse_count
 from chain_impact.kernel.integration.projection import project_coordinates
 from chain_impact.kernel.integration.radau import NODES, STAGES
 
@@ -57,7 +64,7 @@ def finish(d, h):
     """Store the stages of the step that was tried, to predict the next ones, and the state's dense output."""
     own, dense = d.implicit, d.step.dense
     for i in range(STAGES):
-        for j in range(impulse_at(d, impulse_count(d))):
+        for j in range(extended_size(d)):
             own.last[i, j] = own.stages[i, j]
     own.began, own.span, own.ready = d.step.start, h, 1
     for j in range(len(d.work.y)):
@@ -68,15 +75,16 @@ def finish(d, h):
         for j in range(sundman_u_at(d.links)):
             dense[m, j] = coefficient(own.last, m, j)
     for k in range(impulse_count(d)):
-        keep_impulse(d, k)
+        keep_impulse(d, d.impulse, k, impulse_at(d, k))
+    for k in range(friction_count(d)):
+        keep_impulse(d, d.friction_impulse, k, friction_impulse_at(d, k))
 
 
-def keep_impulse(d, k):
-    """Store the dense output of the k-th impulse, as that of the state."""
-    dense, at = d.impulse.dense, impulse_at(d, k)
-    dense[0, k] = d.impulse.state_end[k] - d.impulse.state[k]
-    for m in range(1, len(dense)):
-        dense[m, k] = coefficient(d.implicit.last, m, at) if m < STAGES else 0.0
+def keep_impulse(d, own, k, at):
+    """Store the dense output of the k-th integral in a part of the record, which is component ``at`` of z."""
+    own.dense[0, k] = own.state_end[k] - own.state[k]
+    for m in range(1, len(own.dense)):
+        own.dense[m, k] = coefficient(d.implicit.last, m, at) if m < STAGES else 0.0
 
 
 def keep_clearances(d, _h):

@@ -7,7 +7,12 @@ from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at
 from chain_impact.kernel.integration import dop853
 from chain_impact.kernel.integration.combination import combination, combinations, sequence
 from chain_impact.kernel.integration.errors import scaled_errors, set_gap_errors
-from chain_impact.kernel.integration.impulse import impulse_count, set_impulse_stage, set_impulse_stage_at_end
+from chain_impact.kernel.integration.impulse import (
+    friction_count,
+    impulse_count,
+    set_impulse_stage,
+    set_impulse_stage_at_end,
+)
 from chain_impact.kernel.integration.method import Method
 from chain_impact.kernel.integration.sundman import (
     NO_CONTACT,
@@ -112,6 +117,9 @@ def make(d, h):
     active = impulse_count(d)
     if active > 0:
         _step_end(d.impulse.stage, d.impulse.state_end[:active], h, d.impulse.tried[:active])
+    rubbing, own = friction_count(d), d.friction_impulse
+    if rubbing > 0:
+        _step_end(own.stage, own.state_end[:rubbing], h, own.tried[:rubbing])
 
 
 def dense_output(d, h):
@@ -123,6 +131,8 @@ def dense_output(d, h):
     _interpolant(d.step, d.work.stage, len(d.work.y), h)
     if impulse_count(d) > 0:
         _interpolant(d.impulse, d.impulse.stage, impulse_count(d), h)
+    if friction_count(d) > 0:
+        _interpolant(d.friction_impulse, d.friction_impulse.stage, friction_count(d), h)
 
 
 def _interpolant(step, stages, count, h):

@@ -12,12 +12,17 @@ no entries for them.
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.chain.state import sundman_u_at
-from chain_impact.kernel.integration.impulse import impulse_count, integrand, integrand_at_end
+from chain_impact.kernel.integration.impulse import (
+    friction_count,
+    friction_integrand,
+    friction_integrand_at_end,
+    impulse_count,
+)
 from chain_impact.kernel.model.constraints import add_constraint_forces, any_constraint
 from chain_impact.kernel.model.contact import apply_contact, clear_loads
 from chain_impact.kernel.model.contact_force import law_slopes
 from chain_impact.kernel.model.equations import loaded_rate
-from chain_impact.kernel.model.friction import any_joint_rubs, apply_joint_friction
+from chain_impact.kernel.model.friction import apply_friction
 from chain_impact.kernel.model.geometry import along_normal, clearance
 from chain_impact.kernel.model.inputs import set_inputs
 
@@ -42,9 +47,14 @@ def impulse_at(d, k):
     return gap_at(d, 2 * compliant(d) + k)
 
 
+def friction_impulse_at(d, k):
+    """The index in z of the k-th integral of dry friction."""
+    return impulse_at(d, impulse_count(d) + k)
+
+
 def extended_size(d):
     """The length of z."""
-    return impulse_at(d, impulse_count(d))
+    return friction_impulse_at(d, friction_count(d))
 
 
 def extend_start(d):
@@ -59,7 +69,10 @@ def extend_start(d):
         own.start[gap_at(d, k)], own.start[rate_at(d, k)] = clearance(d, d.touch.active_index[k])
     for k in range(impulse_count(d)):
         own.start[impulse_at(d, k)] = d.impulse.state_end[k]
-        own.start_rate[impulse_at(d, k)] = integrand_at_end(d, k)
+        own.start_rate[impulse_at(d, k)] = d.touch.force_end[d.touch.active_index[k]]
+    for k in range(friction_count(d)):
+        own.start[friction_impulse_at(d, k)] = d.friction_impulse.state_end[k]
+        own.start_rate[friction_impulse_at(d, k)] = friction_integrand_at_end(d, k)
     clearance_rates(d, own.start, own.start_rate)
 
 
@@ -79,13 +92,15 @@ def extended_rate(d, z, elapsed, rate):
     dissipated = 0.0
     for k in range(compliant(d)):
         dissipated += apply_contact(d, d.touch.active_index[k], z[gap_at(d, k)], z[rate_at(d, k)])
-    if any_joint_rubs(d):
-        dissipated += apply_joint_friction(d)
+    if d.friction.count > 0:
+        dissipated += apply_friction(d)
     loaded_rate(d, z, dissipated, rate)  # also sets those of u and time, where z has other entries
     if any_constraint(d):
         add_constraint_forces(d, z, rate)
     for k in range(impulse_count(d)):
-        rate[impulse_at(d, k)] = integrand(d, k)
+        rate[impulse_at(d, k)] = d.touch.force[d.touch.active_index[k]]
+    for k in range(friction_count(d)):
+        rate[friction_impulse_at(d, k)] = friction_integrand(d, k)
     accelerate_points(d, z, rate)
     clearance_rates(d, z, rate)
 

@@ -12,60 +12,43 @@ from chain_impact.kernel.integration.dense import interpolate_component
 
 
 def impulse_count(d):
-    """The number of integrals: if they are requested, the impulses of the active contacts.
-
-    In a scene with dry friction those of its forces at contacts follow, and last the energy it dissipates.
-    """
-    if not d.impulse.wanted:
-        return 0
-    return d.touch.active_count + (d.friction.contact_count + 1 if d.friction.used else 0)
+    """The number of impulses that are integrated: those of the active contacts, if they are requested."""
+    return d.touch.active_count if d.impulse.wanted else 0
 
 
-def friction_energy_at(d):
-    """The index of the energy dissipated by dry friction."""
-    return d.touch.active_count + d.friction.contact_count
+def friction_count(d):
+    """The number of integrals of dry friction: its impulses at contacts, and last its energy."""
+    return d.friction.integral_count
 
 
-def rubbing_contact(d, k):
-    """The candidate whose friction has the k-th of the integrals."""
-    return d.friction.index[k - d.touch.active_count]
+def friction_integrand(d, k):
+    """The rate of the k-th of them where the rate of the state was evaluated just now: N, or W."""
+    own = d.friction
+    return d.element.force[d.element.index[k]] if k < own.contact_count else own.power
 
 
-def integrand(d, k):
-    """The rate of the k-th integral where the rate of the state was evaluated just now: N or W."""
-    if k < d.touch.active_count:
-        return d.touch.force[d.touch.active_index[k]]
-    return d.friction.power if k == friction_energy_at(d) else d.friction.force[rubbing_contact(d, k)]
-
-
-def integrand_at_end(d, k):
-    """The rate of the k-th integral at the end of the last step."""
-    if k < d.touch.active_count:
-        return d.touch.force_end[d.touch.active_index[k]]
-    return d.friction.power_end if k == friction_energy_at(d) else d.friction.force_end[rubbing_contact(d, k)]
-
-
-def total(d, k):
-    """The k-th integral at the time when contacts last began or ended."""
-    if k < d.touch.active_count:
-        return d.impulse.total[d.touch.active_index[k]]
-    if k == friction_energy_at(d):
-        return d.impulse.friction_energy
-    return d.impulse.friction[rubbing_contact(d, k)]
+def friction_integrand_at_end(d, k):
+    """The rate of the k-th of them at the end of the last step."""
+    own = d.friction
+    return d.element.force_end[d.element.index[k]] if k < own.contact_count else own.power_end
 
 
 def set_impulse_stage(d, i):
     """Set stage i of the impulses, dp/ds = F dt/ds, where the rate of the state was evaluated just now."""
     pace = d.work.stage[i, time_at(d.links)]
     for k in range(impulse_count(d)):
-        d.impulse.stage[i, k] = integrand(d, k) * pace
+        d.impulse.stage[i, k] = d.touch.force[d.touch.active_index[k]] * pace
+    for k in range(friction_count(d)):
+        d.friction_impulse.stage[i, k] = friction_integrand(d, k) * pace
 
 
 def set_impulse_stage_at_end(d, i):
     """Set stage i of the impulses, at the end of the last step."""
     pace = d.work.stage[i, time_at(d.links)]
     for k in range(impulse_count(d)):
-        d.impulse.stage[i, k] = integrand_at_end(d, k) * pace
+        d.impulse.stage[i, k] = d.touch.force_end[d.touch.active_index[k]] * pace
+    for k in range(friction_count(d)):
+        d.friction_impulse.stage[i, k] = friction_integrand_at_end(d, k) * pace
 
 
 def keep_end_forces(d):
@@ -74,46 +57,67 @@ def keep_end_forces(d):
         c = d.touch.active_index[k]
         d.touch.force_end[c] = d.touch.force[c]
     for i in range(d.friction.contact_count):
-        c = d.friction.index[i]
-        d.friction.force_end[c] = d.friction.force[c]
+        c = d.element.index[i]
+        d.element.force_end[c] = d.element.force[c]
     d.friction.power_end = d.friction.power
 
 
 def append_impulses(d):
     """Take over the impulses of the step that was tried, as ``accept`` does for the state."""
-    for k in range(impulse_count(d)):
-        d.impulse.state[k] = d.impulse.state_end[k]
-        d.impulse.state_end[k] = d.impulse.tried[k]
+    append_integrals(d.impulse, impulse_count(d))
+    append_integrals(d.friction_impulse, friction_count(d))
+
+
+def append_integrals(own, count):
+    """Take over the integrals of the step that was tried."""
+    for k in range(count):
+        own.state[k] = own.state_end[k]
+        own.state_end[k] = own.tried[k]
 
 
 def roll_back_impulses(d):
     """Reset the impulses to the start of the last step."""
     for k in range(impulse_count(d)):
         d.impulse.state_end[k] = d.impulse.state[k]
+    for k in range(friction_count(d)):
+        d.friction_impulse.state_end[k] = d.friction_impulse.state[k]
 
 
 def truncate_impulses(d, theta):
     """Set the impulses at the end of the last step to those at its fraction θ."""
     for k in range(impulse_count(d)):
         d.impulse.state_end[k] = interpolate_component(d.impulse, theta, k)
+    for k in range(friction_count(d)):
+        d.friction_impulse.state_end[k] = interpolate_component(d.friction_impulse, theta, k)
 
 
 def commit_impulses(d):
     """Store the totals at the end of the last step, before contacts begin or end."""
     for k in range(impulse_count(d)):
-        if k < d.touch.active_count:
-            d.impulse.total[d.touch.active_index[k]] = d.impulse.state_end[k]
-        elif k == friction_energy_at(d):
-            d.impulse.friction_energy = d.impulse.state_end[k]
+        d.impulse.total[d.touch.active_index[k]] = d.impulse.state_end[k]
+    own = d.friction_impulse
+    for k in range(friction_count(d)):
+        if k < d.friction.contact_count:
+            own.total[d.element.index[k]] = own.state_end[k]
         else:
-            d.impulse.friction[rubbing_contact(d, k)] = d.impulse.state_end[k]
+            own.energy = own.state_end[k]
 
 
 def reset_impulse_step(d):
     """Start from the totals, with a last step of no length."""
     own = d.impulse
     for k in range(impulse_count(d)):
-        own.state_end[k] = total(d, k)
+        own.state_end[k] = own.total[d.touch.active_index[k]]
+    reset_integrals(own, impulse_count(d))
+    own = d.friction_impulse
+    for k in range(friction_count(d)):
+        own.state_end[k] = own.total[d.element.index[k]] if k < d.friction.contact_count else own.energy
+    reset_integrals(own, friction_count(d))
+
+
+def reset_integrals(own, count):
+    """Let integrals have had their present values in a last step of no length."""
+    for k in range(count):
         own.state[k] = own.state_end[k]
         for m in range(len(own.dense)):
             own.dense[m, k] = 0.0

@@ -11,6 +11,7 @@ from chain_impact.kernel.chain.state import omega_at, sundman_u_at, time_at
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.impulse import (
     append_impulses,
+    impulse_count,
     keep_end_forces,
     reset_impulse_step,
     roll_back_impulses,
@@ -50,7 +51,7 @@ def accept(d, h):
     if any_constraint(d):
         project_state(d, d.work.y)
         keep_anchors(d)
-        for k in range(d.touch.compliant_count, d.touch.active_count if d.impulse.wanted else 0):
+        for k in range(d.touch.compliant_count, impulse_count(d)):
             d.impulse.tried[k] += d.rigid.impulse[k]
     step, y = d.step, d.work.y
     for j in range(len(step.state)):

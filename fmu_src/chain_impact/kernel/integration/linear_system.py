@@ -101,7 +101,7 @@ def factorize_complex(d, pair, s_r, s_i):
             add_impedance(d, c, impedance, complex_d[re, k])
             add_impedance(d, c, reactance, complex_d[im, k])
     for i in range(d.friction.stuck_count):
-        add_tangential_impedance(d, d.friction.stuck[i], impedance, holding_impedance(d))
+        add_tangential_impedance(d, d.element.stuck[i], impedance, holding_impedance(d))
     if d.model.jointed:
         impedance_of_joints(d, impedance)
         impedance_of_joints(d, reactance)

@@ -36,7 +36,7 @@ def factorize_contacts(d, links, impedance, time, factors):
         add_impedance(d, d.touch.active_index[k], d.work.impedance, impedance[k])
     for i in range(d.friction.stuck_count):
         amount = impedance[d.touch.active_count + i]
-        add_tangential_impedance(d, d.friction.stuck[i], d.work.impedance, amount)
+        add_tangential_impedance(d, d.element.stuck[i], d.work.impedance, amount)
     joints = d.touch.stop_count + d.friction.stuck_joints
     coupled = joints > 0 or (d.model.resisting and time > 0.0)
     factorize_chain(d, links, time, coupled, factors)
@@ -78,7 +78,7 @@ def solve_contacts(d, links, factors, impulse, change):
     for k in range(d.touch.active_count):
         add_along_normal(d, d.touch.active_index[k], d.work.load, impulse[k])
     for i in range(d.friction.stuck_count):
-        add_along_tangent(d, d.friction.stuck[i], d.work.load, impulse[d.touch.active_count + i])
+        add_along_tangent(d, d.element.stuck[i], d.work.load, impulse[d.touch.active_count + i])
     solve_chain(d, links, factors, change)
 
 

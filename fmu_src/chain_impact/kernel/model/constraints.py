@@ -78,9 +78,9 @@ def share_impedance(d):
     """Scale the impedances of what sticks by its limit of friction, relative to the largest limit."""
     own, first, most = d.friction, d.touch.active_count, 0.0
     for i in range(own.stuck_count):
-        most = max(most, own.limit[own.stuck[i]])
+        most = max(most, d.element.limit[d.element.stuck[i]])
     for i in range(own.stuck_count):
-        share = own.limit[own.stuck[i]] / most if most > 0.0 else 1.0
+        share = d.element.limit[d.element.stuck[i]] / most if most > 0.0 else 1.0
         d.rigid.impedance[first + i] *= max(LEAST_SHARE, share)
 
 
@@ -210,7 +210,7 @@ def along_constraint(d, k, vectors):
     """J v of constraint k for the vectors v of all places."""
     if k < d.touch.active_count:
         return along_normal(d, d.touch.active_index[k], vectors)
-    return along_tangent(d, d.friction.stuck[k - d.touch.active_count], vectors)
+    return along_tangent(d, d.element.stuck[k - d.touch.active_count], vectors)
 
 
 def activate_all(d):
@@ -288,11 +288,11 @@ def start_sticking(d, derivative):
     for k in range(d.touch.compliant_count):
         own.resistance[k] = RESISTANCE * mean_mass(d)
     for i in range(d.friction.stuck_count):
-        e = d.friction.stuck[i]
+        e = d.element.stuck[i]
         if derivative:
             own.start[first + i] = along_tangent(d, e, d.work.velocity)
         else:
-            own.start[first + i] = along_tangent(d, e, d.work.position) - d.friction.anchor[e]
+            own.start[first + i] = along_tangent(d, e, d.work.position) - d.element.anchor[e]
 
 
 def solve_positions(d):

@@ -14,9 +14,7 @@ from chain_impact.kernel.model.contact_force import (
     set_expected_depth,
 )
 from chain_impact.kernel.model.friction import (
-    any_joint_rubs,
-    apply_contact_friction,
-    apply_joint_friction,
+    apply_friction,
     begin_friction,
     clear_margins,
     list_friction,
@@ -39,16 +37,12 @@ def apply_contact(d, c, gap, gap_rate):
     d.touch.force[c] = force
     add_along_normal(d, c, d.work.load, force)
     # the power that the elastic part does not store is dissipated: (F − K δⁿ) δ̇ ≥ 0
-    dissipated = (elastic - force) * gap_rate
-    if d.friction.contact_count > 0 and may_rub(d, c):
-        dissipated += apply_contact_friction(d, c, force)
-    return dissipated
+    return (elastic - force) * gap_rate
 
 
 def clear_loads(d):
     """Set the loads on the points to the inputs alone."""
     clear_loads_of(d, d.work.load)
-    d.friction.power = 0.0
     tip = d.links
     d.work.load.x[tip] = d.inputs.tip_force[0]
     d.work.load.y[tip] = d.inputs.tip_force[1]
@@ -62,7 +56,7 @@ def apply_contacts(d):
         c = d.touch.active_index[k]
         gap, gap_rate = clearance(d, c)
         dissipated += apply_contact(d, c, gap, gap_rate)
-    return dissipated + apply_joint_friction(d) if any_joint_rubs(d) else dissipated
+    return dissipated + apply_friction(d) if d.friction.count > 0 else dissipated
 
 
 def contact_slopes(d, c):
@@ -131,7 +125,8 @@ def clear_stage_notes(d):
         c = d.touch.active_index[k]
         d.touch.kink_crossed[c] = 0
         d.rigid.least_force[c] = 0.0
-    clear_margins(d)
+    if d.friction.count > 0:
+        clear_margins(d)
 
 
 def list_touching(d):
@@ -169,4 +164,4 @@ def drop_events(d):
     for c in range(d.candidates):
         d.touch.event[c] = 0
     for i in range(d.friction.count):
-        d.friction.event[d.friction.index[i]] = 0
+        d.element.event[d.element.index[i]] = 0

@@ -45,10 +45,16 @@ def clear_friction(d):
     """Start without friction anywhere: no element has a mode."""
     own = d.friction
     own.count, own.contact_count, own.stuck_count, own.stuck_joints = 0, 0, 0, 0
-    own.power, own.power_end, d.impulse.friction_energy = 0.0, 0.0, 0.0
+    own.integral_count = 0
+    own.power, own.power_end, d.friction_impulse.energy = 0.0, 0.0, 0.0
     for e in range(d.elements):
-        own.mode[e], own.event[e], own.force[e], own.force_end[e] = NO_FRICTION, 0, 0.0, 0.0
-        own.index[e], own.stuck[e], d.impulse.friction[e] = 0, 0, 0.0
+        d.element.mode[e], d.element.event[e], d.element.force[e], d.element.force_end[e] = (
+            NO_FRICTION,
+            0,
+            0.0,
+            0.0,
+        )
+        d.element.index[e], d.element.stuck[e], d.friction_impulse.total[e] = 0, 0, 0.0
 
 
 def list_friction(d):
@@ -60,12 +66,13 @@ def list_friction(d):
     own.count = 0
     for k in range(d.touch.compliant_count):
         if may_rub(d, d.touch.active_index[k]):
-            own.index[own.count] = d.touch.active_index[k]
+            d.element.index[own.count] = d.touch.active_index[k]
             own.count += 1
     own.contact_count = own.count
+    own.integral_count = own.count + 1 if d.impulse.wanted else 0
     for i in range(0 if d.model.pinned else 1, d.links if d.model.rubbing else 0):
         if d.model.joint_friction[i] > 0.0:
-            own.index[own.count] = d.candidates + i
+            d.element.index[own.count] = d.candidates + i
             own.count += 1
     list_sticking(d)
 
@@ -75,18 +82,13 @@ def list_sticking(d):
     own, first = d.friction, d.touch.active_count
     own.stuck_count, own.stuck_joints = 0, 0
     for i in range(own.count):
-        e = own.index[i]
-        if own.mode[e] == STICKS:
-            own.stuck[own.stuck_count] = e
+        e = d.element.index[i]
+        if d.element.mode[e] == STICKS:
+            d.element.stuck[own.stuck_count] = e
             d.rigid.in_active_set[first + own.stuck_count] = 1
             d.rigid.target[first + own.stuck_count] = 0.0
             own.stuck_count += 1
             own.stuck_joints += e >= d.candidates
-
-
-def any_joint_rubs(d):
-    """Whether a joint has dry friction."""
-    return d.friction.count > d.friction.contact_count
 
 
 def suspend_sticking(d):
@@ -102,41 +104,40 @@ def any_sticking(d):
 def begin_friction(d, c):
     """Set the mode of a contact that begins, until events/friction_modes.py chooses it."""
     speed = along_tangent(d, c, d.work.velocity)
-    d.friction.mode[c] = STICKS if speed == 0.0 else (1 if speed > 0.0 else -1)
+    d.element.mode[c] = STICKS if speed == 0.0 else (1 if speed > 0.0 else -1)
 
 
-def apply_contact_friction(d, c, normal_force):
-    """Add the sliding friction of contact c to the load on its point; return the dissipated power [W].
+def apply_friction(d):
+    """Add the sliding friction of contacts, whose normal forces are set, and joints to the loads.
 
-    The friction of a sticking contact is found later, as the force of a constraint.
+    The friction of what sticks is found later, as the force of a constraint.
+
+    Returns:
+        The dissipated power [W].
     """
     own = d.friction
-    own.limit[c] = d.law.static_friction[c] * normal_force
-    if own.mode[c] == STICKS:
-        return 0.0
-    return slide(d, c, d.law.friction[c] * normal_force)
-
-
-def apply_joint_friction(d):
-    """Add the sliding friction of joints to the loads at their places; return the dissipated power [W]."""
-    own, dissipated = d.friction, 0.0
-    for i in range(own.contact_count, own.count):
-        e = own.index[i]
-        own.limit[e] = d.model.joint_friction[joint_of(d, e)] / d.model.size
-        if own.mode[e] != STICKS:
-            dissipated += slide(d, e, own.limit[e])
-    return dissipated
+    own.power = 0.0
+    for i in range(own.count):
+        e = d.element.index[i]
+        if e < d.candidates:
+            d.element.limit[e] = d.law.static_friction[e] * d.touch.force[e]
+            sliding = d.law.friction[e] * d.touch.force[e]
+        else:
+            d.element.limit[e] = d.model.joint_friction[joint_of(d, e)] / d.model.size
+            sliding = d.element.limit[e]
+        if d.element.mode[e] != STICKS:
+            own.power += slide(d, e, sliding)
+    return own.power
 
 
 def slide(d, e, size):
     """Add the friction of a ``size`` [N] of element e, which slides; return the dissipated power [W]."""
-    own, sign = d.friction, float(d.friction.mode[e])
+    sign = float(d.element.mode[e])
     speed = along_tangent(d, e, d.work.velocity)
-    own.force[e] = -sign * size
-    own.margin[e] = min(own.margin[e], sign * speed)
-    add_along_tangent(d, e, d.work.load, own.force[e])
+    d.element.force[e] = -sign * size
+    d.element.margin[e] = min(d.element.margin[e], sign * speed)
+    add_along_tangent(d, e, d.work.load, d.element.force[e])
     # −F_t v_t
-    own.power += sign * size * speed
     return sign * size * speed
 
 
@@ -148,10 +149,10 @@ def keep_static_forces(d):
     """
     own, first, dissipated = d.friction, d.touch.active_count, 0.0
     for i in range(own.stuck_count):
-        e = own.stuck[i]
-        own.force[e] = d.rigid.impulse[first + i]
-        own.margin[e] = min(own.margin[e], own.limit[e] - abs(own.force[e]))
-        dissipated -= own.force[e] * along_tangent(d, e, d.work.velocity)
+        e = d.element.stuck[i]
+        d.element.force[e] = d.rigid.impulse[first + i]
+        d.element.margin[e] = min(d.element.margin[e], d.element.limit[e] - abs(d.element.force[e]))
+        dissipated -= d.element.force[e] * along_tangent(d, e, d.work.velocity)
     own.power += dissipated
     return dissipated
 
@@ -163,13 +164,13 @@ def keep_anchors(d):
     """
     own = d.friction
     for i in range(own.stuck_count):
-        e = own.stuck[i]
+        e = d.element.stuck[i]
         there = along_tangent(d, e, d.work.position)
-        if abs(there - own.anchor[e]) > NOT_HELD * d.model.size:
-            own.anchor[e] = there
+        if abs(there - d.element.anchor[e]) > NOT_HELD * d.model.size:
+            d.element.anchor[e] = there
 
 
 def clear_margins(d):
     """Begin to record how near the modes of the elements are to their ends."""
     for i in range(d.friction.count):
-        d.friction.margin[d.friction.index[i]] = 0.0
+        d.element.margin[d.element.index[i]] = 0.0

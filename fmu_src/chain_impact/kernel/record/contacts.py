@@ -18,11 +18,6 @@ def constraint_count(candidates: int, elements: int) -> int:
     return candidates + elements
 
 
-def impulse_columns(candidates: int, elements: int) -> int:
-    """The largest number of integrals along the motion (integration/impulse.py)."""
-    return candidates + elements
-
-
 def touch_dtype(candidates: int) -> np.dtype:
     """The data of each candidate; values fixed ("latched") at onset hold until the end or a new latch of v₀.
 
@@ -133,18 +128,9 @@ def finished_dtype(candidates: int) -> np.dtype:
     )
 
 
-def impulse_dtype(candidates: int, elements: int) -> np.dtype:
-    """∫F dt of the walls on the points, and the work of dry friction, packed unless noted.
-
-    Owner: integration/impulse.py.
-    """
-    columns = impulse_columns(candidates, elements)
-    return record(
-        ("wanted", INTEGER),  # 1: impulses are integrated
-        ("total", REAL, (candidates,)),  # N·s since the start, not packed
-        ("onset", REAL, (candidates,)),  # N·s, the total at the onset of the contact, not packed
-        ("friction", REAL, (elements,)),  # N·s, along t of a candidate since the start, not packed
-        ("friction_energy", REAL),  # J, dissipated by dry friction since the start
+def integral_fields(columns: int) -> tuple[tuple[object, ...], ...]:
+    """The fields of integrals along the motion, as those of the state in `step` and `work`."""
+    return (
         ("state", REAL, (columns,)),  # N·s, at the start of the last step …
         ("state_end", REAL, (columns,)),  # … and at its end
         ("tried", REAL, (columns,)),  # N·s, at the end of the tried step
@@ -153,17 +139,48 @@ def impulse_dtype(candidates: int, elements: int) -> np.dtype:
     )
 
 
-def friction_dtype(elements: int) -> np.dtype:
-    """Dry friction of elements: the candidates, and after them the joints 1…N.
+def impulse_dtype(candidates: int) -> np.dtype:
+    """∫F dt of the walls on the points, packed unless noted. Owner: integration/impulse.py."""
+    return record(
+        ("wanted", INTEGER),  # 1: impulses are integrated
+        ("total", REAL, (candidates,)),  # N·s since the start, not packed
+        ("onset", REAL, (candidates,)),  # N·s, the total at the onset of the contact, not packed
+        *integral_fields(candidates),
+    )
 
-    Owner: model/friction.py; of modes and events, the modules friction_*.py in events/.
+
+def friction_impulse_dtype(elements: int) -> np.dtype:
+    """∫F dt of dry friction at contacts, packed unless noted, and last the energy [J] that it dissipates.
+
+    Owner: integration/impulse.py.
     """
+    return record(
+        ("total", REAL, (elements,)),  # N·s along t of a candidate since the start, not packed
+        ("energy", REAL),  # J, dissipated by dry friction since the start
+        *integral_fields(elements),
+    )
+
+
+def friction_dtype() -> np.dtype:
+    """Which elements, candidates and joints, have dry friction now. Owner: model/friction.py."""
     return record(
         ("used", INTEGER),  # 1: some contact or joint has dry friction
         ("count", INTEGER),  # elements with friction now: active contacts first, then joints
         ("contact_count", INTEGER),  # of them, contacts
         ("stuck_count", INTEGER),  # of them, those that stick, …
         ("stuck_joints", INTEGER),  # … and of these the joints
+        ("integral_count", INTEGER),  # see integration/impulse.py
+        ("power", REAL),  # W, dissipated by dry friction at the last evaluation …
+        ("power_end", REAL),  # … and at the end of the last step
+    )
+
+
+def element_dtype(elements: int) -> np.dtype:
+    """The data of each element: the candidates, and after them the joints 1…N.
+
+    Owner: model/friction.py; of modes and events, the modules friction_*.py in events/.
+    """
+    return record(
         ("index", INTEGER, (elements,)),  # the elements with friction, packed
         ("stuck", INTEGER, (elements,)),  # those that stick, packed
         ("mode", INTEGER, (elements,)),  # 0: sticks, ±1: slides along ±t; 2: no friction now
@@ -178,8 +195,6 @@ def friction_dtype(elements: int) -> np.dtype:
         ("limit", REAL, (elements,)),  # N, the largest static friction, at the last evaluation
         # m/s of sliding, N of sticking: how far its mode was from ending in the stages of the tried step
         ("margin", REAL, (elements,)),
-        ("power", REAL),  # W, dissipated by dry friction at the last evaluation …
-        ("power_end", REAL),  # … and at the end of the last step
     )
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from chain_impact.kernel.chain.state import coordinate_count, state_size
 from chain_impact.kernel.integration.radau import PAIRS, STAGES
-from chain_impact.kernel.record.contacts import constraint_count, impulse_columns
+from chain_impact.kernel.record.contacts import constraint_count
 from chain_impact.kernel.record.fields import (
     INTEGER,
     REAL,
@@ -24,7 +24,7 @@ def implicit_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     Owners: collocation.py and newton.py in integration/, which call all other functions that write here.
     """
     state = state_size(links)
-    extended = state + 2 * candidates + impulse_columns(candidates, elements)
+    extended = state + 3 * candidates + elements
     # both parts of complex numbers, one below the other, for each pair of shifts
     shifted = record(
         *(

@@ -9,15 +9,18 @@ N links, points 0…N (0 the base, N the tip), C candidates (pairs of a point an
 (kernel/chain/state.py).
 
 Every size and offset is a + bN + cC + dF. The compiled kernel relies on it (compilation/record_type.py). The
-parts that depend on C or F come last, so that the offsets of all others do not depend on them.
+parts that depend on C come after all others, and last those that depend on F, so that the offsets of all
+others do not depend on them.
 """
 
 import numpy as np
 
 from chain_impact.kernel.record.contacts import (
     changes_dtype,
+    element_dtype,
     finished_dtype,
     friction_dtype,
+    friction_impulse_dtype,
     impact_dtype,
     impulse_dtype,
     latest_dtype,
@@ -74,16 +77,18 @@ def instance_dtype(links: int, candidates: int, elements: int = 0) -> np.dtype:
         ("limits", limits_dtype()),
         ("balance", balance_dtype()),
         ("work", work_dtype(links)),
+        ("friction", friction_dtype()),
         ("touch", touch_dtype(candidates)),
         ("candidate", candidate_dtype(candidates)),
         ("walls", walls_dtype(candidates)),
         ("law", law_dtype(candidates)),
         ("search", search_dtype(candidates)),
+        ("finished", finished_dtype(candidates)),
+        ("impulse", impulse_dtype(candidates)),
+        ("output", output_dtype(links, candidates, elements)),
         ("implicit", implicit_dtype(links, candidates, elements)),
         ("rigid", rigid_dtype(links, candidates, elements)),
-        ("finished", finished_dtype(candidates)),
-        ("impulse", impulse_dtype(candidates, elements)),
-        ("friction", friction_dtype(elements)),
+        ("element", element_dtype(elements)),
+        ("friction_impulse", friction_impulse_dtype(elements)),
         ("changes", changes_dtype(elements)),
-        ("output", output_dtype(links, candidates, elements)),
     )

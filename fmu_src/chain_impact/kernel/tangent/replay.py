@@ -23,7 +23,7 @@ from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.friction_modes import pending_changes
 from chain_impact.kernel.events.kinds import END, ONSET, RELATCH, SLIDING_ENDS, STICKING_ENDS
 from chain_impact.kernel.integration import explicit
-from chain_impact.kernel.integration.impulse import impulse_count, integrand_at_end
+from chain_impact.kernel.integration.impulse import friction_count, friction_integrand_at_end, impulse_count
 from chain_impact.kernel.integration.last_step import (
     accept,
     choose_variable,
@@ -66,7 +66,7 @@ def replay(d, t):
     for c in range(d.candidates):
         t.touch.event[c] = d.touch.event[c]
     for e in range(d.elements):
-        t.friction.event[e] = d.friction.event[e]
+        t.element.event[e] = d.element.event[e]
     move_end(t)
 
 
@@ -137,13 +137,13 @@ def move_to_change(t):
     """As ``move_end``, for a change of a mode of dry friction. If several end there, any of them will do."""
     own = t.friction
     for i in range(own.count):
-        e = own.index[i]
-        if own.event[e] == SLIDING_ENDS:
+        e = t.element.index[i]
+        if t.element.event[e] == SLIDING_ENDS:
             move_along(t, delay_of_rest(t, e))
             return
     for i in range(own.count):
-        e = own.index[i]
-        if own.event[e] == STICKING_ENDS and force_drops(t, e):
+        e = t.element.index[i]
+        if t.element.event[e] == STICKING_ENDS and force_drops(t, e):
             move_along(t, delay_of_sliding(t, e))
             return
 
@@ -179,7 +179,7 @@ def margin_at(t, e, state, rate, time):
         y[j] = state[j] + time * value(rate[j])
     locate_points(t, y)
     located_rate(t, y, t.work.rate)
-    return t.friction.limit[e] - abs(t.friction.force[e])
+    return t.element.limit[e] - abs(t.element.force[e])
 
 
 def move_along(t, time):
@@ -190,5 +190,7 @@ def move_along(t, time):
     y[time_at(t.links)] += time
     t.step.end += time
     for k in range(impulse_count(t)):
-        t.impulse.state_end[k] += value(integrand_at_end(t, k)) * time
+        t.impulse.state_end[k] += value(t.touch.force_end[t.touch.active_index[k]]) * time
+    for k in range(friction_count(t)):
+        t.friction_impulse.state_end[k] += value(friction_integrand_at_end(t, k)) * time
     mark_jump(t)

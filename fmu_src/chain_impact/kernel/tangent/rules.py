@@ -70,9 +70,8 @@ def fraction(t, time):
 
 def choose_modes(t):
     """The modes of dry friction are those of the primal run."""
-    own = t.friction
     for e in range(t.elements):
-        own.mode[e] = own.chosen[e]
+        t.element.mode[e] = t.element.chosen[e]
     list_sticking(t)
     located_rate(t, t.step.state_end, t.work.rate)
 

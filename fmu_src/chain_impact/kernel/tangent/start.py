@@ -66,7 +66,7 @@ def apply_given_of(d, t):
 def copy_modes(d, t):
     """Copy the modes of dry friction of d to t, which takes them where it would choose (rules.py)."""
     for e in range(d.elements):
-        t.friction.chosen[e] = d.friction.mode[e]
+        t.element.chosen[e] = d.element.mode[e]
 
 
 def copy_inputs(d, t):
