@@ -110,7 +110,7 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
         axes.plot(times, heights, marker, linestyle="", color=colour, markersize=DOT, label=name)
     at_stops = any(hit.at_stop for hit in recording.impacts)
     axes.set_ylabel(f"impact speed [{speed_unit(at_stops and not at_walls)}]")
-    axes.set_ylim(0.0, 1.2 * max((height(hit, scale) for hit in recording.impacts), default=1.0))
+    axes.set_ylim(0.0, 1.2 * (max((height(hit, scale) for hit in recording.impacts), default=0.0) or 1.0))
     if at_stops and at_walls:
         functions: Any = (lambda v: v / scale, lambda v: v * scale)
         right = axes.secondary_yaxis("right", functions=functions)
