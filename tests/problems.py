@@ -27,7 +27,7 @@ FLOOR = {"x_min": -FAR, "x_max": FAR, "y_min": 0.0, "y_max": FAR}  # in as many 
 GHOST = 1e-12  # N/m^(3/2), a wall that is felt by nobody: a crossing changes nothing
 
 
-def build(
+def scene_table(
     name: str,
     links: Sequence[Mapping[str, float]],
     initial: Mapping[str, Any],
@@ -38,9 +38,13 @@ def build(
     stop_time: float = 1.0,
     base: str = "free",
     tolerance: float = 1e-10,
-) -> Scene:
-    """A validated scene; ``contact`` and ``initial`` hold the keys of these tables of the scene file."""
-    table = {
+    **more: Any,
+) -> dict[str, Any]:
+    """A scene as its file has it.
+
+    ``contact`` and ``initial`` hold the keys of these tables, ``more`` other tables.
+    """
+    return {
         "name": name,
         "gravity": [0.0, -gravity],
         "chain": {"base": base, "links": [dict(link) for link in links]},
@@ -49,8 +53,19 @@ def build(
         "initial": dict(initial),
         "solver": {"tolerance": tolerance},
         "simulation": {"stop_time": stop_time, "step_size": stop_time / 100},
-    }
-    return scene_from_dict(table, name)
+    } | more
+
+
+def build(
+    name: str,
+    links: Sequence[Mapping[str, float]],
+    initial: Mapping[str, Any],
+    box: Mapping[str, float],
+    contact: Mapping[str, Any],
+    **more: Any,
+) -> Scene:
+    """A validated scene, of what ``scene_table`` takes."""
+    return scene_from_dict(scene_table(name, links, initial, box, contact, **more), name)
 
 
 def contact_table(**changes: Any) -> dict[str, Any]:

@@ -88,17 +88,22 @@ class Textbook:
         self, y: np.ndarray, loads: Iterable[tuple[int, int, Any]] = (), torques: Any = None
     ) -> np.ndarray:
         """(q̇, q̈) for loads (point, axis, force), and torques on the links from those before them."""
-        n, angle, omega = self.n, y[2 : self.n + 2], y[self.n + 4 :]
-        matrix, right = self.assemble(angle, omega)
+        matrix, right = self.balance(y, torques)
         for point, axis, force in loads:
-            right += self.jacobian(angle, point)[axis] * force
+            right += self.jacobian(y[2 : self.n + 2], point)[axis] * force
+        return np.concatenate([y[self.n + 2 :], self.answer(matrix, right)])
+
+    def balance(self, y: np.ndarray, torques: Any = None) -> tuple[np.ndarray, np.ndarray]:
+        """M and Q − h of gravity, joints and torques, until the next call."""
+        angle, omega = y[2 : self.n + 2], y[self.n + 4 :]
+        matrix, right = self.assemble(angle, omega)
         if self.resisting or torques is not None:
             bend, turn = (np.diff(values, prepend=0) for values in (angle, omega))
             moment = (0 if torques is None else torques) - self.stiffness * (bend - self.rest)
             moment = moment - self.damping * turn
             right[2:] += moment
             right[2:-1] -= moment[1:]
-        return np.concatenate([y[n + 2 :], self.answer(matrix, right)])
+        return matrix, right
 
     def answer(self, matrix: np.ndarray, forces: np.ndarray) -> np.ndarray:
         """M⁻¹ f, of a pinned base zero."""

@@ -50,8 +50,7 @@ def follow(d):
 
 def trajectory(d, times, count, out):
     """Fill rows of outputs; return how many."""
-    hidden = 0 if d.elements > 0 else len(words(d.output.friction))
-    output = words(d.output)[: len(words(d.output)) - hidden]
+    output = words(d.output)
     return entry.trajectory(d, vector(times, count), output, matrix(out, count, len(output)))
 
 

@@ -102,7 +102,7 @@ def finish_run(d, stop, work, row):
         status = advance(d, stop, log_capacity, work)
         for k in range(d.finished.count):
             update_peaks(row, d.finished.peak_force[k], d.finished.max_penetration[k])
-        d.finished.count = 0
+        d.finished.count, d.changes.count = 0, 0
     if status == OK:
         observe(d)
     if status != PAUSED and d.touch.active_count > 0:

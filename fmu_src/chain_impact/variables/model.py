@@ -117,9 +117,8 @@ class Model:
     @cached_property
     def row(self) -> np.dtype:
         """The record of the outputs, a row of ``Result.outputs``."""
-        whole = self._layout["output"]
-        names = [name for name in whole.names or () if name != "friction"]
-        return whole if self.scene.has_friction else np.dtype([(name, whole[name]) for name in names])
+        row: np.dtype = self._layout["output"]
+        return row
 
     @cached_property
     def _layout(self) -> np.dtype:

@@ -28,7 +28,6 @@ def output_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("dissipated", REAL),  # J, by contacts and joint damping since the start
         ("supplied", REAL),  # J, by the inputs since the start
         ("total", REAL),  # J, kinetic + potential + elastic
-        # last, as rows of a scene without dry friction end before it
         ("friction", friction_output_dtype(elements)),
     )
 
