@@ -29,7 +29,7 @@ MODES = {0: "stick", 1: "slip +", -1: "slip -"}
 """The modes in words."""
 JOINT = -1
 """The wall of a joint."""
-_STICKING = re.compile(r"(?:contact\[(?P<point>\d+)\]\.(?P<wall>\w+)|joint\[(?P<joint>\d+)\])\.sticking")
+_PLACE = r"(?:contact\[(\d+)\]\.(\w+)|joint\[(\d+)\])\."
 
 
 def phases_of(changes: np.ndarray) -> np.ndarray:
@@ -64,20 +64,22 @@ def phases_from_columns(
         walls: the names of the walls by their numbers.
     """
     changes: list[tuple[float, int, int, int]] = []
-    for name, sticking in columns.items():
-        if not (found := _STICKING.fullmatch(name)):
+    friction = friction_columns(columns, "friction_force") | friction_columns(columns, "friction_moment")
+    for (number, name), sticking in friction_columns(columns, "sticking").items():
+        if (number, name) not in friction or name not in ("", *walls):
             continue
-        joint = found["joint"]
-        own = name.removesuffix("sticking") + ("friction_moment" if joint else "friction_force")
-        if own not in columns or not (joint or found["wall"] in walls):
-            continue
-        point = int(joint or found["point"])
-        wall = JOINT if joint else walls.index(found["wall"])
-        sliding = np.where(columns[own] == 0.0, NO_FRICTION, -np.sign(columns[own]))
+        wall, force = walls.index(name) if name else JOINT, friction[number, name]
+        sliding = np.where(force == 0.0, NO_FRICTION, -np.sign(force))
         mode = np.where(sticking > 0.0, STICKS, sliding).astype(int)
         starts = np.flatnonzero(np.append([True], np.diff(mode) != 0)[: len(mode)])
-        changes.extend((float(time[row]), point, wall, int(mode[row])) for row in starts)
+        changes.extend((float(time[row]), number, wall, int(mode[row])) for row in starts)
     return phases_of(np.array(changes, CHANGE_DTYPE))
+
+
+def friction_columns(columns: Mapping[str, np.ndarray], key: str) -> dict[tuple[int, str], np.ndarray]:
+    """The outputs whose names end in a key: point and wall, of a joint its number and "" → values."""
+    found = ((re.fullmatch(_PLACE + key, name), values) for name, values in columns.items())
+    return {(int(at[1] or at[3]), at[2] or ""): values for at, values in found if at}
 
 
 def place_of(phase: np.void, walls: Sequence[str]) -> str:

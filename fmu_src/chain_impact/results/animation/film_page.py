@@ -18,10 +18,10 @@ from chain_impact.results.animation.text import force_text, rate_text
 from chain_impact.results.joint_stops import range_lines, touching_place
 from chain_impact.results.plots.over_time import ENERGY_COLOURS
 from chain_impact.results.plots.room import OUTSIDE_COLOUR, draw_pin, draw_room
-from chain_impact.results.plots.style import BLUE, INK, PALE
+from chain_impact.results.plots.style import BLUE, BROWN, INK, PALE
 
 MUTED, CHAIN, TIP, FORCE = "#566076", "#2b4a9f", "#c2255c", "#d9480f"
-ENERGIES = {**ENERGY_COLOURS, "elastic": BLUE}
+ENERGIES = {**ENERGY_COLOURS, "elastic": BLUE, "friction": BROWN}
 COLOURS = (INK, MUTED, PALE, OUTSIDE_COLOUR, CHAIN, TIP, FORCE, *ENERGIES.values())
 """All colours of a film, but white and their shades."""
 STYLE: Any = {
@@ -40,6 +40,7 @@ SCENE, LEDGER = (0.02, 0.03, 0.6, 0.85), (0.69, 0.12, 0.29, 0.6)  # left, bottom
 ABOVE: Any = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0), "borderaxespad": 0.2}
 LONGEST = 0.26  # of the smaller side of the scene: the arrow of the largest force
 LEAST = 0.02  # of the same: the shortest arrow
+BAR = 0.035  # of the same: half the bar along the wall where a contact sticks
 TAIL, TAIL_PARTS = 0.3, 40  # s of simulated time in which the trace of the tip fades, and its pieces
 
 
@@ -93,7 +94,12 @@ class FilmPage:
         for contact in motion.contacts:
             axes.axvline(contact.onset, color=PALE, linewidth=0.8, zorder=0)
         for name, energy in motion.energies.items():
-            axes.plot(motion.time, energy, color=ENERGIES[name], label=name, linewidth=1 + (name == "total"))
+            look: dict[str, Any] = {
+                "color": ENERGIES[name],
+                "label": name,
+                "linewidth": 1 + (name == "total"),
+            }
+            axes.plot(motion.time, energy, "--" if name == "friction" else "-", **look)
         axes.set(xlim=(motion.time[0], motion.time[-1]), xlabel="time [s]", ylabel="energy [J]")
         axes.set_visible(bool(motion.energies))
         if motion.energies:
@@ -124,6 +130,7 @@ class FilmPage:
         yield from (self.chain, self.joints, self.tip)
         yield from self._arrows(frame)
         yield from self._stop_marks(frame)
+        yield from self._stuck_joints(frame)
         yield from (self.now, self.clock, self.rate) if motion.energies else (self.clock, self.rate)
 
     def _show_tail(self, frame: int) -> None:
@@ -138,7 +145,10 @@ class FilmPage:
         self.tail.set_linewidth(list(np.linspace(0.5, 2.2, TAIL_PARTS)))
 
     def _arrows(self, frame: int) -> Iterable[Artist]:
-        """The forces of walls on the chain, their lengths in proportion, and how large they are."""
+        """The forces of walls on the chain, their lengths in proportion, and how large they are.
+
+        With dry friction an arrow leans, and a bar along the wall shows that the contact sticks.
+        """
         side = min(np.ptp(self.motion.view, axis=0))
         for (point, name), force in self.motion.forces.items():
             if force[frame] <= 0.0:
@@ -146,12 +156,35 @@ class FilmPage:
             wall = self.motion.walls[name]
             normal, place = np.array(wall.normal), self.motion.points[frame, point]
             foot = place - wall.clearance(*place) * normal
-            head = foot + side * max(LEAST, LONGEST * force[frame] / self.peak) * normal
+            tangent = np.array([normal[1], -normal[0]])
+            along = self.motion.friction.get((point, name), np.zeros(frame + 1))[frame]
+            whole = np.hypot(force[frame], along)
+            direction = (force[frame] * normal + along * tangent) / whole
+            head = foot + side * max(LEAST, LONGEST * whole / self.peak) * direction
+            if self._sticks(frame, point, name):
+                bar = np.stack([foot - BAR * side * tangent, foot + BAR * side * tangent])
+                (line,) = self.scene.plot(*bar.T, color=FORCE, linewidth=5.0, solid_capstyle="butt")
+                yield line
+                line.remove()
             style: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 11, "shrinkA": 0, "shrinkB": 0}
             arrow = FancyArrowPatch(tuple(foot), tuple(head), color=FORCE, linewidth=2.2, **style)
             yield self.scene.add_patch(arrow)
-            yield from self._told(force_text(force[frame]), head + 0.035 * side * normal)
+            yield from self._told(force_text(whole), head + 0.035 * side * direction)
             arrow.remove()
+
+    def _sticks(self, frame: int, number: int, wall: str = "") -> bool:
+        """Whether a contact, or without a wall a joint, sticks in a frame."""
+        sticking = self.motion.sticking.get((number, wall))
+        return sticking is not None and bool(sticking[frame])
+
+    def _stuck_joints(self, frame: int) -> Iterable[Artist]:
+        """A full dot on each joint that sticks."""
+        joints = [joint for joint, wall in self.motion.sticking if not wall and self._sticks(frame, joint)]
+        if joints:
+            places = self.motion.points[frame][np.array(joints) - 1]
+            (dots,) = self.scene.plot(*places.T, "o", color=FORCE, markeredgecolor=CHAIN, markersize=7)
+            yield dots
+            dots.remove()
 
     def _stop_marks(self, frame: int) -> Iterable[Artist]:
         """A dot where a joint is at its stop, and how large the moment is."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -11,10 +11,11 @@ from chain_impact.results.animation.contacts import Contact, contacts, slow_span
 from chain_impact.results.animation.pacing import IMPACT_TIME, frame_times
 from chain_impact.results.joint_stops import JointRange
 from chain_impact.results.recording import Recording
+from chain_impact.results.stick_slip import friction_columns
 from chain_impact.results.view import pin_mark, seen
 from chain_impact.scene.half_planes import HalfPlane
 
-ENERGIES = ("kinetic", "potential", "elastic", "dissipated", "supplied", "total")
+ENERGIES = ("kinetic", "potential", "elastic", "dissipated", "friction", "supplied", "total")
 NUMBERS = 2_000_000  # coordinates in an animation at most: a long chain has fewer frames
 FEWEST = 200  # frames, however long the chain
 MARGIN = 0.06  # of the size of what is seen, around it
@@ -42,6 +43,8 @@ class Motion:
         anchor: where there is more room than for the view, how much of it lies left of it and below, 0…1.
         radius: of the points that can touch [m].
         pin: the lines of a pinned base's ground mark, each of shape (n, 2) [m]; none of a base that moves.
+        friction: (point, wall) → dry friction over the frames, along t = (n_y, −n_x), shape (F,) [N].
+        sticking: (point, wall), or (joint, "") → whether it sticks in each frame, shape (F,).
     """
 
     name: str
@@ -58,6 +61,8 @@ class Motion:
     anchor: tuple[float, float]
     radius: float
     pin: list[np.ndarray]
+    friction: dict[tuple[int, str], np.ndarray] = field(default_factory=dict)
+    sticking: dict[tuple[int, str], np.ndarray] = field(default_factory=dict)
 
     @property
     def touching(self) -> list[int]:
@@ -83,6 +88,7 @@ def motion_of(recording: Recording, impact_time: float = IMPACT_TIME) -> Motion:
     def at_frames(column: np.ndarray) -> np.ndarray:
         return np.asarray(np.interp(time, recording.time, column))
 
+    rows = np.searchsorted(recording.time, time, side="right") - 1
     points = np.stack(
         [
             np.stack([at_frames(recording.columns[f"point[{k}].{axis}"]) for axis in "xy"], axis=-1)
@@ -108,6 +114,15 @@ def motion_of(recording: Recording, impact_time: float = IMPACT_TIME) -> Motion:
         anchor=anchor,
         radius=radius,
         pin=pin_mark(recording.points),
+        friction={
+            at: at_frames(force)
+            for at, force in friction_columns(recording.columns, "friction_force").items()
+        },
+        sticking={
+            at: held > 0.0
+            for at, column in friction_columns(recording.columns, "sticking").items()
+            if (held := column[rows]).any()
+        },
     )
 
 

@@ -60,8 +60,13 @@ def data(motion: Motion, speed: float) -> dict[str, Any]:
         "points": [_packed(motion.points[:, :, axis]) for axis in (0, 1)],
         "energies": {name: _packed(energy) for name, energy in motion.energies.items()},
         "forces": [
-            {"point": point, "wall": wall, **_sparse(force)}
+            {"point": point, "wall": wall, **_sparse(force), **_friction(motion, (point, wall), force)}
             for (point, wall), force in [*motion.forces.items(), *motion.moments.items()]
+        ],
+        "stuckJoints": [
+            {"joint": joint, "spans": _spans(sticking)}
+            for (joint, wall), sticking in motion.sticking.items()
+            if not wall
         ],
         "peakForce": max(peaks, default=0.0),
         "contacts": [
@@ -108,6 +113,23 @@ def _sparse(force: np.ndarray) -> dict[str, Any]:
     """A force that is mostly zero: the frames at which it is not, and its values there."""
     frames = np.flatnonzero(force > 0.0)
     return {"frames": _base64(frames.astype("<u4")), **_packed(force[frames] if len(frames) else np.zeros(1))}
+
+
+def _friction(motion: Motion, place: tuple[int, str], force: np.ndarray) -> dict[str, Any]:
+    """The dry friction of a contact at the frames of its force, and the spans in which it sticks; if any."""
+    friction = motion.friction.get(place)
+    if friction is None or not (force > 0.0).any():
+        return {}
+    found: dict[str, Any] = {"friction": _packed(friction[force > 0.0])}
+    if place in motion.sticking:
+        found["spans"] = _spans(motion.sticking[place])
+    return found
+
+
+def _spans(mask: np.ndarray) -> list[tuple[int, int]]:
+    """The first and the last frame of each span of true values."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]])))
+    return [(int(first), int(after) - 1) for first, after in edges.reshape(-1, 2)]
 
 
 def _base64(array: np.ndarray) -> str:

@@ -18,7 +18,8 @@ ROUND_OFF = 1e-12  # of the largest energy: less is not dissipated
 def message(recording: Recording) -> str:
     """How many impacts there were, and what they took: "Box: 14 impacts dissipate 82 % of the energy in 2 s".
 
-    Dissipation is that of impacts and joints, and where no joint is damped that of the impacts. It is a share
+    Dissipation is that of impacts and joints, and where no joint is damped and nothing rubs that of the
+    impacts. It is a share
     where the energy at the start can be lost: where none is supplied and the motion stays above the place at
     which the potential energy is zero. Else it is in joules.
     """
@@ -29,6 +30,10 @@ def message(recording: Recording) -> str:
         return f"{recording.name}: {impacts} {span}"
     share = lost_share(recording)
     amount = f"{lost:.3g} J" if share is None else f"{percentage(share)} % of the energy"
+    rubbed = recording.columns.get("energy.friction", np.zeros(1))[-1]
+    if rubbed > ROUND_OFF * lost:
+        part = f", {percentage(rubbed / lost)} % of it by dry friction"
+        return f"{recording.name}: {impacts}, {amount} dissipated {span}{part}"
     if count and joint_damping(recording) == 0.0:
         return f"{recording.name}: {impacts} dissipate{'s' if count == 1 else ''} {amount} {span}"
     return f"{recording.name}: {impacts}, {amount} dissipated {span}"
@@ -53,8 +58,27 @@ def lost_share(recording: Recording) -> float | None:
 
 def joint_damping(recording: Recording) -> float | None:
     """The largest damping of a joint [N·m·s/rad]; None where the parameters are not known."""
-    found = [value for name, value in recording.parameters.items() if name.endswith(".joint_damping")]
+    return largest(recording, ".joint_damping")
+
+
+def largest(recording: Recording, ending: str) -> float | None:
+    """The largest of the parameters whose names end so; None where they are not known."""
+    found = [value for name, value in recording.parameters.items() if name.endswith(ending)]
     return max(map(float, found), default=None)
+
+
+def friction_conditions(recording: Recording) -> list[str]:
+    """The coefficients of dry friction: those of all walls, and those that single walls have."""
+    known = recording.parameters
+    told = {"friction": "friction µ", "static_friction": "static µ"}
+    found = [
+        f"{text} = {known[f'contact.{key}']:g}" for key, text in told.items() if known.get(f"contact.{key}")
+    ]
+    for name, value in known.items():
+        wall = re.fullmatch(r"wall\.(\w+)\.(friction|static_friction)", name)
+        if wall:
+            found.append(f"{told[wall[2]]} = {value:g} at {wall[1]}")
+    return found
 
 
 def conditions(recording: Recording) -> str:
@@ -64,6 +88,8 @@ def conditions(recording: Recording) -> str:
     parts = [f"{links} link{'s' if links != 1 else ''}"] if links else []
     if damping := joint_damping(recording):
         parts.append(f"joint damping ≤ {damping:g} N·m·s/rad")
+    if dry := largest(recording, ".joint_friction"):
+        parts.append(f"joint friction ≤ {dry:g} N·m")
     law = known.get("contact.model")
     if law is not None:
         parts.append(f"law {law}")
@@ -72,6 +98,7 @@ def conditions(recording: Recording) -> str:
         if not is_rigid(str(law)):
             unit = f"N/m$^{{{known['contact.exponent']:g}}}$"
             parts.append(f"stiffness K = {number(known['contact.stiffness'])} {unit}")
+    parts += friction_conditions(recording)
     if "stop.restitution" in known:
         parts.append(stop_conditions(recording))
     if known.get("contact.radius"):

@@ -11,17 +11,20 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 
+from chain_impact.kernel.model.friction import STICKS
 from chain_impact.results.joint_stops import range_lines, touching_place
 from chain_impact.results.plots.labels import Label, marker_boxes, place_labels
 from chain_impact.results.plots.room import draw_walls
-from chain_impact.results.plots.style import INK, TIME_COLOURS
+from chain_impact.results.plots.style import INK, TIME_COLOURS, VERMILLION
 from chain_impact.results.recording import Impact, Recording
+from chain_impact.results.stick_slip import JOINT
 
 STRONG = 6  # poses at impacts, at most: those at the highest speeds
 FAINT = 80  # evenly spaced poses behind them
 MARKED = 12  # points: those of a longer chain have no marks
 FEW = 6  # points: of a longer chain the paths are fainter
 RING = 6.5  # points, the size of the mark of an impact
+SQUARE = 4.0  # points, the size of the mark of what sticks
 NEAR_PLACE = 0.03  # of the view's width, within which impacts at a wall share a ring
 LISTED = 2  # numbers at a ring with more than three impacts
 ABOVE: dict[str, Any] = {
@@ -49,9 +52,10 @@ def draw_motion(axes: Axes, recording: Recording) -> None:
         lines = list(range_lines(recording.points[-1], recording.stops))
         axes.add_collection(LineCollection(lines, colors=INK, linewidths=1.0, zorder=3.5, label="stops"))
     draw_rings(axes, recording)
+    sticks = draw_sticking(axes, recording)
     axes.set_aspect("equal")
     axes.set(xlabel="x [m]", ylabel="y [m]")
-    axes.legend(**ABOVE, ncols=5 if recording.stops else 4, handlelength=1.2)
+    axes.legend(**ABOVE, ncols=5 if recording.stops or sticks else 4, handlelength=1.2)
 
 
 def draw_chain(axes: Axes, points: np.ndarray, **look: Any) -> Line2D:
@@ -107,6 +111,22 @@ def draw_rings(axes: Axes, recording: Recording) -> None:
     look: dict[str, Any] = {"marker": "o", "markersize": RING, "markerfacecolor": "none", "linestyle": ""}
     if spots := list(rings(axes, recording)):
         axes.plot(*np.transpose(spots), **look, color=INK, zorder=5, label="impacts")
+
+
+def draw_sticking(axes: Axes, recording: Recording) -> bool:
+    """Draw a square where a contact or a joint sticks at the end; return whether there is one."""
+    last, points = recording.stick_slip[np.isnan(recording.stick_slip["end"])], recording.points[-1]
+    places = []
+    for phase in last[last["mode"] == STICKS]:
+        joint = phase["wall"] == JOINT
+        place = points[phase["point"] - 1 if joint else phase["point"]]
+        if not joint and (wall := recording.walls.get(recording.wall_names[phase["wall"]])):
+            place = place - wall.clearance(*place) * np.array(wall.normal)
+        places.append(place)
+    if places:
+        look: dict[str, Any] = {"marker": "s", "markersize": SQUARE, "linestyle": "", "color": VERMILLION}
+        axes.plot(*np.transpose(places), **look, zorder=5.5, label="sticks")
+    return bool(places)
 
 
 def number_rings(axes: Axes, recording: Recording) -> None:

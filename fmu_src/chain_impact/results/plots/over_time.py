@@ -6,12 +6,16 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
+from chain_impact.kernel.model.friction import STICKS
 from chain_impact.results.joint_stops import speed_unit, what
 from chain_impact.results.plots.labels import Label, marker_boxes, place_labels, stem_boxes
 from chain_impact.results.plots.motion import ABOVE, strongest
 from chain_impact.results.plots.style import (
     BLACK,
+    BROWN,
     GREEN,
     GREY,
     ORANGE,
@@ -22,9 +26,14 @@ from chain_impact.results.plots.style import (
     VERMILLION,
 )
 from chain_impact.results.recording import Impact, Recording
+from chain_impact.results.stick_slip import place_of
 
 ENERGY_COLOURS = {"kinetic": GREEN, "potential": ORANGE, "total": BLACK, "dissipated": VERMILLION}
 ENERGY_COLOURS |= {"supplied": PURPLE}
+PARTS = {"friction": BROWN}
+"""The colours of energies that are parts of others."""
+FEW_ENERGIES = 4  # in a legend that is not narrow
+ROWS = 8  # contacts and joints, at most, whose phases of dry friction are drawn
 TOLD = 5  # points, at most, that have a colour of their own, so that the legend has room
 NUMBERED = 60  # impacts, at most, for whose numbers room is sought
 DOT = 4.0  # points, the size of the mark of an impact
@@ -48,8 +57,37 @@ def draw_energy(axes: Axes, recording: Recording) -> None:
         energy = recording.columns.get(f"energy.{name}", np.zeros(1))
         if name != "supplied" or energy.any():
             axes.plot(recording.time, energy, color=colour, label=name, linewidth=1 + (name == "total"))
+    for name, colour in PARTS.items():
+        if (energy := recording.columns.get(f"energy.{name}", np.zeros(1))).any():
+            axes.plot(recording.time, energy, "--", color=colour, label=name, linewidth=1)
     axes.set_ylabel("energy [J]")
-    axes.legend(**ABOVE, ncols=5, handlelength=1.6)
+    narrow = {"handlelength": 1.1, "columnspacing": 0.7} if len(axes.lines) > FEW_ENERGIES else {}
+    axes.legend(**(ABOVE | {"handlelength": 1.6} | narrow), ncols=6)
+
+
+def draw_stick_slip(axes: Axes, recording: Recording) -> None:
+    """When contacts and joints stick, as bars, and slide, as lines; of many, those that rub for longest."""
+    phases, end = recording.stick_slip, recording.time[-1]
+    lengths = np.where(np.isnan(phases["end"]), end, phases["end"]) - phases["start"]
+    total: dict[str, float] = {}
+    for phase, length in zip(phases, lengths, strict=True):
+        place = place_of(phase, recording.wall_names)
+        total[place] = total.get(place, 0.0) + float(length)
+    shown = sorted(sorted(total, key=lambda place: -total[place])[:ROWS], reverse=True)
+    for phase, length in zip(phases, lengths, strict=True):
+        if (place := place_of(phase, recording.wall_names)) in shown:
+            row, sticks = shown.index(place), phase["mode"] == STICKS
+            colour, height = (VERMILLION, 0.62) if sticks else (GREY, 0.16)
+            axes.barh(row, length, height, left=phase["start"], color=colour)
+    axes.set_yticks(range(len(shown)), shown, fontsize=7)
+    axes.set_ylim(-0.6, len(shown) - 0.4)
+    axes.tick_params(axis="y", length=0)
+    axes.spines["left"].set_visible(False)
+    handles = [
+        Patch(color=VERMILLION, label="sticks"),
+        Line2D([], [], color=GREY, linewidth=2.0, label="slides"),
+    ]
+    axes.legend(handles=handles, **ABOVE, ncols=2, handlelength=1.2)
 
 
 def mark_impacts(axes: Axes, recording: Recording) -> None:
@@ -72,7 +110,7 @@ def draw_impact_speeds(axes: Axes, recording: Recording) -> None:
         axes.plot(times, heights, marker, linestyle="", color=colour, markersize=DOT, label=name)
     at_stops = any(hit.at_stop for hit in recording.impacts)
     axes.set_ylabel(f"impact speed [{speed_unit(at_stops and not at_walls)}]")
-    axes.set_ylim(0.0, 1.2 * max((height(hit, scale) for hit in recording.impacts), default=1.0))
+    axes.set_ylim(0.0, 1.2 * (max((height(hit, scale) for hit in recording.impacts), default=0.0) or 1.0))
     if at_stops and at_walls:
         functions: Any = (lambda v: v / scale, lambda v: v * scale)
         right = axes.secondary_yaxis("right", functions=functions)

@@ -17,6 +17,7 @@ from chain_impact.results.plots.over_time import (
     draw_clock,
     draw_energy,
     draw_impact_speeds,
+    draw_stick_slip,
     number_impacts,
 )
 from chain_impact.results.plots.room import view_of
@@ -25,6 +26,7 @@ from chain_impact.results.recording import Recording
 
 SIZE = (10.0, 5.4)  # inches
 SLIM, BROAD = 0.6, 1.3  # width of the motion's panel in heights, at least and at most
+RUBBING = 0.6  # of the height of the energies, the phases of dry friction
 HEIGHT = 0.46  # of the page's width, the motion's panel
 
 
@@ -34,12 +36,19 @@ def fill(page: Figure, recording: Recording) -> None:
     headline(page, message(recording), conditions(recording))
     width, height = np.ptp(view_of(recording)[0], axis=0)
     share = HEIGHT * min(max(width / height, SLIM), BROAD)  # the motion fills its panel
-    grid = page.add_gridspec(3, 2, width_ratios=(share, 1.0 - share), height_ratios=(1, 1, 0.06))
-    motion, clock = page.add_subplot(grid[:, 0]), page.add_subplot(grid[2, 1])
-    energy, speeds = (page.add_subplot(grid[row, 1], sharex=clock) for row in range(2))
+    rubs = bool(len(recording.stick_slip))
+    heights = (1, 1, *((RUBBING,) if rubs else ()), 0.06)
+    grid = page.add_gridspec(len(heights), 2, width_ratios=(share, 1.0 - share), height_ratios=heights)
+    motion, clock = page.add_subplot(grid[:, 0]), page.add_subplot(grid[len(heights) - 1, 1])
+    energy, speeds, *more = (page.add_subplot(grid[row, 1], sharex=clock) for row in range(2 + rubs))
     draw_motion(motion, recording)
     draw_clock(clock, recording)
-    for axes, draw in ((energy, draw_energy), (speeds, draw_impact_speeds)):
+    drawings = [
+        (energy, draw_energy),
+        (speeds, draw_impact_speeds),
+        *((axes, draw_stick_slip) for axes in more),
+    ]
+    for axes, draw in drawings:
         axes.tick_params(labelbottom=False)
         draw(axes, recording)
     settle(page)

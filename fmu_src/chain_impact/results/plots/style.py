@@ -17,7 +17,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from chain_impact.results.recording import written_whole
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#e69f00", "#56b4e9", "#009e73"
-BLUE, VERMILLION, PURPLE = "#0072b2", "#d55e00", "#cc79a7"
+BLUE, VERMILLION, PURPLE, BROWN = "#0072b2", "#d55e00", "#cc79a7", "#7a4b2a"
 PALETTE = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
 """For what is told apart by colour. Okabe and Ito, Color Universal Design (2008), without their yellow, which
 is too pale on white, and without black."""

@@ -141,14 +141,18 @@ export class ForceChart extends Chart {
       element,
       element.clientHeight || 120,
       {
-        series: [{}, { stroke: () => colour("force"), width: 2, fill: () => colour("force-fill"), points: { show: false } }],
-        scales: { x: { time: false }, y: { range: (_, __, most) => [0, 1.08 * Math.max(most, 1e-9)] } },
+        series: [
+          {},
+          { stroke: () => colour("force"), width: 2, fill: () => colour("force-fill"), points: { show: false } },
+          { stroke: () => colour("friction"), width: 1.6, points: { show: false } },
+        ],
+        scales: { x: { time: false }, y: { range: (_, least, most) => [1.08 * Math.min(least, 0), 1.08 * Math.max(most, 1e-9)] } },
         axes: [
           axis({ size: 26, values: (_, ticks) => ticks.map((tick) => ticksText(tick, ticks)) }),
           axis({ size: 52, values: (_, ticks) => ticks.map((tick) => (tick ? forceText(tick, 0, unit.force) : "0")) }),
         ],
       },
-      [[0, 1], [0, 0]],
+      [[0, 1], [0, 0], [null, null]],
     );
     this.recording = recording;
     this.what = what;
@@ -171,14 +175,18 @@ export class ForceChart extends Chart {
     const first = Math.floor(recording.frameAt(onset - margin));
     const last = Math.ceil(recording.frameAt(end + margin)) + 1;
     const times = Array.from(recording.time.slice(first, last), (time) => time - onset);
-    const inside = times.map((time, index) => (time >= 0 && time <= end - onset ? values?.[first + index] ?? 0 : 0));
-    this.plot.setData([times, inside], false);
+    const during = (all) => times.map((time, index) => (time >= 0 && time <= end - onset ? all?.[first + index] ?? 0 : 0));
+    const inside = during(values);
+    const along = recording.frictionOf(contact);
+    const friction = along ? during(along) : times.map(() => null);
+    this.plot.setData([times, inside, friction], false);
     this.plot.batch(() => {
       this.plot.setScale("x", { min: -margin, max: end - onset + margin });
-      this.plot.setScale("y", { min: 0, max: contact.peak ?? 0 });
+      this.plot.setScale("y", { min: Math.min(0, ...friction), max: Math.max(contact.peak ?? 0, ...friction) });
     });
     // an impact between two rows of the recording, or at a rigid wall, has no curve
     const length = inside.some((force) => force > 0) ? durationText(end - onset, 2) : "no force over time is known";
-    this.what.textContent = `${number ? `impact ${number}: ` : ""}${touchingText(contact)} at ${wall}, ${length}`;
+    const legend = along ? "; brown: friction" : "";
+    this.what.textContent = `${number ? `impact ${number}: ` : ""}${touchingText(contact)} at ${wall}, ${length}${legend}`;
   }
 }

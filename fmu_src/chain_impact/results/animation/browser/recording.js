@@ -13,6 +13,11 @@ function unpacked({ low, high, values }) {
   return Float64Array.from(new Uint16Array(bytes(values)), (value) => low + scale * value);
 }
 
+/** Whether a frame is in one of some spans of frames. */
+function isWithin(spans, frame) {
+  return spans.some(([first, last]) => frame >= first && frame < last + 1);
+}
+
 /** The largest index whose value is ≤ wanted, in increasing numbers; 0 if there is none. */
 export function lastBefore(numbers, wanted) {
   let low = 0;
@@ -50,13 +55,17 @@ export class Recording {
   }
 
   /** A force at every frame, of one that is packed without its zeros. */
-  #wholeForce({ point, wall, frames, ...rest }) {
-    const values = new Float32Array(this.time.length);
-    const sparse = unpacked(rest);
-    new Uint32Array(bytes(frames)).forEach((frame, index) => {
-      values[frame] = sparse[index];
-    });
-    return { point, wall, values };
+  #wholeForce({ point, wall, frames, friction, spans = [], ...rest }) {
+    const places = new Uint32Array(bytes(frames));
+    const whole = (packed) => {
+      const values = new Float32Array(this.time.length);
+      const sparse = unpacked(packed);
+      places.forEach((frame, index) => {
+        values[frame] = sparse[index];
+      });
+      return values;
+    };
+    return { point, wall, values: whole(rest), friction: friction && whole(friction), spans };
   }
 
   /** The frame at a simulated time [s]. */
@@ -86,7 +95,16 @@ export class Recording {
 
   /** The force at every frame of the point and the wall of a contact [N]; undefined where none was in any frame. */
   forceOf({ point, wall }) {
-    return this.forces.find((force) => force.point === point && force.wall === wall)?.values;
+    return this.#ofContact(point, wall)?.values;
+  }
+
+  /** The same of its dry friction, along the wall; undefined without friction. */
+  frictionOf({ point, wall }) {
+    return this.#ofContact(point, wall)?.friction;
+  }
+
+  #ofContact(point, wall) {
+    return this.forces.find((force) => force.point === point && force.wall === wall);
   }
 
   /** Where a point is at a frame [m]. */
@@ -95,11 +113,22 @@ export class Recording {
     return [this.between(this.x, frame, point, width), this.between(this.y, frame, point, width)];
   }
 
-  /** The contacts at a frame: point, wall and force [N]. */
+  /** The contacts at a frame: point, wall, force and dry friction along the wall [N], and whether it sticks. */
   contactsAt(frame) {
     return this.forces
-      .map(({ point, wall, values }) => ({ point, wall, force: this.between(values, frame) }))
+      .map(({ point, wall, values, friction, spans }) => ({
+        point,
+        wall,
+        force: this.between(values, frame),
+        friction: friction ? this.between(friction, frame) : 0,
+        sticks: isWithin(spans, frame),
+      }))
       .filter(({ force }) => force > 0);
+  }
+
+  /** The joints that stick at a frame. */
+  stuckJointsAt(frame) {
+    return this.stuckJoints.filter(({ spans }) => isWithin(spans, frame)).map(({ joint }) => joint);
   }
 
   /** The contact that list, chart and caption tell of at a time: the latest, or the next once that is nearer. */

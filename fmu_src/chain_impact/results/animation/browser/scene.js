@@ -13,6 +13,8 @@ const TRACE_STEP = 1.5; // pixels between the corners of the trace
 const RING_TIME = 0.25; // s of simulated time for which the place of an impact is marked
 const STRIP = 30; // pixels at the top for the scale bar, where the chain never comes
 const STOP_DOT = 11; // pixels, the mark of a joint at its stop
+const STICK_BAR = 12; // pixels, half the bar along the wall where a contact sticks
+const STUCK_DOT = 10; // pixels, the mark of a joint that sticks
 const ARC = 0.25; // of a link's length: the radius of the arc of its joint's range
 const TICK = 0.3; // of the radius: the length of the mark of a stop
 const ARC_CORNERS = 33;
@@ -181,12 +183,18 @@ export class Scene {
     const { recording } = this;
     this.arrows.clear();
     this.labels.clear();
-    recording.contactsAt(frame).filter((contact) => this.#isShown(contact)).forEach(({ point, wall, force }) => {
-      const { place: [x, y], away: [dx, dy] } = this.#spot(frame, point, wall);
+    recording.contactsAt(frame).filter((contact) => this.#isShown(contact)).forEach(({ point, wall, force: normal, friction, sticks }) => {
+      const { place: [x, y], away: [nx, ny] } = this.#spot(frame, point, wall);
+      const force = Math.hypot(normal, friction);
+      // on the screen, where y points down, the direction of dry friction along t is (−ny, nx)
+      const [dx, dy] = [(normal * nx - friction * ny) / force, (normal * ny + friction * nx) / force];
       if (!(wall in recording.walls)) {
         this.arrows.circle(STOP_DOT).center(x, y).addClass("stop-dot");
         this.#label(x + 2 * STOP_DOT * dx, y + 2 * STOP_DOT * dy, dx, forceText(force, 3, unitsOf({ atStop: true }).force));
         return;
+      }
+      if (sticks) {
+        this.arrows.line([-STICK_BAR, STICK_BAR].map((along) => [x - along * ny, y + along * nx])).addClass("stick-bar");
       }
       const length = Math.max(LEAST_ARROW, (this.longest * force) / recording.peakForce);
       const head = Math.min(14, 0.6 * length);
@@ -197,6 +205,9 @@ export class Scene {
       if (length >= LABEL_FROM) {
         this.#label(...at(length + 14, 0), dx, forceText(force));
       }
+    });
+    recording.stuckJointsAt(frame).forEach((joint) => {
+      this.arrows.circle(STUCK_DOT).center(...this.camera.place(...recording.pointAt(frame, joint - 1))).addClass("stuck-joint");
     });
   }
 

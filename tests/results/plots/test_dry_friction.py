@@ -1,0 +1,88 @@
+"""Dry friction in pictures: phases over time, what sticks at the end, energies, and what is told."""
+
+import numpy as np
+import pytest
+
+from chain_impact import simulate
+from chain_impact.results.plots.message import conditions, message
+from chain_impact.results.plots.over_time import ROWS
+from chain_impact.results.plots.style import GREY, VERMILLION
+from chain_impact.results.result import recording_of
+from tests.friction import pendulum, sled, thrown
+from tests.results.plots.pictures import drawn, recorded, swing
+
+
+@pytest.fixture(scope="module")
+def recording():
+    return recording_of(simulate(pendulum()))
+
+
+def test_a_picture_has_the_phases_where_there_are_some(recording):
+    assert len(drawn(recording)) == 6
+    assert len(drawn(recorded("rod_drop"))) == 5
+
+
+def test_bars_stand_where_a_joint_sticks_and_lines_where_it_slides(recording):
+    *_, strip = drawn(recording)
+    assert [label.get_text() for label in strip.get_yticklabels()] == ["joint 2", "joint 1"]
+    phases, bars = recording.stick_slip, strip.patches
+    assert len(bars) == len(phases)
+    for bar, phase in zip(bars, phases, strict=True):
+        assert bar.get_x() == phase["start"]
+        end = recording.time[-1] if np.isnan(phase["end"]) else phase["end"]
+        assert bar.get_x() + bar.get_width() == pytest.approx(end)
+        wide = bar.get_height() > 0.5
+        assert wide == (phase["mode"] == 0)
+    assert [text.get_text() for text in strip.get_legend().get_texts()] == ["sticks", "slides"]
+    assert VERMILLION != GREY
+
+
+def test_of_many_places_those_that_rub_for_longest_are_shown(recording):
+    many = recording_of(simulate(pendulum(), 0.5))
+    rows = [(k, -1, 0.0, 0.1 * k + 0.01, 1) for k in range(1, ROWS + 4)]
+    many.__dict__["stick_slip"] = np.array(rows, many.stick_slip.dtype)
+    *_, strip = drawn(many)
+    shown = {label.get_text() for label in strip.get_yticklabels()}
+    assert shown == {f"joint {k}" for k in range(4, ROWS + 4)}
+
+
+def test_a_square_stands_where_something_sticks_at_the_end():
+    found = recording_of(simulate(sled(), output_step=0.05))
+    motion = drawn(found)[1]
+    (squares,) = [line for line in motion.lines if line.get_label() == "sticks"]
+    ends = [found.columns[f"point[{k}].x"][-1] for k in (0, 1)]
+    np.testing.assert_allclose(squares.get_xdata(), ends, atol=1e-3)
+    wall = found.walls["slope"]
+    assert all(abs(wall.clearance(x, y)) < 1e-12 for x, y in squares.get_xydata())
+    joints = drawn(recording_of(simulate(pendulum(), output_step=0.05)))[1]
+    (squares,) = [line for line in joints.lines if line.get_label() == "sticks"]
+    assert (0.0, 0.0) in [tuple(place) for place in squares.get_xydata()]
+
+
+def test_energies_have_that_of_friction_as_a_part(recording):
+    energy = drawn(recording)[3]
+    (line,) = [line for line in energy.lines if line.get_label() == "friction"]
+    assert line.get_linestyle() == "--"
+    np.testing.assert_array_equal(line.get_ydata(), recording.columns["energy.friction"])
+    assert "friction" not in [line.get_label() for line in drawn(recorded("rod_drop"))[3].lines]
+
+
+def test_the_headline_tells_the_share_of_friction(recording):
+    lost = recording.columns["energy.dissipated"][-1]
+    assert message(recording) == (
+        f"Pendulum: no impacts, {lost:.3g} J dissipated in 4 s, 100 % of it by dry friction"
+    )
+    part = swing()
+    part.columns["energy.friction"] = 0.25 * part.columns["energy.dissipated"]
+    assert message(part).endswith("dissipated in 2 s, 25 % of it by dry friction")
+
+
+def test_the_conditions_tell_the_coefficients(recording):
+    assert "joint friction ≤ 0.8 N·m" in conditions(recording)
+    of_wall = conditions(recording_of(simulate(thrown(), 0.01)))
+    assert "joint friction ≤ 0.2 N·m" in of_wall
+    assert "friction µ = 0.35 at y_min" in of_wall
+    both = sled(**{"contact.static_friction": 0.6, "wall.slope.static_friction": 0.7})
+    told = conditions(recording_of(simulate(both, 0.01)))
+    assert "friction µ = 0.5  ·  static µ = 0.6  ·  static µ = 0.7 at slope" in told
+    assert "friction" not in conditions(recorded("rod_drop"))
