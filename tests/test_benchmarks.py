@@ -2,8 +2,10 @@
 
 import ast
 import ctypes
+import os
 import re
 import runpy
+import sys
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -67,3 +69,17 @@ def test_functions_for_other_solvers_are_lowered_and_linked(tmp_path, monkeypatc
     library["link"](lowered, None, tmp_path / "library.so")
     instance = np.array([7, 0])  # begins with the number of links
     assert ctypes.CDLL(str(tmp_path / "library.so")).links(ctypes.c_void_p(instance.ctypes.data)) == 7
+
+
+def test_times_that_a_busy_machine_has_stretched_are_levelled(monkeypatch):
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    monkeypatch.setattr(os, "environ", os.environ.copy())
+    levelled = runpy.run_path(str(BENCHMARKS / "common.py"))["levelled"]
+    monkeypatch.setitem(levelled.__globals__, "interleave", lambda *_: {(1,): [5.0, 2.0, 2.1], (2,): [3.0]})
+    rows = [
+        {"links": 1, "seconds": 2.1, "times_ours": {"median": 1.0}},
+        {"links": 2, "seconds": 6.0, "times_ours": {"median": 1.0}},  # twice as slow meanwhile
+        {"links": 2, "seconds": 24.0, "times_ours": {"median": 4.0}},
+        {"links": 2, "failed": "no use"},
+    ]
+    assert [row.get("seconds") for row in levelled(rows, ("links",), {})] == [2.1, 3.0, 12.0, None]
