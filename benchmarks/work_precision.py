@@ -132,7 +132,7 @@ def main() -> None:
     for family, reason in missing.items():
         print(f"left out: {family}: {reason}")
     settings = {
-        "tolerances": TOLERANCES, "rounds": rounds, "left out": missing,
+        "tolerances": TOLERANCES, "rounds": rounds, "rounds of fast ones": rounds * FAST, "left out": missing,
         "tolerance of peers": "rtol = atol; see peers/ for everything else",
     }  # fmt: skip
     rows = levelled(rows)
