@@ -23,6 +23,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import Instance, SimulationError
 from tests.kernel_calls import move
 from tests.oracle_laws import Law, chain_of, laws
+from tests.random_friction import friction_checks
 from tests.random_scenes import drive
 
 CPU = 2.0  # s, that a run may take
@@ -120,7 +121,7 @@ def checks(run: Account, cpu: float = CPU) -> Iterator[tuple[str, float, float, 
             f"after {run.time[-1] if len(run.time) else 0.0:.3g} s: {STATUS_TEXT[run.status]}",
         )
     outputs = run.outputs
-    bad = [name for name in outputs.dtype.names if not np.isfinite(outputs[name]).all()]
+    bad = [name for name in outputs.dtype.names if not all_finite(outputs[name])]
     # the end and the separation speed of an open contact are not known, nor the peak force of a rigid one
     columns = ("onset", "impact_speed", "max_penetration", "effective_mass")
     bad += [name for name in columns if not np.isfinite(run.impacts[name]).all()]
@@ -137,11 +138,19 @@ def checks(run: Account, cpu: float = CPU) -> Iterator[tuple[str, float, float, 
         lost = float(np.abs(outputs["dissipated"]).max())
         yield "dissipates", lost, dissipation_bound(run), "energy that an elastic wall has taken [J]"
     yield from containment(run)
+    yield from friction_checks(run.scene, outputs)
     yield from speeds(run)
     yield from moments(run)
 
 
 # --- energy ------------------------------------------------------------------------------------------------
+
+
+def all_finite(values: Any) -> bool:
+    """Whether all numbers of an array are finite, or of all fields of an array of records."""
+    if values.dtype.names:
+        return all(all_finite(values[name]) for name in values.dtype.names)
+    return bool(np.isfinite(values).all())
 
 
 def energy_bound(run: Account) -> float:
