@@ -70,11 +70,11 @@ def test_energies_have_that_of_friction_as_a_part(recording):
 def test_the_headline_tells_the_share_of_friction(recording):
     lost = recording.columns["energy.dissipated"][-1]
     assert message(recording) == (
-        f"Pendulum: no impacts, {lost:.3g} J dissipated in 4 s, 100 % of it by dry friction"
+        f"Pendulum: no impacts, {lost:.3g} J dissipated, 100 % of it by dry friction, in 4 s"
     )
     part = swing()
     part.columns["energy.friction"] = 0.25 * part.columns["energy.dissipated"]
-    assert message(part).endswith("dissipated in 2 s, 25 % of it by dry friction")
+    assert message(part).endswith("dissipated, 25 % of it by dry friction, in 2 s")
 
 
 def test_the_conditions_tell_the_coefficients(recording):

@@ -32,8 +32,8 @@ def message(recording: Recording) -> str:
     amount = f"{lost:.3g} J" if share is None else f"{percentage(share)} % of the energy"
     rubbed = recording.columns.get("energy.friction", np.zeros(1))[-1]
     if rubbed > ROUND_OFF * lost:
-        part = f", {percentage(rubbed / lost)} % of it by dry friction"
-        return f"{recording.name}: {impacts}, {amount} dissipated {span}{part}"
+        part = f"{percentage(rubbed / lost)} % of it by dry friction"
+        return f"{recording.name}: {impacts}, {amount} dissipated, {part}, {span}"
     if count and joint_damping(recording) == 0.0:
         return f"{recording.name}: {impacts} dissipate{'s' if count == 1 else ''} {amount} {span}"
     return f"{recording.name}: {impacts}, {amount} dissipated {span}"
