@@ -32,7 +32,11 @@ Timings = dict[str, list[float]]
 
 
 def interleave(
-    contenders: Mapping[str, Callable[[], object]], rounds: int = 7, span: float = 0.05, patience: float = 3.0
+    contenders: Mapping[str, Callable[[], object]],
+    rounds: int = 7,
+    span: float = 0.05,
+    patience: float = 3.0,
+    fast: int = 1,
 ) -> Timings:
     """Time several contenders in turn, round after round, so that a busy moment of the machine hits all.
 
@@ -41,6 +45,7 @@ def interleave(
         rounds: how often each is timed.
         span: shortest time that is measured at once [s]; a fast call is repeated to fill it.
         patience: a contender whose one call takes longer than this [s] is timed twice only.
+        fast: how many times as often those are timed of which ten calls fit in the span.
     """
     repeats = {}
     for name, call in contenders.items():
@@ -50,9 +55,10 @@ def interleave(
             once = _seconds(call, max(1, repeats[name] // 10))
             repeats[name] = max(1, round(span / once))
     timings: Timings = {name: [] for name in contenders}
-    for turn in range(rounds):
+    for turn in range(fast * rounds):
         for name, call in contenders.items():
-            if turn < 2 or timings[name][0] < patience:
+            often = turn < rounds or repeats[name] >= 10
+            if turn < 2 or (often and timings[name][0] < patience):
                 timings[name].append(_seconds(call, repeats[name]))
     return timings
 
@@ -85,6 +91,31 @@ def ratio(timings: Timings, name: str, base: str) -> dict[str, float]:
         "least": float(f"{min(pairs):.4g}"),
         "largest": float(f"{max(pairs):.4g}"),
     }
+
+
+def levelled(
+    rows: list[dict[str, Any]], keys: tuple[str, ...], ours: Mapping[Any, Callable[[], object]]
+) -> list[dict[str, Any]]:
+    """The rows of contenders with times as if all of them had been timed at once.
+
+    Contenders with the same values of the keys are timed in turn, but one case after the other, and other
+    programs may slow the machine down during one of them. So ours is timed for all cases in turn, and a time
+    is the ratio to ours in the same case, times that.
+
+    Args:
+        rows: what was measured, with ``times_ours`` unless it failed.
+        keys: what tells cases apart.
+        ours: values of the keys → our run.
+    """
+    for run in ours.values():
+        run()
+    own = {case: statistics.median(values) for case, values in interleave(ours, 25, 0.02).items()}
+    new = []
+    for row in rows:
+        case = tuple(row[key] for key in keys)
+        times = {"seconds": median([own[case] * row["times_ours"]["median"]])} if "times_ours" in row else {}
+        new.append(row | times)
+    return new
 
 
 def environment(packages: tuple[str, ...] = ()) -> dict[str, Any]:

@@ -5,6 +5,9 @@ It is run in a process of its own, because it changes how numba compiles.
 
 from __future__ import annotations
 
+# common.py adds the folder to Python's path from which some of these modules import tests.textbook.
+import common  # isort: skip  # noqa: F401
+
 import sys
 from importlib import import_module
 from pathlib import Path

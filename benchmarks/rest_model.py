@@ -18,7 +18,8 @@ import subprocess
 from functools import cache
 from pathlib import Path
 
-from kernel_functions import HERE, REALS, built, digest, happen, rate_at, start_and_stop
+from functions_library import HERE, built, digest
+from kernel_functions import REALS, happen, rate_at, start_and_stop
 from numba import float64, int32, types
 
 from chain_impact.compilation.cache import made

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
-from kernel_functions import built
+from functions_library import built
 from numba import int32, int64
 from peers.ours import Kernel
 from problems import PROBLEMS

@@ -30,7 +30,7 @@ STOP, TOLERANCE = 1.0, 1e-6
 # heyoka's expressions grow with N², NumPy's work with N³
 LIMITS = {"numbalsoda": 1000, "cvode": 1000, "scipy": 1000, "NumPy": 300, "heyoka": 10}
 HEAP_LIMIT = 100  # links, of CVODE: its dense Jacobian costs N² evaluations
-ROUNDS, SPAN, PATIENCE = 5, 0.02, 1.0
+ROUNDS, SPAN, PATIENCE, FAST = 5, 0.02, 1.0, 5
 SHOWN = ("numbalsoda DOP853", "CVODE Adams", "scipy DOP853", "heyoka")
 
 
@@ -79,9 +79,14 @@ class NumPy:
     outcome = run
 
 
+def in_flight(links: int) -> Made:
+    """The problem without contacts."""
+    return Made(f"flight of {links}", "", "flight", (STOP,), {}, links)
+
+
 def flying(links: int) -> dict[str, Contender]:
     """Who takes part in flight."""
-    problem = Made(f"flight of {links}", "", "flight", (STOP,), {}, links)
+    problem = in_flight(links)
     families = [name for name, most in LIMITS.items() if name != "NumPy" and links <= most]
     found, missing = peers.contenders(problem, TOLERANCE, STOP, families)
     for family, reason in missing.items():
@@ -121,13 +126,20 @@ def race(links: int, able: dict[str, Contender], rounds: int) -> list[dict]:
         if found.failed:
             rows[name]["failed"] = found.failed
             del able[name]
-    timings = common.interleave({name: c.run for name, c in able.items()}, rounds, SPAN, PATIENCE)
+    timings = common.interleave({name: c.run for name, c in able.items()}, rounds, SPAN, PATIENCE, FAST)
     for name, values in timings.items():
         rows[name] |= {"seconds": common.median(values), "times_ours": common.ratio(timings, name, "ours")}
     table = [{"links": links, "name": name, **row} for name, row in rows.items()]
     for row in table:
         print({key: value for key, value in row.items() if key != "times_ours"}, flush=True)
     return table
+
+
+def levelled(rows: list[dict]) -> list[dict]:
+    """The rows of the flight with times as if all numbers of links had been timed at once."""
+    sizes = dict.fromkeys(row["links"] for row in rows)
+    ours = {(links,): Kernel(in_flight(links).scene(), STOP).run for links in sizes}
+    return common.levelled(rows, ("links",), ours)
 
 
 def flatness(rows: list[dict]) -> dict[int, float]:
@@ -177,6 +189,7 @@ def main() -> None:
             able = entrants(links)
             print(f"{key}, {links} links: ready after {time.time() - begin:.0f} s", flush=True)
             results[key] += race(links, able, rounds)
+    results["flight"] = levelled(results["flight"])
     for links, ratio in flatness(results["flight"]).items():
         print(f"flight, {links} links: {ratio:.3g} of the time for each right-hand side and link at {BASE}")
     settings = {

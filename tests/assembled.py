@@ -30,12 +30,14 @@ class Modes:
 
     Attributes:
         latched: number of a contact that acts → v₀.
+        cut: contacts among them whose force is cut off at 0, as their law would pull.
         slip: number of what rubs → sign of its slip, 0 if it sticks; of contacts only while they act.
         torques: of the joints [N·m].
         tip: force on the tip [N].
     """
 
     latched: dict[int, float] = field(default_factory=dict)
+    cut: set[int] = field(default_factory=set)
     slip: dict[int, int] = field(default_factory=dict)
     torques: np.ndarray = field(default_factory=lambda: np.zeros(0))
     tip: np.ndarray = field(default_factory=lambda: np.zeros(2))
@@ -233,15 +235,20 @@ class Assembled:
         )
 
     def _normal(self, gap: np.ndarray, gap_rate: np.ndarray, modes: Modes) -> tuple[np.ndarray, float]:
-        """F_n = max(0, K δⁿ (1 + λ δ̇/v₀)) of the contacts that act, and the power that damping takes [W]."""
+        """F_n = K δⁿ (1 + λ δ̇/v₀) of the contacts that act, or 0, and the power that damping takes [W]."""
         normal, lost = np.zeros(len(gap)), 0.0
         if modes.latched:
-            acting, latched = list(modes.latched), np.array(list(modes.latched.values()))
+            acting = list(modes.latched)
             elastic = self.stiffness[acting] * np.maximum(0.0, -gap[acting]) ** self.exponent[acting]
-            share = np.maximum(0.0, 1.0 - self.damping[acting] * gap_rate[acting] / latched)
-            normal[acting] = elastic * share
+            normal[acting] = elastic * self.shares(gap_rate, modes)
+            normal[list(modes.cut)] = 0.0
             lost = -float((normal[acting] - elastic) @ gap_rate[acting])
         return normal, lost
+
+    def shares(self, gap_rate: np.ndarray, modes: Modes) -> np.ndarray:
+        """1 + λ δ̇/v₀ of the contacts that act; the force is cut off at 0 while it is negative."""
+        acting, latched = list(modes.latched), np.array(list(modes.latched.values()))
+        return 1.0 - self.damping[acting] * gap_rate[acting] / latched
 
     def _friction(
         self, v: np.ndarray, parts: tuple[np.ndarray, np.ndarray], normal: np.ndarray, modes: Modes

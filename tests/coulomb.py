@@ -6,6 +6,7 @@ event, which is found on the dense output of DOP853:
     onset    g falls through 0: v₀ is latched, and friction slips with sign(v_t), or is decided if v_t = 0
     end      g rises through 0
     again    δ̇ rises above 2 v₀, which is doubled
+    cut      the force falls through 0, or would rise through it: it is cut off, or acts again
     halt     s v_t falls through 0: all that stands still is decided
     break    |F_t| rises above its bound: it slips against F_t, and all else that stands still is decided
 
@@ -17,14 +18,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from scipy.integrate import DOP853
+from scipy.integrate import DOP853, DenseOutput
 
 from chain_impact.scene.scene import Scene
 from tests.assembled import Assembled, Forces, Modes
+from tests.coulomb_motion import Change, Motion
 from tests.places import Friction, Joint
 
 RTOL, ATOL = 1e-13, 1e-13
@@ -38,64 +39,6 @@ LONGEST = 0.05  # s, of a step
 OF_CONTACT = 1.0  # of the duration of an impact at v₀, of a step
 FIRST = 1e-3  # the same, of the first step
 AT_ONCE = 100  # events at one time that are too many
-
-
-@dataclass(frozen=True)
-class Change:
-    """An event.
-
-    Attributes:
-        time: [s].
-        kind: "onset", "end", "again", "stick" or "slip".
-        place: the point and the name of the wall, or of the stop; the joint and "joint".
-        speed: at an onset the approach speed [m/s]; the sign of a slip.
-    """
-
-    time: float
-    kind: str
-    place: tuple[int, str]
-    speed: float = 0.0
-
-
-@dataclass
-class Motion:
-    """What a simulation gives, a row for each of the times asked for.
-
-    Attributes:
-        states: (q, q̇), shape (T, 2N+4).
-        kinetic, potential, elastic: energies [J].
-        damped, rubbed, supplied: since the start: taken by walls and dampers, by friction; given by inputs.
-        normal_impulse, tangential_impulse: of each place that rubs or touches, its impulses since the start:
-            (point, wall) → shape (T,) [N·s]; of a dry joint the tangential one, of its moment on link i.
-        normal_force, friction_force: likewise [N].
-        sticking: likewise, whether it acts and sticks.
-        changes: the events, in their order.
-    """
-
-    times: np.ndarray
-    states: np.ndarray
-    kinetic: np.ndarray
-    potential: np.ndarray
-    elastic: np.ndarray
-    damped: np.ndarray
-    rubbed: np.ndarray
-    supplied: np.ndarray
-    normal_impulse: dict[tuple[int, str], np.ndarray] = field(default_factory=dict)
-    tangential_impulse: dict[tuple[int, str], np.ndarray] = field(default_factory=dict)
-    normal_force: dict[tuple[int, str], np.ndarray] = field(default_factory=dict)
-    friction_force: dict[tuple[int, str], np.ndarray] = field(default_factory=dict)
-    sticking: dict[tuple[int, str], np.ndarray] = field(default_factory=dict)
-    changes: list[Change] = field(default_factory=list)
-
-    @property
-    def balance(self) -> np.ndarray:
-        """What must be constant: all energies, and what was taken less what was given [J]."""
-        stored = self.kinetic + self.potential + self.elastic
-        return stored + self.damped + self.rubbed - self.supplied
-
-    def when(self, kind: str, place: tuple[int, str] | None = None) -> list[float]:
-        """The times of the events of a kind [s], of one place or of all."""
-        return [one.time for one in self.changes if one.kind == kind and place in (None, one.place)]
 
 
 def simulate(
@@ -188,29 +131,49 @@ class _Run:
         if event := next(self._events(self.y), None):
             return event
         longest, first = self._step_sizes(end)
-        solver = DOP853(
-            self._rate, self.time, self.y, end, rtol=RTOL, atol=ATOL, max_step=longest, first_step=first
-        )
+        solver = self._solver(end, longest, first)
         while solver.status == "running":
-            message = solver.step()
-            assert solver.status != "failed", message
-            dense, before = solver.dense_output(), self.time
-            event = None
-            for sample in np.linspace(before, solver.t, SAMPLES + 1)[1:]:
-                if next(self._events(dense(sample)), None):
-                    self.time = self._located(dense, before, sample)
-                    event = next(self._events(dense(self.time)))
-                    break
-                before = sample
+            before = self.y
+            self._step(solver)
+            dense = solver.dense_output()
+            if (found := self._first_event(dense)) is None:
+                self._move(dense, solver.t, solver.y)
+                continue
+            event = next(self._events(dense(found)))
+            if event[0] == "end":
+                # the force is not smooth beyond that: steps that end there are more accurate
+                self.y = before
+                solver = self._solver(found, longest, None)
+                while solver.status == "running":
+                    self._step(solver)
+                    self._move(solver.dense_output(), solver.t, solver.y)
             else:
-                self.time = solver.t
-            inside = self.times[len(self.rows) :]
-            for time in inside[inside < self.time]:
-                self._record(dense(time))
-            self.y = dense(self.time) if event else solver.y
-            if event:
-                return event
+                self._move(dense, found, dense(found))
+            return event
         return None
+
+    def _solver(self, end: float, longest: float, first: float | None) -> DOP853:
+        accuracy = {"rtol": RTOL, "atol": ATOL, "max_step": longest, "first_step": first}
+        return DOP853(self._rate, self.time, self.y, end, **accuracy)
+
+    def _step(self, solver: DOP853) -> None:
+        message = solver.step()
+        assert solver.status != "failed", message
+
+    def _first_event(self, dense: DenseOutput) -> float | None:
+        """The time of the first event in a step."""
+        samples = np.linspace(dense.t_old, dense.t, SAMPLES + 1)
+        for low, high in itertools.pairwise(samples):
+            if next(self._events(dense(high)), None):
+                return self._located(dense, low, high)
+        return None
+
+    def _move(self, dense: DenseOutput, time: float, y: np.ndarray) -> None:
+        """Go to a time in a step, where the state is y, and record what is asked for on the way."""
+        inside = self.times[len(self.rows) :]
+        for row in inside[inside < time]:
+            self._record(dense(row))
+        self.time, self.y = time, y
 
     def _step_sizes(self, end: float) -> tuple[float, float | None]:
         """The longest step and the first one, of contacts the durations of impacts at their v₀ [s]."""
@@ -230,6 +193,7 @@ class _Run:
     def _events(self, y: np.ndarray) -> Iterator[tuple[str, int]]:
         """What has happened at a state, since a state in which nothing had."""
         now = self.chain.forces(y, self.modes)
+        shares = dict(zip(self.modes.latched, self.chain.shares(now.gap_rate, self.modes), strict=True))
         for c, (gap, rate) in enumerate(zip(now.gap, now.gap_rate, strict=True)):
             latched = self.modes.latched.get(c)
             if latched is None:
@@ -239,6 +203,8 @@ class _Run:
                 yield "end", c
             elif -rate > 2.0 * latched:
                 yield "again", c
+            elif (shares[c] > 0.0) if c in self.modes.cut else (shares[c] < 0.0):
+                yield "cut", c
         for k, (r, sign) in enumerate(self.modes.slip.items()):
             if sign and sign * now.speed[k] < -STILL:
                 yield "halt", r
@@ -249,7 +215,7 @@ class _Run:
         """By how much what sticks is beyond its bound [N or N·m]."""
         return abs(now.tangential[k]) - now.bound[k] * (1.0 + BEYOND) - BEYOND * now.scale
 
-    def _located(self, dense: Any, low: float, high: float) -> float:
+    def _located(self, dense: DenseOutput, low: float, high: float) -> float:
         """The first time at which an event has happened, of those between."""
         while low < (middle := 0.5 * (low + high)) < high:
             if next(self._events(dense(middle)), None):
@@ -265,6 +231,7 @@ class _Run:
                 self._decide(fresh)
         elif kind == "end":
             del self.modes.latched[number]
+            self.modes.cut.discard(number)
             if (rub := self._rub_of(number)) is not None:
                 del self.modes.slip[rub]
             self._note("end", self.chain.contacts[number])
@@ -272,6 +239,8 @@ class _Run:
             self.modes.latched[number] *= 2.0
             self._note("again", self.chain.contacts[number])
             self._decide()
+        elif kind == "cut":
+            self.modes.cut ^= {number}
         elif kind == "halt":
             now = self.chain.forces(self.y, self.modes)
             signs = np.array(list(self.modes.slip.values()))
@@ -359,7 +328,7 @@ class _Run:
     # --- results -------------------------------------------------------------------------------------------
 
     def _record(self, y: np.ndarray) -> None:
-        modes = Modes(dict(self.modes.latched), dict(self.modes.slip))
+        modes = Modes(dict(self.modes.latched), slip=dict(self.modes.slip))
         now = self.chain.forces(y, self.modes)
         self.rows.append((y.copy(), now, modes, self.chain.energies(y, self.modes)))
 

@@ -13,6 +13,7 @@ from tests.dry_joints import INERTIA, braked_link, driven_link, dry_pendulum, fl
 from tests.places import separated
 from tests.problems import contact_table, scene_table
 from tests.struck import duration, extrapolated, limit, struck
+from tests.tumbled import STOP_TIME, tumbled
 
 HALT = 1e-12  # m/s, by which a velocity is beyond 0 when it is found to be
 
@@ -185,46 +186,50 @@ def test_a_pair_of_links_stops_to_fold():
 # --- balances ----------------------------------------------------------------------------------------------
 
 
-def thrown():
-    """Three links with dry joints, thrown into the corner of a floor and a slope of another material."""
-    links = [
-        {"length": 0.5, "mass": 1.0},
-        {"length": 0.4, "mass": 0.7, "joint_friction": 0.2, "joint_damping": 0.01},
-        {"length": 0.3, "mass": 0.9, "joint_friction": 0.1, "joint_stiffness": 0.5},
-    ]
-    initial = {"position": [0.0, 0.3], "angles": [0.4, -0.3, 0.2], "velocity": [2.0, -1.0]}
-    contact = contact_table(stiffness=1e5, restitution=0.4, friction=0.3, static_friction=0.5)
-    contact["wall"] = {"slope": {"friction": 0.7, "restitution": 0.6}}
-    walls = [{"name": "slope", "point": [1.4, 0.0], "angle": 1.0}]
-    return scene_table(
-        "Thrown", links, initial, {"y_min": 0.0}, contact, gravity=9.81, stop_time=0.3, walls=walls
-    )
-
-
-def test_energy_and_momentum_balance_in_many_impacts():
-    scene, friction = separated(thrown())
-    assert friction.walls == {"y_min": (0.3, 0.5), "slope": (0.7, 0.7)}
-    assert friction.joints == {2: 0.2, 3: 0.1}
-    motion = simulate(scene, friction, np.linspace(0.0, 0.3, 7))
-    assert np.ptp(motion.balance) < 1e-9
-    assert np.diff(motion.rubbed).min() > 0.0
-    assert len(motion.when("onset")) >= 5
-    assert len(motion.when("stick")) >= 5
+@pytest.mark.parametrize("seed", [5, 23])
+def test_energy_and_momentum_balance_in_many_impacts(seed):
+    table = tumbled(seed)
+    motion, (scene, friction) = run(table, np.linspace(0.0, STOP_TIME, 11)), separated(table)
+    assert len(motion.when("onset")) >= 2
+    assert motion.when("stick")
+    assert np.diff(motion.rubbed).min() > -1e-12
+    assert np.diff(motion.damped).min() > -1e-12
     chain = Assembled(scene, friction)
-    first, last = (row[5:] for row in motion.states[[0, -1]])
-    gained = chain.matrix(motion.states[-1])[:2] @ last - chain.matrix(motion.states[0])[:2] @ first
-    impulse = np.array(scene.gravity) * 0.3 * chain.book.total_mass
+    size = chain.n + 2
+    before, after = (chain.matrix(row)[:2] @ row[size:] for row in motion.states[[0, -1]])
+    impulse = np.array(scene.gravity) * STOP_TIME * chain.book.total_mass
     for contact in chain.contacts:
         normal = np.array(contact.normal)
         tangent = np.array([normal[1], -normal[0]])
         place = (contact.point, contact.wall)
         impulse = impulse + normal * motion.normal_impulse[place][-1]
         impulse = impulse + tangent * motion.tangential_impulse[place][-1]
-    np.testing.assert_allclose(gained, impulse, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(after - before, impulse, rtol=0, atol=1e-11)
+
+
+def several():
+    """Three links, of which two equal ones have dry joints, between a floor and a slope."""
+    links = [{"length": 0.5, "mass": 1.0, "joint_friction": 0.3}]
+    links += [{"length": 0.4, "mass": 0.7, "joint_friction": 0.2, "count": 2}]
+    initial = {"position": [0.0, 0.5], "angles": [0.4, -0.3, 0.2], "velocity": [2.0, -1.0]}
+    contact = contact_table(friction=0.3, static_friction=0.5)
+    contact["wall"] = {"slope": {"friction": 0.7, "restitution": 0.6}, "y_max": {"static_friction": 0.6}}
+    walls = [{"name": "slope", "point": [1.4, 0.0], "angle": 1.0}]
+    box = {"x_min": -1.0, "y_min": 0.0, "y_max": 9.0}
+    return scene_table("Several", links, initial, box, contact, gravity=9.81, walls=walls)
+
+
+def test_friction_is_that_of_a_wall_before_that_of_all():
+    """And a free base has no first joint."""
+    scene, friction = separated(several())
+    both = (0.3, 0.5)
+    assert friction.walls == {"x_min": both, "y_min": both, "y_max": (0.3, 0.6), "slope": (0.7, 0.7)}
+    assert friction.joints == {2: 0.2, 3: 0.2}
+    assert scene.contact.wall["slope"].restitution == 0.6
 
 
 def test_nothing_is_said_of_a_scene_without_friction():
-    scene, friction = separated(thrown() | {"contact": contact_table(points=[])})
+    scene, friction = separated(several() | {"contact": contact_table(points=[])})
     assert not any(sum(friction.walls.values(), ()))
     motion = simulate(scene, dataclasses.replace(friction, joints={}), [0.0, 0.1])
     assert motion.changes == []

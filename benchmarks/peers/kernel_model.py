@@ -16,7 +16,8 @@ import ctypes
 from functools import cache
 
 import numpy as np
-from kernel_functions import HERE, REALS, built, happen, rate_at, start_and_stop
+from functions_library import HERE, built
+from kernel_functions import REALS, happen, rate_at, start_and_stop
 from numba import float64, int32, types, void
 
 from chain_impact.compilation.entry_points import Entries

@@ -99,7 +99,7 @@ def stopped_chain(count: int, base: str = "free", **more: Any) -> tuple[Scene, P
         d.candidate[name][:own] = plain.candidate[name]
     for name in ("x", "y", "angle"):
         d.walls[name][:own] = plain.walls[name]
-    d.walls.restitution[:] = -1.0
+    d.walls.restitution[:] = d.walls.friction[:] = d.walls.static_friction[:] = -1.0
     d.candidate.point[own:] = np.repeat(joints, 2)
     d.candidate.stop[own:] = [1, -1] * len(joints)
     d.candidate.wall[own:] = [6, 7] * len(joints)  # the box has 4 numbers, and there are 2 other walls

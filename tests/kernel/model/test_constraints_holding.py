@@ -114,7 +114,7 @@ def test_a_sweep_is_a_step_of_the_augmented_lagrangian(base, pressed):
         # J z = W (1 + D W)⁻¹ D m
         moved = w @ np.linalg.solve(np.eye(count) + amounts[:, None] * w, amounts * m)
         p = p + amounts * (m - moved)
-        correct_impulses(d, impedance)
+        correct_impulses(d)
         np.testing.assert_allclose(own.impulse[:count], p, rtol=1e-9, atol=1e-9)
         np.testing.assert_allclose(own.reached[:count], own.start[:count] + w @ p, rtol=1e-9, atol=1e-9)
         assert d.limits.other_work == work + 2

@@ -1,0 +1,176 @@
+"""Dry friction as loads and constraints, against dense algebra with the textbook's matrices."""
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.model.contact import clear_loads
+from chain_impact.kernel.model.equations import located_rate
+from chain_impact.kernel.model.friction import (
+    NO_FRICTION,
+    NOT_HELD,
+    STICKS,
+    any_sticking,
+    apply_friction,
+    begin_friction,
+    clear_friction,
+    clear_margins,
+    joint_of,
+    keep_anchors,
+    keep_static_forces,
+    list_friction,
+    list_sticking,
+    may_rub,
+    set_friction_used,
+    slide,
+    suspend_sticking,
+)
+from chain_impact.kernel.model.geometry import along_tangent
+from tests.kernel.rubbing import MOMENT, MU, MU_S, mobility, rubbing_chain, tangents
+
+CASES = [("free", 2, True), ("free", 4, False), ("pinned", 1, True), ("pinned", 0, True)]
+
+
+def elements_of(d):
+    return [int(e) for e in d.element.index[: d.friction.count]]
+
+
+def rate_of(d, y):
+    """ẏ with the present modes; the points are accelerated by it."""
+    rate = np.zeros(len(y))
+    locate_points(d, y)
+    located_rate(d, y, rate)
+    accelerate_points(d, y, rate)
+    return rate
+
+
+@pytest.mark.parametrize(("base", "contacts", "joints"), CASES)
+def test_contacts_are_listed_before_joints(base, contacts, joints):
+    _, d, _ = rubbing_chain(np.random.default_rng(1), base, contacts, joints)
+    found, own = elements_of(d), d.friction
+    assert found[: own.contact_count] == [int(c) for c in d.touch.active_index[:contacts]]
+    assert [joint_of(d, e) for e in found[contacts:]] == ([1, 2, 3] if joints else [])
+    assert own.integral_count == contacts + 1
+    assert own.used
+    assert not any_sticking(d)
+    d.element.mode[found[-1]] = STICKS
+    list_sticking(d)
+    assert (own.stuck_count, int(d.element.stuck[0])) == (1, found[-1])
+    assert own.stuck_joints == joints
+    suspend_sticking(d)
+    assert not any_sticking(d)
+    d.impulse.wanted = 0
+    list_friction(d)
+    assert (own.stuck_count, own.integral_count) == (1, 0)
+    clear_friction(d)
+    assert (own.count, own.stuck_count, own.integral_count) == (0, 0, 0)
+    assert (d.element.mode[:] == NO_FRICTION).all()
+
+
+def test_only_a_law_with_friction_rubs():
+    _, d, _ = rubbing_chain(np.random.default_rng(1), "free", 1, False)
+    c = int(d.touch.active_index[0])
+    assert may_rub(d, c)
+    d.law.static_friction[:] = 0.0
+    assert not may_rub(d, c)
+    d.contact.any_friction = 0
+    set_friction_used(d)
+    assert not d.friction.used
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(("base", "contacts", "joints"), CASES)
+def test_sliding_friction_is_a_load_against_the_motion(base, contacts, joints, sign):
+    """M q̈ changes by Σ J_tᵀ F_t, F_t = −s µ F_n or −s M/size; the power −F_t v_t is dissipated."""
+    rng = np.random.default_rng(2)
+    scene, d, y = rubbing_chain(rng, base, contacts, joints)
+    found = elements_of(d)
+    d.element.mode[found] = sign
+    rate = rate_of(d, y)
+    d.friction.count = 0
+    free = rate_of(d, y)
+    rows = tangents(scene, d, y, found)
+    response, _ = mobility(scene, d, y, rows)
+    normal = np.array([d.touch.force[e] if e < d.candidates else 0.0 for e in found])
+    sizes = np.where(normal > 0.0, MU * normal, MOMENT / d.model.size)
+    n = d.links
+    np.testing.assert_allclose(
+        rate[n + 2 : 2 * n + 4] - free[n + 2 : 2 * n + 4], response @ (-sign * sizes), rtol=1e-9, atol=1e-9
+    )
+    speeds = rows @ y[n + 2 : 2 * n + 4]
+    assert rate[2 * n + 4] - free[2 * n + 4] == pytest.approx(sign * sizes @ speeds, rel=1e-9)
+    np.testing.assert_allclose(d.element.force[found], -sign * sizes, rtol=1e-12)
+    limits = np.where(normal > 0.0, MU_S * normal, MOMENT / d.model.size)
+    np.testing.assert_allclose(d.element.limit[found], limits, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("base", "contacts", "joints"), CASES)
+def test_what_sticks_has_no_tangential_acceleration(base, contacts, joints):
+    rng = np.random.default_rng(3)
+    scene, d, y = rubbing_chain(rng, base, contacts, joints)
+    found = elements_of(d)
+    d.friction.count = d.friction.contact_count = 0
+    free = rate_of(d, y)
+    bias = np.array([along_tangent(d, e, d.work.acceleration) for e in found])
+    list_friction(d)
+    d.element.mode[found] = STICKS
+    list_sticking(d)
+    rate = rate_of(d, y)
+    left = [along_tangent(d, e, d.work.acceleration) for e in found]
+    np.testing.assert_allclose(left, 0.0, atol=1e-11 * (1.0 + np.abs(bias).max()))
+    response, w = mobility(scene, d, y, tangents(scene, d, y, found))
+    forces = np.linalg.lstsq(w, -bias, rcond=1e-10)[0]
+    n = d.links
+    gained = rate[n + 2 : 2 * n + 4] - free[n + 2 : 2 * n + 4]
+    np.testing.assert_allclose(gained, response @ forces, rtol=1e-7, atol=1e-7)
+    if np.linalg.cond(w) < 1e8:
+        np.testing.assert_allclose(d.element.force[found], forces, rtol=1e-6, atol=1e-6)
+
+
+def test_a_contact_begins_in_the_direction_of_its_motion():
+    _, d, _ = rubbing_chain(np.random.default_rng(4), "free", 1, False)
+    c = int(d.touch.active_index[0])
+    speed = along_tangent(d, c, d.work.velocity)
+    begin_friction(d, c)
+    assert d.element.mode[c] == np.sign(speed)
+    for vector in (d.work.velocity.x, d.work.velocity.y):
+        vector[:] = 0.0
+    begin_friction(d, c)
+    assert d.element.mode[c] == STICKS
+
+
+def test_margins_are_the_least_of_a_step():
+    _, d, _ = rubbing_chain(np.random.default_rng(5), "free", 1, False)
+    c = int(d.touch.active_index[0])
+    speed = along_tangent(d, c, d.work.velocity)
+    d.element.mode[c] = -int(np.sign(speed))
+    d.element.margin[c] = 7.0
+    clear_margins(d)
+    assert d.element.margin[c] == 0.0
+    clear_loads(d)
+    power = slide(d, c, 2.0)
+    assert power == pytest.approx(-2.0 * abs(speed), rel=1e-14)
+    assert d.element.margin[c] == -abs(speed)
+    d.touch.force[c] = 5.0
+    assert apply_friction(d) == pytest.approx(-5.0 * MU * abs(speed), rel=1e-14)
+    d.element.mode[c] = STICKS
+    list_sticking(d)
+    d.rigid.impulse[d.touch.active_count] = 5.0 * MU_S + 100.0
+    dissipated = keep_static_forces(d)
+    assert d.element.margin[c] == pytest.approx(-100.0, rel=1e-12)
+    assert dissipated == pytest.approx(-d.element.force[c] * speed, rel=1e-14)
+
+
+def test_an_anchor_moves_only_where_it_cannot_be_held():
+    _, d, _ = rubbing_chain(np.random.default_rng(6), "free", 1, False)
+    c = int(d.touch.active_index[0])
+    d.element.mode[c] = STICKS
+    list_sticking(d)
+    there = along_tangent(d, c, d.work.position)
+    near = there + 0.5 * NOT_HELD * d.model.size
+    d.element.anchor[c] = near
+    keep_anchors(d)
+    assert d.element.anchor[c] == near
+    d.element.anchor[c] = there + 2.0 * NOT_HELD * d.model.size
+    keep_anchors(d)
+    assert d.element.anchor[c] == there
