@@ -18,8 +18,10 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.results.result import recording_of
 from chain_impact.scene.models import models_folder
-from chain_impact.scene.scene import SCENE_FILE, model_names
+from chain_impact.scene.scene import SCENE_FILE, model_names, scene_to_dict
 from chain_impact.variables.model import Model
+from tests import coulomb
+from tests.places import separated
 from tests.textbook import Chain
 from tests.walker import Walker
 
@@ -43,6 +45,7 @@ INDEPENDENT = {
     "ramp": (1.5, 1e-9),
     "rod_drop": (1.4, 1e-9),
     "simple_pendulum": (4.0, 1e-9),
+    "sliding_rod": (2.0, 1e-9),
     "sphere_on_wall": (0.012, 1e-9),
     "steel_bar": (0.0008, 1e-9),
     "triple_pendulum": (5.0, 1e-9),
@@ -63,6 +66,7 @@ REGRESSION_ERROR = {
     "ramp": (1e-6, 1e-5),
     "rod_drop": (1e-6, 1e-3),
     "simple_pendulum": (1e-6, 1e-5),
+    "sliding_rod": (1e-8, 1e-6),
     "sphere_on_wall": (1e-9, 1e-6),
     "steel_bar": (1e-8, 1e-3),
     "triple_pendulum": (1e-6, 1e-5),
@@ -70,8 +74,23 @@ REGRESSION_ERROR = {
 # of the energy at all times [J]: during a long soft contact, rows between steps err by the interpolation
 BALANCE_ERROR = {"elastic_floor": 2e-8}
 
-# what has no stops in joints is compared with the chain of the textbook
-WITH_STOPS = {"kneed_leg": Walker}
+
+class Rubbing(Chain):
+    """A chain with dry friction: its motion is that of tests/coulomb.py."""
+
+    def run(self, times):
+        scene, friction = separated(scene_to_dict(self.scene))
+        motion, walls = coulomb.simulate(scene, friction, times), self.scene.wall_names
+        onsets = [
+            (one.time, one.place[0], walls.index(one.place[1]), one.speed)
+            for one in motion.changes
+            if one.kind == "onset"
+        ]
+        return motion.states, onsets
+
+
+# what has no stops in joints and no dry friction is compared with the chain of the textbook
+OTHERS = {"kneed_leg": Walker, "sliding_rod": Rubbing}
 
 CO_SIMULATED = {"controlled_arm": {"inputs.csv", "controller.py", "co_simulation.py", "masters.py"}}
 MEASURED = {"golf_ball": {"measured.csv"}, "triple_pendulum": {"measured.csv", "measured.LICENSE"}}
@@ -117,7 +136,7 @@ def coordinates(columns, links):
 def test_the_reference_agrees_with_an_independent_integration(model):
     scene, (until, error) = load_scene(model), INDEPENDENT[model]
     time, columns = reference(model)
-    chain = WITH_STOPS.get(model, Chain)(scene, inputs_of(model))
+    chain = OTHERS.get(model, Chain)(scene, inputs_of(model))
     rows = time <= until + 1e-9
     states, onsets = chain.run(time[rows])
 

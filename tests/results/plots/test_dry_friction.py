@@ -70,11 +70,11 @@ def test_energies_have_that_of_friction_as_a_part(recording):
 def test_the_headline_tells_the_share_of_friction(recording):
     lost = recording.columns["energy.dissipated"][-1]
     assert message(recording) == (
-        f"Pendulum: no impacts, {lost:.3g} J dissipated in 4 s, 100 % of it by dry friction"
+        f"Pendulum: no impacts, {lost:.3g} J dissipated, 100 % of it by dry friction, in 4 s"
     )
     part = swing()
     part.columns["energy.friction"] = 0.25 * part.columns["energy.dissipated"]
-    assert message(part).endswith("dissipated in 2 s, 25 % of it by dry friction")
+    assert message(part).endswith("dissipated, 25 % of it by dry friction, in 2 s")
 
 
 def test_the_conditions_tell_the_coefficients(recording):
@@ -84,5 +84,5 @@ def test_the_conditions_tell_the_coefficients(recording):
     assert "friction µ = 0.35 at y_min" in of_wall
     both = sled(**{"contact.static_friction": 0.6, "wall.slope.static_friction": 0.7})
     told = conditions(recording_of(simulate(both, 0.01)))
-    assert "friction µ = 0.5  ·  static µ = 0.6  ·  static µ = 0.7 at slope" in told
+    assert "  ·  friction µ = 0.5 (static 0.6), (static 0.7) at slope  ·  " in told
     assert "friction" not in conditions(recorded("rod_drop"))

@@ -52,7 +52,7 @@ def test_settings_of_matplotlib_are_left_alone(tmp_path):
 @pytest.mark.parametrize("name", PICTURES)
 def test_labels_never_overlap(name):
     page, *panels = drawn(picture(name))
-    motion, _, energy, speeds = panels
+    motion, _, energy, speeds, *_ = panels
     for axes in panels:
         inside = axes.get_window_extent()
         for one, other in itertools.combinations(boxes(axes), 2):
@@ -60,7 +60,7 @@ def test_labels_never_overlap(name):
         for box in boxes(axes):
             assert inside.x0 <= box.x0 <= box.x1 <= inside.x1
             assert inside.y0 <= box.y0 <= box.y1 <= inside.y1
-    outside = [axes.get_legend().get_window_extent() for axes in (motion, energy, speeds)]
+    outside = [axes.get_legend().get_window_extent() for axes in (motion, energy, *panels[3:])]
     outside += [axis.label.get_window_extent() for axes in panels for axis in (axes.xaxis, axes.yaxis)]
     outside += [text.get_window_extent() for text in page.texts]
     for box in outside:
@@ -75,7 +75,7 @@ def test_labels_never_overlap(name):
 
 @pytest.mark.parametrize("name", PICTURES)
 def test_a_picture_has_few_colours_besides_those_of_time(name):
-    _, _, _, energy, speeds = drawn(picture(name))
+    _, _, _, energy, speeds, *_ = drawn(picture(name))
     for axes in (energy, speeds):
         colours = {to_hex(line.get_color()) for line in axes.lines}
         colours |= {to_hex(colour) for item in axes.collections for colour in item.get_edgecolor()}

@@ -32,8 +32,8 @@ def message(recording: Recording) -> str:
     amount = f"{lost:.3g} J" if share is None else f"{percentage(share)} % of the energy"
     rubbed = recording.columns.get("energy.friction", np.zeros(1))[-1]
     if rubbed > ROUND_OFF * lost:
-        part = f", {percentage(rubbed / lost)} % of it by dry friction"
-        return f"{recording.name}: {impacts}, {amount} dissipated {span}{part}"
+        part = f"{percentage(rubbed / lost)} % of it by dry friction"
+        return f"{recording.name}: {impacts}, {amount} dissipated, {part}, {span}"
     if count and joint_damping(recording) == 0.0:
         return f"{recording.name}: {impacts} dissipate{'s' if count == 1 else ''} {amount} {span}"
     return f"{recording.name}: {impacts}, {amount} dissipated {span}"
@@ -68,17 +68,20 @@ def largest(recording: Recording, ending: str) -> float | None:
 
 
 def friction_conditions(recording: Recording) -> list[str]:
-    """The coefficients of dry friction: those of all walls, and those that single walls have."""
+    """The coefficients of dry friction of all walls, and those that single walls have."""
     known = recording.parameters
-    told = {"friction": "friction µ", "static_friction": "static µ"}
-    found = [
-        f"{text} = {known[f'contact.{key}']:g}" for key, text in told.items() if known.get(f"contact.{key}")
-    ]
-    for name, value in known.items():
-        wall = re.fullmatch(r"wall\.(\w+)\.(friction|static_friction)", name)
-        if wall:
-            found.append(f"{told[wall[2]]} = {value:g} at {wall[1]}")
-    return found
+    of_wall = (re.fullmatch(r"wall\.(\w+)\.(?:static_)?friction", name) for name in known)
+    places = {"contact": ""} | {
+        f"wall.{wall}": f" at {wall}" for wall in dict.fromkeys(w[1] for w in of_wall if w)
+    }
+    found = []
+    for place, where in places.items():
+        sliding, static = (known.get(f"{place}.{key}") for key in ("friction", "static_friction"))
+        told = "" if sliding is None else f" {sliding:g}"
+        told += f" (static {static:g})" if static else ""
+        if static or sliding or (where and told):
+            found.append(told.strip() + where)
+    return [f"friction µ = {', '.join(found)}"] if found else []
 
 
 def conditions(recording: Recording) -> str:
