@@ -37,7 +37,8 @@ HARSH = 7 * 10**6  # all that is hard, and the default limit of work (benchmarks
 STOPPED = 8 * 10**6  # stops in joints, walls of different materials, and often springs,
 RUBBED = 9 * 10**6  # dry friction at walls and in joints, and often stops.
 MOST_LINKS, LONG_LINKS = 10, (11, 60)
-HARD_WORK = 2e4  # evaluations, for a scene that asks for much
+HARD_WORK = 2e4  # evaluations, for a scene that asks for much, …
+DRY_WORK = 2e5  # … and for one with dry friction that does not
 TURNS = 300.0  # rad, at most, that a link turns by, as it starts
 IMPLICIT_STEPS = 1e4  # for which stop times are drawn, estimated for a method of order 3
 
@@ -360,7 +361,9 @@ def stopped_of(seed: int) -> Scene:
 def rubbed_of(seed: int) -> Scene:
     """A chain with dry friction, upright or with all that chains with stops have."""
     draw = Draw(seed, 8)
-    return rubbed(draw.one((upright, stopped_of), (0.7, 0.3))(seed), draw, HARD_WORK)
+    scene = draw.one((upright, stopped_of), (0.7, 0.3))(seed)
+    demanding = hard(asdict(scene.solver), asdict(scene.contact))
+    return rubbed(scene, draw, HARD_WORK if demanding else DRY_WORK)
 
 
 _KINDS: dict[int, Callable[[int], Scene]] = {
