@@ -27,9 +27,9 @@ class ComplexChain:
     """The equations of a scene with some parameters perturbed, one in each lane.
 
     The state of a lane is q = (x₀, y₀, θ), q̇, time, dissipated and supplied energy, that dissipated by dry
-    friction, the normal and the tangential impulse of each candidate, and z of each candidate: the root z = (δ/δ*)^(1/m) of its penetration, while it lasts. With
-    dt/ds = τ Π z^(m−1) the motion is smooth in s, also where contacts begin and end, if m n and m p are
-    whole.
+    friction, the normal and the tangential impulse of each candidate, and z of each candidate: the root
+    z = (δ/δ*)^(1/m) of its penetration, while it lasts. With dt/ds = τ Π z^(m−1) the motion is smooth in s,
+    also where contacts begin and end, if m n and m p are whole.
 
     Args:
         scene: the chain, its walls and its law.

@@ -1,8 +1,8 @@
 """Dry friction of the chain in complex numbers: the sign of what slides is latched, what sticks is held.
 
-An element is a candidate at a wall, with a force along t = (n_y, −n_x) while it touches, or a joint, after the
-candidates, with a moment. What slides with the sign s has −s µ F_n. What sticks has no acceleration along t,
-which is a constraint.
+An element is a candidate at a wall, with a force along t = (n_y, −n_x) while it touches, or a joint, with a
+moment: those come after the candidates. What slides with the sign s has −s µ F_n. What sticks has no
+acceleration along t, which is a constraint.
 """
 
 from __future__ import annotations
@@ -110,9 +110,7 @@ class DryFriction:
         change, forces = self.respond(place, stuck, asked)
         return free + change, dict(zip(stuck, forces.T, strict=True))
 
-    def respond(
-        self, place: Place, stuck: Sequence[int], asked: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def respond(self, place: Place, stuck: Sequence[int], asked: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The motion M⁻¹Jᵀλ of the coordinates that gives elements what is asked for, and λ.
 
         Of dependent constraints, only as many get a force as are independent.

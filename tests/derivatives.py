@@ -334,12 +334,10 @@ class _Run:
 
     def note_modes(self) -> None:
         """Note which modes of dry friction are others than before."""
+        time, modes = float(self.y[0, self.chain.time].real), self.chain.friction.modes
         last = {e: mode for _, e, mode in self.modes}
-        for e, mode in self.chain.friction.modes.items():
-            if last.get(e) != mode:
-                self.modes.append((float(self.y[0, self.chain.time].real), e, mode))
-        for e in [e for e, mode in last.items() if mode != NO_FRICTION and e not in self.chain.friction.modes]:
-            self.modes.append((float(self.y[0, self.chain.time].real), e, NO_FRICTION))
+        now = dict.fromkeys(last, NO_FRICTION) | modes
+        self.modes += [(time, e, mode) for e, mode in now.items() if last.get(e) != mode]
 
     # --- what is told ------------------------------------------------------------------------------------
 
