@@ -10,6 +10,7 @@ from chain_impact.kernel.integration.last_step import SOLVER
 from chain_impact.kernel.integration.methods import METHOD_COUNT, SOLVER_METHODS
 from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.laws.contact_laws import LAW_COUNT
+from chain_impact.kernel.model.friction import NO_FRICTION, STICKS, list_sticking
 from chain_impact.kernel.model.inputs import DEGREE
 from chain_impact.kernel.model.latest import LATEST
 from chain_impact.kernel.soundness import sound, within, within_bounds
@@ -20,6 +21,7 @@ from chain_impact.simulation.instance import Instance
 from chain_impact.variables.model import Model
 from tests.derivative_scenes import table
 from tests.kernel.chains import chain, stopped_chain, stops_of, touch
+from tests.kernel.rubbing import rubbing_chain
 from tests.plain import Plain
 
 
@@ -190,6 +192,51 @@ def test_the_order_of_a_course_has_its_bounds(course):
         d[course].course.order = order
         assert bool(within_bounds(d)) == fits
         d[course].course.order = 0
+
+
+# the least and the most of a chain of 4 links with 20 candidates, so 24 elements: of 2 contacts and 3 joints
+# all have friction, and 2 of them stick
+OF_FRICTION = {
+    ("friction", "used"): (0, 1),
+    ("friction", "count"): (2, 24),
+    ("friction", "contact_count"): (2, 5),
+    ("friction", "integral_count"): (0, 3),
+    ("friction", "stuck_count"): (1, 5),
+    ("friction", "stuck_joints"): (0, 2),
+    ("changes", "count"): (0, None),
+    ("element", "index"): (0, 23),
+    ("element", "stuck"): (0, 23),
+    ("element", "mode"): (-1, NO_FRICTION),
+}
+
+
+@pytest.mark.parametrize(("record", "field"), OF_FRICTION)
+def test_the_indices_of_dry_friction_have_their_bounds(record, field):
+    _, d, _ = rubbing_chain(np.random.default_rng(0), "free", 2, True)
+    d.element.mode[d.element.index[[0, 3]]] = STICKS
+    list_sticking(d)
+    assert within_bounds(d)
+    shape = np.shape(d[record][field])
+    for i in range(shape[0]) if shape else [None]:
+        before = d[record][field] if i is None else d[record][field][i]
+        least, most = OF_FRICTION[record, field]
+        inside = [bound for bound in (least, most) if bound is not None]
+        beyond = [-1, -2, *([most + 1, 1 << 40] if most is not None else [])]
+        for value in (*inside, *beyond):
+            put(d[record], field, i, value)
+            assert bool(within_bounds(d)) == (least <= value and (most is None or value <= most))
+        put(d[record], field, i, before)
+    assert within_bounds(d)
+
+
+def test_a_record_without_room_for_friction_has_none():
+    _, d = chain(np.random.default_rng(0), 3)
+    assert d.elements == 0
+    for field in ("used", "count", "contact_count", "integral_count", "stuck_count", "stuck_joints"):
+        d.friction[field] = 1
+        assert not within_bounds(d)
+        d.friction[field] = 0
+    assert within_bounds(d)
 
 
 def put(record, field, i, value):

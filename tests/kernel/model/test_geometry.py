@@ -12,8 +12,11 @@ from chain_impact.kernel.model.geometry import (
     NORMALS,
     WALLS,
     add_along_normal,
+    add_along_tangent,
     add_impedance,
+    add_tangential_impedance,
     along_normal,
+    along_tangent,
     clear_loads_of,
     clearance,
     coordinates_size,
@@ -23,6 +26,7 @@ from chain_impact.kernel.model.geometry import (
     place_slope,
     place_walls,
     speed_bound,
+    tangent,
     to_joints,
 )
 from chain_impact.kernel.status import OK, PARAMETER_OUT_OF_RANGE
@@ -43,10 +47,12 @@ SLOPES = [
 ]
 
 
-def prepared(box):
+def prepared(box, changes=None):
     """The record of the default chain between walls at any angle, and in its box or without one."""
     walls = [{"name": f"w{w}", "point": point, "angle": angle} for w, (angle, point) in enumerate(SLOPES)]
-    scene = with_values(default_scene(), {("walls",): walls} | ({} if box else {("box",): {}}))
+    scene = with_values(
+        default_scene(), {("walls",): walls} | ({} if box else {("box",): {}}) | (changes or {})
+    )
     return scene, Plain(Model(scene).new_instance()[0])
 
 
@@ -286,3 +292,76 @@ def test_round_off_is_that_of_both_coordinates_of_a_point_or_of_both_angles_of_a
     position.y[:] = -2.5
     c = next(c for c in range(d.candidates) if not d.candidate.stop[c])
     assert coordinates_size(d, c, y) == pytest.approx(abs(position.x[d.candidate.point[c]]) + 2.5, rel=1e-13)
+
+
+# --- tangential directions ---------------------------------------------------------------------------------
+
+
+@pytest.fixture(params=["free", "pinned"])
+def rubbing(request):
+    """A chain of four links with dry joints between walls at any angle, located in some state."""
+    pinned = {("contact", "points"): [1, 2, 3, 4]} if request.param == "pinned" else {}
+    joints = {("chain", "links", i, "joint_friction"): 0.1 for i in range(1, 4)}
+    changes = {("chain", "base"): request.param, ("contact", "friction"): 0.3}
+    scene, d = prepared(True, changes | joints | pinned)
+    assert initialize(d, 0.0) == OK
+    y = random_state(np.random.default_rng(3), d)
+    locate_points(d, y)
+    return scene, d, y
+
+
+def test_the_tangent_of_a_wall_is_its_normal_turned_backward(rubbing):
+    """t = (n_y, −n_x): to the right along a floor."""
+    scene, d, _ = rubbing
+    planes = scene.half_planes
+    for c in range(d.candidates):
+        place, *t = tangent(d, c)
+        assert place == d.candidate.point[c]
+        nx, ny = list(planes.values())[c % len(planes)].normal
+        assert t == pytest.approx([ny, -nx], abs=3e-16)
+        if d.candidate.wall[c] == WALLS.index("y_min"):
+            assert t == [1.0, 0.0]
+
+
+def test_the_tangent_of_a_joint_is_its_angle_at_the_arm(rubbing):
+    """J v by the angle's rate, ψ̇ = θ̇_i − θ̇_{i−1}."""
+    _, d, y = rubbing
+    n = d.links
+    rates = np.diff(y[n + 4 : 2 * n + 4], prepend=0.0)
+    for i in range(n):
+        e = d.candidates + i
+        assert tangent(d, e) == (n + 1 + i, 1.0, 0.0)
+        speed = along_tangent(d, e, d.work.velocity)
+        assert speed == pytest.approx(d.model.size * rates[i], rel=1e-12, abs=1e-14)
+
+
+def test_the_motion_and_the_load_along_tangents_are_adjoint(rubbing):
+    """F·(J v) = (Jᵀ F)·v, also where loads of joints are moments; the impedance has the energy D (J v)²."""
+    _, d, _ = rubbing
+    rng, n = np.random.default_rng(9), d.links
+    change = rng.normal(size=n + 2)
+    if d.model.pinned:
+        change[:2] = 0.0
+    motion, load, own = d.work.motion, d.work.load, d.work.impedance
+    move_points(d, d.work.link, change, motion)
+    turns, points = np.diff(change[2:], prepend=0.0), slice(0, n + 1)
+    for e in range(d.elements):
+        speed, force = along_tangent(d, e, motion), rng.normal()
+        assert abs(speed) > 0.0 or (d.model.pinned and d.candidate.point[e] == 0)
+        clear_loads_of(d, load)
+        add_along_tangent(d, e, load, 0.25 * force)
+        add_along_tangent(d, e, load, 0.75 * force)
+        power = load.x @ motion.x + load.y @ motion.y
+        assert power == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
+        to_joints(d, load)
+        power = load.x[points] @ motion.x[points] + load.y[points] @ motion.y[points] + load.joint @ turns
+        assert power == pytest.approx(force * speed, rel=1e-12, abs=1e-14)
+        own.xy[:] = own.yy[:] = 0.0  # nothing reads those of joints
+        no_impedance(d, own)
+        add_tangential_impedance(d, e, own, 1.0)
+        add_tangential_impedance(d, e, own, 1.5)
+        energy = own.xx @ motion.x**2 + 2.0 * (own.xy @ (motion.x * motion.y)) + own.yy @ motion.y**2
+        assert energy == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
+        impedance_of_joints(d, own)
+        if e >= d.candidates:
+            assert own.joint @ turns**2 == pytest.approx(2.5 * speed**2, rel=1e-12, abs=1e-14)
