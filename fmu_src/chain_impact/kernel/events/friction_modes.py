@@ -41,7 +41,8 @@ def update_modes(d, struck):
     own = d.friction
     list_friction(d)
     for e in range(d.elements):
-        d.element.before[e], d.element.mode[e] = d.element.mode[e], NO_FRICTION
+        d.element.before[e] = NO_FRICTION if begins(d, e) else d.element.mode[e]
+        d.element.mode[e] = NO_FRICTION
     for i in range(own.count):
         d.element.mode[d.element.index[i]] = first_guess(d, d.element.index[i], struck)
     choose_modes(d)
@@ -55,6 +56,11 @@ def update_modes(d, struck):
         locate_points(d, d.step.state_end)
     for i in range(own.count):
         set_slack(d, d.element.index[i])
+
+
+def begins(d, e):
+    """Whether element e is a contact that begins now."""
+    return e < d.candidates and d.touch.active[e] != 0 and d.touch.onset[e] == d.step.end
 
 
 def set_slack(d, e):

@@ -31,6 +31,7 @@ from chain_impact.kernel.model.constraints import (
     DOUBT,
     RISE,
     any_point_held,
+    constraint_rows,
     project_state,
     solve_lcp,
     solve_positions,
@@ -265,6 +266,8 @@ def release_contacts(d):
             own.target[k] = RELEASE_GAP * d.model.size
             own.in_active_set[k] = 1
             parting = True
+    for k in range(d.touch.active_count, constraint_rows(d)):
+        own.start[k] = 0.0  # what sticks by dry friction stays where it is
     if parting:
         solve_positions(d)
         for j in range(coordinate_count(n)):
