@@ -78,12 +78,16 @@ def observe_friction(d, theta):
         out.joint_moment[e], out.joint_sticking[e] = 0.0, 0.0
     for i in range(own.count):
         e = d.element.index[i]
-        sticks = 1.0 if d.element.mode[e] == STICKS else 0.0
-        if e < d.candidates:
-            out.force[e], out.sticking[e] = d.element.force[e], sticks
-        else:
+        mode = d.element.mode[e]
+        sticks = 1.0 if mode == STICKS else 0.0
+        if e >= d.candidates:
             joint = joint_of(d, e)
             out.joint_moment[joint], out.joint_sticking[joint] = d.model.size * d.element.force[e], sticks
+        else:
+            out.sticking[e] = sticks
+            # −s µ F_n with the true normal force, which is not continued beyond the kink of its law
+            sliding = -mode * d.law.friction[e] * d.output.force[e]
+            out.force[e] = d.element.force[e] if mode == STICKS else sliding
     out.dissipated = d.friction_impulse.energy
     for k in range(friction_count(d)):
         value = interpolate_component(d.friction_impulse, theta, k)
