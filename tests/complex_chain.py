@@ -17,6 +17,7 @@ import numpy as np
 
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import WALLS, Scene
+from tests.complex_friction import DryFriction
 from tests.complex_laws import Law
 from tests.complex_place import Place, Touch, chained
 from tests.complex_step import TINY, power
@@ -25,10 +26,10 @@ from tests.complex_step import TINY, power
 class ComplexChain:
     """The equations of a scene with some parameters perturbed, one in each lane.
 
-    The state of a lane is q = (x₀, y₀, θ), q̇, time, dissipated and supplied energy, the impulse of each
-    candidate, and z of each candidate: the root z = (δ/δ*)^(1/m) of its penetration, while it lasts. With
-    dt/ds = τ Π z^(m−1) the motion is smooth in s, also where contacts begin and end, if m n and m p are
-    whole.
+    The state of a lane is q = (x₀, y₀, θ), q̇, time, dissipated and supplied energy, that dissipated by dry
+    friction, the normal and the tangential impulse of each candidate, and z of each candidate: the root
+    z = (δ/δ*)^(1/m) of its penetration, while it lasts. With dt/ds = τ Π z^(m−1) the motion is smooth in s,
+    also where contacts begin and end, if m n and m p are whole.
 
     Args:
         scene: the chain, its walls and its law.
@@ -54,6 +55,7 @@ class ComplexChain:
         self._walls()
         self._stops()
         self._laws()
+        self.friction = DryFriction(self)
 
     def value(self, name: str, otherwise: float = 0.0) -> np.ndarray:
         """A parameter in each lane, shape (lanes,)."""
@@ -72,7 +74,8 @@ class ComplexChain:
         n, count = self.links + 2, len(candidates(self.scene))
         self.q, self.v = slice(0, n), slice(n, 2 * n)
         self.time, self.dissipated, self.supplied = 2 * n, 2 * n + 1, 2 * n + 2
-        self.impulse, self.root = 2 * n + 3, 2 * n + 3 + count
+        self.rubbed, self.impulse = 2 * n + 3, 2 * n + 4
+        self.tangential, self.root = self.impulse + count, self.impulse + 2 * count
         self.size = self.root + count
 
     def _bodies(self) -> None:
@@ -211,8 +214,12 @@ class ComplexChain:
         pairs = [self.force(y, place, touch) for touch in touches]
         omega, along, across = place.omega, place.along, place.across
         forces = self.spread(place, loads)
-        for touch, (force, _) in zip(touches, pairs, strict=True):
-            forces += self.gradient(place, touch.candidate) * force[:, None]
+        normal = {touch.candidate: force for touch, (force, _) in zip(touches, pairs, strict=True)}
+        for c, force in normal.items():
+            forces += self.gradient(place, c) * force[:, None]
+        friction = self.friction.slide(normal)
+        for e, force in friction.items():
+            forces += self.friction.row(place, e) * force[:, None]
         # Σ_j c_ij sin(θ_i−θ_j) ω_j² and −Σ b_i ω_i² e_i, to the other side
         square = (omega**2)[..., None]
         outward = self.c @ (square * along) + self.b[..., None] * self.gravity[:, None]
@@ -226,14 +233,19 @@ class ComplexChain:
         loss = (self.damper * turned**2).sum(1)
         for touch, (force, elastic) in zip(touches, pairs, strict=True):
             loss = loss - (force - elastic) * place.gap_rate[:, touch.candidate]
+        rubbed = sum((-force * self.friction.speed(y, e) for e, force in friction.items()), 0.0 * loss)
+        acceleration, held = self.friction.hold(place, self.answer(place, forces))
         supply = (self.torque * turned).sum(1)
         if self.tip.any():
             supply = supply + (self.tip * place.velocity[:, -1]).sum(1)
         return SimpleNamespace(
             place=place,
-            acceleration=self.answer(place, forces),
+            acceleration=acceleration,
             pairs=pairs,
-            loss=loss,
+            normal=normal,
+            friction=friction | held,
+            rubbed=rubbed,
+            loss=loss + rubbed,
             supply=supply,
             spring_energy=(0.5 * self.spring * bent**2).sum(1),
         )
@@ -270,8 +282,12 @@ class ComplexChain:
             look.loss,
             look.supply,
         )
-        for touch, (force, _) in zip(touches, look.pairs, strict=True):
-            result[:, self.impulse + touch.candidate] = force
+        result[:, self.rubbed] = look.rubbed
+        for c, force in look.normal.items():
+            result[:, self.impulse + c] = force
+        for e, force in look.friction.items():
+            if e < self.friction.first_joint:
+                result[:, self.tangential + e] = force
         result *= tempo[:, None]
         for touch in touches:
             others = self.tempo(y, touches, without=touch)

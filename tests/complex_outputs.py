@@ -29,7 +29,7 @@ def outputs_of(chain: ComplexChain, y: np.ndarray, touches: Sequence[Touch]) -> 
         # K δⁿ⁺¹/(n+1)
         elastic = elastic - spring * look.place.gap[:, touch.candidate] / (touch.law.exponent + 1.0)
     values |= _at_walls(chain, y, touches, look) | _at_stops(chain, y, touches, look)
-    values |= _energies(chain, y, look.place, elastic)
+    values |= _energies(chain, y, look.place, elastic) | _of_friction(chain, y, look)
     return {name: value.copy() for name, value in values.items()}
 
 
@@ -66,6 +66,20 @@ def _at_stops(
             values[f"{name}moment"] = chain.side[stop] * force
             values[f"{name}penetration"] = -look.place.gap[:, touch.candidate]
     return values
+
+
+def _of_friction(chain: ComplexChain, y: np.ndarray, look: SimpleNamespace) -> dict[str, np.ndarray]:
+    """Forces, moments and impulses of dry friction, and what it has dissipated."""
+    dry, values = chain.friction, {}
+    zero = np.zeros(chain.lanes, complex)
+    for e in dry.sliding:
+        force = look.friction.get(e, zero)
+        if e >= dry.first_joint:
+            values[f"joint[{e - dry.first_joint + 1}].friction_moment"] = force
+        else:
+            name = f"contact[{chain.points[e]}].{chain.scene.wall_names[chain.walls[e]]}.friction_"
+            values[f"{name}force"], values[f"{name}impulse"] = force, y[:, chain.tangential + e]
+    return values | ({"energy.friction": y[:, chain.rubbed]} if dry.sliding else {})
 
 
 def _energies(chain: ComplexChain, y: np.ndarray, place: Place, elastic: np.ndarray) -> dict[str, np.ndarray]:

@@ -34,6 +34,7 @@ LONGEST = 0.02  # s, of a step in flight
 NEAR, SHORT = 1e-4, 2e-3  # m, s: a point that comes so near a wall is followed in steps so short
 FIRST = 0.02  # of a contact's own variable, which comes to about 2 at its end
 RELATCH = 2.0  # times v₀, at which it is latched anew
+NO_FRICTION = 2  # in place of a mode, of a contact that has ended
 
 
 @dataclass
@@ -47,6 +48,7 @@ class Derivatives:
         impacts: fields of the list of impacts, shape (I,).
         impact_slopes: their derivatives, shape (I, P).
         steps: of the integration.
+        modes: changes of dry friction: time [s], element and mode, see ``tests.complex_friction``.
     """
 
     values: dict[str, np.ndarray]
@@ -56,6 +58,7 @@ class Derivatives:
     impacts: dict[str, np.ndarray]
     impact_slopes: dict[str, np.ndarray]
     steps: int
+    modes: list[tuple[float, int, int]]
 
 
 @dataclass
@@ -94,6 +97,9 @@ class _Run:
         self.touches: list[Touch] = []
         self.finished: list[tuple[Touch, dict[str, np.ndarray]]] = []
         self.flight = 1e-3  # s, size of the next step in flight
+        self.modes: list[tuple[float, int, int]] = []
+        chain.friction.begin(self.y, self.touches)
+        self.note_modes()
 
     def to(self, times: Sequence[float]) -> Derivatives:
         rows = []
@@ -117,6 +123,7 @@ class _Run:
             impacts={name: column[:, 0].real for name, column in table.items()},
             impact_slopes={name: self.slopes(column) for name, column in table.items()},
             steps=self.steps,
+            modes=self.modes,
         )
 
     def slopes(self, column: np.ndarray) -> np.ndarray:
@@ -214,6 +221,22 @@ class _Run:
                 True,
             )
             found.append(fast)
+        return found + self.changes_of_modes()
+
+    def changes_of_modes(self) -> list[Event]:
+        """The ends of sliding and of sticking."""
+        chain, dry, found = self.chain, self.chain.friction, []
+        for e, mode in dry.modes.items():
+            if mode:
+                found.append(Event("halt", e, lambda y, e=e, s=mode: s * dry.speed(y, e)))
+                continue
+            sign = np.sign(chain.look(self.y, self.touches).friction[e][0].real)
+
+            def margin(y: np.ndarray, e: int = e, sign: float = sign) -> np.ndarray:
+                look = chain.look(y, self.touches)
+                return dry.bound(look, e) - sign * look.friction[e]
+
+            found.append(Event("break", e, margin))
         return found
 
     def first_due(
@@ -287,9 +310,11 @@ class _Run:
             case "onset":
                 touch = chain.begin(self.y, subject)
                 self.touches.append(touch)
+                chain.friction.touch(self.y, subject)
                 touch.forces.append(self.force_now(touch))
             case "end":
                 self.touches.remove(subject)
+                chain.friction.modes.pop(subject.candidate, None)
                 away = chain.locate(self.y).gap_rate[:, subject.candidate]
                 row = self.row(subject, self.y[:, chain.time].copy(), away)
                 self.finished.append((subject, row))
@@ -303,6 +328,16 @@ class _Run:
             case "fast":
                 subject.speed = RELATCH * subject.speed
                 subject.latch()
+        halted = chain.friction.halting(self.y, subject) if event.kind == "halt" else []
+        chain.friction.decide(self.y, self.touches, halted, subject if event.kind == "break" else None)
+        self.note_modes()
+
+    def note_modes(self) -> None:
+        """Note which modes of dry friction are others than before."""
+        time, modes = float(self.y[0, self.chain.time].real), self.chain.friction.modes
+        last = {e: mode for _, e, mode in self.modes}
+        now = dict.fromkeys(last, NO_FRICTION) | modes
+        self.modes += [(time, e, mode) for e, mode in now.items() if last.get(e) != mode]
 
     # --- what is told ------------------------------------------------------------------------------------
 

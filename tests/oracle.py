@@ -23,6 +23,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import Instance, SimulationError
 from tests.kernel_calls import move
 from tests.oracle_laws import Law, chain_of, laws
+from tests.random_friction import friction_checks
 from tests.random_scenes import drive
 
 CPU = 2.0  # s, that a run may take
@@ -106,6 +107,15 @@ def judge(run: Account, cpu: float = CPU) -> list[Finding]:
     ]
 
 
+def _columns(outputs: np.ndarray, path: str = "") -> Iterator[tuple[str, np.ndarray]]:
+    """The numbers of a record and of those in it, by their names."""
+    for name in outputs.dtype.names or ():
+        if outputs.dtype[name].names:
+            yield from _columns(outputs[name], f"{path}{name}.")
+        else:
+            yield f"{path}{name}", outputs[name]
+
+
 def checks(run: Account, cpu: float = CPU) -> Iterator[tuple[str, float, float, str]]:
     """Each check: kind, value, the most that it may be, and what that is."""
     yield "slow", run.cpu, cpu, "CPU time [s]"
@@ -120,7 +130,7 @@ def checks(run: Account, cpu: float = CPU) -> Iterator[tuple[str, float, float, 
             f"after {run.time[-1] if len(run.time) else 0.0:.3g} s: {STATUS_TEXT[run.status]}",
         )
     outputs = run.outputs
-    bad = [name for name in outputs.dtype.names if not np.isfinite(outputs[name]).all()]
+    bad = [name for name, values in _columns(outputs) if not np.isfinite(values).all()]
     # the end and the separation speed of an open contact are not known, nor the peak force of a rigid one
     columns = ("onset", "impact_speed", "max_penetration", "effective_mass")
     bad += [name for name in columns if not np.isfinite(run.impacts[name]).all()]
@@ -137,6 +147,7 @@ def checks(run: Account, cpu: float = CPU) -> Iterator[tuple[str, float, float, 
         lost = float(np.abs(outputs["dissipated"]).max())
         yield "dissipates", lost, dissipation_bound(run), "energy that an elastic wall has taken [J]"
     yield from containment(run)
+    yield from friction_checks(run.scene, outputs)
     yield from speeds(run)
     yield from moments(run)
 

@@ -22,6 +22,7 @@ from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.scene.scene import SOLVER_METHODS, Scene, scene_from_dict, with_values
 from tests.draw import Draw
 from tests.folds import fold
+from tests.random_friction import rubbed
 from tests.random_stops import stopped
 from tests.turned import turned
 
@@ -33,9 +34,11 @@ TAUT = 4 * 10**6  # stiff springs at loose tolerances,
 UNEVEN = 5 * 10**6  # rigid walls and masses over six decades,
 LONG = 6 * 10**6  # more links than others,
 HARSH = 7 * 10**6  # all that is hard, and the default limit of work (benchmarks/random_search.py only),
-STOPPED = 8 * 10**6  # stops in joints, walls of different materials, and often springs.
+STOPPED = 8 * 10**6  # stops in joints, walls of different materials, and often springs,
+RUBBED = 9 * 10**6  # dry friction at walls and in joints, and often stops.
 MOST_LINKS, LONG_LINKS = 10, (11, 60)
-HARD_WORK = 2e4  # evaluations, for a scene that asks for much
+HARD_WORK = 2e4  # evaluations, for a scene that asks for much, …
+DRY_WORK = 2e5  # … and for one with dry friction that does not
 TURNS = 300.0  # rad, at most, that a link turns by, as it starts
 IMPLICIT_STEPS = 1e4  # for which stop times are drawn, estimated for a method of order 3
 
@@ -355,6 +358,14 @@ def stopped_of(seed: int) -> Scene:
     return stopped(scene, draw, law, HARD_WORK if hard(asdict(scene.solver), law) else math.inf)
 
 
+def rubbed_of(seed: int) -> Scene:
+    """A chain with dry friction, upright or with all that chains with stops have."""
+    draw = Draw(seed, 8)
+    scene = draw.one((upright, stopped_of), (0.7, 0.3))(seed)
+    demanding = hard(asdict(scene.solver), asdict(scene.contact))
+    return rubbed(scene, draw, HARD_WORK if demanding else DRY_WORK)
+
+
 _KINDS: dict[int, Callable[[int], Scene]] = {
     0: upright,
     SLANTED: lambda seed: slanted(upright(seed), Draw(seed, 2)),
@@ -365,4 +376,5 @@ _KINDS: dict[int, Callable[[int], Scene]] = {
     LONG: long,
     HARSH: harsh,
     STOPPED: stopped_of,
+    RUBBED: rubbed_of,
 }

@@ -20,11 +20,10 @@ from typing import Any
 import numpy as np
 
 from chain_impact.compilation.library import kernel_library
-from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.status import OK
-from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import load_kernel
+from chain_impact.variables.model import model_of
 from tests import oracle
 from tests.oracle import CPU, Finding
 from tests.random_scenes import scene as scene_of
@@ -130,7 +129,7 @@ class Worker:
 
 def _ended(scene: Scene, seed: int, cpu: float, memory: Any, code: int) -> Verdict:
     """On a run that was ended, by the record that it left."""
-    record = np.frombuffer(memory, instance_dtype(len(scene.chain.links), len(candidates(scene))), count=1)[0]
+    record = np.frombuffer(memory, model_of(scene).start.dtype, count=1)[0]
     statistics = record["statistics"]
     counts = {name: int(statistics[name]) for name in statistics.dtype.names}
     end, work = (

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chain_impact.compilation.record_type import TABLES, _affine
+from chain_impact.compilation.record_type import TABLES, Affine, _affine
 from chain_impact.kernel.entry import observe_now, trajectory
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.record.fields import is_table
@@ -18,8 +18,9 @@ TABLE = TABLES["instance"]
 LAYOUT = {"instance": lambda dtype: dtype, "tangent": tangent_dtype}
 
 
-def number(affine, links, candidates):
-    return affine.constant + affine.per_link * links + affine.per_candidate * candidates
+def number(affine, links, candidates, elements):
+    sizes = affine.per_link * links + affine.per_candidate * candidates + affine.per_element * elements
+    return affine.constant + sizes
 
 
 def places(dtype, path=(), offset=0):
@@ -33,16 +34,18 @@ def places(dtype, path=(), offset=0):
         yield from places(inner, (*path, name), offset + start)
 
 
-@pytest.mark.parametrize(("links", "candidates"), [(1, 0), (1, 1), (4, 20), (10, 44), (64, 3)])
+@pytest.mark.parametrize(
+    "sizes", [(1, 0, 0), (1, 0, 1), (1, 1, 0), (4, 20, 24), (10, 44, 0), (10, 44, 54), (64, 3, 67)]
+)
 @pytest.mark.parametrize("what", TABLES)
-def test_every_field_is_where_numpy_has_it(what, links, candidates):
+def test_every_field_is_where_numpy_has_it(what, sizes):
     table = TABLES[what]
-    found = list(places(LAYOUT[what](instance_dtype(links, candidates))))
+    found = list(places(LAYOUT[what](instance_dtype(*sizes))))
     assert {path for path, *_ in found} == set(table)
     for path, offset, dtype in found:
         field = table[path]
-        assert number(field.offset, links, candidates) == offset, path
-        shape = tuple(number(size, links, candidates) for size in field.shape)
+        assert number(field.offset, *sizes) == offset, path
+        shape = tuple(number(size, *sizes) for size in field.shape)
         if dtype.subdtype and is_table(dtype):
             # its columns tell its rows
             assert (shape, dtype.base.names) == ((), field.fields), path
@@ -50,23 +53,25 @@ def test_every_field_is_where_numpy_has_it(what, links, candidates):
         else:
             assert shape == dtype.shape, path
         if not field.stride:
-            assert number(field.size, links, candidates) == dtype.itemsize, path
+            assert number(field.size, *sizes) == dtype.itemsize, path
 
 
-def test_what_has_to_do_with_candidates_comes_last():
+def test_what_has_to_do_with_candidates_and_elements_comes_last():
     """So that the place of all else is a constant in a kernel for a number of links."""
-    for path in ("step", "work", "statistics"):
-        assert all(
-            field.offset.per_candidate == 0 and field.size.per_candidate == 0
-            for place, field in TABLE.items()
-            if place[:1] == (path,)
-        )
+    for path in ("step", "work", "statistics", "friction"):
+        for place, field in TABLE.items():
+            if place[:1] == (path,):
+                assert (field.offset.per_candidate, field.size.per_candidate) == (0, 0)
+                assert (field.offset.per_element, field.size.per_element) == (0, 0)
     assert TABLE["touch", "active_count"].offset.per_candidate == 0
+    for path in ("touch", "law", "search", "finished", "output"):
+        assert TABLE[path,].offset.per_element == 0
 
 
 def test_a_size_that_is_not_affine_is_refused():
     with pytest.raises(ValueError, match="no size"):
-        _affine([25, 36, 25, 49])
+        _affine([25, 36, 25, 25, 49])
+    assert _affine([25, 36, 25, 25, 47]) == Affine(-30, 11, 0, 0)
 
 
 def chain():
@@ -103,7 +108,7 @@ def test_compiled_code_gives_the_bits_of_plain_python(changes):
     with np.errstate(all="ignore"):
         assert initialize(d, 0.0) == 0
         offset, size = TABLE["output",].offset, TABLE["output",].size
-        shape = len(scene.chain.links), len(instance.record["touch"]["active"])
+        shape = len(scene.chain.links), len(instance.record["touch"]["active"]), 0
         start, end = number(offset, *shape) // 8, (number(offset, *shape) + number(size, *shape)) // 8
         output = block.view(np.float64)[start:end]
         assert trajectory(d, times, output, found.view(np.float64).reshape(len(times), -1)) == len(times)

@@ -14,6 +14,7 @@ from chain_impact.scene.scene import load_scene
 from chain_impact.variables.model import Model
 from tests.plain import Plain
 
+SIZES = {"links": 4, "candidates": 20, "elements": 24}
 FUNCTIONS = [one for _, one in inspect.getmembers(hooks, inspect.isfunction)]
 # what each does with every instance of dual numbers: the functions of the kernel, in their order
 DONE = {
@@ -39,10 +40,8 @@ def test_a_plain_run_has_hooks_that_do_nothing(function):
 @pytest.mark.parametrize("function", FUNCTIONS, ids=lambda one: one.__name__)
 def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monkeypatch):
     count, called = len(inspect.signature(function).parameters), []
-    tangents = [
-        SimpleNamespace(links=4, candidates=20, output=SimpleNamespace(words=[0.0])) for _ in range(3)
-    ]
-    d = SimpleNamespace(tangents=3, tangent_instances=tangents, links=4, candidates=20)
+    tangents = [SimpleNamespace(**SIZES, output=SimpleNamespace(words=[0.0])) for _ in range(3)]
+    d = SimpleNamespace(tangents=3, tangent_instances=tangents, **SIZES)
     d.statistics = SimpleNamespace(status=0)
 
     def note(name):
@@ -71,11 +70,11 @@ def test_a_hook_does_the_same_with_each_instance_of_dual_numbers(function, monke
 
 
 def test_one_that_does_not_fit_is_not_sound(monkeypatch):
-    tangents = [SimpleNamespace(links=4, candidates=20) for _ in range(2)]
-    d = SimpleNamespace(tangents=2, tangent_instances=tangents, links=4, candidates=20)
+    tangents = [SimpleNamespace(**SIZES) for _ in range(2)]
+    d = SimpleNamespace(tangents=2, tangent_instances=tangents, **SIZES)
     monkeypatch.setattr(entry, "within_bounds", lambda t: t is not d)
     assert HOOKS[hooks.indices_valid](d)
-    for field in ("links", "candidates"):
+    for field in SIZES:
         setattr(tangents[1], field, 5)
         assert not HOOKS[hooks.indices_valid](d)
         setattr(tangents[1], field, getattr(d, field))

@@ -7,7 +7,8 @@ from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.record.outputs import output_dtype
 from chain_impact.variables.table import WORD
 
-SIZES = [(1, 0), (1, 1), (2, 2), (4, 20), (7, 32)]  # links N, candidates C
+# links N, candidates C, elements F
+SIZES = [(1, 0, 0), (1, 1, 0), (1, 0, 1), (2, 2, 4), (4, 20, 0), (7, 32, 39)]
 
 
 def scalars(dtype):
@@ -25,19 +26,28 @@ def scalars(dtype):
         yield 0, dtype
 
 
-@pytest.mark.parametrize(("links", "pairs"), SIZES)
-def test_every_scalar_has_eight_bytes_and_none_lie_between_them(links, pairs):
-    dtype = instance_dtype(links, pairs)
+@pytest.mark.parametrize("sizes", SIZES)
+def test_every_scalar_has_eight_bytes_and_none_lie_between_them(sizes):
+    dtype = instance_dtype(*sizes)
     found = list(scalars(dtype))
     assert {kind for _, kind in found} == {np.dtype(np.float64), np.dtype(np.int64)}
     assert sorted(offset for offset, _ in found) == list(range(0, dtype.itemsize, WORD))
 
 
-@pytest.mark.parametrize(("links", "pairs"), SIZES)
-def test_the_output_record_is_the_row_of_a_time_series(links, pairs):
-    assert instance_dtype(links, pairs)["output"] == output_dtype(links, pairs)
+@pytest.mark.parametrize("sizes", SIZES)
+def test_the_output_record_is_the_row_of_a_time_series(sizes):
+    assert instance_dtype(*sizes)["output"] == output_dtype(*sizes)
 
 
-def test_the_size_grows_linearly():
-    small, middle, large = (instance_dtype(n, 4 * (n + 1)).itemsize for n in (10, 20, 30))
+@pytest.mark.parametrize("rubbing", [False, True])
+def test_the_size_grows_linearly(rubbing):
+    small, middle, large = (
+        instance_dtype(n, 4 * (n + 1), rubbing * (5 * n + 4)).itemsize for n in (10, 20, 30)
+    )
     assert large - middle == middle - small
+
+
+def test_without_dry_friction_there_is_no_room_for_it():
+    for part in ("element", "friction_impulse", "changes"):
+        sizes = [np.prod(dtype.shape) for dtype, *_ in instance_dtype(3, 12)[part].fields.values()]
+        assert set(sizes) <= {0, 1}

@@ -261,10 +261,10 @@ class Chain:
             self._initialized, self._observed = True, False
 
     def _collect(self) -> None:
-        if self._integers[self._finished_word]:
-            self._impacts.append(self._instance.collect())
         if self._integers[self._changes_word]:
             self._changes.append(self._instance.collect_changes())
+        if self._integers[self._finished_word]:
+            self._impacts.append(self._instance.collect())
 
     def _select(self, key: str | tuple[str, ...]) -> _Selection:
         names = (key,) if isinstance(key, str) else key

@@ -137,13 +137,13 @@ class Instance:
             driven.set(self.record["given"], done)
             done += rows.fill(self, driven.times[done:end], done)
             impacts.append(self.collect())
-            if self.record["changes"]["count"]:
-                self.changes.append(self.collect_changes())
             progress(done / len(driven.times))
         return done, impacts
 
     def collect(self) -> np.ndarray:
-        """Take the finished contacts out of the log."""
+        """Take the finished contacts out of the log, and add the changes of dry friction to ``changes``."""
+        if self.record["changes"]["count"]:
+            self.changes.append(self.collect_changes())
         log = self.record["finished"]
         if not log["count"]:
             return np.zeros(0, IMPACT_DTYPE)

@@ -85,7 +85,7 @@ def test_so_does_that_of_an_impulse(step):
             found = functions(theta, POWERS) @ d.impulse.dense[:, k]
             assert found == pytest.approx(through(stages[:, impulse_at(d, k)], theta), abs=1e-14)
     d.impulse.dense[:, 1] = 99.0
-    keep_impulse(d, 0)
+    keep_impulse(d, d.impulse, 0, impulse_at(d, 0))
     assert (d.impulse.dense[:, 1] == 99.0).all()
 
 

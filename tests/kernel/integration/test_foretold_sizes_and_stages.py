@@ -270,7 +270,7 @@ def test_the_error_with_a_held_point_is_worked_out_once_more(monkeypatch):
     size, before = extended_size(d), d.limits.other_work
     free = collocation.estimate(d, 1e-3, size)
     assert d.limits.other_work == before
-    monkeypatch.setattr(collocation, "any_point_held", lambda _: True)
+    monkeypatch.setattr(collocation, "any_constraint", lambda _: True)
     solve, solved = collocation.solve_real, []
 
     def note(d, shift, x):

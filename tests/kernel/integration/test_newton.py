@@ -32,9 +32,9 @@ def record(start, weight=1e14):
         + [(name, float) for name in SCALARS]
         + [("iterations", int)]
     )
-    block = np.zeros(
-        1, [("implicit", implicit), ("touch", [("active_count", int), ("compliant_count", int)])]
-    )
+    counts = [("touch", "active_count"), ("touch", "compliant_count"), ("friction", "stuck_count")]
+    parts = {part: [(name, int) for of, name in counts if of == part] for part, _ in counts}
+    block = np.zeros(1, [("implicit", implicit), *parts.items()])
     d = Plain(block[0])
     d.implicit.start[:], d.implicit.weight[:] = start, weight
     d.implicit.slowness = UNKNOWN

@@ -19,6 +19,7 @@ from chain_impact.kernel.tangent.entry import (
     truncate_all,
 )
 
+SIZES = {"links": 2, "candidates": 6, "elements": 8}
 WIDE, LOOKS, BLOCKS = 1 + DIRECTIONS, 4, 2
 
 
@@ -29,10 +30,10 @@ def output(words):
 @pytest.fixture
 def d():
     """An instance with four outputs, and two of dual numbers behind it: each number is told by its place."""
-    one = SimpleNamespace(tangents=BLOCKS, links=2, candidates=6, output=output(np.arange(4.0)))
+    one = SimpleNamespace(tangents=BLOCKS, **SIZES, output=output(np.arange(4.0)))
     one.statistics = SimpleNamespace(status=OK)
     one.tangent_instances = [
-        SimpleNamespace(links=2, candidates=6, output=output(1000.0 * (b + 1) + np.arange(LOOKS * WIDE)))
+        SimpleNamespace(**SIZES, output=output(1000.0 * (b + 1) + np.arange(LOOKS * WIDE)))
         for b in range(BLOCKS)
     ]
     return one
@@ -94,7 +95,7 @@ def test_each_follows_its_contacts_and_then_its_end(d, monkeypatch):
 
 
 @pytest.mark.parametrize("wrong", [0, 1])
-@pytest.mark.parametrize("what", ["links", "candidates", "bounds"])
+@pytest.mark.parametrize("what", [*SIZES, "bounds"])
 def test_one_that_is_not_valid_is_enough(d, wrong, what, monkeypatch):
     valid = [True, True]
     monkeypatch.setattr(entry, "within_bounds", lambda t: valid[t is d.tangent_instances[1]])

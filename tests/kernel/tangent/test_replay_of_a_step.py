@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
-from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, RELATCH
+from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, RELATCH, SLIDING_ENDS, STICKING_ENDS
 from chain_impact.kernel.events.relatch import RELATCH_RATIO
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.tangent import replay
@@ -27,10 +27,12 @@ def parts(number):
 def instances(regularized=-1, events=(NONE, NONE), kept=1.0, method=EXPLICIT):
     """An instance after a step of 0.2 s, and one of dual numbers before it."""
     rng = np.random.default_rng(31)
-    d, t = SimpleNamespace(candidates=2), SimpleNamespace(links=LINKS, candidates=2)
+    sizes = {"candidates": 2, "elements": 3}
+    d, t = SimpleNamespace(**sizes), SimpleNamespace(links=LINKS, **sizes)
     d.step = SimpleNamespace(last_method=method, size=0.2, kept=kept, regularized=regularized, end=1.5)
     d.step.state_end = rng.normal(size=SIZE)
     d.touch = SimpleNamespace(event=list(events))
+    d.element = SimpleNamespace(event=[NONE, SLIDING_ENDS, NONE])
     t.touch = SimpleNamespace(event=[NONE, NONE], active_count=1, active_index=[1])
     t.touch.force_end = [dual(99.0), dual(7.0, 100.0, 100.0)]
     t.touch.impact_speed = [dual(0.5, 1.0, 2.0)] * 2
@@ -39,6 +41,12 @@ def instances(regularized=-1, events=(NONE, NONE), kept=1.0, method=EXPLICIT):
     t.work = SimpleNamespace(y="y", acceleration="acceleration")
     t.work.rate_end = [dual(0.5 + j, 100.0, 100.0) for j in range(SIZE)]
     t.impulse = SimpleNamespace(wanted=1, state_end=[dual(4.0, 1.0, 2.0)])
+    # friction at candidate 1 and in the joint, element 2
+    t.friction = SimpleNamespace(count=2, contact_count=1, stuck_count=0, integral_count=2)
+    t.friction.power_end = dual(3.0, 100.0, 100.0)
+    t.element = SimpleNamespace(index=[1, 2, 9], event=[NONE] * 3)
+    t.element.force_end = [dual(99.0), dual(-5.0, 100.0, 100.0), dual(99.0)]
+    t.friction_impulse = SimpleNamespace(state_end=[dual(6.0, 1.0, 2.0), dual(8.0, 3.0, 4.0)])
     return d, t
 
 
@@ -54,6 +62,7 @@ def calls(monkeypatch):
         monkeypatch.setattr(replay, name, call)
 
     for name in [
+        "copy_modes",
         "apply_pending_events",
         "copy_inputs",
         "choose_variable",
@@ -70,7 +79,13 @@ def calls(monkeypatch):
     return called
 
 
-BEGIN = [("apply_pending_events",), ("copy_inputs",), ("choose_variable", True), ("set_first_stage",)]
+BEGIN = [
+    ("copy_modes",),
+    ("apply_pending_events",),
+    ("copy_inputs",),
+    ("choose_variable", True),
+    ("set_first_stage",),
+]
 
 
 def repeated(monkeypatch, calls, d, t):
@@ -78,8 +93,9 @@ def repeated(monkeypatch, calls, d, t):
     monkeypatch.setattr(replay, "take_values", lambda _d, _t: calls.append(("take_values",)))
     monkeypatch.setattr(replay, "move_end", lambda t: calls.append(("move_end", *t.touch.event)))
     replay.replay(d, t)
-    assert calls[:4] == BEGIN
-    return calls[4:]
+    assert calls[: len(BEGIN)] == BEGIN
+    assert t.element.event == [NONE, SLIDING_ENDS, NONE]
+    return calls[len(BEGIN) :]
 
 
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
@@ -121,14 +137,14 @@ def test_a_step_that_is_made_is_accepted(monkeypatch, calls):
     assert calls == [("made", IMPLICIT, 0.05), ("accept", 0.05)]
 
 
-@pytest.mark.parametrize("active", [0, 1])
-def test_points_are_located_after_an_explicit_step_with_contacts(monkeypatch, active):
+@pytest.mark.parametrize(("active", "stuck"), [(0, 0), (1, 0), (0, 1)])
+def test_points_are_located_after_an_explicit_step_with_contacts_or_stuck_joints(monkeypatch, active, stuck):
     d, t = instances()
-    done, t.touch.active_count = [], active
+    done, t.touch.active_count, t.friction.stuck_count = [], active, stuck
     monkeypatch.setattr(replay.explicit, "make", lambda _, h: done.append(h))
     monkeypatch.setattr(replay, "locate_points", lambda _, y: done.append(y))
     replay.make_explicit(d, t, 0.2)
-    assert done == [0.2, "y"][: 1 + active]
+    assert done == [0.2, "y"][: 1 + active + stuck]
 
 
 def test_values_are_those_of_the_run_and_slopes_stay():
@@ -198,4 +214,86 @@ def test_the_end_of_a_step_moves_along_the_motion(calls):
         )
     assert parts(t.step.end) == (pytest.approx(1.4999), [5.0, 1.0])
     assert parts(t.impulse.state_end[0]) == (4.0, [1.0 + 7.0 * 2.0, 2.0 - 7.0 * 3.0])
+    # friction's impulse by its force, and its energy by its power
+    assert parts(t.friction_impulse.state_end[0]) == (6.0, [1.0 - 5.0 * 2.0, 2.0 + 5.0 * 3.0])
+    assert parts(t.friction_impulse.state_end[1]) == (8.0, [3.0 + 3.0 * 2.0, 4.0 - 3.0 * 3.0])
     assert calls == [("mark_jump",)]
+
+
+# --- changes of dry friction -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("events", "drops", "moved"),
+    [
+        ((SLIDING_ENDS, NONE), True, ("rest", 1)),
+        ((NONE, SLIDING_ENDS), True, ("rest", 2)),
+        ((STICKING_ENDS, NONE), True, ("sliding", 1)),
+        ((STICKING_ENDS, NONE), False, None),
+        ((STICKING_ENDS, SLIDING_ENDS), True, ("rest", 2)),
+        ((SLIDING_ENDS, STICKING_ENDS), False, ("rest", 1)),
+    ],
+)
+def test_the_end_moves_with_a_change_of_a_mode_that_has_an_effect(monkeypatch, calls, events, drops, moved):
+    """Sliding begins where it would have had no force at any other time: it has an effect if this drops."""
+    _, t = instances()
+    t.element.event[1:], found = events, []
+    monkeypatch.setattr(replay, "delay_of_rest", lambda _t, e: ("rest", e))
+    monkeypatch.setattr(replay, "delay_of_sliding", lambda _t, e: ("sliding", e))
+    monkeypatch.setattr(replay, "force_drops", lambda _t, _e: drops)
+    monkeypatch.setattr(replay, "move_along", lambda _t, time: found.append(time))
+    replay.move_end(t)
+    assert found == ([moved] if moved else [])
+    assert calls == [("ensure_rate",), ("ensure_points",)]
+
+
+def test_the_time_of_a_contact_goes_before_that_of_a_mode(monkeypatch, calls):
+    _, t = instances()
+    t.touch.event[1], t.element.event[1], found = ONSET, SLIDING_ENDS, []
+    monkeypatch.setattr(replay, "delay", lambda _t, c, kind: (c, kind))
+    monkeypatch.setattr(replay, "move_along", lambda _t, time: found.append(time))
+    replay.move_end(t)
+    assert found == [(1, ONSET)]
+    assert ("check_onsets",) in calls
+
+
+def test_rest_is_late_by_its_speed_over_its_acceleration(monkeypatch):
+    _, t = instances()
+    t.work.velocity = "velocity"
+    along = {"velocity": dual(1e-12, 3.0, -8.0), "acceleration": dual(-4.0, 50.0, 50.0)}
+    monkeypatch.setattr(replay, "along_tangent", lambda _t, e, what: along[what] if e == 2 else None)
+    assert parts(replay.delay_of_rest(t, 2)) == (0.0, [0.75, -2.0])
+
+
+@pytest.mark.parametrize(
+    ("e", "static", "right"), [(1, 0.3, False), (1, 0.31, True), (0, 0.5, True), (2, 0.5, False)]
+)
+def test_the_force_drops_at_contacts_where_sliding_has_less_friction(e, static, right):
+    _, t = instances()
+    t.law = SimpleNamespace(friction=[dual(0.3)] * 2, static_friction=[dual(static)] * 2)
+    assert replay.force_drops(t, e) == right
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_sliding_is_late_by_its_margin_over_the_rate_of_it(monkeypatch, calls, sign):
+    """φ = µ_s F_n − |F_t| by differences along the rate, whose own derivatives do not matter."""
+    _, t = instances()
+    t.step.start = t.step.end - 0.5
+    t.work.y = np.array([dual(0.0)] * SIZE, object)
+    t.work.rate, t.element.limit, t.element.force = "rate", [None] * 3, [None] * 3
+    located = []
+    monkeypatch.setattr(replay, "locate_points", lambda _t, y: located.append(y[0]))
+
+    def located_rate(t, y, rate):
+        assert rate == "rate"
+        t.element.limit[2], t.element.force[2] = dual(9.0), sign * y[0]
+
+    monkeypatch.setattr(replay, "located_rate", located_rate)
+    delay = replay.delay_of_sliding(t, 2)
+    state = t.step.state_end[0]
+    # φ = 9 − y₀ and ẏ₀ = ½
+    assert delay.value == 0.0
+    np.testing.assert_allclose(delay.slope, -state.slope / 0.5, rtol=1e-9)
+    apart = replay.DIFFERENCE * 0.5 * 0.5
+    assert [one.value - state.value for one in located] == pytest.approx([apart, -apart, 0.0], abs=1e-15)
+    assert calls == [("ensure_points",)]

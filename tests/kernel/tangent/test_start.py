@@ -163,13 +163,13 @@ def test_what_follows_from_the_parameters_varies_with_them():
 PARAMETERS = {
     "model": (
         *("gravity", "length", "mass", "center_of_mass", "inertia", "wall"),
-        *("joint_damping", "joint_stiffness", "joint_rest_angle"),
+        *("joint_damping", "joint_stiffness", "joint_rest_angle", "joint_friction"),
     ),
     "walls": ("x", "y", "angle"),
     "initial": ("position", "velocity", "angle", "angular_velocity"),
     "contact": ("exponent", "radius"),
 }
-GIVEN = ("stiffness", "restitution", "joint_torque", "tip_force")
+GIVEN = ("stiffness", "restitution", "friction", "static_friction", "joint_torque", "tip_force")
 
 
 @pytest.fixture
@@ -229,6 +229,7 @@ def test_what_was_given_holds_with_its_derivatives(both):
     d, t = both
     number = CONTACT_LAWS["ye"].number
     d.given.law, d.given.stiffness, d.given.restitution = number, 5e5, 0.25
+    d.given.friction, d.given.static_friction = 0.25, 0.5
     d.given.joint_torque[:], d.given.tip_force[:] = 1.5, (2.0, 3.0)
     d.given.course.order, d.given.course.until = 1, 6.5
     before = {name: slopes(getattr(t.given, name)) for name in GIVEN}
@@ -236,12 +237,13 @@ def test_what_was_given_holds_with_its_derivatives(both):
     apply_given_of(d, t)
     assert (t.law.number == number).all()
     assert t.given.law == number
+    assert t.contact.any_friction == 1
     assert (t.inputs.course.order, t.inputs.course.until) == (1, 6.5)
-    for name in GIVEN[:2]:
+    for name in GIVEN[:4]:
         for number in getattr(t.law, name):
             assert number.value == d.given[name]
             np.testing.assert_array_equal([number.slope], before[name])
-    for name in GIVEN[2:]:
+    for name in GIVEN[4:]:
         np.testing.assert_array_equal(values(getattr(t.inputs, name)), d.given[name])
         np.testing.assert_array_equal(slopes(getattr(t.inputs, name)), before[name])
 

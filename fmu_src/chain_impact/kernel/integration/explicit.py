@@ -21,6 +21,7 @@ from chain_impact.kernel.integration.sundman import (
     root_curve,
     runs_back,
 )
+from chain_impact.kernel.model.friction import any_sticking
 from chain_impact.kernel.work_limit import count_evaluations
 
 STAGES = len(dop853.A)
@@ -86,7 +87,7 @@ def attempt(d, h):
         return HALVE
     controlled = dissipated_at(d.links) + 1
     _errors(d.work.stage, h, d.work.error[0, :controlled], d.work.error[1, :controlled])
-    if d.touch.active_count > 0:
+    if d.touch.active_count > 0 or any_sticking(d):
         locate_points(d, d.work.y)
     set_gap_errors(d, 0)
     set_gap_errors(d, 1)

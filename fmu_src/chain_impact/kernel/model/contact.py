@@ -98,7 +98,7 @@ def start_contact(d, c):
     begin_contact(d, c)
     set_kink_side(d, c)
     d.touch.active[c] = 1
-    if may_rub(d, c):
+    if d.friction.used and may_rub(d, c):
         begin_friction(d, c)
 
 

@@ -35,6 +35,7 @@ from chain_impact.kernel.integration.last_step import (
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.methods import METHOD_COUNT
 from chain_impact.kernel.model.equations import located_rate
+from chain_impact.kernel.model.friction import any_sticking
 from chain_impact.kernel.model.geometry import along_normal, along_tangent, clearance
 from chain_impact.kernel.tangent.directions import carried, value
 from chain_impact.kernel.tangent.implicit_step import make_implicit
@@ -79,7 +80,7 @@ def make(d, t, h):
 def make_explicit(_d, t, h):
     """Make an explicit step of size h; the result is stored in ``work.y``, with its points located."""
     explicit.make(t, h)
-    if t.touch.active_count > 0:
+    if t.touch.active_count > 0 or any_sticking(t):
         locate_points(t, t.work.y)
 
 

@@ -1,0 +1,429 @@
+"""The modes of dry friction after an event, against all combinations of modes by dense algebra."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
+from chain_impact.kernel.events import friction_modes
+from chain_impact.kernel.events.friction_events import excess, rest_speed
+from chain_impact.kernel.events.friction_modes import (
+    AGAINST,
+    against,
+    choose_modes,
+    count_inconsistent,
+    first_guess,
+    is_inconsistent,
+    log_changes,
+    pending_changes,
+    set_slack,
+    update_modes,
+)
+from chain_impact.kernel.events.kinds import NONE, SLIDING_ENDS, STICKING_ENDS
+from chain_impact.kernel.model.constraints import ROUNDS
+from chain_impact.kernel.model.equations import located_rate
+from chain_impact.kernel.model.friction import NO_FRICTION, STICKS, list_friction, list_sticking
+from chain_impact.kernel.model.geometry import along_tangent
+from tests.kernel.rubbing import mobility, rubbing_chain, tangents
+
+MODES = (STICKS, 1, -1)
+CASES = [("free", 2, True), ("free", 3, False), ("pinned", 1, True), ("pinned", 0, True), ("free", 0, True)]
+SEEDS = range(6)
+BOTH = pytest.mark.parametrize(("base", "contacts", "joints"), CASES)
+
+
+class AtRest:
+    """A chain whose elements do not move along t, with dense algebra for the accelerations t·a.
+
+    Attributes:
+        d: its record, with the state at the end of the last step.
+        elements: those with friction.
+        bias: t·a without friction.
+        mobility: W, by which a force of each changes t·a of all.
+    """
+
+    def __init__(self, seed, base, contacts, joints, holding=1.0):
+        rng = np.random.default_rng([seed, contacts, len(base)])
+        scene, d, y = rubbing_chain(rng, base, contacts, joints)
+        self.d, self.elements, n = d, [int(e) for e in d.element.index[: d.friction.count]], d.links
+        d.law.friction[:] = rng.uniform(0.02, 1.5, d.candidates)
+        d.law.static_friction[:] = holding * d.law.friction
+        d.model.joint_friction[:] *= rng.uniform(0.1, 20.0, n)
+        rows = tangents(scene, d, y, self.elements)
+        speeds, free = y[n + 2 : 2 * n + 4], slice(2, None) if base == "pinned" else slice(None)
+        speeds[free] -= np.linalg.pinv(rows[:, free]) @ (rows @ speeds)
+        d.step.state_end[:] = y
+        self.mobility = mobility(scene, d, y, rows)[1]
+        d.friction.count = 0
+        self.bias = self.accelerations()
+        list_friction(d)
+        d.element.mode[:] = NO_FRICTION
+        d.element.mode[self.elements] = rng.choice(MODES, len(self.elements))
+        d.element.force[self.elements] = rng.choice((-1.0, 1.0), len(self.elements))
+        d.element.anchor[self.elements] = [along_tangent(d, e, d.work.position) for e in self.elements]
+
+    def accelerations(self):
+        """t·a of all elements, as the kernel has it at the end of the last step."""
+        d, rate = self.d, np.zeros(len(self.d.step.state_end))
+        locate_points(d, d.step.state_end)
+        located_rate(d, d.step.state_end, rate)
+        accelerate_points(d, d.step.state_end, rate)
+        return np.array([along_tangent(d, e, d.work.acceleration) for e in self.elements])
+
+    @property
+    def modes(self):
+        return tuple(int(mode) for mode in self.d.element.mode[self.elements])
+
+    def limits(self):
+        """µ_s F_n and µ F_n of all elements."""
+        d = self.d
+        held = [
+            d.law.static_friction[e] * d.touch.force[e]
+            if e < d.candidates
+            else d.model.joint_friction[e - d.candidates] / d.model.size
+            for e in self.elements
+        ]
+        own = [d.law.friction[e] * d.touch.force[e] if e < d.candidates else 0.0 for e in self.elements]
+        return np.array(held), np.where(np.array(self.elements) < d.candidates, own, held)
+
+    def consistent(self):
+        """All combinations of modes that fulfil their conditions → t·a."""
+        held, sliding = self.limits()
+        found, scale = {}, np.abs(self.bias).max()
+        for modes in itertools.product(MODES, repeat=len(self.elements)):
+            signs = np.array(modes)
+            forces, stuck = -signs * sliding, signs == STICKS
+            left = self.bias + self.mobility @ forces
+            forces[stuck] = -np.linalg.solve(self.mobility[np.ix_(stuck, stuck)], left[stuck])
+            reached = self.bias + self.mobility @ forces
+            fits = np.where(
+                stuck, np.abs(forces) <= held * (1.0 + 1e-7) + 1e-7, signs * reached >= -1e-7 * scale
+            )
+            if fits.all():
+                found[modes] = reached
+        return found
+
+
+def assert_laws_hold(chain):
+    """That each element at rest has a force and an acceleration after Coulomb."""
+    d, reached = chain.d, chain.accelerations()
+    scale = largest(d, d.work.acceleration)
+    held, sliding = chain.limits()
+    for k, e in enumerate(chain.elements):
+        force, mode = d.element.force[e], chain.modes[k]
+        if mode == STICKS:
+            assert abs(force) <= held[k] + excess(d, e)
+            assert abs(reached[k]) <= 1e-11 * scale
+        else:
+            assert force == pytest.approx(-mode * sliding[k], rel=1e-12)
+            assert mode * reached[k] >= -AGAINST * scale
+
+
+@BOTH
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("struck", [True, False])
+def test_the_modes_of_elements_at_rest_are_those_that_dense_algebra_finds(
+    seed, struck, base, contacts, joints
+):
+    """For µ_s = µ all consistent combinations have the same accelerations, and the kernel has these."""
+    chain = AtRest(seed, base, contacts, joints)
+    right = chain.consistent()
+    assert right
+    update_modes(chain.d, struck)
+    assert chain.modes in right
+    assert_laws_hold(chain)
+    for reached in right.values():
+        np.testing.assert_allclose(chain.accelerations(), reached, atol=1e-6 * np.abs(chain.bias).max())
+
+
+@BOTH
+@pytest.mark.parametrize("seed", SEEDS)
+def test_so_they_are_with_more_static_friction(seed, base, contacts, joints):
+    """There may be several answers, with accelerations of their own; the kernel has one of them."""
+    chain = AtRest(seed, base, contacts, joints, holding=1.7)
+    update_modes(chain.d, True)
+    assert chain.modes in chain.consistent()
+    assert_laws_hold(chain)
+
+
+def test_the_chains_at_rest_have_all_kinds_of_modes():
+    """So that the tests above are about sticking and both ways of sliding, and changes of the first guess."""
+    found, changed = set(), 0
+    for seed, case in itertools.product(SEEDS, CASES):
+        chain = AtRest(seed, *case)
+        before = chain.modes
+        update_modes(chain.d, False)
+        found |= set(chain.modes)
+        changed += before != chain.modes
+    assert found == set(MODES)
+    assert changed > len(SEEDS)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_mode_that_is_consistent_is_kept_and_costs_one_evaluation(seed):
+    chain = AtRest(seed, "free", 2, True, holding=1.7)
+    d = chain.d
+    update_modes(d, True)
+    modes, before, logged = chain.modes, int(d.statistics.rhs_evaluations), int(d.changes.count)
+    update_modes(d, False)
+    assert (chain.modes, int(d.statistics.rhs_evaluations) - before) == (modes, 1)
+    assert d.changes.count == logged
+
+
+@pytest.mark.parametrize("struck", [True, False])
+def test_what_moves_slides_in_the_direction_of_its_motion(struck):
+    """What stuck moves by errors only, if nothing has struck."""
+    rng = np.random.default_rng(8)
+    _, d, y = rubbing_chain(rng, "free", 3, True)
+    d.step.state_end[:] = y
+    elements = [int(e) for e in d.element.index[: d.friction.count]]
+    signs = [int(np.sign(along_tangent(d, e, d.work.velocity))) for e in elements]
+    assert set(signs) == {1, -1}
+    d.element.mode[elements] = STICKS if struck else [-sign for sign in signs]
+    update_modes(d, struck)
+    assert d.element.mode[elements].tolist() == signs
+    assert not d.element.undecided[elements].any()
+    assert not d.element.slack[elements].any()
+    assert d.element.mode[list(set(range(d.elements)) - set(elements))].tolist() == [NO_FRICTION] * (
+        d.elements - len(elements)
+    )
+
+
+def test_anchors_are_kept_by_what_stuck_before_and_otherwise_set():
+    chain = AtRest(0, "free", 2, True)
+    d = chain.d
+    d.law.static_friction[:], d.model.joint_friction[:] = 1e9, 1e9
+    d.element.mode[chain.elements] = STICKS
+    first, *others = chain.elements
+    d.element.mode[others[0]] = 1
+    here = d.element.anchor[chain.elements].copy()
+    moved = here + 1e-9
+    d.element.anchor[chain.elements] = moved
+    update_modes(d, False)
+    assert chain.modes == (STICKS,) * len(chain.elements)
+    assert d.element.anchor[first] == moved[0]
+    assert d.element.anchor[others[0]] == pytest.approx(here[1], abs=1e-13)
+    # the state is projected onto all of them
+    locate_points(d, d.step.state_end)
+    for e in chain.elements:
+        assert along_tangent(d, e, d.work.position) == pytest.approx(d.element.anchor[e], abs=1e-12)
+        assert abs(along_tangent(d, e, d.work.velocity)) < 1e-12
+    d.element.anchor[chain.elements] = moved + 1e-3
+    update_modes(d, True)
+    assert d.element.anchor[chain.elements] == pytest.approx(moved, abs=1e-8)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_what_has_reached_its_limit_slides_against_its_force(seed):
+    chain = AtRest(seed, "free", 2, True)
+    d = chain.d
+    d.law.static_friction[:], d.model.joint_friction[:] = 1e9, 1e9
+    d.element.mode[chain.elements] = STICKS
+    update_modes(d, True)
+    assert not any(chain.modes)
+    e = chain.elements[-1]
+    force = float(d.element.force[e])
+    d.model.joint_friction[e - d.candidates] = 0.9 * abs(force) * d.model.size
+    d.element.event[e] = STICKING_ENDS
+    assert pending_changes(d) == 1
+    update_modes(d, False)
+    assert d.element.mode[e] == against(force) == -np.sign(force)
+    assert pending_changes(d) == 0
+    assert chain.modes in chain.consistent()
+
+
+# --- the first guess ---------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def one():
+    """A chain whose first contact is its only element with friction."""
+    _, d, _ = rubbing_chain(np.random.default_rng(3), "free", 1, False)
+    return d, int(d.touch.active_index[0])
+
+
+def move_at(d, c, speed):
+    """Let the point of candidate c have a tangential speed."""
+    there = d.candidate.place[c]
+    d.work.velocity.x[there] = speed * d.candidate.normal_y[c]
+    d.work.velocity.y[there] = -speed * d.candidate.normal_x[c]
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize(
+    "case",  # event, mode before, speed, whether struck; mode, whether undecided
+    [
+        (NONE, 1, 0.5, False, 1, 0),
+        (NONE, -1, 0.5, False, 1, 0),
+        (NONE, NO_FRICTION, 0.5, True, 1, 0),
+        (NONE, STICKS, 0.5, True, 1, 0),
+        (NONE, STICKS, 0.5, False, STICKS, 1),
+        (NONE, 1, 0.0, True, 1, 1),
+        (NONE, -1, 0.0, False, -1, 1),
+        (NONE, NO_FRICTION, 0.0, True, STICKS, 1),
+        (SLIDING_ENDS, 1, 0.5, False, STICKS, 1),
+        (SLIDING_ENDS, -1, 0.0, True, STICKS, 1),
+        (STICKING_ENDS, STICKS, 0.0, False, -1, 1),
+        (STICKING_ENDS, STICKS, 0.5, True, -1, 1),
+    ],
+)
+def test_the_first_guess_is_by_the_motion_the_event_or_what_was_before(one, sign, case):
+    """All signs turn with that of the motion and the force."""
+    (d, c), (event, before, speed, struck, right, undecided) = one, case
+    move_at(d, c, sign * speed)
+    d.element.before[c] = sign * before if abs(before) == 1 else before
+    d.element.event[c], d.element.force[c] = event, sign * 4.0
+    assert first_guess(d, c, struck) == sign * right
+    assert (d.element.undecided[c], d.element.event[c]) == (undecided, NONE)
+
+
+@pytest.mark.parametrize(("part", "undecided"), [(0.9, 1), (1.1, 0)])
+def test_rest_has_a_speed_of_round_off(one, part, undecided):
+    d, c = one
+    move_at(d, c, part * rest_speed(d))
+    d.element.before[c] = STICKS
+    first_guess(d, c, True)
+    assert d.element.undecided[c] == undecided
+
+
+# --- parts of the choice -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("part", "wrong"), [(-0.6, False), (0.4, False), (0.6, True)])
+def test_a_static_force_may_exceed_its_limit_by_half_of_what_is_round_off(one, part, wrong):
+    """The other half is for the search, so that a mode that was just chosen does not end at once."""
+    d, c = one
+    d.element.mode[c], d.element.undecided[c], d.element.limit[c] = STICKS, 1, 7.0
+    for sign in (1.0, -1.0):
+        d.element.force[c] = sign * (7.0 + part * excess(d, c))
+        assert is_inconsistent(d, c) == wrong
+        assert count_inconsistent(d) == wrong
+        d.element.undecided[c] = 0
+        assert not is_inconsistent(d, c)
+        d.element.undecided[c] = 1
+
+
+@pytest.mark.parametrize(("part", "wrong"), [(-1.0, False), (0.9, False), (1.1, True)])
+def test_sliding_at_rest_may_accelerate_backward_by_round_off(one, part, wrong):
+    d, c = one
+    d.work.acceleration.x[:], d.work.acceleration.y[:] = 0.0, 0.0
+    d.work.acceleration.x[1 - d.candidate.place[c]] = 50.0
+    for sign in (1, -1):
+        d.element.mode[c], d.element.undecided[c] = sign, 1
+        backward = -sign * part * AGAINST * 50.0
+        place = d.candidate.place[c]
+        d.work.acceleration.x[place] = backward * d.candidate.normal_y[c]
+        d.work.acceleration.y[place] = -backward * d.candidate.normal_x[c]
+        assert is_inconsistent(d, c) == wrong
+
+
+def test_a_choice_ends_even_where_no_mode_is_right(monkeypatch):
+    """First all that are wrong change at once; after as many rounds as may fail, only the last one does."""
+    chain = AtRest(0, "free", 2, True)
+    d, rounds = chain.d, []
+    d.element.undecided[chain.elements] = 1
+    d.element.mode[chain.elements] = STICKS
+    d.element.force[chain.elements] = 1.0
+    monkeypatch.setattr(friction_modes, "is_inconsistent", lambda _d, _e: True)
+    monkeypatch.setattr(friction_modes, "list_sticking", lambda _: rounds.append(chain.modes))
+    before = int(d.statistics.rhs_evaluations)
+    choose_modes(d)
+    evaluations = ROUNDS + 4 * len(chain.elements)
+    assert d.statistics.rhs_evaluations - before == evaluations
+    assert len(rounds) == evaluations + 1
+    changes = [sum(np.array(a) != np.array(b)) for a, b in itertools.pairwise(rounds)]
+    many = friction_modes.MAX_STALLED_PIVOTS + 1
+    assert changes == [len(chain.elements)] * many + [1] * (evaluations - many)
+    assert all(one[:-1] == rounds[-1][:-1] for one in rounds[many:])
+
+
+@pytest.mark.parametrize(("force", "sign"), [(2.0, -1), (-2.0, 1), (0.0, -1)])
+def test_sliding_is_against_a_force(force, sign):
+    assert against(force) == sign
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_sliding_may_go_on_backward_as_it_does_when_it_begins(one, sign):
+    """By twice that speed, which is an error; what moves forward, or was chosen by its motion, may not."""
+    d, c = one
+    d.element.mode[c], d.element.undecided[c] = sign, 1
+    for speed, slack in ((-3e-13, 6e-13), (3e-13, 0.0), (0.0, 0.0)):
+        move_at(d, c, sign * speed)
+        set_slack(d, c)
+        assert d.element.slack[c] == pytest.approx(slack, rel=1e-10, abs=1e-25)
+    move_at(d, c, -sign * 3e-13)
+    d.element.undecided[c] = 0
+    set_slack(d, c)
+    assert d.element.slack[c] == 0.0
+
+
+def test_each_event_is_one_pending_change(one):
+    d, c = one
+    assert pending_changes(d) == 0
+    for event in (SLIDING_ENDS, STICKING_ENDS):
+        d.element.event[c] = event
+        assert pending_changes(d) == 1
+    d.friction.count = 0
+    assert pending_changes(d) == 0
+
+
+# --- the log -----------------------------------------------------------------------------------------------
+
+
+def test_changes_are_logged_with_their_place():
+    chain = AtRest(0, "free", 2, True)
+    d, (contact, other, *joints) = chain.d, chain.elements
+    d.element.before[:], d.changes.count = d.element.mode, 0
+    log_changes(d)
+    assert d.changes.count == 0
+    d.step.end = 0.75
+    d.element.before[contact], d.element.mode[contact] = STICKS, -1
+    d.element.before[joints[1]], d.element.mode[joints[1]] = 1, STICKS
+    d.element.before[other], d.element.mode[other] = 1, NO_FRICTION
+    log_changes(d)
+    log = d.changes
+    rows = [(log.time[k], log.point[k], log.wall[k], log.mode[k]) for k in range(log.count)]
+    point, wall = d.candidate.point, d.candidate.wall
+    assert rows == [
+        (0.75, point[contact], wall[contact], -1),
+        (0.75, point[other], wall[other], NO_FRICTION),
+        (0.75, 3, -1, STICKS),
+    ]
+
+
+def test_in_a_full_log_changes_take_the_place_of_the_oldest():
+    chain = AtRest(0, "free", 2, True)
+    d, log = chain.d, chain.d.changes
+    length = len(log.time)
+    log.count, log.time[:] = length - 1, np.arange(length, dtype=float)
+    d.step.end = 1e6
+    d.element.before[:] = d.element.mode
+    for e in chain.elements[:3]:
+        d.element.before[e] = 7
+    log_changes(d)
+    assert log.count == length + 2
+    assert log.time[[0, 1, length - 1]].tolist() == [1e6] * 3
+    assert log.time[2 : length - 1].tolist() == list(range(2, length - 1))
+
+
+def test_a_choice_is_logged_at_the_end_of_the_step():
+    chain = AtRest(1, "free", 2, True)
+    d, before = chain.d, chain.modes
+    d.step.end, d.changes.count = 0.25, 0
+    update_modes(d, True)
+    changed = [k for k, modes in enumerate(zip(before, chain.modes, strict=True)) if len(set(modes)) > 1]
+    assert d.changes.count == len(changed) > 0
+    assert d.changes.mode[: len(changed)].tolist() == [chain.modes[k] for k in changed]
+    assert (d.changes.time[: len(changed)] == 0.25).all()
+
+
+def test_joints_of_a_chain_without_friction_have_no_mode():
+    chain = AtRest(0, "free", 2, True)
+    d = chain.d
+    d.model.joint_friction[:] = 0.0
+    update_modes(d, True)
+    assert (d.element.mode[d.candidates :] == NO_FRICTION).all()
+    assert d.friction.count == 2
+    list_sticking(d)
+    assert d.friction.stuck_joints == 0
