@@ -82,6 +82,10 @@ def all_parameters(scene: Scene, inputs: Mapping[str, float]) -> tuple[str, ...]
         tables.append("contact")
     left_out = [f"{law}.{key}" for law in ("contact", "stop") for key in ("exponent", "minimum_impact_speed")]
     pinned = scene.chain.base == "pinned"
+    if not scene.has_contact_friction:
+        left_out += [f"contact.{key}" for key in ("friction", "static_friction")]
+    links = enumerate(scene.chain.links, 1)
+    left_out += [f"link[{i}].joint_friction" for i, link in links if link.joint_friction == 0.0]
     names = [
         name
         for name, value in scene.values.items()

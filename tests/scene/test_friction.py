@@ -22,7 +22,7 @@ def test_defaults():
     assert (scene.contact.friction, scene.contact.static_friction) == (0.0, 0.0)
     assert [link.joint_friction for link in scene.chain.links] == [0.0]
     assert (scene.has_contact_friction, scene.has_friction) == (False, False)
-    assert scene.chain.friction_joints == ()
+    assert scene.friction_joints == ()
 
 
 def test_keys_of_a_file_come_back_in_the_file_that_is_written():
@@ -50,7 +50,7 @@ def test_values_by_their_names():
     changes = {"contact.friction": 0.2, "contact.static_friction": 0.25, "wall.slope.friction": 0.1}
     scene = sled(**changes)
     assert changes.items() <= scene.values.items()
-    assert pendulum(**{"link[2].joint_friction": 0.0}).chain.friction_joints == (1,)
+    assert pendulum(**{"link[2].joint_friction": 0.0}).friction_joints == (1,)
 
 
 @pytest.mark.parametrize(
@@ -81,7 +81,7 @@ def test_what_has_friction():
 
 def test_a_free_base_has_no_joint_1():
     scene = with_values(BOX, {f"link[{i}].joint_friction": 0.2 for i in (1, 3)})
-    assert scene.chain.friction_joints == (3,)
+    assert scene.friction_joints == (3,)
     assert not with_values(BOX, {"link[1].joint_friction": 0.2}).has_friction
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from chain_impact.results.impacts import impacts_of, names_of
 from chain_impact.results.joint_stops import JointRange, touching_place
 from chain_impact.results.sensitivity import Sensitivities
-from chain_impact.results.stick_slip import STICK_SLIP_DTYPE
+from chain_impact.results.stick_slip import NO_PHASES
 from chain_impact.results.summary import plural
 from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.names import STOPS
@@ -92,7 +92,7 @@ class Recording:
     sensitivities: Sensitivities | None = None
     stops: dict[int, JointRange] = field(default_factory=dict)
     stop_law: str = ""
-    stick_slip: np.ndarray = field(default_factory=lambda: np.zeros(0, STICK_SLIP_DTYPE))
+    stick_slip: np.ndarray = field(default_factory=lambda: NO_PHASES)
     wall_names: tuple[str, ...] = ()
 
     def __repr__(self) -> str:

@@ -16,7 +16,7 @@ from chain_impact.results import summary, tables
 from chain_impact.results.joint_stops import ranges_of
 from chain_impact.results.recording import Recording, impact_list
 from chain_impact.results.sensitivity import Sensitivities
-from chain_impact.results.stick_slip import STICK_SLIP_DTYPE
+from chain_impact.results.stick_slip import NO_PHASES
 from chain_impact.scene.reading import UnknownNameError, matching
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.model import Model, elsewhere
@@ -68,7 +68,7 @@ class Result:
     statistics: dict[str, int]
     sensitivities: Sensitivities | None = None
     stepwise: Stepwise | None = None
-    stick_slip: np.ndarray = field(default_factory=lambda: np.zeros(0, STICK_SLIP_DTYPE))
+    stick_slip: np.ndarray = field(default_factory=lambda: NO_PHASES)
 
     @overload
     def __getitem__(self, name: str) -> np.ndarray: ...

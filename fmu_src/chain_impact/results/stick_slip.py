@@ -25,6 +25,9 @@ STICK_SLIP_DTYPE = np.dtype(
 NaN of a phase that lasts to the end of the simulation; mode 0 while it sticks, 1 or −1 while it slides along
 t or −t, with t = (n_y, −n_x) of the wall's normal n. Of a joint the wall is −1, the point is the number of
 the joint, 1…N, and with mode 1 its angle grows."""
+NO_PHASES = np.zeros(0, STICK_SLIP_DTYPE)
+"""The phases where nothing rubs."""
+NO_PHASES.flags.writeable = False
 MODES = {0: "stick", 1: "slip +", -1: "slip -"}
 """The modes in words."""
 JOINT = -1

@@ -77,14 +77,24 @@ class Scene:
         """Whether a contact may have dry friction: a coefficient is not 0, or given for a wall."""
         if not (self.contact.points and self.contact.wall):
             return False
-        of_walls = ((one.friction, one.static_friction) for one in self.contact.wall.values())
-        given = any(value is not None for both in of_walls for value in both)
-        return given or self.contact.friction > 0.0 or self.contact.static_friction > 0.0
+        for material in self.contact.wall.values():
+            if material.friction is not None or material.static_friction is not None:
+                return True
+        return self.contact.friction > 0.0 or self.contact.static_friction > 0.0
+
+    @property
+    def friction_joints(self) -> tuple[int, ...]:
+        """The joints with dry friction, numbered as their links; a free base has no joint 1."""
+        joints = []
+        for joint, link in enumerate(self.chain.links, 1):
+            if link.joint_friction > 0.0 and (joint > 1 or self.chain.base == "pinned"):
+                joints.append(joint)
+        return tuple(joints)
 
     @property
     def has_friction(self) -> bool:
         """Whether a contact or a joint may have dry friction."""
-        return self.has_contact_friction or bool(self.chain.friction_joints)
+        return self.has_contact_friction or bool(self.friction_joints)
 
     @property
     def law_names(self) -> tuple[str, ...]:

@@ -27,7 +27,7 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
     links, contact, start, run = scene.chain.links, scene.contact, scene.initial, scene.simulation
     count = f"{len(links)} link{'s' * (len(links) != 1)}"
     length, mass = sum(link.length for link in links), sum(link.mass for link in links)
-    rubbing = scene.chain.friction_joints
+    rubbing = scene.friction_joints
     dry = f"; dry friction in joints {_listed(rubbing)}" if rubbing else ""
     yield "chain", f"{count}, {length:g} m, {mass:g} kg; base {scene.chain.base}{dry}"
     box = [f"{wall} = {at:g} m" for wall in WALLS if (at := getattr(scene.box, wall)) is not None]

@@ -92,13 +92,6 @@ class Chain:
         return tuple((i, stop) for i, link in links for stop in STOPS if getattr(link, stop) is not None)
 
     @property
-    def friction_joints(self) -> tuple[int, ...]:
-        """The joints with dry friction, numbered as their links; a free base has no joint 1."""
-        first = 1 if self.base == "pinned" else 2
-        links = enumerate(self.links[first - 1 :], first)
-        return tuple(joint for joint, link in links if link.joint_friction > 0.0)
-
-    @property
     def joint_ranges(self) -> dict[int, tuple[float, float]]:
         """The joints with a stop, and their joint_min and joint_max [rad], infinite where there is none."""
         links = {joint: self.links[joint - 1] for joint, _ in self.stops}

@@ -16,7 +16,7 @@ from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.kernel.status import OK, PAUSED, STATUS_TEXT
 from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.result import Result
-from chain_impact.results.stick_slip import CHANGE_DTYPE, phases_of
+from chain_impact.results.stick_slip import CHANGE_DTYPE
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.inputs import Drive
 from chain_impact.variables.model import Model, model_of
@@ -164,11 +164,6 @@ class Instance:
             rows[name] = log[name][places]
         log["count"] = 0
         return rows
-
-    @property
-    def stick_slip(self) -> np.ndarray:
-        """The phases of sticking and sliding in the changes that have been collected."""
-        return phases_of(np.concatenate([np.zeros(0, CHANGE_DTYPE), *self.changes]))
 
     def open_contacts(self) -> np.ndarray:
         """The contacts that have not ended yet, with their peaks so far; drops what was solved ahead."""

@@ -16,6 +16,7 @@ from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.kernel.status import OK
 from chain_impact.results.result import Result
 from chain_impact.results.sensitivity import Sensitivities
+from chain_impact.results.stick_slip import NO_PHASES, phases_of
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.simulation.derivatives import DifferentiatedInstance, RowsWithSlopes
@@ -144,7 +145,7 @@ def simulate(
         statistics=instance.statistics,
         sensitivities=sensitive,
         stepwise=stepwise,
-        stick_slip=instance.stick_slip,
+        stick_slip=phases_of(np.concatenate(instance.changes)) if instance.changes else NO_PHASES,
     )
     if instance.status != OK:
         raise SimulationError(instance.status, instance.time, result)

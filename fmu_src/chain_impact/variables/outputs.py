@@ -116,7 +116,7 @@ def _contact_friction(name: str, where: str, c: int) -> Iterator[Variable]:
 
 def _joint_friction(scene: Scene) -> Iterator[Variable]:
     """The dry friction in joints."""
-    for joint in scene.chain.friction_joints:
+    for joint in scene.friction_joints:
         name, where = f"joint[{joint}]", f"joint {joint}"
         text = f"{where}: moment of dry friction on link {joint}"
         place = ("output", "friction", "joint_moment", joint - 1)

@@ -102,7 +102,7 @@ def _parameter(
 
 def parameters(scene: Scene) -> Iterator[Variable]:
     """The parameters of the scene's FMU."""
-    rules, rubbing = _rules(Scene) | _rules(Box), scene.chain.friction_joints
+    rules, rubbing = _rules(Scene) | _rules(Box), scene.friction_joints
     for j, axis in enumerate(AXES):
         path: Place = ("gravity", j)
         yield _parameter(rules["gravity"], ("model", *path), path, f"{axis} of the {{}}")
