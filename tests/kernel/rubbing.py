@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.chain.kinematics import locate_points
+from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.model.friction import NO_FRICTION, joint_of, list_friction, set_friction_used
-from chain_impact.kernel.model.geometry import tangent
+from chain_impact.kernel.model.equations import located_rate
+from chain_impact.kernel.model.friction import (
+    NO_FRICTION,
+    STICKS,
+    joint_of,
+    list_friction,
+    set_friction_used,
+)
+from chain_impact.kernel.model.geometry import along_tangent, tangent
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.model import Model
 from tests.kernel.chains import chain, press_in, random_state, touch
@@ -17,6 +25,7 @@ from tests.plain import Plain
 from tests.reference import mass_matrix, point_jacobian
 
 MU, MU_S, MOMENT = 0.3, 0.4, 0.7
+MODES = (STICKS, 1, -1)
 
 
 def rubbing_chain(
@@ -74,3 +83,77 @@ def mobility(scene: Scene, d: Plain, y: np.ndarray, rows: np.ndarray) -> tuple[n
     mass = mass_matrix(scene, y[2 : d.links + 2])
     response[free] = np.linalg.solve(mass[free, free], rows[:, free].T)
     return response, rows @ response
+
+
+class AtRest:
+    """A chain whose elements do not move along t, with dense algebra for the accelerations t·a.
+
+    Attributes:
+        d: its record, with the state at the end of the last step.
+        elements: those with friction.
+        bias: t·a without friction.
+        mobility: W, by which a force of each changes t·a of all.
+    """
+
+    def __init__(self, seed: int, base: str, contacts: int, joints: bool, holding: float = 1.0) -> None:
+        rng = np.random.default_rng([seed, contacts, len(base)])
+        scene, d, y = rubbing_chain(rng, base, contacts, joints)
+        self.d, self.elements, n = d, [int(e) for e in d.element.index[: d.friction.count]], d.links
+        d.law.friction[:] = rng.uniform(0.02, 1.5, d.candidates)
+        d.law.static_friction[:] = holding * d.law.friction
+        d.model.joint_friction[:] *= rng.uniform(0.1, 20.0, n)
+        rows = tangents(scene, d, y, self.elements)
+        speeds, free = y[n + 2 : 2 * n + 4], slice(2, None) if base == "pinned" else slice(None)
+        speeds[free] -= np.linalg.pinv(rows[:, free]) @ (rows @ speeds)
+        d.step.state_end[:] = y
+        self.mobility = mobility(scene, d, y, rows)[1]
+        d.friction.count = 0
+        self.bias = self.accelerations()
+        list_friction(d)
+        d.element.mode[:] = NO_FRICTION
+        d.element.mode[self.elements] = rng.choice(MODES, len(self.elements))
+        d.element.force[self.elements] = rng.choice((-1.0, 1.0), len(self.elements))
+        d.element.anchor[self.elements] = [along_tangent(d, e, d.work.position) for e in self.elements]
+
+    def accelerations(self) -> np.ndarray:
+        """t·a of all elements, as the kernel has it at the end of the last step."""
+        d, rate = self.d, np.zeros(len(self.d.step.state_end))
+        locate_points(d, d.step.state_end)
+        located_rate(d, d.step.state_end, rate)
+        accelerate_points(d, d.step.state_end, rate)
+        return np.array([along_tangent(d, e, d.work.acceleration) for e in self.elements])
+
+    @property
+    def modes(self) -> tuple[int, ...]:
+        """Of its elements."""
+        return tuple(int(mode) for mode in self.d.element.mode[self.elements])
+
+    def limits(self) -> tuple[np.ndarray, np.ndarray]:
+        """µ_s F_n and µ F_n of all elements."""
+        d = self.d
+        held = [
+            d.law.static_friction[e] * d.touch.force[e]
+            if e < d.candidates
+            else d.model.joint_friction[e - d.candidates] / d.model.size
+            for e in self.elements
+        ]
+        own = [d.law.friction[e] * d.touch.force[e] if e < d.candidates else 0.0 for e in self.elements]
+        return np.array(held), np.where(np.array(self.elements) < d.candidates, own, held)
+
+    def consistent(self) -> dict[tuple[int, ...], np.ndarray]:
+        """All combinations of modes that fulfil their conditions → t·a."""
+        held, sliding = self.limits()
+        found: dict[tuple[int, ...], np.ndarray] = {}
+        scale = np.abs(self.bias).max()
+        for modes in itertools.product(MODES, repeat=len(self.elements)):
+            signs = np.array(modes)
+            forces, stuck = -signs * sliding, signs == STICKS
+            left = self.bias + self.mobility @ forces
+            forces[stuck] = -np.linalg.solve(self.mobility[np.ix_(stuck, stuck)], left[stuck])
+            reached = self.bias + self.mobility @ forces
+            fits = np.where(
+                stuck, np.abs(forces) <= held * (1.0 + 1e-7) + 1e-7, signs * reached >= -1e-7 * scale
+            )
+            if fits.all():
+                found[modes] = reached
+        return found

@@ -10,9 +10,18 @@ from chain_impact.kernel.entry import UNLIMITED
 from chain_impact.kernel.events.kinds import ONSET, REFUSED
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration.dense import fraction, interpolate
-from chain_impact.kernel.status import ENERGY_NOT_KEPT, NOT_FINITE, OK, PAUSED, STEP_TOO_SMALL, TOO_MUCH_WORK
+from chain_impact.kernel.status import (
+    ENERGY_NOT_KEPT,
+    LOG_FULL,
+    NOT_FINITE,
+    OK,
+    PAUSED,
+    STEP_TOO_SMALL,
+    TOO_MUCH_WORK,
+)
 from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.variables.model import Model
+from tests.friction import pendulum
 from tests.plain import Plain
 
 
@@ -112,3 +121,34 @@ def test_a_call_pauses_after_its_work_and_goes_on():
     assert status == OK
     assert calls > 3
     np.testing.assert_array_equal(parts["step"]["state_end"], whole["step"]["state_end"])
+
+
+# --- the log of changes of dry friction --------------------------------------------------------------------
+
+
+def pendulum_of_dry_joints():
+    """A double pendulum with two elements, whose modes both change at the start."""
+    d = Plain(Model(pendulum()).new_instance()[0])
+    assert initialize(d, 0.0) == OK
+    assert (d.elements, d.changes.count, len(d.changes.time)) == (2, 2, 8)
+    return d
+
+
+@pytest.mark.parametrize(("logged", "full"), [(0, False), (6, False), (7, True), (8, True), (100, True)])
+def test_the_log_of_changes_is_full_where_one_more_of_each_element_has_no_room(logged, full):
+    d = pendulum_of_dry_joints()
+    d.changes.count = logged
+    assert loop.changes_full(d) == full
+    steps = int(d.statistics.steps)
+    assert loop.advance(d, 1e-3, 5, UNLIMITED) == (LOG_FULL if full else OK)
+    assert (d.statistics.steps > steps) != full
+    # for a caller that does not collect, the oldest are overwritten
+    assert loop.advance(d, 2e-3, UNLIMITED, UNLIMITED) == OK
+    d.changes.count = 0
+    assert loop.advance(d, 3e-3, 5, UNLIMITED) == OK
+
+
+def test_a_record_without_dry_friction_has_no_log_that_could_be_full():
+    d = started()
+    assert (d.elements, len(d.changes.time)) == (0, 0)
+    assert not loop.changes_full(d)

@@ -8,14 +8,19 @@ import numpy as np
 import pytest
 from scipy.special import ellipj
 
+from chain_impact.kernel.advance import begin_step
+from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration import dop853
 from chain_impact.kernel.integration.dense import interpolate, rate_bounds
 from chain_impact.kernel.integration.explicit import attempt
 from chain_impact.kernel.integration.last_step import OUTPUTS, accept, ensure_dense
 from chain_impact.kernel.model.equations import state_rate
+from chain_impact.kernel.status import OK
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.model import Model
+from tests.friction import pendulum
+from tests.kernel.chains import located
 from tests.plain import Plain
 from tests.problems import FAR, ball, build, contact_table, rod
 
@@ -334,3 +339,17 @@ def test_only_a_step_with_an_event_or_an_output_gets_a_dense_output():
     tried = spent[0]["steps"] + spent[0]["rejected_steps"]
     assert spent[0]["rhs_evaluations"] == 1 + spent[0]["steps"] + 11 * tried
     assert spent[0] == spent[1]
+
+
+def test_the_points_of_a_step_are_located_where_it_is_to_be_projected():
+    """Also if nothing touches a wall, but a joint sticks: those of the last stage are not at the end."""
+    scene = pendulum(**{"link[1].joint_friction": 0.0, "link[2].joint_friction": 50.0})
+    d = Plain(Model(scene).new_instance()[0])
+    assert initialize(d, 0.0) == OK
+    assert d.friction.stuck_count == 1
+    begin_step(d)
+    assert attempt(d, 0.1) < math.inf
+    found = located(d)
+    locate_points(d, d.work.y)
+    np.testing.assert_array_equal(found, located(d))
+    assert abs(found[-1] - 0.4 * np.exp(-0.6j) - 0.4 * np.exp(-1.1j)) > 1e-3

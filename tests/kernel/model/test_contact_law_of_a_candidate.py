@@ -16,6 +16,7 @@ from chain_impact.kernel.model.contact_law import (
     copy_law,
     derive_damping,
     exponent,
+    given_friction,
     given_number,
     given_restitution,
     given_stiffness,
@@ -26,6 +27,7 @@ from chain_impact.kernel.model.contact_law import (
 )
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
+    FRICTION_WITH_RIGID_WALLS,
     OK,
     PARAMETER_OUT_OF_RANGE,
     RESTITUTION_NOT_ALLOWED,
@@ -195,4 +197,78 @@ def test_a_contact_with_a_force_cannot_become_rigid(given):
     touch(d, [c])
     assert check_laws(d) == RIGID_WHILE_TOUCHING
     make_rigid(d)
+    assert check_laws(d) == OK
+
+
+@pytest.mark.parametrize(
+    ("of_all", "of_wall", "right"),
+    [
+        ((0.3, 0.5), (-1.0, -1.0), (0.3, 0.5)),
+        ((0.3, 0.0), (-1.0, -1.0), (0.3, 0.3)),  # without one of its own the static one is that of sliding
+        ((0.3, 0.2), (-1.0, -1.0), (0.3, 0.3)),
+        ((0.3, 0.5), (0.1, -1.0), (0.1, 0.1)),  # a wall takes no static friction from the others
+        ((0.3, 0.5), (0.1, 0.4), (0.1, 0.4)),
+        ((0.3, 0.5), (-1.0, 0.4), (0.3, 0.4)),
+        ((0.3, 0.5), (-1.0, 0.2), (0.3, 0.3)),
+        ((0.3, 0.5), (0.0, -1.0), (0.0, 0.0)),
+        ((0.0, 0.0), (0.7, -1.0), (0.7, 0.7)),
+    ],
+)
+def test_a_wall_may_give_its_own_friction_and_a_stop_has_none(given, of_all, of_wall, right):
+    d, kinds = given
+    d.given.friction, d.given.static_friction = of_all
+    wall = d.candidate.wall[kinds[1]]
+    d.walls.friction[wall], d.walls.static_friction[wall] = of_wall
+    common = (of_all[0], max(of_all))
+    assert given_friction(d, kinds[0]) == common
+    assert given_friction(d, kinds[1]) == right
+    assert given_friction(d, kinds[3]) == (0.0, 0.0)
+    for c, pair in ((kinds[0], common), (kinds[1], right), (kinds[3], (0.0, 0.0))):
+        derive_damping(d, c)
+        set_parameters(d, c)
+        assert (d.law.friction[c], d.law.static_friction[c]) == pair
+        d.contact.any_friction = 0
+        note_kind(d, c)
+        assert d.contact.any_friction == (pair[1] > 0.0)
+
+
+@pytest.mark.parametrize("name", ["friction", "static_friction"])
+def test_a_wall_with_friction_of_its_own_has_a_law_of_its_own(given, name):
+    d, (c, *_) = given
+    assert origin(d, c) == -1
+    d.walls[name][d.candidate.wall[c]] = 0.0
+    assert origin(d, c) == d.candidate.wall[c]
+
+
+@pytest.mark.parametrize(
+    ("sliding", "static", "status"),
+    [
+        (0.3, 0.0, OK),
+        (0.0, 0.3, OK),
+        (1e3, 1e4, OK),
+        (-0.1, 0.0, PARAMETER_OUT_OF_RANGE),
+        (-0.1, 0.5, PARAMETER_OUT_OF_RANGE),
+        (math.nan, 0.0, PARAMETER_OUT_OF_RANGE),
+        (math.inf, 0.0, PARAMETER_OUT_OF_RANGE),
+        (0.3, math.inf, PARAMETER_OUT_OF_RANGE),
+    ],
+)
+def test_coefficients_of_friction_are_checked(given, sliding, static, status):
+    d, (c, *_) = given
+    d.given.friction, d.given.static_friction = sliding, static
+    assert check_law(d, c) == status
+    assert check_laws(d) == status
+
+
+@pytest.mark.parametrize("name", ["friction", "static_friction"])
+def test_rigid_walls_have_no_friction_but_stops_beside_them_may_be_rigid(given, name):
+    d, (c, *_, stop) = given
+    rigid = NUMBER["newton_impact"]
+    d.given[name], d.given.law, d.stops.law = 0.3, rigid, NUMBER["flores"]
+    assert check_law(d, c) == FRICTION_WITH_RIGID_WALLS
+    assert check_laws(d) == FRICTION_WITH_RIGID_WALLS
+    d.given.law, d.stops.law = NUMBER["flores"], rigid
+    assert check_law(d, stop) == OK
+    assert check_laws(d) == OK
+    d.given[name], d.given.law = 0.0, rigid
     assert check_laws(d) == OK

@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
-from chain_impact.kernel.model.contact import clear_loads
+from chain_impact.kernel.model.contact import (
+    clear_loads,
+    clear_stage_notes,
+    drop_events,
+    list_touching,
+    start_contact,
+)
 from chain_impact.kernel.model.equations import located_rate
 from chain_impact.kernel.model.friction import (
     NO_FRICTION,
@@ -26,6 +32,7 @@ from chain_impact.kernel.model.friction import (
     suspend_sticking,
 )
 from chain_impact.kernel.model.geometry import along_tangent
+from tests.kernel.chains import chain, struck
 from tests.kernel.rubbing import MOMENT, MU, MU_S, mobility, rubbing_chain, tangents
 
 CASES = [("free", 2, True), ("free", 4, False), ("pinned", 1, True), ("pinned", 0, True)]
@@ -174,3 +181,40 @@ def test_an_anchor_moves_only_where_it_cannot_be_held():
     d.element.anchor[c] = there + 2.0 * NOT_HELD * d.model.size
     keep_anchors(d)
     assert d.element.anchor[c] == there
+
+
+def test_a_contact_has_no_mode_in_a_record_without_room_for_friction():
+    """Such a record may come from outside, with a coefficient that its scene cannot have."""
+    rng = np.random.default_rng(7)
+    _, d = chain(rng, 3)
+    struck(rng, d, [])
+    d.law.friction[:] = d.law.static_friction[:] = 0.3
+    d.contact.any_friction = 1
+    set_friction_used(d)
+    assert (d.elements, d.friction.used) == (0, 0)
+    start_contact(d, 1)
+    list_touching(d)
+    assert (d.touch.active_count, d.friction.count) == (1, 0)
+
+
+def test_a_contact_that_begins_has_a_mode_and_is_listed():
+    rng = np.random.default_rng(7)
+    _, d = chain(rng, 3, friction=MU)
+    struck(rng, d, [])
+    start_contact(d, 1)
+    list_touching(d)
+    assert elements_of(d) == [1]
+    assert d.element.mode[1] == np.sign(along_tangent(d, 1, d.work.velocity)) != 0.0
+
+
+def test_what_a_step_has_noted_of_friction_is_forgotten_with_the_step():
+    _, d, _ = rubbing_chain(np.random.default_rng(5), "free", 2, True)
+    found = elements_of(d)
+    d.element.margin[:], d.element.event[:] = -1.0, 1
+    clear_stage_notes(d)
+    drop_events(d)
+    others = sorted(set(range(d.elements)) - set(found))
+    assert not d.element.margin[found].any()
+    assert not d.element.event[found].any()
+    assert (d.element.margin[others] == -1.0).all()
+    assert (d.element.event[others] == 1).all()

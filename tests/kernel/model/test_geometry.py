@@ -302,7 +302,11 @@ def rubbing(request):
     """A chain of four links with dry joints between walls at any angle, located in some state."""
     pinned = {("contact", "points"): [1, 2, 3, 4]} if request.param == "pinned" else {}
     joints = {("chain", "links", i, "joint_friction"): 0.1 for i in range(1, 4)}
-    changes = {("chain", "base"): request.param, ("contact", "friction"): 0.3}
+    changes = {
+        ("chain", "base"): request.param,
+        ("contact", "friction"): 0.3,
+        ("initial", "velocity"): [0, 0],
+    }
     scene, d = prepared(True, changes | joints | pinned)
     assert initialize(d, 0.0) == OK
     y = random_state(np.random.default_rng(3), d)
