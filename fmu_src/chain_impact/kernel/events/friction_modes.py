@@ -29,6 +29,9 @@ from chain_impact.kernel.work_limit import count_evaluations
 # Of the largest acceleration: a sliding element at rest that accelerates by no more against its direction
 # keeps sliding.
 AGAINST = 1e-9
+# Over the tolerance, of a link length per second plus the speed: what sticks or has just stopped may have a
+# speed of this size by errors. With a larger one it slides.
+MISLOCATED = 100.0
 
 
 def update_modes(d, struck):
@@ -87,7 +90,8 @@ def first_guess(d, e, struck):
     d.element.event[e], d.element.undecided[e] = 0, 1
     if event == STICKING_ENDS:
         return against(d.element.force[e])
-    if event == SLIDING_ENDS or (before == STICKS and not struck):
+    resting = event == SLIDING_ENDS or (before == STICKS and not struck)
+    if resting and abs(speed) <= MISLOCATED * d.solver.tolerance * (d.model.size + abs(speed)):
         return STICKS
     if abs(speed) > rest_speed(d):
         d.element.undecided[e] = 0

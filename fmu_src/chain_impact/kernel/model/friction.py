@@ -120,8 +120,10 @@ def apply_friction(d):
     for i in range(own.count):
         e = d.element.index[i]
         if e < d.candidates:
-            d.element.limit[e] = d.law.static_friction[e] * d.touch.force[e]
-            sliding = d.law.friction[e] * d.touch.force[e]
+            # a force that is continued beyond its kink may be negative, and friction would then add energy
+            normal = max(0.0, d.touch.force[e])
+            d.element.limit[e] = d.law.static_friction[e] * normal
+            sliding = d.law.friction[e] * normal
         else:
             d.element.limit[e] = d.model.joint_friction[joint_of(d, e)] / d.model.size
             sliding = d.element.limit[e]
