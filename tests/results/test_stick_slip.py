@@ -16,7 +16,7 @@ from chain_impact.results.stick_slip import (
     phases_from_columns,
     phases_of,
 )
-from tests.friction import SLOPE, pendulum, sled
+from tests.friction import SLOPE, pendulum, puck, sled, thrown
 
 WALLS = ("x_min", "x_max", "y_min", "y_max", "slope")
 GRAVITY, MU = 9.81, 0.5
@@ -57,7 +57,40 @@ def test_a_sled_on_a_slope_sticks_when_it_has_stopped():
     assert np.isnan(sticking["end"]).all()
     # m v_t + µ times the whole impulse of the wall, which has stopped the motion along the normal
     stop = (ALONG - MU * DOWN) / (GRAVITY * (MU * math.cos(SLOPE) - math.sin(SLOPE)))
-    assert sticking["start"] == pytest.approx(stop, rel=1e-6)
+    assert sticking["start"] == pytest.approx(stop, rel=1e-9)
+    sliding = result.stick_slip[:2]
+    assert [tuple(row) for row in sliding] == [(point, 4, 0.0, sticking["start"][0], 1) for point in (0, 1)]
+
+
+def test_each_contact_with_friction_has_its_phases_from_its_onset_to_its_end():
+    result = simulate("sliding_rod", output_step=math.inf)
+    for impact in result.impacts:
+        own = result.stick_slip[
+            (result.stick_slip["point"] == impact["point"]) & (result.stick_slip["wall"] == impact["wall"])
+        ]
+        of_impact = own[own["start"] >= impact["onset"]]
+        assert of_impact["start"][0] == impact["onset"]
+        if np.isnan(impact["end"]):
+            assert np.isnan(own["end"][-1])
+        else:
+            assert impact["end"] in own["end"]
+
+
+def test_a_body_that_turns_round_slides_in_both_directions():
+    result = simulate(puck(), output_step=math.inf)
+    assert result.stick_slip["mode"].tolist() == [1, -1]
+    assert result.stick_slip["end"][0] == result.stick_slip["start"][1]
+
+
+def test_a_log_that_fills_is_collected_in_time():
+    """Modes change more often than the log has room for, within a step of the rows."""
+    result = simulate(thrown(), output_step=math.inf)
+    own = result.stick_slip[result.stick_slip["wall"] == -1]
+    assert len(result.stick_slip) > 30
+    assert own["start"][0] == 0.0
+    np.testing.assert_array_equal(own["start"][1:], own["end"][:-1])
+    rows = simulate(thrown(), output_step=1e-3).stick_slip
+    assert rows.tobytes() == result.stick_slip.tobytes()
 
 
 def test_a_result_has_them_as_a_table_and_in_words():
