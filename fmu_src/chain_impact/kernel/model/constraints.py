@@ -103,14 +103,13 @@ def solve_equality(d, scale):
     factorize_contacts(d, link, own.impedance, 0.0, own.factors)
     clear_impulses(d)
     before = math.inf
-    for i in range(MAX_ITERATIONS):
+    for _ in range(MAX_ITERATIONS):
         worst = find_residual(d)
-        exact = worst <= ROUND_OFF * scale
-        stalls = not exact and not worst < 0.5 * before
-        final = worst <= DOUBT * scale or impedance >= STIFFEST * mean or not any_point_held(d)
-        if (exact or (stalls and final)) and iterated_enough(d, i):
+        if worst <= ROUND_OFF * scale:
             return
-        if stalls and not final:
+        if not worst < 0.5 * before:
+            if worst <= DOUBT * scale or impedance >= STIFFEST * mean or not any_point_held(d):
+                return
             # near a toggle position a point has far more inertia than a link
             impedance *= STIFFER
             set_impedance(d, impedance)
@@ -138,11 +137,6 @@ def solve_single(d):
         own.reached[k] = own.start[k] + impulse * along_constraint(d, k, d.work.motion)
     own.impulse[row] = impulse
     count_other_work(d, 1)
-
-
-def iterated_enough(_d, _iterations):
-    """Whether so many iterations are enough if the residual is round-off."""
-    return True
 
 
 def clear_impulses(d):
