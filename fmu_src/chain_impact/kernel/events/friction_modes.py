@@ -29,9 +29,9 @@ from chain_impact.kernel.work_limit import count_evaluations
 # Of the largest acceleration: a sliding element at rest that accelerates by no more against its direction
 # keeps sliding.
 AGAINST = 1e-9
-# Over the tolerance, of a link length per second plus the speed: what sticks or has just stopped may have a
-# speed of this size by errors. With a larger one it slides.
-MISLOCATED = 100.0
+# Of a link length per second: what sticks or has just stopped may have a speed of this size, by errors at
+# loose tolerances. With a larger one it slides.
+MISLOCATED = 1e-3
 
 
 def update_modes(d, struck):
@@ -91,7 +91,7 @@ def first_guess(d, e, struck):
     if event == STICKING_ENDS:
         return against(d.element.force[e])
     resting = event == SLIDING_ENDS or (before == STICKS and not struck)
-    if resting and abs(speed) <= MISLOCATED * d.solver.tolerance * (d.model.size + abs(speed)):
+    if resting and abs(speed) <= MISLOCATED * d.model.size:
         return STICKS
     if abs(speed) > rest_speed(d):
         d.element.undecided[e] = 0
