@@ -204,8 +204,7 @@ def test_the_cost_of_rest_does_not_grow_with_the_stiffness(restitution):
 def test_the_gentlest_touch_down_comes_to_rest(speed, restitution):
     scene = ball(1e-12, speed, gravity=GRAVITY, stop_time=1.0, restitution=restitution)
     result = simulate(scene)
-    for name in result.outputs.dtype.names:
-        assert np.isfinite(result.outputs[name]).all()
+    assert np.isfinite(np.frombuffer(result.outputs.tobytes())).all()
     # a weight set at once upon K δⁿ presses it to δⁿ = (n+1) m g/K at most, damping apart: (5/2) m g
     assert (result.outputs["force"] >= 0.0).all()
     assert result.impacts["peak_force"].max() < 3.0 * GRAVITY
