@@ -9,9 +9,14 @@ from chain_impact.scene.scene import Scene, scene_from_dict
 SLOPE = 0.35  # rad
 
 
+def _scene(table: dict[str, Any], values: dict[str, Any]) -> Scene:
+    scene = scene_from_dict(table, table["name"].lower())
+    return scene.with_values(values) if values else scene
+
+
 def sled(**values: Any) -> Scene:
     """A rod that lies on a slope and slides down; values by their names."""
-    scene = scene_from_dict(
+    return _scene(
         {
             "name": "Sled",
             "chain": {"links": [{"length": 0.5, "mass": 1.2}]},
@@ -20,15 +25,14 @@ def sled(**values: Any) -> Scene:
             "initial": {"angles": [-SLOPE], "velocity": [1.2, -0.5]},
             "simulation": {"stop_time": 2.0, "step_size": 0.01},
         },
-        "sled",
+        values,
     )
-    return scene.with_values(values) if values else scene
 
 
 def pendulum(**values: Any) -> Scene:
     """A double pendulum that comes to rest by dry friction in its joints; values by their names."""
     link = {"length": 0.4, "mass": 0.9}
-    scene = scene_from_dict(
+    return _scene(
         {
             "name": "Pendulum",
             "chain": {
@@ -38,15 +42,14 @@ def pendulum(**values: Any) -> Scene:
             "initial": {"angles": [-0.6, -1.1]},
             "simulation": {"stop_time": 4.0, "step_size": 0.01},
         },
-        "pendulum",
+        values,
     )
-    return scene.with_values(values) if values else scene
 
 
 def thrown(**values: Any) -> Scene:
     """Two links with friction in their joint, thrown onto a floor with friction; values by their names."""
     link = {"length": 0.3, "mass": 0.7}
-    scene = scene_from_dict(
+    return _scene(
         {
             "name": "Thrown",
             "chain": {"links": [link, link | {"joint_friction": 0.2}]},
@@ -55,14 +58,13 @@ def thrown(**values: Any) -> Scene:
             "initial": {"position": [0.0, 0.2], "angles": [0.3, -0.2], "velocity": [1.5, 0.0]},
             "simulation": {"stop_time": 1.5, "step_size": 0.01},
         },
-        "thrown",
+        values,
     )
-    return scene.with_values(values) if values else scene
 
 
 def puck(**values: Any) -> Scene:
     """A body that touches a slope at its centre of mass: it slides up, stops and slides back."""
-    scene = scene_from_dict(
+    return _scene(
         {
             "name": "Puck",
             "chain": {"links": [{"length": 0.1, "mass": 0.4, "center_of_mass": 0.0}]},
@@ -71,6 +73,5 @@ def puck(**values: Any) -> Scene:
             "initial": {"angles": [SLOPE + 1.5], "velocity": [1.3, 0.4]},
             "simulation": {"stop_time": 1.5, "step_size": 0.01},
         },
-        "puck",
+        values,
     )
-    return scene.with_values(values) if values else scene

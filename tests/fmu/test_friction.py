@@ -7,6 +7,7 @@ from chain_impact import CONTACT_LAWS, Chain, simulate
 from chain_impact.fmu.build import build_fmu
 from tests.fmu.conftest import KINDS
 from tests.fmu.importer import Instance, refused
+from tests.fmu.test_stops import tuned
 from tests.fmu.test_use import trajectory
 from tests.friction import thrown
 from tests.shared import once, shared_folder
@@ -53,13 +54,6 @@ def test_its_parameters_act_as_they_do_in_the_scene(fmu, clean, values):
         np.testing.assert_array_equal(found[name], column, err_msg=name)
     assert found["energy.friction"][-1] > 0.1
     assert {0.0, 1.0} == set(found["joint[2].sticking"])
-
-
-def tuned(fmu, values, at, stop, step):
-    one = Instance(fmu).start()
-    one.run([step * i for i in range(1, round(at / step) + 1)])
-    one.set(values)
-    return [one.outputs, one.run([step * i for i in range(round(at / step) + 1, round(stop / step) + 1)])]
 
 
 def test_what_is_tunable_can_be_set_between_steps(fmu, clean):

@@ -9,9 +9,8 @@ the communication point has passed it. ``d`` is the record of the instance (reco
 import math
 
 from chain_impact.kernel import hooks
-from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events.contact_log import update_extremes, update_to_output_time
-from chain_impact.kernel.events.friction_modes import pending_changes, update_modes
+from chain_impact.kernel.events.friction_modes import choose_anew, pending_changes
 from chain_impact.kernel.events.impulses import end_changed_contacts, update_active_set
 from chain_impact.kernel.events.kinds import KINK, NONE, ONSET, REFUSED
 from chain_impact.kernel.events.search import find_event, onset_fraction
@@ -49,7 +48,6 @@ from chain_impact.kernel.model.contact import clear_loads, clear_stage_notes, dr
 from chain_impact.kernel.model.contact_force import set_damping, set_expected_depth
 from chain_impact.kernel.model.contact_law import update_laws
 from chain_impact.kernel.model.equations import state_rate
-from chain_impact.kernel.model.friction import set_friction_used
 from chain_impact.kernel.model.inputs import apply_inputs, inputs_continue, limit_to_piece
 from chain_impact.kernel.status import (
     LOG_FULL,
@@ -86,8 +84,8 @@ def advance(d, time, log_capacity, work):
     Returns:
         A status. After a fault the instance stays at the last time it reached. The run can continue after
         LOG_FULL, once the finished contacts, of which the log holds ``log_capacity``, and the changes of dry
-        friction are collected; and
-        after PAUSED, which is returned when the work since the start exceeds ``work`` evaluations.
+        friction are collected; and after PAUSED, which is returned when the work since the start exceeds
+        ``work`` evaluations.
     """
     status = reinit_if_changed(d)
     while status == OK and d.step.end < time:
@@ -213,7 +211,7 @@ def apply_pending_inputs(d):
     if status == OK:
         latch_again(d)
         recompute_active_set(d)
-        recompute_modes(d)
+        choose_anew(d, False)
         set_kink_sides(d)  # the law may have changed
     return status
 
@@ -234,15 +232,6 @@ def recompute_active_set(d):
     if any_point_held(d):
         update_active_set(d)
     reset_step(d, d.step.end, d.step.state_end)
-
-
-def recompute_modes(d):
-    """Choose the modes of dry friction anew, under parameters and inputs that have changed."""
-    set_friction_used(d)
-    if d.friction.used or d.friction.count > 0:
-        locate_points(d, d.step.state_end)
-        update_modes(d, False)
-        reset_step(d, d.step.end, d.step.state_end)
 
 
 def take_step(d):

@@ -15,7 +15,7 @@ from chain_impact.kernel.chain.state import (
     supplied_at,
     velocity_at,
 )
-from chain_impact.kernel.events.friction_modes import update_modes
+from chain_impact.kernel.events.friction_modes import choose_anew
 from chain_impact.kernel.integration.balance import start_balance
 from chain_impact.kernel.integration.last_step import reset_step
 from chain_impact.kernel.integration.methods import IS_IMPLICIT, SOLVER_METHODS, first_method
@@ -25,7 +25,7 @@ from chain_impact.kernel.model.contact import clear_loads, drop_events
 from chain_impact.kernel.model.contact_law import start_laws
 from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
 from chain_impact.kernel.model.equations import state_rate
-from chain_impact.kernel.model.friction import clear_friction, set_friction_used
+from chain_impact.kernel.model.friction import clear_friction
 from chain_impact.kernel.model.geometry import clearance, place_walls
 from chain_impact.kernel.model.inputs import apply_inputs
 from chain_impact.kernel.model.latest import forget_impacts
@@ -55,7 +55,7 @@ def initialize(d, time):
     set_initial_state(d, d.work.y)
     reset_step(d, time, d.work.y)
     clear_loads(d)
-    start_modes(d)
+    choose_anew(d, True)
     d.step.next_size = first_size(d)
     if not IS_IMPLICIT[first_method(d.solver.method)]:
         d.step.next_size = stable(d, d.step.next_size)
@@ -70,15 +70,6 @@ def initialize(d, time):
     if d.statistics.status == OK:
         hooks.on_start(d)
     return d.statistics.status
-
-
-def start_modes(d):
-    """Choose the modes of the joints with dry friction; nothing touches a wall yet."""
-    set_friction_used(d)
-    if d.friction.used:
-        locate_points(d, d.step.state_end)
-        update_modes(d, True)
-        reset_step(d, d.step.end, d.step.state_end)
 
 
 def set_initial_state(d, y):

@@ -69,10 +69,9 @@ def friction_within_bounds(d):
     fits = fits and within(own.stuck_count, 0, own.count) and within(own.stuck_joints, 0, own.stuck_count)
     fits = fits and d.changes.count >= 0
     for e in range(d.elements):
-        own_fits = within(d.element.index[e], 0, d.elements - 1) and within(
-            d.element.stuck[e], 0, d.elements - 1
-        )
-        fits = fits and own_fits and within(d.element.mode[e], -1, NO_FRICTION)
+        fits = fits and within(d.element.index[e], 0, d.elements - 1)
+        fits = fits and within(d.element.stuck[e], 0, d.elements - 1)
+        fits = fits and within(d.element.mode[e], -1, NO_FRICTION)
     return fits
 
 

@@ -21,6 +21,11 @@ LOG_FULL = -1  # not a fault: collect the finished contacts, then continue
 PAUSED = -2  # not a fault: the caller may continue
 ONSET_DUE = -3  # not a fault: contacts begin at the time reached and are not yet applied
 
+WITHOUT_FRICTION = (
+    "Newton's law of impact together with Coulomb's law of friction can add energy, and the motion of a "
+    "rigid body that slides on a rigid wall need neither exist nor be unique"
+)
+"""Why rigid walls have no friction."""
 STATUS_TEXT = {
     OK: "no fault",
     STEP_TOO_SMALL: "the error control asks for a step smaller than the resolution of time: loosen "
@@ -45,9 +50,8 @@ STATUS_TEXT = {
     "mass: the inertia of one of them must be > 0",
     STEP_TOO_LONG: "the time to the next communication point takes more evaluations than 20 times "
     "solver.work_limit: take shorter communication steps or raise it",
-    FRICTION_WITH_RIGID_WALLS: "newton_impact has no contact friction: Newton's law of impact together with "
-    "Coulomb's law of friction can add energy, and the motion of a rigid body that slides on a rigid wall "
-    "need not exist: choose a law with a force, or set the coefficients of friction to 0",
+    FRICTION_WITH_RIGID_WALLS: f"newton_impact has no contact friction: {WITHOUT_FRICTION}: choose a law "
+    "with a force, or set the coefficients of friction to 0",
 }
 
 STATUS_NAME = {

@@ -5,16 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.status import WITHOUT_FRICTION
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.tables import Contact, Material
 
 if TYPE_CHECKING:
     from chain_impact.scene.scene import Scene
-
-RIGID = (
-    "Newton's law of impact together with Coulomb's law of friction can add energy, and the motion of a "
-    "rigid body that slides on a rigid wall need neither exist nor be unique; choose a law with a force"
-)
 
 
 def check_friction(scene: Scene) -> None:
@@ -46,4 +42,7 @@ def _check_coefficients(scene: Scene, table: str, sliding: float, static: float)
         )
     if law and law.impulsive and max(sliding, static) > 0.0:
         key, value = ("friction", sliding) if sliding > 0.0 else ("static_friction", static)
-        raise SceneError(f"{table}.{key} = {value} must be 0 for the contact model {law.id}: {RIGID}")
+        raise SceneError(
+            f"{table}.{key} = {value} must be 0 for the contact model {law.id}: {WITHOUT_FRICTION}; "
+            "choose a law with a force"
+        )

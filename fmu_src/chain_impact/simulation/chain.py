@@ -94,7 +94,6 @@ class Chain:
         self._outputs = np.zeros(1, model.row)
         self._stepped, self._initialized, self._observed = False, True, False
         self._impacts: list[np.ndarray] = []
-        self._changes: list[np.ndarray] = []
 
     @property
     def time(self) -> float:
@@ -122,7 +121,7 @@ class Chain:
         self._ready()
         self._instance.observe()  # what was set acts at once
         self._collect()
-        return phases_of(np.concatenate([np.zeros(0, CHANGE_DTYPE), *self._changes]))
+        return phases_of(self._instance.all_changes)
 
     def step(self, duration: float) -> None:
         """Go on for a duration > 0 [s].
@@ -207,7 +206,7 @@ class Chain:
         self._ready()
         self._collect()
         impacts = np.concatenate([np.zeros(0, IMPACT_DTYPE), *self._impacts])
-        changes = np.concatenate([np.zeros(0, CHANGE_DTYPE), *self._changes])
+        changes = self._instance.all_changes
         head = STATE.pack(MAGIC, self._digest, self._stepped, len(impacts), len(changes))
         return head + impacts.tobytes() + changes.tobytes() + self._reals.tobytes()
 
@@ -236,13 +235,13 @@ class Chain:
             raise SceneError(f"{self.scene.name}: restore: the state is damaged")
         self._reals[:] = words
         self._impacts = [np.frombuffer(state, IMPACT_DTYPE, counts[0], STATE.size).copy()]
-        self._changes = [np.frombuffer(state, CHANGE_DTYPE, counts[1], changes_at).copy()]
+        self._instance.changes = [np.frombuffer(state, CHANGE_DTYPE, counts[1], changes_at).copy()]
         self._stepped, self._initialized, self._observed = bool(stepped), True, False
 
     def reset(self) -> None:
         """Go back to the start of the scene; all values are those of the scene again."""
         self._reals[:] = self._start
-        self._impacts, self._changes = [], []
+        self._impacts, self._instance.changes = [], []
         self._stepped, self._initialized, self._observed = False, True, False
 
     def __reduce__(self) -> tuple[Callable[[Scene, bytes], Chain], tuple[Scene, bytes]]:
@@ -261,9 +260,7 @@ class Chain:
             self._initialized, self._observed = True, False
 
     def _collect(self) -> None:
-        if self._integers[self._changes_word]:
-            self._changes.append(self._instance.collect_changes())
-        if self._integers[self._finished_word]:
+        if self._integers[self._finished_word] or self._integers[self._changes_word]:
             self._impacts.append(self._instance.collect())
 
     def _select(self, key: str | tuple[str, ...]) -> _Selection:

@@ -143,18 +143,23 @@ class Instance:
     def collect(self) -> np.ndarray:
         """Take the finished contacts out of the log, and add the changes of dry friction to ``changes``."""
         if self.record["changes"]["count"]:
-            self.changes.append(self.collect_changes())
+            self.changes.append(self._take_changes())
         log = self.record["finished"]
         if not log["count"]:
             return np.zeros(0, IMPACT_DTYPE)
         # of those that nobody collected in time, the oldest are lost
         count = min(int(log["count"]), len(log["point"]))
-        rows = _impact_rows(count, {name: log[name] for name in IMPACT_DTYPE.names or ()})
+        rows = _impact_rows(count, log)
         log["count"] = 0
         return self._with_impulses(rows)
 
-    def collect_changes(self) -> np.ndarray:
-        """Take the changes between sticking and sliding out of the log, see ``CHANGE_DTYPE``."""
+    @property
+    def all_changes(self) -> np.ndarray:
+        """The collected changes between sticking and sliding, see ``CHANGE_DTYPE``."""
+        return np.concatenate([np.zeros(0, CHANGE_DTYPE), *self.changes])
+
+    def _take_changes(self) -> np.ndarray:
+        """Take the changes between sticking and sliding out of the log."""
         log = self.record["changes"]
         count, room = int(log["count"]), len(log["time"])
         # of those that nobody collected in time, the oldest are lost
@@ -210,7 +215,7 @@ def in_order(parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     return order, found[order]
 
 
-def _impact_rows(count: int, columns: dict[str, np.ndarray]) -> np.ndarray:
+def _impact_rows(count: int, columns: dict[str, np.ndarray] | np.void) -> np.ndarray:
     rows = np.zeros(count, IMPACT_DTYPE)
     for name in IMPACT_DTYPE.names or ():
         rows[name] = columns[name][:count]

@@ -145,7 +145,7 @@ def simulate(
         statistics=instance.statistics,
         sensitivities=sensitive,
         stepwise=stepwise,
-        stick_slip=phases_of(np.concatenate(instance.changes)) if instance.changes else NO_PHASES,
+        stick_slip=phases_of(instance.all_changes) if instance.changes else NO_PHASES,
     )
     if instance.status != OK:
         raise SimulationError(instance.status, instance.time, result)

@@ -2,22 +2,20 @@
 
 import io
 import re
-import shutil
 
 import matplotlib as mpl
 import numpy as np
 import pytest
 from PIL import Image
-from playwright.sync_api import sync_playwright
 
 from chain_impact import load_scene, simulate
 from chain_impact.results.animation import animate
 from chain_impact.results.recording import Impact, Recording
 from chain_impact.scene.half_planes import half_planes
 from chain_impact.studies.slow_motion import record_slowly
+from tests.results.animation.conftest import needs_browser
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium")
+pytestmark = needs_browser
 DESK, PHONE = {"width": 1280, "height": 760}, {"width": 390, "height": 844}
 TIME_TEXT = "document.getElementById('time').textContent"
 LIGHT_CHAIN, DARK_CHAIN = "#2b4a9f", "#9db4ff"
@@ -40,15 +38,6 @@ def pinned_arm(tmp_path_factory):
     path = tmp_path_factory.mktemp("arm") / "arm.html"
     animate(record_slowly("pinned_arm"), path)
     return path.as_uri()
-
-
-@pytest.fixture(scope="module")
-def browser():
-    with sync_playwright() as playwright:
-        # in a container there is no sandbox for root, and the page is our own
-        started = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield started
-        started.close()
 
 
 @pytest.fixture

@@ -2,11 +2,9 @@
 
 import math
 import re
-import shutil
 
 import numpy as np
 import pytest
-from playwright.sync_api import sync_playwright
 
 from chain_impact.results.animation import animate
 from chain_impact.results.animation.film import draw_frames
@@ -15,9 +13,9 @@ from chain_impact.results.animation.frames import motion_of
 from chain_impact.results.animation.page import data
 from chain_impact.studies.slow_motion import record_slowly
 from tests.friction import SLOPE, pendulum, sled
+from tests.results.animation.conftest import needs_browser
 from tests.results.animation.test_film import SIZE, coloured
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 SLIDES, STICKS = 0.5, 1.5  # s, of the sled
 WEIGHT = 1.2 * 9.81  # N
 
@@ -69,14 +67,6 @@ def test_a_film_shows_more_in_the_colour_of_forces_where_something_sticks(motion
     assert coloured(stuck, FORCE) > coloured(free, FORCE) == 0
 
 
-@pytest.fixture(scope="module")
-def browser():
-    with sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield started
-        started.close()
-
-
 @pytest.fixture
 def show(browser, tmp_path):
     """Open the page of a scene at a time, which must not complain."""
@@ -102,9 +92,6 @@ def show(browser, tmp_path):
     for page in opened:
         page.close()
     assert said == []
-
-
-needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium")
 
 
 def lean(page):

@@ -1,31 +1,26 @@
 """The page of an arm with stops in a browser: the range of its joint, the mark at a stop, and the units."""
 
-import shutil
-
 import pytest
-from playwright.sync_api import sync_playwright
 
 from chain_impact.results.animation import animate
 from chain_impact.studies.slow_motion import record_slowly
+from tests.results.animation.conftest import needs_browser
 from tests.stops import knee
 
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs Debian's chromium")
+pytestmark = needs_browser
 
 
 @pytest.fixture(scope="module")
-def page(tmp_path_factory):
+def page(browser, tmp_path_factory):
     path, said = tmp_path_factory.mktemp("page") / "knee.html", []
     animate(record_slowly(knee()), path)
-    with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        page = browser.new_page(viewport={"width": 1280, "height": 760}, reduced_motion="reduce")
-        page.on("console", lambda message: said.append(message.text))
-        page.on("pageerror", lambda error: said.append(str(error)))
-        page.goto(path.as_uri())
-        page.wait_for_function("performance.getEntriesByName('first-frame').length === 1")
-        yield page
-        browser.close()
+    page = browser.new_page(viewport={"width": 1280, "height": 760}, reduced_motion="reduce")
+    page.on("console", lambda message: said.append(message.text))
+    page.on("pageerror", lambda error: said.append(str(error)))
+    page.goto(path.as_uri())
+    page.wait_for_function("performance.getEntriesByName('first-frame').length === 1")
+    yield page
+    page.close()
     assert said == []
 
 

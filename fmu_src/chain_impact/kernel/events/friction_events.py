@@ -17,7 +17,7 @@ from chain_impact.kernel.model.geometry import along_tangent
 from chain_impact.kernel.work_limit import count_evaluations
 
 SAMPLES = 8  # samples of a step, its end included
-# Of a link length per second, plus of the speed at which its contact began: a tangential speed that is rest.
+# Of a link length per second: a tangential speed that is rest.
 AT_REST = 1e-12
 # Of the limit of friction, and of the weight of a link that falls and turns by 1 rad per second squared: an
 # excess of the static friction that is round-off.

@@ -13,7 +13,8 @@ as fewer and fewer do, else only the last. An element keeps its mode if that is 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
 from chain_impact.kernel.events.friction_events import excess, rest_speed
 from chain_impact.kernel.events.kinds import SLIDING_ENDS, STICKING_ENDS
-from chain_impact.kernel.model.constraints import MAX_STALLED_PIVOTS, ROUNDS, project_state
+from chain_impact.kernel.integration.last_step import reset_step
+from chain_impact.kernel.model.constraints import MAX_STALLED_PIVOTS, ROUNDS, count_stalls, project_state
 from chain_impact.kernel.model.equations import located_rate
 from chain_impact.kernel.model.friction import (
     NO_FRICTION,
@@ -22,6 +23,7 @@ from chain_impact.kernel.model.friction import (
     joint_of,
     list_friction,
     list_sticking,
+    set_friction_used,
 )
 from chain_impact.kernel.model.geometry import along_tangent
 from chain_impact.kernel.work_limit import count_evaluations
@@ -59,6 +61,20 @@ def update_modes(d, struck):
         locate_points(d, d.step.state_end)
     for i in range(own.count):
         set_slack(d, d.element.index[i])
+
+
+def choose_anew(d, struck):
+    """Choose the modes at the end of the last step, where parameters, inputs or the state have been set.
+
+    Args:
+        d: the instance.
+        struck: as for ``update_modes``.
+    """
+    set_friction_used(d)
+    if d.friction.used or d.friction.count > 0:
+        locate_points(d, d.step.state_end)
+        update_modes(d, struck)
+        reset_step(d, d.step.end, d.step.state_end)
 
 
 def begins(d, e):
@@ -116,10 +132,7 @@ def choose_modes(d):
         wrong = count_inconsistent(d)
         if wrong == 0:
             return
-        if wrong < fewest:
-            fewest, stalls_left = wrong, MAX_STALLED_PIVOTS
-        else:
-            stalls_left -= 1
+        fewest, stalls_left = count_stalls(wrong, fewest, stalls_left)
         for i in range(own.count):
             e = d.element.index[own.count - 1 - i]
             if is_inconsistent(d, e):

@@ -5,4 +5,4 @@ NEIGHBOUR = 6  # not found by the search: a point near a wall that takes part in
 REFUSED = -2.0  # returned instead of the fraction θ of an event if the step must be refused
 
 SLIDING_ENDS, STICKING_ENDS = 1, 2
-"""The kinds of change of a mode of dry friction, as stored for each element in ``friction.event``."""
+"""The kinds of change of a mode of dry friction, as stored for each element in ``element.event``."""

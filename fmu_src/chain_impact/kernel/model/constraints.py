@@ -70,7 +70,7 @@ def set_impedance(d, amount):
     own = d.rigid
     for k in range(constraint_rows(d)):
         own.impedance[k] = amount if own.in_active_set[k] else own.resistance[k]
-    if any_sticking(d):
+    if amount > 0.0 and any_sticking(d):
         share_impedance(d)
 
 
@@ -189,16 +189,20 @@ def solve_lcp(d, scale):
         wrong = count_violations(d, scale)
         if wrong == 0 or work_exceeded(d):
             return
-        if wrong < fewest:
-            fewest, stalls_left = wrong, MAX_STALLED_PIVOTS
-        else:
-            stalls_left -= 1
+        fewest, stalls_left = count_stalls(wrong, fewest, stalls_left)
         for i in range(count):
             k = first + count - 1 - i
             if own.violated[k]:
                 own.in_active_set[k] = 1 - own.in_active_set[k]
                 if stalls_left < 0:
                     break
+
+
+def count_stalls(wrong, fewest, stalls_left):
+    """The fewest that were wrong so far, and how many pivots may still fail to reduce that number."""
+    if wrong < fewest:
+        return wrong, MAX_STALLED_PIVOTS
+    return fewest, stalls_left - 1
 
 
 def count_violations(d, scale):

@@ -48,13 +48,9 @@ def clear_friction(d):
     own.integral_count = 0
     own.power, own.power_end, d.friction_impulse.energy = 0.0, 0.0, 0.0
     for e in range(d.elements):
-        d.element.mode[e], d.element.event[e], d.element.force[e], d.element.force_end[e] = (
-            NO_FRICTION,
-            0,
-            0.0,
-            0.0,
-        )
-        d.element.index[e], d.element.stuck[e], d.friction_impulse.total[e] = 0, 0, 0.0
+        d.element.mode[e], d.element.event[e] = NO_FRICTION, 0
+        d.element.index[e], d.element.stuck[e] = 0, 0
+        d.element.force[e], d.element.force_end[e], d.friction_impulse.total[e] = 0.0, 0.0, 0.0
 
 
 def list_friction(d):
@@ -72,7 +68,9 @@ def list_friction(d):
     own.integral_count = own.count + 1 if d.impulse.wanted else 0
     for i in range(0 if d.model.pinned else 1, d.links if d.model.rubbing else 0):
         if d.model.joint_friction[i] > 0.0:
-            d.element.index[own.count] = d.candidates + i
+            e = d.candidates + i
+            d.element.index[own.count] = e
+            d.element.limit[e] = d.model.joint_friction[i] / d.model.size
             own.count += 1
     list_sticking(d)
 
@@ -119,14 +117,12 @@ def apply_friction(d):
     own.power = 0.0
     for i in range(own.count):
         e = d.element.index[i]
+        sliding = d.element.limit[e]  # of a joint both limits are the same
         if e < d.candidates:
             # a force that is continued beyond its kink may be negative, and friction would then add energy
             normal = max(0.0, d.touch.force[e])
             d.element.limit[e] = d.law.static_friction[e] * normal
             sliding = d.law.friction[e] * normal
-        else:
-            d.element.limit[e] = d.model.joint_friction[joint_of(d, e)] / d.model.size
-            sliding = d.element.limit[e]
         if d.element.mode[e] != STICKS:
             own.power += slide(d, e, sliding)
     return own.power

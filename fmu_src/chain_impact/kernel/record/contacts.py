@@ -209,5 +209,5 @@ def changes_dtype(elements: int) -> np.dtype:
         ("time", REAL, (log,)),  # s
         ("point", INTEGER, (log,)),  # or the joint
         ("wall", INTEGER, (log,)),  # index into the scene's wall_names, −1: dry friction in a joint
-        ("mode", INTEGER, (log,)),  # as `friction.mode`, from this time on
+        ("mode", INTEGER, (log,)),  # as `element.mode`, from this time on
     )

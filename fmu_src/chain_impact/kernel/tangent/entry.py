@@ -78,13 +78,8 @@ def all_valid(d):
     fits = True
     for b in range(d.tangents):
         t = block(d, b)
-        fits = (
-            fits
-            and t.links == d.links
-            and t.candidates == d.candidates
-            and t.elements == d.elements
-            and within_bounds(t)
-        )
+        fits = fits and t.links == d.links and t.candidates == d.candidates and t.elements == d.elements
+        fits = fits and within_bounds(t)
     return fits
 
 

@@ -1,7 +1,8 @@
 """The start of a tangent instance: the derivatives of all that follows from the parameters."""
 
-from chain_impact.kernel.advance import latch_again, recompute_active_set, recompute_modes
-from chain_impact.kernel.initialize import clear_run, derive_chain, set_initial_state, start_modes
+from chain_impact.kernel.advance import latch_again, recompute_active_set
+from chain_impact.kernel.events.friction_modes import choose_anew
+from chain_impact.kernel.initialize import clear_run, derive_chain, set_initial_state
 from chain_impact.kernel.integration.last_step import reset_step
 from chain_impact.kernel.integration.switching import begin_explicit
 from chain_impact.kernel.laws.contact_laws import ANY, LAW_COUNT, RATE_EXPONENTS, damping_factor
@@ -25,7 +26,7 @@ def start_tangent(d, t):
     reset_step(t, d.step.time, t.work.y)
     clear_loads(t)
     copy_modes(d, t)
-    start_modes(t)
+    choose_anew(t, True)
     begin_explicit(t.step)
     t.impact.last_time = d.step.time
     t.trust.reason = TRUSTED
@@ -38,7 +39,7 @@ def reinit_tangent(d, t):
     latch_again(t)
     recompute_active_set(t)
     copy_modes(d, t)
-    recompute_modes(t)
+    choose_anew(t, False)
     set_kink_sides(t)
     clear_loads(t)
     # derivatives that ended in the part of the run that is dropped may go on: the new part decides
