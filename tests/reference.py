@@ -50,6 +50,7 @@ def realised_restitution(damping_factor: float) -> float:
         return float(_restitution(mpmath.mpf(damping_factor))) if damping_factor else 1.0
 
 
+@cache
 def exact_damping_factor(restitution: float) -> float:
     """The λ whose realised restitution, by Lambert's W in 50 digits, is the given one."""
     if restitution == 1.0:
