@@ -15,6 +15,7 @@ sys.path.insert(0, str(common.ROOT))
 
 from table import run, table
 
+from chain_impact.scene.scene import model_names
 from tests.validation import PROBLEMS, Figure, Problem
 
 PAGE = common.ROOT / "docs" / "validation.md"
@@ -32,6 +33,11 @@ SOURCES = {
     "kneed_leg": "Hsu Chen 2007",
     "golf_ball": "Cantarini 2023, laboratory course",
     "triple_pendulum": "Kaheman et al. 2023",
+    "kane_pendulum": "Kane & Levinson 1985",
+    "siconos_stick": "Siconos, ImpactingStick",
+    "glocker_rod": "Glocker 1995; cardillo",
+    "stewart_rod": "Stewart & Trinkle 1996",
+    "rocking_block": "Housner 1963",
 }
 
 
@@ -70,12 +76,13 @@ def shown(row: dict[str, str]) -> list[str]:
 
 def rows(problem: Problem, tight: Problem) -> list[dict[str, str]]:
     """The rows of one problem, run at both tolerances."""
-    link = f"[{problem.model}](models/{problem.model}.md)"
+    name = problem.model
+    link = f"[{name}](models/{name}.md)" if name in model_names() else f"`{name}`"
     cost = f"{problem.steps} / {problem.evaluations}"
     return [
         {
             "problem": "" if row else link,
-            "source": "" if row else SOURCES[problem.model],
+            "source": "" if row else SOURCES[name],
             "quantity": figure.quantity,
             "published": published(figure),
             "second solution": f"{figure.independent:.12g}",
@@ -91,7 +98,7 @@ def rows(problem: Problem, tight: Problem) -> list[dict[str, str]]:
 def published(figure: Figure) -> str:
     """What the source says or measured; bold where it is inaccurate."""
     if figure.published is None:
-        return "equation"
+        return "equation" if figure.equation else "–"
     text = f"{float(figure.published):.12g}"
     if figure.measured:
         return f"{text} (measured)"

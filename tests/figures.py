@@ -16,13 +16,14 @@ class Figure:
 
     Attributes:
         quantity: what it is, with its unit.
-        published: what the source says, in its digits; None where it gives an equation only.
+        published: what the source says, in its digits; None where it gives an equation only, or neither.
         independent: the second solution.
         ours: the simulation.
         held: how far ``ours`` may be from ``independent`` at a tolerance of 1e-12.
         published_error: how far the published figure is from the second solution, at the most.
         inaccurate: the published figure is off by more than its last digit.
         measured: the published figure was measured, so the distance is that of the model from the real thing.
+        equation: the source has an equation for it.
     """
 
     quantity: str
@@ -33,6 +34,7 @@ class Figure:
     published_error: float = 0.0
     inaccurate: bool = False
     measured: bool = False
+    equation: bool = True
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from decimal import Decimal
 import pytest
 
 from chain_impact.scene.scene import model_names
+from tests import coulomb_literature
 from tests.validation import PROBLEMS
 
 TIGHT = 1e-12
@@ -15,8 +16,8 @@ def problem(request):
     return PROBLEMS[request.param](TIGHT)
 
 
-def test_every_problem_is_a_model(problem):
-    assert problem.model in model_names()
+def test_every_problem_is_a_model_or_a_scene_with_friction(problem):
+    assert problem.model in model_names() or hasattr(coulomb_literature, problem.model)
     assert len(problem.figures) >= 4
 
 

@@ -1,7 +1,7 @@
 """Problems from the literature: published figures, a second solution independent of the kernel, and ours.
 
 Each function of ``PROBLEMS`` runs one model and returns its ``Figure``s. Those with measured data are in
-``tests.measured``. Published figures are facts of the
+``tests.measured``, those with dry friction in ``tests.friction_figures``. Published figures are facts of the
 sources that docs/validation.md names. The second solutions are closed forms, root searches in closed forms,
 and the chain of ``tests.textbook`` with scipy at 1e-12. Units are SI throughout.
 """
@@ -20,6 +20,7 @@ from chain_impact.scene.scene import Scene, with_values
 from tests.accumulation import Arm, first_accumulation, second_accumulation
 from tests.beam import Bar, impulse
 from tests.figures import Figure, Problem, problem, run
+from tests.friction_figures import glocker_rod, kane_pendulum, rocking_block, siconos_stick, stewart_rod
 from tests.measured import golf_ball, triple_pendulum
 from tests.textbook import Chain
 from tests.walker import kneed_leg
@@ -347,5 +348,10 @@ PROBLEMS: dict[str, Callable[[float], Problem]] = {
         kneed_leg,
         golf_ball,
         triple_pendulum,
+        kane_pendulum,
+        siconos_stick,
+        glocker_rod,
+        stewart_rod,
+        rocking_block,
     )
 }
