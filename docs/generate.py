@@ -19,7 +19,7 @@ from chain_impact import cli, sphere_plane_stiffness
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.laws.registry import ContactLaw
 from chain_impact.kernel.status import STATUS_TEXT
-from chain_impact.kernel.tangent.trust import REASONS
+from chain_impact.kernel.tangent.trust import REASONS, REASONS_OF_FRICTION
 from chain_impact.scene.angles import or_degrees
 from chain_impact.scene.limits import Derived, allowed, without_none
 from chain_impact.scene.reading import entry_type
@@ -292,8 +292,8 @@ def stiffnesses() -> str:
 
 
 def sensitivity_limits() -> str:
-    """Why derivatives end at an impact."""
-    return "\n".join(f"- {reason}" for reason in REASONS.values())
+    """Why derivatives end at an impact, in an implicit step, or by dry friction."""
+    return "\n".join(f"- {reason}" for reason in (REASONS | REASONS_OF_FRICTION).values())
 
 
 def command_line() -> str:

@@ -93,8 +93,7 @@ def all_parameters(scene: Scene, inputs: Mapping[str, float]) -> tuple[str, ...]
     ]
     of_base = [f"link[1].{key}" for key in ("joint_damping", "joint_stiffness", "joint_rest_angle")]
     idle = ("initial.vx", "initial.vy") if pinned else tuple(of_base)
-    rubs = scene.has_friction
-    return (*(name for name in names if name not in idle and (rubs or "friction" not in name)), *inputs)
+    return (*(name for name in names if name not in idle), *inputs)
 
 
 def sprung_chain(law: str = "zhang_sharf", **solver: Any) -> Case:

@@ -15,7 +15,6 @@ def parameters_of(case_scene: Any, inputs: dict[str, float] | None = None) -> tu
     values = case_scene.values
     covered = values.get("contact.static_friction", 0.0) <= values.get("contact.friction", 0.0)
     left_out = {"contact.radius", *(["contact.static_friction"] if covered else [])}
-    left_out |= {name for name, value in values.items() if name.endswith("joint_friction") and value == 0.0}
     return tuple(name for name in all_parameters(case_scene, inputs or {}) if name not in left_out)
 
 
@@ -52,7 +51,7 @@ def swinging(static: float = 0.0, law: str = "zhang_sharf", **solver: Any) -> Ca
             "static_friction": static,
             **of_law(law),
         },
-        initial={"position": [0.0, 1e-3], "angles": [-0.3], "velocity": [0.0, -0.3]},
+        initial={"position": [0.0, 1e-3], "angles": [-0.3], "velocity": [0.1, -0.3]},
         simulation={"stop_time": 0.8, "step_size": 0.01},
         solver=solver,
     )
@@ -99,7 +98,10 @@ def dry_joints(links: int = 2, **solver: Any) -> Case:
         ],
         base="pinned",
         inputs={"joint_torques": True},
-        initial={"angles": [-0.6, -1.1, -1.5, -0.9][:links]},
+        initial={
+            "angles": [-0.6, -1.1, -1.5, -0.9][:links],
+            "angular_velocities": [-0.1, -0.25, 0.1, -0.2][:links],
+        },
         simulation={"stop_time": 2.0, "step_size": 0.01},
         solver=solver,
     )

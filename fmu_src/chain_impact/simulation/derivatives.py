@@ -17,7 +17,14 @@ import numpy as np
 from chain_impact.compilation.work import Notify
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent.directions import DIRECTIONS
-from chain_impact.kernel.tangent.trust import NO_IMPACT, REASONS, REASONS_AT_STOPS, TRUSTED
+from chain_impact.kernel.tangent.trust import (
+    JOINT,
+    NO_IMPACT,
+    REASONS,
+    REASONS_AT_STOPS,
+    REASONS_OF_FRICTION,
+    TRUSTED,
+)
 from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.joint_stops import at_stop, what
 from chain_impact.scene.names import Place
@@ -182,12 +189,16 @@ class DifferentiatedInstance(Instance):
         trust = self._tangents["trust"][0]
         if trust["reason"] == TRUSTED:
             return ()
-        where, reasons = "", REASONS
-        if trust["point"] != NO_IMPACT:
+        where, reasons, cause = "", REASONS, "impact"
+        if trust["reason"] in REASONS_OF_FRICTION:
+            reasons, cause = REASONS_OF_FRICTION, "dry friction"
+        if trust["point"] != NO_IMPACT and trust["wall"] == JOINT:
+            where = f", the {cause} of joint {trust['point']}"
+        elif trust["point"] != NO_IMPACT:
             scene, wall = self.model.scene, trust["wall"]
             stopped = at_stop(scene, wall)
-            where = f", the impact of {what(trust['point'], stopped)} at {scene.wall_names[wall]}"
-            reasons = REASONS_AT_STOPS if stopped else REASONS
+            where = f", the {cause} of {what(trust['point'], stopped)} at {scene.wall_names[wall]}"
+            reasons = REASONS_AT_STOPS if stopped else reasons
         reason = reasons[int(trust["reason"])]
         return (f"there are no derivatives from t = {trust['time']:.9g} s on{where}: {reason}",)
 

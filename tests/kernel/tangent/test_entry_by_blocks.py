@@ -90,8 +90,10 @@ def test_each_follows_its_contacts_and_then_its_end(d, monkeypatch):
     done = []
     monkeypatch.setattr(entry, "update_own_to_output_time", lambda t: done.append(("contacts", t)))
     monkeypatch.setattr(entry, "move_end", lambda t: done.append(("end", t)))
+    monkeypatch.setattr(entry, "share_reasons", lambda d: done.append(("shared", d)))
     truncate_all(d)
-    assert done == [(what, t) for t in d.tangent_instances for what in ("contacts", "end")]
+    assert done[:-1] == [(what, t) for t in d.tangent_instances for what in ("contacts", "end")]
+    assert done[-1] == ("shared", d)
 
 
 @pytest.mark.parametrize("wrong", [0, 1])

@@ -84,7 +84,8 @@ def slopes(start, end, parts):
     own.stages[STAGES - 1] = [dual(*one) for one in end]
     for (i, j), one in parts.items():
         own.parts[i, j] = dual(*one)
-    d = SimpleNamespace(implicit=SimpleNamespace(weight=[2.0, 10.0]))
+    d = SimpleNamespace(friction=SimpleNamespace(stuck_count=0), step=SimpleNamespace(size=0.1))
+    d.implicit, d.model = SimpleNamespace(weight=[2.0, 10.0]), None
     return d, SimpleNamespace(implicit=own)
 
 

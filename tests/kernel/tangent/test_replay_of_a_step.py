@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
-from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, RELATCH, SLIDING_ENDS, STICKING_ENDS
+from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, RELATCH, SLIDING_ENDS
 from chain_impact.kernel.events.relatch import RELATCH_RATIO
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.tangent import replay
@@ -220,30 +220,14 @@ def test_the_end_of_a_step_moves_along_the_motion(calls):
     assert calls == [("mark_jump",)]
 
 
-# --- changes of dry friction -------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("events", "drops", "moved"),
-    [
-        ((SLIDING_ENDS, NONE), True, ("rest", 1)),
-        ((NONE, SLIDING_ENDS), True, ("rest", 2)),
-        ((STICKING_ENDS, NONE), True, ("sliding", 1)),
-        ((STICKING_ENDS, NONE), False, None),
-        ((STICKING_ENDS, SLIDING_ENDS), True, ("rest", 2)),
-        ((SLIDING_ENDS, STICKING_ENDS), False, ("rest", 1)),
-    ],
-)
-def test_the_end_moves_with_a_change_of_a_mode_that_has_an_effect(monkeypatch, calls, events, drops, moved):
-    """Sliding begins where it would have had no force at any other time: it has an effect if this drops."""
+def test_the_end_moves_with_a_change_of_a_mode(monkeypatch, calls):
     _, t = instances()
-    t.element.event[1:], found = events, []
-    monkeypatch.setattr(replay, "delay_of_rest", lambda _t, e: ("rest", e))
-    monkeypatch.setattr(replay, "delay_of_sliding", lambda _t, e: ("sliding", e))
-    monkeypatch.setattr(replay, "force_drops", lambda _t, _e: drops)
-    monkeypatch.setattr(replay, "move_along", lambda _t, time: found.append(time))
+    t.element.event[1], found = SLIDING_ENDS, []
+    monkeypatch.setattr(replay, "delay_of_change", lambda _t: "late")
+    monkeypatch.setattr(replay, "check_changes", lambda _t, time: found.append(("checked", time)))
+    monkeypatch.setattr(replay, "move_along", lambda _t, time: found.append(("moved", time)))
     replay.move_end(t)
-    assert found == ([moved] if moved else [])
+    assert found == [("checked", "late"), ("moved", "late")]
     assert calls == [("ensure_rate",), ("ensure_points",)]
 
 
@@ -255,45 +239,3 @@ def test_the_time_of_a_contact_goes_before_that_of_a_mode(monkeypatch, calls):
     replay.move_end(t)
     assert found == [(1, ONSET)]
     assert ("check_onsets",) in calls
-
-
-def test_rest_is_late_by_its_speed_over_its_acceleration(monkeypatch):
-    _, t = instances()
-    t.work.velocity = "velocity"
-    along = {"velocity": dual(1e-12, 3.0, -8.0), "acceleration": dual(-4.0, 50.0, 50.0)}
-    monkeypatch.setattr(replay, "along_tangent", lambda _t, e, what: along[what] if e == 2 else None)
-    assert parts(replay.delay_of_rest(t, 2)) == (0.0, [0.75, -2.0])
-
-
-@pytest.mark.parametrize(
-    ("e", "static", "right"), [(1, 0.3, False), (1, 0.31, True), (0, 0.5, True), (2, 0.5, False)]
-)
-def test_the_force_drops_at_contacts_where_sliding_has_less_friction(e, static, right):
-    _, t = instances()
-    t.law = SimpleNamespace(friction=[dual(0.3)] * 2, static_friction=[dual(static)] * 2)
-    assert replay.force_drops(t, e) == right
-
-
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_sliding_is_late_by_its_margin_over_the_rate_of_it(monkeypatch, calls, sign):
-    """φ = µ_s F_n − |F_t| by differences along the rate, whose own derivatives do not matter."""
-    _, t = instances()
-    t.step.start = t.step.end - 0.5
-    t.work.y = np.array([dual(0.0)] * SIZE, object)
-    t.work.rate, t.element.limit, t.element.force = "rate", [None] * 3, [None] * 3
-    located = []
-    monkeypatch.setattr(replay, "locate_points", lambda _t, y: located.append(y[0]))
-
-    def located_rate(t, y, rate):
-        assert rate == "rate"
-        t.element.limit[2], t.element.force[2] = dual(9.0), sign * y[0]
-
-    monkeypatch.setattr(replay, "located_rate", located_rate)
-    delay = replay.delay_of_sliding(t, 2)
-    state = t.step.state_end[0]
-    # φ = 9 − y₀ and ẏ₀ = ½
-    assert delay.value == 0.0
-    np.testing.assert_allclose(delay.slope, -state.slope / 0.5, rtol=1e-9)
-    apart = replay.DIFFERENCE * 0.5 * 0.5
-    assert [one.value - state.value for one in located] == pytest.approx([apart, -apart, 0.0], abs=1e-15)
-    assert calls == [("ensure_points",)]

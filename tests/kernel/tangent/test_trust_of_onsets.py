@@ -46,6 +46,7 @@ def instance(events=(), speeds=(3.0, 4.0)):
     t.law = SimpleNamespace(
         impulsive=[0] * 4, minimum_impact_speed=[dual(FLOOR)] * 4, number=[trust.USER_LAW] * 4
     )
+    t.law.static_friction = [Dual(0.0, [0.0, 0.0])] * 4
     t.solver = SimpleNamespace(tolerance=dual(TOLERANCE))
     t.step = SimpleNamespace(start=dual(TIME - 1.0), end=dual(TIME), time=dual(TIME), state_end="state")
     x, y = (np.array([dual(0.0), dual(one)], object) for one in speeds)

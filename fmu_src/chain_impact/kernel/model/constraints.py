@@ -103,13 +103,14 @@ def solve_equality(d, scale):
     factorize_contacts(d, link, own.impedance, 0.0, own.factors)
     clear_impulses(d)
     before = math.inf
-    for _ in range(MAX_ITERATIONS):
+    for i in range(MAX_ITERATIONS):
         worst = find_residual(d)
-        if worst <= ROUND_OFF * scale:
+        exact = worst <= ROUND_OFF * scale
+        stalls = not exact and not worst < 0.5 * before
+        final = worst <= DOUBT * scale or impedance >= STIFFEST * mean or not any_point_held(d)
+        if (exact or (stalls and final)) and iterated_enough(d, i):
             return
-        if not worst < 0.5 * before:
-            if worst <= DOUBT * scale or impedance >= STIFFEST * mean or not any_point_held(d):
-                return
+        if stalls and not final:
             # near a toggle position a point has far more inertia than a link
             impedance *= STIFFER
             set_impedance(d, impedance)
@@ -137,6 +138,11 @@ def solve_single(d):
         own.reached[k] = own.start[k] + impulse * along_constraint(d, k, d.work.motion)
     own.impulse[row] = impulse
     count_other_work(d, 1)
+
+
+def iterated_enough(_d, _iterations):
+    """Whether so many iterations are enough if the residual is round-off."""
+    return True
 
 
 def clear_impulses(d):
@@ -314,13 +320,18 @@ def start_sticking(d, derivative):
     """Set the start of the projection for what sticks, and let the contacts with a force law resist it."""
     own, first = d.rigid, d.touch.active_count
     for k in range(d.touch.compliant_count):
-        own.resistance[k] = RESISTANCE * mean_mass(d)
+        own.resistance[k] = contact_resistance(d)
     for i in range(d.friction.stuck_count):
         e = d.element.stuck[i]
         if derivative:
             own.start[first + i] = along_tangent(d, e, d.work.velocity)
         else:
             own.start[first + i] = along_tangent(d, e, d.work.position) - d.element.anchor[e]
+
+
+def contact_resistance(d):
+    """The resistance [kg] of the contacts with a force law to a projection."""
+    return RESISTANCE * mean_mass(d)
 
 
 def solve_positions(d):

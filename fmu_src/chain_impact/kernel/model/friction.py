@@ -105,6 +105,16 @@ def begin_friction(d, c):
     d.element.mode[c] = STICKS if speed == 0.0 else (1 if speed > 0.0 else -1)
 
 
+def friction_load(d, c):
+    """The normal force [N] of candidate c that its friction goes with.
+
+    Beyond its kink the force of a contact is continued smoothly until the kink has been located, and friction
+    with it. But a law that damps on approach only may pull within ``touch.kink_margin`` of its kink, where no
+    step ends, and friction would add energy.
+    """
+    return max(0.0, d.touch.force[c]) if d.law.approach_only[c] else d.touch.force[c]
+
+
 def apply_friction(d):
     """Add the sliding friction of contacts, whose normal forces are set, and joints to the loads.
 
@@ -119,8 +129,7 @@ def apply_friction(d):
         e = d.element.index[i]
         sliding = d.element.limit[e]  # of a joint both limits are the same
         if e < d.candidates:
-            # a force that is continued beyond its kink may be negative, and friction would then add energy
-            normal = max(0.0, d.touch.force[e])
+            normal = friction_load(d, e)
             d.element.limit[e] = d.law.static_friction[e] * normal
             sliding = d.law.friction[e] * normal
         if d.element.mode[e] != STICKS:

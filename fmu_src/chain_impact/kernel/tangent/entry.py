@@ -24,19 +24,25 @@ def start_all(d):
     """Initialize all tangent instances at the start of a run."""
     for b in range(d.tangents):
         start_tangent(d, block(d, b))
+    share_reasons(d)
 
 
 def reinit_all(d):
     """Re-initialize all tangent instances at the communication point."""
     for b in range(d.tangents):
         reinit_tangent(d, block(d, b))
+    share_reasons(d)
 
 
 def replay_all(d):
     """Repeat the last step of d in all tangent instances."""
     for b in range(d.tangents):
         replay(d, block(d, b))
-    # the first one finds the earliest end, and the others take it
+    share_reasons(d)
+
+
+def share_reasons(d):
+    """End the derivatives in all tangent instances where they end first in any."""
     for b in range(1, d.tangents):
         share_reason(block(d, 0), block(d, b))
     for b in range(1, d.tangents):
@@ -71,6 +77,7 @@ def truncate_all(d):
         t = block(d, b)
         update_own_to_output_time(t)
         move_end(t)
+    share_reasons(d)
 
 
 def all_valid(d):

@@ -8,6 +8,7 @@ iterated until they have converged themselves, relative to the state's derivativ
 
 import math
 
+from chain_impact.kernel.chain.state import dissipated_at, velocity_at
 from chain_impact.kernel.integration.collocation import (
     LAST,
     extrapolate_stages,
@@ -18,6 +19,7 @@ from chain_impact.kernel.integration.collocation import (
 from chain_impact.kernel.integration.extended import compliant, extend_start, extended_size
 from chain_impact.kernel.integration.projection import project_clearances
 from chain_impact.kernel.integration.radau import STAGES
+from chain_impact.kernel.model.constraints import mean_mass
 from chain_impact.kernel.tangent.directions import DIRECTIONS, carried, slope
 from chain_impact.kernel.tangent.trust import NO_IMPACT, NOT_SOLVED, TRUSTED, mark_untrusted
 
@@ -26,6 +28,9 @@ ENOUGH = 0.01  # of the tolerance: the largest last correction of the derivative
 # direction changes. A correction that does not fall is round-off up to this relative value, else a failure.
 FALLS, STALLED, ROUND_OFF = 0.7, 10, 1e-6
 MOST = 100  # iterations: a θ of .8 reduces the error to some 1e-10
+# Of the speed that the limits of static friction could give in the step: derivatives of the state that are
+# less, with respect to what changes these limits only, are round-off.
+LEAST = 1e-3
 FAR_OFF = 1e300  # the relative correction if the derivatives are zero
 
 
@@ -82,7 +87,7 @@ def last_correction(d, t, size):
     """The last correction of the derivatives over those at the end of the step, in the worst direction."""
     own, weight, worst = t.implicit, d.implicit.weight, 0.0
     for k in range(DIRECTIONS):
-        largest, whole, total = 0.0, 0.0, 0.0
+        largest, whole, total = 0.0, LEAST * speed_by_friction(d, t, k), 0.0
         for j in range(size):
             whole = max(whole, weight[j] * abs(slope(own.start[j] + own.stages[LAST, j], k)))
             for i in range(STAGES):
@@ -94,3 +99,15 @@ def last_correction(d, t, size):
         if largest > worst * whole:
             worst = largest / whole if whole > 0.0 else FAR_OFF
     return worst
+
+
+def speed_by_friction(d, t, direction):
+    """The weighted derivative of a speed in a direction if the limits of what sticks acted in the step."""
+    force, weight = 0.0, 0.0
+    if d.friction.stuck_count == 0:
+        return 0.0
+    for i in range(d.friction.stuck_count):
+        force = max(force, abs(slope(t.element.limit[d.element.stuck[i]], direction)))
+    for j in range(velocity_at(d.links), dissipated_at(d.links)):
+        weight = max(weight, d.implicit.weight[j])
+    return force * d.step.size * weight / mean_mass(d)

@@ -21,7 +21,7 @@ from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.dispatch import dispatch
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.friction_modes import pending_changes
-from chain_impact.kernel.events.kinds import END, ONSET, RELATCH, SLIDING_ENDS, STICKING_ENDS
+from chain_impact.kernel.events.kinds import END, ONSET, RELATCH
 from chain_impact.kernel.integration import explicit
 from chain_impact.kernel.integration.impulse import friction_count, friction_integrand_at_end, impulse_count
 from chain_impact.kernel.integration.last_step import (
@@ -34,16 +34,13 @@ from chain_impact.kernel.integration.last_step import (
 )
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.methods import METHOD_COUNT
-from chain_impact.kernel.model.equations import located_rate
 from chain_impact.kernel.model.friction import any_sticking
-from chain_impact.kernel.model.geometry import along_normal, along_tangent, clearance
+from chain_impact.kernel.model.geometry import along_normal, clearance
 from chain_impact.kernel.tangent.directions import carried, value
+from chain_impact.kernel.tangent.friction import check_changes, delay_of_change
 from chain_impact.kernel.tangent.implicit_step import make_implicit
 from chain_impact.kernel.tangent.start import copy_inputs, copy_modes
 from chain_impact.kernel.tangent.trust import check_onsets, check_turns
-
-# Of the last step: the time over which the rate of the margin of static friction is found by differences.
-DIFFERENCE = 1e-3
 
 
 def replay(d, t):
@@ -117,7 +114,9 @@ def move_end(t):
     if pending_changes(t) > 0:
         ensure_rate(t)
         ensure_points(t)
-        move_to_change(t)
+        time = delay_of_change(t)
+        check_changes(t, time)
+        move_along(t, time)
 
 
 def delay(t, c, kind):
@@ -132,55 +131,6 @@ def delay(t, c, kind):
     else:
         change, rate = gap, gap_rate
     return carried(0.0, -1.0 / value(rate), change)
-
-
-def move_to_change(t):
-    """As ``move_end``, for a change of a mode of dry friction. If several end there, any of them will do."""
-    own = t.friction
-    for i in range(own.count):
-        e = t.element.index[i]
-        if t.element.event[e] == SLIDING_ENDS:
-            move_along(t, delay_of_rest(t, e))
-            return
-    for i in range(own.count):
-        e = t.element.index[i]
-        if t.element.event[e] == STICKING_ENDS and force_drops(t, e):
-            move_along(t, delay_of_sliding(t, e))
-            return
-
-
-def delay_of_rest(t, e):
-    """−φ′/φ̇ for φ = t·v, which is zero where the sliding of element e ends."""
-    rate = value(along_tangent(t, e, t.work.acceleration))
-    return carried(0.0, -1.0 / rate, along_tangent(t, e, t.work.velocity))
-
-
-def force_drops(t, e):
-    """Whether friction is less when element e slides: otherwise the time at which it begins has no effect."""
-    if e >= t.candidates:
-        return False
-    return value(t.law.static_friction[e]) > value(t.law.friction[e])
-
-
-def delay_of_sliding(t, e):
-    """−φ′/φ̇ for φ = µ_s F_n − |F_t|, which is zero where element e begins to slide; φ̇ by differences."""
-    state, rate, lasted = t.step.state_end, t.work.rate_end, value(t.step.end - t.step.start)
-    later = margin_at(t, e, state, rate, DIFFERENCE * lasted)
-    before = margin_at(t, e, state, rate, -DIFFERENCE * lasted)
-    slope = (value(later) - value(before)) / (2.0 * DIFFERENCE * lasted)
-    delay = carried(0.0, -1.0 / slope, margin_at(t, e, state, rate, 0.0))
-    ensure_points(t)
-    return delay
-
-
-def margin_at(t, e, state, rate, time):
-    """φ of ``delay_of_sliding`` a ``time`` [s] after the state along its rate."""
-    y = t.work.y
-    for j in range(sundman_u_at(t.links)):
-        y[j] = state[j] + time * value(rate[j])
-    locate_points(t, y)
-    located_rate(t, y, t.work.rate)
-    return t.element.limit[e] - abs(t.element.force[e])
 
 
 def move_along(t, time):

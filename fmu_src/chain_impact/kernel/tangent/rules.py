@@ -11,13 +11,13 @@ from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events import friction_modes
 from chain_impact.kernel.integration import dense
 from chain_impact.kernel.laws import contact_laws, user_law
-from chain_impact.kernel.model import contact_force
-from chain_impact.kernel.model.equations import located_rate
-from chain_impact.kernel.model.friction import list_sticking
+from chain_impact.kernel.model import constraints, contact_force
 from chain_impact.kernel.tangent.directions import carried, value, varies
+from chain_impact.kernel.tangent.friction import choose_modes, contact_resistance
 
 DIFFERENCE = 1e-3  # relative step in an argument of a user's law, for its slopes by differences
 REBOUND_DIFFERENCE = 0.03  # likewise in a damping, for the slope of its restitution
+ITERATIONS = 3  # of the forces of constraints
 
 
 def power(depth, exponent):
@@ -68,12 +68,12 @@ def fraction(t, time):
     return carried(theta, -1.0 / rate if rate > 0.0 else 0.0, error)
 
 
-def choose_modes(t):
-    """The modes of dry friction are those of the primal run."""
-    for e in range(t.elements):
-        t.element.mode[e] = t.element.chosen[e]
-    list_sticking(t)
-    located_rate(t, t.step.state_end, t.work.rate)
+def iterated_enough(_t, iterations):
+    """Whether so many iterations reduce the derivatives of any residual to round-off, each to a millionth.
+
+    A residual that is zero says nothing about its derivatives.
+    """
+    return iterations >= ITERATIONS
 
 
 def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
@@ -140,6 +140,8 @@ def moved(argument, by, at):
 
 
 RULES = {
+    constraints.contact_resistance: contact_resistance,
+    constraints.iterated_enough: iterated_enough,
     contact_force.power: power,
     friction_modes.choose_modes: choose_modes,
     contact_force.user_force: user_force,

@@ -25,16 +25,19 @@ def start_tangent(d, t):
     set_initial_state(t, t.work.y)
     reset_step(t, d.step.time, t.work.y)
     clear_loads(t)
+    t.trust.reason = TRUSTED
     copy_modes(d, t)
     choose_anew(t, True)
     begin_explicit(t.step)
     t.impact.last_time = d.step.time
-    t.trust.reason = TRUSTED
 
 
 def reinit_tangent(d, t):
     """Re-initialize t at the communication point, as d has been; the contacts of t are updated to it."""
     reset_step(t, t.step.end, t.step.state_end)
+    # derivatives that ended in the part of the run that is dropped may go on: the new part decides
+    if t.trust.time > value(t.step.end):
+        t.trust.reason = TRUSTED
     apply_given_of(d, t)
     latch_again(t)
     recompute_active_set(t)
@@ -42,9 +45,6 @@ def reinit_tangent(d, t):
     choose_anew(t, False)
     set_kink_sides(t)
     clear_loads(t)
-    # derivatives that ended in the part of the run that is dropped may go on: the new part decides
-    if t.trust.time > value(t.step.end):
-        t.trust.reason = TRUSTED
 
 
 def copy_parameters(d, t):

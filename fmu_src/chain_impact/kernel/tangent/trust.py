@@ -1,6 +1,7 @@
 """Up to which time derivatives can be trusted: until they do not exist, or are too inaccurate.
 
-The cause is an impact, or an implicit step whose equations for the derivatives could not be solved.
+The cause is an impact, dry friction whose mode is open (tangent/friction.py), or an implicit step whose
+equations for the derivatives could not be solved.
 """
 
 import math
@@ -10,11 +11,14 @@ from chain_impact.kernel.events.kinds import ONSET
 from chain_impact.kernel.laws import user_law
 from chain_impact.kernel.model.contact_force import uncut_force
 from chain_impact.kernel.model.contact_law import USER_LAW
+from chain_impact.kernel.model.friction import joint_of
 from chain_impact.kernel.model.geometry import clearance
-from chain_impact.kernel.tangent.directions import value
+from chain_impact.kernel.tangent.directions import value, varies
 
 TRUSTED, GRAZING, AT_FLOOR, SIMULTANEOUS, JUMP, NOT_SOLVED = 0, 1, 2, 3, 4, 5
+SLOW_CHANGE, AT_LIMIT, TOGETHER, NO_LESS, FROM_REST = 6, 7, 8, 9, 10
 NO_IMPACT = -1  # in place of a candidate
+JOINT = -1  # in place of a wall
 # the rates ±NEAR_REST v₀ at which the force is compared, and the relative difference that counts as a jump
 NEAR_REST, JUMPS = 1e-9, 1e-6
 
@@ -35,6 +39,15 @@ REASONS_AT_STOPS = REASONS | {
 }
 """The same for an impact at a stop of a joint."""
 
+REASONS_OF_FRICTION = {
+    SLOW_CHANGE: "its sliding or sticking ends so slowly that the tolerance leaves open whether it ends",
+    AT_LIMIT: "the force that would hold it is as large as static friction can be, so it may stick or slide",
+    TOGETHER: "the sliding or sticking of several ends at one moment, and it matters which is first",
+    NO_LESS: "its coefficient is 0, and cannot be less",
+    FROM_REST: "it begins to slide from rest, and a small speed against its direction would first be stopped",
+}
+"""Why derivatives end because of dry friction."""
+
 
 def check_onsets(t):
     """Check the onsets at the end of the last step, for the points located there."""
@@ -45,6 +58,8 @@ def check_onsets(t):
             _, gap_rate = clearance(t, c)
             if -value(gap_rate) < least:
                 least, first = -value(gap_rate), c
+        if t.touch.event[c] == ONSET and t.trust.reason == TRUSTED and cannot_be_less(t, c):
+            mark_untrusted(t, NO_LESS, c, value(t.step.end))
     # there is no first one without an onset, nor among rates that are no numbers
     if first < 0 or t.trust.reason != TRUSTED:
         return
@@ -54,6 +69,12 @@ def check_onsets(t):
         mark_untrusted(t, AT_FLOOR, first, value(t.step.end))
     elif onsets > 1:
         mark_untrusted(t, SIMULTANEOUS, first, value(t.step.end))
+
+
+def cannot_be_less(t, c):
+    """Whether contact c has no dry friction, with respect to which derivatives are asked for."""
+    friction = t.law.static_friction[c]
+    return value(friction) == 0.0 and varies(friction)
 
 
 def fastest_speed(t):
@@ -88,11 +109,13 @@ def jumps_at_rest(t, c, depth):
 
 
 def mark_untrusted(t, reason, c, time):
-    """End the derivatives at a ``time`` [s], because of the impact of candidate c, or NO_IMPACT."""
+    """End the derivatives at a ``time`` [s], because of candidate or element c, or NO_IMPACT."""
     trust = t.trust
     trust.reason, trust.time = reason, time
     trust.point, trust.wall = NO_IMPACT, 0
-    if c != NO_IMPACT:
+    if c >= t.candidates:
+        trust.point, trust.wall = joint_of(t, c) + 1, JOINT
+    elif c != NO_IMPACT:
         trust.point, trust.wall = t.candidate.point[c], t.candidate.wall[c]
 
 

@@ -1,0 +1,242 @@
+"""Derivatives of dry friction: the times at which modes change, and where a mode is open.
+
+The modes are those of the primal run. Sliding ends where t·v = 0, sticking where µ_s F_n − |F_t| = 0, at
+times that depend on the parameters. Where friction does not jump as sticking ends, its time has no effect but
+for the small excess of the force at which the end is found (events/friction_events.py).
+
+There are no derivatives where a small change of the parameters changes the order of such events, or whether
+they occur.
+"""
+
+import math
+
+from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
+from chain_impact.kernel.events.friction_events import excess, rest_speed
+from chain_impact.kernel.events.friction_modes import begins, pending_changes
+from chain_impact.kernel.events.kinds import SLIDING_ENDS, STICKING_ENDS
+from chain_impact.kernel.integration.last_step import ensure_points
+from chain_impact.kernel.model.constraints import RESISTANCE, mean_mass
+from chain_impact.kernel.model.equations import located_rate
+from chain_impact.kernel.model.friction import NO_FRICTION, STICKS, list_sticking
+from chain_impact.kernel.model.geometry import along_tangent
+from chain_impact.kernel.tangent.directions import DIRECTIONS, carried, slope, value
+from chain_impact.kernel.tangent.trust import (
+    AT_LIMIT,
+    FROM_REST,
+    SLOW_CHANGE,
+    TOGETHER,
+    TRUSTED,
+    fastest_speed,
+    mark_untrusted,
+)
+
+# Of the last step: the time over which the rate of the margin of static friction is found by differences.
+DIFFERENCE = 1e-3
+ROUNDS = 2  # of Newton's method for the time at which sticking ends: the error of differences is squared
+# Times the tolerance, of the limit of friction: a difference from it that the errors of a run may have.
+OPEN = 100.0
+# Of the largest derivative: a difference between those of two times that are one.
+APART = 1e-5
+# Times the excess of the force at which the end of sticking is found: a limit of friction that a contact
+# which begins has at first.
+FIRST = 1000.0
+STOPPED = 2  # as ``element.undecided``: it sticks from its onset on, where its speed has derivatives
+
+
+def delay_of_change(t):
+    """The change of the time [s] of the changes of modes that end the last step, a dual number of value 0.
+
+    The points must be located at its end. If several modes end there, any of them will do (check_changes).
+    """
+    for i in range(t.friction.count):
+        e = t.element.index[i]
+        if t.element.event[e] == SLIDING_ENDS:
+            return delay_of_rest(t, e)
+    for i in range(t.friction.count):
+        e = t.element.index[i]
+        if t.element.event[e] == STICKING_ENDS:
+            return delay_of_sliding(t, e)
+    return carried(0.0, 0.0, t.step.end)
+
+
+def delay_of_rest(t, e):
+    """−φ′/φ̇ for φ = t·v, which is zero where the sliding of element e ends."""
+    rate = value(along_tangent(t, e, t.work.acceleration))
+    if abs(rate) <= value(slow_acceleration(t, e)):
+        end_at(t, SLOW_CHANGE, e)
+    return carried(0.0, -1.0 / rate if rate != 0.0 else 0.0, along_tangent(t, e, t.work.velocity))
+
+
+def slow_acceleration(t, e):
+    """The acceleration [m/s²] of element e that may be an error, beside that by its friction."""
+    return math.sqrt(value(t.solver.tolerance)) * t.element.limit[e] / mean_mass(t)
+
+
+def delay_of_sliding(t, e):
+    """−φ′/φ̇ for φ = µ_s F_n − |F_t|, which is zero where element e begins to slide."""
+    lasted, delay = value(t.step.end - t.step.start), carried(0.0, 0.0, t.step.end)
+    later = margin_at(t, e, delay + DIFFERENCE * lasted)
+    before = margin_at(t, e, delay - DIFFERENCE * lasted)
+    rate = (value(later) - value(before)) / (2.0 * DIFFERENCE * lasted)
+    limit, turning = value(t.element.limit[e]), fastest_speed(t) / value(t.model.size)
+    if t.element.undecided[e] == STOPPED and limit <= FIRST * value(excess(t, e)):
+        end_at(t, FROM_REST, e)
+    if not -rate > math.sqrt(value(t.solver.tolerance)) * limit * turning:
+        if force_drops(t, e):
+            end_at(t, SLOW_CHANGE, e)
+        rate = -math.inf
+    for _ in range(ROUNDS):
+        delay += carried(0.0, -1.0 / rate, margin_at(t, e, delay))
+    set_end(t)
+    return delay
+
+
+def force_drops(t, e):
+    """Whether friction is less when element e slides."""
+    if e >= t.candidates:
+        return False
+    return value(t.law.static_friction[e]) > value(t.law.friction[e])
+
+
+def margin_at(t, e, time):
+    """φ of ``delay_of_sliding`` a ``time`` [s], a dual number, after the end of the last step."""
+    y, state, rate = t.work.y, t.step.state_end, t.work.rate_end
+    for j in range(len(y)):
+        y[j] = state[j] + value(rate[j]) * time
+    locate_points(t, y)
+    located_rate(t, y, t.work.rate)
+    return t.element.limit[e] - abs(t.element.force[e])
+
+
+def set_end(t):
+    """Set points and forces to those at the end of the last step again."""
+    locate_points(t, t.step.state_end)
+    located_rate(t, t.step.state_end, t.work.rate)
+    ensure_points(t)
+
+
+def check_changes(t, time):
+    """Check that all changes of modes that end the last step are delayed by the same ``time`` [s].
+
+    Args:
+        t: the tangent instance, with the points located at the end of the last step.
+        time: the delay of one of the changes, a dual number of value 0.
+    """
+    for i in range(t.friction.count):
+        e = t.element.index[i]
+        if t.element.mode[e] != STICKS:
+            speed = along_tangent(t, e, t.work.velocity)
+            stops = t.element.event[e] == SLIDING_ENDS or abs(value(speed)) <= value(rest_speed(t))
+            if stops and not rests(t, e, speed, time):
+                end_at(t, TOGETHER, e)
+    if pending_changes(t) > 1:
+        for i in range(t.friction.count):
+            e = t.element.index[i]
+            matters = t.element.event[e] == STICKING_ENDS and (force_drops(t, e) or any_halts(t))
+            if matters and not gives_way(t, e, time):
+                end_at(t, TOGETHER, e)
+        set_end(t)
+
+
+def gives_way(t, e, time):
+    """Whether the margin of element e, which is zero, is zero after a ``time`` [s], too."""
+    margin, force, limit = margin_at(t, e, time), t.element.force[e], t.element.limit[e]
+    for k in range(DIRECTIONS):
+        known = abs(slope(force, k)) + abs(slope(limit, k)) + value(limit) * largest_turn(t, k)
+        if abs(slope(margin, k)) > APART * known:
+            return False
+    return True
+
+
+def any_halts(t):
+    """Whether the sliding of any element ends at the end of the last step."""
+    for i in range(t.friction.count):
+        if t.element.event[t.element.index[i]] == SLIDING_ENDS:
+            return True
+    return False
+
+
+def rests(t, e, speed, time):
+    """Whether element e, which has no ``speed`` [m/s], has none after a ``time`` [s] either."""
+    after = speed + value(along_tangent(t, e, t.work.acceleration)) * time
+    most = value(largest(t, t.work.acceleration))
+    for k in range(DIRECTIONS):
+        known = largest_slope(t.work.velocity, k) + fastest_speed(t) * largest_turn(t, k)
+        if abs(slope(after, k)) > APART * (known + most * abs(slope(time, k))):
+            return False
+    return True
+
+
+def largest_slope(vectors, direction):
+    """The largest derivative of the vectors of all places in a direction."""
+    most = 0.0
+    for k in range(len(vectors.x)):
+        most = max(most, abs(slope(vectors.x[k], direction)), abs(slope(vectors.y[k], direction)))
+    return most
+
+
+def largest_turn(t, direction):
+    """The largest derivative of a place in a direction, over a link length: a scale of round-off."""
+    return largest_slope(t.work.position, direction) / value(t.model.size)
+
+
+def choose_modes(t):
+    """The modes of dry friction are those of the primal run; ``element.mode`` has the first guess of them."""
+    for e in range(t.elements):
+        # it slides as its sticking has come to its end: not undecided
+        if t.element.before[e] == STICKS and t.element.mode[e] != STICKS:
+            t.element.undecided[e] = 0
+        t.element.mode[e] = t.element.chosen[e]
+    list_sticking(t)
+    check_onsets_at_rest(t)
+    located_rate(t, t.step.state_end, t.work.rate)
+    accelerate_points(t, t.step.state_end, t.work.rate)
+    for i in range(t.friction.count):
+        e = t.element.index[i]
+        if t.element.undecided[e] and is_open(t, e):
+            end_at(t, AT_LIMIT, e)
+
+
+def check_onsets_at_rest(t):
+    """Check the elements whose friction begins without a speed that a change of the parameters would give.
+
+    What sticks stops such a speed. What slides keeps it in one direction and stops it in the other.
+    """
+    for i in range(t.friction.count):
+        e = t.element.index[i]
+        if t.element.undecided[e] and t.element.before[e] == NO_FRICTION:
+            speed = along_tangent(t, e, t.work.velocity)
+            if not rests(t, e, speed, carried(0.0, 0.0, speed)):
+                if t.element.mode[e] == STICKS:
+                    t.element.undecided[e] = STOPPED
+                else:
+                    end_at(t, FROM_REST, e)
+
+
+def contact_resistance(t):
+    """The resistance [kg] of contacts to a projection: none where a speed with derivatives is stopped.
+
+    Friction stops it while the forces of the contacts are still small.
+    """
+    for i in range(t.friction.stuck_count):
+        e = t.element.stuck[i]
+        if t.element.undecided[e] == STOPPED and begins(t, e):
+            return 0.0 * mean_mass(t)
+    return RESISTANCE * mean_mass(t)
+
+
+def is_open(t, e):
+    """Whether the force that would hold element e at rest is almost the limit of static friction."""
+    limit, errors = value(t.element.limit[e]), OPEN * value(t.solver.tolerance)
+    if limit <= value(excess(t, e)):
+        return False
+    if t.element.mode[e] == STICKS:
+        return abs(limit - abs(value(t.element.force[e]))) <= errors * limit
+    acceleration = abs(value(along_tangent(t, e, t.work.acceleration)))
+    return not force_drops(t, e) and acceleration <= errors * limit / value(mean_mass(t))
+
+
+def end_at(t, reason, e):
+    """End the derivatives at the end of the last step because of element e, if they have not ended."""
+    if t.trust.reason == TRUSTED:
+        mark_untrusted(t, reason, e, value(t.step.end))

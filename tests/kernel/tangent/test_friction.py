@@ -1,0 +1,161 @@
+"""When modes of dry friction change, in dual numbers: by how much later, and where that is not determined."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from chain_impact.kernel.events.kinds import NONE, SLIDING_ENDS, STICKING_ENDS
+from chain_impact.kernel.tangent import friction
+from chain_impact.kernel.tangent.trust import AT_LIMIT, SLOW_CHANGE, TOGETHER, TRUSTED
+from tests.kernel.tangent.dual import Dual
+
+TOLERANCE = 1e-6
+
+
+def dual(number, *slopes):
+    return Dual(number, slopes or (0.0, 0.0))
+
+
+@pytest.fixture
+def t():
+    """An instance of dual numbers with friction at candidate 1 and in the joint, element 2."""
+    one = SimpleNamespace(candidates=2, elements=3)
+    one.friction = SimpleNamespace(count=2)
+    one.element = SimpleNamespace(index=[1, 2, 9], event=[NONE] * 3, mode=[1] * 3, undecided=[1] * 3)
+    one.element.limit, one.element.force = [dual(9.0)] * 3, [dual(0.0)] * 3
+    one.law = SimpleNamespace(friction=[dual(0.3)] * 2, static_friction=[dual(0.3)] * 2)
+    one.work = SimpleNamespace(velocity="velocity", acceleration="acceleration", rate="rate")
+    one.step = SimpleNamespace(start=dual(1.0), end=dual(1.5))
+    one.solver = SimpleNamespace(tolerance=dual(TOLERANCE))
+    one.model = SimpleNamespace(size=dual(2.0))
+    one.trust = SimpleNamespace(reason=TRUSTED)
+    return one
+
+
+@pytest.fixture
+def ended(monkeypatch):
+    """The reasons for which derivatives have been ended, each with its element."""
+    found = []
+    monkeypatch.setattr(friction, "mark_untrusted", lambda _t, reason, e, time: found.append((reason, e)))
+    return found
+
+
+@pytest.mark.parametrize(
+    ("events", "delay"),
+    [
+        ((SLIDING_ENDS, NONE), ("rest", 1)),
+        ((NONE, SLIDING_ENDS), ("rest", 2)),
+        ((STICKING_ENDS, NONE), ("sliding", 1)),
+        ((STICKING_ENDS, SLIDING_ENDS), ("rest", 2)),
+        ((SLIDING_ENDS, STICKING_ENDS), ("rest", 1)),
+    ],
+)
+def test_sliding_that_ends_goes_before_sliding_that_begins(monkeypatch, t, events, delay):
+    t.element.event[1:] = events
+    monkeypatch.setattr(friction, "delay_of_rest", lambda _t, e: ("rest", e))
+    monkeypatch.setattr(friction, "delay_of_sliding", lambda _t, e: ("sliding", e))
+    assert friction.delay_of_change(t) == delay
+
+
+@pytest.mark.parametrize(("acceleration", "reasons"), [(-4.0, []), (-1e-3, [(SLOW_CHANGE, 2)])])
+def test_rest_is_late_by_its_speed_over_its_acceleration(monkeypatch, t, ended, acceleration, reasons):
+    """Below √tolerance · 9 N/3 kg = 3e-3 m/s² the acceleration may be an error."""
+    monkeypatch.setattr(friction, "mean_mass", lambda _t: dual(3.0))
+    along = {"velocity": dual(1e-12, 3.0, -8.0), "acceleration": dual(acceleration, 50.0, 50.0)}
+    monkeypatch.setattr(friction, "along_tangent", lambda _t, e, what: along[what] if e == 2 else None)
+    delay = friction.delay_of_rest(t, 2)
+    assert (delay.value, delay.slope.tolist()) == (0.0, [-3.0 / acceleration, 8.0 / acceleration])
+    assert ended == reasons
+
+
+@pytest.mark.parametrize(
+    ("e", "static", "right"), [(1, 0.3, False), (1, 0.31, True), (0, 0.5, True), (2, 0.5, False)]
+)
+def test_the_force_drops_at_contacts_where_sliding_has_less_friction(t, e, static, right):
+    if e < 2:
+        t.law.static_friction[e] = dual(static)
+    assert friction.force_drops(t, e) == right
+
+
+def margin_of(monkeypatch, t, rate):
+    """φ = 9 − y₀, where y₀ = 9 at the end of the step and grows at a rate."""
+    y = [dual(9.0, 2.0, -6.0)]
+    t.work.y, t.step.state_end, t.work.rate_end = [None], y, [dual(rate, 70.0, 70.0)]
+    located = []
+    monkeypatch.setattr(friction, "locate_points", lambda _t, y: located.append(y[0].value - 9.0))
+    monkeypatch.setattr(friction, "ensure_points", lambda _t: None)
+    monkeypatch.setattr(friction, "fastest_speed", lambda _t: 4.0)
+
+    def located_rate(t, y, rate):
+        t.element.force[2] = -y[0]
+
+    monkeypatch.setattr(friction, "located_rate", located_rate)
+    return located
+
+
+def test_sliding_is_late_by_its_margin_over_the_rate_of_it(monkeypatch, t, ended):
+    """φ = µ_s F_n − |F_t| by differences along the rate, whose own derivatives do not matter."""
+    located = margin_of(monkeypatch, t, 0.5)
+    delay = friction.delay_of_sliding(t, 2)
+    assert delay.value == 0.0
+    np.testing.assert_allclose(delay.slope, [-2.0 / 0.5, 6.0 / 0.5], rtol=1e-9)
+    apart = friction.DIFFERENCE * 0.5 * 0.5
+    assert located[:2] == pytest.approx([apart, -apart], abs=1e-15)
+    assert located[-1] == 0.0  # points and forces are those of the end again
+    assert ended == []
+
+
+@pytest.mark.parametrize(("static", "reasons"), [(0.3, []), (0.4, [(SLOW_CHANGE, 1)])])
+def test_sliding_that_begins_at_no_certain_time_matters_where_the_force_drops(
+    monkeypatch, t, ended, static, reasons
+):
+    margin_of(monkeypatch, t, 1e-3)  # below √tolerance · 9 N · 2 rad/s
+    monkeypatch.setattr(friction, "margin_at", lambda _t, _e, time: dual(0.0, 1.0, 1.0) - 1e-3 * time)
+    t.law.static_friction[1] = dual(static)
+    delay = friction.delay_of_sliding(t, 1)
+    assert (delay.value, delay.slope.tolist()) == (0.0, [0.0, 0.0])
+    assert ended == reasons
+
+
+@pytest.mark.parametrize(("slope", "together"), [(-2.0, True), (-2.1, False)])
+def test_two_that_halt_at_one_moment_must_do_so_for_all_parameters(monkeypatch, t, ended, slope, together):
+    """Element 2 halts too if its speed is zero after the delay of 0.5 per unit, by slope + 0.5 · 4 m/s²."""
+    t.element.event[1:] = SLIDING_ENDS, SLIDING_ENDS
+    along = {1: {"velocity": dual(0.0), "acceleration": dual(0.0)}}
+    along[2] = {"velocity": dual(0.0, slope, 0.0), "acceleration": dual(4.0)}
+    monkeypatch.setattr(friction, "DIRECTIONS", 2)
+    monkeypatch.setattr(friction, "along_tangent", lambda _t, e, what: along[e][what])
+    monkeypatch.setattr(friction, "largest", lambda _t, _what: dual(4.0))
+    monkeypatch.setattr(friction, "largest_slope", lambda _what, _k: 0.0)
+    monkeypatch.setattr(friction, "largest_turn", lambda _t, _k: 0.0)
+    monkeypatch.setattr(friction, "fastest_speed", lambda _t: 0.0)
+    monkeypatch.setattr(friction, "rest_speed", lambda _t: 1e-12)
+    monkeypatch.setattr(friction, "pending_changes", lambda _t: 1)
+    friction.check_changes(t, dual(0.0, 0.5, 0.0))
+    assert ended == ([] if together else [(TOGETHER, 2)])
+
+
+@pytest.mark.parametrize(
+    ("found", "is_open"),
+    [
+        ((friction.STICKS, -9.0 * (1.0 - 90.0 * TOLERANCE)), True),
+        ((friction.STICKS, -9.0 * (1.0 - 110.0 * TOLERANCE)), False),
+        ((1, 2.9e-4), True),
+        ((1, -3.1e-4), False),
+    ],
+)
+def test_a_mode_is_open_where_the_limit_is_almost_reached(monkeypatch, t, ended, found, is_open):
+    """Within 100 tolerances: of the limit, by the force that holds it; of 9 N/3 kg, by its acceleration."""
+    mode, known = found
+    monkeypatch.setattr(friction, "mean_mass", lambda _t: dual(3.0))
+    monkeypatch.setattr(friction, "excess", lambda _t, _e: dual(1e-9))
+    monkeypatch.setattr(friction, "along_tangent", lambda *_: dual(known))
+    monkeypatch.setattr(friction, "locate_points", lambda *_: None)
+    for name in ("list_sticking", "located_rate", "accelerate_points"):
+        monkeypatch.setattr(friction, name, lambda *_: None)
+    t.element.before, t.element.mode, t.element.chosen = [mode] * 3, [mode] * 3, [mode] * 3
+    t.element.undecided, t.element.force[1], t.step.state_end = [0, 1, 0], dual(known), "state"
+    friction.choose_modes(t)
+    assert t.element.mode == [mode] * 3
+    assert ended == ([(AT_LIMIT, 1)] if is_open else [])

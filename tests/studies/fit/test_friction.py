@@ -1,0 +1,26 @@
+"""Coefficients of dry friction from measured motion."""
+
+import numpy as np
+
+from chain_impact import fit, simulate
+from tests.friction_derivative_scenes import puck
+
+NOISE = 1e-4  # m
+
+
+def test_the_friction_of_a_puck_that_slides_up_a_slope_and_back():
+    """µ is found with an interval that holds it, from a start that stops on the slope."""
+    true = puck(friction=0.2).scene
+    result = simulate(true, output_step=0.01)
+    names = ("point[0].x", "point[0].y")
+    noise = NOISE * np.random.default_rng(3).standard_normal((2, len(result.time) - 1))
+    columns = {name: result[name][1:] + part for name, part in zip(names, noise, strict=True)}
+    start = true.with_values({"contact.friction": 0.5})
+    found = fit(
+        start, {"time": result.time[1:]} | columns, ["contact.friction"], sigma=dict.fromkeys(names, NOISE)
+    )
+    low, high = found.intervals["contact.friction"]
+    assert found.converged
+    assert low < 0.2 < high
+    assert high - low < 2e-3
+    assert 0.8 < found.reduced_chi_squared < 1.2
