@@ -12,6 +12,7 @@ from chain_impact.scene.scene import scene_from_dict
 from tests import coulomb
 from tests.dry_joints import braked_link, driven_link, dry_pendulum, flywheels, folding_pair
 from tests.places import separated
+from tests.problems import contact_table, scene_table
 
 
 def run(table, **options):
@@ -50,6 +51,25 @@ def test_a_dry_pendulum_loses_the_same_moment_in_each_half_swing():
     assert starts[1:] == pytest.approx(exact.times[1:], abs=1e-8)
     assert result["link[1].angle"][-1] == pytest.approx(exact.angles[-1], abs=1e-9)
     assert result["energy.friction"][-1] == pytest.approx(exact.dissipated[-1], rel=1e-9)
+
+
+@pytest.mark.parametrize(("law", "off"), [("newton_impact", 1e-12), ("zhang_sharf", 1e-4)])
+def test_two_links_that_lean_on_each_other_stop_where_their_energy_is_used_up(law, off):
+    """Both feet slide on a floor without friction and gravity: m ℓ² ω²/3 = 2 M (θ₀ − θ)."""
+    mass, length, moment, angle, speed = 0.5, 0.4, 1.5, 0.8, 3.0
+    link = {"length": length, "mass": mass, "joint_friction": moment}
+    initial = {
+        "position": [-length * math.cos(angle), 0.0],
+        "angles": [angle, -angle],
+        "velocity": [-length * speed * math.sin(angle), 0.0],
+        "angular_velocities": [-speed, speed],
+    }
+    contact = contact_table(model=law, stiffness=1e9, restitution=0.0 if law == "newton_impact" else 0.1)
+    result = run(scene_table("Lean", [link, link], initial, {"y_min": 0.0}, contact, stop_time=0.1))
+    energy = mass * length**2 * speed**2 / 3.0
+    assert len(stops(result)) == 1
+    assert result["link[1].angle"][-1] == pytest.approx(angle - energy / (2.0 * moment), rel=off)
+    assert result["energy.friction"][-1] == pytest.approx(energy, rel=off)
 
 
 def test_two_flywheels_turn_as_one_at_last():

@@ -32,7 +32,7 @@ CASES = {
     "three thrown": thrown(3, stop=0.3),
 }
 EXACT = 1e-8  # the error to reach at the tolerance 1e-12
-# where implicit steps are chosen, which follow the tolerance less closely, or the force drops as sticking ends
+# where implicit steps are chosen, which follow the tolerance less closely, or friction drops as sticking ends
 STATES = {"driven": 2e-8, "swings, static": 2e-8}
 IMPLICIT = {"stops on a slope": 1e-8, "swings": 1e-7, "driven": 1e-7, "two dry joints": 2e-8}
 OF_FRICTION = ("contact.friction", "contact.static_friction", "wall.y_min.friction", "link[2].joint_friction")

@@ -25,7 +25,7 @@ from chain_impact.kernel.chain.kinematics import largest, locate_points
 from chain_impact.kernel.chain.state import coordinate_count, dissipated_at, velocity_at
 from chain_impact.kernel.events.contact_log import log_contact
 from chain_impact.kernel.events.friction_modes import update_modes
-from chain_impact.kernel.events.kinds import NEIGHBOUR, ONSET, RELEASE
+from chain_impact.kernel.events.kinds import NEIGHBOUR, NONE, ONSET, RELEASE
 from chain_impact.kernel.integration.impulse import give_impulses
 from chain_impact.kernel.model.constraints import (
     DOUBT,
@@ -40,7 +40,6 @@ from chain_impact.kernel.model.constraints import (
 from chain_impact.kernel.model.contact import (
     begin_contact,
     clear_loads,
-    drop_events,
     list_touching,
     set_kink_side,
     start_contact,
@@ -242,7 +241,9 @@ def update_active_set(d):
         solve_lcp(d, scale)
         release_contacts(d)
         list_touching(d)
-    drop_events(d)
+    # the modes of dry friction are chosen after this, by their own events
+    for c in range(d.candidates):
+        touch.event[c] = NONE
 
 
 def end_unstopped_contacts(d):
