@@ -7,6 +7,7 @@ import common  # isort: skip
 import engines
 import fidelity
 import fmu_cost
+import friction
 import rest
 import rhs
 import scaling
@@ -17,7 +18,7 @@ import work_precision_chart
 
 def main() -> None:
     """Draw them."""
-    for module in (engines, fidelity, fmu_cost, rest, rhs, scaling, stiffness):
+    for module in (engines, fidelity, fmu_cost, friction, rest, rhs, scaling, stiffness):
         common.picture(module.__name__, module.draw, module.SIZE)
     work_precision_chart.draw_all()
     stability_chart.draw_all()

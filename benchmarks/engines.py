@@ -47,18 +47,18 @@ def ours(problem: str, stop: float, expected: list) -> dict:
 
 def mujocos(problem: str, stop: float, steps: tuple[float, ...], expected: list | None) -> dict:
     """MuJoCo at each step: run and error; by its own converged run when there is no reference."""
-    from peers.mujoco import INTEGRATORS, Engine
+    from peers.mujoco import DEFAULTS, INTEGRATORS, Engine, bouncing
 
     scene, found = PROBLEMS[problem].scene(), {}
-    time_constant = TIME_CONSTANT if expected is None else None
+    contact = DEFAULTS if expected is not None else bouncing(TIME_CONSTANT, scene.contact.restitution)
     for integrator in INTEGRATORS:
         truth = expected
         if truth is None:
-            fine = Engine(scene, integrator, CONVERGED, time_constant)
+            fine = Engine(scene, integrator, CONVERGED, contact)
             fine.run(stop)
             truth = fine.state()
         for dt in steps:
-            engine = Engine(scene, integrator, dt, time_constant)
+            engine = Engine(scene, integrator, dt, contact)
             engine.run(stop)
             error = float(np.abs(engine.state() - np.array(truth)).max())
             found[f"MuJoCo {integrator}", dt] = (lambda e=engine: e.run(stop), error)
@@ -81,14 +81,14 @@ def race(entries: dict, stop: float, rounds: int) -> list[dict]:
 
 def stiffest() -> list[dict]:
     """The shortest time constant of the contact, in steps, at which no run so far has gained energy."""
-    from peers.mujoco import INTEGRATORS, Engine
+    from peers.mujoco import INTEGRATORS, Engine, bouncing
 
     scene, rows = PROBLEMS["box"].scene(), []
     for integrator in INTEGRATORS:
         for dt in (1e-3, 1e-4):
             last = None
             for part in STIFFER:
-                engine = Engine(scene, integrator, dt, part * dt)
+                engine = Engine(scene, integrator, dt, bouncing(part * dt, scene.contact.restitution))
                 engine.run(0.0)
                 limit = engine.energy() * (1.0 + GAIN)
                 highest = 0.0

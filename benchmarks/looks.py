@@ -66,10 +66,13 @@ def names_at_ends(page: Any, curves: Mapping[Any, Sequence[tuple[float, float, s
 
 __all__ = [
     "BLUE",
+    "GREEN",
     "GREY",
     "INK",
+    "LINE_NAME",
     "LOOKS",
     "OURS",
+    "PURPLE",
     "QUIET",
     "SKY",
     "STYLE",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import common
+from equal_error import HOPELESS
 from problems import PROBLEMS
 from table import run, table
 from work_precision_chart import PLACES
@@ -10,12 +11,21 @@ from work_precision_chart import PLACES
 SHOWN = ("numbalsoda DOP853", "CasADi erk", "heyoka", "CVODE Adams")
 TOLERANCES = (1e-6, 1e-8)
 ACHIEVED = (1e-4, 1e-8, 1e-12)  # tolerances of which our error is shown
+# of friction.py
+OURS_ON_THE_SLOPE, OURS_THROWN = (1e-4, 1e-8), (1e-2, 1e-4, 1e-8)  # tolerances
+STEPS = (1e-2, 1e-3, 1e-4)  # s, of MuJoCo
+NO_DRIFT = 1e-9  # µm/s: less is round-off
 VERSIONS = ("scipy", "numbalsoda", "heyoka", "casadi", "scikit-sundae", "diffrax", "jax")
 
 
 def times(value: float | None) -> str:
     """A ratio, or a dash."""
     return "–" if value is None else f"{value:.3g}"
+
+
+def digits(value: float) -> str:
+    """Three digits, and no exponent for what is large."""
+    return f"{value:.3g}" if value < 1e3 else f"{float(f'{value:.3g}'):.0f}"
 
 
 def work_precision() -> str:
@@ -67,4 +77,45 @@ def reference() -> str:
     return table(head, rows)
 
 
-TABLES = (work_precision, reference)
+def slope() -> str:
+    """How fast a rod at rest on a slope drifts with each setting, and what that costs."""
+    results = common.load("friction")["results"]["slope"]
+    tolerances = " and ".join(f"{value:g}" for value in OURS_ON_THE_SLOPE)
+    rows = []
+    for name in dict.fromkeys(row["name"] for row in results):
+        if name == "ours, an hour":
+            continue
+        found = [
+            find(results, name=name, setting=setting)
+            for setting in (OURS_ON_THE_SLOPE if name == "ours" else STEPS[:2])
+        ]
+        drifts = ("none" if row["drift"] < NO_DRIFT else digits(row["drift"]) for row in found)
+        spent = (digits(1e3 * row["seconds"]) for row in found)
+        rows.append((f"chain-impact, tolerances {tolerances}" if name == "ours" else name, *drifts, *spent))
+    head = ("", "drift [µm/s], 10 ms", "1 ms", "CPU time of 60 s [ms], 10 ms", "1 ms")
+    return run("friction", ("mujoco",)) + "\n\n" + table(head, rows)
+
+
+def thrown_chain() -> str:
+    """Errors of a thrown chain, moving and at rest, and the time at equal error over ours."""
+    results = common.load("friction")["results"]
+    parts = [results[key]["rows"] for key in ("moving", "resting")]
+    rows = []
+    for name in dict.fromkeys(row["name"] for row in parts[0]):
+        mine = name == "ours"
+        for setting in OURS_THROWN if mine else STEPS:
+            cells: list[str] = []
+            for part in parts:
+                row = find(part, name=name, setting=setting)
+                if row is None or row["error"] > HOPELESS:
+                    cells += ["unstable", "–"]
+                    continue
+                factor = f"{1e3 * row['seconds']:.3g} ms" if mine else times(row["times ours at equal error"])
+                cells += [f"{row['error']:.1e}", factor]
+            how = f"tolerance {setting:g}" if mine else f"{1e3 * setting:g} ms"
+            rows.append(("chain-impact" if mine else name, how, *cells))
+    head = ("", "step", "error, moving", "time / ours", "error, at rest", "time / ours")
+    return table(head, rows)
+
+
+TABLES = (work_precision, reference, slope, thrown_chain)

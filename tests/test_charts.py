@@ -143,7 +143,7 @@ def test_the_error_of_the_map_is_zero_where_the_energy_is_known(charts):
             assert energy == pytest.approx(-9.81 * depth / start, rel=2e-3)
 
 
-@pytest.mark.parametrize("name", ["engines", "fmu_cost", "rest", "rhs", "scaling", "stiffness"])
+@pytest.mark.parametrize("name", ["engines", "fmu_cost", "friction", "rest", "rhs", "scaling", "stiffness"])
 def test_a_chart_has_a_message_few_colours_and_no_text_on_text(charts, name):
     module = charts(name)
     page = drawn(module.draw, stored(name), module.SIZE)
@@ -160,6 +160,43 @@ def test_a_chart_has_a_message_few_colours_and_no_text_on_text(charts, name):
         box = text.get_window_extent()
         assert page.bbox.x0 <= box.x0 <= box.x1 <= page.bbox.x1
         assert not any(axes.get_window_extent().overlaps(box) for axes in page.axes)
+
+
+def test_the_factors_of_friction_are_those_of_the_stored_figures(charts):
+    """With numbers of their own: where MuJoCo errs more than our loosest run, against that run."""
+    module, record = charts("friction_chart"), stored("friction")
+    message = drawn(module.draw, record, module.SIZE).get_suptitle()
+
+    def factor(part):
+        rows = {(row["name"], row["setting"]): row for row in record["results"][part]["rows"]}
+        theirs, loosest = rows["MuJoCo Euler, defaults", 1e-3], rows["ours", 1e-2]
+        assert theirs["error"] > loosest["error"]
+        mine = [row["seconds"] for (name, _), row in rows.items() if name == "ours"]
+        return theirs["seconds"] / min(mine[:2])
+
+    said = [float(found) for found in re.search(r"takes it ([\d.]+) and ([\d.]+) times", message).groups()]
+    assert said == pytest.approx(sorted(map(factor, ("moving", "resting"))), rel=0.05)
+
+
+def test_the_drift_and_the_depth_of_the_rod_on_the_slope_are_those_of_theory():
+    """Our depth by statics, K δ^1.5 = m g cos β / 2; MuJoCo's drift is in proportion to 1 / impratio."""
+    rows = {(row["name"], row["setting"]): row for row in stored("friction")["results"]["slope"]}
+    depth = (1.2 * 9.81 * np.cos(0.35) / 2.0 / 1e6) ** (2.0 / 3.0)
+    assert rows["ours", 1e-8]["penetration"] == pytest.approx(depth, rel=1e-3)
+    assert rows["MuJoCo Euler, stiffness of ours", 1e-3]["penetration"] == pytest.approx(depth, rel=1e-2)
+    drift = {key: row["drift"] for key, row in rows.items()}
+    for setting in ("defaults", "stiffness of ours", "stiffest"):
+        for step in (1e-2, 1e-3, 1e-4):
+            creep = drift[f"MuJoCo Euler, {setting}", step]
+            assert drift[f"MuJoCo Euler, {setting}, impratio 100", step] == pytest.approx(
+                creep / 100, rel=1e-3
+            )
+    for step in (1e-2, 1e-3, 1e-4):  # where a contact cannot move along both of its directions
+        planar = "MuJoCo Euler, defaults, in the plane only"
+        assert drift.pop((f"{planar}, noslip", step)) == drift[planar, step] > 1000.0
+    assert all(
+        value < 1e-9 for (name, _), value in drift.items() if "ours" in name.split()[0] or "noslip" in name
+    )
 
 
 def test_the_contenders_have_at_most_ten_colours(charts):
