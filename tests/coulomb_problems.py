@@ -285,7 +285,13 @@ def pushes(strength: float, count: int, begin: float) -> tuple[tuple[float, ...]
 
 
 def pushed_flat(
-    body: Body, friction: float, static_friction: float | None = None, count: int = 10, excess: float = 1.5
+    body: Body,
+    friction: float,
+    static_friction: float | None = None,
+    *,
+    begin: float = SETTLED,
+    count: int = 10,
+    excess: float = 1.5,
 ) -> tuple[Table, dict[str, Any], Pushed]:
     """A body on a level floor whose tip is pushed to and fro, with a multiple of what friction can hold.
 
@@ -294,7 +300,7 @@ def pushed_flat(
     """
     weight = body.mass * GRAVITY
     holding = (friction if static_friction is None else static_friction) * weight
-    times, values = pushes(excess * holding, count, SETTLED)
+    times, values = pushes(excess * holding, count, begin)
     table = lying(body, 0.0, 0.0, times[-1] + 0.4, friction=friction, static_friction=static_friction)
     table["inputs"] = {"tip_force": True}
     exact = Pushed(body.mass, friction * weight, holding, times, values)

@@ -80,7 +80,7 @@ def test_a_rod_sticks_on_a_slope():
 
 
 @pytest.mark.parametrize(
-    ("make", "coordinate"), [(lambda: pushed_flat(ROD, 0.4, 0.5, 2), 0), (lambda: driven_link(0.5), 2)]
+    ("make", "coordinate"), [(lambda: pushed_flat(ROD, 0.4, 0.5, count=2), 0), (lambda: driven_link(0.5), 2)]
 )
 def test_a_push_breaks_what_sticks_and_friction_stops_it(make, coordinate):
     table, inputs, exact = make()

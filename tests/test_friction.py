@@ -72,18 +72,19 @@ def test_a_body_that_sticks_stays_for_an_hour(stiffness):
 
 @pytest.mark.parametrize("body", ["rod", "chain"])
 def test_redundant_contacts_share_and_hold_through_ten_pushes(body):
-    table, inputs, exact = pushed_flat(BODIES[body], 0.4, 0.5)
+    begin = 2.0 * SETTLED  # the depths then differ from those at rest by round-off
+    table, inputs, exact = pushed_flat(BODIES[body], 0.4, 0.5, begin=begin)
     result = run(table, inputs=inputs, output_step=0.01, tolerance=1e-10)
-    start = np.searchsorted(result.time, SETTLED - 1e-9)
-    moved = result["point[0].x"] - result["point[0].x"][start]
-    for time in (0.6, 1.5, 2.9, 4.0):
-        row = np.searchsorted(result.time, time - 1e-9)
-        assert moved[row] == pytest.approx(exact.at(result.time[row])[0], abs=1e-6)
-    changes = [time for time, _ in exact.changes()]
+    start = np.searchsorted(result.time, begin - 1e-9)
+    moved = result["point[0].x"][start:] - result["point[0].x"][start]
+    expected = [exact.at(time)[0] for time in result.time[start:]]
+    np.testing.assert_allclose(moved, expected, rtol=0.0, atol=1e-13)
+    changes = np.unique(np.round([time for time, _ in exact.changes()], 10))
     found = np.unique(
-        np.round([phase["start"] for phase in result.stick_slip if phase["start"] > SETTLED - 1e-3], 5)
+        np.round([one["start"] for one in result.stick_slip if one["start"] > SETTLED - 1e-3], 10)
     )
-    assert found == pytest.approx(np.unique(np.round(changes, 5)), abs=2e-5)
+    assert len(found) == 20
+    assert found == pytest.approx(changes, abs=1e-9)
 
 
 @pytest.mark.parametrize("slide", [0.3, -2.0])
