@@ -45,8 +45,8 @@ def hinge(lx, ly, sx, sy, inertia, axx, axy, ayy):
     return hx, hy, 1.0 / ((inertia + ayy * (lx * lx)) + (axx * (ly * ly) - axy * (2.0 * lx * ly)))
 
 
-def eliminate(d, y, i, outward, axx, axy, ayy, bx, by):
-    """Eliminate α_i: return A and b for A' and b'."""
+def eliminate(d, y, i, outward, keep, axx, axy, ayy, bx, by):
+    """Eliminate α_i: return A and b for A' and b'; ``keep`` what ``solve`` needs, or do not."""
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
     link = lx, ly, sx, sy, inertia = arm(d, d.work.link, i, outward)
     w2 = omega * omega
@@ -54,19 +54,19 @@ def eliminate(d, y, i, outward, axx, axy, ayy, bx, by):
     dx = bx - d.work.load.x[joint] - w2 * (axx * lx + axy * ly)
     dy = by - d.work.load.y[joint] - w2 * (axy * lx + ayy * ly)
     hx, hy, inverse = hinge(lx, ly, sx, sy, inertia, axx, axy, ayy)
-    return eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy)
+    return eliminate_link(d, i, w2, link, keep, hx, hy, inverse, axx, axy, ayy, dx, dy)
 
 
-def eliminate_end(d, y, i, outward):
+def eliminate_end(d, y, i, outward, keep):
     """As ``eliminate``, for the link at a free end: A' = 0 and b' = 0, so 1/H depends on no other link."""
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
     link = _, _, sx, sy, inertia = arm(d, d.work.link, i, outward)
     dx, dy = -d.work.load.x[joint], -d.work.load.y[joint]
     w2 = omega * omega
-    return eliminate_link(d, i, w2, link, -sy, sx, 1.0 / inertia, 0.0, 0.0, 0.0, dx, dy)
+    return eliminate_link(d, i, w2, link, keep, -sy, sx, 1.0 / inertia, 0.0, 0.0, 0.0, dx, dy)
 
 
-def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
+def eliminate_link(d, i, w2, link, keep, hx, hy, inverse, axx, axy, ayy, dx, dy):
     """Return A and b for A' and d; store what ``accelerate`` needs of link i."""
     lx, ly, sx, sy, _ = link
     m, gx, gy = d.model.mass[i], d.model.gravity[0], d.model.gravity[1]
@@ -75,6 +75,9 @@ def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
     kx, ky = hx * inverse, hy * inverse
     kept = d.work.elimination
     kept.gain_x[i], kept.gain_y[i], kept.bias[i] = kx, ky, h0 * inverse
+    if keep:
+        factors = d.work.factors
+        factors.gain_x[i], factors.gain_y[i], factors.inverse[i] = kx, ky, inverse
     # A = A' + m 1 − h hᵀ/H,  b = d − ω² m c − m g − h h₀/H
     return (
         (axx + m) - hx * kx,
@@ -110,24 +113,37 @@ def accelerations(d, y, rate):
     """
     # two calls, so that in the first the middle joint is a constant for the compiler
     if d.model.pinned:
-        arms(d, y, rate, 0)
+        arms(d, y, rate, 0, False)
     else:
-        arms(d, y, rate, d.links // 2)
+        arms(d, y, rate, d.links // 2, False)
+
+
+def factorizing_accelerations(d, y, rate):
+    """As ``accelerations``, and factorize M in ``work.factors``, as ``factorize`` does without impedances."""
+    arms(d, y, rate, d.model.middle, True)
 
 
 @inlined
-def arms(d, y, rate, middle):
-    """As ``accelerations``, for the joint at which the arms of the elimination meet."""
+def arms(d, y, rate, middle, keep):
+    """As ``accelerations``, for the joint at which the arms of the elimination meet.
+
+    Args:
+        d: the instance.
+        y: as for ``accelerations``.
+        rate: as for ``accelerations``.
+        middle: the joint.
+        keep: whether M is to be factorized in ``work.factors``; a constant for the compiler.
+    """
     n = d.links
-    axx, axy, ayy, bx, by = eliminate_end(d, y, n - 1, True)
+    axx, axy, ayy, bx, by = eliminate_end(d, y, n - 1, True, keep)
     cxx, cxy, cyy, dx, dy = 0.0, 0.0, 0.0, 0.0, 0.0
     if middle > 0:
-        cxx, cxy, cyy, dx, dy = eliminate_end(d, y, 0, False)
+        cxx, cxy, cyy, dx, dy = eliminate_end(d, y, 0, False, keep)
     for k in range(1, n - middle):
         i = n - 1 - k
-        axx, axy, ayy, bx, by = eliminate(d, y, i, True, axx, axy, ayy, bx, by)
+        axx, axy, ayy, bx, by = eliminate(d, y, i, True, keep, axx, axy, ayy, bx, by)
         if k < middle:
-            cxx, cxy, cyy, dx, dy = eliminate(d, y, k, False, cxx, cxy, cyy, dx, dy)
+            cxx, cxy, cyy, dx, dy = eliminate(d, y, k, False, keep, cxx, cxy, cyy, dx, dy)
 
     # the middle joint: A a + b = 0 when the base is free; it is the base, and a = 0, when that is pinned
     ax, ay = 0.0, 0.0
@@ -137,6 +153,9 @@ def arms(d, y, rate, middle):
         determinant = axx * ayy - axy * axy
         ax = (axy * by - ayy * bx) / determinant
         ay = (axy * bx - axx * by) / determinant
+    if keep:
+        d.work.factors.coupled = 0
+        set_middle(d, d.work.factors, axx, axy, ayy)
 
     # accelerations back out
     cx, cy = ax, ay
@@ -177,7 +196,11 @@ def factorize(d, links, impedance, factors):
     axx = axx + cxx + impedance.xx[middle]
     axy = axy + cxy + impedance.xy[middle]
     ayy = ayy + cyy + impedance.yy[middle]
-    # A⁻¹ of the middle joint, 0 when that is a pinned base
+    set_middle(d, factors, axx, axy, ayy)
+
+
+def set_middle(d, factors, axx, axy, ayy):
+    """Set A⁻¹ of the middle joint, 0 when that is a pinned base."""
     scale = 0.0 if d.model.pinned else 1.0 / (axx * ayy - axy * axy)
     factors.middle_mobility[0], factors.middle_mobility[1], factors.middle_mobility[2] = (
         ayy * scale,

@@ -122,7 +122,7 @@ def solve_equality(d, scale):
 def solve_single(d):
     """As ``solve_equality``, for one element that sticks, without rigid contacts: p = m/W.
 
-    That takes a third of the time of the iteration.
+    That takes a third of the time of the iteration. M must have been factorized in ``work.factors``.
     """
     own, row = d.rigid, d.touch.active_count
     for k in range(constraint_rows(d)):
@@ -256,10 +256,15 @@ def activate_all(d):
 
 def start_from_accelerations(d, y, rate):
     """Set ``start`` to the accelerations of all constraints for a rate ẏ; return the largest |a|."""
+    accelerate_constraints(d, y, rate)
+    return largest(d, d.work.acceleration)
+
+
+def accelerate_constraints(d, y, rate):
+    """Set ``start`` to the accelerations of all constraints for a rate ẏ."""
     accelerate_points(d, y, rate)
     for k in range(constraint_rows(d)):
         d.rigid.start[k] = along_constraint(d, k, d.work.acceleration)
-    return largest(d, d.work.acceleration)
 
 
 def add_constraint_forces(d, y, rate):
@@ -267,18 +272,37 @@ def add_constraint_forces(d, y, rate):
 
     The forces [N] are then stored in ``d.rigid.impulse``; they do no work but that of errors.
     """
-    own, n = d.rigid, d.links
+    own = d.rigid
     scale = start_from_accelerations(d, y, rate)
     activate_all(d)
     solve_equality(d, scale)
-    for j in range(coordinate_count(n)):
-        rate[velocity_at(n) + j] += own.change[j]
+    add_change(d, rate)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         own.least_force[c] = min(own.least_force[c], own.impulse[k])
         d.touch.force[c] = own.impulse[k]
     if any_sticking(d):
-        rate[dissipated_at(n)] += keep_static_forces(d)
+        rate[dissipated_at(d.links)] += keep_static_forces(d)
+
+
+def add_single_force(d, y, rate):
+    """As ``add_constraint_forces``, for a contact that ``sticks_alone``, with M in ``work.factors``."""
+    accelerate_constraints(d, y, rate)
+    d.rigid.target[d.touch.active_count] = 0.0
+    solve_single(d)
+    add_change(d, rate)
+    rate[dissipated_at(d.links)] += keep_static_forces(d)
+
+
+def add_change(d, rate):
+    """Add the change of the accelerations by constraint forces to a rate ẏ."""
+    for j in range(coordinate_count(d.links)):
+        rate[velocity_at(d.links) + j] += d.rigid.change[j]
+
+
+def sticks_alone(d):
+    """Whether one contact with a force is all that sticks, and no wall is rigid."""
+    return d.friction.stuck_count == 1 and d.friction.stuck_joints == 0 and not any_point_held(d)
 
 
 def project_state(d, y):
