@@ -86,7 +86,7 @@ def draw(page: Any, record: Any) -> None:
     headline(
         page,
         f"MuJoCo creeps on a slope by {creep / 1e3:.2g} mm/s, with noslip not at all; "
-        f"a thrown chain takes it {min(factors):.2g} and {max(factors):.2g} times our time at equal error",
+        f"a thrown chain takes it {min(factors):.2g} and {max(factors):.2g} times our time, at best as exact",
         f"elliptic cones  ·  factors: {label(CREEPS)}, steps of {1e3 * SHOWN:g} ms  ·  "
         "errors: each against its own converged run",
     )

@@ -54,10 +54,11 @@ def friction_checks(scene: Scene, outputs: Any) -> Iterator[tuple[str, float, fl
     for c, (_, number) in enumerate(candidates(scene)):
         if number < len(scene.wall_names) and not scene.wall_names[number].startswith("joint_"):
             limit = _static(scene, scene.wall_names[number]) * np.maximum(outputs["force"][:, c], 0.0)
-            excess = max(excess, float((np.abs(friction["force"][:, c]) - (1.0 + FORCE) * limit).max()))
-    # forces at a row have the errors of the interpolated state, whose scale is that of the impacts
-    errors = scene.solver.tolerance * float(np.abs(outputs["force"]).max(initial=0.0))
-    yield "cone", excess, least + errors, "friction beyond its limit [N]"
+            # forces at a row have the errors of the interpolated state, on the scale of the point's impacts
+            errors = scene.solver.tolerance * float(np.abs(outputs["force"][:, c]).max())
+            beyond = np.abs(friction["force"][:, c]) - (1.0 + FORCE) * limit - errors
+            excess = max(excess, float(beyond.max()))
+    yield "cone", excess, least, "friction beyond its limit [N]"
     for i, link in enumerate(scene.chain.links):
         beyond = float(np.abs(friction["joint_moment"][:, i]).max()) - (1.0 + FORCE) * link.joint_friction
         yield (

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from chain_impact import simulate
+from chain_impact import Chain, simulate
 from chain_impact.kernel.tangent.trust import REASONS, REASONS_OF_FRICTION
 from chain_impact.simulation.derivatives import DifferentiatedRun
 from tests.derivative_scenes import Case, differences, exact, off, size_of, state_names
@@ -254,6 +254,51 @@ def test_a_joint_that_is_released_at_rest(moment, given):
     assert (told == ()) == given
     assert given or "from t = 0 s on, the dry friction of joint 1: " + REASONS_OF_FRICTION[10] in told[0]
     assert limits(Case(scene, (), (0.1,)), ["link[1].joint_friction", "link[1].mass"])[0] == ()
+
+
+@pytest.mark.parametrize("links", [1, 2])
+def test_a_joint_friction_that_is_zero(links):
+    """It could only be more, in each of the blocks of directions."""
+    case = dry_joints(2)
+    names = [
+        *(f"initial.angle[{i}]" for i in (1, 2)),
+        "link[1].mass",
+        "gravity.y",
+        f"link[{links}].joint_friction",
+    ]
+    run = DifferentiatedRun(case.scene, names, ["link[1].angle"], inputs=case.inputs)
+    values = np.array([case.value(name) for name in names])
+    values[-1] = 0.0
+    answer = run.run(values, np.array([0.0, 0.2]))
+    (told,) = answer.limits
+    assert f"from t = 0 s on, the dry friction of joint {links}: {REASONS_OF_FRICTION[9]}" in told
+    assert np.isnan(answer.slopes[1]).all()
+
+
+@pytest.mark.parametrize("early", [1e-3, 1e-7])
+@pytest.mark.parametrize("name", ["stops on a slope", "swings, static", "two dry joints"])
+def test_a_change_of_a_parameter_just_before_a_mode_ends_changes_nothing_else(name, early):
+    """The end of the mode has been found already, beyond the communication point, and is found once more."""
+    case = CASES[name]
+    scene = case.scene.with_values({"solver.tolerance": 1e-10, "outputs.sensitivities": ["gravity.y"]})
+    nothing = {"joint[2].torque": 1e-15}
+    if not case.inputs:
+        nothing = {"contact.friction": (1.0 + 1e-13) * scene.values["contact.friction"]}
+    changes = simulate(scene, inputs=case.inputs).stick_slip["start"]
+    end, output = case.times[-1], "sensitivity.gravity.y.link[1].angle"
+    for change in changes[(changes > 0.01) & (changes < end)]:
+        chains = Chain(scene), Chain(scene)
+        for k, chain in enumerate(chains):
+            chain.set(case.inputs)
+            chain.step(change - early)
+            if k:
+                chain.set(nothing)
+            chain.step(end - (change - early))
+        whole, broken = (chain.stick_slip for chain in chains)
+        assert len(whole) == len(broken)
+        np.testing.assert_allclose(broken["start"], whole["start"], atol=1e-8)
+        slopes = [chain.get(output) for chain in chains]
+        assert slopes[1] == pytest.approx(slopes[0], rel=1e-5)
 
 
 def symmetric(**initial: float) -> Case:

@@ -189,7 +189,7 @@ class Result:
 
     @property
     def sensitivity_limits(self) -> tuple[str, ...]:
-        """Sentences: from which impact on derivatives are NaN, and why; none if they all can be trusted."""
+        """Sentences: from when on derivatives are NaN, and why; none if they all can be trusted."""
         return self.sensitivities.limits if self.sensitivities else ()
 
     @property

@@ -3,7 +3,7 @@
 Beside the instance lie instances of dual numbers, each with the derivatives in a few directions
 (kernel/tangent/). A derivative with respect to a parameter is for all other parameters of the FMU held; its
 unit is that of the quantity over that of the parameter. Where it does not exist, or cannot be trusted, it is
-NaN, and a sentence says from which impact on.
+NaN, and a sentence says from when on, and why.
 """
 
 from __future__ import annotations
@@ -233,7 +233,7 @@ class Differentiated:
         impacts: one row for each contact in order of onset, as ``Result.impacts``.
         impact_slopes: derivatives of the impacts' quantities: name → shape (I, P).
         status: 0 if there is no fault, see ``chain_impact.kernel.status``.
-        limits: sentences: from which impact on derivatives are NaN, and why.
+        limits: sentences: from when on derivatives are NaN, and why.
     """
 
     values: np.ndarray

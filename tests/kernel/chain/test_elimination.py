@@ -117,7 +117,7 @@ def test_links_hanging_from_a_joint_answer_its_acceleration_as_assembled(count, 
 @COUNTS
 @pytest.mark.parametrize("heaviest", [0.0, 3.0])
 def test_they_answer_impulses_likewise_with_impedances_at_their_points(count, outward, heaviest):
-    """``factorize_link`` finds A, ``gather`` the impulse that arrives and ``spread`` the rates."""
+    """``factorize_link`` finds A, ``gather`` what arrives and the work, and ``spread`` the rates."""
     case = Hanging(count, outward, heaviest)
     d, work, inertia = case.d, case.d.work, (0.0, 0.0, 0.0)
     for i in case.links:
@@ -125,10 +125,12 @@ def test_they_answer_impulses_likewise_with_impedances_at_their_points(count, ou
     a, b = case.condensed(case.impulses)
     np.testing.assert_allclose(inertia, [a[0, 0], a[0, 1], a[1, 1]], rtol=1e-10, atol=1e-11)
 
-    arrives, change = (0.0, 0.0), np.full(count + 2, np.nan)
+    arrives, change = (0.0, 0.0, 0.0), np.full(count + 2, np.nan)
     for i in case.links:
         arrives = gather(work.link, work.factors, work.load, i, outward, *arrives, change)
-    np.testing.assert_allclose(arrives, -b, rtol=1e-10, atol=1e-11)
+    np.testing.assert_allclose(arrives[:2], -b, rtol=1e-10, atol=1e-11)
+    done = case.impulses[2:] @ case.answer(case.impulses, np.zeros(2))
+    assert arrives[2] == pytest.approx(done, rel=1e-10)
     moved = np.array([0.7, -1.3])
     now = tuple(moved)
     for i in reversed(case.links):
@@ -188,8 +190,9 @@ def test_the_arms_of_a_free_chain_may_meet_at_any_joint(count):
         d.model.middle = middle
         set_impedances(work.impedance, added)
         factorize(d, work.link, work.impedance, work.factors)
-        solve(d, work.link, work.factors, work.load, change)
+        done = solve(d, work.link, work.factors, work.load, change)
         np.testing.assert_allclose(change, moved, rtol=1e-9, atol=1e-10)
+        assert done == pytest.approx(right @ moved, rel=1e-9)
     # and a pinned one is held at its base
     d.model.pinned, rate = 1, np.full(len(y), np.nan)
     accelerations(d, y, rate)

@@ -212,15 +212,18 @@ def test_the_rate_of_a_force_is_that_along_the_motion():
 
 
 @pytest.mark.parametrize("due", [False, True])
-def test_the_last_step_ends_at_the_communication_point_and_events_beyond_are_forgotten(due):
-    """But for an onset that is due just there."""
+def test_the_last_step_ends_at_the_communication_point_and_events_beyond_are_forgotten(due, monkeypatch):
+    """But for an onset and changes of modes that are due just there."""
     d, motion = pressed(TURNING)
     d.touch.event[:4] = ONSET, END, KINK, NONE
+    dropped = []
+    monkeypatch.setattr(contact_log, "drop_changes", dropped.append)
     d.step.time = d.step.end if due else d.step.start + 0.4
     breaks, clock = d.step.breaks, d.step.time
     end_at_output_time(d)
     assert d.step.end == clock
     assert d.touch.event[:4].tolist() == [ONSET if due else NONE, NONE, NONE, NONE]
+    assert dropped == ([] if due else [d])
     expected = motion.at(1.0 if due else 0.4)
     np.testing.assert_allclose(d.step.state_end[:-2], expected[:-2], rtol=0, atol=1e-13)
     assert d.step.breaks > breaks

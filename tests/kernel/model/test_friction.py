@@ -1,5 +1,7 @@
 """Dry friction as loads and constraints, against dense algebra with the textbook's matrices."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -21,6 +23,7 @@ from chain_impact.kernel.model.friction import (
     begin_friction,
     clear_friction,
     clear_margins,
+    friction_load,
     joint_of,
     keep_anchors,
     keep_static_forces,
@@ -218,3 +221,12 @@ def test_what_a_step_has_noted_of_friction_is_forgotten_with_the_step():
     assert not d.element.event[found].any()
     assert (d.element.margin[others] == -1.0).all()
     assert (d.element.event[others] == 1).all()
+
+
+@pytest.mark.parametrize(
+    ("force", "approach_only", "load"), [(3.0, 0, 3.0), (3.0, 1, 3.0), (-3.0, 0, -3.0), (-3.0, 1, 0.0)]
+)
+def test_friction_goes_with_a_force_that_is_continued_beyond_its_kink(force, approach_only, load):
+    """But not where a law that damps on approach only pulls."""
+    touch, law = SimpleNamespace(force=[99.0, force]), SimpleNamespace(approach_only=[0, approach_only])
+    assert friction_load(SimpleNamespace(touch=touch, law=law), 1) == load

@@ -136,6 +136,26 @@ def test_two_that_halt_at_one_moment_must_do_so_for_all_parameters(monkeypatch, 
     assert ended == ([] if together else [(TOGETHER, 2)])
 
 
+@pytest.mark.parametrize(("margins", "together"), [((0.0, 0.0), True), ((0.0, 1e-3), False)])
+def test_two_that_break_loose_at_one_moment_must_do_so_for_all_parameters(
+    monkeypatch, t, ended, margins, together
+):
+    """Where friction drops: the slopes of both margins must be zero after the delay."""
+    t.element.event[1:] = STICKING_ENDS, STICKING_ENDS
+    t.element.mode = [friction.STICKS] * 3
+    t.law.static_friction = [dual(0.4)] * 2
+    t.candidates, restored = 3, []
+    t.law.friction, t.law.static_friction = [dual(0.3)] * 3, [dual(0.4)] * 3
+    t.element.force, t.element.limit = [dual(9.0, 1.0, 0.0)] * 3, [dual(9.0, 1.0, 0.0)] * 3
+    monkeypatch.setattr(friction, "DIRECTIONS", 2)
+    monkeypatch.setattr(friction, "largest_turn", lambda _t, _k: 0.0)
+    monkeypatch.setattr(friction, "margin_at", lambda _t, e, _time: dual(0.0, margins[e - 1], 0.0))
+    monkeypatch.setattr(friction, "set_end", restored.append)
+    friction.check_changes(t, dual(0.0, 0.5, 0.0))
+    assert ended == ([] if together else [(TOGETHER, 2)])
+    assert restored == [t]
+
+
 @pytest.mark.parametrize(
     ("found", "is_open"),
     [

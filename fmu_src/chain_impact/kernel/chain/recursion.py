@@ -232,33 +232,39 @@ def solve(d, links, factors, load, change):
         load: record with ``x, y``, shape (N+1,): impulse on each point [N·s] (or force [N]).
         change: result Δ, shape (N+2,): the change of the base's velocity [m/s] (or acceleration) and of the
             angular velocities [rad/s]; entries after these are not changed.
+
+    Returns:
+        The load times the motion J Δ of the points: of a unit load on one point, its mobility [1/kg].
     """
     n, middle = d.links, d.model.middle
-    bx, by, cx, cy = 0.0, 0.0, 0.0, 0.0
+    bx, by, cx, cy, work = 0.0, 0.0, 0.0, 0.0, 0.0
     for k in range(n - middle):
         i = n - 1 - k
-        bx, by = gather(links, factors, load, i, True, bx, by, change)
+        bx, by, work = gather(links, factors, load, i, True, bx, by, work, change)
         if k < middle:
-            cx, cy = gather(links, factors, load, k, False, cx, cy, change)
+            cx, cy, work = gather(links, factors, load, k, False, cx, cy, work, change)
     bx, by = bx + cx + load.x[middle], by + cy + load.y[middle]
     x = factors.middle_mobility[0] * bx + factors.middle_mobility[1] * by
     y = factors.middle_mobility[1] * bx + factors.middle_mobility[2] * by
+    work += bx * x + by * y
     cx, cy = x, y
     for k in range(n - middle):
         x, y = spread(links, factors, middle + k, True, x, y, change)
         if k < middle:
             cx, cy = spread(links, factors, middle - 1 - k, False, cx, cy, change)
     change[0], change[1] = cx, cy
+    return work
 
 
-def gather(links, factors, load, i, outward, bx, by, change):
-    """Set the change of ω_i for an inner joint at rest; return the impulse transmitted to that joint."""
+def gather(links, factors, load, i, outward, bx, by, work, change):
+    """Set the change of ω_i for an inner joint at rest; return the impulse on that joint, and the work."""
     joint, sign = (i + 1, 1.0) if outward else (i, -1.0)
     bx += load.x[joint]
     by += load.y[joint]
     moment = sign * (links.x[i] * by - links.y[i] * bx)
-    change[ANGLES + i] = moment * factors.inverse[i]
-    return bx - factors.gain_x[i] * moment, by - factors.gain_y[i] * moment
+    turned = moment * factors.inverse[i]
+    change[ANGLES + i] = turned
+    return bx - factors.gain_x[i] * moment, by - factors.gain_y[i] * moment, work + moment * turned
 
 
 def spread(links, factors, i, outward, x, y, change):

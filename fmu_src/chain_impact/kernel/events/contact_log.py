@@ -16,6 +16,7 @@ from chain_impact.kernel.integration.last_step import (
 from chain_impact.kernel.model.constraints import any_point_held
 from chain_impact.kernel.model.contact import contact_force, contact_slopes
 from chain_impact.kernel.model.equations import state_rate
+from chain_impact.kernel.model.friction import drop_changes
 from chain_impact.kernel.model.geometry import along_normal, clearance, lever
 from chain_impact.kernel.model.latest import note_impact
 from chain_impact.kernel.work_limit import count_evaluations
@@ -114,13 +115,16 @@ def update_own_to_output_time(d):
 def end_at_output_time(d):
     """End the last step at the communication point and drop the later events, which will be found again.
 
-    An onset exactly there is kept: its point is already at the wall and cannot arrive a second time.
+    An onset exactly there is kept: its point is already at the wall and cannot arrive a second time. So are
+    changes of modes.
     """
     due = d.step.end == d.step.time
     truncate_to_output_time(d)
     for c in range(d.candidates):
         if not (due and d.touch.event[c] == ONSET):
             d.touch.event[c] = NONE
+    if not due:
+        drop_changes(d)
 
 
 def update_latest(d):

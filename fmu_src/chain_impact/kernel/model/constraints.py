@@ -24,10 +24,17 @@ floor, are left free: the forces that hold them could have any size.
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
+from chain_impact.kernel.chain.recursion import solve
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, velocity_at
 from chain_impact.kernel.model.compliance import LEAST_MOBILITY, factorize_contacts, solve_contacts
 from chain_impact.kernel.model.friction import any_sticking, keep_static_forces
-from chain_impact.kernel.model.geometry import along_normal, along_tangent, clearance
+from chain_impact.kernel.model.geometry import (
+    add_along_tangent,
+    along_normal,
+    along_tangent,
+    clear_loads_of,
+    clearance,
+)
 from chain_impact.kernel.work_limit import count_other_work, work_exceeded
 
 # D over the mean mass of a link. An iteration leaves 1/(D W) of the residual: two or three suffice. A larger
@@ -129,8 +136,7 @@ def solve_single(d):
         own.impulse[k] = 0.0
     own.impulse[row] = 1.0
     solve_contacts(d, d.work.link, d.work.factors, own.impulse, own.change)
-    # in a toggle position no impulse moves it
-    mobility = max(LEAST_MOBILITY / mean_mass(d), along_constraint(d, row, d.work.motion))
+    mobility = max(least_mobility(d), along_constraint(d, row, d.work.motion))
     impulse = (own.target[row] - own.start[row]) / mobility
     for j in range(len(own.change)):
         own.change[j] *= impulse
@@ -143,6 +149,11 @@ def solve_single(d):
 def iterated_enough(_d, _iterations):
     """Whether so many iterations are enough if the residual is round-off."""
     return True
+
+
+def least_mobility(d):
+    """The least mobility [1/kg] of what sticks: in a toggle position no impulse moves it."""
+    return LEAST_MOBILITY / mean_mass(d)
 
 
 def clear_impulses(d):
@@ -256,15 +267,10 @@ def activate_all(d):
 
 def start_from_accelerations(d, y, rate):
     """Set ``start`` to the accelerations of all constraints for a rate ẏ; return the largest |a|."""
-    accelerate_constraints(d, y, rate)
-    return largest(d, d.work.acceleration)
-
-
-def accelerate_constraints(d, y, rate):
-    """Set ``start`` to the accelerations of all constraints for a rate ẏ."""
     accelerate_points(d, y, rate)
     for k in range(constraint_rows(d)):
         d.rigid.start[k] = along_constraint(d, k, d.work.acceleration)
+    return largest(d, d.work.acceleration)
 
 
 def add_constraint_forces(d, y, rate):
@@ -276,7 +282,8 @@ def add_constraint_forces(d, y, rate):
     scale = start_from_accelerations(d, y, rate)
     activate_all(d)
     solve_equality(d, scale)
-    add_change(d, rate)
+    for j in range(coordinate_count(d.links)):
+        rate[velocity_at(d.links) + j] += own.change[j]
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         own.least_force[c] = min(own.least_force[c], own.impulse[k])
@@ -287,17 +294,17 @@ def add_constraint_forces(d, y, rate):
 
 def add_single_force(d, y, rate):
     """As ``add_constraint_forces``, for a contact that ``sticks_alone``, with M in ``work.factors``."""
-    accelerate_constraints(d, y, rate)
-    d.rigid.target[d.touch.active_count] = 0.0
-    solve_single(d)
-    add_change(d, rate)
-    rate[dissipated_at(d.links)] += keep_static_forces(d)
-
-
-def add_change(d, rate):
-    """Add the change of the accelerations by constraint forces to a rate ẏ."""
+    own, e = d.rigid, d.element.stuck[0]
+    accelerate_points(d, y, rate)
+    clear_loads_of(d, d.work.load)
+    add_along_tangent(d, e, d.work.load, 1.0)
+    mobility = solve(d, d.work.link, d.work.factors, d.work.load, own.change)
+    # λ = −a_t/W_tt
+    force = -along_tangent(d, e, d.work.acceleration) / max(least_mobility(d), mobility)
     for j in range(coordinate_count(d.links)):
-        rate[velocity_at(d.links) + j] += d.rigid.change[j]
+        rate[velocity_at(d.links) + j] += force * own.change[j]
+    own.impulse[d.touch.active_count] = force
+    rate[dissipated_at(d.links)] += keep_static_forces(d)
 
 
 def sticks_alone(d):

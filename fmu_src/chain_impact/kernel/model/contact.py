@@ -17,6 +17,7 @@ from chain_impact.kernel.model.friction import (
     apply_friction,
     begin_friction,
     clear_margins,
+    drop_changes,
     list_friction,
     may_rub,
 )
@@ -163,5 +164,4 @@ def drop_events(d):
     """Drop the events found in the last step."""
     for c in range(d.candidates):
         d.touch.event[c] = 0
-    for i in range(d.friction.count):
-        d.element.event[d.element.index[i]] = 0
+    drop_changes(d)

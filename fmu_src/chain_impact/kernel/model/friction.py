@@ -177,6 +177,12 @@ def keep_anchors(d):
             d.element.anchor[e] = there
 
 
+def drop_changes(d):
+    """Drop the changes of modes found in the last step."""
+    for i in range(d.friction.count):
+        d.element.event[d.element.index[i]] = 0
+
+
 def clear_margins(d):
     """Begin to record how near the modes of the elements are to their ends."""
     for i in range(d.friction.count):

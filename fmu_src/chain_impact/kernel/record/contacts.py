@@ -187,12 +187,20 @@ def element_dtype(elements: int) -> np.dtype:
         ("event", INTEGER, (elements,)),  # at `step.end` and not yet applied, see kernel/events/kinds.py
         ("before", INTEGER, (elements,)),  # its mode before the last choice
         ("chosen", INTEGER, (elements,)),  # its mode in the primal run, for a tangent instance
-        ("undecided", INTEGER, (elements,)),  # 1: its mode is chosen by the forces
+        (
+            "undecided",
+            INTEGER,
+            (elements,),
+        ),  # 1: its mode is chosen by the forces; 2: see kernel/tangent/friction.py
         ("slack", REAL, (elements,)),  # m/s, by which sliding may be backward when its mode begins
         ("anchor", REAL, (elements,)),  # m, the tangential coordinate at which it sticks
         ("force", REAL, (elements,)),  # N along t, at the last evaluation of the rate …
         ("force_end", REAL, (elements,)),  # … and at the end of the last step
-        ("limit", REAL, (elements,)),  # N, the largest static friction, at the last evaluation
+        (
+            "limit",
+            REAL,
+            (elements,),
+        ),  # N, the largest static friction, at the last evaluation; of a joint constant
         # m/s of sliding, N of sticking: how far its mode was from ending in the stages of the tried step
         ("margin", REAL, (elements,)),
     )

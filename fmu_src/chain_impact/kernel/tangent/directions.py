@@ -27,8 +27,8 @@ TRUST = np.dtype(
     [
         ("reason", np.int64),  # 0: everywhere so far
         ("time", np.float64),  # s, after which they cannot be trusted
-        ("point", np.int64),  # of the impact that begins at that time, or −1 without one
-        ("wall", np.int64),
+        ("point", np.int64),  # of the impact or the dry friction, or the joint; −1 without one
+        ("wall", np.int64),  # −1: a joint
     ]
 )
 

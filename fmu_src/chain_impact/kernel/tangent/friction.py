@@ -23,16 +23,20 @@ from chain_impact.kernel.tangent.directions import DIRECTIONS, carried, slope, v
 from chain_impact.kernel.tangent.trust import (
     AT_LIMIT,
     FROM_REST,
+    NO_LESS,
     SLOW_CHANGE,
     TOGETHER,
     TRUSTED,
+    cannot_be_less,
     fastest_speed,
     mark_untrusted,
 )
 
 # Of the last step: the time over which the rate of the margin of static friction is found by differences.
 DIFFERENCE = 1e-3
-ROUNDS = 2  # of Newton's method for the time at which sticking ends: the error of differences is squared
+NEWTON_ITERATIONS = (
+    2  # of Newton's method for the time at which sticking ends: the error of differences is squared
+)
 # Times the tolerance, of the limit of friction: a difference from it that the errors of a run may have.
 OPEN = 100.0
 # Of the largest derivative: a difference between those of two times that are one.
@@ -85,7 +89,7 @@ def delay_of_sliding(t, e):
         if force_drops(t, e):
             end_at(t, SLOW_CHANGE, e)
         rate = -math.inf
-    for _ in range(ROUNDS):
+    for _ in range(NEWTON_ITERATIONS):
         delay += carried(0.0, -1.0 / rate, margin_at(t, e, delay))
     set_end(t)
     return delay
@@ -221,8 +225,20 @@ def contact_resistance(t):
     for i in range(t.friction.stuck_count):
         e = t.element.stuck[i]
         if t.element.undecided[e] == STOPPED and begins(t, e):
-            return 0.0 * mean_mass(t)
+            return carried(0.0, 0.0, t.step.end)
     return RESISTANCE * mean_mass(t)
+
+
+def check_coefficients(t):
+    """End the derivatives where a friction that may act is zero and its derivative is asked for."""
+    if t.elements == 0:
+        return
+    for c in range(t.candidates):
+        if t.touch.active[c] and cannot_be_less(t.law.static_friction[c]):
+            end_at(t, NO_LESS, c)
+    for i in range(0 if t.model.pinned else 1, t.links):
+        if cannot_be_less(t.model.joint_friction[i]):
+            end_at(t, NO_LESS, t.candidates + i)
 
 
 def is_open(t, e):

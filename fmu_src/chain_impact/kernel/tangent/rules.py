@@ -1,7 +1,7 @@
 """Functions with their own differentiation rules: dual numbers in their operations would not suffice.
 
-Each has the name of the function that it replaces, and returns the same value. It is called in its place
-wherever an argument carries derivatives.
+Each has the name of the function that it replaces, and is called in its place wherever an argument carries
+derivatives. It returns the same value, or one that changes the values of the run by round-off only.
 """
 
 import math

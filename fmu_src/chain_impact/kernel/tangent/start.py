@@ -12,6 +12,7 @@ from chain_impact.kernel.model.geometry import place_walls
 from chain_impact.kernel.model.inputs import apply_inputs
 from chain_impact.kernel.tangent.blocks import copy_values
 from chain_impact.kernel.tangent.directions import carried, value
+from chain_impact.kernel.tangent.friction import check_coefficients
 from chain_impact.kernel.tangent.trust import TRUSTED
 
 
@@ -28,6 +29,7 @@ def start_tangent(d, t):
     t.trust.reason = TRUSTED
     copy_modes(d, t)
     choose_anew(t, True)
+    check_coefficients(t)
     begin_explicit(t.step)
     t.impact.last_time = d.step.time
 
@@ -43,6 +45,7 @@ def reinit_tangent(d, t):
     recompute_active_set(t)
     copy_modes(d, t)
     choose_anew(t, False)
+    check_coefficients(t)
     set_kink_sides(t)
     clear_loads(t)
 

@@ -58,7 +58,11 @@ def check_onsets(t):
             _, gap_rate = clearance(t, c)
             if -value(gap_rate) < least:
                 least, first = -value(gap_rate), c
-        if t.touch.event[c] == ONSET and t.trust.reason == TRUSTED and cannot_be_less(t, c):
+        if (
+            t.touch.event[c] == ONSET
+            and t.trust.reason == TRUSTED
+            and cannot_be_less(t.law.static_friction[c])
+        ):
             mark_untrusted(t, NO_LESS, c, value(t.step.end))
     # there is no first one without an onset, nor among rates that are no numbers
     if first < 0 or t.trust.reason != TRUSTED:
@@ -71,9 +75,8 @@ def check_onsets(t):
         mark_untrusted(t, SIMULTANEOUS, first, value(t.step.end))
 
 
-def cannot_be_less(t, c):
-    """Whether contact c has no dry friction, with respect to which derivatives are asked for."""
-    friction = t.law.static_friction[c]
+def cannot_be_less(friction):
+    """Whether a limit of dry friction is zero, and derivatives with respect to it are asked for."""
     return value(friction) == 0.0 and varies(friction)
 
 
