@@ -15,7 +15,7 @@ from rhs_share import load
 from chain_impact.scene.scene import Scene, scene_from_dict
 from chain_impact.simulation.instance import Instance
 
-SIZES = (4, 10, 30)
+SIZES = (4, 10)
 COEFFICIENTS = {"no friction": 0.0, "slides": 0.01, "sticks": 5.0}
 TIME = 0.1  # s, at which the tip touches the floor in all three runs
 CALLS, ROUNDS = 20000, 15

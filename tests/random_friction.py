@@ -49,15 +49,12 @@ def friction_checks(scene: Scene, outputs: Any) -> Iterator[tuple[str, float, fl
     friction = outputs["friction"]
     size = max(link.length for link in scene.chain.links)
     mass = sum(link.mass for link in scene.chain.links)
-    least = SMALL * mass * (np.hypot(*scene.gravity) + size)
+    least = SMALL * mass * (np.hypot(*scene.gravity) + size) + state_errors(scene, outputs, size)
     excess = 0.0
     for c, (_, number) in enumerate(candidates(scene)):
         if number < len(scene.wall_names) and not scene.wall_names[number].startswith("joint_"):
             limit = _static(scene, scene.wall_names[number]) * np.maximum(outputs["force"][:, c], 0.0)
-            # forces at a row have the errors of the interpolated state, on the scale of the point's impacts
-            errors = scene.solver.tolerance * float(np.abs(outputs["force"][:, c]).max())
-            beyond = np.abs(friction["force"][:, c]) - (1.0 + FORCE) * limit - errors
-            excess = max(excess, float(beyond.max()))
+            excess = max(excess, float((np.abs(friction["force"][:, c]) - (1.0 + FORCE) * limit).max()))
     yield "cone", excess, least, "friction beyond its limit [N]"
     for i, link in enumerate(scene.chain.links):
         beyond = float(np.abs(friction["joint_moment"][:, i]).max()) - (1.0 + FORCE) * link.joint_friction
@@ -69,6 +66,19 @@ def friction_checks(scene: Scene, outputs: Any) -> Iterator[tuple[str, float, fl
         )
     shares = friction["sticking"] * (1.0 - friction["sticking"])
     yield "sticking", float(np.abs(shares).max(initial=0.0)), 0.0, "an output that is neither 0 nor 1"
+
+
+def state_errors(scene: Scene, outputs: Any, size: float) -> float:
+    """By how much forces at a row may be wrong [N], as the state that is interpolated there has errors.
+
+    Those of positions, relative to a link length, of angles and of their rates are at most the tolerance:
+    times the stiffness n F/δ of contacts, and that of springs and dampers in joints.
+    """
+    forces, depths = outputs["force"], outputs["penetration"]
+    touching = depths > 0.0
+    stiffness = (scene.contact.exponent or 1.0) * np.abs(forces[touching]) / depths[touching]
+    joints = sum(link.joint_stiffness + link.joint_damping for link in scene.chain.links)
+    return scene.solver.tolerance * (float(stiffness.max(initial=0.0)) * size + joints / size)
 
 
 def _static(scene: Scene, name: str) -> float:

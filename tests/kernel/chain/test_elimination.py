@@ -16,10 +16,10 @@ from chain_impact.kernel.chain.recursion import (
     eliminate_link,
     factorize,
     factorize_link,
-    factorizing_accelerations,
     gather,
     hinge,
     no_impedance,
+    set_middle,
     solve,
     spread,
 )
@@ -93,9 +93,9 @@ def test_links_hanging_from_a_joint_answer_its_acceleration_as_assembled(count, 
     """``eliminate_end`` and ``eliminate`` find A and b, and ``accelerate`` all α for an a."""
     case = Hanging(count, outward)
     d, y, (first, *others) = case.d, case.y, case.links
-    result = eliminate_end(d, y, first, outward, False)
+    result = eliminate_end(d, y, first, outward)
     for i in others:
-        result = eliminate(d, y, i, outward, False, *result)
+        result = eliminate(d, y, i, outward, *result)
     a, b = case.condensed(case.right)
     np.testing.assert_allclose(result, [a[0, 0], a[0, 1], a[1, 1], *b], rtol=1e-10, atol=1e-11)
 
@@ -159,7 +159,7 @@ def test_one_link_with_an_inertia_at_its_end_is_a_body_of_three_coordinates(outw
     right = case.right - jacobian.T @ outer
     load = jacobian.T @ vectors(d.work.load)[1 if outward else 0]
     omega = case.y[5]
-    found = eliminate_link(d, 0, omega * omega, link, False, hx, hy, inverse, axx, axy, ayy, *outer)
+    found = eliminate_link(d, 0, omega * omega, link, hx, hy, inverse, axx, axy, ayy, *outer)
     whole = SimpleNamespace(matrix=matrix)
     a, b = Hanging.condensed(whole, right - load)
     np.testing.assert_allclose(found, [a[0, 0], a[0, 1], a[1, 1], *b], rtol=1e-11, atol=1e-12)
@@ -185,7 +185,7 @@ def test_the_arms_of_a_free_chain_may_meet_at_any_joint(count):
     moved = np.linalg.solve(matrix, right)
     for middle in range(count // 2 + 1):
         rate, change = np.full(len(y), np.nan), np.full(count + 2, np.nan)
-        arms(d, y, rate, middle, False)
+        arms(d, y, rate, middle)
         np.testing.assert_allclose(rate[count + 2 : 2 * count + 4], expected, rtol=1e-9, atol=1e-10)
         d.model.middle = middle
         set_impedances(work.impedance, added)
@@ -202,7 +202,7 @@ def test_the_arms_of_a_free_chain_may_meet_at_any_joint(count):
 
 @pytest.mark.parametrize("count", [1, 2, 5])
 @pytest.mark.parametrize("pinned", [0, 1])
-def test_accelerations_can_leave_the_factors_of_the_mass_matrix(count, pinned):
+def test_accelerations_leave_the_factors_of_the_mass_matrix(count, pinned):
     rng = np.random.default_rng([count, pinned])
     _, d = chain(rng, count)
     if pinned:
@@ -211,17 +211,14 @@ def test_accelerations_can_leave_the_factors_of_the_mass_matrix(count, pinned):
     link_vectors(d, y)
     work.moment[:] = rng.normal(size=count)
     set_vectors(work.load, rng.normal(size=(count + 1, 2)))
-    rate, same = np.zeros(len(y)), np.zeros(len(y))
-    accelerations(d, y, rate)
-    factorizing_accelerations(d, y, same)
-    np.testing.assert_allclose(same, rate, rtol=1e-13, atol=1e-13)
-    found, names = work.factors, ("gain_x", "gain_y", "inverse", "middle_mobility")
-    kept = [np.copy(getattr(found, name)) for name in names]
-    assert found.coupled == 0
+    accelerations(d, y, np.zeros(len(y)))
+    kept = work.elimination
+    set_middle(d, kept, kept.middle_xx, kept.middle_xy, kept.middle_yy)
     no_impedance(d, work.impedance)
-    factorize(d, work.link, work.impedance, found)
-    for name, one in zip(names, kept, strict=True):
-        np.testing.assert_allclose(one, getattr(found, name), rtol=1e-13, atol=1e-15, err_msg=name)
+    factorize(d, work.link, work.impedance, work.factors)
+    for name in ("gain_x", "gain_y", "inverse", "middle_mobility"):
+        found, expected = getattr(kept, name), getattr(work.factors, name)
+        np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-15, err_msg=name)
 
 
 def test_without_impedances_the_points_are_as_light_as_they_are():

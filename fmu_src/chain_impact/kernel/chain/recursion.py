@@ -45,8 +45,8 @@ def hinge(lx, ly, sx, sy, inertia, axx, axy, ayy):
     return hx, hy, 1.0 / ((inertia + ayy * (lx * lx)) + (axx * (ly * ly) - axy * (2.0 * lx * ly)))
 
 
-def eliminate(d, y, i, outward, keep, axx, axy, ayy, bx, by):
-    """Eliminate α_i: return A and b for A' and b'; ``keep`` what ``solve`` needs, or do not."""
+def eliminate(d, y, i, outward, axx, axy, ayy, bx, by):
+    """Eliminate α_i: return A and b for A' and b'."""
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
     link = lx, ly, sx, sy, inertia = arm(d, d.work.link, i, outward)
     w2 = omega * omega
@@ -54,30 +54,27 @@ def eliminate(d, y, i, outward, keep, axx, axy, ayy, bx, by):
     dx = bx - d.work.load.x[joint] - w2 * (axx * lx + axy * ly)
     dy = by - d.work.load.y[joint] - w2 * (axy * lx + ayy * ly)
     hx, hy, inverse = hinge(lx, ly, sx, sy, inertia, axx, axy, ayy)
-    return eliminate_link(d, i, w2, link, keep, hx, hy, inverse, axx, axy, ayy, dx, dy)
+    return eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy)
 
 
-def eliminate_end(d, y, i, outward, keep):
+def eliminate_end(d, y, i, outward):
     """As ``eliminate``, for the link at a free end: A' = 0 and b' = 0, so 1/H depends on no other link."""
     joint, omega = i + 1 if outward else i, y[omega_at(d.links) + i]
     link = _, _, sx, sy, inertia = arm(d, d.work.link, i, outward)
     dx, dy = -d.work.load.x[joint], -d.work.load.y[joint]
     w2 = omega * omega
-    return eliminate_link(d, i, w2, link, keep, -sy, sx, 1.0 / inertia, 0.0, 0.0, 0.0, dx, dy)
+    return eliminate_link(d, i, w2, link, -sy, sx, 1.0 / inertia, 0.0, 0.0, 0.0, dx, dy)
 
 
-def eliminate_link(d, i, w2, link, keep, hx, hy, inverse, axx, axy, ayy, dx, dy):
-    """Return A and b for A' and d; store what ``accelerate`` needs of link i."""
+def eliminate_link(d, i, w2, link, hx, hy, inverse, axx, axy, ayy, dx, dy):
+    """Return A and b for A' and d; store what ``accelerate`` and ``solve`` need of link i."""
     lx, ly, sx, sy, _ = link
     m, gx, gy = d.model.mass[i], d.model.gravity[0], d.model.gravity[1]
     # h₀ = L⊥·d − m c⊥·g − τ
     h0 = (lx * dy - ly * dx) + (sy * gx - sx * gy - d.work.moment[i])
     kx, ky = hx * inverse, hy * inverse
     kept = d.work.elimination
-    kept.gain_x[i], kept.gain_y[i], kept.bias[i] = kx, ky, h0 * inverse
-    if keep:
-        factors = d.work.factors
-        factors.gain_x[i], factors.gain_y[i], factors.inverse[i] = kx, ky, inverse
+    kept.gain_x[i], kept.gain_y[i], kept.inverse[i], kept.bias[i] = kx, ky, inverse, h0 * inverse
     # A = A' + m 1 − h hᵀ/H,  b = d − ω² m c − m g − h h₀/H
     return (
         (axx + m) - hx * kx,
@@ -110,40 +107,29 @@ def accelerations(d, y, rate):
         y: state, of which the angular velocities ω_i [rad/s] are read.
         rate: result, of which the accelerations of the base [m/s²], zero if it is pinned, and of the links
             [rad/s²] are set.
+
+    What the recursion keeps in ``work.elimination`` serves ``solve``, too, after ``set_middle``.
     """
     # two calls, so that in the first the middle joint is a constant for the compiler
     if d.model.pinned:
-        arms(d, y, rate, 0, False)
+        arms(d, y, rate, 0)
     else:
-        arms(d, y, rate, d.links // 2, False)
-
-
-def factorizing_accelerations(d, y, rate):
-    """As ``accelerations``, and factorize M in ``work.factors``, as ``factorize`` does without impedances."""
-    arms(d, y, rate, d.model.middle, True)
+        arms(d, y, rate, d.links // 2)
 
 
 @inlined
-def arms(d, y, rate, middle, keep):
-    """As ``accelerations``, for the joint at which the arms of the elimination meet.
-
-    Args:
-        d: the instance.
-        y: as for ``accelerations``.
-        rate: as for ``accelerations``.
-        middle: the joint.
-        keep: whether M is to be factorized in ``work.factors``; a constant for the compiler.
-    """
+def arms(d, y, rate, middle):
+    """As ``accelerations``, for the joint at which the arms of the elimination meet."""
     n = d.links
-    axx, axy, ayy, bx, by = eliminate_end(d, y, n - 1, True, keep)
+    axx, axy, ayy, bx, by = eliminate_end(d, y, n - 1, True)
     cxx, cxy, cyy, dx, dy = 0.0, 0.0, 0.0, 0.0, 0.0
     if middle > 0:
-        cxx, cxy, cyy, dx, dy = eliminate_end(d, y, 0, False, keep)
+        cxx, cxy, cyy, dx, dy = eliminate_end(d, y, 0, False)
     for k in range(1, n - middle):
         i = n - 1 - k
-        axx, axy, ayy, bx, by = eliminate(d, y, i, True, keep, axx, axy, ayy, bx, by)
+        axx, axy, ayy, bx, by = eliminate(d, y, i, True, axx, axy, ayy, bx, by)
         if k < middle:
-            cxx, cxy, cyy, dx, dy = eliminate(d, y, k, False, keep, cxx, cxy, cyy, dx, dy)
+            cxx, cxy, cyy, dx, dy = eliminate(d, y, k, False, cxx, cxy, cyy, dx, dy)
 
     # the middle joint: A a + b = 0 when the base is free; it is the base, and a = 0, when that is pinned
     ax, ay = 0.0, 0.0
@@ -153,9 +139,8 @@ def arms(d, y, rate, middle, keep):
         determinant = axx * ayy - axy * axy
         ax = (axy * by - ayy * bx) / determinant
         ay = (axy * bx - axx * by) / determinant
-    if keep:
-        d.work.factors.coupled = 0
-        set_middle(d, d.work.factors, axx, axy, ayy)
+        kept = d.work.elimination
+        kept.middle_xx, kept.middle_xy, kept.middle_yy = axx, axy, ayy
 
     # accelerations back out
     cx, cy = ax, ay

@@ -9,7 +9,8 @@ negative is the step sampled. To find an event late does no harm but a little en
 
 from chain_impact.kernel.events.kinds import SLIDING_ENDS, STICKING_ENDS
 from chain_impact.kernel.events.sampling import bisection, first_passage, locate_at
-from chain_impact.kernel.model.constraints import mean_mass, project_state
+from chain_impact.kernel.model.compliance import mean_mass
+from chain_impact.kernel.model.constraints import project_state
 from chain_impact.kernel.model.contact import drop_events
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.friction import STICKS

@@ -29,6 +29,16 @@ from chain_impact.kernel.model.geometry import (
 LEAST_MOBILITY = 1e-6
 
 
+def mean_mass(d):
+    """The mean mass of a link [kg]."""
+    return d.model.energy / (d.model.size * d.model.size * d.links)
+
+
+def least_mobility(d):
+    """The least mobility [1/kg] of what sticks: in a toggle position no impulse moves it."""
+    return LEAST_MOBILITY / mean_mass(d)
+
+
 def factorize_contacts(d, links, impedance, time, factors):
     """Eliminate M + Jᵀ D J + K, with D_k [kg] of the constraints, packed, and K for a ``time`` s [s]."""
     no_impedance(d, d.work.impedance)

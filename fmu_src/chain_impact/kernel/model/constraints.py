@@ -24,17 +24,11 @@ floor, are left free: the forces that hold them could have any size.
 import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
-from chain_impact.kernel.chain.recursion import solve
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, velocity_at
-from chain_impact.kernel.model.compliance import LEAST_MOBILITY, factorize_contacts, solve_contacts
+from chain_impact.kernel.model.compliance import factorize_contacts, least_mobility, mean_mass, solve_contacts
 from chain_impact.kernel.model.friction import any_sticking, keep_static_forces
-from chain_impact.kernel.model.geometry import (
-    add_along_tangent,
-    along_normal,
-    along_tangent,
-    clear_loads_of,
-    clearance,
-)
+from chain_impact.kernel.model.geometry import along_normal, along_tangent, clearance
+from chain_impact.kernel.model.sticking import add_sticking_force, sticks_alone
 from chain_impact.kernel.work_limit import count_other_work, work_exceeded
 
 # D over the mean mass of a link. An iteration leaves 1/(D W) of the residual: two or three suffice. A larger
@@ -65,11 +59,6 @@ ROUNDS = 30  # plus 4 for each candidate: a bound on the pivots, far above any n
 def holding_impedance(d):
     """An impedance [kg] so large that it holds a point, up to a millionth of its free motion."""
     return STIFF * mean_mass(d)
-
-
-def mean_mass(d):
-    """The mean mass of a link [kg]."""
-    return d.model.energy / (d.model.size * d.model.size * d.links)
 
 
 def set_impedance(d, amount):
@@ -149,11 +138,6 @@ def solve_single(d):
 def iterated_enough(_d, _iterations):
     """Whether so many iterations are enough if the residual is round-off."""
     return True
-
-
-def least_mobility(d):
-    """The least mobility [1/kg] of what sticks: in a toggle position no impulse moves it."""
-    return LEAST_MOBILITY / mean_mass(d)
 
 
 def clear_impulses(d):
@@ -278,6 +262,9 @@ def add_constraint_forces(d, y, rate):
 
     The forces [N] are then stored in ``d.rigid.impulse``; they do no work but that of errors.
     """
+    if sticks_alone(d):
+        add_sticking_force(d, y, rate)
+        return
     own = d.rigid
     scale = start_from_accelerations(d, y, rate)
     activate_all(d)
@@ -290,26 +277,6 @@ def add_constraint_forces(d, y, rate):
         d.touch.force[c] = own.impulse[k]
     if any_sticking(d):
         rate[dissipated_at(d.links)] += keep_static_forces(d)
-
-
-def add_single_force(d, y, rate):
-    """As ``add_constraint_forces``, for a contact that ``sticks_alone``, with M in ``work.factors``."""
-    own, e = d.rigid, d.element.stuck[0]
-    accelerate_points(d, y, rate)
-    clear_loads_of(d, d.work.load)
-    add_along_tangent(d, e, d.work.load, 1.0)
-    mobility = solve(d, d.work.link, d.work.factors, d.work.load, own.change)
-    # λ = −a_t/W_tt
-    force = -along_tangent(d, e, d.work.acceleration) / max(least_mobility(d), mobility)
-    for j in range(coordinate_count(d.links)):
-        rate[velocity_at(d.links) + j] += force * own.change[j]
-    own.impulse[d.touch.active_count] = force
-    rate[dissipated_at(d.links)] += keep_static_forces(d)
-
-
-def sticks_alone(d):
-    """Whether one contact with a force is all that sticks, and no wall is rigid."""
-    return d.friction.stuck_count == 1 and d.friction.stuck_joints == 0 and not any_point_held(d)
 
 
 def project_state(d, y):

@@ -1,7 +1,7 @@
 """The equations of motion ẏ = f(y), which combine all parts of the model; chain/state.py describes y."""
 
 from chain_impact.kernel.chain.kinematics import link_vectors, locate_points
-from chain_impact.kernel.chain.recursion import accelerations, factorizing_accelerations
+from chain_impact.kernel.chain.recursion import accelerations
 from chain_impact.kernel.chain.springs import spring_stiffness, stretch
 from chain_impact.kernel.chain.state import (
     coordinate_count,
@@ -12,13 +12,7 @@ from chain_impact.kernel.chain.state import (
     time_at,
     velocity_at,
 )
-from chain_impact.kernel.inlining import inlined
-from chain_impact.kernel.model.constraints import (
-    add_constraint_forces,
-    add_single_force,
-    any_constraint,
-    sticks_alone,
-)
+from chain_impact.kernel.model.constraints import add_constraint_forces, any_constraint
 from chain_impact.kernel.model.contact import apply_contacts
 from chain_impact.kernel.model.inputs import ensure_inputs
 
@@ -37,14 +31,8 @@ def state_rate(d, y, rate):
 def located_rate(d, y, rate):
     """As ``state_rate``, for the located points."""
     ensure_inputs(d, y)
-    if not any_constraint(d):
-        free_rate(d, y, rate)
-    elif sticks_alone(d):
-        set_known_rates(d, y, apply_contacts(d), rate)
-        factorizing_accelerations(d, y, rate)
-        add_single_force(d, y, rate)
-    else:
-        free_rate(d, y, rate)
+    free_rate(d, y, rate)
+    if any_constraint(d):
         add_constraint_forces(d, y, rate)
 
 
@@ -55,13 +43,6 @@ def free_rate(d, y, rate):
 
 def loaded_rate(d, y, dissipated, rate):
     """As ``state_rate``, for given loads; ``dissipated`` is the power [W] that the contacts dissipate."""
-    set_known_rates(d, y, dissipated, rate)
-    accelerations(d, y, rate)
-
-
-@inlined
-def set_known_rates(d, y, dissipated, rate):
-    """Set all rates but the accelerations, and the moments of the joints, as for ``loaded_rate``."""
     n = d.links
     supplied = 0.0
     if d.model.resisting or d.model.driven or d.model.jointed:
@@ -70,6 +51,7 @@ def set_known_rates(d, y, dissipated, rate):
 
     for j in range(coordinate_count(n)):
         rate[j] = y[velocity_at(n) + j]
+    accelerations(d, y, rate)
     rate[dissipated_at(n)] = dissipated
     rate[supplied_at(n)] = supplied
     rate[sundman_u_at(n)] = 0.0

@@ -96,7 +96,12 @@ def balance_dtype() -> np.dtype:
 
 def elimination_dtype(links: int) -> np.dtype:
     """The results of the recursion for each link. Owner: chain/recursion.py."""
-    return record(*((name, REAL, (links,)) for name in ("gain_x", "gain_y", "bias")))
+    return record(
+        *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse", "bias")),
+        # kg, A of the joint at which the arms of a free chain meet
+        *((name, REAL) for name in ("middle_xx", "middle_xy", "middle_yy")),
+        ("middle_mobility", REAL, (3,)),  # 1/kg, A⁻¹ as in the factors, where it has been asked for
+    )
 
 
 def factors_dtype(links: int) -> np.dtype:
@@ -134,7 +139,7 @@ def work_dtype(links: int) -> np.dtype:
         ("load", loads),  # N or N·s at each place, N·m or N·m·s in each joint
         ("moment", REAL, (links,)),  # N·m on each link, from its joints
         ("impedance", impedance),  # kg, D of each place; kg·m², of each joint
-        ("elimination", elimination_dtype(links)),  # h/H and h₀/H of each link
+        ("elimination", elimination_dtype(links)),  # h/H, 1/H and h₀/H of each link
         ("factors", factors_dtype(links)),  # of an effective mass, or of rigid contacts
         ("position", places),  # m, of the places: points and, with stops, joints
         ("velocity", places),  # m/s

@@ -15,7 +15,8 @@ from chain_impact.kernel.events.friction_events import excess, rest_speed
 from chain_impact.kernel.events.friction_modes import begins, pending_changes
 from chain_impact.kernel.events.kinds import SLIDING_ENDS, STICKING_ENDS
 from chain_impact.kernel.integration.last_step import ensure_points
-from chain_impact.kernel.model.constraints import RESISTANCE, mean_mass
+from chain_impact.kernel.model.compliance import mean_mass
+from chain_impact.kernel.model.constraints import RESISTANCE
 from chain_impact.kernel.model.equations import located_rate
 from chain_impact.kernel.model.friction import NO_FRICTION, STICKS, list_sticking
 from chain_impact.kernel.model.geometry import along_tangent

@@ -19,7 +19,7 @@ from chain_impact.kernel.integration.collocation import (
 from chain_impact.kernel.integration.extended import compliant, extend_start, extended_size
 from chain_impact.kernel.integration.projection import project_clearances
 from chain_impact.kernel.integration.radau import STAGES
-from chain_impact.kernel.model.constraints import mean_mass
+from chain_impact.kernel.model.compliance import mean_mass
 from chain_impact.kernel.tangent.directions import DIRECTIONS, carried, slope
 from chain_impact.kernel.tangent.trust import NO_IMPACT, NOT_SOLVED, TRUSTED, mark_untrusted
 
