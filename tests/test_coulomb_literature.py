@@ -58,8 +58,7 @@ def test_kane_and_levinsons_pendulum_gains_no_energy(stiffness, friction):
         assert impact["end"] < 0.05
         energy = result["energy.total"]
         assert energy[-1] < energy[0] - 1e-3
-        # while the point sticks and e = 1 no energy is lost, and rows between steps err by the tolerance
-        # what sticks at e = 1 has interpolated rows with errors of 2e-12 J
+        # while the point sticks and e = 1 no energy is lost, and rows between steps have errors of 2e-12 J
         assert np.diff(energy).max() < 1e-11
 
 
