@@ -10,9 +10,9 @@ a scene in a process of its own, which is ended when it takes too long, so that 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from types import SimpleNamespace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,7 @@ from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import Instance, SimulationError
 from tests.kernel_calls import move
-from tests.oracle_laws import Law, chain_of, laws
+from tests.oracle_laws import Columns, Law, chain_of, columns, laws
 from tests.random_friction import friction_checks
 from tests.random_scenes import drive
 
@@ -35,6 +35,7 @@ DEEPER = 3.0  # times the depth that the energy there is can reach
 LEFT = 0.01  # of the time scale of a contact, for which its point may be inside after the end
 ROUND_OFF = 1e-12  # of the speeds that there are, and of a link length a second: a sign is not known better
 EPSILON = 2.0**-52
+Row = tuple[str, float, float, str]  # of a check: kind, value, the most that it may be, and what that is
 
 
 @dataclass(frozen=True)
@@ -68,6 +69,18 @@ class Account:
     def status(self) -> int:
         return self.statistics["status"]
 
+    @cached_property
+    def laws(self) -> list[Law]:
+        return laws(self.scene)
+
+    @cached_property
+    def laws_of_impacts(self) -> Any:
+        return columns(self.laws, self.impacts)
+
+    @cached_property
+    def chain(self) -> Columns:
+        return chain_of(self.scene)
+
 
 def account(scene: Scene, seed: int, memory: Any = None, rows: int = ROWS) -> Account:
     """Run a scene in this process; its record lies in ``memory``, if given, for others to look at."""
@@ -100,15 +113,16 @@ def account(scene: Scene, seed: int, memory: Any = None, rows: int = ROWS) -> Ac
 
 def judge(run: Account, cpu: float = CPU) -> list[Finding]:
     """All that is wrong with a run."""
-    return [
-        Finding(kind, value, bound, text)
-        for kind, value, bound, text in checks(run, cpu)
-        if not value <= bound
-    ]
+    return findings(checks(run, cpu))
 
 
-def checks(run: Account, cpu: float = CPU) -> Iterator[tuple[str, float, float, str]]:
-    """Each check: kind, value, the most that it may be, and what that is."""
+def findings(rows: Iterable[Row]) -> list[Finding]:
+    """Those that failed."""
+    return [Finding(*row) for row in rows if not row[1] <= row[2]]
+
+
+def checks(run: Account, cpu: float = CPU) -> Iterator[Row]:
+    """All checks of a run."""
     yield "slow", run.cpu, cpu, "CPU time [s]"
     if run.refused:
         yield "refused", 1.0, 0.0, f"a valid scene does not start: {STATUS_TEXT[run.status]}"
@@ -135,7 +149,7 @@ def checks(run: Account, cpu: float = CPU) -> Iterator[tuple[str, float, float, 
         yield "energy", float(np.ptp(ledger)), energy_bound(run), "drift of the ledger [J]"
     fall = float((np.maximum.accumulate(outputs["dissipated"]) - outputs["dissipated"]).max())
     yield "undissipated", fall, dissipation_bound(run), "fall of the dissipated energy [J]"
-    elastic = {law.model for law in laws(run.scene)} == {"hertz"}
+    elastic = {law.model for law in run.laws} == {"hertz"}
     if elastic and not any(link.joint_damping for link in run.scene.chain.links):
         lost = float(np.abs(outputs["dissipated"] - outputs["friction"]["dissipated"]).max())
         yield "dissipates", lost, dissipation_bound(run), "energy that an elastic wall has taken [J]"
@@ -183,7 +197,7 @@ def energy_scale(run: Account) -> float:
     Motion that has more energy than there is counts as if it had just that: an explosion is no excuse of
     itself.
     """
-    chain, outputs, there = chain_of(run.scene), run.outputs, available(run)
+    chain, outputs, there = run.chain, run.outputs, available(run)
     share = np.sqrt(np.minimum(1.0, there / np.maximum(outputs["kinetic"], 1e-300)))[:, None]
     base = chain.size + share * np.linalg.norm(outputs["point_velocity"][:, :1], axis=2)
     omega = share * np.abs(outputs["angular_velocity"])
@@ -211,7 +225,7 @@ def spring_moments(run: Account) -> np.ndarray:
 def dissipated_scale(run: Account) -> float:
     """That of the dissipated energy [J], the energy itself and the kinetic one that contacts begin with."""
     sizes = np.abs(run.outputs["dissipated"]).max() + brought(run)
-    return chain_of(run.scene).energy + min(float(sizes), 2.0 * float(available(run).max()))
+    return run.chain.energy + min(float(sizes), 2.0 * float(available(run).max()))
 
 
 def available(run: Account) -> np.ndarray:
@@ -222,11 +236,11 @@ def available(run: Account) -> np.ndarray:
 
 def elastic_scale(run: Account) -> float:
     """The largest K δⁿ of the contacts times the scale of the penetration of each [J]."""
-    impacts, law = run.impacts, of_impacts(run)
+    impacts, law = run.impacts, run.laws_of_impacts
     if not len(impacts):
         return 0.0
     depth, (v0, foreseen) = impacts["max_penetration"], expected(run)
-    chain = chain_of(run.scene)
+    chain = run.chain
     leeway = np.maximum(1.0, np.minimum(chain.size / law.unit / v0, 0.01 / run.scene.solver.tolerance))
     # but a clearance errs no more than the coordinates do
     error = np.minimum(np.maximum(depth, foreseen) * leeway, (chain.size + chain.length.sum()) / law.unit)
@@ -235,7 +249,7 @@ def elastic_scale(run: Account) -> float:
 
 def expected(run: Account) -> tuple[np.ndarray, np.ndarray]:
     """v₀ [m/s] of each contact, and the depth δ* [m] with K δ*ⁿ⁺¹/(n+1) = ½ m v₀²; rigid ones have none."""
-    law = of_impacts(run)
+    law = run.laws_of_impacts
     v0, n = np.maximum(run.impacts["impact_speed"], law.slowest), law.exponent
     with np.errstate(divide="ignore"):
         depth = (0.5 * run.impacts["effective_mass"] * v0**2 * (n + 1) / law.stiffness) ** (1 / (n + 1))
@@ -244,7 +258,7 @@ def expected(run: Account) -> tuple[np.ndarray, np.ndarray]:
 
 def brought(run: Account) -> float:
     """The kinetic energy that the most violent contact began with, ½ m v₀² [J]."""
-    v0 = np.maximum(run.impacts["impact_speed"], of_impacts(run).slowest)
+    v0 = np.maximum(run.impacts["impact_speed"], run.laws_of_impacts.slowest)
     return float((0.5 * run.impacts["effective_mass"] * v0**2).max(initial=0.0))
 
 
@@ -256,9 +270,9 @@ def round_off(run: Account) -> float:
     )
     # sums of what may cancel
     far = np.abs(outputs["point_position"]).max()
-    terms += chain_of(run.scene).mass.sum() * np.linalg.norm(run.scene.gravity) * far
+    terms += run.chain.mass.sum() * np.linalg.norm(run.scene.gravity) * far
     if len(run.impacts):
-        law = of_impacts(run)
+        law = run.laws_of_impacts
         force = law.stiffness * np.maximum(0.0, run.impacts["max_penetration"]) ** law.exponent
         terms += (force * np.where(law.stop, 2.0 * np.abs(outputs["angle"]).max(), far)).max()
     terms += (spring_moments(run) * np.abs(outputs["angle"]).max(axis=0)).sum()
@@ -273,12 +287,12 @@ def dissipation_bound(run: Account) -> float:
 # --- walls -------------------------------------------------------------------------------------------------
 
 
-def containment(run: Account) -> Iterator[tuple[str, float, float, str]]:
+def containment(run: Account) -> Iterator[Row]:
     """Who is beyond a wall is in contact, and no deeper than the energy there is can push it."""
-    every = laws(run.scene)
+    every = run.laws
     if not every:
         return
-    reach = chain_of(run.scene).size + chain_of(run.scene).length.sum()
+    reach = run.chain.size + run.chain.length.sum()
     # a held point is put back to its wall after each step; in between it errs as its position does
     held = INTERPOLATED * run.scene.solver.tolerance * reach
     slack = np.array([(OUTSIDE + held * (law.stiffness == 0.0)) / law.unit for law in every])
@@ -286,12 +300,13 @@ def containment(run: Account) -> Iterator[tuple[str, float, float, str]]:
     unseen = float((-clearances(run) - depth - left_inside(run) - slack).max())
     yield "outside", unseen, 0.0, "outside a wall, or beyond a stop, more than is reported [m, rad]"
     yield "pulls", float(-force.min()), 0.0, "a wall or a stop pulls [N, N·m]"
+    energy = float(available(run).max()) + energy_bound(run)
     for c, law in enumerate(every):
         deepest = float(depth[:, c].max())
         if run.status == OK:  # else the contacts go on beyond the last row
             own = (run.impacts["point"] == law.point) & (run.impacts["wall"] == law.wall)
             deepest = max(deepest, float(run.impacts["max_penetration"][own].max(initial=0.0)))
-        yield "too deep", deepest, depth_bound(run, law), f"penetration of candidate {c} [m, rad]"
+        yield "too deep", deepest, depth_bound(run, law, energy), f"penetration of candidate {c} [m, rad]"
 
 
 def left_inside(run: Account) -> np.ndarray:
@@ -314,7 +329,7 @@ def clearances(run: Account) -> np.ndarray:
     scene, places = run.scene, run.outputs["point_position"]
     joints = np.diff(run.outputs["angle"], axis=1, prepend=0.0)
     columns = []
-    for law in laws(scene):
+    for law in run.laws:
         name = scene.wall_names[law.wall]
         if law.stop:
             joint, link = joints[:, law.point - 1], scene.chain.links[law.point - 1]
@@ -327,7 +342,7 @@ def clearances(run: Account) -> np.ndarray:
 
 def by_candidate(run: Account, name: str) -> np.ndarray:
     """The forces or penetrations of candidates in each row; those of joints belong to the nearer stop."""
-    values, every = run.outputs[name].copy(), laws(run.scene)
+    values, every = run.outputs[name].copy(), run.laws
     gaps = clearances(run)
     for c, law in enumerate(every):
         if law.stop and c > 0 and every[c - 1].stop and every[c - 1].point == law.point:
@@ -340,7 +355,7 @@ def by_candidate(run: Account, name: str) -> np.ndarray:
     return values
 
 
-def depth_bound(run: Account, law: Law) -> float:
+def depth_bound(run: Account, law: Law, energy: float) -> float:
     """DEEPER times the depth δ with K δⁿ⁺¹/(n+1) = all the energy that there was, plus a depth at rest.
 
     Energy: the total at the start, and what the inputs supplied, over the potential at the time. Rest: K δⁿ =
@@ -349,32 +364,23 @@ def depth_bound(run: Account, law: Law) -> float:
     """
     if law.stiffness == 0.0:
         return 0.0
-    there = float(available(run).max()) + energy_bound(run)
     n, k = law.exponent, law.stiffness
-    force = chain_of(run.scene).mass.sum() * np.linalg.norm(run.scene.gravity) + run.push
+    force = run.chain.mass.sum() * np.linalg.norm(run.scene.gravity) + run.push
     if law.stop:
-        force = force * chain_of(run.scene).length.sum() + run.torque + spring_moments(run).sum()
-    return float(DEEPER * ((there * (n + 1) / k) ** (1 / (n + 1)) + (force / k) ** (1 / n)))
+        force = force * run.chain.length.sum() + run.torque + spring_moments(run).sum()
+    return float(DEEPER * ((energy * (n + 1) / k) ** (1 / (n + 1)) + (force / k) ** (1 / n)))
 
 
-def of_impacts(run: Account) -> Any:
-    """The laws of the contacts, as columns."""
-    every = {(law.point, law.wall): law for law in laws(run.scene)}
-    rows = [every[int(row["point"]), int(row["wall"])] for row in run.impacts]
-    names = ("stiffness", "exponent", "slowest", "unit", "stop")
-    return SimpleNamespace(**{name: np.array([getattr(row, name) for row in rows]) for name in names})
-
-
-def speeds(run: Account) -> Iterator[tuple[str, float, float, str]]:
+def speeds(run: Account) -> Iterator[Row]:
     """No contact begins with a point on its way from the wall, or ends with one on its way into it."""
-    fastest = chain_of(run.scene).size + float(np.linalg.norm(run.outputs["point_velocity"], axis=2).max())
+    fastest = run.chain.size + float(np.linalg.norm(run.outputs["point_velocity"], axis=2).max())
     for name in ("impact_speed", "separation_speed"):
         known = run.impacts[name][~np.isnan(run.impacts[name])]
-        least = float((known * of_impacts(run).unit[~np.isnan(run.impacts[name])]).min(initial=0.0))
+        least = float((known * run.laws_of_impacts.unit[~np.isnan(run.impacts[name])]).min(initial=0.0))
         yield f"negative {name}", -least, ROUND_OFF * fastest, f"{name} below zero by [m/s]"
 
 
-def moments(run: Account) -> Iterator[tuple[str, float, float, str]]:
+def moments(run: Account) -> Iterator[Row]:
     """No contact begins before the start, ends before it begins, or after all."""
     onset, end = run.impacts["onset"], run.impacts["end"]
     last = run.scene.simulation.stop_time if run.status == OK else np.inf
@@ -391,5 +397,5 @@ def moments(run: Account) -> Iterator[tuple[str, float, float, str]]:
 
 def centres(run: Account, name: str) -> np.ndarray:
     """A vector of the points, at the centres of mass."""
-    points, ratio = run.outputs[name], chain_of(run.scene).ratio[:, None]
+    points, ratio = run.outputs[name], run.chain.ratio[:, None]
     return points[:, :-1] + ratio * np.diff(points, axis=1)

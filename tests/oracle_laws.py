@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -43,6 +44,14 @@ def laws(scene: Scene) -> list[Law]:
         unit = size if stop else 1.0
         found.append(Law(point, wall, stop, model, 0.0 if rigid else stiffness, exponent, slowest, unit))
     return found
+
+
+def columns(every: list[Law], impacts: np.ndarray) -> SimpleNamespace:
+    """The laws of contacts, as columns."""
+    by_candidate = {(law.point, law.wall): law for law in every}
+    rows = [by_candidate[int(row["point"]), int(row["wall"])] for row in impacts]
+    names = ("stiffness", "exponent", "slowest", "unit", "stop")
+    return SimpleNamespace(**{name: np.array([getattr(row, name) for row in rows]) for name in names})
 
 
 @dataclass(frozen=True)

@@ -168,4 +168,4 @@ def _judged(scene: Scene, seed: int, cpu: float, memory: Any) -> Verdict:
     rows = list(oracle.checks(run, cpu))
     closeness = {kind: value / bound for kind, value, bound, _ in rows if bound > 0.0}
     law, method = scene.contact.model, scene.solver.method
-    return Verdict(seed, law, method, oracle.judge(run, cpu), run.status, run.cpu, counts, closeness)
+    return Verdict(seed, law, method, oracle.findings(rows), run.status, run.cpu, counts, closeness)

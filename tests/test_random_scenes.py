@@ -19,6 +19,7 @@ from tests.random_scenes import (
     FOLDED,
     HARSH,
     LONG,
+    RUBBED,
     SLANTED,
     SPRUNG,
     STARTS,
@@ -35,7 +36,7 @@ BLOCKS = [
     range(first + BLOCK * block, first + BLOCK * (block + 1))
     for first, blocks in ((0, 6), (SLANTED, 1), (SPRUNG, 1), (FOLDED, 1), (TAUT, 1), (STOPPED, 1))
     for block in range(blocks)
-] + [range(first, first + BLOCK // 2) for first in (UNEVEN, LONG)]
+] + [range(first, first + BLOCK // 2) for first in (UNEVEN, LONG, RUBBED)]
 
 
 def broken(one):
