@@ -44,6 +44,8 @@ def pytest_configure(config):
     """One folder for all that this session leaves behind; pytest's own folders stay where they are."""
     if hasattr(config, "workerinput"):
         return  # a process that has the settings of the one that started it
+    # The tests use all cores already: threads of numpy's linear algebra would wait for one another.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ.setdefault("PYTEST_DEBUG_TEMPROOT", tempfile.gettempdir())
     folder = tempfile.mkdtemp(prefix="chain-impact-")
     # when multiprocessing has removed its own folder, of priority -100, which is in this one

@@ -169,3 +169,33 @@ def test_normal_and_tangential_impulses_make_the_momentum(seed):
         given += np.outer(result[name], (ny, -nx) if "friction" in name else (nx, ny))
     assert scene.has_contact_friction
     np.testing.assert_allclose(gained, given, rtol=0, atol=1e-9)
+
+
+def test_an_arm_at_a_rigid_stop_leans_on_a_rough_floor_from_the_start():
+    """Link 1 rests at its stop, and the tip of link 2 comes to rest on the floor, where μ is tan 27°."""
+    length, mass, start = 0.5, 1.0, -1.0
+    table = {
+        "name": "Leaning",
+        "chain": {
+            "base": "pinned",
+            "links": [{"length": length, "mass": mass, "joint_min": 0.1}, {"length": length, "mass": mass}],
+        },
+        "box": {"y_min": 0.0},
+        "contact": {"stiffness": 1e6, "restitution": 0.1, "friction": 0.5},
+        "stops": {"model": "newton_impact"},
+        "initial": {
+            "position": [0.3, -length * (math.sin(0.1) + math.sin(start))],
+            "angles": [0.1, start],
+        },
+        "simulation": {"stop_time": 2.0, "step_size": 1e-2},
+    }
+    result = run(table)
+    assert result["link[1].angle"] == pytest.approx(0.1, abs=1e-14)
+    tip, angle = result.points[:, 2], result["link[2].angle"][-1]
+    assert np.abs(tip - tip[0]).max() < 1e-3
+    normal, tangential = (result[f"contact[2].y_min.{name}"][-1] for name in ("force", "friction_force"))
+    assert tangential == pytest.approx(0.5 * normal, rel=1e-12)
+    assert 1e6 * (-tip[-1, 1]) ** 1.5 == pytest.approx(normal, rel=1e-5)  # it still creeps
+    # the moments about joint 2
+    weight = mass * 9.81 * math.cos(angle) / 2.0
+    assert normal * math.cos(angle) - tangential * math.sin(angle) == pytest.approx(weight, rel=1e-6)

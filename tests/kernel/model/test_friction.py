@@ -147,6 +147,7 @@ def test_a_contact_begins_in_the_direction_of_its_motion():
         vector[:] = 0.0
     begin_friction(d, c)
     assert d.element.mode[c] == STICKS
+    assert d.element.anchor[c] == along_tangent(d, c, d.work.position) != 0.0
 
 
 def test_margins_are_the_least_of_a_step():
