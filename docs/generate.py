@@ -189,14 +189,16 @@ def _generic(description: str) -> str:
     text = re.sub(r"\bpoint \d+ at \w+", "point k at a wall", text)
     text = re.sub(r"^at wall \w+: ", "at one wall: ", text)
     text = re.sub(r"^wall \w+: ", "wall at any angle: ", text)
+    text = re.sub(r"^latest impact: ", "impact i, 1 the latest: ", text)
     text = re.sub(r"(wall of the last impact: .*y_max).*", r"\1, 5 and on: those of the scene", text)
+    text = re.sub(r"(impact i, .*: wall): 0 if there is none.*", r"\1, as `impact.last_wall`", text)
     return re.sub(r"\bpoint \d+:", "point k:", text)
 
 
 def _meaning(pattern: str, variable: Variable) -> str:
     """The description; long lists of codes stand elsewhere."""
     if pattern == "contact.model":
-        return "force law, by its number in the [table of laws](contact_laws.md#the-laws)"
+        return "force law of walls, and of stops without one of their own, by its [number](contact_laws.md#the-laws)"
     if pattern == "solver.status":
         return "status of the solver: see its [codes](troubleshooting.md#statuses-of-the-solver)"
     kind = "" if variable.type == "real" else f" ({variable.type})"

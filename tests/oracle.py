@@ -211,6 +211,12 @@ def energy_scale(run: Account) -> float:
     return float(kinetic + potential + supplied + dissipated_scale(run) + walls_and_springs)
 
 
+def centres(run: Account, name: str) -> np.ndarray:
+    """A vector of the points, at the centres of mass."""
+    points, ratio = run.outputs[name], run.chain.ratio[:, None]
+    return points[:, :-1] + ratio * np.diff(points, axis=1)
+
+
 def spring_moments(run: Account) -> np.ndarray:
     """The largest moment of each joint's spring [N·m]: the energy that an error of 1 rad makes [J]."""
     links = run.scene.chain.links
@@ -390,12 +396,3 @@ def moments(run: Account) -> Iterator[Row]:
     yield "too early", -float(onset.min(initial=0.0)), 0.0, "a contact before the start [s]"
     backwards = float((onset - end)[over].max(initial=0.0))
     yield "backwards", backwards, 0.0, "a contact that ends before it begins [s]"
-
-
-# --- the chain ---------------------------------------------------------------------------------------------
-
-
-def centres(run: Account, name: str) -> np.ndarray:
-    """A vector of the points, at the centres of mass."""
-    points, ratio = run.outputs[name], run.chain.ratio[:, None]
-    return points[:, :-1] + ratio * np.diff(points, axis=1)

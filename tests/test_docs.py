@@ -283,7 +283,7 @@ def test_the_times_of_compilation_are_those_that_are_printed():
             f"`compilation/reuse.py` | {lower_more} |",
             f"| {link}; {link_more} with derivatives |",
         ],
-        "docs/troubleshooting.md": [f"takes {first} s, the first derivatives {first_more} s"],
+        "docs/troubleshooting.md": [f"takes {first} s; the first derivatives take {first_more} s"],
         "docs/fit.md": [f"about {first_more} s"],
         "docs/sensitivities.md": [f"in about {first_more} s"],
         "CONTRIBUTING.md": [f"compiles the kernel, {lower} seconds, and links it", f"{link} seconds each"],

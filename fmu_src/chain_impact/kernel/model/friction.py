@@ -100,7 +100,7 @@ def any_sticking(d):
 
 
 def begin_friction(d, c):
-    """Set the mode of a contact that begins at the located points, until events/friction_modes.py chooses it."""
+    """Set the mode of a contact that begins at located points, until events/friction_modes.py chooses it."""
     speed = along_tangent(d, c, d.work.velocity)
     # The state may be projected before that: what sticks stays where it is.
     d.element.anchor[c] = along_tangent(d, c, d.work.position)
