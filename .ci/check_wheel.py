@@ -1,5 +1,7 @@
 """The wheel, installed outside of the repository by pip and, in every supported Python that is here, by uv.
 
+Also as a tool, by ``uv tool`` and pipx.
+
 ``python .ci/check_wheel.py SCRATCH``, in the repository. A wheel takes its kernels from the cache that
 ``CHAIN_IMPACT_CACHE`` names, or compiles them.
 """
@@ -11,7 +13,7 @@ import sys
 from pathlib import Path
 
 SUPPORTED = ["python3.11", "python3.12", "python3.13"]
-UV = Path(sys.executable).with_name("uv")
+UV, PIPX = (Path(sys.executable).with_name(name) for name in ("uv", "pipx"))
 CHECK = "import chain_impact, sys; assert sys.prefix in chain_impact.__file__; print(chain_impact.__file__)"
 
 
@@ -40,13 +42,23 @@ def install(tool: str, python: str, wheel: Path, venv: Path) -> None:
         run(venv / "bin" / "pip", "install", "--quiet", wheel)
 
 
-def use(venv: Path, folder: Path) -> None:
+def install_tool(tool: str, source: Path, place: Path) -> Path:
+    """Install the command alone, from a wheel or a clone; return the folder that it is in."""
+    places = ("UV_TOOL_DIR", "UV_TOOL_BIN_DIR", "PIPX_HOME", "PIPX_BIN_DIR")
+    settings = {name: str(place / name) for name in places}
+    command = [UV, "tool", "install", "--quiet"] if tool == "uv" else [PIPX, "install", "--quiet"]
+    run(*command, "--python", pythons()[0], source, env=os.environ | settings)
+    return place / ("UV_TOOL_BIN_DIR" if tool == "uv" else "PIPX_BIN_DIR")
+
+
+def use(programs: Path, folder: Path) -> None:
     """Do what a user does first, in a folder that has nothing to do with the repository."""
     folder.mkdir()
     unused = folder / "cache"
     environment = {**os.environ, "CHAIN_IMPACT_CACHE": str(unused), "MPLBACKEND": "Agg"}
-    run(venv / "bin" / "python", "-c", CHECK, cwd=folder, env=environment)
-    command = [venv / "bin" / "chain-impact", "build", "--simulate"]
+    if (programs / "python").exists():
+        run(programs / "python", "-c", CHECK, cwd=folder, env=environment)
+    command = [programs / "chain-impact", "build", "--simulate"]
     run(*command, cwd=folder, env=environment, stdout=subprocess.DEVNULL)
     made = {file.name for file in (folder / "build").iterdir()}
     assert made >= {"FourLinkBox.fmu", "FourLinkBox.csv", "FourLinkBox.png"}, made
@@ -60,8 +72,12 @@ def main(scratch: Path) -> None:
     for tool, python in [("pip", pythons()[0]), *(("uv", python) for python in pythons())]:
         name = f"{Path(python).name}-{tool}"
         install(tool, python, wheel, scratch / name)
-        use(scratch / name, scratch / f"{name}-folder")
+        use(scratch / name / "bin", scratch / f"{name}-folder")
         print(f"{wheel.name}: works with {Path(python).name}, installed by {tool}")
+    for tool, source in [("uv", wheel), ("uv", Path.cwd()), ("pipx", wheel)]:
+        name = f"{tool}-tool-{source.name}"
+        use(install_tool(tool, source, scratch / name), scratch / f"{name}-folder")
+        print(f"{source.name}: works as a tool, installed by {tool}")
 
 
 if __name__ == "__main__":

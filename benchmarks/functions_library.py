@@ -9,6 +9,7 @@ from pathlib import Path
 
 from chain_impact.compilation import compilers, ready
 from chain_impact.compilation.cache import made
+from chain_impact.system import HOST
 
 HERE = Path(__file__).parent
 PROGRAM, KERNEL_FUNCTIONS = HERE / "lower_functions.py", HERE / "kernel_functions.py"
@@ -52,5 +53,5 @@ def link(lowered: str, links: int | None, library: Path) -> None:
     """
     functions = library.with_name("functions.ll")
     functions.write_text(compilers.complete(lowered, links, with_law=False))
-    compilers.prepare_zig(compilers.HOST)
-    compilers._zig_library(compilers.HOST, library, functions, flags=compilers.INLINE_MORE)
+    compilers.prepare_zig(HOST)
+    compilers._zig_library(HOST, library, functions, flags=compilers.INLINE_MORE)

@@ -9,6 +9,7 @@ import argparse
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 DOCS = Path(__file__).parent
@@ -24,6 +25,21 @@ def make_pages(notebooks: list[Path], folder: Path) -> None:
     done = subprocess.run([*convert, *map(str, notebooks)], check=False, capture_output=True, text=True)
     if done.returncode != 0:  # else it has warnings only, about how it talks to the kernel of the notebook
         raise RuntimeError(f"a notebook does not run:\n{done.stderr}")
+
+
+def repository() -> str:
+    """The address of the repository on GitHub, OWNER/NAME; empty while it has none."""
+    project = tomllib.loads((DOCS.parent / "pyproject.toml").read_text(encoding="utf-8"))
+    return str(project["tool"]["chain-impact"]["repository"])
+
+
+def add_links(folder: Path, address: str) -> None:
+    """Link the pages of notebooks to a service that runs them, if the repository has an address."""
+    for notebook in NOTEBOOKS if address else ():
+        page = folder / f"{notebook.stem}.md"
+        link = f"https://colab.research.google.com/github/{address}/blob/main/docs/notebooks/{notebook.name}"
+        title, below = page.read_text(encoding="utf-8").split("\n", 1)
+        page.write_text(f"{title}\n\n[Run this notebook in Colab]({link})\n{below}", encoding="utf-8")
 
 
 def finish() -> None:
@@ -48,6 +64,7 @@ def main() -> int:
     parser.add_argument("--serve", action="store_true", help="serve the site and follow changes")
     command = ["serve"] if parser.parse_args().serve else ["build", "--clean", "--strict"]
     make_pages(NOTEBOOKS, DOCS / "notebooks")
+    add_links(DOCS / "notebooks", repository())
     zensical = [sys.executable, "-m", "zensical", *command]
     code = subprocess.run(zensical, cwd=DOCS.parent, check=False).returncode
     finish()

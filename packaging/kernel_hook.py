@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import platform
 import sys
 import tempfile
 from importlib import import_module
@@ -14,9 +13,18 @@ from typing import Any
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 PACKAGE = Path(__file__).parents[1] / "fmu_src" / "chain_impact"
-TAG = "py3-none-manylinux_2_17_x86_64"  # shared libraries that Python does not know, for glibc 2.17 or later
-PLATFORM = ("Linux", "x86_64")
-RELEASE = os.environ.get("CHAIN_IMPACT_RELEASE") == "1"
+TAGS = {
+    "linux64": "manylinux_2_17_x86_64",  # for glibc 2.17 or later
+    "win64": "win_amd64",
+    "darwin64": "macosx_11_0_x86_64",
+    "aarch64-linux": "manylinux_2_17_aarch64",
+    "aarch64-darwin": "macosx_11_0_arm64",
+}
+"""The tag of a wheel's platform; any Python will do, as it does not know the shared libraries."""
+PLATFORM = "CHAIN_IMPACT_PLATFORM"
+"""The variable that names the platform of the wheel; by default it is this machine's."""
+RELEASE_VARIABLE = "CHAIN_IMPACT_RELEASE"
+RELEASE = os.environ.get(RELEASE_VARIABLE) == "1"
 """Whether the wheel shall carry the kernels with derivatives, too, which takes some minutes more."""
 
 
@@ -34,6 +42,22 @@ def kernels() -> ModuleType:
     return import_module("chain_impact.compilation.ready")
 
 
+def target() -> str:
+    """The platform that the wheel is for: that of this machine, or the one that CHAIN_IMPACT_PLATFORM names.
+
+    Raises:
+        RuntimeError: when this machine is none of them, or there is no such platform.
+    """
+    kernels()
+    system = import_module("chain_impact.system")
+    given = os.environ.get(PLATFORM)
+    if given and given not in TAGS:
+        raise RuntimeError(f"{PLATFORM} = {given} must be one of {', '.join(TAGS)}")
+    if not (given or system.HOST):
+        raise RuntimeError(system.nowhere())
+    return given or str(system.HOST)
+
+
 def _say(sentence: str) -> None:
     """Write a line at once; pip shows it if it is asked to, by -v."""
     print(f"chain-impact: {sentence}", file=sys.stderr, flush=True)
@@ -46,15 +70,13 @@ class KernelHook(BuildHookInterface):
         """Add the kernels to the wheel; an editable one gets none, as its sources will change."""
         if version == "editable":
             return
-        if (platform.system(), platform.machine()) != PLATFORM:
-            raise RuntimeError(f"chain-impact runs on {' '.join(PLATFORM)}, not on {platform.platform()}")
-        ready = kernels()
+        ready, platform = kernels(), target()
         self.scratch = tempfile.TemporaryDirectory(prefix="chain-impact-")
         folder = Path(self.scratch.name, ready.FOLDER.name)
-        ready.make(folder, derivatives=RELEASE, say=_say)
+        ready.make(folder, platform, derivatives=RELEASE, say=_say)
         build_data["force_include"][str(folder)] = f"chain_impact/{ready.FOLDER.name}"
         build_data["pure_python"] = False
-        build_data["tag"] = TAG
+        build_data["tag"] = f"py3-none-{TAGS[platform]}"
 
     def finalize(self, version: str, _build_data: dict[str, Any], _artifact: str) -> None:
         """Clean up."""

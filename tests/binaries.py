@@ -1,6 +1,8 @@
 """What a shared library asks of a system and offers to it, read from the file: ELF, PE, Mach-O of 64 bits."""
 
+import hashlib
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -29,6 +31,42 @@ def binary(data: bytes) -> Binary:
 def read_binary(path: Path) -> Binary:
     """Read a library's file."""
     return binary(path.read_bytes())
+
+
+def oldest_macos(data: bytes) -> tuple[int, int]:
+    """The oldest macOS that a Mach-O library says it runs on, by its load command LC_BUILD_VERSION."""
+    ((_, at),) = ((command, at) for command, at in _commands(data) if command == 0x32)
+    (version,) = struct.unpack_from("<I", data, at + 12)
+    return version >> 16, version >> 8 & 0xFF
+
+
+def signed_without_identity(data: bytes) -> bool:
+    """Whether a Mach-O library has a signature that holds: the hash of each of its pages, and no identity."""
+    places = [at for command, at in _commands(data) if command == 0x1D]  # LC_CODE_SIGNATURE
+    if not places:
+        return False
+    start, _ = struct.unpack_from("<II", data, places[0] + 8)
+    magic, _, count = struct.unpack_from(">III", data, start)
+    parts = dict(struct.unpack_from(">II", data, start + 12 + 8 * i) for i in range(count))
+    directory = data[start + parts[0] :]
+    # after magic, length and version: flags, places of hashes and name, numbers of hashes, length of the code
+    flags, hashes, _, _, pages, length = struct.unpack_from(">6I", directory, 12)
+    size, kind, _, page = struct.unpack_from(">4B", directory, 36)
+    found = [
+        hashlib.sha256(data[at : min(at + (1 << page), length)]).digest()
+        for at in range(0, length, 1 << page)
+    ]
+    said = [directory[hashes + size * i : hashes + size * (i + 1)] for i in range(pages)]
+    return (magic, kind, length) == (0xFADE0CC0, 2, start) and bool(flags & 2) and found == said
+
+
+def _commands(data: bytes) -> Iterator[tuple[int, int]]:
+    """The load commands of a Mach-O library: number, and place in the file."""
+    at = 32
+    for _ in range(struct.unpack_from("<I", data, 16)[0]):
+        command, size = struct.unpack_from("<II", data, at)
+        yield command, at
+        at += size
 
 
 def _text(data: bytes, place: int) -> str:
@@ -86,10 +124,9 @@ def _pe(data: bytes) -> Binary:
 
 
 def _macho(data: bytes) -> Binary:
-    (machine,), (commands,) = struct.unpack_from("<I", data, 4), struct.unpack_from("<I", data, 16)
-    found, at = Binary(machine, set(), set(), set()), 32
-    for _ in range(commands):
-        command, size = struct.unpack_from("<II", data, at)
+    (machine,) = struct.unpack_from("<I", data, 4)
+    found = Binary(machine, set(), set(), set())
+    for command, at in _commands(data):
         if command & 0x7FFFFFFF in (0xC, 0x18, 0x1F):  # LC_LOAD_DYLIB, weak, re-exported
             found.libraries.add(_text(data, at + struct.unpack_from("<I", data, at + 8)[0]))
         if command == 2:  # LC_SYMTAB
@@ -100,5 +137,4 @@ def _macho(data: bytes) -> Binary:
                     (found.offered if section else found.needed).add(
                         _text(data, texts + name).removeprefix("_")
                     )
-        at += size
     return found

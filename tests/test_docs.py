@@ -291,3 +291,15 @@ def test_the_times_of_compilation_are_those_that_are_printed():
         text = (ROOT / page).read_text()
         for sentence in sentences:
             assert sentence in text
+
+
+def test_notebooks_link_to_a_service_once_the_repository_has_an_address(tmp_path):
+    for notebook in NOTEBOOKS:
+        (tmp_path / f"{notebook.stem}.md").write_text("# Title\n\nText\n", encoding="utf-8")
+    build_site.add_links(tmp_path, "")
+    page = tmp_path / f"{NOTEBOOKS[0].stem}.md"
+    assert page.read_text(encoding="utf-8") == "# Title\n\nText\n"
+    build_site.add_links(tmp_path, "owner/name")
+    link = f"https://colab.research.google.com/github/owner/name/blob/main/docs/notebooks/{NOTEBOOKS[0].name}"
+    assert page.read_text(encoding="utf-8") == f"# Title\n\n[Run this notebook in Colab]({link})\n\nText\n"
+    assert build_site.repository().count("/") in (0, 1)

@@ -70,6 +70,15 @@ def test_without_pip_it_is_a_command_of_uv(monkeypatch):
     assert how_to_install("fit").startswith("uv pip install --python /venv/bin/python ")
 
 
+@pytest.mark.parametrize(
+    ("receipt", "tool"), [("uv-receipt.toml", "uv tool"), ("pipx_metadata.json", "pipx")]
+)
+def test_in_the_environment_of_a_tool_it_is_a_command_of_that_tool(receipt, tool, monkeypatch, tmp_path):
+    (tmp_path / receipt).touch()
+    monkeypatch.setattr(extras.sys, "prefix", str(tmp_path))
+    assert how_to_install("fit").startswith(f"{tool} install --force ")
+
+
 def test_a_package_that_was_never_installed_is_asked_for_by_its_name(monkeypatch):
     def absent(name):
         raise PackageNotFoundError(name)

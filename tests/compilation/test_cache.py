@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 
+import platformdirs
 import pytest
 
 from chain_impact.cli.screen import cache_report
@@ -145,11 +146,11 @@ def test_without_compilers_it_is_the_place_of_those_of_the_extra(monkeypatch):
 
 
 def test_without_a_home_an_error_says_what_to_set(monkeypatch):
-    def homeless(_):
+    def homeless(_, **__):
         raise RuntimeError("no home")
 
     monkeypatch.delenv("CHAIN_IMPACT_CACHE")
-    monkeypatch.setattr(places.platformdirs, "user_cache_dir", homeless)
+    monkeypatch.setattr(platformdirs, "user_cache_dir", homeless)
     with pytest.raises(BuildError, match="no place to keep kernels: no home; set CHAIN_IMPACT_CACHE"):
         cache.find("a.so")
 

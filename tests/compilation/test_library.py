@@ -15,6 +15,7 @@ from chain_impact.compilation.library import kernel_library
 from chain_impact.extras import how_to_install
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import load_kernel
+from chain_impact.system import HOST
 from chain_impact.variables.model import Model
 from tests.binaries import read_binary
 from tests.fmu.standard import all_functions_of_fmi3, co_simulation_functions
@@ -103,7 +104,7 @@ def test_a_law_that_calls_what_only_numba_has_is_refused(tmp_path, monkeypatch):
     nothing = tmp_path / "nothing.c"
     nothing.touch()
     with pytest.raises(LawError, match=r"^calls gamma, which a kernel does not have$"):
-        compilers.link_law(nothing, tmp_path / "kernel.so", compilers.HOST, tmp_path / "mine.ll")
+        compilers.link_law(nothing, tmp_path / "kernel.so", HOST, tmp_path / "mine.ll")
 
 
 def test_all_long_chains_share_a_kernel():

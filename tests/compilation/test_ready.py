@@ -15,6 +15,7 @@ import pytest
 from chain_impact.compilation import compilers, ready
 from chain_impact.compilation.library import kernel_library
 from chain_impact.compilation.sources import fingerprint
+from chain_impact.system import HOST, PLATFORMS
 
 ROOT = Path(__file__).parents[2]
 
@@ -100,20 +101,31 @@ def test_a_wheel_for_release_carries_the_kernels_with_derivatives(made, tmp_path
     assert not [line for line in said if "kernel-" in line]
     monkeypatch.setattr(ready, "FOLDER", tmp_path / "release")
     ready._usable.cache_clear()
-    assert len(ready.libraries()) == 3 * len(ready.SIZES)
+    assert len(ready.libraries()) == len(ready.SIZES) + len(ready.DERIVATIVE_SIZES) + 1
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "nothing"))
     monkeypatch.setattr(compilers, "wide_cpu", lambda: compilers.WIDE_CPU)
     found = {
         portable: kernel_library(4, derivatives=True, portable=portable).read_text()
         for portable in (True, False)
     }
-    assert found[True] == "a module with derivatives for 4"
+    assert found[True] == "a module with derivatives for None"
     assert found[False] == f"a module with derivatives for 4 on {compilers.WIDE_CPU}"
+    assert kernel_library(9, derivatives=True, portable=False) == ready.for_any("linux64", ready.WIDE)
     monkeypatch.setattr(compilers, "wide_cpu", lambda: None)
     assert (
         kernel_library(64, derivatives=True, portable=False).read_text()
         == "a module with derivatives for None"
     )
+
+
+@pytest.mark.parametrize(
+    ("platform", "kinds"),
+    [("win64", ["derivatives", *["derivatives-wide"] * 7]), ("aarch64-linux", ["derivatives"] * 7)],
+)
+def test_a_wheel_has_kernels_for_wide_vectors_where_they_can_be_used(platform, kinds):
+    plain = [(ready.KERNEL, size) for size in ready.SIZES]
+    assert list(ready._wanted(platform, False).values()) == plain
+    assert [kind for kind, _ in ready._wanted(platform, True).values()] == ["kernel"] * len(plain) + kinds
 
 
 def test_kernels_of_other_sources_are_not_used(made):
@@ -161,6 +173,22 @@ def test_a_wheel_for_release_needs_compilers_where_only_plain_kernels_are_cached
         done = backend(program, CHAIN_IMPACT_RELEASE=release)  # in the cache of ``made``
         asked = set(ast.literal_eval(done.stdout))
         assert bool(set(ready.REQUIREMENTS) & asked) == (release == "1")
+
+
+def test_a_wheel_is_for_this_machine_unless_another_platform_is_named():
+    program = "import kernel_hook; print(kernel_hook.target())"
+    assert backend(program, CHAIN_IMPACT_PLATFORM="").stdout.strip() == HOST
+    assert backend(program, CHAIN_IMPACT_PLATFORM="win64").stdout.strip() == "win64"
+    refused = backend(program, CHAIN_IMPACT_PLATFORM="amiga").stderr.splitlines()[-1]
+    assert refused.startswith("RuntimeError: CHAIN_IMPACT_PLATFORM = amiga must be one of linux64, win64")
+    elsewhere = "from chain_impact import system; system.HOST = '';"
+    done = backend(f"import kernel_hook; kernel_hook.kernels(); {elsewhere} kernel_hook.target()")
+    assert done.stderr.splitlines()[-1].startswith("RuntimeError: chain-impact runs on Linux ")
+
+
+def test_a_wheel_of_each_platform_has_a_tag():
+    done = backend("import kernel_hook; print(*kernel_hook.TAGS)")
+    assert done.stdout.split() == list(PLATFORMS)
 
 
 def test_an_older_python_is_refused_in_one_sentence():

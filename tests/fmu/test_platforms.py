@@ -5,20 +5,25 @@ import re
 import shutil
 import subprocess
 import zipfile
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import MappingProxyType
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 from chain_impact.compilation.compilers import INCLUDES, INTERFACE, ZIG_TARGETS
 from chain_impact.fmu.build import build_fmu
-from tests.binaries import binary
+from chain_impact.system import HOST, PLATFORMS
+from tests.binaries import binary, oldest_macos, signed_without_identity
 from tests.fmu.contents import description
 from tests.fmu.interface import unpacked
 from tests.fmu.standard import co_simulation_functions
 from tests.fmu.zig import zig
 
 HOST_PROGRAM = Path(__file__).with_name("host.c")
+HOST3_PROGRAM = Path(__file__).with_name("host3.c")
 ARM_LIBRARIES = Path("/usr/aarch64-linux-gnu")  # Debian's libc6-arm64-cross
 X86, ARM = {62, 0x8664, 0x1000007}, {183, 0x100000C}  # the processor in ELF, PE and Mach-O
 OF_THE_SYSTEM = {
@@ -35,6 +40,14 @@ MOST = 300e3  # bytes of a platform, packed
 def fmu(tmp_path_factory):
     """One for all platforms."""
     return build_fmu("rod_drop", tmp_path_factory.mktemp("all"), target="native", platforms=["all"])
+
+
+@pytest.fixture(scope="module")
+def fmu3(tmp_path_factory):
+    """One for all platforms that can be run here, for FMI 3.0."""
+    platforms = [HOST, "win64", "aarch64-linux"]
+    folder = tmp_path_factory.mktemp("all3")
+    return build_fmu("rod_drop", folder, target="native", fmi=3, platforms=list(dict.fromkeys(platforms)))
 
 
 @pytest.fixture(scope="module")
@@ -79,59 +92,114 @@ def test_binaries_for_linux_run_on_old_systems(binaries):
         assert max((int(major), int(minor)) for major, minor in versions) <= (2, 17)
 
 
+@pytest.mark.parametrize("platform", ["darwin64", "aarch64-darwin"])
+def test_binaries_for_macos_run_on_version_11(binaries, platform):
+    assert oldest_macos(binaries[platform][1]) == (11, 0)
+
+
+def test_the_binary_for_apple_silicon_is_signed(binaries):
+    """That processor runs nothing else; the signature needs no identity."""
+    data = binaries["aarch64-darwin"][1]
+    assert signed_without_identity(data)
+    changed = bytearray(data)
+    changed[5000] ^= 1
+    assert not signed_without_identity(bytes(changed))
+
+
 # --- running them ----------------------------------------------------------------------------------------
 
 STEP, STEPS = 1 / 128, 128
 NAMES = ["point[0].y", "link[1].angle", "energy.total", "energy.dissipated", "impact.last_time"]
 
 
-def rows(fmu, platform, folder, emulator=(), *, environment=None, path=str):
-    """What host.c prints on a platform, shape (STEPS, len(NAMES))."""
-    target, suffix = ZIG_TARGETS[platform]
-    program, place = folder / f"host-{platform}.exe", unpacked(fmu, folder / "fmu")
+class Machine(NamedTuple):
+    """How programs for a platform are run: by an emulator, with paths as it takes them."""
+
+    platform: str
+    emulator: tuple[str | Path, ...] = ()
+    environment: Mapping[str, str] = MappingProxyType({})
+    path: Callable[[Path], str] = str
+
+
+def printed(machine, source, folder, *arguments):
+    """The numbers that a C program prints on a machine, a list for each line."""
+    target, _ = ZIG_TARGETS[machine.platform]
+    program = folder / f"{source.stem}-{machine.platform}.exe"
     libraries = ["-ldl"] if "linux" in target else []
     headers = [f"-I{place}" for place in INCLUDES]
-    zig(folder, "-target", target, *headers, HOST_PROGRAM, *libraries, "-o", program)
-    root = description(fmu)
-    references = {node.get("name"): node.get("valueReference") for node in root.iter("ScalarVariable")}
-    location = "file://" + path(place / "resources").replace("\\", "/").replace("Z:", "/Z:")
-    arguments = [path(place / "binaries" / platform / f"RodDrop{suffix}"), root.get("guid"), location]
-    arguments += [str(STEP), str(STEPS), *(references[name] for name in NAMES)]
+    zig(folder, "-target", target, *headers, source, *libraries, "-o", program)
     done = subprocess.run(
-        [*emulator, program, *arguments],
-        env={**os.environ, **(environment or {})},
+        [*machine.emulator, program, *arguments],
+        env={**os.environ, **machine.environment},
         capture_output=True,
         text=True,
         check=False,
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    return np.array([line.split() for line in done.stdout.splitlines()], dtype=float)
+    return [[float(word) for word in line.split()] for line in done.stdout.splitlines()]
+
+
+def rows(fmu, machine, folder):
+    """What host.c prints of the FMU for FMI 2.0, shape (STEPS, len(NAMES))."""
+    place, root = unpacked(fmu, folder / "fmu"), description(fmu)
+    references = {node.get("name"): node.get("valueReference") for node in root.iter("ScalarVariable")}
+    location = "file://" + machine.path(place / "resources").replace("\\", "/").replace("Z:", "/Z:")
+    library = place / "binaries" / machine.platform / f"RodDrop{PLATFORMS[machine.platform].suffix}"
+    arguments = [machine.path(library), root.get("guid"), location, str(STEP), str(STEPS)]
+    arguments += [references[name] for name in NAMES]
+    return np.array(printed(machine, HOST_PROGRAM, folder, *arguments))
+
+
+def events(fmu, machine, folder):
+    """What host3.c prints of the FMU for FMI 3.0 in event mode: its impacts, and the last positions."""
+    place, root = unpacked(fmu, folder / "fmu3"), description(fmu)
+    references = {node.get("name"): node.get("valueReference") for node in root.find("ModelVariables")}
+    one = PLATFORMS[machine.platform]
+    arguments = [
+        machine.path(place / "binaries" / one.fmi3 / f"RodDrop{one.suffix}"),
+        root.get("instantiationToken"),
+        machine.path(place / "resources") + machine.path(Path("/"))[-1],
+        *map(str, (STEP, STEPS * STEP)),
+        *(references[name] for name in ("impact.last_time", "impact.count", "point.position")),
+        "4",
+    ]
+    *found, last = printed(machine, HOST3_PROGRAM, folder, *arguments)
+    return np.array(found), np.array(last)
 
 
 @pytest.fixture(scope="module")
-def here(fmu, tmp_path_factory):
-    """What it gives on this machine."""
-    found = rows(fmu, "linux64", tmp_path_factory.mktemp("here"))
+def here(fmu, fmu3, tmp_path_factory):
+    """What both give on this machine."""
+    folder = tmp_path_factory.mktemp("here")
+    found, (impacts, last) = rows(fmu, Machine(HOST), folder), events(fmu3, Machine(HOST), folder)
     assert found.shape == (STEPS, len(NAMES))
     assert found[-1, 4] > 0.0
-    return found
+    assert len(impacts) > 1
+    return found, impacts, last
+
+
+def assert_same(fmu, fmu3, machine, folder, here):
+    """Within the round-off of another C library's functions."""
+    found, impacts, last = here
+    np.testing.assert_allclose(rows(fmu, machine, folder), found, rtol=1e-9, atol=1e-9)
+    others, other_last = events(fmu3, machine, folder)
+    np.testing.assert_allclose(others, impacts, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(other_last, last, rtol=1e-9, atol=1e-9)
 
 
 @pytest.mark.skipif(
     not (shutil.which("qemu-aarch64") and ARM_LIBRARIES.is_dir()),
     reason="needs Debian's qemu-user and libc6-arm64-cross",
 )
-def test_it_runs_on_arm(fmu, here, tmp_path):
-    """Within the round-off of another C library's functions."""
-    found = rows(fmu, "aarch64-linux", tmp_path, ["qemu-aarch64", "-L", ARM_LIBRARIES])
-    np.testing.assert_allclose(found, here, rtol=1e-9, atol=1e-9)
+def test_it_runs_on_arm(fmu, fmu3, here, tmp_path):
+    machine = Machine("aarch64-linux", ("qemu-aarch64", "-L", ARM_LIBRARIES))
+    assert_same(fmu, fmu3, machine, tmp_path, here)
 
 
 @pytest.mark.skipif(not shutil.which("wine"), reason="needs Debian's wine64")
-def test_it_runs_on_windows(fmu, here, tmp_path):
+def test_it_runs_on_windows(fmu, fmu3, here, tmp_path):
     def path(file):
         return "Z:" + str(file).replace("/", "\\")
 
     settings = {"WINEPREFIX": str(tmp_path / "wine"), "WINEDEBUG": "-all", "DISPLAY": ""}
-    found = rows(fmu, "win64", tmp_path, ["wine"], environment=settings, path=path)
-    np.testing.assert_allclose(found, here, rtol=1e-9, atol=1e-9)
+    assert_same(fmu, fmu3, Machine("win64", ("wine",), settings, path), tmp_path, here)

@@ -6,7 +6,8 @@ import sys
 from pathlib import Path
 
 from chain_impact.compilation.cache import linker_folder
-from chain_impact.compilation.compilers import HOST, ZIG_TARGETS
+from chain_impact.compilation.compilers import ZIG_TARGETS
+from chain_impact.system import HOST
 
 WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-Werror", "-Wno-unused-parameter")
 

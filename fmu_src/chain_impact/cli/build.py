@@ -8,8 +8,8 @@ from pathlib import Path
 from chain_impact.cli.options import Verbs, add_scene
 from chain_impact.cli.progress import progress, say
 from chain_impact.cli.report import report
-from chain_impact.compilation.compilers import HOST, ZIG_TARGETS
 from chain_impact.scene.scene import load_scene
+from chain_impact.system import HOST, PLATFORMS
 
 OLDEST = 2  # version of FMI
 
@@ -26,12 +26,13 @@ def add(verbs: Verbs) -> None:
         type=_platforms,
         default=(HOST,),
         metavar="LIST",
-        help=f"comma-separated, of: {', '.join(ZIG_TARGETS)}; or all; default: {HOST}",
+        help=f"comma-separated, of: {', '.join(PLATFORMS)}; or all; default: that of this machine",
     )
     build.add_argument(
         "--target",
         choices=["pythonfmu", "native"],
-        help="native: an FMU that needs no Python, the only target for FMI 3.0; default: pythonfmu",
+        help="native: an FMU that needs no Python, the only target for FMI 3.0, macOS and ARM; default: "
+        "pythonfmu where it can be",
     )
     build.add_argument(
         "--fmi",
@@ -46,7 +47,7 @@ def add(verbs: Verbs) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Build the FMU of a scene; if asked, simulate and draw it."""
-    from chain_impact.fmu.build import build_fmu
+    from chain_impact.fmu.build import TARGET, build_fmu
 
     scene = load_scene(options.source)
     with progress() as (notify, _):
@@ -54,7 +55,7 @@ def run(options: argparse.Namespace) -> int:
             scene,
             options.output,
             # for FMI 3.0 there is only one
-            target=options.target or ("pythonfmu" if options.fmi == OLDEST else "native"),
+            target=options.target or (TARGET if options.fmi == OLDEST else "native"),
             fmi=options.fmi,
             platforms=options.platform,
             notify=notify,
@@ -68,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
 def _platforms(text: str) -> tuple[str, ...]:
     names = tuple(text.split(","))
     for name in names:
-        if name not in ZIG_TARGETS and text != "all":
-            known = ", ".join(ZIG_TARGETS)
+        if name not in PLATFORMS and text != "all":
+            known = ", ".join(PLATFORMS)
             raise argparse.ArgumentTypeError(f"{name!r} is no platform; must be of {known}, or all")
     return names

@@ -10,7 +10,7 @@ from errno import EACCES, EDQUOT, ENOSPC, EPERM, EROFS
 from importlib.metadata import version
 from typing import Any, NoReturn
 
-from chain_impact.cli import animate, build, cache, compare, fit, info, simulate, sweep, validate
+from chain_impact.cli import animate, build, cache, compare, completion, fit, info, simulate, sweep, validate
 from chain_impact.cli.options import UsageError
 from chain_impact.cli.progress import complain, out
 from chain_impact.compilation.errors import BuildError
@@ -18,17 +18,21 @@ from chain_impact.extras import MissingExtraError
 from chain_impact.results.animation import AnimationError
 from chain_impact.scene.reading import SceneError, SceneWarning
 from chain_impact.simulation.record_scene import RunError
+from chain_impact.system import prepare_console
 
 REMEDIES = dict.fromkeys((ENOSPC, EDQUOT), "free some space, or write to another disk") | dict.fromkeys(
     (EROFS, EACCES, EPERM), "ask for the right to use it, or choose another place"
 )
 """What to do when a file cannot be written: number of an error → a clause."""
-VERBS = (build, simulate, animate, compare, sweep, fit, info, validate, cache)
+VERBS = (build, simulate, animate, compare, sweep, fit, info, validate, cache, completion)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; return the exit code."""
-    options = parser().parse_args(arguments)
+    prepare_console()
+    grammar = parser()
+    completion.answer(grammar)
+    options = grammar.parse_args(arguments)
     out.quiet = options.quiet
     try:
         with hints_shown():

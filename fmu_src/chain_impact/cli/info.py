@@ -12,7 +12,7 @@ from chain_impact.cli.options import Verbs, add_scene, is_fmu
 from chain_impact.cli.progress import out, say
 from chain_impact.cli.report import show
 from chain_impact.cli.screen import variable_table
-from chain_impact.fmu.run import EXPERIMENT, read_fmu
+from chain_impact.fmu.run import EXPERIMENT, platforms_of, read_fmu
 from chain_impact.scene.scene import load_scene
 
 
@@ -27,12 +27,10 @@ def run(options: argparse.Namespace) -> int:
     """Say what a scene or an FMU holds."""
     facts: list[tuple[str, object]] = []
     if is_fmu(options.source):
-        from fmpy import supported_platforms
-
         held = read_fmu(Path(options.source))
         name, description, variables = held.modelName, held.description or "", held.modelVariables
         facts += [("FMI version", held.fmiVersion), ("made by", held.generationTool), ("guid", held.guid)]
-        facts += [("platforms", ", ".join(supported_platforms(options.source)))]
+        facts += [("platforms", ", ".join(platforms_of(options.source)))]
         if held.defaultExperiment:
             times = (held.defaultExperiment.stopTime, held.defaultExperiment.stepSize)
             facts += zip(EXPERIMENT, times, strict=True)

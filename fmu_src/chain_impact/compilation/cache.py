@@ -25,6 +25,7 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.places import base_folder, explained, stand_in, writable
 from chain_impact.compilation.sources import fingerprint
 from chain_impact.compilation.work import Notify, announce
+from chain_impact.system import removal
 
 COMPILERS = {"llvmlite": "0.50.0", "numba": "0.68.1", "ziglang": "0.17.0"}
 """The compilers and their versions, which must agree; those of the extra in pyproject.toml."""
@@ -177,7 +178,8 @@ def clear() -> int:
     """Remove all that is in the cache; return how many bytes that were."""
     found = entries()
     for entry in reversed(found):  # the stand-in first: the cache itself can perhaps only be read
-        shutil.rmtree(entry.path)
+        with removal():
+            shutil.rmtree(entry.path)
     return sum(entry.size for entry in found)
 
 

@@ -23,23 +23,23 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.law_file import LawError
 from chain_impact.compilation.sources import PACKAGE, fingerprint
 from chain_impact.extras import how_to_install
+from chain_impact.system import HOST, PLATFORMS, has_wide_vectors
 
-ZIG_TARGETS = {
-    "linux64": ("x86_64-linux-gnu.2.17", ".so"),
-    "win64": ("x86_64-windows-gnu", ".dll"),
-    "darwin64": ("x86_64-macos", ".dylib"),
-    "aarch64-linux": ("aarch64-linux-gnu.2.17", ".so"),
-    "aarch64-darwin": ("aarch64-macos", ".dylib"),
+_TARGETS = {
+    "linux64": "x86_64-linux-gnu.2.17",
+    "win64": "x86_64-windows-gnu",
+    "darwin64": "x86_64-macos.11.0",
+    "aarch64-linux": "aarch64-linux-gnu.2.17",
+    "aarch64-darwin": "aarch64-macos.11.0",
 }
-"""Platform → zig target and file suffix. FMI 2.0 names the first three, FMI 3.0 (2.5.1.4.1) the others."""
-HOST = "linux64"
+ZIG_TARGETS = {name: (target, PLATFORMS[name].suffix) for name, target in _TARGETS.items()}
+"""Platform → zig target and file suffix."""
 PORTABLE_CPU = "x86-64-v2"
 BAD_LAW = 3  # exit code of lower.py; what is wrong stands on standard error
 # For every x86 processor since 2009 and every 64-bit ARM, so that results are bit-equal on all of a kind.
 CPUS = {"x86_64": "x86_64_v2", "aarch64": "generic"}
 # Where it is there, twice as many numbers fit a vector, and dual numbers are vectors. Values are bit-equal.
 WIDE_CPU = "x86_64_v3"
-WIDE_FLAGS = {"avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe", "xsave"}
 # ARM's instruction that multiplies and adds is not used: it rounds once where the two of x86 round twice.
 FLAGS = ("-O2", "-ffp-contract=off", "-Wno-everything")
 # Twice as much as usual is inlined, which makes steps of four links up to 4 % faster. A kernel that carries
@@ -122,11 +122,12 @@ def lower(module: Path, law: Path | None = None, plain: str | None = None) -> No
         BuildError: when numba fails, or the sources are other ones by now.
     """
     # numba takes the features of this machine unless told otherwise, and orders by hash
-    settings = {"NUMBA_CPU_NAME": PORTABLE_CPU, "NUMBA_CPU_FEATURES": "", "PYTHONHASHSEED": "0"}
+    cpu = CPUS["aarch64"] if HOST.startswith("aarch64") else PORTABLE_CPU
+    settings = {"NUMBA_CPU_NAME": cpu, "NUMBA_CPU_FEATURES": "", "PYTHONHASHSEED": "0"}
     what = ["law", str(law)] if law else ["kernel"]
     if plain is not None:
         common = module.with_name("plain.ll")
-        common.write_text(plain)
+        common.write_text(plain, encoding="utf-8")
         what = ["derivatives", str(common)]
     done = _run("-c", LOWER, str(PACKAGE.parent), fingerprint(), str(module), *what, **settings)
     if done.returncode == BAD_LAW:
@@ -214,11 +215,7 @@ def link_law(compiled: Path, library: Path, platform: str, law: Path, *, cpu: st
 
 def wide_cpu() -> str | None:
     """``WIDE_CPU`` if this machine has one."""
-    try:
-        flags = Path("/proc/cpuinfo").read_text(encoding="ascii", errors="replace").partition("flags")[2]
-    except OSError:
-        return None
-    return WIDE_CPU if set(flags.partition("\n")[0].split()) >= WIDE_FLAGS else None
+    return WIDE_CPU if has_wide_vectors() else None
 
 
 def zig_is_prepared(platform: str) -> bool:
@@ -302,7 +299,8 @@ def _run(*arguments: str, **settings: str) -> subprocess.CompletedProcess[str]:
             cwd=nowhere,
             env=kept | settings,
             capture_output=True,
-            text=True,
+            encoding="utf-8",
+            errors="replace",
             check=False,
         )
 

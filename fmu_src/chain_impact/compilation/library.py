@@ -8,11 +8,11 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from chain_impact.compilation import cache, compilers, ready
-from chain_impact.compilation.compilers import HOST
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.law_file import LawError, UserLaw, read_law
 from chain_impact.compilation.ready import DERIVATIVES, KERNEL, WIDE, lowered
 from chain_impact.compilation.work import Notify, Work, announce
+from chain_impact.system import HOST, nowhere
 
 LOWERING, LINKING = {KERNEL: 17.0, DERIVATIVES: 16.0}, {KERNEL: 6.0, DERIVATIVES: 10.0}  # s
 PREPARING = {"win64": 3.0}  # s, in which zig makes what it links with; on other platforms it takes no time
@@ -39,8 +39,11 @@ def kernel_library(
             like this one, on which it is faster.
 
     Raises:
-        BuildError: when the user's law or a compiler fails, or there is no compiler and no ready kernel.
+        BuildError: when the user's law or a compiler fails, or there is no compiler and no ready kernel, or
+            no kernel runs on this machine.
     """
+    if not platform:
+        raise BuildError(nowhere())
     notify = notify or announce
     exact = ready.exact(links)
     law = _law(law_file) if law_file else None
@@ -48,7 +51,7 @@ def kernel_library(
     wide = derivatives and not portable and platform == HOST and compilers.wide_cpu() is not None
     kind = WIDE if wide else what
     name = ready.library_name(exact, platform, _law_name(law) if law else "", kind)
-    found = ready.find(name) or cache.find(name)
+    found = ready.find(name) or cache.find(name) or (None if law else ready.for_any(platform, kind))
     if found:
         return found
     compilers.require_compilers(_purpose(platform, law_file, derivatives))

@@ -69,7 +69,7 @@ def _simplify(whole: llvm.ModuleRef) -> None:
     LLVM does the same first, so that kernels are as fast as without. More, as combining instructions, would
     make them up to 12 % slower: those passes want to come after inlining.
     """
-    llvm.initialize_native_target()
+    llvm.initialize_all_targets()  # the machine may have another processor
     machine = llvm.Target.from_triple(TRIPLE).create_target_machine(cpu=PORTABLE_CPU)
     builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options())
     passes = llvm.create_new_function_pass_manager()

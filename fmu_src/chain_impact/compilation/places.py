@@ -7,15 +7,13 @@ import functools
 import hashlib
 import os
 import shutil
-import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-import platformdirs
-
+from chain_impact import system
 from chain_impact.compilation.errors import BuildError
 
 READ_ONLY = (errno.EACCES, errno.EPERM, errno.EROFS)
@@ -32,14 +30,14 @@ def base_folder() -> Path:
     """
     given = os.environ.get("CHAIN_IMPACT_CACHE")
     try:
-        return Path(given or platformdirs.user_cache_dir("chain-impact")).absolute()
+        return (Path(given) if given else system.cache_folder()).absolute()
     except RuntimeError as error:
         raise BuildError(f"no place to keep kernels: {error}; set CHAIN_IMPACT_CACHE to a folder") from None
 
 
 def stand_in_path(base: Path) -> Path:
     """Where the temporary folder of this user lies that stands in for one that can only be read."""
-    digest = hashlib.sha256(f"{os.getuid()} {base}".encode()).hexdigest()[:16]
+    digest = hashlib.sha256(f"{system.user()} {base}".encode()).hexdigest()[:16]
     return Path(tempfile.gettempdir(), f"chain-impact-{digest}")
 
 
@@ -50,8 +48,7 @@ def stand_in(base: Path) -> Path | None:
         found = path.lstat()
     except OSError:
         return None
-    ours = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
-    return path if ours and not found.st_mode & (stat.S_IWGRP | stat.S_IWOTH) else None
+    return path if system.only_ours(found) else None
 
 
 @functools.cache

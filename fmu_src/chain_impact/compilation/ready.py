@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import functools
 import lzma
-import os
 import shutil
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor, wait
@@ -18,6 +17,7 @@ from typing import Any
 
 from chain_impact.compilation import cache, compilers
 from chain_impact.compilation.sources import PACKAGE, fingerprint
+from chain_impact.system import HOST, WIDE_PLATFORMS, cores
 
 FOLDER = PACKAGE / "ready"
 KERNEL, DERIVATIVES, WIDE = "kernel", "derivatives", "derivatives-wide"
@@ -31,6 +31,8 @@ LARGEST_EXACT = 10
 number from the instance: with it, steps of four links are a quarter slower, of ten a sixth, of thirty not."""
 
 SIZES: tuple[int | None, ...] = (None, *range(1, LARGEST_EXACT + 1))
+DERIVATIVE_SIZES: tuple[int | None, ...] = (None, *range(1, 7))
+"""Kernels that carry derivatives are twice as large, so a wheel has fewer of them."""
 REQUIREMENTS = [*(f"{name}=={version}" for name, version in cache.COMPILERS.items()), "numpy>=2.0,<3"]
 """What has to be installed to compile kernels."""
 
@@ -49,6 +51,11 @@ def library_name(links: int | None, platform: str, law: str = "", what: str = KE
 def find(name: str) -> Path | None:
     """A ready file of that name, if it is made from the sources as they are now."""
     return FOLDER / name if _usable() and (FOLDER / name).is_file() else None
+
+
+def for_any(platform: str, what: str) -> Path | None:
+    """The ready kernel of a kind for any number of links, which can take the place of any other one."""
+    return find(library_name(None, platform, what=what))
 
 
 def module() -> str | None:
@@ -75,18 +82,26 @@ def lowered(kind: str) -> str:
 
 def _wanted(platform: str, derivatives: bool) -> dict[str, tuple[str, int | None]]:
     """The kernels of a wheel: file name → kind and number of links."""
-    kinds = tuple(PROCESSORS) if derivatives else (KERNEL,)
-    return {library_name(size, platform, what=kind): (kind, size) for kind in kinds for size in SIZES}
+    kinds = {KERNEL: SIZES}
+    if derivatives and platform in WIDE_PLATFORMS:
+        kinds |= {DERIVATIVES: (None,), WIDE: DERIVATIVE_SIZES}  # few processors take the first one
+    elif derivatives:
+        kinds[DERIVATIVES] = DERIVATIVE_SIZES
+    return {
+        library_name(size, platform, what=kind): (kind, size)
+        for kind, sizes in kinds.items()
+        for size in sizes
+    }
 
 
-def all_cached(platform: str = compilers.HOST, *, derivatives: bool = False) -> bool:
+def all_cached(platform: str = HOST, *, derivatives: bool = False) -> bool:
     """Whether all files for a platform are in the cache, so that it takes no compiler to ``make`` them."""
     return all(cache.find(name) for name in (MODULE, *_wanted(platform, derivatives)))
 
 
 def make(
     folder: Path,
-    platform: str = compilers.HOST,
+    platform: str = HOST,
     *,
     derivatives: bool = False,
     say: Callable[[str], None] = print,
@@ -124,7 +139,7 @@ def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Call
 
         return cache.made(name, lower).read_text()
 
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
+    with ThreadPoolExecutor(cores()) as pool:
 
         def each(work: Callable[[str], Any], names: Iterable[str]) -> list[Any]:
             running = [pool.submit(work, name) for name in names]

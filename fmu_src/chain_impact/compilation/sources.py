@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1]
-COMPILED = ("kernel", "compilation", "extras.py")
+COMPILED = ("kernel", "compilation", "extras.py", "system.py")
 """Folders and files of the package: kernels follow from nothing else in it."""
 LANGUAGES = (".py", ".c", ".h")
 

@@ -16,8 +16,10 @@ from chain_impact.compilation.work import Notify, announce
 from chain_impact.fmu import native_target, pythonfmu_target
 from chain_impact.fmu.documents import documents
 from chain_impact.fmu.references import reference_files
+from chain_impact.fmu.run import fmpy_loaded
 from chain_impact.results.recording import written_whole
 from chain_impact.scene.scene import SceneSource, scene_of
+from chain_impact.system import HOST, PLATFORMS, nowhere
 from chain_impact.variables.model import Model
 
 ZIP_DATE = (1980, 1, 1, 0, 0, 0)
@@ -39,6 +41,8 @@ TARGETS = {
         native_target.PLATFORMS, {2: native_target.native_files, 3: native_target.native_fmi3_files}
     ),
 }
+TARGET = "pythonfmu" if HOST in pythonfmu_target.PLATFORMS else "native"
+"""The usual one on this machine."""
 VERSIONS = (2, 3)
 """Of FMI."""
 _PART = r"[A-Za-z_]\w*(\[\d+(,\d+)*\])?"
@@ -50,9 +54,9 @@ def build_fmu(
     source: SceneSource,
     directory: str | os.PathLike[str] = ".",
     *,
-    target: str = "pythonfmu",
+    target: str = TARGET,
     fmi: int = 2,
-    platforms: Sequence[str] = ("linux64",),
+    platforms: Sequence[str] = (HOST,),
     notify: Notify | None = None,
 ) -> Path:
     """Build ``<name>.fmu``, which appears in the directory only when it is complete and valid.
@@ -63,10 +67,11 @@ def build_fmu(
         source: a scene, or what ``load_scene`` takes.
         directory: where to put the FMU; it is created if need be.
         target: ``pythonfmu``, which runs in the Python of the importer, or ``native``, which needs none. Both
-            have the same variables and give the same results.
+            have the same variables and give the same results. The first one, for Linux and Windows on
+            x86-64 only, is the default on these.
         fmi: 2 or 3, the version of FMI; 3 is for the target ``native`` only.
-        platforms: those that the FMU shall run on: ``linux64``, ``win64``, and of native FMUs
-            ``darwin64``, ``aarch64-linux`` and ``aarch64-darwin``; or just ``all``.
+        platforms: those that the FMU shall run on, by default that of this machine: ``linux64``, ``win64``,
+            and of native FMUs ``darwin64``, ``aarch64-linux`` and ``aarch64-darwin``; or just ``all``.
         notify: called with a sentence before work that takes seconds; by default what is done once
             and then kept is said on standard error.
 
@@ -86,9 +91,12 @@ def build_fmu(
     if fmi not in TARGETS[target].files:
         raise BuildError(f"target = {target!r} makes FMUs for FMI 2.0 only: FMI 3.0 needs target = 'native'")
     known = TARGETS[target].platforms
+    if not all(platforms):
+        raise BuildError(nowhere())
     platforms = known if list(platforms) == ["all"] else platforms
     if not platforms or set(platforms) - set(known):
-        raise BuildError(f"platforms = {list(platforms)} must be some of {', '.join(known)}")
+        other = "" if target == "native" or set(platforms) - set(PLATFORMS) else "; target = 'native' has all"
+        raise BuildError(f"platforms = {list(platforms)} must be some of {', '.join(known)}{other}")
     directory = Path(directory)
     directory.mkdir(parents=True, exist_ok=True)
     links, law, varied = len(scene.chain.links), scene.contact.law_file, bool(scene.outputs.sensitivities)
@@ -111,6 +119,7 @@ def build_fmu(
 
 def validate_fmu(path: str | os.PathLike[str]) -> list[str]:
     """Check an FMU against the FMI standard; return what is wrong with it, a sentence each."""
+    fmpy_loaded()
     from fmpy.validation import validate_fmu as problems_of  # takes a second, so not at the top
 
     try:

@@ -24,9 +24,10 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from chain_impact.fmu.references import MANIFEST, TOLERANCES
-from chain_impact.fmu.run import read_fmu, simulated
+from chain_impact.fmu.run import platforms_of, read_fmu, simulated
 from chain_impact.scene.reading import SceneError
 from chain_impact.simulation.record_scene import RunError
+from chain_impact.system import HOST
 
 SHARE = 1e-3  # of the range of an output, tolerated where the FMU does not state its tolerance
 TABLE = "text/csv"
@@ -206,8 +207,6 @@ def _checked(path: Path, description: Any, experiment: Experiment) -> str:
     Raises:
         UncheckedError: when an output deviates, or something cannot be compared.
     """
-    import fmpy
-
     variables = {variable.name: variable for variable in description.modelVariables}
     time, settings = experiment.results["time"], experiment.settings
     names = [name for name in experiment.results if name != "time"]
@@ -216,8 +215,8 @@ def _checked(path: Path, description: Any, experiment: Experiment) -> str:
             raise UncheckedError(f"the FMU has no variable {name}")
     if not names:
         raise UncheckedError("not run: there is no column of numbers to compare", wrong=False)
-    if fmpy.platform not in fmpy.supported_platforms(str(path)):
-        raise UncheckedError(f"not run: the FMU has no binary for {fmpy.platform}", wrong=False)
+    if HOST not in platforms_of(path):
+        raise UncheckedError(f"not run: the FMU has no binary for {HOST}", wrong=False)
     default = getattr(description.defaultExperiment, "stepSize", None)
     step = settings.get("stepSize", float(default) if default else float(np.diff(time).min(initial=math.inf)))
     rows = simulated(

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from chain_impact.compilation.compilers import ZIG_TARGETS
+from chain_impact import system
 from chain_impact.fmu.arrays import array_variables
 from chain_impact.fmu.model_description import TOKEN, model_description
 from chain_impact.fmu.table import guid_of, model_table, packed
@@ -16,16 +16,8 @@ from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
 from chain_impact.variables.variable import LARGEST, variable_row
 
-PLATFORMS = tuple(ZIG_TARGETS)
+PLATFORMS = tuple(system.PLATFORMS)
 """All for which the kernel can be compiled."""
-TUPLES = {
-    "linux64": "x86_64-linux",
-    "win64": "x86_64-windows",
-    "darwin64": "x86_64-darwin",
-    "aarch64-linux": "aarch64-linux",
-    "aarch64-darwin": "aarch64-darwin",
-}
-"""What FMI 3.0 calls the platforms (2.5.1.4.1)."""
 TABLE = "resources/model.bin"
 
 
@@ -53,7 +45,7 @@ def native_fmi3_files(model: Model, kernels: Mapping[str, Path], _scratch: Path)
         (variable_row(array.variable, model.word(array.variable)), array.length)
         for array in array_variables(model)
     ]
-    kernels = {TUPLES[platform]: library for platform, library in kernels.items()}
+    kernels = {system.PLATFORMS[platform].fmi3: library for platform, library in kernels.items()}
     description = model_description(model, tool(), 3)
     return _files(model, kernels, description, TOKEN[3], [(time, 1), *arrays])
 

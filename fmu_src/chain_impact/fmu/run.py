@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import io
+import re
+import shutil
 import tempfile
+import zipfile
 from collections.abc import Mapping
-from contextlib import chdir, redirect_stderr
+from contextlib import chdir, nullcontext, redirect_stderr, redirect_stdout
 from numbers import Integral, Real
 from pathlib import Path
 from types import MappingProxyType
@@ -24,10 +27,28 @@ from chain_impact.scene.names import STOPS, input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.simulation.record_scene import RunError, value_of
 from chain_impact.simulation.simulate import check_size
+from chain_impact.system import HOST, PLATFORMS
 
 EXPERIMENT = ("simulation.stop_time", "simulation.step_size")
 """What can be set of an FMU besides its parameters, for this run only."""
 WARNING = 1  # fmi2Warning; what is worse comes after it
+
+
+def fmpy_loaded() -> Any:
+    """The package fmpy, which takes half a second; on ARM Linux it prints that a part of it is missing."""
+    with redirect_stdout(io.StringIO()):
+        import fmpy
+
+    return fmpy
+
+
+def platforms_of(path: str | Path) -> list[str]:
+    """The platforms that an FMU has binaries for, as ``--platform`` names those that this package knows."""
+    ours = {one.fmi3: name for name, one in PLATFORMS.items()}
+    with zipfile.ZipFile(path) as fmu:
+        found = (re.fullmatch(r"binaries/([^/]+)/[^/]+", name) for name in fmu.namelist())
+    folders = sorted({file[1] for file in found if file})
+    return [ours.get(folder, folder) for folder in folders]
 
 
 def read_fmu(path: Path) -> Any:
@@ -36,8 +57,7 @@ def read_fmu(path: Path) -> Any:
     Raises:
         SceneError: when the file is no FMU.
     """
-    import fmpy  # takes half a second, so not at the top
-
+    fmpy = fmpy_loaded()
     try:
         return fmpy.read_model_description(str(path))
     except OSError:
@@ -143,8 +163,7 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
     Raises:
         RunError: when it fails, with the first reason that the FMU gave.
     """
-    import fmpy
-
+    fmpy = fmpy_loaded()
     said = io.StringIO()  # what a slave in Python prints: it runs in this process
     logged: list[str] = []  # what a native FMU says to the importer
 
@@ -152,15 +171,19 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
         if status > WARNING:
             logged.append(message.decode(errors="replace"))
 
+    # where fmpy takes the processor for another one, it says that a part of it is missing
+    talk = nullcontext() if fmpy.platform == HOST else redirect_stdout(io.StringIO())
     try:
         # fmpy leaves the working directory changed when it cannot load the FMU's library, and what it has
         # unpacked when a call fails
         with (
             tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder,
             redirect_stderr(said),
+            talk,
             chdir("."),
         ):
             fmpy.extract(str(path), folder)
+            _place_binaries(Path(folder, "binaries"), fmpy.platform)
             rows: np.ndarray = fmpy.simulate_fmu(
                 folder, model_description=description, logger=log, debug_logging=True, **options
             )
@@ -169,6 +192,14 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
         reason = (said.getvalue().splitlines()[-1:] or logged or [str(error)])[0]
         raise RunError(f"{path}: {reason}") from None
     return rows
+
+
+def _place_binaries(binaries: Path, folder: str) -> None:
+    """Put this machine's binaries where fmpy looks: it knows the processor for FMI 3.0 only."""
+    names = [HOST, PLATFORMS[HOST].fmi3] if HOST and folder != HOST else []
+    for name in names:
+        if (binaries / name).is_dir():
+            shutil.copytree(binaries / name, binaries / folder, dirs_exist_ok=True)
 
 
 def _walls(values: Mapping[str, float]) -> dict[str, HalfPlane]:

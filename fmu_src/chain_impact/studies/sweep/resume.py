@@ -27,6 +27,7 @@ from chain_impact.scene.scene import Scene, scene_to_dict
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import Job
 from chain_impact.studies.sweep.pieces import Span
+from chain_impact.system import remove_lock
 
 SUFFIX, LOCK = ".partial", ".lock"
 FORMAT = 1  # of the file; raised when it changes
@@ -104,8 +105,7 @@ def _locked(table: Path) -> Iterator[None]:
     try:
         yield
     finally:
-        Path(lock.lock_file).unlink(missing_ok=True)
-        lock.release()
+        remove_lock(lock)
 
 
 @contextmanager
@@ -123,6 +123,7 @@ def _opened(path: Path, head: dict[str, Any], rows: np.ndarray) -> Iterator[Book
             try:
                 _write(file, json.dumps(head).encode() + b"\n")
             except OSError:  # half a line is no sweep's
+                file.close()
                 path.unlink()
                 raise
         book = Book(done, file, not done)

@@ -17,8 +17,9 @@ from chain_impact.studies.sweep.job import job_of
 from chain_impact.studies.sweep.pieces import missing
 from chain_impact.studies.sweep.resume import kept, partial_path
 from chain_impact.studies.sweep.table import Sweep, table_path
-from chain_impact.studies.sweep.threads import cores, run_in_threads
+from chain_impact.studies.sweep.threads import run_in_threads
 from chain_impact.studies.sweep.variation import Values, variations_of
+from chain_impact.system import cores
 from chain_impact.variables.model import Model
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Generator, Sequence
 from queue import SimpleQueue
 from threading import Event, Thread
@@ -14,14 +13,9 @@ from chain_impact.compilation.work import Notify
 from chain_impact.studies.sweep.design import Design
 from chain_impact.studies.sweep.job import Job, Runner
 from chain_impact.studies.sweep.pieces import Pieces, Span
+from chain_impact.system import next_of
 
 PIECE = 0.1  # s
-
-
-def cores() -> int:
-    """How many cores this process may use."""
-    affinity = getattr(os, "sched_getaffinity", None)  # not on every system
-    return len(affinity(0)) if affinity else os.cpu_count() or 1
 
 
 def run_in_threads(
@@ -54,7 +48,7 @@ def run_in_threads(
             thread.start()
         at_work = len(team)
         while at_work:
-            found = finished.get()
+            found = next_of(finished)
             if isinstance(found, BaseException):
                 raise found
             if found is None:

@@ -1,0 +1,195 @@
+"""All that differs by the operating system and by the processor.
+
+Two more places cannot use it, because they run without this package: the slave of an FMU (slave.py), and the
+C interface of native FMUs (compilation/c_interface/).
+"""
+
+from __future__ import annotations
+
+import ctypes
+import getpass
+import io
+import os
+import platform
+import shlex
+import stat
+import struct
+import subprocess
+import sys
+import sysconfig
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from queue import Empty, SimpleQueue
+from typing import Any, NamedTuple, TypeVar
+
+T = TypeVar("T")
+SYSTEM = platform.system()
+WINDOWS = "Windows"
+
+
+class Platform(NamedTuple):
+    """A system and a processor that kernels are made for.
+
+    Attributes:
+        system: what Python calls the system.
+        machine: what Python calls the processor there.
+        suffix: of the file of a shared library.
+        fmi3: what FMI 3.0 calls the platform (2.5.1.4.1).
+    """
+
+    system: str
+    machine: str
+    suffix: str
+    fmi3: str
+
+
+PLATFORMS = {
+    "linux64": Platform("Linux", "x86_64", ".so", "x86_64-linux"),
+    "win64": Platform(WINDOWS, "amd64", ".dll", "x86_64-windows"),
+    "darwin64": Platform("Darwin", "x86_64", ".dylib", "x86_64-darwin"),
+    "aarch64-linux": Platform("Linux", "aarch64", ".so", "aarch64-linux"),
+    "aarch64-darwin": Platform("Darwin", "arm64", ".dylib", "aarch64-darwin"),
+}
+"""Of all platforms. FMI 2.0 names the first three, FMI 3.0 the others."""
+
+
+def _host(system: str, machine: str, word: int) -> str:
+    """The platform of a Python whose addresses have so many bytes; empty if there are no kernels for it."""
+    found = (name for name, one in PLATFORMS.items() if (one.system, one.machine) == (system, machine))
+    return next(found, "") if word == struct.calcsize("q") else ""
+
+
+def _machine() -> str:
+    """The processor that this Python is made for: Windows on ARM runs one for x86-64, too."""
+    return sysconfig.get_platform().partition("-")[2] if SYSTEM == WINDOWS else platform.machine()
+
+
+HOST = _host(SYSTEM, _machine(), struct.calcsize("P"))
+"""The platform that this Python runs on; empty if there are no kernels for it."""
+
+
+def nowhere() -> str:
+    """What is said where no kernel runs, and what to do instead."""
+    known = "Linux (x86-64, ARM), Windows (x86-64) and macOS, with a Python of 64 bits"
+    return (
+        f"chain-impact runs on {known}, not on {platform.platform()} ({_machine()}): use such a machine, "
+        "or a container or a virtual machine for one of them"
+    )
+
+
+# --- the processor -----------------------------------------------------------------------------------------
+
+# Of processors with vectors of four numbers: Intel's since 2013, AMD's since 2015.
+WIDE_FLAGS = {"avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "abm", "movbe", "xsave"}
+AVX2 = 40  # PF_AVX2_INSTRUCTIONS_AVAILABLE of Windows; Intel's and AMD's processors with it have the others
+WIDE_PLATFORMS = ("linux64", "win64")
+"""Those on which it is known whether the processor has such vectors."""
+
+
+def has_wide_vectors() -> bool:
+    """Whether this machine has vectors of four numbers; false where that is not known."""
+    if HOST not in WIDE_PLATFORMS:  # an emulator of ARM shows the file of the machine that it runs on
+        return False
+    if SYSTEM == WINDOWS:
+        kernel: Any = ctypes.CDLL("kernel32")
+        return bool(kernel.IsProcessorFeaturePresent(AVX2))
+    try:
+        flags = Path("/proc/cpuinfo").read_text(encoding="ascii", errors="replace").partition("flags")[2]
+    except OSError:
+        return False
+    return set(flags.partition("\n")[0].split()) >= WIDE_FLAGS
+
+
+def cores() -> int:
+    """How many cores this process may use."""
+    affinity = getattr(os, "sched_getaffinity", None)  # Linux has it
+    return len(affinity(0)) if affinity else os.cpu_count() or 1
+
+
+# --- files -------------------------------------------------------------------------------------------------
+
+
+def cache_folder() -> Path:
+    """The user's folder for what can be made again.
+
+    Raises:
+        RuntimeError: when the user has no home.
+    """
+    import platformdirs
+
+    return Path(platformdirs.user_cache_dir("chain-impact", appauthor=False))
+
+
+def user() -> str:
+    """What tells this user from the others of this machine."""
+    return getpass.getuser() if SYSTEM == WINDOWS else str(os.getuid())
+
+
+def only_ours(found: os.stat_result) -> bool:
+    """Whether a folder for temporary files is this user's, and nobody else can write in it.
+
+    In Windows, each user has a folder for temporary files that is closed to the others.
+    """
+    if SYSTEM == WINDOWS:
+        return stat.S_ISDIR(found.st_mode)
+    ours = stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid()
+    return ours and not found.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+
+
+def remove_lock(lock: Any) -> None:
+    """Release a lock (filelock's) and remove its file.
+
+    Windows removes no file that is open. Elsewhere the file goes first, so that nobody takes it in between.
+    """
+    file = Path(lock.lock_file)
+    if SYSTEM == WINDOWS:
+        lock.release()
+        with suppress(OSError):  # somebody else holds it by now
+            file.unlink()
+    else:
+        file.unlink(missing_ok=True)
+        lock.release()
+
+
+@contextmanager
+def removal() -> Iterator[None]:
+    """Say why kernels cannot be removed: Windows keeps each library that a program has loaded.
+
+    Elsewhere a loaded library stays until its program ends. No kernel is ever replaced by another one, as
+    the folder's name tells the sources, and the file's name all else.
+
+    Raises:
+        PermissionError: with what to do.
+    """
+    try:
+        yield
+    except PermissionError as error:
+        if SYSTEM != WINDOWS:
+            raise
+        why = "in use: end the programs that simulate, and try again"
+        raise PermissionError(0, why, error.filename) from None
+
+
+# --- the console -------------------------------------------------------------------------------------------
+
+LISTEN = 0.2  # s
+
+
+def prepare_console() -> None:
+    """Let what an encoding does not have be printed as a question mark, where it would end the program."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
+
+
+def next_of(queue: SimpleQueue[T]) -> T:
+    """Wait for what comes next; Ctrl-C ends the wait, for which Windows needs a wait that ends by itself."""
+    while True:
+        with suppress(Empty):
+            return queue.get(timeout=LISTEN)
+
+
+def quoted(word: str) -> str:
+    """A word of a command as the shell of this system takes it."""
+    return subprocess.list2cmdline([word]) if SYSTEM == WINDOWS else shlex.quote(word)

@@ -1,0 +1,69 @@
+"""Completions for shells: what argcomplete answers, and that a shell takes the script."""
+
+import os
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+from chain_impact.cli import completion
+
+
+def asked(line, folder):
+    """What a shell is told for a line that is being typed, as the scripts of argcomplete ask."""
+    answer = folder / "answer"
+    settings = {
+        "_ARGCOMPLETE": "1",
+        "_ARGCOMPLETE_IFS": "\n",
+        "_ARGCOMPLETE_STDOUT_FILENAME": str(answer),
+        "COMP_LINE": line,
+        "COMP_POINT": str(len(line)),
+        "COMP_TYPE": "9",
+    }
+    command = [sys.executable, "-m", "chain_impact.cli"]
+    done = subprocess.run(command, cwd=folder, env=os.environ | settings, capture_output=True, check=False)
+    assert done.returncode == 0
+    return [word.rstrip() for word in answer.read_text(encoding="utf-8").splitlines()]
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("chain-impact s", ["simulate", "sweep"]),
+        ("chain-impact info rod_d", ["rod_drop"]),
+        ("chain-impact simulate rod_drop --set contact.re", ["contact.restitution="]),
+        ("chain-impact sweep rod_drop --vary box.y", ["box.y_min="]),
+        ("chain-impact sweep rod_drop --output energy.t", ["energy.total"]),
+        (
+            "chain-impact fit rod_drop data.csv --free initial.x,contact.sti",
+            ["initial.x,contact.stiffness"],
+        ),
+        ("chain-impact fit rod_drop data.csv --sigma energy.t", ["energy.total="]),
+        ("chain-impact compare --laws hertz,flo", ["hertz,flores"]),
+        ("chain-impact simulate no_such_scene --set contact.re", []),
+        ("chain-impact info mine", ["mine.toml"]),
+    ],
+)
+def test_the_shell_is_told_what_can_stand_there(line, words, tmp_path):
+    (tmp_path / "mine.toml").touch()
+    (tmp_path / "mine.txt").touch()
+    assert asked(line, tmp_path) == words
+
+
+@pytest.mark.parametrize("shell", completion.SHELLS)
+def test_there_is_a_script_for_each_shell(shell, tmp_path):
+    command = [sys.executable, "-m", "chain_impact.cli", "completion", shell]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert "chain-impact" in done.stdout
+    program = shutil.which(shell)
+    if program:  # Debian always has the first one
+        script = tmp_path / "script"
+        script.write_text(done.stdout, encoding="utf-8")
+        subprocess.run([program, "-n", script], check=True)
+
+
+def test_who_does_not_ask_pays_nothing():
+    program = "import sys; from chain_impact import cli; cli.parser(); print('argcomplete' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "False"

@@ -1,0 +1,178 @@
+"""What differs by the system: each system's part, wherever the tests run."""
+
+import io
+import os
+import signal
+import stat
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+from queue import SimpleQueue
+from types import SimpleNamespace
+
+import pytest
+from filelock import FileLock, Timeout
+
+from chain_impact import BuildError, build_fmu, system
+from chain_impact.compilation import compilers, library
+from chain_impact.fmu.native_target import PLATFORMS
+
+SYSTEMS = {"linux": "Linux", "win32": "Windows", "darwin": "Darwin"}
+
+
+@pytest.mark.parametrize(
+    ("name", "machine", "word", "host"),
+    [
+        ("Linux", "x86_64", 8, "linux64"),
+        ("Linux", "aarch64", 8, "aarch64-linux"),
+        ("Windows", "amd64", 8, "win64"),
+        ("Darwin", "x86_64", 8, "darwin64"),
+        ("Darwin", "arm64", 8, "aarch64-darwin"),
+        ("Linux", "x86_64", 4, ""),
+        ("Linux", "riscv64", 8, ""),
+        ("Windows", "arm64", 8, ""),
+        ("FreeBSD", "amd64", 8, ""),
+    ],
+)
+def test_the_kernel_is_that_of_the_system_and_the_processor(name, machine, word, host):
+    assert system._host(name, machine, word) == host
+
+
+def test_this_machine_has_a_platform():
+    assert SYSTEMS[sys.platform] == system.PLATFORMS[system.HOST].system
+
+
+def test_each_platform_has_a_kernel_and_a_binary():
+    assert set(compilers.ZIG_TARGETS) == set(system.PLATFORMS) == set(PLATFORMS)
+
+
+def test_elsewhere_one_sentence_says_what_to_do(monkeypatch, tmp_path):
+    with pytest.raises(BuildError, match=r"^chain-impact runs on Linux .*, not on .*: use such a "):
+        library.kernel_library(4, "")
+    with pytest.raises(BuildError, match=r"^chain-impact runs on Linux "):
+        build_fmu("rod_drop", tmp_path, platforms=("",))
+
+
+def test_the_processor_of_windows_is_asked_of_windows(monkeypatch):
+    asked = []
+    kernel = SimpleNamespace(IsProcessorFeaturePresent=lambda feature: asked.append(feature) or 1)
+    monkeypatch.setattr(system, "SYSTEM", "Windows")
+    monkeypatch.setattr(system, "HOST", "win64")
+    monkeypatch.setattr(system.ctypes, "CDLL", {"kernel32": kernel}.__getitem__)
+    assert system.has_wide_vectors()
+    assert asked == [40]
+
+
+@pytest.mark.parametrize(
+    ("flags", "wide"), [("avx2 fma", False), (" ".join(sorted(system.WIDE_FLAGS)), True)]
+)
+def test_the_processor_of_linux_is_read_from_a_file(monkeypatch, flags, wide):
+    monkeypatch.setattr(system, "SYSTEM", "Linux")
+    monkeypatch.setattr(system, "HOST", "linux64")
+    monkeypatch.setattr(Path, "read_text", lambda *_, **__: f"model\t: 1\nflags\t: fpu {flags}\nbugs\t:\n")
+    assert system.has_wide_vectors() == wide
+    monkeypatch.setattr(system, "HOST", "aarch64-linux")  # emulated on such a processor
+    assert not system.has_wide_vectors()
+
+
+def test_where_there_is_no_such_file_nothing_is_known(monkeypatch):
+    def missing(*_, **__):
+        raise FileNotFoundError
+
+    monkeypatch.setattr(system, "SYSTEM", "Linux")
+    monkeypatch.setattr(system, "HOST", "linux64")
+    monkeypatch.setattr(Path, "read_text", missing)
+    assert not system.has_wide_vectors()
+
+
+def test_it_runs_on_all_cores_that_it_may_use(monkeypatch):
+    assert 1 <= system.cores() <= os.cpu_count()
+    monkeypatch.delattr(os, "sched_getaffinity", raising=False)
+    assert system.cores() == os.cpu_count()
+
+
+def test_users_are_told_apart_without_numbers_too(monkeypatch):
+    monkeypatch.setattr(system, "SYSTEM", "Windows")
+    monkeypatch.delattr(os, "getuid", raising=False)
+    monkeypatch.setenv("LOGNAME", "somebody")
+    assert system.user() == "somebody"
+    assert system.only_ours(SimpleNamespace(st_mode=stat.S_IFDIR | 0o777))
+    assert not system.only_ours(SimpleNamespace(st_mode=stat.S_IFREG | 0o600))
+
+
+@pytest.mark.parametrize("name", ["Linux", "Windows"])
+def test_a_lock_leaves_nothing_behind_and_is_free(monkeypatch, tmp_path, name):
+    monkeypatch.setattr(system, "SYSTEM", name)
+    lock = FileLock(tmp_path / "one.lock")
+    lock.acquire()
+    with pytest.raises(Timeout):
+        FileLock(tmp_path / "one.lock").acquire(timeout=0)
+    system.remove_lock(lock)
+    assert not lock.is_locked
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_kernel_that_windows_holds_is_not_removed(monkeypatch):
+    def refused():
+        with system.removal():
+            raise PermissionError(13, "Access is denied", "kernel.dll")
+
+    with pytest.raises(PermissionError, match="Access is denied"):
+        refused()
+    monkeypatch.setattr(system, "SYSTEM", "Windows")
+    with pytest.raises(PermissionError, match="in use: end the programs that simulate") as caught:
+        refused()
+    assert caught.value.filename == "kernel.dll"
+
+
+def test_signs_that_the_console_does_not_have_do_not_end_the_program(monkeypatch):
+    for name in ("stdout", "stderr"):
+        monkeypatch.setattr(sys, name, io.TextIOWrapper(io.BytesIO(), encoding="cp1252"))
+    system.prepare_console()
+    print("λ = 3 …")
+    sys.stdout.flush()
+    assert sys.stdout.buffer.getvalue() == "? = 3 …\n".encode("cp1252")
+    monkeypatch.setattr(sys, "stdout", io.StringIO())  # as in a notebook
+    system.prepare_console()
+
+
+def test_what_comes_next_is_waited_for(monkeypatch):
+    monkeypatch.setattr(system, "LISTEN", 0.01)
+    queue = SimpleQueue()
+    threading.Timer(0.05, queue.put, ["here"]).start()
+    assert system.next_of(queue) == "here"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends a signal")
+def test_ctrl_c_ends_a_wait():
+    program = "from queue import SimpleQueue; from chain_impact.system import next_of; print(flush=True);"
+    waiting = subprocess.Popen(
+        [sys.executable, "-c", program + "next_of(SimpleQueue())"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    waiting.stdout.readline()
+    time.sleep(0.1)
+    waiting.send_signal(signal.SIGINT)
+    assert waiting.communicate(timeout=30)[1].rstrip().endswith(b"KeyboardInterrupt")
+
+
+def test_words_are_quoted_as_the_shell_takes_them(monkeypatch):
+    monkeypatch.setattr(system, "SYSTEM", "Linux")
+    assert system.quoted("a b[c]") == "'a b[c]'"
+    monkeypatch.setattr(system, "SYSTEM", "Windows")
+    assert system.quoted(r"C:\a b\python.exe") == r'"C:\a b\python.exe"'
+
+
+def test_no_other_module_asks_for_the_system():
+    """But for the slave, which runs without this package."""
+    package = Path(system.__file__).parent
+    words = ("sys.platform", "platform.system", "os.name", "getuid", "sched_getaffinity", "/proc/", "winreg")
+    found = {
+        file.relative_to(package).as_posix()
+        for file in package.rglob("*.py")
+        if any(word in file.read_text(encoding="utf-8") for word in words)
+    }
+    assert found == {"system.py"}
