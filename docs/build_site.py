@@ -1,6 +1,7 @@
 """Build the site in ``site/``: ``python docs/build_site.py``. With ``--serve`` show it while you write.
 
-Zensical reads ``mkdocs.yml``. It knows no notebooks, so they are run and made pages before.
+Zensical reads ``mkdocs.yml``. It knows no notebooks, so they are run and made pages before. The pages that
+simulate are written by ``try_it.py``.
 """
 
 from __future__ import annotations
@@ -11,6 +12,8 @@ import subprocess
 import sys
 import tomllib
 from pathlib import Path
+
+import try_it
 
 DOCS = Path(__file__).parent
 SITE = DOCS.parent / "site"
@@ -65,9 +68,11 @@ def main() -> int:
     command = ["serve"] if parser.parse_args().serve else ["build", "--clean", "--strict"]
     make_pages(NOTEBOOKS, DOCS / "notebooks")
     add_links(DOCS / "notebooks", repository())
+    try_it.write_page()
     zensical = [sys.executable, "-m", "zensical", *command]
     code = subprocess.run(zensical, cwd=DOCS.parent, check=False).returncode
     finish()
+    try_it.finish(SITE)
     if code == 0 and command[0] == "build":
         print(f"{SITE.relative_to(DOCS.parent)}/index.html")
     return code

@@ -198,7 +198,7 @@ def _generic(description: str) -> str:
 def _meaning(pattern: str, variable: Variable) -> str:
     """The description; long lists of codes stand elsewhere."""
     if pattern == "contact.model":
-        return "force law of walls, and of stops without one of their own, by its [number](contact_laws.md#the-laws)"
+        return "law of walls, and of stops without one of their own: its [number](contact_laws.md#the-laws)"
     if pattern == "solver.status":
         return "status of the solver: see its [codes](troubleshooting.md#statuses-of-the-solver)"
     kind = "" if variable.type == "real" else f" ({variable.type})"

@@ -1,4 +1,4 @@
-"""Draw ``images/animation.png``, the page of an animation in Chromium: ``python docs/screenshot.py``."""
+"""Draw the pages in Chromium, ``images/animation.png`` and ``explore.png``: ``python docs/screenshot.py``."""
 
 from __future__ import annotations
 
@@ -8,27 +8,35 @@ from pathlib import Path
 
 from playwright.sync_api import sync_playwright
 
-from chain_impact import load_scene
+from chain_impact import explore, load_scene
 from chain_impact.results.animation import animate
 from chain_impact.studies.slow_motion import record_slowly
 
-PICTURE = Path(__file__).parent / "images" / "animation.png"
+IMAGES = Path(__file__).parent / "images"
 SIZE = {"width": 1280, "height": 760}
+WIDER = {"width": 1366, "height": 760}  # for the parameters beside it
 KEYS = ["Shift+ArrowRight"] * 5 + ["ArrowRight"] * 9  # to the middle of the fifth impact
+CHANGES = "#contact.restitution=0.5"
 
 
 def main() -> None:
-    """Open the animation of the default scene, go to an impact, and keep what is to be seen."""
+    """Open the pages of the default scene, go to an impact, and keep what is to be seen."""
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
-        page_file = Path(folder, "animation.html")
-        animate(record_slowly(load_scene("four_link_box")), page_file)
+        animation, exploring = Path(folder, "animation.html"), Path(folder, "explore.html")
+        animate(record_slowly(load_scene("four_link_box")), animation)
+        explore("four_link_box", exploring)
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
-        page = browser.new_page(viewport=SIZE, reduced_motion="reduce")
-        page.goto(page_file.as_uri())
-        for key in KEYS:
-            page.keyboard.press(key)
-        page.wait_for_timeout(300)
-        page.screenshot(path=PICTURE)
+        for address, size, name in (
+            (animation.as_uri(), SIZE, "animation"),
+            (exploring.as_uri() + CHANGES, WIDER, "explore"),
+        ):
+            page = browser.new_page(viewport=size, reduced_motion="reduce")
+            page.goto(address)
+            page.wait_for_function("performance.getEntriesByName('first-frame').length === 1")
+            for key in KEYS:
+                page.keyboard.press(key)
+            page.wait_for_timeout(300)
+            page.screenshot(path=IMAGES / f"{name}.png")
         browser.close()
 
 

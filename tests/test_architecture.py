@@ -25,6 +25,7 @@ TESTED_ELSEWHERE = {
     "cli/build.py": "cli/test_commands.py",
     "cli/cache.py": "cli/test_commands.py",
     "cli/compare.py": "cli/test_commands.py",
+    "cli/explore.py": "cli/test_explore_command.py",
     "cli/fit.py": "cli/test_fit_command.py",
     "cli/info.py": "cli/test_commands.py",
     "cli/options.py": "cli/test_commands.py",
@@ -76,6 +77,7 @@ TESTED_ELSEWHERE = {
     },
     "variables/variable.py": "variables/test_table.py",
     "results/impacts.py": "results/test_impacts_of.py",
+    "results/explore/description.py": "results/explore/test_kernel.py",
     "kernel/status.py": "variables/test_table.py",
     "kernel/tangent/blocks.py": "kernel/tangent/test_entry.py",
 }

@@ -13,18 +13,21 @@ from typing import NamedTuple
 import build_site
 import generate
 import pytest
+import try_it
 
 from chain_impact import cli
 from chain_impact.compilation.library import LINKING, LOWERING
 from chain_impact.compilation.ready import DERIVATIVES, KERNEL
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.record.instance import instance_dtype
+from chain_impact.scene.models import model_names
 from chain_impact.scene.scene import scene_keys
 from tests.processes import Processes
 
 ROOT = Path(__file__).parents[1]
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
-DOCS = sorted(page for page in (ROOT / "docs").rglob("*.md") if page.with_suffix(".ipynb") not in NOTEBOOKS)
+MADE = {try_it.PAGE, *(notebook.with_suffix(".md") for notebook in NOTEBOOKS)}  # by the build of the site
+DOCS = sorted(page for page in (ROOT / "docs").rglob("*.md") if page not in MADE)
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "models").glob("*.md"), *DOCS])
 # what a page may ask a reader to run, besides scripts of the repository
 KNOWN = re.compile(
@@ -303,3 +306,15 @@ def test_notebooks_link_to_a_service_once_the_repository_has_an_address(tmp_path
     link = f"https://colab.research.google.com/github/owner/name/blob/main/docs/notebooks/{NOTEBOOKS[0].name}"
     assert page.read_text(encoding="utf-8") == f"# Title\n\n[Run this notebook in Colab]({link})\n\nText\n"
     assert build_site.repository().count("/") in (0, 1)
+
+
+def test_the_page_to_try_has_every_model_and_links_to_its_page(tmp_path, monkeypatch):
+    monkeypatch.setattr(try_it, "PAGE", tmp_path / "try_it.md")
+    try_it.write_page()
+    text = (tmp_path / "try_it.md").read_text(encoding="utf-8")
+    found = re.findall(r'<a href="try/(\w+)\.html" target="try">', text)
+    assert found[0] == "four_link_box"
+    assert sorted(found) == sorted(model_names())
+    for model in found:
+        assert f'<a href="models/{model}.html">' in text
+        assert (ROOT / "docs" / "models" / f"{model}.md").is_file()

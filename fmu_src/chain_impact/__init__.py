@@ -24,6 +24,7 @@ from chain_impact.simulation.record_scene import RunError
 from chain_impact.simulation.simulate import simulate, with_law
 from chain_impact.studies.animate import animate
 from chain_impact.studies.compare import Comparison, LawRun, compare
+from chain_impact.studies.explore import explore
 from chain_impact.studies.fit.fit import fit
 from chain_impact.studies.fit.result import Fit, LawFit
 from chain_impact.studies.slow_motion import record_slowly
@@ -59,6 +60,7 @@ __all__ = [
     "animate",
     "build_fmu",
     "compare",
+    "explore",
     "fit",
     "impacts_of",
     "load_scene",

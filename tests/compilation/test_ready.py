@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from chain_impact.compilation import compilers, ready
+from chain_impact.compilation import browser, compilers, ready
 from chain_impact.compilation.library import kernel_library
 from chain_impact.compilation.sources import fingerprint
 from chain_impact.system import HOST, PLATFORMS
@@ -29,6 +29,10 @@ def link(text, library, platform, links, *, derivatives, cpu=None):
     library.write_text(f"{text} for {links}" + (f" on {cpu}" if cpu else ""))
 
 
+def link_for_browser(text, module):
+    module.write_text(f"{text} for a browser")
+
+
 @pytest.fixture
 def said():
     return []
@@ -41,6 +45,7 @@ def made(tmp_path, monkeypatch, said):
     monkeypatch.setattr(compilers, "prepare_zig", lambda _: None)
     monkeypatch.setattr(compilers, "lower", lower)
     monkeypatch.setattr(compilers, "link", link)
+    monkeypatch.setattr(browser, "link", link_for_browser)
     assert not ready.all_cached()
     ready.make(tmp_path / "ready", say=said.append)
     monkeypatch.setattr(ready, "FOLDER", tmp_path / "ready")
@@ -62,7 +67,8 @@ def test_there_is_a_kernel_for_every_chain(made):
     assert ready.find(ready.library_name(ready.exact(4), "linux64")).read_text() == "a module for 4"
     assert ready.find(ready.library_name(ready.exact(64), "linux64")).read_text() == "a module for None"
     assert ready.find(ready.library_name(4, "win64")) is None
-    assert len(ready.libraries()) == ready.LARGEST_EXACT + 1
+    assert ready.find(browser.MODULE).read_text() == "a module for a browser"
+    assert len(ready.libraries()) == ready.LARGEST_EXACT + 2
     assert ready.module() == "a module"
     assert lzma.decompress((made / ready.MODULE).read_bytes()) == b"a module"
     assert not [path for path in made.iterdir() if path.is_dir()]
@@ -71,8 +77,8 @@ def test_there_is_a_kernel_for_every_chain(made):
 def test_it_is_said_what_is_done(made, said):
     """pip shows these lines: none is long after the one before."""
     assert said[0] == "compiling kernel, for any number of links"
-    assert "linking kernel-1-linux64.so, 2 of 11" in said
-    assert len(said) == 1 + len(ready.SIZES)
+    assert "linking kernel-1-linux64.so, 2 of 12" in said
+    assert len(said) == 2 + len(ready.SIZES)
 
 
 def test_who_waits_long_is_told_that_work_goes_on(tmp_path, monkeypatch):
@@ -81,6 +87,7 @@ def test_who_waits_long_is_told_that_work_goes_on(tmp_path, monkeypatch):
     monkeypatch.setattr(ready, "PATIENCE", 0.01)
     monkeypatch.setattr(compilers, "prepare_zig", lambda _: None)
     monkeypatch.setattr(compilers, "link", link)
+    monkeypatch.setattr(browser, "link", link_for_browser)
 
     def slow(module, plain=None):
         while "still at work" not in said:
@@ -101,7 +108,7 @@ def test_a_wheel_for_release_carries_the_kernels_with_derivatives(made, tmp_path
     assert not [line for line in said if "kernel-" in line]
     monkeypatch.setattr(ready, "FOLDER", tmp_path / "release")
     ready._usable.cache_clear()
-    assert len(ready.libraries()) == len(ready.SIZES) + len(ready.DERIVATIVE_SIZES) + 1
+    assert len(ready.libraries()) == len(ready.SIZES) + len(ready.DERIVATIVE_SIZES) + 2
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "nothing"))
     monkeypatch.setattr(compilers, "wide_cpu", lambda: compilers.WIDE_CPU)
     found = {

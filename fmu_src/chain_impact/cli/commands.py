@@ -10,7 +10,19 @@ from errno import EACCES, EDQUOT, ENOSPC, EPERM, EROFS
 from importlib.metadata import version
 from typing import Any, NoReturn
 
-from chain_impact.cli import animate, build, cache, compare, completion, fit, info, simulate, sweep, validate
+from chain_impact.cli import (
+    animate,
+    build,
+    cache,
+    compare,
+    completion,
+    explore,
+    fit,
+    info,
+    simulate,
+    sweep,
+    validate,
+)
 from chain_impact.cli.options import UsageError
 from chain_impact.cli.progress import complain, out
 from chain_impact.compilation.errors import BuildError
@@ -24,7 +36,7 @@ REMEDIES = dict.fromkeys((ENOSPC, EDQUOT), "free some space, or write to another
     (EROFS, EACCES, EPERM), "ask for the right to use it, or choose another place"
 )
 """What to do when a file cannot be written: number of an error → a clause."""
-VERBS = (build, simulate, animate, compare, sweep, fit, info, validate, cache, completion)
+VERBS = (build, simulate, animate, explore, compare, sweep, fit, info, validate, cache, completion)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

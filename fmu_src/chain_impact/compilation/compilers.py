@@ -272,14 +272,23 @@ def _zig(
     flags: Iterable[str],
     libraries: Iterable[str] = (),
 ) -> None:
-    """Run zig's C compiler, in a cache that no other program uses."""
+    """Run zig's C compiler."""
     target, _ = ZIG_TARGETS[platform]
     options = ["cc", "-target", target, f"-mcpu={cpu or CPUS[target.partition('-')[0]]}", *FLAGS]
     options += ["-fvisibility=hidden", *flags]
     paths = map(str, (*(f"-I{folder}" for folder in INCLUDES), "-o", output, *inputs))
+    run_zig([*options, *paths, *libraries], output)
+
+
+def run_zig(arguments: Iterable[str], output: Path) -> None:
+    """Run zig in a cache that no other program uses; what it makes on the way is put beside the output.
+
+    Raises:
+        BuildError: when it fails.
+    """
     folders = {"ZIG_GLOBAL_CACHE_DIR": linker_folder(), "ZIG_LOCAL_CACHE_DIR": output.with_name("zig")}
     places = {name: str(path) for name, path in folders.items()}
-    _check(_run("-m", "ziglang", *options, *paths, *libraries, **places))
+    _check(_run("-m", "ziglang", *arguments, **places))
 
 
 def _from_windows() -> list[str]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from chain_impact.compilation import cache, compilers, ready
+from chain_impact.compilation import browser, cache, compilers, ready
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.law_file import LawError, UserLaw, read_law
 from chain_impact.compilation.ready import DERIVATIVES, KERNEL, WIDE, lowered
@@ -77,6 +77,36 @@ def kernel_library(
             )
 
     return cache.made(name, add_law, notify)
+
+
+def browser_module(notify: Notify | None = None, law_file: str = "") -> Path:
+    """Return the kernel for any number of links as a WebAssembly module.
+
+    Args:
+        notify: as for ``kernel_library``.
+        law_file: likewise.
+
+    Raises:
+        BuildError: likewise, and when the law calls a function that a browser's kernel does not have.
+    """
+    notify = notify or announce
+    law = _law(law_file) if law_file else None
+    name = f"{_law_name(law)}-{browser.MODULE}" if law else browser.MODULE
+    found = ready.find(name) or cache.find(name)
+    if found:
+        return found
+    compilers.require_compilers(
+        f"{law_file}: a contact law of one's own" if law_file else "a page that computes"
+    )
+    lowered_law = _lowered_law(law, law_file, notify) if law else None
+
+    def write(file: Path) -> None:
+        module = _lowered_kernel(KERNEL, notify)
+        notify(Work("linking the kernel for a browser", LINKING[KERNEL]))
+        with _about(law_file):
+            browser.link(module, file, lowered_law)
+
+    return cache.made(name, write, notify)
 
 
 def _lowered_kernel(what: str, notify: Notify) -> str:

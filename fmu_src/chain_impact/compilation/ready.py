@@ -15,7 +15,7 @@ from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
 from typing import Any
 
-from chain_impact.compilation import cache, compilers
+from chain_impact.compilation import browser, cache, compilers
 from chain_impact.compilation.sources import PACKAGE, fingerprint
 from chain_impact.system import HOST, WIDE_PLATFORMS, cores
 
@@ -96,7 +96,7 @@ def _wanted(platform: str, derivatives: bool) -> dict[str, tuple[str, int | None
 
 def all_cached(platform: str = HOST, *, derivatives: bool = False) -> bool:
     """Whether all files for a platform are in the cache, so that it takes no compiler to ``make`` them."""
-    return all(cache.find(name) for name in (MODULE, *_wanted(platform, derivatives)))
+    return all(cache.find(name) for name in (MODULE, browser.MODULE, *_wanted(platform, derivatives)))
 
 
 def make(
@@ -121,7 +121,7 @@ def make(
         compilers.require_compilers("a wheel")
         _compile(wanted, platform, say)
     folder.mkdir()
-    for name in (MODULE, *wanted):
+    for name in (MODULE, browser.MODULE, *wanted):
         found = cache.find(name)
         assert found is not None, name
         shutil.copy(found, folder)
@@ -152,11 +152,15 @@ def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Call
         texts = dict(zip(names, each(text, names), strict=True))
         preparing.result()
 
-        def library(name: str) -> None:
-            kind, links = wanted[name]
+        names = [*wanted, browser.MODULE]
 
+        def library(name: str) -> None:
             def link(file: Path) -> None:
-                say(f"linking {name}, {list(wanted).index(name) + 1} of {len(wanted)}")
+                say(f"linking {name}, {names.index(name) + 1} of {len(names)}")
+                if name == browser.MODULE:
+                    browser.link(texts[lowered(KERNEL)], file)
+                    return
+                kind, links = wanted[name]
                 text, cpu = texts[lowered(kind)], PROCESSORS[kind]
                 compilers.link(text, file, platform, links, derivatives=kind != KERNEL, cpu=cpu)
 
@@ -167,4 +171,4 @@ def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Call
             file.write_bytes(lzma.compress(texts[lowered(KERNEL)].encode(), preset=1))
 
         cache.made(MODULE, pack)
-        each(library, wanted)
+        each(library, names)

@@ -139,7 +139,10 @@ class Material:
         "1", "coefficient of sliding friction, if not that of contact", None, minimum=0.0
     )
     static_friction: float | None = quantity(
-        "1", "coefficient of static friction; if missing: the wall's own friction, or else that of contact", None, minimum=0.0
+        "1",
+        "coefficient of static friction; if missing: the wall's own friction, or else that of contact",
+        None,
+        minimum=0.0,
     )
 
 
@@ -203,7 +206,9 @@ class Outputs:
 
     points: bool = quantity("", "position, velocity and acceleration of the points", True)
     links: bool = quantity("", "angle, its rate and acceleration of the links", True)
-    contacts: bool = quantity("", "force, penetration, impulse and dry friction of each contact, stop and joint", True)
+    contacts: bool = quantity(
+        "", "force, penetration, impulse and dry friction of each contact, stop and joint", True
+    )
     impacts: int = quantity("", "how many of the latest impacts", 8, minimum=0, maximum=LATEST)
     energies: bool = quantity("", "the energies", True)
     solver: bool = quantity("", "steps, evaluations and status of the solver", True)

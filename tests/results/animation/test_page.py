@@ -13,7 +13,7 @@ import pytest
 
 from chain_impact import load_scene, simulate
 from chain_impact.results.animation.frames import motion_of
-from chain_impact.results.animation.page import MODULES, PAGE, data, page, program
+from chain_impact.results.animation.page import FRAGMENTS, MODULES, PAGE, data, page, program
 from chain_impact.results.result import recording_of
 from chain_impact.studies.slow_motion import record_slowly
 
@@ -99,7 +99,8 @@ def test_a_module_imports_what_stands_before_it():
 
 def test_the_folder_holds_what_the_page_is_made_of():
     files = {file.name for file in PAGE.iterdir() if file.is_file()}
-    assert files == {"index.html", "style.css", "panels.css", *(f"{name}.js" for name in MODULES)}
+    pages = {f"{name}.html" for name in ("index", *FRAGMENTS)}
+    assert files == {*pages, "style.css", "panels.css", *(f"{name}.js" for name in MODULES)}
     assert {file.name for file in (PAGE / "vendor").iterdir()} == {*VENDORED, "README.md"}
 
 

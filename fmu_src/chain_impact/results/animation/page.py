@@ -6,7 +6,7 @@ import base64
 import json
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from importlib import resources
 from typing import Any
 
@@ -17,9 +17,12 @@ from chain_impact.results.animation.frames import Motion
 PAGE = resources.files("chain_impact.results.animation") / "browser"
 STYLES = ("vendor/uPlot.min.css", "style.css", "panels.css")
 LIBRARIES = ("vendor/uPlot.iife.min.js", "vendor/svg.min.js")
-MODULES = ("recording", "clock", "format", "room", "scene", "charts", "impacts", "controls", "main")
+PLAYER = ("recording", "clock", "format", "room", "scene", "charts", "impacts", "controls", "player")
+"""The modules that show a recording, each after those that it imports from."""
+MODULES = (*PLAYER, "packed", "main")
+FRAGMENTS = ("stage", "panels", "playback")
 IMPORT = re.compile(r"^import [^;]+;\n", re.MULTILINE)
-EXPORT = re.compile(r"^export (?=class|const|function)", re.MULTILINE)
+EXPORT = re.compile(r"^export (?=async|class|const|function)", re.MULTILINE)
 SOURCE_MAP = re.compile(r"^//# sourceMappingURL=.*$", re.MULTILINE)
 FINEST = 65535  # of 16 bits
 
@@ -31,21 +34,55 @@ def page(motion: Motion, speed: float = 1.0) -> str:
         motion: what to show.
         speed: at which it plays at first, 1 for real time.
     """
+    return assembled(
+        _text("index.html"),
+        motion.name,
+        styles(),
+        program(),
+        data=script_data(data(motion, speed)),
+    )
+
+
+def assembled(template: str, title: str, styles: Iterable[str], modules: str, **parts: str) -> str:
+    """A page with a player.
+
+    Args:
+        template: HTML with places to fill, ``{{ name }}``.
+        title: what the page shows.
+        styles: what style sheets hold.
+        modules: the page's program, as ``joined`` gives it.
+        parts: what to fill in at other places of the template.
+    """
     scripts = "\n".join(f"<script>\n{SOURCE_MAP.sub('', _text(name))}</script>" for name in LIBRARIES)
-    parts = {
-        "title": _escaped(motion.name),
-        "style": "\n".join(map(_text, STYLES)),
-        "data": json.dumps(data(motion, speed), separators=(",", ":")).replace("<", "\\u003c"),
-        "libraries": scripts,
-        "program": program(),
-    }
+    parts |= {"title": escaped(title), "style": "\n".join(styles), "libraries": scripts, "program": modules}
+    parts |= {name: _text(f"{name}.html") for name in FRAGMENTS}
     # one pass: what is filled in may hold what looks like a place to fill
-    return re.sub(r"\{\{ (\w+) \}\}", lambda found: parts[found[1]], _text("index.html"))
+    return re.sub(r"\{\{ (\w+) \}\}", lambda found: parts[found[1]], template)
+
+
+def styles() -> list[str]:
+    """What the style sheets of a page with a player hold."""
+    return [_text(name) for name in STYLES]
 
 
 def program() -> str:
-    """The page's modules one after the other, as one: without what they import from each other."""
-    return "\n".join(EXPORT.sub("", IMPORT.sub("", _text(f"{name}.js"))) for name in MODULES)
+    """The page's modules one after the other, as one."""
+    return joined(_text(f"{name}.js") for name in MODULES)
+
+
+def player() -> str:
+    """Those that show a recording, for another page."""
+    return joined(_text(f"{name}.js") for name in PLAYER)
+
+
+def joined(modules: Iterable[str]) -> str:
+    """Modules one after the other, as one: without what they import from each other."""
+    return "\n".join(EXPORT.sub("", IMPORT.sub("", text)) for text in modules)
+
+
+def script_data(content: Any) -> str:
+    """Data as text in a page."""
+    return json.dumps(content, separators=(",", ":")).replace("<", "\\u003c")
 
 
 def data(motion: Motion, speed: float) -> dict[str, Any]:
@@ -140,6 +177,7 @@ def _text(name: str) -> str:
     return PAGE.joinpath(name).read_text(encoding="utf-8")
 
 
-def _escaped(text: str) -> str:
+def escaped(text: str) -> str:
+    """Text in HTML."""
     replaced: Mapping[str, str] = {"&": "&amp;", "<": "&lt;", ">": "&gt;"}
     return "".join(replaced.get(sign, sign) for sign in text)

@@ -22,9 +22,17 @@ function axis(options = {}) {
 
 /** A vertical line at the present time, and what the charts share. */
 class Chart {
-  constructor(element, height, options, data) {
+  constructor(element, height) {
     this.element = element;
-    this.height = height;
+    this.height = element.clientHeight || height;
+    new ResizeObserver(() => this.fit()).observe(element);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.plot?.redraw(false));
+  }
+
+  /** Make the plot, in place of the one before. */
+  make(options, data) {
+    const { element, height } = this;
+    this.plot?.destroy();
     this.plot = new uPlot(
       {
         width: Math.max(element.clientWidth, 100),
@@ -41,11 +49,10 @@ class Chart {
     this.line = document.createElement("div");
     this.line.className = "now";
     this.plot.over.append(this.line);
-    new ResizeObserver(() => this.fit()).observe(element);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.plot.redraw(false));
   }
 
   fit() {
+    if (!this.plot) return;
     const width = this.element.clientWidth;
     if (width > 0 && width !== this.plot.width) this.plot.setSize({ width, height: this.height });
     this.mark();
@@ -54,6 +61,7 @@ class Chart {
   /** Put the line at a place of the x-axis, without one where it is. */
   mark(x = this.at) {
     this.at = x;
+    if (x === undefined) return;
     const left = this.plot.valToPos(x, "x");
     this.line.hidden = !(left >= -1 && left <= this.plot.over.clientWidth + 1);
     this.line.style.transform = `translateX(${left}px)`;
@@ -62,31 +70,44 @@ class Chart {
 
 /** The ledger: all energies over the whole time, with their values at the present time. */
 export class EnergyChart extends Chart {
-  constructor(element, ledger, recording, seek) {
+  constructor(element, ledger, seek) {
+    super(element, 180);
+    this.ledger = ledger;
+    this.seek = seek;
+    this.names = [];
+  }
+
+  show(recording) {
     const names = Object.keys(recording.energies);
+    const data = [recording.time, ...Object.values(recording.energies)];
+    this.recording = recording;
+    if (names.join() !== this.names.join()) this.#make(names, data);
+    else this.plot.setData(data);
+    const largest = data.slice(1).reduce((most, values) => values.reduce((so, value) => Math.max(so, Math.abs(value)), most), 0);
+    this.decimals = Math.min(Math.max(3 - Math.floor(Math.log10(largest || 1)), 0), 9);
+  }
+
+  #make(names, data) {
+    this.names = names;
     const series = names.map((name) => ({
       stroke: () => colour(name),
       width: WIDTHS[name] ?? 1.6,
       points: { show: false },
     }));
-    super(
-      element,
-      element.clientHeight || 180,
+    this.make(
       {
         series: [{}, ...series],
-        scales: { x: { time: false, range: [recording.start, recording.end] } },
+        scales: { x: { time: false, range: () => [this.recording.start, this.recording.end] } },
         axes: [axis({ size: 26, values: (_, ticks) => ticks.map((tick) => `${+tick.toFixed(6)} s`) }), axis({ size: 44 })],
-        hooks: { drawAxes: [(plot) => drawOnsets(plot, recording.impacts)] },
+        hooks: { drawAxes: [(plot) => drawOnsets(plot, this.recording.impacts)] },
       },
-      [recording.time, ...Object.values(recording.energies)],
+      data,
     );
-    this.recording = recording;
-    this.values = names.map((name) => ledgerEntry(ledger, name));
-    const largest = Object.values(recording.energies).flatMap((values) => [...values]).reduce((most, value) => Math.max(most, Math.abs(value)), 0);
-    this.decimals = Math.min(Math.max(3 - Math.floor(Math.log10(largest || 1)), 0), 9);
+    this.ledger.replaceChildren();
+    this.values = names.map((name) => ledgerEntry(this.ledger, name));
     const go = (event) => {
       const { left } = this.plot.over.getBoundingClientRect();
-      seek(this.plot.posToVal(event.clientX - left, "x"));
+      this.seek(this.plot.posToVal(event.clientX - left, "x"));
     };
     this.plot.over.addEventListener("pointerdown", (event) => {
       this.plot.over.setPointerCapture(event.pointerId);
@@ -135,11 +156,11 @@ function drawOnsets({ ctx, bbox, valToPos }, impacts) {
 
 /** The force of the present contact over its own time. */
 export class ForceChart extends Chart {
-  constructor(element, recording, what) {
-    const unit = { ...unitsOf({}) }; // that of the contact that is shown
-    super(
-      element,
-      element.clientHeight || 120,
+  constructor(element, what) {
+    super(element, 120);
+    this.what = what;
+    this.unit = { ...unitsOf({}) }; // that of the contact that is shown
+    this.make(
       {
         series: [
           {},
@@ -149,18 +170,20 @@ export class ForceChart extends Chart {
         scales: { x: { time: false }, y: { range: (_, least, most) => [1.08 * Math.min(least, 0), 1.08 * Math.max(most, 1e-9)] } },
         axes: [
           axis({ size: 26, values: (_, ticks) => ticks.map((tick) => ticksText(tick, ticks)) }),
-          axis({ size: 52, values: (_, ticks) => ticks.map((tick) => (tick ? forceText(tick, 0, unit.force) : "0")) }),
+          axis({ size: 52, values: (_, ticks) => ticks.map((tick) => (tick ? forceText(tick, 0, this.unit.force) : "0")) }),
         ],
       },
       [[0, 1], [0, 0], [null, null]],
     );
+  }
+
+  show(recording) {
     this.recording = recording;
-    this.what = what;
-    this.unit = unit;
     this.shown = null;
   }
 
   draw(frame, contact) {
+    if (!contact) return;
     if (contact !== this.shown) this.#show(contact);
     this.mark(this.recording.timeAt(frame) - contact.onset);
   }

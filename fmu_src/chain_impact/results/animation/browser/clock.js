@@ -8,12 +8,18 @@ export class Clock {
   #listeners = [];
   #goneTo = null; // an impact, until the time changes: another may have the same onset
 
-  constructor(recording) {
-    this.recording = recording;
+  constructor(speed) {
+    this.speed = speed;
     this.frame = 0;
     this.playing = false;
     this.slow = true;
-    this.speed = recording.speed;
+  }
+
+  /** Take another recording; the simulated time stays, or is the nearest that there is. */
+  show(recording) {
+    const time = this.recording ? this.time : recording.start;
+    this.recording = recording;
+    this.seek(time);
   }
 
   onChange(listener) {

@@ -5,9 +5,8 @@ import { speedText } from "./format.js";
 
 const get = (id) => document.getElementById(id);
 
-/** Connect buttons, slider and keys with the clock. */
+/** Connect buttons, slider and keys with the clock; returns what is to be called when it has another recording. */
 export function connect(clock, scene) {
-  const { recording } = clock;
   const actions = {
     " ": () => clock.toggle(),
     ArrowLeft: () => clock.step(-1),
@@ -16,8 +15,8 @@ export function connect(clock, scene) {
     ShiftArrowRight: () => clock.stepImpact(1),
     ArrowUp: () => clock.shift(1),
     ArrowDown: () => clock.shift(-1),
-    Home: () => clock.seek(recording.start),
-    End: () => clock.seek(recording.end),
+    Home: () => clock.seek(clock.recording.start),
+    End: () => clock.seek(clock.recording.end),
     s: () => get("slow").click(),
     t: () => get("trace").click(),
     "?": () => get("help").showModal(),
@@ -39,12 +38,13 @@ export function connect(clock, scene) {
   });
   get("help-open").addEventListener("click", () => get("help").showModal());
   connectSpeed(clock);
-  connectSlider(clock);
+  return connectSlider(clock);
 }
 
 /** Whether the element that has the focus needs the key itself. */
 function keepsKey({ target, key }) {
-  if (get("help").open) return true;
+  if (get("help").open || target.closest("dialog")) return true;
+  if (target.closest("input:not([type=checkbox], #scrub)")) return true;
   if (target.closest("select")) return key.startsWith("Arrow") || key === "Home" || key === "End" || key === " ";
   return key === " " && target.closest("button, input[type=checkbox]") !== null;
 }
@@ -60,12 +60,11 @@ function connectSpeed(clock) {
 }
 
 function connectSlider(clock) {
-  const { recording } = clock;
   const slider = get("scrub");
-  Object.assign(slider, { min: recording.start, max: recording.end });
   slider.addEventListener("input", () => clock.seek(Number(slider.value)));
   const play = get("play");
   clock.onChange(() => {
+    const { recording } = clock;
     slider.value = String(clock.time);
     slider.setAttribute("aria-valuetext", `${clock.time.toFixed(4)} s`);
     slider.style.setProperty("--done", `${(100 * (clock.time - recording.start)) / (recording.end - recording.start)}%`);
@@ -73,9 +72,13 @@ function connectSlider(clock) {
     if (play.getAttribute("aria-label") !== label) play.setAttribute("aria-label", label);
   });
   const marks = get("marks");
-  const draw = () => drawMarks(marks, recording);
+  const draw = () => clock.recording && drawMarks(marks, clock.recording);
   new ResizeObserver(draw).observe(marks.parentElement);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+  return () => {
+    Object.assign(slider, { min: clock.recording.start, max: clock.recording.end });
+    draw();
+  };
 }
 
 /** A mark above the slider for each impact, the higher the faster it was. */

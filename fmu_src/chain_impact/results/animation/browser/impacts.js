@@ -14,15 +14,19 @@ function approachText(impact) {
 }
 
 export class ImpactList {
-  constructor(element, recording, goTo) {
+  constructor(element, goTo) {
     this.element = element;
-    this.recording = recording;
+    this.goTo = goTo;
+  }
+
+  /** List the impacts of a recording. */
+  show(recording) {
+    const { element, goTo } = this;
     this.current = undefined;
-    if (!recording.impacts.length) {
-      element.textContent = "none";
-      element.classList.add("none");
-      return;
-    }
+    this.rows = undefined;
+    element.classList.toggle("none", !recording.impacts.length);
+    element.textContent = recording.impacts.length ? "" : "none";
+    if (!recording.impacts.length) return;
     const table = document.createElement("table");
     table.createTHead().insertRow().append(
       ...COLUMNS.map((name) => Object.assign(document.createElement("th"), { textContent: name, scope: "col" })),

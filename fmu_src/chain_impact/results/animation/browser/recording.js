@@ -1,17 +1,4 @@
-// The recording: what `page.py` packed, as numbers, and what is between two frames.
-
-const FINEST = 65535; // of 16 bits
-
-/** The bytes of a text in base64. */
-function bytes(text) {
-  return Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0)).buffer;
-}
-
-/** The numbers low + (high − low) · integer / 65535. */
-function unpacked({ low, high, values }) {
-  const scale = (high - low) / FINEST;
-  return Float64Array.from(new Uint16Array(bytes(values)), (value) => low + scale * value);
-}
+// The recording: a simulation at frames, and what is between two of them.
 
 /** Whether a frame is in one of some spans of frames. */
 function isWithin(spans, frame) {
@@ -35,37 +22,18 @@ export function lastBefore(numbers, wanted) {
  * A frame's number may be a fraction: what it shows is interpolated.
  */
 export class Recording {
-  constructor(packed) {
-    Object.assign(this, packed);
-    this.time = new Float64Array(bytes(packed.time));
+  /** Of its parts: `time`, `x` and `y` of the points, `energies`, `forces`, `contacts` and others, as `unpack` gives them. */
+  constructor(parts) {
+    Object.assign(this, parts);
     this.start = this.time[0];
     this.end = this.time[this.time.length - 1];
-    [this.x, this.y] = packed.points.map(unpacked);
-    this.energies = Object.fromEntries(
-      Object.entries(packed.energies).map(([name, values]) => [name, unpacked(values)]),
-    );
-    this.forces = packed.forces.map((force) => this.#wholeForce(force));
-    this.impacts = packed.contacts.filter((contact) => contact.speed !== null);
+    this.impacts = this.contacts.filter((contact) => contact.speed !== null);
     this.impacts.forEach((impact, index) => {
       impact.number = index + 1;
     });
     // a contact is the present one from the middle between the end of the one before and its own onset
-    this.turns = packed.contacts.map(({ onset }, index) =>
-      index ? onset - Math.max(0, (onset - packed.contacts[index - 1].end) / 2) : -Infinity);
-  }
-
-  /** A force at every frame, of one that is packed without its zeros. */
-  #wholeForce({ point, wall, frames, friction, spans = [], ...rest }) {
-    const places = new Uint32Array(bytes(frames));
-    const whole = (packed) => {
-      const values = new Float32Array(this.time.length);
-      const sparse = unpacked(packed);
-      places.forEach((frame, index) => {
-        values[frame] = sparse[index];
-      });
-      return values;
-    };
-    return { point, wall, values: whole(rest), friction: friction && whole(friction), spans };
+    this.turns = this.contacts.map(({ onset }, index) =>
+      index ? onset - Math.max(0, (onset - this.contacts[index - 1].end) / 2) : -Infinity);
   }
 
   /** The frame at a simulated time [s]. */

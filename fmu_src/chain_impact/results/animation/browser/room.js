@@ -42,4 +42,9 @@ export class Camera {
   place(x, y) {
     return [this.left + this.scale * x, this.bottom - this.scale * y];
   }
+
+  /** Where in the scene a place on the screen is [m]. */
+  at(left, top) {
+    return [(left - this.left) / this.scale, (this.bottom - top) / this.scale];
+  }
 }

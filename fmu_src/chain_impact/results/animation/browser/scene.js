@@ -21,22 +21,32 @@ const ARC_CORNERS = 33;
 const MANY_LINKS = 60; // above which the chain is one line, without joints
 
 export class Scene {
-  constructor(element, recording) {
-    this.recording = recording;
+  constructor(element) {
     this.drawing = SVG(element);
     this.showTrace = true;
     this.ground = this.drawing.group();
+    this.behind = this.drawing.group(); // for what else a page shows, behind the chain …
     this.trace = this.drawing.polyline().addClass("trace").fill("none");
     this.tail = Array.from({ length: TAIL_PARTS }, (_, part) =>
       this.drawing.polyline().addClass("tail").fill("none").opacity((part + 1) / TAIL_PARTS));
     this.rings = this.drawing.group();
-    this.ranges = recording.stops.map(() => ["range", "range-mark", "range-mark"].map((kind) =>
-      this.drawing.polyline().addClass(kind).fill("none")));
+    this.arcs = this.drawing.group();
+    this.circles = this.drawing.group();
     this.links = this.drawing.group();
     this.joints = this.drawing.group();
     this.arrows = this.drawing.group();
     this.labels = this.drawing.group();
+    this.above = this.drawing.group(); // … and in front of it
+  }
+
+  /** Take another recording. */
+  show(recording) {
+    this.recording = recording;
+    [this.arcs, this.circles, this.links, this.joints].forEach((group) => group.clear());
+    this.ranges = recording.stops.map(() => ["range", "range-mark", "range-mark"].map((kind) =>
+      this.arcs.polyline().addClass(kind).fill("none")));
     this.#makeChain();
+    if (this.size) this.resize(...this.size);
   }
 
   #makeChain() {
@@ -45,8 +55,7 @@ export class Scene {
     const lines = links < MANY_LINKS ? Array.from({ length: links }, (_, link) => [link, link + 2]) : [[0, links + 1]];
     this.lines = lines.flatMap((range) => ["link-edge", "link"].map((kind) =>
       [range, this.links.polyline().addClass(kind).fill("none")]));
-    this.discs = radius > 0 ? touching.map((point) => [point, this.drawing.circle().addClass("disc")]) : [];
-    this.discs.forEach(([, disc]) => disc.insertBefore(this.links));
+    this.discs = radius > 0 ? touching.map((point) => [point, this.circles.circle().addClass("disc")]) : [];
     const shown = links < MANY_LINKS ? Array.from({ length: links + 1 }, (_, point) => point) : [0, links];
     this.dots = shown.map((point) => {
       const kind = point === links ? "tip" : "joint";
@@ -56,6 +65,7 @@ export class Scene {
 
   /** Fit the scene into so many pixels. */
   resize(width, height) {
+    this.size = [width, height];
     this.drawing.size(width, height).viewbox(0, 0, width, height);
     this.camera = new Camera(this.recording, width, height, STRIP);
     this.longest = LONGEST_ARROW * Math.min(width, height);

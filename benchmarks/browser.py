@@ -1,0 +1,126 @@
+"""The kernel in a browser: ``python benchmarks/browser.py``; needs playwright and Debian's chromium.
+
+The size of the page that simulates, the time to its first picture, and the time of a run beside the native
+kernel's, in turn. Both run from the start to the end with a row of all outputs at each communication point;
+then the browser also copies them into columns. Times are those on the clock, as a browser has several
+processes: the least of a round's runs is taken, the median over the rounds.
+"""
+
+from __future__ import annotations
+
+import common  # isort: skip
+
+import shutil
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from chain_impact import explore, load_scene
+from chain_impact.compilation.library import browser_module
+from chain_impact.results.explore.description import description, packed
+from chain_impact.results.explore.page import WORKER, program
+from chain_impact.scene.scene import Scene
+from chain_impact.simulation.instance import Instance
+
+MODELS = ("four_link_box", "rod_drop", "pinned_arm", "steel_bar")
+ROUNDS = 9
+RUNS = 20  # in a round
+PREPARE = """async ([module, scene]) => {
+  window.kernel = await Kernel.load(await WebAssembly.compile(await unpacked(module)), scene);
+  const inRows = scene.columns.filter(({ place }) => place !== undefined);
+  window.places = { kernel: [], columns: inRows.map(({ place }) => place) };
+}"""
+RUN = """([times, runs, what]) => {
+  const wanted = Float64Array.from(times);
+  let least = Infinity;
+  for (let k = 0; k < runs; k += 1) {
+    const began = performance.now();
+    runThrough(kernel.run({}, wanted, places[what]));
+    least = Math.min(least, performance.now() - began);
+  }
+  return least;
+}"""
+
+
+def native(scene: Scene, times: np.ndarray) -> Callable[[], float]:
+    """The least time of some runs of the native kernel [ms]."""
+    instance = Instance(scene)
+    rows = np.zeros(len(times), instance.record.dtype["output"])
+
+    def once() -> float:
+        began, done = time.perf_counter(), 0
+        instance.initialize()
+        while done < len(times):
+            done += instance.trajectory(times[done:], rows[done:])
+            instance.collect()
+        return 1e3 * (time.perf_counter() - began)
+
+    return lambda: min(once() for _ in range(RUNS))
+
+
+def compared(page: Page, scene: Scene, rounds: int) -> dict[str, Any]:
+    """The times of a run, and their ratio."""
+    stop, step = scene.simulation.stop_time, scene.simulation.step_size
+    times = np.arange(round(stop / step) + 1) * step
+    page.evaluate(PREPARE, [packed(browser_module().read_bytes()), description(scene, [])])
+    here, given = native(scene, times), [times.tolist(), RUNS]
+    calls = {
+        "native": here,
+        "browser": lambda: page.evaluate(RUN, [*given, "kernel"]),
+        "browser_columns": lambda: page.evaluate(RUN, [*given, "columns"]),
+    }
+    for call in calls.values():
+        call()
+    found = [{name: call() for name, call in calls.items()} for _ in range(rounds)]
+    return {
+        "rows": len(times),
+        **{f"{name}_ms": common.median([one[name] for one in found]) for name in calls},
+        "ratio": spread([one["browser"] / one["native"] for one in found]),
+        "ratio_with_columns": spread([one["browser_columns"] / one["native"] for one in found]),
+    }
+
+
+def spread(ratios: list[float]) -> dict[str, float]:
+    """Median, least and largest."""
+    named = {"median": ratios, "least": [min(ratios)], "largest": [max(ratios)]}
+    return {name: common.median(values) for name, values in named.items()}
+
+
+def first_picture(browser: Browser, address: str) -> float:
+    """The time from the opening of the page to its first picture [ms]."""
+    page = browser.new_page()
+    page.goto(address)
+    page.wait_for_function("performance.getEntriesByName('first-frame').length === 1")
+    found = float(page.evaluate("performance.getEntriesByName('first-frame')[0].startTime"))
+    page.close()
+    return found
+
+
+def main() -> None:
+    """Measure, print and save."""
+    started, rounds = common.environment(("playwright",)), common.rounds(__doc__, ROUNDS)
+    results: dict[str, Any] = {"module_bytes": browser_module().stat().st_size, "models": {}}
+    with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
+        results["browser"] = browser.version
+        page = browser.new_page()
+        page.set_content(f"<script>{program(WORKER[:-1])}</script>")
+        for model in MODELS:
+            file = Path(folder, f"{model}.html")
+            explore(model, file)
+            pictures = [first_picture(browser, file.as_uri()) for _ in range(rounds)]
+            found = compared(page, load_scene(model), rounds)
+            found |= {"page_bytes": file.stat().st_size, "first_picture_ms": common.median(pictures)}
+            results["models"][model] = found
+            print(f"{model:16}", found)
+        browser.close()
+    common.save("browser", started, {"rounds": rounds, "runs": RUNS}, results)
+
+
+if __name__ == "__main__":
+    main()

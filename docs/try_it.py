@@ -1,0 +1,61 @@
+"""Pages that simulate for the site: one for each model, a page with all of them, and links from the models.
+
+``build_site.py`` calls this; the pages are not committed, as they hold the compiled kernel.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from chain_impact import explore, load_scene, model_names
+
+DOCS = Path(__file__).parent
+PAGE = DOCS / "try_it.md"
+FOLDER = "try"  # of the pages that simulate, in the site
+FIRST = "four_link_box"
+HEAD = f"""---
+hide: [toc]
+---
+
+# Try it
+
+The browser simulates this scene with the compiled solver, to the last bit as Python does. Turn a knob,
+drag the chain at its start, or choose another scene below. [What the page can do](explore.md). Your own
+scene: `chain-impact explore my_scene.toml`.
+
+<iframe class="try" name="try" src="{FOLDER}/{FIRST}.html" title="A page that simulates"></iframe>
+
+"""
+LINK = '<p class="try-link"><a href="../{folder}/{model}.html">Open it in the browser, and change it</a></p>'
+
+
+def write_page(models: list[str] | None = None) -> None:
+    """Write the page that has all models, before the site is built."""
+    rows = [row(model) for model in models or ordered()]
+    PAGE.write_text(HEAD + '<ul class="try-list">\n' + "\n".join(rows) + "\n</ul>\n", encoding="utf-8")
+
+
+def ordered() -> list[str]:
+    """All models, the default first."""
+    return sorted(model_names(), key=lambda name: (name != FIRST, name))
+
+
+def row(model: str) -> str:
+    """A model in the list."""
+    show = f'<a href="{FOLDER}/{model}.html" target="try">{model}</a>'
+    more = f'<a href="models/{model}.html">more</a>'
+    return f"<li>{show} <span>{load_scene(model).description}; {more}</span></li>"
+
+
+def finish(site: Path) -> None:
+    """Put the pages that simulate into the site, and links to them into the pages of the models."""
+    (site / FOLDER).mkdir(exist_ok=True)
+    for model in model_names():
+        explore(model, site / FOLDER / f"{model}.html")
+        page = site / "models" / f"{model}.html"
+        link = LINK.format(folder=FOLDER, model=model)
+        text, count = re.subn(r"(</h1>)", rf"\1\n{link}", page.read_text(encoding="utf-8"), count=1)
+        if count != 1:
+            raise RuntimeError(f"{page} has no headline")
+        page.write_text(text, encoding="utf-8")

@@ -1,0 +1,45 @@
+"""`chain-impact explore`: a page that simulates."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from chain_impact.cli.options import Verbs, add_scene, add_set, check_folders, settings_of
+from chain_impact.cli.progress import progress, say
+from chain_impact.scene.scene import load_scene
+from chain_impact.simulation.record_scene import with_settings
+
+DEFAULT = Path("explore.html")
+
+
+def add(verbs: Verbs) -> None:
+    """Add the verb to the grammar."""
+    verb = verbs.add_parser("explore", help="a page in which the browser simulates a scene, with knobs")
+    add_scene(verb, "scene")
+    add_set(verb)
+    verb.add_argument(
+        "-o", "--output", metavar="FILE", type=page, default=DEFAULT, help=f"default: {DEFAULT}"
+    )
+    verb.set_defaults(run=run)
+
+
+def page(text: str) -> Path:
+    """The type of an argument: a file for a browser."""
+    if not text.lower().endswith(".html"):
+        raise argparse.ArgumentTypeError(f"{text} must end in .html")
+    return Path(text)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Write the page."""
+    from chain_impact.studies.explore import explore
+
+    check_folders(options.output)
+    scene = with_settings(load_scene(options.source), settings_of(options.set))
+    command = [options.source, *(word for setting in options.set for word in ("--set", setting))]
+    with progress("writing") as (notify, advance):
+        explore(scene, options.output, command=command, notify=notify)
+        advance(1.0)
+    say(f"page       {options.output}, {options.output.stat().st_size / 1e6:.2g} MB")
+    return 0

@@ -1,0 +1,57 @@
+"""The kernel for a web page: a WebAssembly module for any number of links, which imports nothing.
+
+It has the same code as every library, but for the C interface of FMUs. WebAssembly has no library of
+mathematical functions: those that the kernel calls are compiled into it (mathematics/), with the digits that
+the C library of Linux has.
+"""
+
+from __future__ import annotations
+
+import re
+from importlib.resources import files
+from pathlib import Path
+
+from chain_impact.compilation import compilers
+from chain_impact.compilation.errors import BuildError
+from chain_impact.compilation.law_file import LawError
+from chain_impact.compilation.sources import PACKAGE
+
+MODULE = "kernel-any-browser.wasm"
+EXPORTS = ("initialize", "advance_awhile", "observe", "follow", "trajectory", "run_each", "__heap_base")
+MATHEMATICS = PACKAGE / "compilation" / "mathematics"
+STACK = 1 << 20  # bytes; the kernel needs a few thousand
+# 32 bits: zig has no headers for 64. Two numbers fit a vector, as on every x86 processor.
+TARGET = ("-target", "wasm32-wasi", "-msimd128", "-nostdlib", "-nostartfiles", "-s", "-fvisibility=hidden")
+# Roots and signs are instructions. What musl calls hidden is its own.
+FLAGS = (*compilers.FLAGS, "-fno-math-errno", '-Dhidden=__attribute__((visibility("hidden")))')
+_MISSING = re.compile(r"undefined symbol: _?(?:numba_)?(\w+)")
+
+
+def link(module: str, output: Path, law: Path | None = None) -> None:
+    """Make the WebAssembly module of a lowered kernel.
+
+    Args:
+        module: the kernel in LLVM's language, as lower.py writes it.
+        output: the file to write; others are put beside it.
+        law: a user's law in LLVM's language, if there is one.
+
+    Raises:
+        LawError: when the law calls what the module does not have.
+        BuildError: when the compiler fails.
+    """
+    kernel, stubs = output.with_name("kernel.ll"), output.with_name("stubs.c")
+    kernel.write_text(compilers.complete(module, None, with_law=law is not None))
+    stubs.write_text("".join(map(compilers.STUB.format, compilers.PYTHON_SYMBOLS)))
+    headers = files("ziglang") / "lib" / "libc" / "include"
+    folders = [f"-isystem{headers / name}" for name in ("wasm-wasi-musl", "generic-musl")]
+    folders += [f"-I{folder}" for folder in (MATHEMATICS, MATHEMATICS / "musl")]
+    linker = ["-Wl,--no-entry", f"-Wl,-z,stack-size={STACK}", *(f"-Wl,--export={name}" for name in EXPORTS)]
+    inputs = [kernel, *([law] if law else []), stubs, *sorted(MATHEMATICS.rglob("*.c"))]
+    arguments = ["cc", *TARGET, *FLAGS, *folders, "-o", str(output), *map(str, inputs), *linker]
+    try:
+        compilers.run_zig(arguments, output)
+    except BuildError as error:
+        missing = _MISSING.search(str(error))
+        if law and missing:
+            raise LawError(f"calls {missing[1]}, which a kernel in a browser does not have") from None
+        raise

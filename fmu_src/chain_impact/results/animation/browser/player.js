@@ -1,0 +1,104 @@
+// The player: the parts of the page that show a recording, and the loop that draws them.
+
+import { EnergyChart, ForceChart } from "./charts.js";
+import { Clock } from "./clock.js";
+import { connect } from "./controls.js";
+import { rateText } from "./format.js";
+import { ImpactList, impactText } from "./impacts.js";
+import { Scene } from "./scene.js";
+
+const LONGEST_FRAME = 0.1; // s: after a pause of the browser, the animation goes on where it was
+const SLOW = 0.5; // of the chosen speed: below, the clock says that this is slow motion
+const element = (id) => document.getElementById(id);
+
+export class Player {
+  further = []; // what else draws itself with each frame
+  #asked = false;
+  #before = undefined;
+
+  constructor(speed) {
+    this.clock = new Clock(speed);
+    this.scene = new Scene(element("scene"));
+    this.panels = [
+      [({ energies }) => Object.keys(energies).length > 0, element("energy").closest("section"),
+        new EnergyChart(element("energy"), element("ledger"), (time) => this.clock.seek(time))],
+      [({ forces }) => forces.length > 0, element("force").closest("section"),
+        new ForceChart(element("force"), element("close-what"))],
+    ];
+    this.impacts = new ImpactList(element("impacts"), (number) => this.clock.toImpact(number));
+    this.hasChanged = connect(this.clock, this.scene);
+    this.clock.onChange(() => this.drawSoon());
+    new ResizeObserver(() => this.fit()).observe(element("view"));
+  }
+
+  /** Show another recording, at the same time; a panel without anything to show is hidden. */
+  show(recording) {
+    const first = !this.recording;
+    this.recording = recording;
+    const [low, high] = recording.view;
+    element("view").style.setProperty("--aspect", (high[0] - low[0]) / (high[1] - low[1]));
+    this.panels.forEach(([isThere, panel, part]) => {
+      panel.hidden = !isThere(recording);
+      if (!panel.hidden) part.show(recording);
+    });
+    [this.scene, this.impacts].forEach((part) => part.show(recording));
+    this.clock.show(recording);
+    this.hasChanged();
+    element("subtitle").textContent = subtitle(recording);
+    if (first) this.#begin();
+    else this.drawSoon();
+  }
+
+  #begin() {
+    this.fit();
+    this.draw();
+    performance.mark("first-frame");
+    this.clock.set({ playing: !matchMedia("(prefers-reduced-motion: reduce)").matches });
+    requestAnimationFrame((now) => this.#tick(now));
+  }
+
+  #tick(now) {
+    const seconds = (now - (this.#before ?? now)) / 1000;
+    if (this.clock.playing) this.clock.advance(Math.min(seconds, LONGEST_FRAME));
+    this.#before = now;
+    requestAnimationFrame((next) => this.#tick(next));
+  }
+
+  fit() {
+    if (!this.recording) return;
+    const { clientWidth, clientHeight } = element("view");
+    this.scene.resize(clientWidth, clientHeight);
+    this.drawSoon();
+  }
+
+  /** Draw before the browser paints next, once. */
+  drawSoon() {
+    if (this.#asked) return;
+    this.#asked = true;
+    requestAnimationFrame(() => {
+      this.#asked = false;
+      this.draw();
+    });
+  }
+
+  /** The clock in words, the caption, and every part, at the present frame. */
+  draw() {
+    const { clock, recording } = this;
+    const { frame, time, contact } = clock;
+    this.panels.forEach(([, panel, part]) => panel.hidden || part.draw(frame, contact));
+    [this.scene, this.impacts, ...this.further].forEach((part) => part.draw(frame, contact));
+    element("time").textContent = `${time.toFixed(5)} s`;
+    const slow = clock.slow && recording.rateAt(frame) < SLOW;
+    element("rate").textContent = rateText(clock.rate);
+    document.body.classList.toggle("slow-motion", slow);
+    document.body.classList.toggle("playing", clock.playing);
+    const caption = impactText(recording, contact, time);
+    if (element("caption").textContent !== caption) element("caption").textContent = caption;
+  }
+}
+
+/** How much there is, in words. */
+function subtitle({ links, impacts: { length: count }, start, end }) {
+  return `${links} link${links === 1 ? "" : "s"}, ` +
+    `${count} impact${count === 1 ? "" : "s"} in ${+(end - start).toPrecision(4)} s`;
+}

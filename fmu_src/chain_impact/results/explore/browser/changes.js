@@ -1,0 +1,103 @@
+// The parameters as they are on the page: those of the scene, and what has been changed.
+
+/** A number in as few digits as tell it from all others. */
+export function numberText(value) {
+  const size = Math.abs(value);
+  return size !== 0 && (size >= 1e6 || size < 1e-3) ? value.toExponential().replace("e+", "e") : String(value);
+}
+
+export class Changes {
+  #listeners = [];
+
+  constructor(scene) {
+    this.scene = scene;
+    this.starts = Object.fromEntries(scene.parameters.map(({ name, start }) => [name, start]));
+    this.parameters = new Map(scene.parameters.map((parameter) => [parameter.name, parameter]));
+    this.values = {}; // what differs from the scene: name → number
+  }
+
+  onChange(listener) {
+    this.#listeners.push(listener);
+  }
+
+  get count() {
+    return Object.keys(this.values).length;
+  }
+
+  valueOf(name) {
+    return this.values[name] ?? this.starts[name];
+  }
+
+  isChanged(name) {
+    return name in this.values;
+  }
+
+  /** The number that a text, or the name of a choice, stands for; an error says what it must be. */
+  numberOf(name, given) {
+    const parameter = this.parameters.get(name);
+    if (!parameter) throw new RangeError(`${this.scene.name} has no parameter ${name}`);
+    const { items, low, high, allowed, type } = parameter;
+    const choice = items.findIndex(([id]) => id === given) + 1;
+    const text = typeof given === "string" ? given.trim() : given;
+    const value = choice || (text === "" ? NaN : Number(text));
+    const whole = type === "real" || Number.isInteger(value);
+    if (!(value >= low && value <= high && whole)) throw new RangeError(`${name} = ${given} must be ${allowed}`);
+    return value;
+  }
+
+  /** The changes with others beside them, checked; what equals the scene's value is no change. */
+  with(given) {
+    const values = { ...this.values };
+    for (const [name, one] of Object.entries(given)) {
+      const value = this.numberOf(name, one);
+      if (value === this.starts[name]) delete values[name];
+      else values[name] = value;
+    }
+    checkTogether((name) => values[name] ?? this.starts[name], this.parameters);
+    return values;
+  }
+
+  /** Change some values: name → number, text, or the name of a choice. */
+  set(given) {
+    this.replace(this.with(given));
+  }
+
+  reset(name) {
+    const { [name]: _, ...others } = this.values;
+    this.replace(others);
+  }
+
+  /** Take these changes in place of all others. */
+  replace(values) {
+    this.values = values;
+    this.#listeners.forEach((listener) => listener());
+  }
+
+  /** The changes as the command line and a link have them: name and text, of a choice its name. */
+  texts(values = this.values) {
+    return Object.entries(values).map(([name, value]) => {
+      const { items } = this.parameters.get(name);
+      return [name, items.length ? items[value - 1][0] : numberText(value)];
+    });
+  }
+}
+
+/** Refuse what no parameter can tell alone, as the scene does. */
+function checkTogether(valueOf, parameters) {
+  for (const name of parameters.keys()) {
+    const [, table] = /^(.*)\.static_friction$/.exec(name) ?? [];
+    const [least, sliding] = table ? [valueOf(name), valueOf(`${table}.friction`) ?? valueOf("contact.friction") ?? 0] : [0, 0];
+    if (least > 0 && least < sliding) {
+      throw new RangeError(`${name} = ${numberText(least)} must be >= ${numberText(sliding)}, ` +
+        "the coefficient of sliding friction, or 0 for the same");
+    }
+  }
+  const radius = valueOf("contact.radius") ?? 0;
+  for (const axis of ["x", "y"]) {
+    const [low, high] = ["min", "max"].map((end) => valueOf(`box.${axis}_${end}`));
+    if (high - low <= 2 * radius) {
+      throw new RangeError(`box.${axis}_max = ${numberText(high)} must be > ${numberText(low + 2 * radius)} [m], ` +
+        `which is ${axis}_min + 2 contact.radius`);
+    }
+  }
+}

@@ -1,0 +1,35 @@
+// The page's side of the worker.
+
+export class Engine {
+  #number = 0;
+  #waiting = new Map();
+
+  /** A worker with this program, for a scene. */
+  constructor(program, scene) {
+    this.worker = new Worker(URL.createObjectURL(new Blob([program], { type: "text/javascript" })));
+    this.worker.onmessage = ({ data }) => this.#take(data);
+    this.worker.onerror = (event) => this.#waiting.forEach(({ fail }) => fail(new Error(event.message)));
+    this.worker.postMessage({ kind: "scene", scene });
+  }
+
+  /** The result of a request; null of one that a newer one has replaced. `progress` is told the share that is done. */
+  ask(kind, values, options = {}, progress = () => {}) {
+    this.#number += 1;
+    const number = this.#number;
+    return new Promise((give, fail) => {
+      this.#waiting.set(number, { give, fail, progress });
+      this.worker.postMessage({ kind, number, values, options });
+    });
+  }
+
+  #take({ number, done, result, fault }) {
+    const { give, fail, progress } = this.#waiting.get(number);
+    if (done !== undefined) {
+      progress(done);
+      return;
+    }
+    this.#waiting.delete(number);
+    if (fault) fail(new Error(fault));
+    else give(result);
+  }
+}

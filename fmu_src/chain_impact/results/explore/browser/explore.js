@@ -1,0 +1,154 @@
+// The page that simulates: each change of a parameter gives another motion.
+
+import { Player } from "./player.js";
+import { Recording } from "./recording.js";
+import { Changes } from "./changes.js";
+import { Engine } from "./engine.js";
+import { Ghosts } from "./ghosts.js";
+import { Handles } from "./handles.js";
+import { showKnobs, showList } from "./knobs.js";
+import { find, GridMap } from "./map.js";
+import { changesIn, commandOf, csvOf, hashOf, pictureOf, save } from "./outside.js";
+
+const WAITING = 120; // ms after which what is shown is greyed
+const KEPT = 0.5; // of the size of the view: a motion that fills more of it does not change it
+
+const scene = JSON.parse(find("data").textContent);
+const changes = new Changes(scene);
+const engine = new Engine(find("worker").textContent, scene);
+const player = new Player(1);
+const ghosts = new Ghosts(player, find("pins"), find("pin-table"));
+const handles = new Handles(player, changes, find("scene"));
+player.further.push(ghosts, handles);
+
+/** The view before, if the next one is within it and not much smaller: a picture that keeps still. */
+function steady(next) {
+  const before = player.recording;
+  if (!before) return next;
+  const size = ({ view: [low, high] }) => Math.max(high[0] - low[0], high[1] - low[1]);
+  const isWithin = [0, 1].every((axis) =>
+    next.view[0][axis] >= before.view[0][axis] && next.view[1][axis] <= before.view[1][axis]);
+  const isKept = handles.dragged !== null; // what is dragged stays below the pointer
+  return isKept || (isWithin && size(next) > KEPT * size(before)) ? { ...next, view: before.view, anchor: before.anchor } : next;
+}
+
+/** What went wrong, in a sentence; nothing if all is well. */
+function sentenceOf({ status, reached, parts }) {
+  if (status === 0) return "";
+  const text = scene.statuses[status];
+  return parts ? `The simulation stopped at t = ${+reached.toPrecision(6)} s: ${text}.` : `The simulation cannot start: ${text}.`;
+}
+
+let notice = ""; // what is wrong with the address, until something changes
+
+function say(sentence) {
+  const all = [notice, sentence].filter(Boolean).join(" ");
+  find("status").textContent = all;
+  find("status").hidden = !all;
+}
+
+/** Simulate with the parameters as they are, and show it, unless they change again meanwhile. */
+async function update() {
+  find("reset-all").hidden = changes.count === 0;
+  const waiting = setTimeout(() => document.body.classList.add("computing"), WAITING);
+  const result = await engine
+    .ask("motion", changes.values, { replaces: true }, (share) => find("stage").style.setProperty("--share", `${100 * share}%`))
+    .catch((error) => ({ status: -1, parts: null, fault: error.message }));
+  clearTimeout(waiting);
+  if (!result) return;
+  document.body.classList.remove("computing");
+  document.body.classList.toggle("stale", !result.parts);
+  say(result.fault ?? sentenceOf(result));
+  if (result.parts) {
+    player.show(new Recording(steady(result.parts)));
+    ghosts.show();
+  } else if (player.recording) {
+    player.drawSoon();
+  }
+}
+
+function remember() {
+  const hash = hashOf(changes);
+  history.replaceState(null, "", hash ? `#${hash}` : location.href.split("#")[0]);
+}
+
+/** Take the changes of the address; one that cannot be is told, and changes nothing. */
+function takeAddress() {
+  try {
+    changes.replace(new Changes(scene).with(changesIn(location.hash)));
+  } catch (error) {
+    notice = `The link cannot be used: ${error.message}.`;
+    remember();
+    say("");
+  }
+}
+
+function connectExport() {
+  const fill = () => Object.assign(find("command"), { value: commandOf(changes) }) && Object.assign(find("link"), { value: location.href });
+  find("export-open").addEventListener("click", () => {
+    fill();
+    find("export").showModal();
+  });
+  document.querySelectorAll("[data-copy]").forEach((button) => button.addEventListener("click", async () => {
+    const field = find(button.dataset.copy);
+    field.select();
+    await navigator.clipboard?.writeText(field.value).catch(() => document.execCommand("copy"));
+    button.textContent = "Copied";
+    setTimeout(() => Object.assign(button, { textContent: "Copy" }), 1500);
+  }));
+  find("csv").addEventListener("click", async () => {
+    const result = await engine.ask("rows", { ...changes.values });
+    save(new Blob([csvOf(result)], { type: "text/csv" }), `${scene.name}.csv`);
+  });
+  find("png").addEventListener("click", async () => {
+    const background = getComputedStyle(document.body).backgroundColor;
+    save(await pictureOf(find("scene"), background), `${scene.name}.png`);
+  });
+}
+
+/** For the console, and for pages of others that show this one. */
+window.chainImpact = {
+  scene: scene.name,
+  /** Name → value of all parameters as the page has them, of a choice its name. */
+  get parameters() {
+    return Object.fromEntries(changes.texts(Object.fromEntries(scene.parameters.map(({ name }) => [name, changes.valueOf(name)]))));
+  },
+  /** Simulate the scene with some parameters changed, whatever the page shows: {time, columns, impacts, statistics}. */
+  async simulate(given = {}, { output } = {}) {
+    const values = new Changes(scene).with(given);
+    const result = await engine.ask("rows", values, { names: output });
+    const { time, columns, impacts, statistics, status, reached } = result;
+    const named = impacts.map((impact) => ({ ...impact, wall: scene.wallNames[impact.wall] }));
+    const found = { time, columns, impacts: named, statistics };
+    if (status !== 0) {
+      const sentence = `the simulation stopped at t = ${+reached.toPrecision(9)} s: ${scene.statuses[status]}`;
+      throw Object.assign(new Error(sentence), { status, time: reached, result: found });
+    }
+    return found;
+  },
+  /** Let the page show the scene with some more parameters changed. */
+  show(given = {}) {
+    changes.set(given);
+  },
+};
+
+let grid; // the map, made when it is first opened: with a worker of its own, beside the motion's
+find("map-open").addEventListener("click", () => {
+  grid ??= new GridMap(new Engine(find("worker").textContent, scene), changes);
+  find("map").showModal();
+});
+showKnobs(find("main-knobs"), changes);
+showList(find("list-of-parameters"), changes);
+connectExport();
+find("reset-all").addEventListener("click", () => changes.replace({}));
+find("pin").addEventListener("click", () => ghosts.pin(changes.texts().map(([name, text]) => `${name} = ${text}`).join(", ")));
+find("by-hand").addEventListener("click", () => player.clock.set({ frame: 0, playing: false }));
+if (location.hash) takeAddress();
+changes.onChange(() => {
+  notice = "";
+});
+changes.onChange(() => ghosts.change());
+changes.onChange(remember);
+changes.onChange(update);
+addEventListener("hashchange", takeAddress);
+update();

@@ -1,0 +1,94 @@
+// Other motions behind the present one: that before the last change, and those that are pinned; and their impacts.
+
+import { durationText, forceText, unitsOf } from "./format.js";
+import { make } from "./knobs.js";
+
+const GESTURE = 800; // ms: changes that follow each other faster are one
+const COLOURS = 5; // of pinned motions, which the style sheet has
+const LISTED = 40; // impacts side by side, at most
+
+export class Ghosts {
+  #last = -Infinity;
+
+  constructor(player, panel, table) {
+    this.player = player;
+    this.panel = panel;
+    this.table = table;
+    this.pinned = []; // {recording, text, colour}
+    this.before = null;
+  }
+
+  /** Keep the motion that is shown as the one before the change, unless the change goes on with the last one. */
+  change() {
+    const now = performance.now();
+    if (now - this.#last > GESTURE) this.before = this.player.recording ?? null;
+    this.#last = now;
+  }
+
+  /** Pin the motion that is shown; the text says what is changed in it. */
+  pin(text) {
+    const used = this.pinned.map(({ colour }) => colour);
+    const colour = Array.from({ length: COLOURS }, (_, k) => k + 1).find((k) => !used.includes(k)) ?? 1;
+    this.pinned.push({ recording: this.player.recording, text: text || "as in the scene", colour });
+    this.show();
+    this.player.drawSoon();
+  }
+
+  unpin(one) {
+    this.pinned = this.pinned.filter((other) => other !== one);
+    this.show();
+    this.player.drawSoon();
+  }
+
+  /** Draw the other motions at the present time. */
+  draw() {
+    const { scene, clock, recording: shown } = this.player;
+    scene.behind.clear();
+    const others = [{ recording: this.before, kind: "before" }, ...this.pinned.map((one) => ({ ...one, kind: `pin-${one.colour}` }))];
+    for (const { recording, kind } of others) {
+      if (!recording || recording === shown) continue;
+      const frame = recording.frameAt(clock.time);
+      const places = Array.from({ length: recording.links + 1 }, (_, point) => scene.camera.place(...recording.pointAt(frame, point)));
+      scene.behind.polyline(places).addClass(`ghost ${kind}`).fill("none");
+      scene.behind.circle(8).center(...places.at(-1)).addClass(`ghost-tip ${kind}`);
+    }
+  }
+
+  /** List the pinned motions, and the impacts of all side by side. */
+  show() {
+    const { pinned, panel, table, player } = this;
+    panel.hidden = pinned.length === 0;
+    if (panel.hidden) return;
+    const all = [{ recording: player.recording, text: "present" }, ...pinned];
+    const count = Math.min(LISTED, Math.max(...all.map(({ recording }) => recording.impacts.length)));
+    const numbers = Array.from({ length: count }, (_, k) => make("th", { scope: "col", textContent: `${k + 1}` }));
+    const head = make("tr", {}, make("th", { scope: "col", textContent: "Impact" }), ...numbers);
+    const rows = all.map((one) => make("tr", {}, this.#title(one),
+      ...numbers.map((_, k) => cellOf(one.recording.impacts[k]))));
+    table.replaceChildren(make("thead", {}, head), make("tbody", {}, ...rows));
+  }
+
+  #title(one) {
+    const { text, colour, recording } = one;
+    const count = `${recording.impacts.length} impact${recording.impacts.length === 1 ? "" : "s"}`;
+    const cell = make("th", { scope: "row", title: text });
+    cell.append(make("span", { className: `dot ${colour ? `pin-${colour}` : "present"}` }));
+    cell.append(make("span", { className: "pin-text", textContent: text }));
+    if (colour) {
+      const button = make("button", { type: "button", className: "unpin", textContent: "×", title: "Take this pin away" });
+      button.addEventListener("click", () => this.unpin(one));
+      cell.append(button);
+    }
+    cell.append(make("small", { textContent: count }));
+    return cell;
+  }
+}
+
+/** An impact in a cell: when, what, and the peak of its force. */
+function cellOf(impact) {
+  if (!impact) return make("td", { textContent: "–" });
+  const force = impact.peak === null ? "rigid" : forceText(impact.peak, 3, unitsOf(impact).force);
+  const cell = make("td", { title: `${impact.atStop ? "joint" : "point"} ${impact.point} at ${impact.wall}, until ${durationText(impact.end - impact.onset)} later` });
+  cell.append(`${impact.onset.toFixed(4)}\u202fs`, make("small", { textContent: force }));
+  return cell;
+}

@@ -1,0 +1,169 @@
+// The start taken by hand: joints, arrows of velocity and walls, which are dragged while the clock shows the start.
+
+import { roomWithin } from "./room.js";
+import { wallsAt } from "./view.js";
+
+const ARROW_TIME = 0.1; // s: an arrow is as long as the way at its velocity in this time …
+const LONGEST = 0.2; // … unless one would be longer than this part of the view
+const GRIP = 26; // pixels, what a finger hits
+const WALL = 18; // pixels, the grip of a wall
+
+/** A value that is set by hand, with so many decimals. */
+function byHand(value, decimals) {
+  return Number(value.toFixed(decimals));
+}
+
+export class Handles {
+  constructor(player, changes, element) {
+    this.player = player;
+    this.changes = changes;
+    this.element = element;
+    this.links = changes.scene.links;
+    this.dragged = null; // {kind, index, time}
+    element.addEventListener("pointerdown", (event) => this.#grasp(event));
+    element.addEventListener("pointermove", (event) => this.dragged && this.#drag(event));
+    ["pointerup", "pointercancel"].forEach((name) => element.addEventListener(name, () => this.#drop()));
+  }
+
+  get areShown() {
+    const { clock, recording } = this.player;
+    return !clock.playing && clock.time === recording.start;
+  }
+
+  #value(name) {
+    return this.changes.valueOf(name) ?? 0;
+  }
+
+  /** Places [m] and velocities [m/s] of the points at the start, by the parameters. */
+  get #start() {
+    const place = [[this.#value("initial.x"), this.#value("initial.y")]];
+    const velocity = [[this.#value("initial.vx"), this.#value("initial.vy")]];
+    for (let link = 1; link <= this.links; link += 1) {
+      const [length, angle, rate] = [`link[${link}].length`, `initial.angle[${link}]`, `initial.angular_velocity[${link}]`].map((name) => this.#value(name));
+      const [x, y] = [length * Math.cos(angle), length * Math.sin(angle)];
+      place.push([place.at(-1)[0] + x, place.at(-1)[1] + y]);
+      velocity.push([velocity.at(-1)[0] - rate * y, velocity.at(-1)[1] + rate * x]);
+    }
+    return { place, velocity };
+  }
+
+  /** The time [s] for which the arrows show the way; it stays while something is dragged. */
+  #arrowTime(velocity) {
+    if (this.dragged) return this.dragged.time;
+    const [low, high] = this.player.recording.view;
+    const size = Math.max(high[0] - low[0], high[1] - low[1]);
+    return Math.min(ARROW_TIME, (LONGEST * size) / Math.max(...velocity.map(([x, y]) => Math.hypot(x, y)), 1e-300));
+  }
+
+  /** The middle of what is seen of each wall that can be moved [m]. */
+  get #walls() {
+    const { camera } = this.player.scene;
+    const walls = wallsAt(this.changes.scene, (name) => this.changes.valueOf(name));
+    return Object.entries(walls).flatMap(([name, wall]) => {
+      const movable = this.changes.valueOf(`box.${name}`) !== undefined || this.changes.valueOf(`wall.${name}.x`) !== undefined;
+      const [ends] = movable ? edgesOf(walls, name, camera.rectangle) : [];
+      return ends ? [{ name, wall, middle: [0, 1].map((axis) => (ends[0][axis] + ends[1][axis]) / 2) }] : [];
+    });
+  }
+
+  /** Draw the handles, if the clock shows the start. */
+  draw() {
+    const { scene } = this.player;
+    scene.above.clear();
+    if (!this.areShown) return;
+    const { place, velocity } = this.#start;
+    const time = this.#arrowTime(velocity);
+    const screen = (point) => scene.camera.place(...point);
+    const group = scene.above;
+    group.polyline(place.map(screen)).addClass("pose").fill("none");
+    this.#walls.forEach(({ name, middle }) => {
+      const [x, y] = screen(middle);
+      group.rect(WALL, WALL).radius(5).center(x, y).addClass("wall-grip").data("grip", `wall ${name}`);
+    });
+    place.forEach((point, k) => {
+      if (k > 0 || this.changes.parameters.has("initial.vx")) this.#arrow(group, screen(point), screen(tipOf(point, velocity[k], time)), k);
+    });
+    place.forEach((point, k) => {
+      group.circle(15).center(...screen(point)).addClass("joint-ring");
+      group.circle(GRIP).center(...screen(point)).addClass("grip").data("grip", `joint ${k}`);
+    });
+  }
+
+  #arrow(group, from, to, k) {
+    group.line([from, to]).addClass("velocity");
+    group.circle(9).center(...to).addClass("velocity-tip");
+    group.circle(GRIP).center(...to).addClass("grip").data("grip", `velocity ${k}`);
+  }
+
+  #grasp(event) {
+    const grip = event.target.closest("[data-grip]")?.dataset.grip;
+    if (!grip) return;
+    const [kind, index] = grip.split(" ");
+    this.dragged = { kind, index, time: this.#arrowTime(this.#start.velocity) };
+    this.element.setPointerCapture(event.pointerId);
+    event.preventDefault();
+  }
+
+  #drop() {
+    if (!this.dragged) return;
+    this.dragged = null;
+    this.changes.replace({ ...this.changes.values }); // once more, with a view that fits
+  }
+
+  #drag(event) {
+    const { left, top } = this.element.getBoundingClientRect();
+    const at = this.player.scene.camera.at(event.clientX - left, event.clientY - top);
+    const { kind, index } = this.dragged;
+    try {
+      this.changes.set(this[kind](at, index));
+    } catch {
+      // a place that cannot be: the handle stays where it was
+    }
+  }
+
+  /** The base moves; another joint turns the link before it. */
+  joint([x, y], index) {
+    const k = Number(index);
+    if (k === 0) return { "initial.x": byHand(x, 3), "initial.y": byHand(y, 3) };
+    const [x0, y0] = this.#start.place[k - 1];
+    const name = `initial.angle[${k}]`;
+    const turns = Math.round((this.#value(name) - Math.atan2(y - y0, x - x0)) / (2 * Math.PI));
+    return { [name]: byHand(Math.atan2(y - y0, x - x0) + 2 * Math.PI * turns, 3) };
+  }
+
+  /** The arrow of the base sets its velocity, that of another joint the angular velocity of the link before it. */
+  velocity([x, y], index) {
+    const k = Number(index);
+    const { place, velocity } = this.#start;
+    const wanted = [x - place[k][0], y - place[k][1]].map((way) => way / this.dragged.time);
+    if (k === 0) return { "initial.vx": byHand(wanted[0], 2), "initial.vy": byHand(wanted[1], 2) };
+    const link = [0, 1].map((axis) => place[k][axis] - place[k - 1][axis]);
+    const added = [0, 1].map((axis) => wanted[axis] - velocity[k - 1][axis]);
+    const rate = (link[0] * added[1] - link[1] * added[0]) / (link[0] ** 2 + link[1] ** 2);
+    return { [`initial.angular_velocity[${k}]`]: byHand(rate, 2) };
+  }
+
+  /** A wall moves along its normal. */
+  wall([x, y], name) {
+    const { normal: [nx, ny], offset } = wallsAt(this.changes.scene, (one) => this.changes.valueOf(one))[name];
+    const way = nx * x + ny * y - offset;
+    if (this.changes.valueOf(`box.${name}`) !== undefined) {
+      return { [`box.${name}`]: byHand(this.#value(`box.${name}`) + way * (nx + ny), 3) };
+    }
+    return Object.fromEntries([["x", nx], ["y", ny]].map(([axis, part]) =>
+      [`wall.${name}.${axis}`, byHand(this.#value(`wall.${name}.${axis}`) + way * part, 3)]));
+  }
+}
+
+/** Where an arrow ends [m]. */
+function tipOf([x, y], [vx, vy], time) {
+  return [x + vx * time, y + vy * time];
+}
+
+/** The ends of what is seen of one wall; none if it bounds nothing that is seen. */
+function edgesOf(walls, name, rectangle) {
+  const { normal: [nx, ny], offset } = walls[name];
+  const { edges } = roomWithin(walls, rectangle);
+  const isOn = ([x, y]) => Math.abs(nx * x + ny * y - offset) < 1e-6 * (1 + Math.abs(offset));
+  return edges.filter((ends) => ends.every(isOn));
+}

@@ -1,0 +1,216 @@
+// The kernel: the WebAssembly module, one instance in its memory, and runs of it. `description.py` says where in the
+// instance's record things are.
+
+const WORD = 8; // bytes
+const ROWS = 256; // of outputs that the kernel fills at once
+const RUNS = 41; // of a map at once
+const PAGE = 65536; // bytes of WebAssembly's memory
+
+/** The bytes of a text that `packed` of `description.py` made. */
+export async function unpacked(text) {
+  const bytes = Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+/** The next multiple of 64 bytes. */
+function aligned(place) {
+  return (place + 63) & ~63;
+}
+
+/** The times of the rows of a result [s]: multiples of the step, and the end. */
+export function rowTimes(stop, step) {
+  const count = Math.ceil((stop / step) * (1 - 1e-12)) + 1;
+  const times = Float64Array.from({ length: count }, (_, row) => row * step);
+  times[count - 1] = stop;
+  return times;
+}
+
+export class Kernel {
+  /** The kernel of a module for the scene of a description. */
+  static async load(module, scene) {
+    const { exports } = await WebAssembly.instantiate(module, {});
+    return new Kernel(exports, scene, await unpacked(scene.record));
+  }
+
+  constructor(exports, scene, start) {
+    this.exports = exports;
+    this.scene = scene;
+    this.start = start;
+    this.record = aligned(exports.__heap_base.value);
+    this.times = aligned(this.record + start.length);
+    this.rows = aligned(this.times + ROWS * WORD);
+    this.scratch = aligned(this.rows + ROWS * scene.row * WORD);
+    this.parameters = new Map(scene.parameters.map((parameter) => [parameter.name, parameter]));
+    this.#reserve(this.scratch);
+    this.bytes.set(start);
+  }
+
+  /** See that the memory reaches to some place; only here it grows, which makes all views invalid. */
+  #reserve(end) {
+    const { exports, scene, start } = this;
+    const missing = Math.ceil((end - exports.memory.buffer.byteLength) / PAGE);
+    if (missing > 0) exports.memory.grow(missing);
+    const { buffer } = exports.memory;
+    this.bytes = new Uint8Array(buffer, this.record, start.length);
+    this.reals = new Float64Array(buffer, this.record, start.length / WORD);
+    this.integers = new BigInt64Array(buffer, this.record, start.length / WORD);
+    this.timesHeld = new Float64Array(buffer, this.times, ROWS);
+    this.rowsHeld = new Float64Array(buffer, this.rows, ROWS * scene.row);
+  }
+
+  get status() {
+    return Number(this.integers[this.scene.layout.status]);
+  }
+
+  /** The scene's record with some parameters changed, not initialized: name → number. */
+  #given(values) {
+    this.bytes.set(this.start);
+    for (const [name, value] of Object.entries(values)) {
+      const { word, type } = this.parameters.get(name);
+      if (word < 0) continue;
+      if (type === "real") this.reals[word] = value;
+      else this.integers[word] = BigInt(value);
+    }
+    return this.bytes;
+  }
+
+  /** Set the scene's start with some parameters changed. */
+  initialize(values) {
+    this.#given(values);
+    this.exports.initialize(this.record, 0);
+  }
+
+  /**
+   * Run from the scene's start through some times, and return what was found. It yields the share that is done, often
+   * enough that who calls can do something else.
+   *
+   * @param values the parameters that are changed: name → number.
+   * @param times Float64Array [s].
+   * @param places of outputs in a row, for each of which there is a column.
+   * @param words of the record at each row, likewise: those that change at events and steps only.
+   */
+  *run(values, times, places, words = []) {
+    this.initialize(values);
+    const columns = places.map(() => new Float64Array(times.length));
+    const others = words.map(() => new BigInt64Array(times.length));
+    const impacts = [];
+    let done = 0;
+    while (done < times.length && this.status === 0) {
+      const most = words.length ? 1 : ROWS;
+      const asked = Math.min(most, times.length - done);
+      this.timesHeld.set(times.subarray(done, done + asked));
+      const filled = Number(this.exports.trajectory(this.record, this.times, BigInt(asked), this.rows));
+      this.#copy(filled, done, places, columns);
+      if (filled) others.forEach((column, index) => {
+        column[done] = this.integers[words[index]];
+      });
+      done += filled;
+      impacts.push(...this.#finished());
+      yield done / times.length;
+    }
+    const { status, reached } = { status: this.status, reached: this.reals[this.scene.layout.time] };
+    const statistics = Object.fromEntries(
+      Object.entries(this.scene.layout.statistics).map(([name, word]) => [name, Number(this.integers[word])]));
+    if (status === 0 || done > 0) impacts.push(...this.#open());
+    const whole = (column) => (done === times.length ? column : column.slice(0, done));
+    impacts.sort((a, b) => a.onset - b.onset || a.point - b.point || a.wall - b.wall);
+    return {
+      status,
+      reached,
+      statistics,
+      impacts,
+      time: whole(times),
+      columns: columns.map(whole),
+      words: others.map(whole),
+    };
+  }
+
+  /**
+   * Run once for each row of values of some parameters, all real, and return words of the record at the end of each run,
+   * in rows that begin with the largest force and penetration. It yields the share that is done.
+   */
+  *runEach(values, names, each, stops, words) {
+    const [runs, width] = [stops.length, 2 + words.length];
+    const sizes = [this.start.length / WORD, names.length, each.length, runs, words.length, runs * width];
+    const places = sizes.reduce((found, size) => [...found, aligned(found.at(-1) + size * WORD)], [this.scratch]);
+    this.#reserve(places.at(-1));
+    const [start, at, rows, ends, outputs, found] = places;
+    const { buffer } = this.exports.memory;
+    new Uint8Array(buffer, start, this.start.length).set(this.#given(values));
+    new BigInt64Array(buffer, at, names.length).set(names.map((name) => BigInt(this.parameters.get(name).word)));
+    new Float64Array(buffer, rows, each.length).set(each);
+    new Float64Array(buffer, ends, runs).set(stops);
+    new BigInt64Array(buffer, outputs, words.length).set(words.map(BigInt));
+    for (let done = 0, continuing = 0; done < runs;) {
+      const most = Math.min(RUNS, runs - done);
+      const [valuesAt, endsAt, foundAt] = [rows + done * names.length * WORD, ends + done * WORD, found + done * width * WORD];
+      const counts = [names.length, most, words.length].map(BigInt);
+      const complete = Number(this.exports.run_each(this.record, start, at, counts[0], valuesAt, endsAt, counts[1], outputs, counts[2], foundAt, continuing));
+      done += complete;
+      continuing = complete < most ? 1 : 0;
+      yield { done, rows: new Float64Array(buffer, found, done * width) };
+    }
+    return new Float64Array(buffer, found, runs * width).slice();
+  }
+
+  #copy(filled, done, places, columns) {
+    const { rowsHeld, scene: { row: width } } = this;
+    for (let k = 0; k < places.length; k += 1) {
+      const column = columns[k];
+      for (let row = 0, from = places[k]; row < filled; row += 1, from += width) column[done + row] = rowsHeld[from];
+    }
+  }
+
+  /** Take the finished contacts out of the log; of those that nobody took in time, the oldest are lost. */
+  #finished() {
+    const { finished, changes } = this.scene.layout;
+    const count = Math.min(Number(this.integers[finished.count]), finished.room);
+    this.integers[finished.count] = 0n;
+    this.integers[changes] = 0n;
+    return Array.from({ length: count }, (_, index) => this.#impact((name) => finished.fields[name] + index));
+  }
+
+  #impact(wordOf) {
+    const { reals, integers } = this;
+    const impact = { point: Number(integers[wordOf("point")]), wall: Number(integers[wordOf("wall")]) };
+    for (const name of Object.keys(this.scene.layout.finished.fields)) {
+      if (!(name in impact)) impact[name] = reals[wordOf(name)];
+    }
+    return this.#withImpulse(impact);
+  }
+
+  #withImpulse(impact) {
+    const followed = this.integers[this.scene.layout.impulses] !== 0n;
+    return followed ? impact : { ...impact, impulse: NaN };
+  }
+
+  /** The contacts that have not ended, with their peaks so far; drops what was solved ahead. */
+  #open() {
+    this.exports.follow(this.record);
+    const { reals, integers, scene: { layout: { candidates, candidate, open } } } = this;
+    const active = Array.from({ length: candidates }, (_, c) => c).filter((c) => integers[open.active + c] === 1n);
+    return active.map((c) => {
+      const of = (field) => Number(integers[candidate.start + c * candidate.width + candidate[field]]);
+      return this.#withImpulse({
+        point: of("point"),
+        wall: of("wall"),
+        onset: reals[open.onset + c],
+        end: NaN,
+        impact_speed: reals[open.onset_speed + c],
+        separation_speed: NaN,
+        peak_force: reals[open.peak_force + c],
+        max_penetration: reals[open.max_penetration + c],
+        effective_mass: reals[open.effective_mass + c],
+        impulse: reals[open.impulse_total + c] - reals[open.impulse_onset + c],
+      });
+    });
+  }
+}
+
+/** All of a run at once. */
+export function runThrough(run) {
+  let step = run.next();
+  while (!step.done) step = run.next();
+  return step.value;
+}

@@ -1,0 +1,179 @@
+// The knobs for what matters most, and the list of all parameters.
+
+import { numberText } from "./changes.js";
+
+/** The parameters with a knob: name, label, and the ends of its slider. */
+const KNOBS = [
+  { name: "contact.model", label: "Contact law" },
+  { name: "contact.stiffness", label: "Stiffness", logarithmic: true, decades: 3 },
+  { name: "contact.restitution", label: "Restitution", ends: [0, 1] },
+  { name: "contact.friction", label: "Friction", ends: [0, 1.5] },
+  { name: "stop.stiffness", label: "Stiffness of stops", logarithmic: true, decades: 3 },
+  { name: "stop.restitution", label: "Restitution of stops", ends: [0, 1] },
+  { name: "gravity.y", label: "Gravity, y", ends: [-20, 20] },
+  { name: "solver.tolerance", label: "Tolerance", logarithmic: true, ends: [-12, -3] },
+  { name: "simulation.stop_time", label: "Stop time", spread: 3 },
+];
+const STEPS = 400; // of a slider
+const UNITS = [["exponent", "ⁿ"], ["^", ""], ["m/s2", "m/s²"], ["kg.m2", "kg\u202fm²"], [".", "\u202f"]];
+
+/** A unit as it is written on the page; nothing of a pure number. */
+export function unitText(unit) {
+  return unit === "1" ? "" : UNITS.reduce((text, [from, to]) => text.replaceAll(from, to), unit);
+}
+
+/** An element with some properties and children. */
+export function make(tag, properties = {}, ...children) {
+  const element = Object.assign(document.createElement(tag), properties);
+  element.append(...children);
+  return element;
+}
+
+/** Say what is wrong with a value at its field, or nothing. */
+function attempt(field, change) {
+  try {
+    change();
+    field.setCustomValidity("");
+  } catch (error) {
+    field.setCustomValidity(error.message);
+    field.reportValidity();
+  }
+}
+
+/** A field for a number, or a choice, that follows the changes. */
+export function valueField(changes, parameter) {
+  const { name, items, text, allowed } = parameter;
+  const field = items.length
+    ? make("select", {}, ...items.map(([id], k) => new Option(id, String(k + 1))))
+    : make("input", { type: "text", inputMode: "decimal", autocomplete: "off", spellcheck: false });
+  field.title = `${name}: ${text}; ${allowed}`;
+  field.setAttribute("aria-label", name);
+  field.addEventListener("change", () => attempt(field, () => changes.set({ [name]: field.value })));
+  const refresh = () => {
+    const value = changes.valueOf(name);
+    if (document.activeElement !== field || items.length) field.value = items.length ? String(value) : numberText(value);
+    else if (field.checkValidity()) field.value = numberText(value);
+  };
+  return { field, refresh };
+}
+
+function resetButton(changes, name) {
+  const button = make("button", { type: "button", className: "reset", textContent: "↺", title: `As in the scene: ${name}` });
+  button.setAttribute("aria-label", `Reset ${name}`);
+  button.addEventListener("click", () => changes.reset(name));
+  return button;
+}
+
+/** The places of a slider: to and from its value. */
+function scaleOf({ ends, logarithmic, decades, spread }, start) {
+  if (logarithmic) {
+    const middle = Math.log10(start);
+    const [low, high] = ends ?? [Math.floor(middle - decades), Math.ceil(middle + decades)];
+    return { toPlace: (value) => (Math.log10(value) - low) / (high - low), toValue: (place) => 10 ** (low + place * (high - low)) };
+  }
+  const [low, high] = spread ? [0, spread * start] : ends;
+  return { toPlace: (value) => (value - low) / (high - low), toValue: (place) => low + place * (high - low) };
+}
+
+/** A value with as many digits as a slider can tell. */
+function rounded(value) {
+  return Number(value.toPrecision(3));
+}
+
+/** A knob: label, field, slider, reset. */
+function knob(changes, entry) {
+  const parameter = changes.parameters.get(entry.name);
+  const { field, refresh } = valueField(changes, parameter);
+  const unit = unitText(parameter.unit);
+  const label = make("label", { className: "knob-label", textContent: entry.label, title: entry.name });
+  if (unit) label.append(" ", make("small", { textContent: unit }));
+  const row = make("div", { className: "knob" }, label, resetButton(changes, entry.name), field);
+  field.id = `knob-${entry.name}`;
+  label.htmlFor = field.id;
+  if (parameter.items.length) {
+    const sentence = make("p", { className: "sentence" });
+    row.append(sentence);
+    row.classList.add("choice-knob");
+    return { row, refresh: () => {
+      refresh();
+      sentence.textContent = parameter.items[changes.valueOf(entry.name) - 1][1];
+      row.classList.toggle("changed", changes.isChanged(entry.name));
+    } };
+  }
+  const { toPlace, toValue } = scaleOf(entry, changes.starts[entry.name]);
+  const slider = make("input", { type: "range", min: 0, max: STEPS, step: 1 });
+  slider.setAttribute("aria-label", entry.label);
+  slider.addEventListener("input", () => {
+    const value = rounded(toValue(slider.value / STEPS));
+    attempt(slider, () => changes.set({ [entry.name]: Math.max(value, entry.spread ? rounded(changes.starts[entry.name] / 100) : value) }));
+  });
+  row.append(slider);
+  return { row, refresh: () => {
+    refresh();
+    const value = changes.valueOf(entry.name);
+    if (document.activeElement !== slider) slider.value = String(STEPS * toPlace(value));
+    slider.style.setProperty("--done", `${100 * Math.min(Math.max(toPlace(value), 0), 1)}%`);
+    slider.setAttribute("aria-valuetext", `${numberText(value)} ${unit}`);
+    row.classList.toggle("changed", changes.isChanged(entry.name));
+  } };
+}
+
+/** The knobs that the scene has; where walls have their own friction or restitution, one for each of them. */
+function knobsOf({ parameters, scene }) {
+  const walls = Object.keys(scene.walls);
+  return KNOBS.flatMap((entry) => {
+    const [, key] = /^contact\.(friction|restitution)$/.exec(entry.name) ?? [];
+    const own = key ? walls.filter((wall) => parameters.has(`wall.${wall}.${key}`)) : [];
+    const common = own.length > 0 && own.length === walls.length ? [] : [entry];
+    return [...common, ...own.map((wall) => ({ ...entry, name: `wall.${wall}.${key}`, label: `${entry.label} at ${wall}` }))];
+  }).filter(({ name }) => parameters.has(name));
+}
+
+/** Fill an element with the knobs that the scene has. */
+export function showKnobs(element, changes) {
+  const there = knobsOf(changes);
+  const knobs = there.map((entry) => knob(changes, entry));
+  element.append(...knobs.map(({ row }) => row));
+  const refresh = () => knobs.forEach((one) => one.refresh());
+  changes.onChange(refresh);
+  refresh();
+}
+
+/** The list of all parameters, made when it is first opened; `search` leaves those whose name or meaning holds a text. */
+export function showList(details, changes) {
+  const [search, body] = [details.querySelector("input[type=search]"), details.querySelector(".parameters")];
+  let rows;
+  const refresh = () => rows?.forEach((row) => row.refresh());
+  const filter = () => {
+    const words = search.value.toLowerCase().split(/\s+/).filter(Boolean);
+    rows.forEach(({ row, text }) => {
+      row.hidden = !words.every((word) => text.includes(word));
+    });
+    details.querySelector(".nothing").hidden = rows.some(({ row }) => !row.hidden);
+  };
+  const fill = () => {
+    if (rows || !details.open) return;
+    rows = changes.scene.parameters.map((parameter) => listRow(changes, parameter));
+    body.append(...rows.map(({ row }) => row));
+    refresh();
+  };
+  details.addEventListener("toggle", fill);
+  search.addEventListener("input", filter);
+  changes.onChange(refresh);
+}
+
+function listRow(changes, parameter) {
+  const { name, unit, text, allowed } = parameter;
+  const { field, refresh } = valueField(changes, parameter);
+  const words = make("span", { className: "parameter-name", title: `${text}; ${allowed}` }, name.replaceAll(/(\.|_)/g, "$1\u200b"));
+  const row = make("div", { className: "parameter" }, words, resetButton(changes, name), field,
+    make("small", { textContent: unitText(unit) }));
+  return {
+    row,
+    text: `${name} ${text}`.toLowerCase(),
+    refresh: () => {
+      refresh();
+      row.classList.toggle("changed", changes.isChanged(name));
+    },
+  };
+}

@@ -1,0 +1,62 @@
+// Out of the page: the command that repeats a motion, a link, tables and pictures.
+
+/** A word of a command as a shell takes it. */
+function quoted(word) {
+  return /^[\w./:=+,-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`;
+}
+
+/** The command that gives the same motion. */
+export function commandOf(changes) {
+  const set = changes.texts().flatMap(([name, text]) => ["--set", `${name}=${text}`]);
+  return ["chain-impact", "simulate", ...changes.scene.command, ...set].map(quoted).join(" ");
+}
+
+/** The changes as the part of an address after #. */
+export function hashOf(changes) {
+  return changes.texts().map(([name, text]) => `${name}=${encodeURIComponent(text)}`).join("&");
+}
+
+/** The changes in an address: name → text. */
+export function changesIn(hash) {
+  const parts = hash.replace(/^#/, "").split("&").filter(Boolean).map((part) => part.split("="));
+  return Object.fromEntries(parts.map(([name, text = ""]) => [decodeURIComponent(name), decodeURIComponent(text)]));
+}
+
+/** A table with the columns of the FMU's CSV. */
+export function csvOf({ time, columns }) {
+  const all = Object.values(columns);
+  const lines = Array.from(time, (now, row) => [now, ...all.map((column) => column[row])].join(","));
+  return [["time", ...Object.keys(columns)].join(","), ...lines, ""].join("\r\n");
+}
+
+/** Let the browser save something as a file. */
+export function save(blob, name) {
+  const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(blob), download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+}
+
+const DRAWN = ["fill", "fill-opacity", "stroke", "stroke-opacity", "stroke-width", "stroke-linecap", "stroke-linejoin",
+  "opacity", "font", "paint-order", "text-anchor", "stroke-dasharray"];
+
+/** A picture of the scene as it is drawn now, twice as fine as on the screen. */
+export async function pictureOf(svg, background) {
+  const copy = svg.cloneNode(true);
+  const [from, to] = [svg, copy].map((root) => [...root.querySelectorAll("*")]);
+  from.forEach((element, k) => {
+    const style = getComputedStyle(element);
+    DRAWN.forEach((name) => to[k].style.setProperty(name, style.getPropertyValue(name)));
+  });
+  copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
+  const address = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(new XMLSerializer().serializeToString(copy))}`;
+  const image = new Image();
+  image.src = address;
+  await image.decode();
+  const { width, height } = svg.getBoundingClientRect();
+  const canvas = Object.assign(document.createElement("canvas"), { width: 2 * width, height: 2 * height });
+  const context = canvas.getContext("2d");
+  context.fillStyle = background;
+  context.fillRect(0, 0, canvas.width, canvas.height);
+  context.drawImage(image, 0, 0, canvas.width, canvas.height);
+  return new Promise((done) => canvas.toBlob(done, "image/png"));
+}

@@ -1,0 +1,84 @@
+// The worker: it runs the kernel, a few milliseconds at a time, so that a newer request can take the place of an older one.
+
+import { Kernel, rowTimes, unpacked } from "./kernel.js";
+import { motion } from "./motion.js";
+
+const AT_ONCE = 15; // ms of computing until it looks for messages
+
+/** Let messages in. */
+function pause() {
+  return new Promise((go) => {
+    const { port1, port2 } = new MessageChannel();
+    port1.onmessage = () => go();
+    port2.postMessage(null);
+  });
+}
+
+/** All columns of the FMU that are asked for, at the rows of a result. */
+function* rows(kernel, values, { names }) {
+  const wanted = kernel.scene.columns.filter(({ name }) => !names || names.includes(name));
+  const ofRow = wanted.filter(({ place }) => place !== undefined);
+  const ofRecord = wanted.filter(({ word }) => word !== undefined);
+  const time = (name) => values[name] ?? kernel.parameters.get(name).start;
+  const times = rowTimes(time("simulation.stop_time"), time("simulation.step_size"));
+  const found = yield* kernel.run(values, times, ofRow.map(({ place }) => place), ofRecord.map(({ word }) => word));
+  const columns = {};
+  ofRow.forEach(({ name }, k) => {
+    columns[name] = found.columns[k];
+  });
+  ofRecord.forEach(({ name, integer }, k) => {
+    columns[name] = integer ? Float64Array.from(found.words[k], Number) : new Float64Array(found.words[k].buffer);
+  });
+  const ordered = Object.fromEntries(wanted.map(({ name }) => [name, columns[name]]));
+  return { ...found, columns: ordered, words: [] };
+}
+
+/** Status and one output at the end of each run of a grid of two parameters, the first in rows. */
+function* map(kernel, values, { names, axes, word }) {
+  const { status } = kernel.scene.layout;
+  const grid = axes[1].flatMap((second) => axes[0].map((first) => [first, second]));
+  const stop = values["simulation.stop_time"] ?? kernel.parameters.get("simulation.stop_time").start;
+  const run = kernel.runEach(values, names, Float64Array.from(grid.flat()), new Float64Array(grid.length).fill(stop), [status, word]);
+  let step = run.next();
+  while (!step.done) {
+    yield { done: step.value.done / grid.length, rows: step.value.rows.slice() };
+    step = run.next();
+  }
+  return { rows: step.value };
+}
+
+const KINDS = { motion, rows, map };
+const newest = {}; // kind → number of the newest request; older ones of some kinds are given up
+const kernels = {}; // kind → promise of a kernel of its own, as runs of several kinds take turns
+const queues = {}; // kind → promise of the end of the request before
+let scene;
+let module;
+
+async function answer({ kind, number, values, options }) {
+  kernels[kind] ??= module.then((compiled) => Kernel.load(compiled, scene));
+  const kernel = await kernels[kind];
+  const isOld = () => options.replaces && newest[kind] !== number;
+  const run = KINDS[kind](kernel, values, options);
+  let began = performance.now();
+  for (;;) {
+    if (isOld()) return postMessage({ number, result: null });
+    const step = run.next();
+    if (step.done) return postMessage({ number, result: step.value });
+    if (performance.now() - began > AT_ONCE) {
+      postMessage({ number, done: step.value });
+      await pause();
+      began = performance.now();
+    }
+  }
+}
+
+onmessage = ({ data }) => {
+  if (data.kind === "scene") {
+    scene = data.scene;
+    module = unpacked(scene.module).then((bytes) => WebAssembly.compile(bytes));
+    return;
+  }
+  newest[data.kind] = data.number;
+  const after = queues[data.kind] ?? Promise.resolve();
+  queues[data.kind] = after.then(() => answer(data)).catch((error) => postMessage({ number: data.number, fault: String(error) }));
+};

@@ -1,0 +1,187 @@
+"""What the page knows of its scene: the record, where in it things are, parameters, outputs and walls.
+
+The kernel in the page starts from this record. A parameter is set as the native FMU sets one: a number is put
+in its word, and the kernel derives all else when it initializes.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import zlib
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.kernel.status import STATUS_TEXT
+from chain_impact.results.impacts import IMPACT_DTYPE
+from chain_impact.results.joint_stops import OPEN
+from chain_impact.scene.half_planes import HalfPlane
+from chain_impact.scene.limits import allowed
+from chain_impact.scene.scene import Scene, scene_keys
+from chain_impact.scene.tables import Outputs
+from chain_impact.variables.model import Model
+from chain_impact.variables.table import WORD, word_index
+from chain_impact.variables.variable import Item, Variable, variable_row
+
+EVERYTHING = Outputs()
+"""What the page draws, whatever the scene's FMU shows."""
+TIMES = ("simulation.stop_time", "simulation.step_size")
+"""What can be changed beside the FMU's parameters."""
+
+
+def description(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
+    """All of it, as JSON can hold it.
+
+    Args:
+        scene: that the page shows.
+        command: what stands after ``chain-impact simulate`` in the command that repeats what the page shows.
+    """
+    model = Model(_without_derivatives(scene))
+    record = model.new_instance([])
+    return {
+        "name": scene.name,
+        "text": scene.description,
+        "command": list(command),
+        "links": len(scene.chain.links),
+        "pinned": scene.chain.base == "pinned",
+        "wallNames": scene.wall_names,
+        "walls": walls(scene),
+        "stops": sorted(scene.chain.joint_ranges),
+        "openArc": OPEN,
+        "contactPoints": scene.contact.points,
+        "record": packed(record.tobytes()),
+        "layout": layout(record.dtype),
+        "row": model.row.itemsize // WORD,
+        "parameters": [*(parameter(model, one) for one in model.parameters), *times(scene)],
+        "columns": columns(model),
+        "drawn": drawn(scene),
+        "statuses": {str(status): text for status, text in STATUS_TEXT.items()},
+    }
+
+
+def _without_derivatives(scene: Scene) -> Scene:
+    """The scene whose kernel carries no derivatives, which do not change the motion."""
+    return replace(scene, outputs=replace(scene.outputs, sensitivities=()))
+
+
+def packed(content: bytes) -> str:
+    """Bytes as text for a page: compressed, as a browser can undo it."""
+    compressor = zlib.compressobj(9, wbits=-zlib.MAX_WBITS)
+    return base64.b64encode(compressor.compress(content) + compressor.flush()).decode("ascii")
+
+
+def layout(record: np.dtype) -> dict[str, Any]:
+    """Where in the record the page reads what a run has found, counted in words."""
+
+    def word(*place: str | int) -> int:
+        return word_index(record, place)
+
+    def starts(part: str, names: Sequence[str]) -> dict[str, int]:
+        offset = record.fields[part][1]  # type: ignore[index]
+        return {name: (offset + record[part].fields[name][1]) // WORD for name in names}  # type: ignore[index]
+
+    logged = [name for name in IMPACT_DTYPE.names or () if name in (record["finished"].names or ())]
+    candidate = record["candidate"].base
+    return {
+        "status": word("statistics", "status"),
+        "time": word("step", "time"),
+        "impulses": word("impulse", "wanted"),
+        "finished": {
+            "count": word("finished", "count"),
+            "room": record["finished"]["point"].shape[0],
+            "fields": starts("finished", logged),
+        },
+        "changes": word("changes", "count"),
+        "candidates": record["candidate"].shape[0],
+        "candidate": {
+            "start": record.fields["candidate"][1] // WORD,  # type: ignore[index]
+            "width": candidate.itemsize // WORD,
+            "point": candidate.fields["point"][1] // WORD,  # type: ignore[index]
+            "wall": candidate.fields["wall"][1] // WORD,  # type: ignore[index]
+        },
+        "open": starts("touch", ("active", "onset", "onset_speed", *OPEN_FIELDS))
+        | {f"impulse_{name}": at for name, at in starts("impulse", ("total", "onset")).items()},
+        "statistics": {name: word("statistics", name) for name in record["statistics"].names or ()},
+    }
+
+
+OPEN_FIELDS = ("peak_force", "max_penetration", "effective_mass")
+"""Of a contact that has not ended, what the record has under the same name as the table of impacts."""
+
+
+def parameter(model: Model, variable: Variable) -> dict[str, Any]:
+    """A parameter of the FMU: its word, its range and what it means."""
+    _, _, word, _, low, high, _ = variable_row(variable, model.word(variable))
+    return {
+        "name": variable.name,
+        "word": word,
+        "type": variable.type,
+        "low": low,
+        "high": high,
+        "allowed": variable.allowed,
+        "unit": variable.unit,
+        "text": variable.description,
+        "items": [[item.name, sentence(item)] for item in variable.items],
+        "start": json.loads(model.start_text(variable)),
+    }
+
+
+def sentence(item: Item) -> str:
+    """What a choice is; of a contact law its range of use and its source."""
+    law = CONTACT_LAWS.get(item.name)
+    return f"{law.limits} {law.source}." if law else item.description
+
+
+def times(scene: Scene) -> list[dict[str, Any]]:
+    """The stop time and the step of the rows, which are no parameters of an FMU."""
+    rules = {key: entry.metadata for key, entry in scene_keys() if key in TIMES}
+    return [
+        {
+            "name": key,
+            "word": -1,
+            "type": "real",
+            "low": np.nextafter(0.0, 1.0),
+            "high": 1e9,
+            "allowed": allowed(float, rules[key]),
+            "unit": rules[key]["unit"],
+            "text": rules[key]["description"],
+            "items": [],
+            "start": scene.values[key],
+        }
+        for key in TIMES
+    ]
+
+
+def columns(model: Model) -> list[dict[str, Any]]:
+    """The outputs of the FMU in its order: in a row of outputs, or else a word of the record."""
+    return [
+        {"name": one.name, "unit": one.unit, "place": model.columns[one.name], "row": model.word(one)}
+        if one.name in model.columns
+        else {
+            "name": one.name,
+            "unit": one.unit,
+            "word": model.word(one),
+            "row": model.word(one),
+            "integer": one.type != "real",
+        }
+        for one in model.outputs
+    ]
+
+
+def drawn(scene: Scene) -> dict[str, int]:
+    """The outputs that the page draws: name → place in a row."""
+    return Model(replace(_without_derivatives(scene), outputs=EVERYTHING)).columns
+
+
+def walls(scene: Scene) -> dict[str, Any]:
+    """The walls at the start; the page moves those whose place is a parameter."""
+    return {name: half_plane(wall) for name, wall in scene.half_planes.items()}
+
+
+def half_plane(wall: HalfPlane) -> dict[str, Any]:
+    """The free side of a wall."""
+    return {"normal": wall.normal, "offset": wall.offset}

@@ -1,0 +1,50 @@
+"""The page that simulates: one file, which needs nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib import resources
+
+from chain_impact.compilation.library import browser_module
+from chain_impact.compilation.work import Notify
+from chain_impact.results.animation import page as player
+from chain_impact.results.explore.description import description, packed
+from chain_impact.scene.scene import Scene
+
+PAGE = resources.files("chain_impact.results.explore") / "browser"
+STYLES = ("explore.css",)
+WORKER = ("kernel", "pacing", "view", "motion", "worker")
+"""The modules of the worker, each after those that it imports from."""
+MODULES = ("view", "changes", "engine", "knobs", "ghosts", "handles", "outside", "map", "explore")
+"""Those of the page, after the ones that show a recording."""
+
+
+def page(scene: Scene, command: Sequence[str], notify: Notify | None = None) -> str:
+    """The page's HTML.
+
+    Args:
+        scene: what it simulates at first.
+        command: what stands after ``chain-impact simulate`` in the command that repeats what it shows.
+        notify: as for ``simulate``.
+
+    Raises:
+        BuildError: when the module for a browser has to be compiled, and cannot be.
+    """
+    module = browser_module(notify, scene.contact.law_file).read_bytes()
+    return player.assembled(
+        _text("index.html"),
+        scene.name,
+        [*player.styles(), *map(_text, STYLES)],
+        "\n".join([player.player(), program(MODULES)]),
+        data=player.script_data(description(scene, command) | {"module": packed(module)}),
+        worker=program(WORKER),
+    )
+
+
+def program(names: tuple[str, ...]) -> str:
+    """Some modules of this folder one after the other, as one."""
+    return player.joined(_text(f"{name}.js") for name in names)
+
+
+def _text(name: str) -> str:
+    return PAGE.joinpath(name).read_text(encoding="utf-8")

@@ -1,0 +1,54 @@
+"""A page that simulates a scene in the browser."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from chain_impact.compilation.work import Notify
+from chain_impact.results.explore.page import page
+from chain_impact.results.recording import written_whole
+from chain_impact.scene.models import model_names
+from chain_impact.scene.scene import Scene, SceneSource, load_scene, scene_of
+
+UNNAMED = "scene.toml"
+"""What a scene that was not loaded from a file is called in the page's command."""
+
+
+def explore(
+    scene: SceneSource,
+    path: Path | str,
+    *,
+    command: Sequence[str] | None = None,
+    notify: Notify | None = None,
+) -> None:
+    """Write a page that simulates a scene with the parameters that its reader chooses.
+
+    The page has the compiled kernel in it, and gives the numbers of ``simulate``. It is one file, which needs
+    nothing else. Inputs are zero.
+
+    Args:
+        scene: a scene, or what ``load_scene`` takes.
+        path: the file to write, for a browser.
+        command: what stands after ``chain-impact simulate`` in the command that the page gives to repeat a
+            motion; by default the source of the scene, or the name of the model that it is.
+        notify: as for ``simulate``.
+
+    Raises:
+        SceneError: when the scene cannot be read.
+        BuildError: when the kernel for browsers has to be compiled, and cannot be: that of an installed
+            package is there, but for a scene with a contact law of one's own.
+        OSError: when the file cannot be written.
+    """
+    known = [_source(scene)] if command is None else list(command)
+    text = page(scene_of(scene), known, notify)
+    with written_whole(Path(path)) as fresh:
+        fresh.write_text(text, encoding="utf-8")
+
+
+def _source(scene: SceneSource) -> str:
+    """What the command line calls a scene."""
+    if not isinstance(scene, Scene):
+        return os.fspath(scene)
+    return next((name for name in model_names() if load_scene(name) == scene), UNNAMED)
