@@ -42,7 +42,9 @@ def add_links(folder: Path, address: str) -> None:
         page = folder / f"{notebook.stem}.md"
         link = f"https://colab.research.google.com/github/{address}/blob/main/docs/notebooks/{notebook.name}"
         title, below = page.read_text(encoding="utf-8").split("\n", 1)
-        page.write_text(f"{title}\n\n[Run this notebook in Colab]({link})\n{below}", encoding="utf-8")
+        install = f"%pip install 'chain-impact[fit] @ git+https://github.com/{address}'"
+        said = f"[Open this notebook in Colab]({link}), and run there first: `{install}`"
+        page.write_text(f"{title}\n\n{said}\n{below}", encoding="utf-8")
 
 
 def finish() -> None:
@@ -72,8 +74,8 @@ def main() -> int:
     zensical = [sys.executable, "-m", "zensical", *command]
     code = subprocess.run(zensical, cwd=DOCS.parent, check=False).returncode
     finish()
-    try_it.finish(SITE)
     if code == 0 and command[0] == "build":
+        try_it.finish(SITE)
         print(f"{SITE.relative_to(DOCS.parent)}/index.html")
     return code
 

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import re
+from html import escape
 from pathlib import Path
 
 from chain_impact import explore, load_scene, model_names
@@ -45,7 +46,7 @@ def row(model: str) -> str:
     """A model in the list."""
     show = f'<a href="{FOLDER}/{model}.html" target="try">{model}</a>'
     more = f'<a href="models/{model}.html">more</a>'
-    return f"<li>{show} <span>{load_scene(model).description}; {more}</span></li>"
+    return f"<li>{show} <span>{escape(load_scene(model).description)}; {more}</span></li>"
 
 
 def finish(site: Path) -> None:

@@ -73,6 +73,7 @@ def outputs_of(name: str) -> np.ndarray:
 @check
 def kernels() -> str:
     assert system.HOST in system.PLATFORMS
+    assert ready.libraries() or COMPILERS, "the kernels of the wheel are not those of its sources"
     return f"{system.HOST}, {len(ready.libraries())} ready kernels, compilers: {'yes' if COMPILERS else 'no'}"
 
 
@@ -258,6 +259,12 @@ def fmus() -> str:
 
 
 @check
+def pages_that_simulate() -> None:
+    ci.explore("rod_drop", "rod_page.html")
+    assert "WebAssembly" in Path("rod_page.html").read_text(encoding="utf-8")
+
+
+@check
 def the_command_line() -> None:
     assert "impact" in run("simulate", "rod_drop", "--plot", "rod.png", "--csv", "rod.csv")
     run("build", "rod_drop", "--simulate")
@@ -266,6 +273,7 @@ def the_command_line() -> None:
     assert "no problems found" in run("validate", "build/RodDrop.fmu")
     assert Path("build/RodDrop.png").is_file()
     run("animate", "rod_drop", "-o", "rod.html")
+    run("explore", "rod_drop", "-o", "page.html")
     run("compare", "rod_drop", "--laws", "hertz,flores", "--plot", "laws.png")
     run(
         "sweep", "rod_drop", "--vary", "contact.restitution=0.1:0.9:3", "-o", "rows.csv", "--plot", "rows.png"

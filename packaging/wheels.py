@@ -60,6 +60,8 @@ def check_wheel(wheel: Path, platform: str) -> None:
         raise ReleaseError(f"{wheel.name}: its tag is {', '.join(tags)}, and must be {tag}")
     if not kernels or not all(Path(name).stem.endswith(f"-{platform}") for name in kernels):
         raise ReleaseError(f"{wheel.name}: must have kernels for {platform} only")
+    if not any("derivatives-" in name for name in kernels):
+        raise ReleaseError(f"{wheel.name}: must have kernels with derivatives")
 
 
 def check_all(files: list[Path]) -> None:

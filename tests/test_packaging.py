@@ -56,6 +56,7 @@ def test_a_wheel_for_one_platform_is_taken(wheels, tmp_path):
         (("py3-none-any", LINUX, "kernel-2-linux64.so"), "its tag is"),
         ((LINUX, LINUX, "kernel-2-win64.dll"), "must have kernels for linux64 only"),
         ((LINUX, LINUX, "kernel-2-aarch64-linux.so"), "must have kernels for linux64 only"),
+        ((LINUX, LINUX, "kernel-2-linux64.so"), "must have kernels with derivatives"),
     ],
 )
 def test_a_wheel_with_a_wrong_tag_or_kernel_is_refused(wheels, tmp_path, parts, sentence):

@@ -7,7 +7,6 @@ C interface of native FMUs (compilation/c_interface/).
 from __future__ import annotations
 
 import ctypes
-import getpass
 import io
 import os
 import platform
@@ -24,8 +23,8 @@ from queue import Empty, SimpleQueue
 from typing import Any, NamedTuple, TypeVar
 
 T = TypeVar("T")
-SYSTEM = platform.system()
 WINDOWS = "Windows"
+SYSTEM = {"win32": WINDOWS, "darwin": "Darwin", "linux": "Linux"}.get(sys.platform, sys.platform)
 
 
 class Platform(NamedTuple):
@@ -73,8 +72,8 @@ def nowhere() -> str:
     """What is said where no kernel runs, and what to do instead."""
     known = "Linux (x86-64, ARM), Windows (x86-64) and macOS, with a Python of 64 bits"
     return (
-        f"chain-impact runs on {known}, not on {platform.platform()} ({_machine()}): use such a machine, "
-        "or a container or a virtual machine for one of them"
+        f"chain-impact runs on {known}, not on {platform.platform()} ({sysconfig.get_platform()}): use such "
+        "a machine, or a container or a virtual machine for one of them"
     )
 
 
@@ -123,7 +122,7 @@ def cache_folder() -> Path:
 
 def user() -> str:
     """What tells this user from the others of this machine."""
-    return getpass.getuser() if SYSTEM == WINDOWS else str(os.getuid())
+    return os.environ.get("USERNAME", "") if SYSTEM == WINDOWS else str(os.getuid())
 
 
 def only_ours(found: os.stat_result) -> bool:
@@ -176,10 +175,15 @@ def removal() -> Iterator[None]:
 LISTEN = 0.2  # s
 
 
+def has_screen() -> bool:
+    """Whether a window can be opened: on Linux a server of windows is named in the environment."""
+    return SYSTEM != "Linux" or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
 def prepare_console() -> None:
     """Let what an encoding does not have be printed as a question mark, where it would end the program."""
     for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
+        if isinstance(stream, io.TextIOWrapper) and stream.errors == "strict":
             stream.reconfigure(errors="replace")
 
 

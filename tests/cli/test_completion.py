@@ -40,6 +40,7 @@ def asked(line, folder):
             ["initial.x,contact.stiffness"],
         ),
         ("chain-impact fit rod_drop data.csv --sigma energy.t", ["energy.total="]),
+        ("chain-impact fit rod_drop data.csv --columns energy.t", ["energy.total"]),
         ("chain-impact compare --laws hertz,flo", ["hertz,flores"]),
         ("chain-impact simulate no_such_scene --set contact.re", []),
         ("chain-impact info mine", ["mine.toml"]),
@@ -64,6 +65,7 @@ def test_there_is_a_script_for_each_shell(shell, tmp_path):
 
 
 def test_who_does_not_ask_pays_nothing():
-    program = "import sys; from chain_impact import cli; cli.parser(); print('argcomplete' in sys.modules)"
+    program = "import sys; from chain_impact import cli; cli.main(['info', 'rod_drop', '-q']);"
+    program += "print('argcomplete' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "False"

@@ -2,8 +2,13 @@
 
 import json
 import re
+import sys
+import webbrowser
 
 import pytest
+
+from chain_impact import system
+from chain_impact.compilation.library import browser_module
 
 
 def data_of(path):
@@ -11,10 +16,32 @@ def data_of(path):
 
 
 def test_a_scene_becomes_a_page(run, here):
+    browser_module(notify=lambda _: None)
     code, said, errors = run("explore", "rod_drop")
     assert (code, errors) == (0, "")
     assert re.fullmatch(r"page       explore\.html, 0\.\d+ MB\n", said)
     assert data_of(here / "explore.html")["name"] == "RodDrop"
+
+
+@pytest.mark.parametrize(
+    ("case", "opened"),
+    [
+        (([], True, ":0"), ["explore.html"]),
+        ((["-o", "explore.html"], True, ":0"), []),
+        (([], False, ":0"), []),
+        (([], True, ""), []),
+    ],
+)
+def test_the_page_is_opened_on_a_screen(run, here, monkeypatch, case, opened):
+    arguments, terminal, screen = case
+    found = []
+    monkeypatch.setattr(webbrowser, "open", found.append)
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: terminal, raising=False)
+    monkeypatch.setattr(system, "SYSTEM", "Linux")
+    monkeypatch.setenv("DISPLAY", screen)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    assert run("explore", "rod_drop", *arguments)[0] == 0
+    assert found == [(here / name).as_uri() for name in opened]
 
 
 def test_settings_are_in_the_page_and_in_its_command(run, here):

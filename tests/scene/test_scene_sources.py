@@ -21,6 +21,11 @@ def animated(scene, folder):
     return (folder / "ball.html").read_bytes()
 
 
+def explored(scene, folder):
+    chain_impact.explore(scene, folder / "ball.html", command=["ball"])
+    return (folder / "ball.html").read_bytes()
+
+
 def fitted(scene, _):
     data = {"time": [0.1, 0.2, 0.3], "point[0].y": [0.95, 0.8, 0.56]}
     return chain_impact.fit(scene, data, ["gravity.y"]).values
@@ -43,6 +48,7 @@ TAKERS = {
     "animate": animated,
     "build_fmu": lambda scene, folder: chain_impact.build_fmu(scene, folder).read_bytes(),
     "compare": lambda scene, _: [run.peak_force for run in chain_impact.compare(scene).runs],
+    "explore": explored,
     "fit": fitted,
     "record_slowly": lambda scene, _: chain_impact.record_slowly(scene, 0.0).columns,
     "simulate": lambda scene, _: simulate(scene, 0.5).columns,

@@ -32,7 +32,7 @@ def add(verbs: Verbs) -> None:
         "--target",
         choices=["pythonfmu", "native"],
         help="native: an FMU that needs no Python, the only target for FMI 3.0, macOS and ARM; default: "
-        "pythonfmu where it can be",
+        "pythonfmu on Linux and Windows with x86-64, else native",
     )
     build.add_argument(
         "--fmi",

@@ -69,13 +69,14 @@ def _completer(action: argparse.Action) -> Completer | None:
     """What finds the values of an argument, by what the argument takes; None for files and numbers."""
     if not action.option_strings:
         return _scenes if action.dest == "source" else None
+    lists: dict[str, Completer] = {"laws": _laws, "columns": _outputs_in_a_list}
     return {
         "NAME=VALUE": _settings,
         "NAME=VALUES": _parameters,
         "NAME=LOW:HIGH": _parameters,
         "COLUMN=SIGMA": _columns,
         "NAME": _outputs,
-        "NAMES": _laws if action.dest == "laws" else _parameters_in_a_list,
+        "NAMES": lists.get(action.dest, _parameters_in_a_list),
         "SCENE": _scenes,
     }.get(str(action.metavar))
 
@@ -121,19 +122,23 @@ def _outputs(prefix: str, parsed_args: argparse.Namespace, **_: object) -> list[
 
 
 def _parameters_in_a_list(prefix: str, parsed_args: argparse.Namespace, **_: object) -> list[str]:
-    """Names of parameters, the last of a list with commas."""
-    before = prefix[: prefix.rfind(",") + 1]
-    return [
-        before + name for name in _names(parsed_args, "parameter") if name.startswith(prefix[len(before) :])
-    ]
+    return _in_a_list(prefix, _names(parsed_args, "parameter"))
+
+
+def _outputs_in_a_list(prefix: str, parsed_args: argparse.Namespace, **_: object) -> list[str]:
+    return _in_a_list(prefix, _names(parsed_args, "output"))
 
 
 def _laws(prefix: str, **_: object) -> list[str]:
-    """Contact laws, the last of a list with commas."""
     from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 
+    return _in_a_list(prefix, CONTACT_LAWS)
+
+
+def _in_a_list(prefix: str, words: Iterable[str]) -> list[str]:
+    """The words that can be the last one of a list with commas."""
     before = prefix[: prefix.rfind(",") + 1]
-    return [before + law for law in CONTACT_LAWS if law.startswith(prefix[len(before) :])]
+    return [before + word for word in words if word.startswith(prefix[len(before) :])]
 
 
 def _names(options: argparse.Namespace, causality: str) -> list[str]:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 
 from chain_impact.cli.options import Verbs, add_scene, add_set, check_folders, settings_of
 from chain_impact.cli.progress import progress, say
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.record_scene import with_settings
+from chain_impact.system import has_screen
 
 DEFAULT = Path("explore.html")
 
@@ -19,7 +21,7 @@ def add(verbs: Verbs) -> None:
     add_scene(verb, "scene")
     add_set(verb)
     verb.add_argument(
-        "-o", "--output", metavar="FILE", type=page, default=DEFAULT, help=f"default: {DEFAULT}"
+        "-o", "--output", metavar="FILE", type=page, help=f"default: {DEFAULT}, and the browser opens it"
     )
     verb.set_defaults(run=run)
 
@@ -32,14 +34,19 @@ def page(text: str) -> Path:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Write the page."""
+    """Write the page, and open it where somebody is likely to look at it."""
+    import webbrowser
+
     from chain_impact.studies.explore import explore
 
-    check_folders(options.output)
+    file = options.output or DEFAULT
+    check_folders(file)
     scene = with_settings(load_scene(options.source), settings_of(options.set))
     command = [options.source, *(word for setting in options.set for word in ("--set", setting))]
     with progress("writing") as (notify, advance):
-        explore(scene, options.output, command=command, notify=notify)
+        explore(scene, file, command=command, notify=notify)
         advance(1.0)
-    say(f"page       {options.output}, {options.output.stat().st_size / 1e6:.2g} MB")
+    say(f"page       {file}, {file.stat().st_size / 1e6:.2g} MB")
+    if options.output is None and sys.stdout.isatty() and has_screen():
+        webbrowser.open(file.absolute().as_uri())
     return 0

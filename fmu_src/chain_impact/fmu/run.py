@@ -195,7 +195,7 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
 
 
 def _place_binaries(binaries: Path, folder: str) -> None:
-    """Put this machine's binaries where fmpy looks: it knows the processor for FMI 3.0 only."""
+    """Put this machine's binaries where fmpy looks: on ARM it looks for those of x86-64, too."""
     names = [HOST, PLATFORMS[HOST].fmi3] if HOST and folder != HOST else []
     for name in names:
         if (binaries / name).is_dir():

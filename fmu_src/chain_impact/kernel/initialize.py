@@ -128,7 +128,7 @@ def derive_chain(d):
     for i in range(len(model.length)):
         total += model.mass[i]
     model.energy = total * model.size * model.size
-    model.gravity_size = math.hypot(model.gravity[0], model.gravity[1])
+    model.gravity_size = math.sqrt(model.gravity[0] * model.gravity[0] + model.gravity[1] * model.gravity[1])
     model.resisting = max(model.damped, model.sprung)
     model.joint_bound = joint_bound(d)
     model.stopped, model.rubbing = 0, 0

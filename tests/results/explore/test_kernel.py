@@ -9,7 +9,10 @@ from tests.results.explore.conftest import needs_browser
 pytestmark = needs_browser
 
 CHANGES = [
-    ("four_link_box", {"contact.restitution": 0.5, "contact.stiffness": 1e6, "gravity.y": -3.0}),
+    (
+        "four_link_box",
+        {"contact.restitution": 0.5, "contact.stiffness": 1e6, "gravity.y": -3.0, "gravity.x": 2.34},
+    ),
     ("four_link_box", {"contact.model": "flores", "contact.exponent": 1.5, "solver.tolerance": 1e-6}),
     ("four_link_box", {"contact.model": "newton_impact", "contact.restitution": 0.4}),
     ("four_link_box", {"link[2].length": 0.4, "link[2].mass": 2.0, "link[3].inertia": 0.05}),

@@ -1,4 +1,5 @@
-/* pow, exp and hypot for a browser, with the digits of glibc's on processors that multiply and add in one instruction.
+/* pow and exp for a browser, with the digits of glibc's on processors that multiply and add in one instruction. And hypot
+   for contact laws of users, whose last digit may be another one than glibc's.
 
    The algorithm, its tables (musl/pow_data.c, musl/exp_data.c) and the names are those of Arm's optimized routines:
    glibc 2.28 and musl 1.2 have it, too. WebAssembly has no such instruction, so musl's own pow.c rounds otherwise in

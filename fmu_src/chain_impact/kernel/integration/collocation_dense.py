@@ -4,6 +4,8 @@ The first five functions of dense.py span the polynomials of degree 5 that are 0
 last two vanish at both ends, and make the coordinates match the integrated clearances in between.
 """
 
+from fractions import Fraction
+
 import numpy as np
 
 from chain_impact.kernel.chain.kinematics import locate_points
@@ -24,9 +26,22 @@ from chain_impact.kernel.integration.radau import NODES, STAGES
 WITH_START = (0.0, *NODES)
 
 
-def _functions(theta):
-    """The functions of the dense output at some θ, as rows."""
-    return np.array([[t**p * (1.0 - t) ** q for p, q in POWERS[:STAGES]] for t in theta])
+def _coefficients():
+    """For each function of the dense output, its coefficient from the increments of the stages.
+
+    The functions at the nodes are inverted in rational numbers and rounded once. The last digits of NumPy's
+    inverse depend on the processor, and with them the compiled kernel would, too.
+    """
+    nodes = [Fraction(node) for node in NODES]
+    rows = [[t**p * (1 - t) ** q for p, q in POWERS[:STAGES]] for t in nodes]
+    for k, row in enumerate(rows):
+        row += [Fraction(int(i == k)) for i in range(STAGES)]
+    for k in range(STAGES):
+        rows[k] = [value / rows[k][k] for value in rows[k]]
+        for i in range(STAGES):
+            if i != k:
+                rows[i] = [x - rows[i][k] * y for x, y in zip(rows[i], rows[k], strict=True)]
+    return tuple(tuple(float(value) for value in row[STAGES:]) for row in rows)
 
 
 def _curve_bounds():
@@ -39,7 +54,7 @@ def _curve_bounds():
 
 
 # row m: the coefficient of the m-th function, from the increments of the stages
-SHAPE = tuple(tuple(float(x) for x in row) for row in np.linalg.inv(_functions(NODES)))
+SHAPE = _coefficients()
 CURVE_BOUND = _curve_bounds()
 
 

@@ -44,8 +44,9 @@ export class Clock {
     return this.speed * (this.slow ? this.recording.rateAt(this.frame) : 1);
   }
 
-  /** Change some of: frame, playing, slow, speed. */
+  /** Change some of: frame, playing, slow, speed; nothing until there is a recording. */
   set(changes) {
+    if (!this.recording) return;
     Object.assign(this, changes);
     if ("frame" in changes) this.#goneTo = null;
     this.frame = Math.min(Math.max(this.frame, 0), this.last);

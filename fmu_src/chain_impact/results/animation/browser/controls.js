@@ -45,8 +45,8 @@ export function connect(clock, scene) {
 function keepsKey({ target, key }) {
   if (get("help").open || target.closest("dialog")) return true;
   if (target.closest("input:not([type=checkbox], #scrub)")) return true;
-  if (target.closest("select")) return key.startsWith("Arrow") || key === "Home" || key === "End" || key === " ";
-  return key === " " && target.closest("button, input[type=checkbox]") !== null;
+  if (target.closest("select")) return true;
+  return key === " " && target.closest("summary, button, input[type=checkbox]") !== null;
 }
 
 function connectSpeed(clock) {
@@ -89,7 +89,7 @@ function drawMarks(canvas, { impacts, start, end }) {
   const context = canvas.getContext("2d");
   context.scale(density, density);
   context.fillStyle = getComputedStyle(canvas).color;
-  const fastest = Math.max(...impacts.map(({ endSpeed }) => endSpeed), 1e-12);
+  const fastest = impacts.reduce((most, { endSpeed }) => Math.max(most, endSpeed), 1e-12);
   const thumb = 16; // px: the middle of the slider's thumb stays half of this from its ends
   for (const { onset, endSpeed } of impacts) {
     const x = thumb / 2 + ((width - thumb) * (onset - start)) / (end - start);

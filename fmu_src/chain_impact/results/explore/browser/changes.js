@@ -39,15 +39,16 @@ export class Changes {
     const { items, low, high, allowed, type } = parameter;
     const choice = items.findIndex(([id]) => id === given) + 1;
     const text = typeof given === "string" ? given.trim() : given;
-    const value = choice || (text === "" ? NaN : Number(text));
+    const isNumber = typeof text === "number" || (typeof text === "string" && text !== "");
+    const value = choice || (isNumber ? Number(text) : NaN);
     const whole = type === "real" || Number.isInteger(value);
     if (!(value >= low && value <= high && whole)) throw new RangeError(`${name} = ${given} must be ${allowed}`);
     return value;
   }
 
-  /** The changes with others beside them, checked; what equals the scene's value is no change. */
-  with(given) {
-    const values = { ...this.values };
+  /** The changes, these or those of another time, with others beside them, checked; what equals the scene's value is no change. */
+  with(given, from = this.values) {
+    const values = { ...from };
     for (const [name, one] of Object.entries(given)) {
       const value = this.numberOf(name, one);
       if (value === this.starts[name]) delete values[name];

@@ -11,6 +11,7 @@ import { find, GridMap } from "./map.js";
 import { changesIn, commandOf, csvOf, hashOf, pictureOf, save } from "./outside.js";
 
 const WAITING = 120; // ms after which what is shown is greyed
+const REST = 300; // ms without a change, after which the address has the changes
 const KEPT = 0.5; // of the size of the view: a motion that fills more of it does not change it
 
 const scene = JSON.parse(find("data").textContent);
@@ -39,9 +40,12 @@ function sentenceOf({ status, reached, parts }) {
   return parts ? `The simulation stopped at t = ${+reached.toPrecision(6)} s: ${text}.` : `The simulation cannot start: ${text}.`;
 }
 
+let remembering; // the timer of `remember`
+let sentence = ""; // how the last simulation ended
 let notice = ""; // what is wrong with the address, until something changes
 
-function say(sentence) {
+function say(next = sentence) {
+  sentence = next;
   const all = [notice, sentence].filter(Boolean).join(" ");
   find("status").textContent = all;
   find("status").hidden = !all;
@@ -50,6 +54,7 @@ function say(sentence) {
 /** Simulate with the parameters as they are, and show it, unless they change again meanwhile. */
 async function update() {
   find("reset-all").hidden = changes.count === 0;
+  const text = changes.texts().map(([name, one]) => `${name} = ${one}`).join(", ");
   const waiting = setTimeout(() => document.body.classList.add("computing"), WAITING);
   const result = await engine
     .ask("motion", changes.values, { replaces: true }, (share) => find("stage").style.setProperty("--share", `${100 * share}%`))
@@ -60,16 +65,23 @@ async function update() {
   document.body.classList.toggle("stale", !result.parts);
   say(result.fault ?? sentenceOf(result));
   if (result.parts) {
-    player.show(new Recording(steady(result.parts)));
+    player.show(Object.assign(new Recording(steady(result.parts)), { text }));
     ghosts.show();
   } else if (player.recording) {
     player.drawSoon();
   }
 }
 
-function remember() {
+/** The address of the page with the changes. */
+function address() {
   const hash = hashOf(changes);
-  history.replaceState(null, "", hash ? `#${hash}` : location.href.split("#")[0]);
+  return location.href.split("#")[0] + (hash && `#${hash}`);
+}
+
+/** Put the changes into the address, once they rest: browsers limit how often that may be done. */
+function remember() {
+  clearTimeout(remembering);
+  remembering = setTimeout(() => history.replaceState(null, "", address()), REST);
 }
 
 /** Take the changes of the address; one that cannot be is told, and changes nothing. */
@@ -79,12 +91,12 @@ function takeAddress() {
   } catch (error) {
     notice = `The link cannot be used: ${error.message}.`;
     remember();
-    say("");
+    say();
   }
 }
 
 function connectExport() {
-  const fill = () => Object.assign(find("command"), { value: commandOf(changes) }) && Object.assign(find("link"), { value: location.href });
+  const fill = () => Object.assign(find("command"), { value: commandOf(changes) }) && Object.assign(find("link"), { value: address() });
   find("export-open").addEventListener("click", () => {
     fill();
     find("export").showModal();
@@ -92,13 +104,18 @@ function connectExport() {
   document.querySelectorAll("[data-copy]").forEach((button) => button.addEventListener("click", async () => {
     const field = find(button.dataset.copy);
     field.select();
-    await navigator.clipboard?.writeText(field.value).catch(() => document.execCommand("copy"));
+    const copied = navigator.clipboard?.writeText(field.value) ?? Promise.reject(new Error("no clipboard"));
+    await copied.catch(() => document.execCommand("copy"));
     button.textContent = "Copied";
     setTimeout(() => Object.assign(button, { textContent: "Copy" }), 1500);
   }));
   find("csv").addEventListener("click", async () => {
-    const result = await engine.ask("rows", { ...changes.values });
-    save(new Blob([csvOf(result)], { type: "text/csv" }), `${scene.name}.csv`);
+    try {
+      const result = await engine.ask("rows", { ...changes.values });
+      save(new Blob([csvOf(result)], { type: "text/csv" }), `${scene.name}.csv`);
+    } catch (error) {
+      say(`${error.message}.`);
+    }
   });
   find("png").addEventListener("click", async () => {
     const background = getComputedStyle(document.body).backgroundColor;
@@ -116,6 +133,8 @@ window.chainImpact = {
   /** Simulate the scene with some parameters changed, whatever the page shows: {time, columns, impacts, statistics}. */
   async simulate(given = {}, { output } = {}) {
     const values = new Changes(scene).with(given);
+    const unknown = output?.find((name) => !scene.columns.some((column) => column.name === name));
+    if (unknown) throw new RangeError(`${unknown} is no output`);
     const result = await engine.ask("rows", values, { names: output });
     const { time, columns, impacts, statistics, status, reached } = result;
     const named = impacts.map((impact) => ({ ...impact, wall: scene.wallNames[impact.wall] }));
@@ -141,13 +160,18 @@ showKnobs(find("main-knobs"), changes);
 showList(find("list-of-parameters"), changes);
 connectExport();
 find("reset-all").addEventListener("click", () => changes.replace({}));
-find("pin").addEventListener("click", () => ghosts.pin(changes.texts().map(([name, text]) => `${name} = ${text}`).join(", ")));
+find("pin").addEventListener("click", () => player.recording && ghosts.pin());
 find("by-hand").addEventListener("click", () => player.clock.set({ frame: 0, playing: false }));
 if (location.hash) takeAddress();
 changes.onChange(() => {
   notice = "";
 });
-changes.onChange(() => ghosts.change());
+let [known, held] = [hashOf(changes), null]; // at the last change: the parameters, and what was dragged
+changes.onChange(() => {
+  const now = hashOf(changes);
+  if (now !== known) ghosts.change(handles.dragged !== null && handles.dragged === held);
+  [known, held] = [now, handles.dragged];
+});
 changes.onChange(remember);
 changes.onChange(update);
 addEventListener("hashchange", takeAddress);

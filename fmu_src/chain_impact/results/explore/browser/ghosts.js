@@ -18,18 +18,19 @@ export class Ghosts {
     this.before = null;
   }
 
-  /** Keep the motion that is shown as the one before the change, unless the change goes on with the last one. */
-  change() {
+  /** Keep the motion that is shown as the one before the change, unless this goes on with the last change. */
+  change(goesOn) {
     const now = performance.now();
-    if (now - this.#last > GESTURE) this.before = this.player.recording ?? null;
+    if (!goesOn && now - this.#last > GESTURE) this.before = this.player.recording ?? null;
     this.#last = now;
   }
 
-  /** Pin the motion that is shown; the text says what is changed in it. */
-  pin(text) {
+  /** Pin the motion that is shown; its text says what is changed in it. */
+  pin() {
+    const { recording } = this.player;
     const used = this.pinned.map(({ colour }) => colour);
     const colour = Array.from({ length: COLOURS }, (_, k) => k + 1).find((k) => !used.includes(k)) ?? 1;
-    this.pinned.push({ recording: this.player.recording, text: text || "as in the scene", colour });
+    this.pinned.push({ recording, text: recording.text || "as in the scene", colour });
     this.show();
     this.player.drawSoon();
   }

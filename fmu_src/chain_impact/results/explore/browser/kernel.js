@@ -89,16 +89,16 @@ export class Kernel {
    * @param times Float64Array [s].
    * @param places of outputs in a row, for each of which there is a column.
    * @param words of the record at each row, likewise: those that change at events and steps only.
+   * @param atOnce times in a call of the kernel, which cannot be stopped.
    */
-  *run(values, times, places, words = []) {
+  *run(values, times, places, words = [], atOnce = words.length ? 1 : ROWS) {
     this.initialize(values);
     const columns = places.map(() => new Float64Array(times.length));
     const others = words.map(() => new BigInt64Array(times.length));
     const impacts = [];
     let done = 0;
     while (done < times.length && this.status === 0) {
-      const most = words.length ? 1 : ROWS;
-      const asked = Math.min(most, times.length - done);
+      const asked = Math.min(atOnce, times.length - done);
       this.timesHeld.set(times.subarray(done, done + asked));
       const filled = Number(this.exports.trajectory(this.record, this.times, BigInt(asked), this.rows));
       this.#copy(filled, done, places, columns);

@@ -32,8 +32,8 @@ export function make(tag, properties = {}, ...children) {
 /** Say what is wrong with a value at its field, or nothing. */
 function attempt(field, change) {
   try {
-    change();
     field.setCustomValidity("");
+    change();
   } catch (error) {
     field.setCustomValidity(error.message);
     field.reportValidity();
@@ -51,8 +51,12 @@ export function valueField(changes, parameter) {
   field.addEventListener("change", () => attempt(field, () => changes.set({ [name]: field.value })));
   const refresh = () => {
     const value = changes.valueOf(name);
-    if (document.activeElement !== field || items.length) field.value = items.length ? String(value) : numberText(value);
-    else if (field.checkValidity()) field.value = numberText(value);
+    if (document.activeElement !== field || items.length) {
+      field.setCustomValidity("");
+      field.value = items.length ? String(value) : numberText(value);
+    } else if (field.checkValidity()) {
+      field.value = numberText(value);
+    }
   };
   return { field, refresh };
 }

@@ -73,11 +73,14 @@ export class GridMap {
         const [first, last] = [from, to].map((field) => this.changes.numberOf(name.value, field.value));
         return Array.from({ length: POINTS }, (_, k) => Number((first + ((last - first) * k) / (POINTS - 1)).toPrecision(12)));
       });
-      this.shown = { names, axes, output: this.#outputs.find(({ name }) => name === this.output.value), rows: [] };
-      const { row } = this.shown.output;
+      const output = this.#outputs.find(({ name }) => name === this.output.value);
+      const shown = { names, axes, values: { ...this.changes.values }, output, rows: [] };
+      this.shown = shown;
       const began = performance.now();
       find("map-text").textContent = "";
-      const result = await this.engine.ask("map", { ...this.changes.values }, { names, axes, word: row, replaces: true }, ({ rows }) => this.#draw(rows));
+      const result = await this.engine.ask("map", shown.values, { names, axes, word: output.row, replaces: true }, ({ rows }) => {
+        if (shown === this.shown) this.#draw(rows);
+      });
       if (!result) return;
       this.#draw(result.rows);
       find("map-text").textContent = `${POINTS * POINTS} runs in ${((performance.now() - began) / 1000).toPrecision(2)} s. Point at a run to read it, click to open it.`;
@@ -127,6 +130,7 @@ export class GridMap {
   #tell(event) {
     if (!this.shown) return;
     const { index, given } = this.#at(event);
+    if ((index + 1) * WIDTH > this.shown.rows.length) return;
     const value = this.#value(index);
     const parameters = Object.entries(given).map(([name, one]) => `${name} = ${numberText(Number(one.toPrecision(5)))}`);
     const result = value === undefined ? "the run fails" : `${this.shown.output.name} = ${numberText(Number(value.toPrecision(6)))}`;
@@ -135,7 +139,11 @@ export class GridMap {
 
   #open(event) {
     if (!this.shown) return;
-    this.changes.set(this.#at(event).given);
-    find("map").close();
+    try {
+      this.changes.replace(this.changes.with(this.#at(event).given, this.shown.values));
+      find("map").close();
+    } catch (error) {
+      find("map-text").textContent = `${error.message}.`;
+    }
   }
 }

@@ -103,7 +103,7 @@ export function* motion(kernel, values) {
   };
   const stop = valueOf("simulation.stop_time");
   const began = performance.now();
-  const first = yield* half(kernel.run(values, rowTimes(stop, stop / PARTS), []), 0);
+  const first = yield* half(kernel.run(values, rowTimes(stop, stop / PARTS), [], [], 1), 0);
   const spent = performance.now() - began;
   const end = first.status === 0 ? stop : Math.min(first.reached, stop);
   const { status, reached, statistics, impacts } = first;
@@ -148,7 +148,7 @@ function partsOf(scene, valueOf, time, frameRate, columns, contacts) {
     energies: Object.fromEntries(energies),
     forces,
     stuckJoints: stuckJointsOf(columns),
-    peakForce: Math.max(...peaks, ...forces.filter(({ wall }) => wall in walls).map(({ values }) => largest(values)), 1e-300),
+    peakForce: Math.max(largest(peaks), ...forces.filter(({ wall }) => wall in walls).map(({ values }) => largest(values)), 1e-300),
     contacts,
     walls,
     stops: rangesOf(scene, valueOf),

@@ -37,7 +37,7 @@ function interpolated(wanted, places, values) {
 /** The simulated times of frames that follow each other evenly on the screen, and how many there are in a second. */
 export function frameTimes(start, stop, spans, impactTime, most) {
   const shown = impactTime > 0 ? spans.map(([a, b]) => [a, a + Math.min(Math.max(b - a, SHORTEST), LONGEST)]) : [];
-  const places = between(start, stop, 2 + Math.floor((stop - start) / FLIGHT_STEP));
+  const places = between(start, stop, 2 + Math.min(Math.floor((stop - start) / FLIGHT_STEP), 2 * most));
   for (const [onset, end] of shown) {
     for (const near of NEAR) places.push(onset - RAMP * near, end + RAMP * near);
     for (const share of WITHIN) places.push(onset + (end - onset) * share);

@@ -3,6 +3,7 @@
 import { Kernel, rowTimes, unpacked } from "./kernel.js";
 import { motion } from "./motion.js";
 
+const MOST_BYTES = 500e6; // of a table
 const AT_ONCE = 15; // ms of computing until it looks for messages
 
 /** Let messages in. */
@@ -20,7 +21,11 @@ function* rows(kernel, values, { names }) {
   const ofRow = wanted.filter(({ place }) => place !== undefined);
   const ofRecord = wanted.filter(({ word }) => word !== undefined);
   const time = (name) => values[name] ?? kernel.parameters.get(name).start;
-  const times = rowTimes(time("simulation.stop_time"), time("simulation.step_size"));
+  const [stop, step] = [time("simulation.stop_time"), time("simulation.step_size")];
+  if (!(8 * (stop / step + 1) * (1 + wanted.length) <= MOST_BYTES)) {
+    throw new RangeError("the table would be too large: choose longer steps, an earlier end or fewer outputs");
+  }
+  const times = rowTimes(stop, step);
   const found = yield* kernel.run(values, times, ofRow.map(({ place }) => place), ofRecord.map(({ word }) => word));
   const columns = {};
   ofRow.forEach(({ name }, k) => {
@@ -80,5 +85,5 @@ onmessage = ({ data }) => {
   }
   newest[data.kind] = data.number;
   const after = queues[data.kind] ?? Promise.resolve();
-  queues[data.kind] = after.then(() => answer(data)).catch((error) => postMessage({ number: data.number, fault: String(error) }));
+  queues[data.kind] = after.then(() => answer(data)).catch((error) => postMessage({ number: data.number, fault: error.message }));
 };
