@@ -151,7 +151,7 @@ def test_what_comes_next_is_waited_for(monkeypatch):
     assert waits == [system.LISTEN] * 3
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="sends a signal")
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signal to send for Ctrl-C")
 def test_ctrl_c_ends_a_wait():
     program = "from queue import SimpleQueue; from chain_impact.system import next_of; print(flush=True);"
     waiting = subprocess.Popen(

@@ -35,8 +35,6 @@ def page(text: str) -> Path:
 
 def run(options: argparse.Namespace) -> int:
     """Write the page, and open it where somebody is likely to look at it."""
-    import webbrowser
-
     from chain_impact.studies.explore import explore
 
     file = options.output or DEFAULT
@@ -48,5 +46,7 @@ def run(options: argparse.Namespace) -> int:
         advance(1.0)
     say(f"page       {file}, {file.stat().st_size / 1e6:.2g} MB")
     if options.output is None and sys.stdout.isatty() and has_screen():
+        import webbrowser
+
         webbrowser.open(file.absolute().as_uri())
     return 0

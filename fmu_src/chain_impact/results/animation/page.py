@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.results.animation.frames import Motion
+from chain_impact.scene.half_planes import HalfPlane
 
 PAGE = resources.files("chain_impact.results.animation") / "browser"
 STYLES = ("vendor/uPlot.min.css", "style.css", "panels.css")
@@ -120,9 +121,7 @@ def data(motion: Motion, speed: float) -> dict[str, Any]:
             }
             for contact in motion.contacts
         ],
-        "walls": {
-            name: {"normal": wall.normal, "offset": wall.offset} for name, wall in motion.walls.items()
-        },
+        "walls": free_sides(motion.walls),
         "stops": [
             {
                 "joint": joint,
@@ -137,6 +136,11 @@ def data(motion: Motion, speed: float) -> dict[str, Any]:
         "radius": motion.radius,
         "touching": motion.touching,
     }
+
+
+def free_sides(walls: Mapping[str, HalfPlane]) -> dict[str, Any]:
+    """The free side of each wall, as the page draws it."""
+    return {name: {"normal": wall.normal, "offset": wall.offset} for name, wall in walls.items()}
 
 
 def _packed(values: np.ndarray) -> dict[str, Any]:

@@ -17,9 +17,9 @@ import numpy as np
 
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.status import STATUS_TEXT
+from chain_impact.results.animation.page import free_sides
 from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.joint_stops import OPEN
-from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.scene.limits import allowed
 from chain_impact.scene.scene import Scene, scene_keys
 from chain_impact.scene.tables import Outputs
@@ -49,7 +49,8 @@ def description(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
         "links": len(scene.chain.links),
         "pinned": scene.chain.base == "pinned",
         "wallNames": scene.wall_names,
-        "walls": walls(scene),
+        # at the start: the page moves those whose place is a parameter
+        "walls": free_sides(scene.half_planes),
         "stops": sorted(scene.chain.joint_ranges),
         "openArc": OPEN,
         "contactPoints": scene.contact.points,
@@ -174,14 +175,4 @@ def columns(model: Model) -> list[dict[str, Any]]:
 
 def drawn(scene: Scene) -> dict[str, int]:
     """The outputs that the page draws: name → place in a row."""
-    return Model(replace(_without_derivatives(scene), outputs=EVERYTHING)).columns
-
-
-def walls(scene: Scene) -> dict[str, Any]:
-    """The walls at the start; the page moves those whose place is a parameter."""
-    return {name: half_plane(wall) for name, wall in scene.half_planes.items()}
-
-
-def half_plane(wall: HalfPlane) -> dict[str, Any]:
-    """The free side of a wall."""
-    return {"normal": wall.normal, "offset": wall.offset}
+    return Model(replace(scene, outputs=EVERYTHING)).columns
