@@ -1,9 +1,10 @@
 """The kernel in a browser: ``python benchmarks/browser.py``; needs playwright and Debian's chromium.
 
-The size of the page that simulates, the time to its first picture, and the time of a run beside the native
-kernel's, in turn. Both run from the start to the end with a row of all outputs at each communication point;
-then the browser also copies them into columns. Times are those on the clock, as a browser has several
-processes: the least of a round's runs is taken, the median over the rounds.
+The size of the page that simulates, the time to its first picture, the time from a slider to the picture that
+it gives, and the time of a run beside the native kernel's, in turn. Both run from the start to the end with a
+row of all outputs at each communication point; then the browser also copies them into columns. A map of the
+page is compared with the same sweep. Times are those on the clock, as a browser has several processes: the
+least of a round's runs is taken, the median over the rounds.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from typing import Any
 import numpy as np
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from chain_impact import explore, load_scene
+from chain_impact import explore, load_scene, sweep
 from chain_impact.compilation.library import browser_module
 from chain_impact.results.explore.description import description, packed
 from chain_impact.results.explore.page import WORKER, program
@@ -45,6 +46,32 @@ RUN = """([times, runs, what]) => {
   }
   return least;
 }"""
+
+# from the event of a slider to the change of the picture, which the browser then paints
+SLIDE = """async (changes) => {
+  const changed = (id) => new Promise((done) => {
+    const observer = new MutationObserver(() => {
+      observer.disconnect();
+      done(performance.now());
+    });
+    observer.observe(document.getElementById(id), { childList: true, subtree: true, attributes: true });
+  });
+  const slider = document.querySelector("input[type=range][aria-label^='Restitution']");
+  const found = [];
+  for (let k = 0; k < changes; k += 1) {
+    slider.value = String(100 + ((37 * k) % 200));
+    const [said, drawn, began] = [changed("subtitle"), changed("scene"), performance.now()];
+    slider.dispatchEvent(new Event("input", { bubbles: true }));
+    await said;
+    found.push((await drawn) - began);
+    await new Promise((go) => setTimeout(go, 100 + (k % 16)));
+  }
+  return found;
+}"""
+SLIDES = 60
+MAP = "four_link_box"
+POINTS = 41  # of a map, in each direction
+MAP_ROUNDS = 5
 
 
 def native(scene: Scene, times: np.ndarray) -> Callable[[], float]:
@@ -101,6 +128,53 @@ def first_picture(browser: Browser, address: str) -> float:
     return found
 
 
+def from_slider_to_picture(browser: Browser, address: str) -> dict[str, float]:
+    """The time in which a page answers to a slider [ms]."""
+    page = opened(browser, address)
+    page.evaluate(SLIDE, SLIDES // 3)
+    found = np.sort(page.evaluate(SLIDE, SLIDES))
+    page.close()
+    return {
+        "median": common.median(found.tolist()),
+        "least": found[0],
+        "of 9 in 10": found[int(0.9 * SLIDES)],
+    }
+
+
+def opened(browser: Browser, address: str) -> Page:
+    """A page that has its first picture, which stands still."""
+    page = browser.new_page(viewport={"width": 1366, "height": 768}, reduced_motion="reduce")
+    page.goto(address)
+    page.wait_for_function("performance.getEntriesByName('first-frame').length === 1")
+    return page
+
+
+def maps(browser: Browser, address: str, rounds: int) -> dict[str, Any]:
+    """The time of a map, and of the same runs by ``sweep``, in turn [s]."""
+    page = opened(browser, address)
+    page.click("#map-open")
+    ends = {name: [float(page.input_value(f"#map-{axis}-{end}")) for end in ("from", "to")]
+            for axis in "xy" for name in [page.input_value(f"#map-{axis}-name")]}  # fmt: skip
+    varied = {name: np.linspace(*two, POINTS) for name, two in ends.items()}
+    found: dict[str, list[float]] = {"browser": [], "sweep": []}
+    for _ in range(rounds):
+        began = time.perf_counter()
+        page.click("#map-run")
+        page.wait_for_function("document.getElementById('map-text').textContent.includes(' runs in ')")
+        found["browser"].append(time.perf_counter() - began)
+        began = time.perf_counter()
+        sweep(MAP, varied, outputs=["impact.count"])
+        found["sweep"].append(time.perf_counter() - began)
+    page.close()
+    ratios = [one / other for one, other in zip(*found.values(), strict=True)]
+    return {
+        "varied": ends,
+        "runs": POINTS**2,
+        **{f"{name}_s": common.median(times) for name, times in found.items()},
+        "ratio": spread(ratios),
+    }
+
+
 def main() -> None:
     """Measure, print and save."""
     started, rounds = common.environment(("playwright",)), common.rounds(__doc__, ROUNDS)
@@ -116,8 +190,11 @@ def main() -> None:
             pictures = [first_picture(browser, file.as_uri()) for _ in range(rounds)]
             found = compared(page, load_scene(model), rounds)
             found |= {"page_bytes": file.stat().st_size, "first_picture_ms": common.median(pictures)}
+            found["slider_ms"] = from_slider_to_picture(browser, file.as_uri())
             results["models"][model] = found
             print(f"{model:16}", found)
+        results["map"] = maps(browser, Path(folder, f"{MAP}.html").as_uri(), MAP_ROUNDS)
+        print("map", results["map"])
         browser.close()
     common.save("browser", started, {"rounds": rounds, "runs": RUNS}, results)
 

@@ -21,7 +21,7 @@ SHOWN = 1e-8  # tolerance of the stiffnesses in the table of fidelity.py
 STIFFNESSES = (1e5, 1e8, 1e10)
 TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-8)
 LAWS = ("lankarani_nikravesh", "flores", "carvalho_martins", "newton_impact")
-PAGES = ("benchmarks.md", "impacts.md", "sensitivities.md", "stability.md")
+PAGES = ("benchmarks.md", "explore.md", "impacts.md", "sensitivities.md", "stability.md")
 
 
 def span(ratio: dict) -> str:
@@ -142,9 +142,27 @@ def fidelity() -> str:
     return run("fidelity") + "\n\n" + table(head, lines)
 
 
+def browser() -> str:
+    """The page that simulates: its size and its times beside the native kernel's."""
+    rows = []
+    for name, found in common.load("browser")["results"]["models"].items():
+        times = [
+            found["first_picture_ms"],
+            found["slider_ms"]["median"],
+            found["native_ms"],
+            found["browser_ms"],
+        ]
+        ratios = [f"{found[key]['median']:.2g}" for key in ("ratio", "ratio_with_columns")]
+        texts = [f"{one:.3g} ms" for one in times]
+        rows.append((f"`{name}`", f"{found['page_bytes'] / 1e6:.2f} MB", *texts, *ratios))
+    head = ("scene", "page", "first picture", "slider to picture", "a run, native", "in the browser", "ratio")
+    return run("browser", ("playwright",)) + "\n\n" + table((*head, "with columns"), rows)
+
+
 def main() -> None:
     """Fill the pages."""
     functions = (
+        browser,
         fidelity,
         fmu_native,
         importers,

@@ -18,6 +18,7 @@ from chain_impact.compilation.library import browser_module
 MUSL = "c4e9b6070c1905cbd13439272a3cae3903489e53cd95c7bad41f3bd913d0481c"
 SECTIONS = {"type": 1, "import": 2, "export": 7}
 LAW = "import math\n\n\ndef mine(penetration, stiffness, exponent):\n    return {}\n"
+SINH = LAW.format("stiffness * math.sinh(penetration) ** exponent")
 
 
 def number(content, at):
@@ -120,7 +121,7 @@ def test_without_a_compiler_a_sentence_says_what_to_do(tmp_path, monkeypatch):
 
 def test_a_law_of_the_users_own_is_compiled_in(tmp_path):
     law = tmp_path / "mine.py"
-    law.write_text(LAW.format("stiffness * math.sinh(penetration) ** exponent"))
+    law.write_text(SINH)
     module = browser_module(law_file=str(law))
     assert module.read_bytes() != browser_module().read_bytes()
     assert SECTIONS["import"] not in sections(module.read_bytes())

@@ -2,21 +2,20 @@
 
 import base64
 import json
+from functools import cache
 
 import numpy as np
 import pytest
 
 from chain_impact.compilation.library import browser_module
-from chain_impact.results.animation.page import EXPORT
-from chain_impact.results.explore.description import description
-from chain_impact.results.explore.page import PAGE
+from chain_impact.results.explore.description import description, packed
+from chain_impact.results.explore.page import WORKER, program
 from tests.results.animation.conftest import browser, needs_browser
 
 __all__ = ["browser", "needs_browser"]
 
 RUN = """async ({ module, scene, values, stop, step }) => {
-  window.module ??= await WebAssembly.compile(Uint8Array.from(atob(module), (sign) => sign.charCodeAt(0)));
-  const kernel = await Kernel.load(window.module, scene);
+  const kernel = await Kernel.load(await compiled(module), scene);
   const times = rowTimes(stop, step);
   const places = scene.columns.filter(({ place }) => place !== undefined).map(({ place }) => place);
   const words = scene.columns.filter(({ word }) => word !== undefined).map(({ word }) => word);
@@ -34,28 +33,47 @@ RUN = """async ({ module, scene, values, stop, step }) => {
 }"""
 
 
+COMPILED = """
+const modules = new Map();
+async function compiled(text) {
+  if (!modules.has(text)) modules.set(text, await WebAssembly.compile(await unpacked(text)));
+  return modules.get(text);
+}"""
+
+
 @pytest.fixture(scope="module")
-def kernel(browser):
-    """Run a scene in a browser: its columns by name, its impacts, and the rest of what the kernel found."""
+def worker(browser):
+    """A page with the worker's program, but for the worker itself; ``compiled`` makes a module of a text."""
     page = browser.new_page()
-    program = EXPORT.sub("", PAGE.joinpath("kernel.js").read_text())
-    page.set_content(f"<script>{program}</script>")
-    module = base64.b64encode(browser_module().read_bytes()).decode()
+    page.set_content(f"<script>{program((*WORKER[:-1], 'changes'))}{COMPILED}</script>")
+    yield page
+    page.close()
+
+
+@pytest.fixture(scope="module")
+def kernel(worker):
+    """Run a scene in a browser: its columns by name, its impacts, and the rest of what the kernel found."""
 
     def run(scene, values=None):
         found = description(scene, scene.name)
         times = {"stop": scene.simulation.stop_time, "step": scene.simulation.step_size}
         # JSON knows no infinite numbers
+        module = packed_module(scene.contact.law_file)
         given = {"module": module, "scene": json.loads(json.dumps(found)), "values": values or {}, **times}
-        result = page.evaluate(RUN, given)
+        result = worker.evaluate(RUN, given)
         names = [one["name"] for one in found["columns"] if "place" in one]
         others = [one["name"] for one in found["columns"] if "word" in one]
         columns = {name: bits(text) for name, text in zip(names, result["columns"], strict=True)}
         columns |= {name: bits(text) for name, text in zip(others, result["words"], strict=True)}
         return {**result, "time": bits(result["time"][0]), "columns": columns}
 
-    yield run
-    page.close()
+    return run
+
+
+@cache
+def packed_module(law_file=""):
+    """The module for a browser, as the page has it."""
+    return packed(browser_module(law_file=law_file).read_bytes())
 
 
 def bits(text):

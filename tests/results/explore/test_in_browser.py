@@ -14,9 +14,8 @@ from PIL import Image
 from chain_impact import cli, explore, load_scene, simulate
 from chain_impact.results.animation.frames import motion_of
 from chain_impact.results.explore.description import description
-from chain_impact.results.explore.page import WORKER, program
 from chain_impact.studies.slow_motion import record_slowly
-from tests.results.explore.conftest import needs_browser
+from tests.results.explore.conftest import needs_browser, packed_module
 
 pytestmark = needs_browser
 DESK, PHONE = {"width": 1366, "height": 768}, {"width": 390, "height": 844}
@@ -247,33 +246,23 @@ def test_nothing_stands_out_of_the_screen(show, size, scheme):
 
 
 @pytest.fixture(scope="module")
-def motions(browser):
+def motions(worker):
     """The motion that the page's worker makes of a scene."""
-    page = browser.new_page()
-    page.set_content(f"<script>{program(WORKER[:-1])}</script>")
-    module = re.search(r'"module":"([^"]+)"', player_text())[1]
 
     def run(scene):
         given = json.loads(json.dumps(description(scene, [])))
-        return page.evaluate(
+        return worker.evaluate(
             """async ([text, scene]) => {
-              const kernel = await Kernel.load(await WebAssembly.compile(await unpacked(text)), scene);
+              const kernel = await Kernel.load(await compiled(text), scene);
               const { parts, status } = runThrough(motion(kernel, {}));
               const { time, view, anchor, pin, energies, forces, stops, radius } = parts;
               return { status, time: [...time], view, anchor, pin, energies: Object.keys(energies), radius,
                 stops, forces: forces.map(({ point, wall }) => [point, wall]) };
             }""",
-            [module, given],
+            [packed_module(), given],
         )
 
-    yield run
-    page.close()
-
-
-def player_text():
-    from chain_impact.results.explore.page import page
-
-    return page(load_scene("rod_drop"), [])
+    return run
 
 
 @pytest.mark.parametrize(

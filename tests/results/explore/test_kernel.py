@@ -1,10 +1,14 @@
 """The kernel in a browser gives the bits of `simulate()`: every output in every row, and every impact."""
 
+import json
+
 import numpy as np
 import pytest
 
 from chain_impact import SimulationError, load_scene, model_names, simulate
-from tests.results.explore.conftest import needs_browser
+from chain_impact.results.explore.description import description
+from tests.compilation.test_browser import SINH
+from tests.results.explore.conftest import needs_browser, packed_module
 
 pytestmark = needs_browser
 
@@ -75,3 +79,42 @@ def test_a_start_that_cannot_be_has_a_status_and_no_rows(kernel):
     assert found["status"] == 4
     assert len(found["time"]) == 0
     assert found["impacts"] == []
+
+
+def test_a_thousand_runs_leave_the_module_as_large_as_it_was(worker):
+    """It does not allocate: runs of one scene, with and without rows, and studies of it."""
+    scene = json.loads(json.dumps(description(load_scene("four_link_box"), [])))
+    before, after, same = worker.evaluate(
+        """async ([module, scene]) => {
+          const kernel = await Kernel.load(await compiled(module), scene);
+          const times = rowTimes(0.6, 0.01);
+          const given = [["contact.restitution"], Float64Array.of(0.5, 0.7), Float64Array.of(0.5, 0.6)];
+          const study = () => runThrough(kernel.runEach({}, ...given, [scene.layout.status]));
+          const values = (k) => ({ "contact.restitution": 0.3 + k / 2000 });
+          const once = (k) => runThrough(kernel.run(values(k), times, [0, 1, 2]));
+          const size = () => kernel.exports.memory.buffer.byteLength;
+          study();
+          const [before, first] = [size(), once(500)];
+          for (let k = 0; k < 1000; k += 1) if (k % 50) once(k); else study();
+          return [before, size(), String(first.columns) === String(once(500).columns)];
+        }""",
+        [packed_module(), scene],
+    )
+    assert before == after < 4e6
+    assert same
+
+
+def test_a_law_of_ones_own_gives_the_numbers_of_simulate(kernel, tmp_path):
+    """Its hyperbolic sine is not that of the machine's C library: some last digits differ."""
+    (tmp_path / "mine.py").write_text(SINH)
+    scene = load_scene("rod_drop").with_values(
+        {"contact.law_file": str(tmp_path / "mine.py"), "contact.model": "mine"}
+    )
+    found, known = kernel(scene), simulate(scene)
+    assert len(found["impacts"]) == len(known.impacts) > 0
+    for name in ("point[1].x", "point[1].y", "energy.total"):
+        np.testing.assert_allclose(found["columns"][name].view(float), known[name], rtol=1e-7, atol=1e-9)
+    for here, there in zip(found["impacts"], known.impacts, strict=True):
+        assert float(here["peak_force"]) == pytest.approx(there["peak_force"], rel=1e-7)
+    other = simulate(load_scene("rod_drop"))
+    assert abs(other["point[1].y"] - known["point[1].y"]).max() > 1e-4  # by another law it is another motion

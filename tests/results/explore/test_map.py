@@ -7,14 +7,12 @@ import numpy as np
 import pytest
 
 from chain_impact import explore, load_scene, simulate, sweep
-from chain_impact.compilation.library import browser_module
-from chain_impact.results.explore.description import description, packed
-from chain_impact.results.explore.page import WORKER, program
-from tests.results.explore.conftest import bits, needs_browser
+from chain_impact.results.explore.description import description
+from tests.results.explore.conftest import bits, needs_browser, packed_module
 
 pytestmark = needs_browser
 RUN = """async ([module, scene, names, grid, stops, words]) => {
-  const kernel = await Kernel.load(await WebAssembly.compile(await unpacked(module)), scene);
+  const kernel = await Kernel.load(await compiled(module), scene);
   const given = [Float64Array.from(grid), Float64Array.from(stops), words];
   const found = runThrough(kernel.runEach({ "link[2].mass": 1.2 }, names, ...given));
   const after = runThrough(kernel.run({}, rowTimes(0.1, 0.01), [0])).columns[0].length;
@@ -22,7 +20,7 @@ RUN = """async ([module, scene, names, grid, stops, words]) => {
 }"""
 
 
-def test_the_runs_of_a_map_have_the_bits_of_a_sweep(browser):
+def test_the_runs_of_a_map_have_the_bits_of_a_sweep(worker):
     scene = load_scene("four_link_box").with_values({"simulation.stop_time": 1.2})
     varied = {"contact.restitution": np.linspace(0.2, 0.9, 9), "initial.angle[1]": np.linspace(0.1, 0.7, 9)}
     outputs = ["energy.total", "impact.last_time", "point[4].x", "impact.count"]
@@ -30,12 +28,9 @@ def test_the_runs_of_a_map_have_the_bits_of_a_sweep(browser):
     data = json.loads(json.dumps(description(scene, [])))
     words = {one["name"]: one["row"] for one in data["columns"]}
     grid = np.column_stack([known[name] for name in varied])
-    page = browser.new_page()
-    page.set_content(f"<script>{program(WORKER[:-1])}</script>")
     stops, asked = [1.2] * len(grid), [words[name] for name in outputs]
-    given = [packed(browser_module().read_bytes()), data, list(varied), grid.ravel().tolist(), stops, asked]
-    text, rows_after = page.evaluate(RUN, given)
-    page.close()
+    given = [packed_module(), data, list(varied), grid.ravel().tolist(), stops, asked]
+    text, rows_after = worker.evaluate(RUN, given)
     found = bits(text).reshape(len(grid), 2 + len(outputs))
     for place, name in enumerate(outputs, 2):
         column = np.ascontiguousarray(known[name])

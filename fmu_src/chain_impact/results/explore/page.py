@@ -13,9 +13,9 @@ from chain_impact.scene.scene import Scene
 
 PAGE = resources.files("chain_impact.results.explore") / "browser"
 STYLES = ("explore.css",)
-WORKER = ("kernel", "pacing", "view", "motion", "worker")
+WORKER = ("unpacked", "kernel", "pacing", "view", "motion", "worker")
 """The modules of the worker, each after those that it imports from."""
-MODULES = ("view", "changes", "engine", "knobs", "ghosts", "handles", "outside", "map", "explore")
+MODULES = ("unpacked", "view", "changes", "engine", "knobs", "ghosts", "handles", "outside", "map", "explore")
 """Those of the page, after the ones that show a recording."""
 
 

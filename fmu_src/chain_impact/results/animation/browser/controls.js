@@ -1,9 +1,9 @@
 // Buttons, the slider and the keys.
 
 import { SPEEDS } from "./clock.js";
+import { find } from "./dom.js";
 import { speedText } from "./format.js";
 
-const get = (id) => document.getElementById(id);
 
 /** Connect buttons, slider and keys with the clock; returns what is to be called when it has another recording. */
 export function connect(clock, scene) {
@@ -17,9 +17,9 @@ export function connect(clock, scene) {
     ArrowDown: () => clock.shift(-1),
     Home: () => clock.seek(clock.recording.start),
     End: () => clock.seek(clock.recording.end),
-    s: () => get("slow").click(),
-    t: () => get("trace").click(),
-    "?": () => get("help").showModal(),
+    s: () => find("slow").click(),
+    t: () => find("trace").click(),
+    "?": () => find("help").showModal(),
   };
   document.addEventListener("keydown", (event) => {
     const name = event.shiftKey && event.key.startsWith("Arrow") ? `Shift${event.key}` : event.key;
@@ -28,29 +28,29 @@ export function connect(clock, scene) {
     event.preventDefault();
     action();
   });
-  get("play").addEventListener("click", () => clock.toggle());
-  get("previous").addEventListener("click", () => clock.stepImpact(-1));
-  get("next").addEventListener("click", () => clock.stepImpact(1));
-  get("slow").addEventListener("change", ({ target }) => clock.set({ slow: target.checked }));
-  get("trace").addEventListener("change", ({ target }) => {
+  find("play").addEventListener("click", () => clock.toggle());
+  find("previous").addEventListener("click", () => clock.stepImpact(-1));
+  find("next").addEventListener("click", () => clock.stepImpact(1));
+  find("slow").addEventListener("change", ({ target }) => clock.set({ slow: target.checked }));
+  find("trace").addEventListener("change", ({ target }) => {
     scene.showTrace = target.checked;
     clock.set({});
   });
-  get("help-open").addEventListener("click", () => get("help").showModal());
+  find("help-open").addEventListener("click", () => find("help").showModal());
   connectSpeed(clock);
   return connectSlider(clock);
 }
 
 /** Whether the element that has the focus needs the key itself. */
 function keepsKey({ target, key }) {
-  if (get("help").open || target.closest("dialog")) return true;
+  if (find("help").open || target.closest("dialog")) return true;
   if (target.closest("input:not([type=checkbox], #scrub)")) return true;
   if (target.closest("select")) return true;
   return key === " " && target.closest("summary, button, input[type=checkbox]") !== null;
 }
 
 function connectSpeed(clock) {
-  const select = get("speed");
+  const select = find("speed");
   const choices = SPEEDS.includes(clock.speed) ? SPEEDS : [...SPEEDS, clock.speed].sort((a, b) => a - b);
   select.append(...choices.map((value) => new Option(speedText(value), String(value))));
   select.addEventListener("change", () => clock.set({ speed: Number(select.value) }));
@@ -60,9 +60,9 @@ function connectSpeed(clock) {
 }
 
 function connectSlider(clock) {
-  const slider = get("scrub");
+  const slider = find("scrub");
   slider.addEventListener("input", () => clock.seek(Number(slider.value)));
-  const play = get("play");
+  const play = find("play");
   clock.onChange(() => {
     const { recording } = clock;
     slider.value = String(clock.time);
@@ -71,10 +71,16 @@ function connectSlider(clock) {
     const label = clock.playing ? "Pause" : "Play";
     if (play.getAttribute("aria-label") !== label) play.setAttribute("aria-label", label);
   });
-  const marks = get("marks");
-  const draw = () => clock.recording && drawMarks(marks, clock.recording);
-  new ResizeObserver(draw).observe(marks.parentElement);
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+  const marks = find("marks");
+  // Size and colour are kept: to ask for them after a change would make the browser lay out the page twice.
+  let look;
+  const draw = () => clock.recording && look && drawMarks(marks, look, clock.recording);
+  const fit = () => {
+    look = { width: marks.clientWidth, height: marks.clientHeight, colour: getComputedStyle(marks).color };
+    draw();
+  };
+  new ResizeObserver(fit).observe(marks.parentElement);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", fit);
   return () => {
     Object.assign(slider, { min: clock.recording.start, max: clock.recording.end });
     draw();
@@ -82,13 +88,12 @@ function connectSlider(clock) {
 }
 
 /** A mark above the slider for each impact, the higher the faster it was. */
-function drawMarks(canvas, { impacts, start, end }) {
-  const { clientWidth: width, clientHeight: height } = canvas;
+function drawMarks(canvas, { width, height, colour }, { impacts, start, end }) {
   const density = window.devicePixelRatio;
   Object.assign(canvas, { width: width * density, height: height * density });
   const context = canvas.getContext("2d");
   context.scale(density, density);
-  context.fillStyle = getComputedStyle(canvas).color;
+  context.fillStyle = colour;
   const fastest = impacts.reduce((most, { endSpeed }) => Math.max(most, endSpeed), 1e-12);
   const thumb = 16; // px: the middle of the slider's thumb stays half of this from its ends
   for (const { onset, endSpeed } of impacts) {

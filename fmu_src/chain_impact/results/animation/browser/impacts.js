@@ -1,7 +1,9 @@
 // The list of impacts, which go to their moment.
 
+import { make } from "./dom.js";
 import { forceText, touchingText, unitsOf } from "./format.js";
 
+const LONGEST_LIST = 2000; // impacts: each is a row of the page
 const COLUMNS = ["", "time", "point", "wall", "speed", "peak force"];
 
 /** What is known of the peak of a force; where the rows of the recording are too few for it, what it is at least. */
@@ -27,20 +29,18 @@ export class ImpactList {
     element.classList.toggle("none", !recording.impacts.length);
     element.textContent = recording.impacts.length ? "" : "none";
     if (!recording.impacts.length) return;
-    const table = document.createElement("table");
-    table.createTHead().insertRow().append(
-      ...COLUMNS.map((name) => Object.assign(document.createElement("th"), { textContent: name, scope: "col" })),
-    );
+    const table = make("table");
+    table.createTHead().insertRow().append(...COLUMNS.map((name) => make("th", { textContent: name, scope: "col" })));
     const body = table.createTBody();
-    this.rows = recording.impacts.map((impact, number) => this.#row(body, impact, number, goTo));
+    this.rows = recording.impacts.slice(0, LONGEST_LIST).map((impact, number) => this.#row(body, impact, number, goTo));
     element.append(table);
+    const others = recording.impacts.length - this.rows.length;
+    if (others > 0) element.append(make("p", { textContent: `and ${others} more, which the animation shows` }));
   }
 
   #row(body, impact, number, goTo) {
     const row = body.insertRow();
-    const button = document.createElement("button");
-    button.type = "button";
-    button.textContent = String(number + 1);
+    const button = make("button", { type: "button", textContent: String(number + 1) });
     button.setAttribute("aria-label", `Go to impact ${number + 1}, at ${impact.onset.toFixed(6)} s`);
     row.insertCell().append(button);
     const texts = [`${impact.onset.toFixed(5)} s`, impact.point, impact.wall, approachText(impact), peakText(impact)];

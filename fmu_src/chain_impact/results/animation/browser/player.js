@@ -3,13 +3,13 @@
 import { EnergyChart, ForceChart } from "./charts.js";
 import { Clock } from "./clock.js";
 import { connect } from "./controls.js";
+import { find } from "./dom.js";
 import { rateText } from "./format.js";
 import { ImpactList, impactText } from "./impacts.js";
 import { Scene } from "./scene.js";
 
 const LONGEST_FRAME = 0.1; // s: after a pause of the browser, the animation goes on where it was
 const SLOW = 0.5; // of the chosen speed: below, the clock says that this is slow motion
-const element = (id) => document.getElementById(id);
 
 export class Player {
   further = []; // what else draws itself with each frame
@@ -18,17 +18,17 @@ export class Player {
 
   constructor(speed) {
     this.clock = new Clock(speed);
-    this.scene = new Scene(element("scene"));
+    this.scene = new Scene(find("scene"));
     this.panels = [
-      [({ energies }) => Object.keys(energies).length > 0, element("energy").closest("section"),
-        new EnergyChart(element("energy"), element("ledger"), (time) => this.clock.seek(time))],
-      [({ forces }) => forces.length > 0, element("force").closest("section"),
-        new ForceChart(element("force"), element("close-what"))],
+      [({ energies }) => Object.keys(energies).length > 0, find("energy").closest("section"),
+        new EnergyChart(find("energy"), find("ledger"), (time) => this.clock.seek(time))],
+      [({ forces }) => forces.length > 0, find("force").closest("section"),
+        new ForceChart(find("force"), find("close-what"))],
     ];
-    this.impacts = new ImpactList(element("impacts"), (number) => this.clock.toImpact(number));
+    this.impacts = new ImpactList(find("impacts"), (number) => this.clock.toImpact(number));
     this.hasChanged = connect(this.clock, this.scene);
     this.clock.onChange(() => this.drawSoon());
-    new ResizeObserver(() => this.fit()).observe(element("view"));
+    new ResizeObserver(() => this.fit()).observe(find("view"));
   }
 
   /** Show another recording, at the same time; a panel without anything to show is hidden. */
@@ -36,7 +36,7 @@ export class Player {
     const first = !this.recording;
     this.recording = recording;
     const [low, high] = recording.view;
-    element("view").style.setProperty("--aspect", (high[0] - low[0]) / (high[1] - low[1]));
+    find("view").style.setProperty("--aspect", (high[0] - low[0]) / (high[1] - low[1]));
     this.panels.forEach(([isThere, panel, part]) => {
       panel.hidden = !isThere(recording);
       if (!panel.hidden) part.show(recording);
@@ -44,7 +44,7 @@ export class Player {
     [this.scene, this.impacts].forEach((part) => part.show(recording));
     this.clock.show(recording);
     this.hasChanged();
-    element("subtitle").textContent = subtitle(recording);
+    find("subtitle").textContent = subtitle(recording);
     if (first) this.#begin();
     else this.drawSoon();
   }
@@ -66,7 +66,7 @@ export class Player {
 
   fit() {
     if (!this.recording) return;
-    const { clientWidth, clientHeight } = element("view");
+    const { clientWidth, clientHeight } = find("view");
     this.scene.resize(clientWidth, clientHeight);
     this.drawSoon();
   }
@@ -87,13 +87,13 @@ export class Player {
     const { frame, time, contact } = clock;
     this.panels.forEach(([, panel, part]) => panel.hidden || part.draw(frame, contact));
     [this.scene, this.impacts, ...this.further].forEach((part) => part.draw(frame, contact));
-    element("time").textContent = `${time.toFixed(5)} s`;
+    find("time").textContent = `${time.toFixed(5)} s`;
     const slow = clock.slow && recording.rateAt(frame) < SLOW;
-    element("rate").textContent = rateText(clock.rate);
+    find("rate").textContent = rateText(clock.rate);
     document.body.classList.toggle("slow-motion", slow);
     document.body.classList.toggle("playing", clock.playing);
     const caption = impactText(recording, contact, time);
-    if (element("caption").textContent !== caption) element("caption").textContent = caption;
+    if (find("caption").textContent !== caption) find("caption").textContent = caption;
   }
 }
 

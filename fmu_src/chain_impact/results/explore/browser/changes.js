@@ -93,6 +93,13 @@ function checkTogether(valueOf, parameters) {
         "the coefficient of sliding friction, or 0 for the same");
     }
   }
+  for (const name of parameters.keys()) {
+    const [, link] = /^(.*)\.joint_max$/.exec(name) ?? [];
+    const low = link && valueOf(`${link}.joint_min`);
+    if (low !== undefined && valueOf(name) <= low) {
+      throw new RangeError(`${name} = ${numberText(valueOf(name))} must be > ${numberText(low)} [rad], which is ${link}.joint_min`);
+    }
+  }
   const radius = valueOf("contact.radius") ?? 0;
   for (const axis of ["x", "y"]) {
     const [low, high] = ["min", "max"].map((end) => valueOf(`box.${axis}_${end}`));

@@ -3,17 +3,19 @@
 export class Engine {
   #number = 0;
   #waiting = new Map();
+  #begun;
 
-  /** A worker with this program, for a scene. */
-  constructor(program, scene) {
+  /** A worker with this program, for a scene; `module` promises the compiled kernel, which all workers share. */
+  constructor(program, scene, module) {
     this.worker = new Worker(URL.createObjectURL(new Blob([program], { type: "text/javascript" })));
     this.worker.onmessage = ({ data }) => this.#take(data);
     this.worker.onerror = (event) => this.#waiting.forEach(({ fail }) => fail(new Error(event.message)));
-    this.worker.postMessage({ kind: "scene", scene });
+    this.#begun = module.then((compiled) => this.worker.postMessage({ kind: "scene", scene, module: compiled }));
   }
 
   /** The result of a request; null of one that a newer one has replaced. `progress` is told the share that is done. */
-  ask(kind, values, options = {}, progress = () => {}) {
+  async ask(kind, values, options = {}, progress = () => {}) {
+    await this.#begun;
     this.#number += 1;
     const number = this.#number;
     return new Promise((give, fail) => {

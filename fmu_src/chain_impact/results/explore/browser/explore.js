@@ -1,5 +1,6 @@
 // The page that simulates: each change of a parameter gives another motion.
 
+import { find } from "./dom.js";
 import { Player } from "./player.js";
 import { Recording } from "./recording.js";
 import { Changes } from "./changes.js";
@@ -7,8 +8,9 @@ import { Engine } from "./engine.js";
 import { Ghosts } from "./ghosts.js";
 import { Handles } from "./handles.js";
 import { showKnobs, showList } from "./knobs.js";
-import { find, GridMap } from "./map.js";
+import { GridMap } from "./map.js";
 import { changesIn, commandOf, csvOf, hashOf, pictureOf, save } from "./outside.js";
+import { unpacked } from "./unpacked.js";
 
 const WAITING = 120; // ms after which what is shown is greyed
 const REST = 300; // ms without a change, after which the address has the changes
@@ -16,7 +18,10 @@ const KEPT = 0.5; // of the size of the view: a motion that fills more of it doe
 
 const scene = JSON.parse(find("data").textContent);
 const changes = new Changes(scene);
-const engine = new Engine(find("worker").textContent, scene);
+const { module: packedModule, ...described } = scene;
+const module = unpacked(packedModule).then((bytes) => WebAssembly.compile(bytes));
+const begin = () => new Engine(find("worker").textContent, described, module);
+const engine = begin();
 const player = new Player(1);
 const ghosts = new Ghosts(player, find("pins"), find("pin-table"));
 const handles = new Handles(player, changes, find("scene"));
@@ -151,9 +156,9 @@ window.chainImpact = {
   },
 };
 
-let grid; // the map, made when it is first opened: with a worker of its own, beside the motion's
+let grid; // the map, made when it is first opened: with workers of its own, beside the motion's
 find("map-open").addEventListener("click", () => {
-  grid ??= new GridMap(new Engine(find("worker").textContent, scene), changes);
+  grid ??= new GridMap(begin, changes);
   find("map").showModal();
 });
 showKnobs(find("main-knobs"), changes);

@@ -1,7 +1,7 @@
 // Other motions behind the present one: that before the last change, and those that are pinned; and their impacts.
 
+import { make } from "./dom.js";
 import { durationText, forceText, unitsOf } from "./format.js";
-import { make } from "./knobs.js";
 
 const GESTURE = 800; // ms: changes that follow each other faster are one
 const COLOURS = 5; // of pinned motions, which the style sheet has

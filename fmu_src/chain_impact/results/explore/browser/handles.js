@@ -7,9 +7,11 @@ const ARROW_TIME = 0.1; // s: an arrow is as long as the way at its velocity in 
 const LONGEST = 0.2; // … unless one would be longer than this part of the view
 const GRIP = 26; // pixels, what a finger hits
 const WALL = 18; // pixels, the grip of a wall
+const MOST_DECIMALS = 15;
 
-/** A value that is set by hand, with so many decimals. */
-function byHand(value, decimals) {
+/** A value that is set by hand: with the decimals that tell it from one that is a pixel away. */
+function byHand(value, pixel) {
+  const decimals = Math.min(Math.max(Math.ceil(-Math.log10(pixel)), 0), MOST_DECIMALS);
   return Number(value.toFixed(decimals));
 }
 
@@ -121,26 +123,34 @@ export class Handles {
     }
   }
 
+  /** The size of a pixel [m]. */
+  get #pixel() {
+    const { camera } = this.player.scene;
+    return Math.abs(camera.at(1, 0)[0] - camera.at(0, 0)[0]);
+  }
+
   /** The base moves; another joint turns the link before it. */
   joint([x, y], index) {
     const k = Number(index);
-    if (k === 0) return { "initial.x": byHand(x, 3), "initial.y": byHand(y, 3) };
+    if (k === 0) return { "initial.x": byHand(x, this.#pixel), "initial.y": byHand(y, this.#pixel) };
     const [x0, y0] = this.#start.place[k - 1];
     const name = `initial.angle[${k}]`;
-    const turns = Math.round((this.#value(name) - Math.atan2(y - y0, x - x0)) / (2 * Math.PI));
-    return { [name]: byHand(Math.atan2(y - y0, x - x0) + 2 * Math.PI * turns, 3) };
+    const angle = Math.atan2(y - y0, x - x0);
+    const turns = Math.round((this.#value(name) - angle) / (2 * Math.PI));
+    return { [name]: byHand(angle + 2 * Math.PI * turns, this.#pixel / this.#value(`link[${k}].length`)) };
   }
 
   /** The arrow of the base sets its velocity, that of another joint the angular velocity of the link before it. */
   velocity([x, y], index) {
     const k = Number(index);
     const { place, velocity } = this.#start;
+    const pixel = this.#pixel / this.dragged.time;
     const wanted = [x - place[k][0], y - place[k][1]].map((way) => way / this.dragged.time);
-    if (k === 0) return { "initial.vx": byHand(wanted[0], 2), "initial.vy": byHand(wanted[1], 2) };
+    if (k === 0) return { "initial.vx": byHand(wanted[0], pixel), "initial.vy": byHand(wanted[1], pixel) };
     const link = [0, 1].map((axis) => place[k][axis] - place[k - 1][axis]);
     const added = [0, 1].map((axis) => wanted[axis] - velocity[k - 1][axis]);
     const rate = (link[0] * added[1] - link[1] * added[0]) / (link[0] ** 2 + link[1] ** 2);
-    return { [`initial.angular_velocity[${k}]`]: byHand(rate, 2) };
+    return { [`initial.angular_velocity[${k}]`]: byHand(rate, pixel / this.#value(`link[${k}].length`)) };
   }
 
   /** A wall moves along its normal. */
@@ -148,10 +158,10 @@ export class Handles {
     const { normal: [nx, ny], offset } = wallsAt(this.changes.scene, (one) => this.changes.valueOf(one))[name];
     const way = nx * x + ny * y - offset;
     if (this.changes.valueOf(`box.${name}`) !== undefined) {
-      return { [`box.${name}`]: byHand(this.#value(`box.${name}`) + way * (nx + ny), 3) };
+      return { [`box.${name}`]: byHand(this.#value(`box.${name}`) + way * (nx + ny), this.#pixel) };
     }
     return Object.fromEntries([["x", nx], ["y", ny]].map(([axis, part]) =>
-      [`wall.${name}.${axis}`, byHand(this.#value(`wall.${name}.${axis}`) + way * part, 3)]));
+      [`wall.${name}.${axis}`, byHand(this.#value(`wall.${name}.${axis}`) + way * part, this.#pixel)]));
   }
 }
 

@@ -1,17 +1,12 @@
 // The kernel: the WebAssembly module, one instance in its memory, and runs of it. `description.py` says where in the
 // instance's record things are.
 
+import { unpacked } from "./unpacked.js";
+
 const WORD = 8; // bytes
 const ROWS = 256; // of outputs that the kernel fills at once
-const RUNS = 41; // of a map at once
+const RUNS = 41; // of a study at once
 const PAGE = 65536; // bytes of WebAssembly's memory
-
-/** The bytes of a text that `packed` of `description.py` made. */
-export async function unpacked(text) {
-  const bytes = Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0));
-  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
-  return new Uint8Array(await new Response(stream).arrayBuffer());
-}
 
 /** The next multiple of 64 bytes. */
 function aligned(place) {
@@ -149,7 +144,7 @@ export class Kernel {
       const complete = Number(this.exports.run_each(this.record, start, at, counts[0], valuesAt, endsAt, counts[1], outputs, counts[2], foundAt, continuing));
       done += complete;
       continuing = complete < most ? 1 : 0;
-      yield { done, rows: new Float64Array(buffer, found, done * width) };
+      yield done / runs;
     }
     return new Float64Array(buffer, found, runs * width).slice();
   }

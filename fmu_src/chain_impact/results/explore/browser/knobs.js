@@ -1,5 +1,6 @@
 // The knobs for what matters most, and the list of all parameters.
 
+import { make } from "./dom.js";
 import { numberText } from "./changes.js";
 
 /** The parameters with a knob: name, label, and the ends of its slider. */
@@ -20,13 +21,6 @@ const UNITS = [["exponent", "ⁿ"], ["^", ""], ["m/s2", "m/s²"], ["kg.m2", "kg\
 /** A unit as it is written on the page; nothing of a pure number. */
 export function unitText(unit) {
   return unit === "1" ? "" : UNITS.reduce((text, [from, to]) => text.replaceAll(from, to), unit);
-}
-
-/** An element with some properties and children. */
-export function make(tag, properties = {}, ...children) {
-  const element = Object.assign(document.createElement(tag), properties);
-  element.append(...children);
-  return element;
 }
 
 /** Say what is wrong with a value at its field, or nothing. */

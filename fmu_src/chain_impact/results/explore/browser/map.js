@@ -1,10 +1,13 @@
 // The map: two parameters over a grid, coloured by an output at the end of each run.
 
+import { find } from "./dom.js";
 import { numberText } from "./changes.js";
 import { unitText } from "./knobs.js";
 
 const POINTS = 41; // in each direction
+const RUNS = POINTS * POINTS;
 const WIDTH = 4; // numbers of a run: peaks, status, output
+const WORKERS = 8; // at most
 // viridis of matplotlib (CC0), at equal distances
 const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
 
@@ -22,11 +25,11 @@ function rangeOf({ low, high }, value) {
   return [Math.max(value - reach, low), Math.min(value + reach, high)];
 }
 
-export const find = (id) => document.getElementById(id);
-
 export class GridMap {
-  constructor(engine, changes) {
-    Object.assign(this, { engine, changes });
+  /** `begin` makes an engine; there is one for each processor. */
+  constructor(begin, changes) {
+    this.engines = Array.from({ length: Math.min(navigator.hardwareConcurrency || 1, WORKERS) }, begin);
+    this.changes = changes;
     this.canvas = find("map-canvas");
     this.inputs = ["x", "y"].map((axis) => ["name", "from", "to"].map((part) => find(`map-${axis}-${part}`)));
     this.output = find("map-output");
@@ -74,42 +77,54 @@ export class GridMap {
         return Array.from({ length: POINTS }, (_, k) => Number((first + ((last - first) * k) / (POINTS - 1)).toPrecision(12)));
       });
       const output = this.#outputs.find(({ name }) => name === this.output.value);
-      const shown = { names, axes, values: { ...this.changes.values }, output, rows: [] };
-      this.shown = shown;
+      this.shown = { names, axes, values: { ...this.changes.values }, output, found: Array(RUNS) };
       const began = performance.now();
       find("map-text").textContent = "";
-      const result = await this.engine.ask("map", shown.values, { names, axes, word: output.row, replaces: true }, ({ rows }) => {
-        if (shown === this.shown) this.#draw(rows);
-      });
-      if (!result) return;
-      this.#draw(result.rows);
-      find("map-text").textContent = `${POINTS * POINTS} runs in ${((performance.now() - began) / 1000).toPrecision(2)} s. Point at a run to read it, click to open it.`;
+      if (!(await this.#simulate(this.shown))) return;
+      find("map-text").textContent = `${RUNS} runs in ${((performance.now() - began) / 1000).toPrecision(2)} s. Point at a run to read it, click to open it.`;
     } catch (error) {
       find("map-text").textContent = `${error.message}.`;
     }
   }
 
-  /** The value of a run; undefined of one that has failed or is not there yet. */
-  #value(index) {
-    const { rows, output } = this.shown;
-    if ((index + 1) * WIDTH > rows.length || this.#words(rows)[index * WIDTH + 2] !== 0n) return undefined;
-    return output.integer ? Number(this.#words(rows)[index * WIDTH + 3]) : rows[index * WIDTH + 3];
+  /** Simulate the rows of a map, each in the next worker that is free; false if another map has taken its place. */
+  async #simulate(shown) {
+    const { names, axes, values, output } = shown;
+    const words = [this.changes.scene.layout.status, output.row];
+    let next = 0;
+    const work = async (engine) => {
+      while (next < POINTS && shown === this.shown) {
+        const row = next;
+        next += 1;
+        const each = Float64Array.from(axes[0].flatMap((value) => [value, axes[1][row]]));
+        const result = await engine.ask("study", values, { names, each, words, replaces: true });
+        if (result && shown === this.shown) this.#take(result.rows, row);
+      }
+    };
+    await Promise.all(this.engines.map(work));
+    return shown === this.shown;
   }
 
-  #words(rows) {
-    return new BigInt64Array(rows.buffer, rows.byteOffset, rows.length);
+  /** Take the outputs at the ends of the runs of a row; of a run that has failed, null. */
+  #take(rows, row) {
+    const { output, found } = this.shown;
+    const integers = new BigInt64Array(rows.buffer);
+    for (let column = 0; column < POINTS; column += 1) {
+      const [status, value] = [column * WIDTH + 2, column * WIDTH + 3];
+      const given = output.integer ? Number(integers[value]) : rows[value];
+      found[row * POINTS + column] = integers[status] === 0n ? given : null;
+    }
+    this.#draw();
   }
 
-  #draw(rows) {
-    this.shown.rows = rows;
-    const values = Array.from({ length: POINTS * POINTS }, (_, index) => this.#value(index));
-    const known = values.filter((value) => value !== undefined);
+  #draw() {
+    const known = this.shown.found.filter((value) => Number.isFinite(value));
     const [least, most] = known.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [Infinity, -Infinity]);
     const context = this.canvas.getContext("2d");
     const image = context.createImageData(POINTS, POINTS);
-    values.forEach((value, index) => {
+    Array.from(this.shown.found, (value, index) => {
       const [column, row] = [index % POINTS, POINTS - 1 - Math.floor(index / POINTS)];
-      const colour = value === undefined ? [128, 128, 128, 60] : [...colourAt((value - least) / (most - least || 1)), 255];
+      const colour = !Number.isFinite(value) ? [128, 128, 128, 60] : [...colourAt((value - least) / (most - least || 1)), 255];
       image.data.set(colour, 4 * (row * POINTS + column));
     });
     context.putImageData(image, 0, 0);
@@ -130,10 +145,10 @@ export class GridMap {
   #tell(event) {
     if (!this.shown) return;
     const { index, given } = this.#at(event);
-    if ((index + 1) * WIDTH > this.shown.rows.length) return;
-    const value = this.#value(index);
+    const value = this.shown.found[index];
+    if (value === undefined) return;
     const parameters = Object.entries(given).map(([name, one]) => `${name} = ${numberText(Number(one.toPrecision(5)))}`);
-    const result = value === undefined ? "the run fails" : `${this.shown.output.name} = ${numberText(Number(value.toPrecision(6)))}`;
+    const result = value === null ? "the run fails" : `${this.shown.output.name} = ${numberText(Number(value.toPrecision(6)))}`;
     find("map-text").textContent = `${parameters.join(", ")}: ${result}`;
   }
 

@@ -1,6 +1,6 @@
 // The worker: it runs the kernel, a few milliseconds at a time, so that a newer request can take the place of an older one.
 
-import { Kernel, rowTimes, unpacked } from "./kernel.js";
+import { Kernel, rowTimes } from "./kernel.js";
 import { motion } from "./motion.js";
 
 const MOST_BYTES = 500e6; // of a table
@@ -38,29 +38,26 @@ function* rows(kernel, values, { names }) {
   return { ...found, columns: ordered, words: [] };
 }
 
-/** Status and one output at the end of each run of a grid of two parameters, the first in rows. */
-function* map(kernel, values, { names, axes, word }) {
-  const { status } = kernel.scene.layout;
-  const grid = axes[1].flatMap((second) => axes[0].map((first) => [first, second]));
+/** Some words of the record at the end of runs with different values of some parameters, which are in rows. */
+function* study(kernel, values, { names, each, words }) {
   const stop = values["simulation.stop_time"] ?? kernel.parameters.get("simulation.stop_time").start;
-  const run = kernel.runEach(values, names, Float64Array.from(grid.flat()), new Float64Array(grid.length).fill(stop), [status, word]);
-  let step = run.next();
-  while (!step.done) {
-    yield { done: step.value.done / grid.length, rows: step.value.rows.slice() };
-    step = run.next();
-  }
-  return { rows: step.value };
+  const stops = new Float64Array(each.length / names.length).fill(stop);
+  return { rows: yield* kernel.runEach(values, names, each, stops, words) };
 }
 
-const KINDS = { motion, rows, map };
+/** The memory of the columns of a result, which is handed over and not copied. */
+function columnsOf({ time, columns = {}, rows }) {
+  return [time, rows, ...Object.values(columns)].filter(Boolean).map(({ buffer }) => buffer);
+}
+
+const KINDS = { motion, rows, study };
 const newest = {}; // kind → number of the newest request; older ones of some kinds are given up
 const kernels = {}; // kind → promise of a kernel of its own, as runs of several kinds take turns
 const queues = {}; // kind → promise of the end of the request before
-let scene;
-let module;
+let given; // the scene and the compiled module
 
 async function answer({ kind, number, values, options }) {
-  kernels[kind] ??= module.then((compiled) => Kernel.load(compiled, scene));
+  kernels[kind] ??= Kernel.load(given.module, given.scene);
   const kernel = await kernels[kind];
   const isOld = () => options.replaces && newest[kind] !== number;
   const run = KINDS[kind](kernel, values, options);
@@ -68,7 +65,7 @@ async function answer({ kind, number, values, options }) {
   for (;;) {
     if (isOld()) return postMessage({ number, result: null });
     const step = run.next();
-    if (step.done) return postMessage({ number, result: step.value });
+    if (step.done) return postMessage({ number, result: step.value }, columnsOf(step.value));
     if (performance.now() - began > AT_ONCE) {
       postMessage({ number, done: step.value });
       await pause();
@@ -79,8 +76,7 @@ async function answer({ kind, number, values, options }) {
 
 onmessage = ({ data }) => {
   if (data.kind === "scene") {
-    scene = data.scene;
-    module = unpacked(scene.module).then((bytes) => WebAssembly.compile(bytes));
+    given = data;
     return;
   }
   newest[data.kind] = data.number;

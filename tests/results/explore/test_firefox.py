@@ -1,0 +1,112 @@
+"""The page in Debian's Firefox: the bits of `simulate()`, a start by hand, and a map."""
+
+import json
+import os
+import re
+import shutil
+import socket
+import warnings
+
+import numpy as np
+import pytest
+
+from chain_impact import explore, load_scene, simulate
+
+FIREFOX = shutil.which("firefox-esr") or shutil.which("firefox")
+pytestmark = pytest.mark.skipif(FIREFOX is None, reason="needs Debian's firefox-esr")
+# Marionette's scripts see the page's own objects from outside only: this runs a function's body in the page.
+ANSWER = """const [body, done] = arguments;
+const page = window.wrappedJSObject;
+page.eval(`delete window.answer; (async () => { ${body} })()
+  .catch((error) => ({ error: String(error) })).then((value) => { window.answer = JSON.stringify(value); })`);
+const look = () => (page.answer === undefined ? setTimeout(look, 10) : done(page.answer));
+look();"""
+UNTIL = "while (!({})) await new Promise((go) => setTimeout(go, 20)); return true;"
+
+
+class Firefox:
+    """A Firefox, and what the tests ask of it."""
+
+    def __init__(self):
+        from marionette_driver.marionette import Marionette
+
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        address = {"host": "127.0.0.1", "port": port}
+        still = {"ui.prefersReducedMotion": 1}
+        self.driver = Marionette(**address, bin=FIREFOX, headless=True, gecko_log=os.devnull, prefs=still)
+        self.driver.start_session()
+        self.driver.timeout.script = 120
+        self.driver.set_window_rect(width=1366, height=900)
+
+    def open(self, file):
+        self.driver.navigate(file.as_uri())
+        self.wait("performance.getEntriesByName('first-frame').length === 1")
+
+    def answer(self, body):
+        """What the body of a function returns in the page."""
+        return json.loads(self.driver.execute_async_script(ANSWER, [body]))
+
+    def wait(self, condition):
+        assert self.answer(UNTIL.format(condition)) is True
+
+    def find(self, selector):
+        return self.driver.find_element("css selector", selector)
+
+    def close(self):
+        self.driver.quit()
+        self.driver.cleanup()
+
+
+@pytest.fixture(scope="module")
+def firefox():
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the driver uses what is deprecated, and leaves sockets open
+        started = Firefox()
+    yield started
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        started.close()
+
+
+@pytest.mark.parametrize("model", ["four_link_box", "ramp", "sliding_rod", "kneed_leg", "bouncing_ball"])
+def test_a_run_in_firefox_has_the_bits_of_simulate(firefox, tmp_path, model):
+    explore(model, tmp_path / "page.html")
+    firefox.open(tmp_path / "page.html")
+    changes = {"solver.tolerance": 1e-7}
+    found = firefox.answer(f"""
+      const run = await chainImpact.simulate({json.dumps(changes)});
+      const ends = (column) => Array.from(new BigInt64Array(column.slice(-40).buffer), String);
+      return {{ rows: run.time.length, impacts: run.impacts.map(({{ onset }}) => onset),
+        columns: Object.entries(run.columns).map(([name, column]) => [name, ends(column)]) }};""")
+    known = simulate(load_scene(model).with_values(changes))
+    assert found["rows"] == len(known.time)
+    assert found["impacts"] == known.impacts["onset"].tolist()
+    assert [name for name, _ in found["columns"]] == list(known.columns)
+    for name, ends in found["columns"]:
+        expected = known[name][-40:].astype(np.float64).view(np.int64)
+        assert list(map(int, ends)) == expected.tolist(), name
+
+
+def test_a_joint_is_dragged_and_a_map_is_drawn_in_firefox(firefox, tmp_path):
+    scene = load_scene("rod_drop").with_values({"simulation.stop_time": 0.6})
+    explore(scene, tmp_path / "rod.html")
+    firefox.open(tmp_path / "rod.html")
+    pointer = firefox.driver.actions.sequence("pointer", "mouse", {"pointerType": "mouse"})
+    pointer.pointer_move(0, 0, origin=firefox.find('[data-grip="joint 1"]')).pointer_down()
+    pointer.pointer_move(0, -40, origin="pointer").pointer_up().perform()
+    start = scene.values["initial.angle[1]"]
+    firefox.wait(f"chainImpact.parameters['initial.angle[1]'] > {start} + 0.01")
+    firefox.find("#reset-all").click()
+    firefox.find("#map-open").click()
+    firefox.find("#map-run").click()
+    firefox.wait("document.getElementById('map-text').textContent.includes('1681 runs in')")
+    pointer = firefox.driver.actions.sequence("pointer", "mouse", {"pointerType": "mouse"})
+    pointer.pointer_move(3, 3, origin=firefox.find("#map-canvas")).perform()
+    said = re.search(
+        r"contact.restitution = ([\d.]+), initial.angle\[1\] = ([\d.]+): impact.count = (\d+)",
+        firefox.find("#map-text").text,
+    )
+    values = {"contact.restitution": float(said[1]), "initial.angle[1]": float(said[2])}
+    assert int(said[3]) == len(simulate(scene.with_values(values)).impacts)
