@@ -7,12 +7,15 @@ from functools import cache
 import numpy as np
 import pytest
 
+from chain_impact import explore
 from chain_impact.compilation.library import browser_module
 from chain_impact.results.explore.description import description, packed
 from chain_impact.results.explore.page import WORKER, program
 from tests.results.animation.conftest import browser, needs_browser
 
 __all__ = ["browser", "needs_browser"]
+
+DESK, PHONE = {"width": 1366, "height": 768}, {"width": 390, "height": 844}
 
 RUN = """async ({ module, scene, values, stop, step }) => {
   const kernel = await Kernel.load(await compiled(module), scene);
@@ -39,6 +42,37 @@ async function compiled(text) {
   if (!modules.has(text)) modules.set(text, await WebAssembly.compile(await unpacked(text)));
   return modules.get(text);
 }"""
+
+
+@pytest.fixture(scope="session")
+def address(tmp_path_factory):
+    path = tmp_path_factory.mktemp("explore") / "box.html"
+    explore("four_link_box", path)
+    return path.as_uri()
+
+
+@pytest.fixture
+def show(browser, address):
+    """Open the page, which must not complain, nor ask for anything."""
+    said, opened = [], []
+
+    def show(viewport=DESK, hash_="", begins=True, **options):
+        context = browser.new_context(viewport=viewport, reduced_motion="reduce", **options)
+        page = context.new_page()
+        opened.append(context)
+        page.on("console", lambda message: said.append(message.text))
+        page.on("pageerror", lambda error: said.append(str(error)))
+        page.on("request", lambda request: said.append(request.url))
+        page.goto(address + hash_)
+        if begins:
+            page.wait_for_function("performance.getEntriesByName('first-frame').length === 1")
+        return page
+
+    yield show
+    for context in opened:
+        context.close()
+    local = ("data:", "blob:", "file:")
+    assert [text for text in said if not text.startswith(local)] == []
 
 
 @pytest.fixture(scope="module")

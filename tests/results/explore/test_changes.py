@@ -5,44 +5,77 @@ import json
 import pytest
 
 from chain_impact import SceneError, SimulationError, load_scene, simulate
+from chain_impact.kernel import status
 from chain_impact.results.explore.description import description
 from tests.results.explore.conftest import needs_browser, packed_module
 
 pytestmark = needs_browser
 
 
-@pytest.mark.parametrize(
-    ("model", "changes"),
-    [
-        ("four_link_box", {"box.x_max": 0.0}),
-        ("four_link_box", {"box.y_max": 0.02, "box.y_min": 0.01}),
-        ("four_link_box", {"contact.radius": 1.6}),
-        ("four_link_box", {"contact.model": "flores", "contact.restitution": 0.0}),
-        ("four_link_box", {"contact.model": "tsuji", "contact.exponent": 1.2}),
-        ("four_link_box", {"initial.x": 0.1, "initial.angle[1]": 3.0}),
-        ("four_link_box", {f"link[{k}].inertia": 0.0 for k in range(1, 5)}),
-        ("kneed_leg", {"link[3].joint_max": -3.0}),
-        ("kneed_leg", {"initial.angle[3]": 3.0}),
-        ("sliding_rod", {"wall.y_min.static_friction": 0.01}),
-        ("sliding_rod", {"contact.model": "newton_impact"}),
-        ("ramp", {"wall.ramp.y": 5.0}),
-    ],
-)
-def test_parameters_that_do_not_go_together_are_refused_as_by_a_scene(worker, model, changes):
-    """By the page, before it simulates, or else by the kernel, with a status."""
-    scene = load_scene(model)
-    with pytest.raises((SceneError, SimulationError)):
-        simulate(scene.with_values(changes))
+def begun(worker, scene, changes):
+    """The sentence with which the page refuses changes of a scene; else the status of the run's start."""
     given = json.loads(json.dumps(description(scene, [])))
-    fault, status = worker.evaluate(
+    return worker.evaluate(
         """async ([text, scene, changes]) => {
           const kernel = await Kernel.load(await compiled(text), scene);
+          let values;
           try {
-            return ["", runThrough(kernel.run(new Changes(scene).with(changes), [0, 0.01], [])).status];
+            values = new Changes(scene).with(changes);
           } catch (error) {
-            return [error.message, 0];
+            if (!(error instanceof RangeError)) throw error;
+            return error.message;
           }
+          return runThrough(kernel.run(values, [0, 0.01], [])).status;
         }""",
         [packed_module(), given, changes],
     )
-    assert fault or status > 0
+
+
+@pytest.mark.parametrize(
+    ("model", "changes", "expected"),
+    [
+        ("four_link_box", {"box.x_max": 0.0}, "box.x_max = 0 must be > "),
+        ("four_link_box", {"box.y_max": 0.02, "box.y_min": 0.01}, status.STARTS_INSIDE_WALL),
+        ("four_link_box", {"contact.radius": 1.6}, "box.x_max = 3 must be > 3.2 [m]"),
+        (
+            "four_link_box",
+            {"contact.model": "flores", "contact.restitution": 0.0},
+            status.RESTITUTION_NOT_ALLOWED,
+        ),
+        ("four_link_box", {"contact.model": "tsuji", "contact.exponent": 1.2}, status.EXPONENT_NOT_ALLOWED),
+        ("four_link_box", {"initial.x": 0.1, "initial.angle[1]": 3.0}, status.STARTS_INSIDE_WALL),
+        ("four_link_box", {f"link[{k}].inertia": 0.0 for k in range(1, 5)}, status.MASS_MATRIX_SINGULAR),
+        ("kneed_leg", {"link[3].joint_max": -3.0}, "link[3].joint_max = -3 must be > "),
+        ("kneed_leg", {"initial.angle[3]": 3.0}, status.STARTS_INSIDE_WALL),
+        ("sliding_rod", {"wall.y_min.static_friction": 0.01}, "static_friction = 0.01 must be >= 0.3"),
+        ("sliding_rod", {"contact.model": "newton_impact"}, status.FRICTION_WITH_RIGID_WALLS),
+        ("ramp", {"wall.ramp.y": 5.0}, status.STARTS_INSIDE_WALL),
+    ],
+)
+def test_parameters_that_do_not_go_together_are_refused_as_by_a_scene(worker, model, changes, expected):
+    """By the page, before it simulates, or else by the kernel, with a status."""
+    scene = load_scene(model)
+    if model == "kneed_leg":
+        scene = scene.with_values({"link[3].joint_min": -2.9})
+    with pytest.raises((SceneError, SimulationError)):
+        simulate(scene.with_values(changes))
+    found = begun(worker, scene, changes)
+    assert expected in found if isinstance(expected, str) else expected == found
+
+
+def test_a_value_is_not_set_back_where_it_does_not_go_with_another(worker):
+    given = json.loads(json.dumps(description(load_scene("four_link_box"), [])))
+    fault, values = worker.evaluate(
+        """(scene) => {
+          const changes = new Changes(scene);
+          changes.set({ "box.x_min": -5, "box.x_max": -1 });
+          try {
+            changes.reset("box.x_min");
+          } catch (error) {
+            return [error.message, changes.values];
+          }
+        }""",
+        given,
+    )
+    assert fault == "box.x_max = -1 must be > 0 [m], which is x_min + 2 contact.radius"
+    assert values == {"box.x_min": -5, "box.x_max": -1}

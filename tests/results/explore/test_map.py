@@ -77,3 +77,21 @@ def test_a_map_that_cannot_be_says_why(browser, tmp_path, low, high):
     page.get_by_role("button", name="Simulate 41 × 41 runs").click()
     page.get_by_text("must be a finite number >= 0 and <= 1").wait_for()
     page.close()
+
+
+def test_a_run_that_a_scene_would_refuse_has_no_colour(browser, tmp_path):
+    explore(load_scene("sliding_rod").with_values({"simulation.stop_time": 0.05}), tmp_path / "rod.html")
+    page = browser.new_page()
+    page.goto((tmp_path / "rod.html").as_uri())
+    page.get_by_role("button", name="Map…").click()
+    for axis, name in (("x", "wall.y_min.static_friction"), ("y", "wall.y_min.friction")):
+        page.locator(f"#map-{axis}-name").select_option(name)
+        for end, value in (("from", "0.1"), ("to", "0.5")):
+            page.locator(f"#map-{axis}-{end}").fill(value)
+    page.get_by_role("button", name="Simulate 41 × 41 runs").click()
+    page.locator("#map-text").get_by_text("1681 runs in").wait_for()
+    box = page.locator("#map-canvas").bounding_box()
+    for place, text in ((0.9, "impact.count = "), (0.1, "the run fails")):
+        page.locator("#map-canvas").hover(position={"x": place * box["width"], "y": 0.5 * box["height"]})
+        page.locator("#map-text").get_by_text(text).wait_for()
+    page.close()

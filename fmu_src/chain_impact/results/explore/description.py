@@ -57,6 +57,7 @@ def description(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
         "record": packed(record.tobytes()),
         "layout": layout(record.dtype),
         "row": model.row.itemsize // WORD,
+        "inputs": [one.name for one in model.inputs],
         "parameters": [*(parameter(model, one) for one in model.parameters), *times(scene)],
         "columns": columns(model),
         "drawn": drawn(scene),

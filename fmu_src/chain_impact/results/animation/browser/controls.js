@@ -4,8 +4,10 @@ import { SPEEDS } from "./clock.js";
 import { find } from "./dom.js";
 import { speedText } from "./format.js";
 
-
-/** Connect buttons, slider and keys with the clock; returns what is to be called when it has another recording. */
+/**
+ * Connect buttons, slider and keys with the clock; returns what is to be called when it has another recording. Until it
+ * has one, they do nothing.
+ */
 export function connect(clock, scene) {
   const actions = {
     " ": () => clock.toggle(),
@@ -24,13 +26,12 @@ export function connect(clock, scene) {
   document.addEventListener("keydown", (event) => {
     const name = event.shiftKey && event.key.startsWith("Arrow") ? `Shift${event.key}` : event.key;
     const action = actions[name.length === 1 ? name.toLowerCase() : name];
-    if (!action || event.ctrlKey || event.altKey || event.metaKey || keepsKey(event)) return;
+    if (!action || !clock.recording || event.ctrlKey || event.altKey || event.metaKey || keepsKey(event)) return;
     event.preventDefault();
     action();
   });
-  find("play").addEventListener("click", () => clock.toggle());
-  find("previous").addEventListener("click", () => clock.stepImpact(-1));
-  find("next").addEventListener("click", () => clock.stepImpact(1));
+  const buttons = { play: actions[" "], previous: actions.ShiftArrowLeft, next: actions.ShiftArrowRight };
+  Object.entries(buttons).forEach(([id, action]) => find(id).addEventListener("click", () => clock.recording && action()));
   find("slow").addEventListener("change", ({ target }) => clock.set({ slow: target.checked }));
   find("trace").addEventListener("change", ({ target }) => {
     scene.showTrace = target.checked;
@@ -54,14 +55,16 @@ function connectSpeed(clock) {
   const choices = SPEEDS.includes(clock.speed) ? SPEEDS : [...SPEEDS, clock.speed].sort((a, b) => a - b);
   select.append(...choices.map((value) => new Option(speedText(value), String(value))));
   select.addEventListener("change", () => clock.set({ speed: Number(select.value) }));
-  clock.onChange(() => {
+  const show = () => {
     select.value = String(clock.speed);
-  });
+  };
+  clock.onChange(show);
+  show();
 }
 
 function connectSlider(clock) {
   const slider = find("scrub");
-  slider.addEventListener("input", () => clock.seek(Number(slider.value)));
+  slider.addEventListener("input", () => clock.recording && clock.seek(Number(slider.value)));
   const play = find("play");
   clock.onChange(() => {
     const { recording } = clock;

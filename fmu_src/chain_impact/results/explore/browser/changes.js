@@ -64,8 +64,7 @@ export class Changes {
   }
 
   reset(name) {
-    const { [name]: _, ...others } = this.values;
-    this.replace(others);
+    this.set({ [name]: this.starts[name] });
   }
 
   /** Take these changes in place of all others. */

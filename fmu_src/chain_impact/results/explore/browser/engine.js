@@ -4,24 +4,41 @@ export class Engine {
   #number = 0;
   #waiting = new Map();
   #begun;
+  #fault; // of the worker itself, after which it answers no more
+  #ended = false;
 
   /** A worker with this program, for a scene; `module` promises the compiled kernel, which all workers share. */
   constructor(program, scene, module) {
     this.worker = new Worker(URL.createObjectURL(new Blob([program], { type: "text/javascript" })));
     this.worker.onmessage = ({ data }) => this.#take(data);
-    this.worker.onerror = (event) => this.#waiting.forEach(({ fail }) => fail(new Error(event.message)));
+    this.worker.onerror = ({ message }) => this.#fail(new Error(message || "the browser does not let it begin"));
     this.#begun = module.then((compiled) => this.worker.postMessage({ kind: "scene", scene, module: compiled }));
   }
 
-  /** The result of a request; null of one that a newer one has replaced. `progress` is told the share that is done. */
+  /** The result of a request; null of one that a newer one has replaced, or of a worker that is ended. `progress` is told the share that is done. */
   async ask(kind, values, options = {}, progress = () => {}) {
     await this.#begun;
+    if (this.#fault) throw this.#fault;
+    if (this.#ended) return null;
     this.#number += 1;
     const number = this.#number;
     return new Promise((give, fail) => {
       this.#waiting.set(number, { give, fail, progress });
       this.worker.postMessage({ kind, number, values, options });
     });
+  }
+
+  /** End the worker; what is asked for has no result. */
+  end() {
+    this.#ended = true;
+    this.worker.terminate();
+    this.#waiting.forEach(({ give }) => give(null));
+  }
+
+  #fail(error) {
+    this.#fault = error;
+    this.#waiting.forEach(({ fail }) => fail(error));
+    this.#waiting.clear();
   }
 
   #take({ number, done, result, fault }) {

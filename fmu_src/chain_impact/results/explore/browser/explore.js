@@ -18,6 +18,8 @@ const KEPT = 0.5; // of the size of the view: a motion that fills more of it doe
 
 const scene = JSON.parse(find("data").textContent);
 const changes = new Changes(scene);
+const needed = ["Worker", "WebAssembly", "DecompressionStream"].filter((name) => !(name in window));
+if (needed.length) throw new Error(`this browser has no ${needed.join(", no ")}`);
 const { module: packedModule, ...described } = scene;
 const module = unpacked(packedModule).then((bytes) => WebAssembly.compile(bytes));
 const begin = () => new Engine(find("worker").textContent, described, module);
@@ -38,11 +40,11 @@ function steady(next) {
   return isKept || (isWithin && size(next) > KEPT * size(before)) ? { ...next, view: before.view, anchor: before.anchor } : next;
 }
 
-/** What went wrong, in a sentence; nothing if all is well. */
-function sentenceOf({ status, reached, parts }) {
+/** What went wrong, in a sentence; nothing if all is well. `found` tells whether there is a motion. */
+function sentenceOf({ status, reached }, found) {
   if (status === 0) return "";
   const text = scene.statuses[status];
-  return parts ? `The simulation stopped at t = ${+reached.toPrecision(6)} s: ${text}.` : `The simulation cannot start: ${text}.`;
+  return found ? `The simulation stopped at t = ${+reached.toPrecision(6)} s: ${text}.` : `The simulation cannot start: ${text}.`;
 }
 
 let remembering; // the timer of `remember`
@@ -52,6 +54,7 @@ let notice = ""; // what is wrong with the address, until something changes
 function say(next = sentence) {
   sentence = next;
   const all = [notice, sentence].filter(Boolean).join(" ");
+  find("status").classList.add("begun");
   find("status").textContent = all;
   find("status").hidden = !all;
 }
@@ -63,12 +66,12 @@ async function update() {
   const waiting = setTimeout(() => document.body.classList.add("computing"), WAITING);
   const result = await engine
     .ask("motion", changes.values, { replaces: true }, (share) => find("stage").style.setProperty("--share", `${100 * share}%`))
-    .catch((error) => ({ status: -1, parts: null, fault: error.message }));
+    .catch((error) => ({ parts: null, fault: `The solver cannot work in this browser: ${error.message}.` }));
   clearTimeout(waiting);
   if (!result) return;
   document.body.classList.remove("computing");
   document.body.classList.toggle("stale", !result.parts);
-  say(result.fault ?? sentenceOf(result));
+  say(result.fault ?? sentenceOf(result, result.parts));
   if (result.parts) {
     player.show(Object.assign(new Recording(steady(result.parts)), { text }));
     ghosts.show();
@@ -104,6 +107,7 @@ function connectExport() {
   const fill = () => Object.assign(find("command"), { value: commandOf(changes) }) && Object.assign(find("link"), { value: address() });
   find("export-open").addEventListener("click", () => {
     fill();
+    find("export-text").textContent = "";
     find("export").showModal();
   });
   document.querySelectorAll("[data-copy]").forEach((button) => button.addEventListener("click", async () => {
@@ -114,17 +118,22 @@ function connectExport() {
     button.textContent = "Copied";
     setTimeout(() => Object.assign(button, { textContent: "Copy" }), 1500);
   }));
-  find("csv").addEventListener("click", async () => {
-    try {
-      const result = await engine.ask("rows", { ...changes.values });
-      save(new Blob([csvOf(result)], { type: "text/csv" }), `${scene.name}.csv`);
-    } catch (error) {
-      say(`${error.message}.`);
-    }
+  connectFile("csv", async () => {
+    const result = await engine.ask("rows", { ...changes.values });
+    save(new Blob([csvOf(result)], { type: "text/csv" }), `${scene.name}.csv`);
+    return sentenceOf(result, result.time.length > 0);
   });
-  find("png").addEventListener("click", async () => {
+  connectFile("png", async () => {
     const background = getComputedStyle(document.body).backgroundColor;
     save(await pictureOf(find("scene"), background), `${scene.name}.png`);
+    return "";
+  });
+}
+
+/** Let a button save a file, and say what is to be said of it. */
+function connectFile(id, write) {
+  find(id).addEventListener("click", async () => {
+    find("export-text").textContent = await write().catch((error) => `${error.message}.`);
   });
 }
 
@@ -138,6 +147,7 @@ window.chainImpact = {
   /** Simulate the scene with some parameters changed, whatever the page shows: {time, columns, impacts, statistics}. */
   async simulate(given = {}, { output } = {}) {
     const values = new Changes(scene).with(given);
+    if (output && !Array.isArray(output)) throw new TypeError("output must be a list of names");
     const unknown = output?.find((name) => !scene.columns.some((column) => column.name === name));
     if (unknown) throw new RangeError(`${unknown} is no output`);
     const result = await engine.ask("rows", values, { names: output });
@@ -159,8 +169,10 @@ window.chainImpact = {
 let grid; // the map, made when it is first opened: with workers of its own, beside the motion's
 find("map-open").addEventListener("click", () => {
   grid ??= new GridMap(begin, changes);
-  find("map").showModal();
+  grid.open();
 });
+find("inputs").hidden = scene.inputs.length === 0;
+find("inputs").textContent = `Inputs are zero here: ${scene.inputs.join(", ")}.`;
 showKnobs(find("main-knobs"), changes);
 showList(find("list-of-parameters"), changes);
 connectExport();
@@ -180,4 +192,5 @@ changes.onChange(() => {
 changes.onChange(remember);
 changes.onChange(update);
 addEventListener("hashchange", takeAddress);
+say();
 update();

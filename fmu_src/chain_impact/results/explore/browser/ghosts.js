@@ -64,6 +64,8 @@ export class Ghosts {
     const count = Math.min(LISTED, Math.max(...all.map(({ recording }) => recording.impacts.length)));
     const numbers = Array.from({ length: count }, (_, k) => make("th", { scope: "col", textContent: `${k + 1}` }));
     const head = make("tr", {}, make("th", { scope: "col", textContent: "Impact" }), ...numbers);
+    const more = Math.max(...all.map(({ recording }) => recording.impacts.length)) - count;
+    if (more > 0) head.append(make("th", { scope: "col", textContent: `and ${more} more` }));
     const rows = all.map((one) => make("tr", {}, this.#title(one),
       ...numbers.map((_, k) => cellOf(one.recording.impacts[k]))));
     table.replaceChildren(make("thead", {}, head), make("tbody", {}, ...rows));

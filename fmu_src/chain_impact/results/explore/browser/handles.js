@@ -21,10 +21,14 @@ export class Handles {
     this.changes = changes;
     this.element = element;
     this.links = changes.scene.links;
-    this.dragged = null; // {kind, index, time}
+    this.dragged = null; // {kind, index, time, pointer}
+    const isDragging = ({ pointerId }) => this.dragged?.pointer === pointerId;
     element.addEventListener("pointerdown", (event) => this.#grasp(event));
-    element.addEventListener("pointermove", (event) => this.dragged && this.#drag(event));
-    ["pointerup", "pointercancel"].forEach((name) => element.addEventListener(name, () => this.#drop()));
+    element.addEventListener("pointermove", (event) => isDragging(event) && this.#drag(event));
+    ["pointerup", "pointercancel"].forEach((name) => element.addEventListener(name, (event) => isDragging(event) && this.#drop()));
+    // a finger on a handle does not scroll the page
+    const keepStill = (event) => gripOf(event) && event.preventDefault();
+    element.addEventListener("touchstart", keepStill, { passive: false });
   }
 
   get areShown() {
@@ -98,16 +102,15 @@ export class Handles {
   }
 
   #grasp(event) {
-    const grip = event.target.closest("[data-grip]")?.dataset.grip;
-    if (!grip) return;
+    const grip = gripOf(event);
+    if (!grip || this.dragged || event.button !== 0) return;
     const [kind, index] = grip.split(" ");
-    this.dragged = { kind, index, time: this.#arrowTime(this.#start.velocity) };
+    this.dragged = { kind, index, pointer: event.pointerId, time: this.#arrowTime(this.#start.velocity) };
     this.element.setPointerCapture(event.pointerId);
     event.preventDefault();
   }
 
   #drop() {
-    if (!this.dragged) return;
     this.dragged = null;
     this.changes.replace({ ...this.changes.values }); // once more, with a view that fits
   }
@@ -163,6 +166,11 @@ export class Handles {
     return Object.fromEntries([["x", nx], ["y", ny]].map(([axis, part]) =>
       [`wall.${name}.${axis}`, byHand(this.#value(`wall.${name}.${axis}`) + way * part, this.#pixel)]));
   }
+}
+
+/** The handle that an event is at, if any. */
+function gripOf({ target }) {
+  return target.closest("[data-grip]")?.dataset.grip;
 }
 
 /** Where an arrow ends [m]. */

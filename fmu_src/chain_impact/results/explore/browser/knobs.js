@@ -9,6 +9,7 @@ const KNOBS = [
   { name: "contact.stiffness", label: "Stiffness", logarithmic: true, decades: 3 },
   { name: "contact.restitution", label: "Restitution", ends: [0, 1] },
   { name: "contact.friction", label: "Friction", ends: [0, 1.5] },
+  { name: "contact.static_friction", label: "Static friction", ends: [0, 1.5] },
   { name: "stop.stiffness", label: "Stiffness of stops", logarithmic: true, decades: 3 },
   { name: "stop.restitution", label: "Restitution of stops", ends: [0, 1] },
   { name: "gravity.y", label: "Gravity, y", ends: [-20, 20] },
@@ -39,7 +40,7 @@ export function valueField(changes, parameter) {
   const { name, items, text, allowed } = parameter;
   const field = items.length
     ? make("select", {}, ...items.map(([id], k) => new Option(id, String(k + 1))))
-    : make("input", { type: "text", inputMode: "decimal", autocomplete: "off", spellcheck: false });
+    : make("input", { type: "text", autocomplete: "off", spellcheck: false });
   field.title = `${name}: ${text}; ${allowed}`;
   field.setAttribute("aria-label", name);
   field.addEventListener("change", () => attempt(field, () => changes.set({ [name]: field.value })));
@@ -55,10 +56,10 @@ export function valueField(changes, parameter) {
   return { field, refresh };
 }
 
-function resetButton(changes, name) {
+function resetButton(changes, name, field) {
   const button = make("button", { type: "button", className: "reset", textContent: "↺", title: `As in the scene: ${name}` });
   button.setAttribute("aria-label", `Reset ${name}`);
-  button.addEventListener("click", () => changes.reset(name));
+  button.addEventListener("click", () => attempt(field, () => changes.reset(name)));
   return button;
 }
 
@@ -85,7 +86,7 @@ function knob(changes, entry) {
   const unit = unitText(parameter.unit);
   const label = make("label", { className: "knob-label", textContent: entry.label, title: entry.name });
   if (unit) label.append(" ", make("small", { textContent: unit }));
-  const row = make("div", { className: "knob" }, label, resetButton(changes, entry.name), field);
+  const row = make("div", { className: "knob" }, label, resetButton(changes, entry.name, field), field);
   field.id = `knob-${entry.name}`;
   label.htmlFor = field.id;
   if (parameter.items.length) {
@@ -109,6 +110,7 @@ function knob(changes, entry) {
   return { row, refresh: () => {
     refresh();
     const value = changes.valueOf(entry.name);
+    slider.setCustomValidity("");
     if (document.activeElement !== slider) slider.value = String(STEPS * toPlace(value));
     slider.style.setProperty("--done", `${100 * Math.min(Math.max(toPlace(value), 0), 1)}%`);
     slider.setAttribute("aria-valuetext", `${numberText(value)} ${unit}`);
@@ -120,7 +122,7 @@ function knob(changes, entry) {
 function knobsOf({ parameters, scene }) {
   const walls = Object.keys(scene.walls);
   return KNOBS.flatMap((entry) => {
-    const [, key] = /^contact\.(friction|restitution)$/.exec(entry.name) ?? [];
+    const [, key] = /^contact\.(friction|static_friction|restitution)$/.exec(entry.name) ?? [];
     const own = key ? walls.filter((wall) => parameters.has(`wall.${wall}.${key}`)) : [];
     const common = own.length > 0 && own.length === walls.length ? [] : [entry];
     return [...common, ...own.map((wall) => ({ ...entry, name: `wall.${wall}.${key}`, label: `${entry.label} at ${wall}` }))];
@@ -164,7 +166,7 @@ function listRow(changes, parameter) {
   const { name, unit, text, allowed } = parameter;
   const { field, refresh } = valueField(changes, parameter);
   const words = make("span", { className: "parameter-name", title: `${text}; ${allowed}` }, name.replaceAll(/(\.|_)/g, "$1\u200b"));
-  const row = make("div", { className: "parameter" }, words, resetButton(changes, name), field,
+  const row = make("div", { className: "parameter" }, words, resetButton(changes, name, field), field,
     make("small", { textContent: unitText(unit) }));
   return {
     row,

@@ -26,17 +26,29 @@ function rangeOf({ low, high }, value) {
 }
 
 export class GridMap {
-  /** `begin` makes an engine; there is one for each processor. */
+  #engines = []; // those that are at work
+  #read; // the run that a finger has pointed at
+
+  /** `begin` makes an engine. */
   constructor(begin, changes) {
-    this.engines = Array.from({ length: Math.min(navigator.hardwareConcurrency || 1, WORKERS) }, begin);
-    this.changes = changes;
+    Object.assign(this, { begin, changes });
+    this.dialog = find("map");
     this.canvas = find("map-canvas");
     this.inputs = ["x", "y"].map((axis) => ["name", "from", "to"].map((part) => find(`map-${axis}-${part}`)));
     this.output = find("map-output");
     this.#fill();
     find("map-run").addEventListener("click", () => this.run());
-    this.canvas.addEventListener("click", (event) => this.#open(event));
+    this.dialog.addEventListener("close", () => this.#stop());
+    this.canvas.addEventListener("click", (event) => this.#choose(event));
     this.canvas.addEventListener("pointermove", (event) => this.#tell(event));
+  }
+
+  /** Show the dialog, with ranges around the present values where they are as it has put them. */
+  open() {
+    this.inputs.forEach(([, from, to], k) => {
+      if ([from, to].every((field) => field.value === field.dataset.own)) this.#range(k);
+    });
+    this.dialog.showModal();
   }
 
   /** The outputs that a map can have: those of the whole and of the tip. */
@@ -64,57 +76,103 @@ export class GridMap {
   #range(k) {
     const [name, from, to] = this.inputs[k];
     const range = rangeOf(this.changes.parameters.get(name.value), this.changes.valueOf(name.value));
-    [from.value, to.value] = range.map((value) => numberText(Number(value.toPrecision(4))));
+    [from, to].forEach((field, end) => {
+      field.value = numberText(Number(range[end].toPrecision(4)));
+      field.dataset.own = field.value;
+    });
   }
 
   /** Work the map out, drawing what is there. */
   async run() {
+    this.#stop();
+    const shown = {};
+    this.shown = shown;
     try {
-      const names = this.inputs.map(([name]) => name.value);
-      if (names[0] === names[1]) throw new RangeError("choose two parameters");
-      const axes = this.inputs.map(([name, from, to]) => {
-        const [first, last] = [from, to].map((field) => this.changes.numberOf(name.value, field.value));
-        return Array.from({ length: POINTS }, (_, k) => Number((first + ((last - first) * k) / (POINTS - 1)).toPrecision(12)));
-      });
-      const output = this.#outputs.find(({ name }) => name === this.output.value);
-      this.shown = { names, axes, values: { ...this.changes.values }, output, found: Array(RUNS) };
+      Object.assign(shown, this.#asked(), { found: Array(RUNS), rows: 0 });
       const began = performance.now();
-      find("map-text").textContent = "";
-      if (!(await this.#simulate(this.shown))) return;
-      find("map-text").textContent = `${RUNS} runs in ${((performance.now() - began) / 1000).toPrecision(2)} s. Point at a run to read it, click to open it.`;
+      await this.#simulate(shown);
+      if (shown !== this.shown) return;
+      if (shown.rows < POINTS) {
+        this.#say(`Stopped after ${shown.rows} of ${POINTS} rows.`);
+        return;
+      }
+      const seconds = ((performance.now() - began) / 1000).toPrecision(2);
+      this.#say(`${RUNS} runs in ${seconds} s. Point at a run to read it, click to open it; with a finger, tap twice.`);
     } catch (error) {
-      find("map-text").textContent = `${error.message}.`;
+      if (shown === this.shown) this.#say(`${error.message}.`);
     }
+    if (shown === this.shown) this.#stop();
   }
 
-  /** Simulate the rows of a map, each in the next worker that is free; false if another map has taken its place. */
+  #say(text) {
+    find("map-text").textContent = text;
+  }
+
+  /** What the fields ask for: names, values along both axes, the other changes and the output. */
+  #asked() {
+    const names = this.inputs.map(([name]) => name.value);
+    if (names[0] === names[1]) throw new RangeError("choose two parameters");
+    const axes = this.inputs.map(([name, from, to]) => {
+      const [first, last] = [from, to].map((field) => this.changes.numberOf(name.value, field.value));
+      return Array.from({ length: POINTS }, (_, k) => Number((first + ((last - first) * k) / (POINTS - 1)).toPrecision(12)));
+    });
+    const output = this.#outputs.find(({ name }) => name === this.output.value);
+    return { names, axes, values: { ...this.changes.values }, output };
+  }
+
+  /** Simulate the rows of a map, each in the next worker that is free: there is one for each processor. */
   async #simulate(shown) {
     const { names, axes, values, output } = shown;
     const words = [this.changes.scene.layout.status, output.row];
     let next = 0;
     const work = async (engine) => {
-      while (next < POINTS && shown === this.shown) {
+      while (next < POINTS) {
         const row = next;
         next += 1;
         const each = Float64Array.from(axes[0].flatMap((value) => [value, axes[1][row]]));
-        const result = await engine.ask("study", values, { names, each, words, replaces: true });
-        if (result && shown === this.shown) this.#take(result.rows, row);
+        const result = await engine.ask("study", values, { names, each, words });
+        if (!result || shown !== this.shown) return;
+        this.#take(result.rows, row);
       }
     };
-    await Promise.all(this.engines.map(work));
-    return shown === this.shown;
+    this.#engines = Array.from({ length: Math.min(navigator.hardwareConcurrency || 1, WORKERS) }, this.begin);
+    this.#say(`0 of ${POINTS} rows`);
+    await Promise.all(this.#engines.map(work));
   }
 
-  /** Take the outputs at the ends of the runs of a row; of a run that has failed, null. */
+  /** End the workers; a map that is not complete stays as it is. */
+  #stop() {
+    this.#engines.forEach((engine) => engine.end());
+    this.#engines = [];
+  }
+
+  /** Take the outputs at the ends of the runs of a row; null of one that has failed, or that a scene would refuse. */
   #take(rows, row) {
     const { output, found } = this.shown;
     const integers = new BigInt64Array(rows.buffer);
     for (let column = 0; column < POINTS; column += 1) {
       const [status, value] = [column * WIDTH + 2, column * WIDTH + 3];
+      const index = row * POINTS + column;
       const given = output.integer ? Number(integers[value]) : rows[value];
-      found[row * POINTS + column] = integers[status] === 0n ? given : null;
+      found[index] = integers[status] === 0n && this.#isAllowed(index) ? given : null;
     }
+    this.shown.rows += 1;
+    this.#say(`${this.shown.rows} of ${POINTS} rows`);
     this.#draw();
+  }
+
+  /** The values of both parameters in a run. */
+  #givenAt(index) {
+    const { names, axes } = this.shown;
+    return { [names[0]]: axes[0][index % POINTS], [names[1]]: axes[1][Math.floor(index / POINTS)] };
+  }
+
+  #isAllowed(index) {
+    try {
+      return Boolean(this.changes.with(this.#givenAt(index), this.shown.values));
+    } catch {
+      return false;
+    }
   }
 
   #draw() {
@@ -133,32 +191,39 @@ export class GridMap {
     });
   }
 
-  /** The run at a place of the canvas: its index, and the values of both parameters. */
+  /** The run at a place of the canvas; undefined where there is none yet. */
   #at({ clientX, clientY }) {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const place = (share) => Math.min(Math.max(Math.floor(share * POINTS), 0), POINTS - 1);
     const [column, row] = [place((clientX - left) / width), POINTS - 1 - place((clientY - top) / height)];
-    const { names, axes } = this.shown;
-    return { index: row * POINTS + column, given: { [names[0]]: axes[0][column], [names[1]]: axes[1][row] } };
+    const index = row * POINTS + column;
+    return this.shown?.found?.[index] === undefined ? undefined : index;
   }
 
   #tell(event) {
-    if (!this.shown) return;
-    const { index, given } = this.#at(event);
+    const index = this.#at(event);
+    if (index === undefined) return;
     const value = this.shown.found[index];
-    if (value === undefined) return;
-    const parameters = Object.entries(given).map(([name, one]) => `${name} = ${numberText(Number(one.toPrecision(5)))}`);
+    const parameters = Object.entries(this.#givenAt(index)).map(([name, one]) => `${name} = ${numberText(Number(one.toPrecision(5)))}`);
     const result = value === null ? "the run fails" : `${this.shown.output.name} = ${numberText(Number(value.toPrecision(6)))}`;
-    find("map-text").textContent = `${parameters.join(", ")}: ${result}`;
+    this.#say(`${parameters.join(", ")}: ${result}`);
   }
 
-  #open(event) {
-    if (!this.shown) return;
+  /** Open a run; a finger that has not pointed at it yet reads it first. */
+  #choose(event) {
+    const index = this.#at(event);
+    if (index === undefined) return;
+    const isRead = event.pointerType !== "touch" || index === this.#read;
+    this.#read = index;
+    if (!isRead) {
+      this.#tell(event);
+      return;
+    }
     try {
-      this.changes.replace(this.changes.with(this.#at(event).given, this.shown.values));
-      find("map").close();
+      this.changes.replace(this.changes.with(this.#givenAt(index), this.shown.values));
+      this.dialog.close();
     } catch (error) {
-      find("map-text").textContent = `${error.message}.`;
+      this.#say(`${error.message}.`);
     }
   }
 }

@@ -1,8 +1,9 @@
 // Out of the page: the command that repeats a motion, a link, tables and pictures.
 
-/** A word of a command as a shell takes it. */
+/** A word of a command as a shell takes it: in double quotes, which those of Windows take too, where they do. */
 function quoted(word) {
-  return /^[\w./:=+,-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`;
+  if (/^[\w./:=+,-]+$/.test(word)) return word;
+  return /[$`"\\!%]/.test(word) ? `'${word.replaceAll("'", "'\\''")}'` : `"${word}"`;
 }
 
 /** The command that gives the same motion. */
