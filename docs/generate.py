@@ -13,6 +13,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, get_args, get_origin
 
+import rooms
 from scene_schema import schema
 
 from chain_impact import cli, sphere_plane_stiffness
@@ -298,6 +299,16 @@ def sensitivity_limits() -> str:
     return "\n".join(f"- {reason}" for reason in (REASONS | REASONS_OF_FRICTION).values())
 
 
+def package_rooms() -> str:
+    """The rooms of the package, and what each imports."""
+    return table(["room", "imports"], rooms.rows(rooms.PACKAGE))
+
+
+def kernel_rooms() -> str:
+    """The rooms of the kernel, and what each imports."""
+    return table(["room of the kernel", "imports"], rooms.rows(rooms.KERNEL))
+
+
 def command_line() -> str:
     """The help of every command."""
     whole = cli.parser()
@@ -340,6 +351,8 @@ TABLES = {
         stiffnesses,
         sensitivity_limits,
         command_line,
+        package_rooms,
+        kernel_rooms,
     )
 }
 

@@ -113,7 +113,7 @@ def test_nothing_of_an_earlier_run_is_left():
     d.latest.point[:], d.latest.wall[:] = 5, 5
     for name in ("time", "speed", "end", "separation_speed", "peak_force", "max_penetration", "impulse"):
         d.latest[name][:] = 5.0
-    clear_run(d)
+    clear_run(d, 3.0)
     assert not d.work.moment.any()
     assert not d.impulse.total.any()
     for name in ("active", "active_index", "number"):
@@ -128,6 +128,7 @@ def test_nothing_of_an_earlier_run_is_left():
     limits = d.limits
     assert (limits.event_count, limits.work_count, limits.call_count, limits.other_work) == (0, 0, 0, 0)
     assert (d.finished.count, d.search.known_for, d.step.breaks) == (0, 0, 0)
+    assert d.impact.last_time == limits.event_start == limits.work_start == 3.0
     assert d.latest.kept == 4
     assert len(d.latest.point) == LATEST
     assert (d.latest.point == -1).all()

@@ -281,7 +281,8 @@ def test_nor_is_one_behind_it(links, path, value):
     scene = table(
         [{"length": 0.1, "mass": 1.0}] * links, box={"y_min": 0.0}, initial={"angles": [1.0] * links}
     )
-    instance = DifferentiatedInstance(scene, Model(scene).varied_by(["contact.stiffness"]), [0])
+    model = Model(scene)
+    instance = DifferentiatedInstance(model, model.varied_by(["contact.stiffness"]), [0])
     assert instance.is_sound(instance.words)
     record = instance._tangents[0]
     for step in path[:-1]:

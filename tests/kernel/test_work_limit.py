@@ -13,8 +13,16 @@ from chain_impact.kernel.work_limit import (
     MOST_EVENTS,
     WORK_WINDOW,
     allow_any_length,
+    begin_call,
     check_events,
     check_work,
+    clear_counts,
+    count_evaluations,
+    count_other_work,
+    count_rejected_step,
+    count_step,
+    counted_work,
+    uncount_work,
     work_done,
     work_exceeded,
     work_of_a_call,
@@ -85,3 +93,30 @@ def test_too_many_events_in_a_short_time_are_a_storm(d):
     d.step.end = 5.0 + EVENT_WINDOW
     assert check_events(d, 3) == OK
     assert (d.limits.event_start, d.limits.event_count) == (d.step.end, 3)
+
+
+def test_work_for_outputs_is_not_counted(d):
+    counted = counted_work(d)
+    count_evaluations(d, 7)
+    count_other_work(d, 11)
+    assert counted_work(d) == (507, 211)
+    uncount_work(d, counted)
+    assert (d.statistics.rhs_evaluations, d.limits.other_work) == (500, 200)
+
+
+def test_a_call_begins_with_the_work_done_before(d):
+    begin_call(d)
+    assert d.limits.call_count == 700
+
+
+def test_steps_are_counted_and_begin_from_0_with_each_run(d):
+    names = ("steps", "implicit_steps", "rejected_steps")
+    before = [int(d.statistics[name]) for name in names]
+    count_step(d, 0)
+    count_step(d, 1)
+    count_rejected_step(d)
+    assert [int(d.statistics[name]) for name in names] == [before[0] + 2, before[1] + 1, before[2] + 1]
+    clear_counts(d, 3.0)
+    assert [int(d.statistics[name]) for name in names] == [0, 0, 0]
+    assert work_done(d) == d.limits.work_count == d.limits.call_count == d.limits.event_count == 0
+    assert d.limits.work_start == d.limits.event_start == 3.0

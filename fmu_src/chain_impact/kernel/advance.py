@@ -10,9 +10,10 @@ import math
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.events.contact_log import update_extremes, update_to_output_time
-from chain_impact.kernel.events.friction_modes import choose_anew, pending_changes
+from chain_impact.kernel.events.friction_modes import choose_anew
 from chain_impact.kernel.events.impulses import end_changed_contacts, update_active_set
-from chain_impact.kernel.events.kinds import KINK, NONE, ONSET, REFUSED
+from chain_impact.kernel.events.kinds import KINK, NONE, REFUSED
+from chain_impact.kernel.events.marks import drop_events, ends_in_onset, pending_changes
 from chain_impact.kernel.events.search import find_event, onset_fraction
 from chain_impact.kernel.events.table import apply_events, bends_force
 from chain_impact.kernel.initialize import first_size
@@ -25,29 +26,26 @@ from chain_impact.kernel.integration.balance import (
 )
 from chain_impact.kernel.integration.impulse import (
     commit_impulses,
-    keep_end_forces,
     reset_impulse_step,
     set_impulse_stage_at_end,
 )
 from chain_impact.kernel.integration.last_step import (
-    OUTPUTS,
     accept,
     choose_variable,
-    ensure_dense,
     ensure_points,
     ensure_rate,
     reset_step,
     roll_back,
+    set_own_output_time,
     truncate_step,
 )
 from chain_impact.kernel.integration.methods import IS_IMPLICIT, LANDS, MEASURES_START, attempt, prepare
 from chain_impact.kernel.integration.sundman import regularize, time_rate_now
 from chain_impact.kernel.integration.switching import choose_method
 from chain_impact.kernel.model.constraints import any_point_held
-from chain_impact.kernel.model.contact import clear_loads, clear_stage_notes, drop_events, set_kink_sides
-from chain_impact.kernel.model.contact_force import set_damping, set_expected_depth
+from chain_impact.kernel.model.contact import clear_loads, keep_end_forces, latch, set_kink_sides
 from chain_impact.kernel.model.contact_law import update_laws
-from chain_impact.kernel.model.equations import state_rate
+from chain_impact.kernel.model.equations import clear_stage_notes, state_rate
 from chain_impact.kernel.model.inputs import apply_inputs, inputs_continue, limit_to_piece
 from chain_impact.kernel.status import (
     LOG_FULL,
@@ -57,12 +55,16 @@ from chain_impact.kernel.status import (
     PAUSED,
     STEP_TOO_SMALL,
     TOO_MUCH_WORK,
+    set_status,
 )
 from chain_impact.kernel.work_limit import (
     UNLIMITED,
+    begin_call,
     check_events,
     check_work,
     count_evaluations,
+    count_rejected_step,
+    count_step,
     work_done,
     work_exceeded,
 )
@@ -142,27 +144,19 @@ def onset_due(d):
     return d.step.end == d.step.time and ends_in_onset(d)
 
 
-def ends_in_onset(d):
-    """Whether the last step ends where contacts begin."""
-    for c in range(d.candidates):
-        if d.touch.event[c] == ONSET:
-            return True
-    return False
-
-
 def reinit_if_changed(d):
     """Re-initialize at the communication point if an input or parameter has changed; returns a status.
 
     Inputs that continue without a jump at the end of the last step are applied by the next step instead.
     """
     if d.statistics.status == OK and d.given.changed and not inputs_continue(d):
-        d.statistics.status = reinit(d)
+        set_status(d, reinit(d))
     return d.statistics.status
 
 
 def advance_one_step(d):
     """Take a step; after a fault, reset to the last time reached. Returns a status."""
-    d.statistics.status = take_step(d)
+    set_status(d, take_step(d))
     if d.statistics.status == OK:
         hooks.on_step(d)
     else:
@@ -174,27 +168,20 @@ def advance_one_step(d):
 def set_output_time(d, time):
     """Make a ``time`` [s] in the last step the communication point, and call the hook."""
     set_own_output_time(d, time)
-    d.limits.call_count = work_done(d)
+    begin_call(d)
     hooks.on_output_time(d, time)
-
-
-def set_own_output_time(d, time):
-    """Make a ``time`` [s] in the last step the communication point."""
-    d.step.time = time
-    ensure_dense(d, OUTPUTS)
 
 
 def reinit(d):
     """Re-initialize at the communication point, as an input or parameter changed; returns a status."""
-    d.given.changed = 0
     update_to_output_time(d)
-    d.step.next_size *= time_rate_now(d, d.step.state_end)  # in seconds
+    step_size.rescale(d, time_rate_now(d, d.step.state_end))  # in seconds
     reset_step(d, d.step.time, d.step.state_end)
     status = apply_pending_inputs(d)
     clear_loads(d)
     reinit_balance(d)
     # a chain at rest has taken steps far too long for the motion that a new input may cause
-    d.step.next_size = min(d.step.next_size, first_size(d))
+    step_size.limit(d, first_size(d))
     if status == OK:
         hooks.on_reinit(d)
     return status
@@ -219,9 +206,7 @@ def apply_pending_inputs(d):
 def latch_again(d):
     """Set what the active contacts have latched of a law that may have changed."""
     for k in range(d.touch.compliant_count):
-        c = d.touch.active_index[k]
-        set_expected_depth(d, c)
-        set_damping(d, c)
+        latch(d, d.touch.active_index[k])
 
 
 def recompute_active_set(d):
@@ -240,8 +225,7 @@ def take_step(d):
     if status == OK:
         status = find_step(d)
     if status == OK:
-        d.statistics.steps += 1
-        d.statistics.implicit_steps += IS_IMPLICIT[d.step.last_method]
+        count_step(d, IS_IMPLICIT[d.step.last_method])
         status = check_balance(d)
     return status if status != OK else check_work(d)
 
@@ -261,13 +245,13 @@ def find_step(d):
             accept(d, h)
             error = max(error, accept_to_event(d, find_event(d)))
             if error <= 1.0:
-                step.next_size = h * min(grow, step_size.factor(d, max(error, 1e-16)))
-                if limited < wanted and grow > 1.0:
-                    step.next_size = max(step.next_size, wanted)  # a piece's end says nothing about it
+                size = h * min(grow, step_size.factor(d, max(error, 1e-16)))
+                # the end of a piece of an input says nothing about the size
+                step_size.propose(d, max(size, wanted) if limited < wanted and grow > 1.0 else size)
                 return OK
             roll_back(d)
             drop_events(d)
-        d.statistics.rejected_steps += 1
+        count_rejected_step(d)
         h *= step_size.factor(d, error) if math.isfinite(error) else 0.1
         grow = 1.0
         if work_exceeded(d):
@@ -306,11 +290,10 @@ def begin_step(d):
     """Apply the events at the end of the last step; returns their number."""
     events, kinked = apply_pending_events(d)
     if d.given.changed:
-        d.given.changed = 0
         apply_inputs(d)
     landed = events > 0 and d.contact.any_rigid and d.touch.compliant_count == 0
     if landed and not MEASURES_START[d.step.method]:
-        d.step.next_size = min(d.step.next_size, step_size.in_flight(d, d.step.state_end, d.work.rate_start))
+        step_size.limit(d, step_size.in_flight(d, d.step.state_end, d.work.rate_start))
     if events > 0 or d.balance.breaks != d.step.breaks:
         rebase_energy(d)
     if not kinked:

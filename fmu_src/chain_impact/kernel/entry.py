@@ -1,8 +1,10 @@
 """The functions for callers of an instance; compilation/entry_points.py makes C functions of them."""
 
 from chain_impact.kernel.advance import advance, reinit
-from chain_impact.kernel.events.contact_log import update_to_output_time
+from chain_impact.kernel.events.contact_log import clear_log, update_to_output_time
+from chain_impact.kernel.events.friction_modes import clear_changes
 from chain_impact.kernel.initialize import initialize
+from chain_impact.kernel.model.inputs import request_reinit
 from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import LOG_FULL, OK, PAUSED
 from chain_impact.kernel.work_limit import UNLIMITED, allow_any_length, work_done, work_of_a_call
@@ -27,7 +29,7 @@ def advance_awhile(d, time):
 def observe_now(d):
     """Fill the outputs with the values at the communication point; returns a status."""
     if d.statistics.status == OK and d.given.changed and reinit(d) != OK:
-        d.given.changed = 1  # another parameter may still be set before the next step
+        request_reinit(d)  # another parameter may still be set before the next step
     observe(d)
     return d.statistics.status
 
@@ -102,7 +104,8 @@ def finish_run(d, stop, work, row):
         status = advance(d, stop, log_capacity, work)
         for k in range(d.finished.count):
             update_peaks(row, d.finished.peak_force[k], d.finished.max_penetration[k])
-        d.finished.count, d.changes.count = 0, 0
+        clear_log(d)
+        clear_changes(d)
     if status == OK:
         observe(d)
     if status != PAUSED and d.touch.active_count > 0:

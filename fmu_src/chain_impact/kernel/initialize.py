@@ -15,20 +15,23 @@ from chain_impact.kernel.chain.state import (
     supplied_at,
     velocity_at,
 )
-from chain_impact.kernel.events.friction_modes import choose_anew
+from chain_impact.kernel.events.contact_log import clear_log
+from chain_impact.kernel.events.exclusion import NOTHING, remember_clearances
+from chain_impact.kernel.events.friction_modes import choose_anew, clear_changes
+from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.integration.balance import start_balance
-from chain_impact.kernel.integration.last_step import reset_step
+from chain_impact.kernel.integration.impulse import clear_impulses
+from chain_impact.kernel.integration.last_step import clear_breaks, reset_step
 from chain_impact.kernel.integration.methods import IS_IMPLICIT, SOLVER_METHODS, first_method
-from chain_impact.kernel.integration.step_size import in_flight
+from chain_impact.kernel.integration.step_size import in_flight, keep_for_flight, propose
 from chain_impact.kernel.integration.switching import begin_explicit, stable
-from chain_impact.kernel.model.contact import clear_loads, drop_events
+from chain_impact.kernel.model.contact import clear_contacts, clear_loads
 from chain_impact.kernel.model.contact_law import start_laws
 from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
-from chain_impact.kernel.model.equations import state_rate
+from chain_impact.kernel.model.equations import clear_moments, state_rate
 from chain_impact.kernel.model.friction import clear_friction
-from chain_impact.kernel.model.geometry import clearance, place_walls
+from chain_impact.kernel.model.geometry import clear_joint_loads, clearance, place_walls
 from chain_impact.kernel.model.inputs import apply_inputs
-from chain_impact.kernel.model.latest import forget_impacts
 from chain_impact.kernel.status import (
     MASS_MATRIX_SINGULAR,
     NOT_FINITE,
@@ -36,7 +39,9 @@ from chain_impact.kernel.status import (
     PARAMETER_OUT_OF_RANGE,
     STARTS_INSIDE_WALL,
     UNKNOWN_METHOD,
+    set_status,
 )
+from chain_impact.kernel.work_limit import clear_counts
 
 OVERLAP = 1e-12  # m. A start no deeper in a wall counts as touching: it is round-off of positions and sines
 
@@ -44,30 +49,21 @@ OVERLAP = 1e-12  # m. A start no deeper in a wall counts as touching: it is roun
 def initialize(d, time):
     """Set the state at ``time`` [s] from the parameters and initial values; returns a status."""
     derive_chain(d)
-    clear_run(d)
+    clear_run(d, time)
     apply_inputs(d)
-    d.statistics.status = check_parameters(d)
-    if d.statistics.status == OK:
-        d.statistics.status = start_laws(d)
-    if d.statistics.status != OK:
+    if set_status(d, check_parameters(d)) != OK or set_status(d, start_laws(d)) != OK:
         return d.statistics.status
     place_walls(d)
     set_initial_state(d, d.work.y)
     reset_step(d, time, d.work.y)
     clear_loads(d)
     choose_anew(d, True)
-    d.step.next_size = first_size(d)
-    if not IS_IMPLICIT[first_method(d.solver.method)]:
-        d.step.next_size = stable(d, d.step.next_size)
-    d.step.flight_size = d.step.next_size
-    d.impact.last_time = time
-    d.limits.event_start = time
-    d.limits.work_start = time
+    size = first_size(d)
+    propose(d, size if IS_IMPLICIT[first_method(d.solver.method)] else stable(d, size))
+    keep_for_flight(d)
     start_balance(d, time)
-    d.given.changed = 0
-    begin_explicit(d.step)
-    d.statistics.status = check_start(d)
-    if d.statistics.status == OK:
+    begin_explicit(d)
+    if set_status(d, check_start(d)) == OK:
         hooks.on_start(d)
     return d.statistics.status
 
@@ -85,24 +81,20 @@ def set_initial_state(d, y):
     y[supplied_at(n)] = 0.0
 
 
-def clear_run(d):
-    """Clear the data of an earlier run: moments, contacts, impacts, the log and all counts."""
-    d.touch.active_count, d.touch.compliant_count, d.touch.stop_count = 0, 0, 0
+def clear_run(d, time):
+    """Clear the data of an earlier run, for one that starts at ``time`` [s]."""
+    clear_contacts(d, time)
     clear_friction(d)
-    for i in range(d.links):
-        d.work.moment[i], d.work.load.joint[i], d.implicit.load.joint[i] = 0.0, 0.0, 0.0
-    for c in range(d.candidates):
-        d.touch.active[c], d.touch.active_index[c] = 0, 0
-        d.impulse.total[c], d.touch.number[c] = 0.0, 0
+    clear_impulses(d)
+    clear_moments(d)
+    clear_joint_loads(d.work.load)
+    clear_joint_loads(d.implicit.load)
     drop_events(d)
-    impact, statistics, limits = d.impact, d.statistics, d.limits
-    impact.count, impact.last_point, impact.last_wall, impact.last_speed = 0, -1, 0, 0.0
-    d.finished.count, d.changes.count = 0, 0
-    forget_impacts(d)
-    d.step.breaks, d.search.known_for = 0, 0
-    statistics.steps, statistics.rejected_steps = 0, 0
-    statistics.rhs_evaluations, statistics.implicit_steps = 0, 0
-    limits.event_count, limits.work_count, limits.call_count, limits.other_work = 0, 0, 0, 0
+    clear_breaks(d)
+    remember_clearances(d, NOTHING)
+    clear_log(d)
+    clear_changes(d)
+    clear_counts(d, time)
 
 
 def derive_chain(d):

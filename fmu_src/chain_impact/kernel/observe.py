@@ -11,6 +11,7 @@ from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
 from chain_impact.kernel.model.equations import located_rate
 from chain_impact.kernel.model.friction import STICKS, joint_of
 from chain_impact.kernel.model.geometry import clearance, lever
+from chain_impact.kernel.work_limit import counted_work, uncount_work
 
 
 def observe(d):
@@ -25,7 +26,7 @@ def fill_outputs(d):
     The active contacts are those of the step that contains that time: an impact that the solver has already
     found later on is not visible yet.
     """
-    n, out, work_done = d.links, d.output, d.limits.other_work
+    n, out, counted = d.links, d.output, counted_work(d)
     y, rate = d.work.y, d.work.rate
     theta = fraction(d, d.step.time)
     interpolate(d.step, theta, y)
@@ -67,7 +68,7 @@ def fill_outputs(d):
     update_latest(d)
     if d.model.stopped:
         combine_stops(d)
-    d.limits.other_work = work_done  # evaluating outputs does not count as work
+    uncount_work(d, counted)
 
 
 def observe_friction(d, theta):

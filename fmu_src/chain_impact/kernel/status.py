@@ -72,3 +72,9 @@ STATUS_NAME = {
     STEP_TOO_LONG: "step_too_long",
     FRICTION_WITH_RIGID_WALLS: "friction_with_rigid_walls",
 }
+
+
+def set_status(d, status):
+    """Set the status of the run, and return it."""
+    d.statistics.status = status
+    return status

@@ -18,6 +18,26 @@ CALL_WORK = 20_000_000
 EVENT_WINDOW, MOST_EVENTS = 1e-3, 1000
 
 
+def clear_counts(d, time):
+    """Start all counts at ``time`` [s], at which a run starts."""
+    statistics, limits = d.statistics, d.limits
+    statistics.steps, statistics.rejected_steps = 0, 0
+    statistics.rhs_evaluations, statistics.implicit_steps = 0, 0
+    limits.event_count, limits.work_count, limits.call_count, limits.other_work = 0, 0, 0, 0
+    limits.event_start, limits.work_start = time, time
+
+
+def count_step(d, implicit):
+    """Count an accepted step, and whether it is ``implicit``: 0 or 1."""
+    d.statistics.steps += 1
+    d.statistics.implicit_steps += implicit
+
+
+def count_rejected_step(d):
+    """Count a rejected try of a step."""
+    d.statistics.rejected_steps += 1
+
+
 def work_done(d):
     """All work since the start, in evaluations of the right-hand side."""
     return d.statistics.rhs_evaluations + d.limits.other_work
@@ -33,6 +53,16 @@ def count_other_work(d, number):
     d.limits.other_work += number
 
 
+def counted_work(d):
+    """The evaluations and the other work so far, for ``uncount_work``."""
+    return d.statistics.rhs_evaluations, d.limits.other_work
+
+
+def uncount_work(d, counted):
+    """Return to the counts of ``counted_work``: what was done since then serves outputs only."""
+    d.statistics.rhs_evaluations, d.limits.other_work = counted
+
+
 def work_exceeded(d):
     """Whether the work in a second of simulated time exceeds the limit; every long loop checks it."""
     return work_done(d) - d.limits.work_count > d.solver.work_limit * WORK_WINDOW
@@ -41,6 +71,11 @@ def work_exceeded(d):
 def work_of_a_call(d):
     """The work, in evaluations, after which a call returns so that its caller can stop: under a second."""
     return CALL_WORK // (d.links + 1)
+
+
+def begin_call(d):
+    """Begin to count the work of a communication step."""
+    d.limits.call_count = work_done(d)
 
 
 def allow_any_length(d):

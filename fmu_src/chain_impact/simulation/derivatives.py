@@ -29,10 +29,10 @@ from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.joint_stops import at_stop, what
 from chain_impact.scene.names import Place
 from chain_impact.scene.reading import SceneError
-from chain_impact.scene.scene import Scene, SceneSource, scene_of
+from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.simulation.inputs import Drive, drive
-from chain_impact.simulation.instance import Instance, SimulationError, in_order
-from chain_impact.variables.model import Model, model_of
+from chain_impact.simulation.instance import Instance, SimulationError, in_order, open_columns
+from chain_impact.variables.model import Model
 from chain_impact.variables.table import BEHIND, word_index
 from chain_impact.variables.variable import Variable
 
@@ -52,7 +52,7 @@ class DifferentiatedInstance(Instance):
 
     def __init__(
         self,
-        source: Scene | Model,
+        model: Model,
         varied: Sequence[Variable],
         output_indices: Sequence[int],
         notify: Notify | None = None,
@@ -64,7 +64,6 @@ class DifferentiatedInstance(Instance):
             SceneError: when there is no parameter.
             SimulationError: when the scene cannot start.
         """
-        model = model_of(source)
         if not varied:
             raise SceneError(f"{model.scene.name}: name at least one parameter for the derivatives")
         self.varied = varied
@@ -147,16 +146,7 @@ class DifferentiatedInstance(Instance):
         if not len(rows):
             return rows
         active = self.record["touch"]["active"] == 1
-        touch, impulse = self._tangents["touch"], self._tangents["impulse"]
-        slopes = {
-            name: touch[name]["slope"]
-            for name in ("onset", "peak_force", "max_penetration", "effective_mass")
-        }
-        slopes["impact_speed"] = touch["onset_speed"]["slope"]
-        slopes["impulse"] = impulse["total"]["slope"] - impulse["onset"]["slope"]
-        slopes |= {
-            name: np.full_like(touch["onset"]["slope"], np.nan) for name in ("end", "separation_speed")
-        }
+        slopes = open_columns(*(_slopes(self._tangents[part]) for part in ("touch", "impulse")))
         if self.status != OK:
             slopes = {name: np.full_like(slope, np.nan) for name, slope in slopes.items()}
         self._keep_slopes(rows, {name: slope[:, active] for name, slope in slopes.items()})
@@ -201,6 +191,12 @@ class DifferentiatedInstance(Instance):
             reasons = REASONS_AT_STOPS if stopped else reasons
         reason = reasons[int(trust["reason"])]
         return (f"there are no derivatives from t = {trust['time']:.9g} s on{where}: {reason}",)
+
+
+def _slopes(part: np.ndarray) -> dict[str, np.ndarray]:
+    """The derivatives of all dual numbers in a part of instances of dual numbers."""
+    names = part.dtype.names or ()
+    return {name: part[name]["slope"] for name in names if part.dtype[name].base.names}
 
 
 class RowsWithSlopes:

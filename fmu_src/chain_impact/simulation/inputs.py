@@ -14,7 +14,7 @@ from chain_impact.scene.names import Place
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.pieces import Follower, NotSmoothError, Pieces, joined_points
-from chain_impact.variables.model import Model, model_of
+from chain_impact.variables.model import Model
 
 Signal = float | Callable[[float], float] | tuple[ArrayLike, ArrayLike]
 """One input over time: a number, a function of the time [s], or a pair (times [s], values) of shape (T,)."""
@@ -67,13 +67,11 @@ class Drive:
             given["changed"] = AT_ONCE if anew else CONTINUES
 
 
-def drive(
-    source: Scene | Model, inputs: Mapping[str, Signal], interpolation: str, times: np.ndarray
-) -> Drive:
+def drive(model: Model, inputs: Mapping[str, Signal], interpolation: str, times: np.ndarray) -> Drive:
     """The inputs for a simulation with some communication points.
 
     Args:
-        source: what is driven.
+        model: what is driven.
         inputs: name of an input of the FMU → its signal.
         interpolation: ``follow``, ``hold`` or ``linear``, see ``simulate``.
         times: communication points, increasing, shape (T,) [s]. The inputs act from t = 0 on, wherever the
@@ -82,14 +80,13 @@ def drive(
     Raises:
         SceneError: when a name is no input of the scene, or a signal cannot be one.
     """
-    model = model_of(source)
     scene = model.scene
     if interpolation not in INTERPOLATIONS:
         allowed = "must be follow, hold or linear"
         raise SceneError(f"{scene.name}: interpolation = {interpolation!r} {allowed}")
     run = np.union1d(0.0, times)
     if not inputs:
-        return Drive(run, _marked(run, times), (), NOTHING, np.zeros(1, int))
+        return Drive(run, np.isin(run, times), (), NOTHING, np.zeros(1, int))
     places = {variable.name: variable.place for variable in model.inputs}
     for name in inputs:
         if name not in places:
@@ -114,18 +111,11 @@ def drive(
     together = np.union1d(run, begin)
     return Drive(
         times=together,
-        asked=_marked(together, times),
+        asked=np.isin(together, times),
         places=tuple(places[name] for name in signals),
         pieces=pieces,
         first=np.append(0, np.searchsorted(together, begin) + 1),
     )
-
-
-def _marked(times: np.ndarray, asked: np.ndarray) -> np.ndarray:
-    """Which of some increasing times are asked for, if all that are asked for are among them."""
-    marks = np.zeros(len(times), bool)
-    marks[np.searchsorted(times, asked)] = True
-    return marks
 
 
 def _with_functions(scene: Scene, signals: Mapping[str, Any], columns: np.ndarray, held: Pieces) -> Pieces:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import functools
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -149,9 +149,8 @@ class Instance:
             return np.zeros(0, IMPACT_DTYPE)
         # of those that nobody collected in time, the oldest are lost
         count = min(int(log["count"]), len(log["point"]))
-        rows = _impact_rows(count, log)
         log["count"] = 0
-        return self._with_impulses(rows)
+        return self._impacts({name: log[name][:count] for name in IMPACT_DTYPE.names or ()})
 
     @property
     def all_changes(self) -> np.ndarray:
@@ -177,16 +176,15 @@ class Instance:
         if not touch["active_count"]:
             return np.zeros(0, IMPACT_DTYPE)
         active = touch["active"] == 1
-        columns = {name: touch[name] for name in ("onset", "peak_force", "max_penetration", "effective_mass")}
+        columns = open_columns(touch, self.record["impulse"])
         columns |= {"point": candidate["point"], "wall": candidate["wall"]}
-        columns["impact_speed"] = touch["onset_speed"]
-        columns["impulse"] = self.record["impulse"]["total"] - self.record["impulse"]["onset"]
-        columns |= {name: np.full(len(active), np.nan) for name in ("end", "separation_speed")}
-        rows = _impact_rows(int(active.sum()), {name: column[active] for name, column in columns.items()})
-        return self._with_impulses(rows)
+        return self._impacts({name: column[active] for name, column in columns.items()})
 
-    def _with_impulses(self, rows: np.ndarray) -> np.ndarray:
-        """The impacts, without impulses if these are not followed."""
+    def _impacts(self, columns: Mapping[str, np.ndarray]) -> np.ndarray:
+        """The impacts with these columns, without impulses if these are not followed."""
+        rows = np.zeros(len(columns["point"]), IMPACT_DTYPE)
+        for name, column in columns.items():
+            rows[name] = column
         if not self.record["impulse"]["wanted"]:
             rows["impulse"] = np.nan
         return rows
@@ -208,18 +206,19 @@ class Instance:
         return {name: int(counts[name]) for name in counts.dtype.names or ()}
 
 
+def open_columns(touch: Any, impulse: Any) -> dict[str, np.ndarray]:
+    """What the log would have of each candidate if its contact ended now, but for what only the end tells."""
+    columns = {name: touch[name] for name in ("onset", "peak_force", "max_penetration", "effective_mass")}
+    columns["impact_speed"] = touch["onset_speed"]
+    columns["impulse"] = impulse["total"] - impulse["onset"]
+    return columns | {name: np.full_like(touch["onset"], np.nan) for name in ("end", "separation_speed")}
+
+
 def in_order(parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """The order of contacts by onset, and the contacts in it."""
     found = np.concatenate(parts)
     order = np.argsort(found, order=["onset", "point", "wall"])
     return order, found[order]
-
-
-def _impact_rows(count: int, columns: dict[str, np.ndarray] | np.void) -> np.ndarray:
-    rows = np.zeros(count, IMPACT_DTYPE)
-    for name in IMPACT_DTYPE.names or ():
-        rows[name] = columns[name][:count]
-    return rows
 
 
 _loaded: dict[tuple[int, bool, str | None], ctypes.CDLL] = {}

@@ -286,8 +286,9 @@ def _fill_walls(d: Any, scene: Scene) -> None:
     for w, wall in enumerate(scene.walls):
         for name, value in (("x", wall.point[0]), ("y", wall.point[1]), ("angle", wall.angle)):
             d["walls"][name][w] = value
+    numbers = {name: w for w, name in enumerate(scene.wall_names)}
     for wall_name, material in scene.contact.wall.items():
-        w = scene.wall_names.index(wall_name)
+        w = numbers[wall_name]
         for name in ("stiffness", "restitution", "friction", "static_friction"):
             if (value := getattr(material, name)) is not None:
                 d["walls"][name][w] = value

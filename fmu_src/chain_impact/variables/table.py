@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -72,6 +73,7 @@ def word_index(dtype: np.dtype, place: Place) -> int:
     return offset // WORD
 
 
+@cache
 def _rules(table: type) -> dict[str, Mapping[str, Any]]:
     """The metadata of each key of a table of the scene."""
     return {entry.name: entry.metadata for entry in fields(table) if not entry.metadata.get("file_only")}

@@ -12,7 +12,7 @@ from chain_impact.kernel.events.contact_log import (
     FORCE,
     PENETRATION,
     end_at_output_time,
-    log_contact,
+    end_contact,
     maximum_inside,
     peaks,
     rate_of_force,
@@ -327,7 +327,9 @@ def test_a_contact_that_ends_is_a_row_of_the_log_and_of_the_list(impulsive, rate
         for name, value in (values | {"effective_mass": 2.5}).items():
             d.touch[name][1] = value + count
         d.impulse.total[1], d.impulse.onset[1] = 8.0, 6.5
-        log_contact(d, 1, impulsive)
+        d.touch.active[1] = 1
+        end_contact(d, 1, impulsive)
+        assert not d.touch.active[1]
         log, row = d.finished, count % size
         assert log.count == count + 1
         assert (log.point[row], log.wall[row]) == (d.candidate.point[1], d.candidate.wall[1])
@@ -363,7 +365,7 @@ def test_a_contact_of_a_stop_is_logged_as_an_angle_and_a_moment():
         d.touch[name][c] = value
     d.impulse.total[c], d.impulse.onset[c] = 8.0, 6.5
     rate = clearance(d, c)[1]
-    log_contact(d, c, 0)
+    end_contact(d, c, 0)
     log = d.finished
     assert log.impact_speed[0] == pytest.approx(0.7 / arm)
     assert log.separation_speed[0] == pytest.approx(rate / arm)

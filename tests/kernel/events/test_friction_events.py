@@ -18,8 +18,8 @@ from chain_impact.kernel.events.friction_events import (
     resolution_of,
     rest_speed,
 )
-from chain_impact.kernel.events.friction_modes import pending_changes
 from chain_impact.kernel.events.kinds import NONE, ONSET, SLIDING_ENDS, STICKING_ENDS
+from chain_impact.kernel.events.marks import pending_changes
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.friction import STICKS
 from chain_impact.kernel.model.geometry import along_tangent

@@ -7,8 +7,10 @@ import pytest
 
 from chain_impact.kernel.chain.kinematics import largest, locate_points
 from chain_impact.kernel.events.friction_events import excess
-from chain_impact.kernel.events.friction_modes import AGAINST, against, pending_changes, update_modes
+from chain_impact.kernel.events.friction_modes import AGAINST, against, update_modes
 from chain_impact.kernel.events.kinds import STICKING_ENDS
+from chain_impact.kernel.events.marks import pending_changes
+from chain_impact.kernel.model.contact import list_touching
 from chain_impact.kernel.model.friction import NO_FRICTION, STICKS, list_sticking
 from chain_impact.kernel.model.geometry import along_tangent
 from tests.kernel.rubbing import MODES, AtRest, rubbing_chain
@@ -155,3 +157,14 @@ def test_joints_of_a_chain_without_friction_have_no_mode():
     assert d.friction.count == 2
     list_sticking(d)
     assert d.friction.stuck_joints == 0
+
+
+def test_no_mark_of_a_change_outlives_the_choice_of_modes():
+    """Not even of an element whose contact has ended: it would count when that point touches again."""
+    _, d, _ = rubbing_chain(np.random.default_rng(5), "free", 2, True)
+    d.element.event[:] = STICKING_ENDS
+    d.touch.active[d.touch.active_index[0]] = 0
+    list_touching(d)
+    update_modes(d, False)
+    assert d.friction.count < d.elements
+    assert not d.element.event.any()

@@ -65,9 +65,10 @@ def through(values, theta):
 def test_the_polynomial_goes_through_the_stages(step):
     d, n = step, sundman_u_at(LINKS)
     stages = d.implicit.stages.copy()
+    d.touch.listings = 7
     finish(d, H)
     assert d.implicit.last[:, : impulse_at(d, 2)].tolist() == stages[:, : impulse_at(d, 2)].tolist()
-    assert (d.implicit.began, d.implicit.span, d.implicit.ready) == (0.5, H, 1)
+    assert (d.implicit.began, d.implicit.span, d.implicit.listing) == (0.5, H, 7)
     y = np.zeros(len(d.step.state))
     for theta in (0.0, *NODES, 0.43):
         interpolate(d.step, theta, y)

@@ -29,6 +29,7 @@ from tests.kernel.chains import chain, struck, touch
 from tests.reference import mass_matrix
 
 N = 3
+STALE = -1  # of implicit.listing: other contacts are active
 
 
 def at_start(tolerance=1e-8, **tables):
@@ -80,7 +81,7 @@ def stiff_joint(damping, tolerance=1e-8):
     """
     scene, d = at_start(tolerance)
     d.model.joint_damping[:] = 0.0, damping, 0.0
-    d.model.resisting, d.implicit.ready = 1, 0
+    d.model.resisting, d.implicit.listing = 1, STALE
     state_rate(d, d.step.state_end, d.work.rate_start)
     across = np.zeros(N + 2)
     across[2:4] = -1.0, 1.0
@@ -122,13 +123,13 @@ def test_a_first_step_that_meets_no_fast_motion_is_as_long_as_it_may_be():
 def test_a_step_after_an_implicit_one_is_as_long_as_its_error_allows():
     d, _, _ = stiff_joint(1e3)
     d.implicit.slowness = 0.3
-    d.implicit.ready, d.step.last_method = 1, IMPLICIT
+    d.implicit.listing, d.step.last_method = d.touch.listings, IMPLICIT
     assert prepare(d, 0.1) == 0.1
     assert d.implicit.slowness == 0.3
-    for ready, made_by in ((0, IMPLICIT), (1, EXPLICIT)):
-        d.implicit.ready, d.step.last_method = ready, made_by
+    for listing, made_by in ((STALE, IMPLICIT), (d.touch.listings, EXPLICIT)):
+        d.implicit.listing, d.step.last_method, d.implicit.slowness = listing, made_by, 0.3
         assert prepare(d, 0.1) < 0.05
-        assert (d.implicit.ready, d.implicit.slowness) == (0, UNKNOWN)
+        assert d.implicit.slowness == UNKNOWN
 
 
 # --- the stages --------------------------------------------------------------------------------------------
@@ -144,7 +145,7 @@ def last_polynomial(d, degree, end=1.0):
     for i, node in enumerate(NODES):
         d.implicit.last[i, :size] = [column(node) for column in columns]
     own = d.implicit
-    own.began, own.span, own.ready = 3.0, 0.2, 1
+    own.began, own.span, own.listing = 3.0, 0.2, d.touch.listings
     d.step.end, d.step.last_method = 3.0 + 0.2 * end, IMPLICIT
     return columns
 
@@ -175,7 +176,7 @@ def test_the_stages_of_a_first_step_go_with_the_rate_at_its_start():
     touch(d, [1, 6])
     own, size, half = d.implicit, extended_size(d), velocity_at(N)
     own.start_rate[:] = np.random.default_rng(0).normal(size=len(own.start_rate))
-    own.stages[:], own.ready = 9.0, 0
+    own.stages[:], own.listing = 9.0, STALE
     extrapolate_stages(d, 0.3, size)
     expected = 0.3 * np.outer(NODES, own.start_rate[:size])
     moving = np.zeros(size, bool)
@@ -217,7 +218,7 @@ def test_the_iteration_of_a_step_that_is_far_too_long_diverges():
     d = at_start()[1]
     errors = []
     for h in np.geomspace(0.01, 10.0, 25):
-        d.implicit.ready = 0
+        d.implicit.listing = STALE
         prepare(d, h)
         errors.append(attempt(d, h))
     assert errors[0] <= 1.0
@@ -234,7 +235,7 @@ def test_the_measure_of_a_fast_motion_counts_as_three_evaluations():
     before = d.limits.other_work
     prepare(d, 0.1)
     assert d.limits.other_work == before + 3
-    d.implicit.ready, d.step.last_method = 1, IMPLICIT
+    d.implicit.listing, d.step.last_method = d.touch.listings, IMPLICIT
     prepare(d, 0.1)
     assert d.limits.other_work == before + 3
 

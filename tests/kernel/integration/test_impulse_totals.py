@@ -10,13 +10,13 @@ from chain_impact.kernel.integration.impulse import (
     commit_impulses,
     give_impulses,
     impulse_count,
-    keep_end_forces,
     reset_impulse_step,
     roll_back_impulses,
     set_impulse_stage,
     set_impulse_stage_at_end,
     truncate_impulses,
 )
+from chain_impact.kernel.model.contact import keep_end_forces
 from tests.kernel.chains import chain, touch
 from tests.plain import make_rigid
 

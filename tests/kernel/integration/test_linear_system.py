@@ -18,7 +18,7 @@ from chain_impact.kernel.integration.linear_system import (
     solve_real,
 )
 from chain_impact.kernel.integration.radau import COMPLEX_EIGENVALUES
-from chain_impact.kernel.model.constraints import holding_impedance
+from chain_impact.kernel.model.compliance import holding_impedance
 from chain_impact.scene.scene import load_scene
 from tests.kernel.chains import chain, free_coordinates, gradients, struck
 from tests.kernel.integration.touching import touching

@@ -6,7 +6,17 @@ import pytest
 from chain_impact.kernel.chain.state import omega_at
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.methods import EXPONENT, ONSET_EXPONENT, ONSET_SIZE, SAFETY
-from chain_impact.kernel.integration.step_size import at_onset, factor, in_flight, time_scale
+from chain_impact.kernel.integration.step_size import (
+    at_onset,
+    factor,
+    in_flight,
+    keep_for_flight,
+    limit,
+    propose,
+    rescale,
+    resume_flight,
+    time_scale,
+)
 from chain_impact.kernel.model.contact_force import damping_share
 from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.simulation.simulate import simulate
@@ -72,3 +82,17 @@ def test_in_flight_the_fastest_turn_decides():
     y[omega_at(3)] = 0.5 * turn
     y[omega_at(3) + 1] = rate[omega_at(3) + 2] = 0.0
     assert in_flight(d, y, rate) == 1.0
+
+
+def test_a_proposed_size_is_limited_rescaled_and_kept_for_the_next_flight():
+    _, d = chain(np.random.default_rng(7), 1)
+    propose(d, 0.5)
+    limit(d, 0.7)
+    assert d.step.next_size == 0.5
+    limit(d, 0.25)
+    assert d.step.next_size == 0.25
+    keep_for_flight(d)
+    rescale(d, 3.0)
+    assert (d.step.next_size, d.step.flight_size) == (0.75, 0.25)
+    resume_flight(d)
+    assert d.step.next_size == 0.25

@@ -135,11 +135,11 @@ def test_a_phase_begins_with_what_is_explicit_and_without_a_count(rng):
     _, d = chain(rng, 1)
     d.step.method = IMPLICIT
     d.step.stiff_count, d.step.explicit_size, d.step.switch_hysteresis = 2, 0.7, 48
-    reset_stiff_count(d.step)
+    reset_stiff_count(d)
     assert d.step.method == IMPLICIT
     assert (d.step.stiff_count, d.step.explicit_size, d.step.switch_hysteresis) == (0, 0.0, MIN_SWITCH_STEPS)
     d.step.stiff_count, d.step.explicit_size, d.step.switch_hysteresis = 2, 0.7, 48
-    begin_explicit(d.step)
+    begin_explicit(d)
     assert d.step.method == EXPLICIT
     assert (d.step.stiff_count, d.step.explicit_size, d.step.switch_hysteresis) == (0, 0.0, MIN_SWITCH_STEPS)
 
@@ -192,7 +192,7 @@ def test_explicit_steps_of_a_flight_begin_stable(rng, number):
 def test_a_method_changes_after_steps_in_a_row_and_later_the_next_time(rng):
     d, touched = pressed(rng)
     d.solver.method, d.step.method = AUTO, EXPLICIT
-    begin_explicit(d.step)
+    begin_explicit(d)
     d.touch.onset[touched] = 0.0
     d.step.start, d.step.end = 0.0, 3.0 * STIFF / fastest_contact(d)
     d.step.kept = 1.0
@@ -215,7 +215,7 @@ def test_a_method_changes_after_steps_in_a_row_and_later_the_next_time(rng):
 def test_one_step_that_is_not_stiff_begins_the_count_anew(rng):
     d, touched = pressed(rng)
     d.solver.method = AUTO
-    begin_explicit(d.step)
+    begin_explicit(d)
     d.touch.onset[touched] = 0.0
     d.step.start, d.step.end = 0.0, 3.0 * STIFF / fastest_contact(d)
     choose_method(d)
@@ -227,7 +227,7 @@ def test_one_step_that_is_not_stiff_begins_the_count_anew(rng):
 def test_a_step_that_was_cut_says_nothing_about_the_size_of_explicit_ones(rng):
     d, touched = pressed(rng)
     d.solver.method = AUTO
-    begin_explicit(d.step)
+    begin_explicit(d)
     d.touch.onset[touched] = 0.0
     d.step.start, d.step.end, d.step.kept = 0.0, 3.0 * STIFF / fastest_contact(d), 0.5
     d.step.stiff_count = MIN_SWITCH_STEPS - 1

@@ -7,12 +7,17 @@ import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.model import constraints
-from chain_impact.kernel.model.compliance import effective_mass, factorize_contacts, solve_contacts
+from chain_impact.kernel.model.compliance import (
+    STIFF,
+    effective_mass,
+    factorize_contacts,
+    holding_impedance,
+    solve_contacts,
+)
 from chain_impact.kernel.model.constraints import (
     DOUBT,
     MISPLACED,
     RISE,
-    STIFF,
     activate_all,
     add_constraint_forces,
     any_point_held,
@@ -20,7 +25,6 @@ from chain_impact.kernel.model.constraints import (
     correct_impulses,
     count_violations,
     find_residual,
-    holding_impedance,
     least_impulse,
     project_state,
     set_impedance,

@@ -5,21 +5,21 @@ import math
 import numpy as np
 import pytest
 
+from chain_impact.kernel.model.constraints import activate_all
 from chain_impact.kernel.model.contact import (
     apply_contact,
     apply_contacts,
     begin_contact,
     clear_loads,
-    clear_stage_notes,
     contact_force,
     contact_slopes,
-    drop_events,
     kink_height,
     list_touching,
     set_kink_side,
     set_kink_sides,
 )
 from chain_impact.kernel.model.contact_force import elastic_energy, law_force
+from chain_impact.kernel.model.equations import clear_stage_notes
 from chain_impact.kernel.model.geometry import clearance
 from tests.kernel.chains import chain, gradients, press_in, stopped_chain, stops_of, struck, touch, vectors
 from tests.plain import make_rigid
@@ -179,15 +179,14 @@ def test_the_side_of_its_kink_is_that_on_which_a_contact_is(law):
 def test_only_what_the_contacts_have_noted_is_forgotten():
     _, d = chain(np.random.default_rng(0), 3)
     touch(d, [1, 4, 7])
-    d.touch.kink_crossed[:], d.rigid.least_force[:], d.touch.event[:] = 1, -2.0, 3
+    make_rigid(d, np.isin(np.arange(d.candidates), [4, 7]))
+    d.touch.kink_crossed[:], d.rigid.least_force[:] = 1, -2.0
     clear_stage_notes(d)
     others = [c for c in range(d.candidates) if c not in (1, 4, 7)]
     assert not d.touch.kink_crossed[[1, 4, 7]].any()
-    assert not d.rigid.least_force[[1, 4, 7]].any()
+    assert not d.rigid.least_force[[4, 7]].any()
     assert d.touch.kink_crossed[others].all()
     assert (d.rigid.least_force[others] == -2.0).all()
-    drop_events(d)
-    assert not d.touch.event.any()
 
 
 @pytest.mark.parametrize("touching", [[], [0], [3, 5], range(16)])
@@ -207,15 +206,16 @@ def test_contacts_with_a_force_are_listed_first_and_no_impulse_holds_them(touchi
     touch(d, touching)
     make_rigid(d, np.isin(np.arange(d.candidates), list(rigid)))
     d.touch.active_count = d.touch.compliant_count = 5
-    d.touch.active_index[:], d.rigid.in_active_set[:], d.implicit.ready = 11, 1, 1
+    d.touch.active_index[:], listings = 11, int(d.touch.listings)
     list_touching(d)
     forces = [c for c in touching if c not in rigid]
     held = [c for c in touching if c in rigid]
     assert d.touch.compliant_count == len(forces)
     assert d.touch.active_index[: d.touch.active_count].tolist() == forces + held
+    activate_all(d)
     assert not d.rigid.in_active_set[: len(forces)].any()
-    assert d.rigid.in_active_set[len(forces) :].all()
-    assert d.implicit.ready == 0
+    assert d.rigid.in_active_set[len(forces) : d.touch.active_count].all()
+    assert d.touch.listings == listings + 1
 
 
 @pytest.mark.parametrize("rigid", [1, 6, 15])

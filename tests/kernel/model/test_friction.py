@@ -8,12 +8,10 @@ import pytest
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.model.contact import (
     clear_loads,
-    clear_stage_notes,
-    drop_events,
     list_touching,
     start_contact,
 )
-from chain_impact.kernel.model.equations import located_rate
+from chain_impact.kernel.model.equations import clear_stage_notes, located_rate
 from chain_impact.kernel.model.friction import (
     NO_FRICTION,
     NOT_HELD,
@@ -214,14 +212,11 @@ def test_a_contact_that_begins_has_a_mode_and_is_listed():
 def test_what_a_step_has_noted_of_friction_is_forgotten_with_the_step():
     _, d, _ = rubbing_chain(np.random.default_rng(5), "free", 2, True)
     found = elements_of(d)
-    d.element.margin[:], d.element.event[:] = -1.0, 1
+    d.element.margin[:] = -1.0
     clear_stage_notes(d)
-    drop_events(d)
     others = sorted(set(range(d.elements)) - set(found))
     assert not d.element.margin[found].any()
-    assert not d.element.event[found].any()
     assert (d.element.margin[others] == -1.0).all()
-    assert (d.element.event[others] == 1).all()
 
 
 @pytest.mark.parametrize(

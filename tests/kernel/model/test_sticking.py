@@ -7,7 +7,7 @@ from chain_impact.kernel.model import constraints
 from chain_impact.kernel.model.constraints import add_constraint_forces
 from chain_impact.kernel.model.equations import free_rate
 from chain_impact.kernel.model.friction import STICKS, list_sticking
-from chain_impact.kernel.model.sticking import add_sticking_force, sticks_alone
+from chain_impact.kernel.model.sticking import sticks_alone
 from tests.kernel.rubbing import rubbing_chain
 from tests.plain import make_rigid
 
@@ -49,14 +49,15 @@ def test_beside_a_rigid_wall_no_contact_sticks_alone():
 @pytest.mark.parametrize(("contacts", "stuck"), [(1, 0), (2, 0), (2, 1)])
 def test_its_force_is_that_of_the_constraint(base, contacts, stuck, monkeypatch):
     results = []
-    monkeypatch.setattr(constraints, "sticks_alone", lambda _d: False)
-    for add in (add_constraint_forces, add_sticking_force):
+    for alone in (sticks_alone, lambda _d: False):
+        monkeypatch.setattr(constraints, "sticks_alone", alone)
         d, y = stuck_chain(base, contacts, True, [stuck])
         rate = np.zeros(len(y))
         free_rate(d, y, rate)
         free = rate.copy()
-        add(d, y, rate)
+        add_constraint_forces(d, y, rate)
         e = d.element.stuck[0]
-        results.append([*(rate - free), d.element.force[e], d.element.margin[e], d.friction.power])
+        impulse = d.rigid.impulse[d.touch.active_count]
+        results.append([*(rate - free), impulse, d.element.force[e], d.element.margin[e], d.friction.power])
     assert np.abs(results[0]).max() > 1.0
     np.testing.assert_allclose(results[1], results[0], rtol=1e-9, atol=1e-9)

@@ -115,8 +115,8 @@ def random_duals(rng: np.random.Generator, dtype: np.dtype, rows: tuple[int, ...
 
 def started(case: Case) -> DifferentiatedInstance:
     """An instance at the start of a case, with derivatives of all outputs."""
-    driven = drive(case.scene, case.inputs, "hold", np.array([0.0, case.scene.simulation.stop_time]))
     model = Model(case.scene)
+    driven = drive(model, case.inputs, "hold", np.array([0.0, case.scene.simulation.stop_time]))
     varied, looks = model.varied_by(case.parameters), list(model.columns.values())
     instance = DifferentiatedInstance(model, varied, looks, driven=driven)
     driven.set(instance.record["given"], 0)

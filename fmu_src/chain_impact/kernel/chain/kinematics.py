@@ -70,8 +70,18 @@ def zero(d, vectors):
 
 def link_vectors(d, y):
     """Set L_i [m], the vector from the proximal to the distal joint of each link, for the state y."""
-    d.work.at_end = 0
+    note_points_elsewhere(d)
     polar(d.model.length, y, ANGLES, d.work.link.x, d.work.link.y)
+
+
+def note_points_at_end(d):
+    """Note that the points are located and accelerated at the end of the last step."""
+    d.work.at_end = 1
+
+
+def note_points_elsewhere(d):
+    """Note that the points are not, or not any more, those at the end of the last step."""
+    d.work.at_end = 0
 
 
 def move_points(d, links, change, motion):

@@ -3,6 +3,7 @@
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.events.kinds import KINK, NONE, ONSET
+from chain_impact.kernel.events.marks import drop_changes, mark
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.impulse import commit_impulses
 from chain_impact.kernel.integration.last_step import (
@@ -14,12 +15,11 @@ from chain_impact.kernel.integration.last_step import (
     truncate_to_output_time,
 )
 from chain_impact.kernel.model.constraints import any_point_held
-from chain_impact.kernel.model.contact import contact_force, contact_slopes
+from chain_impact.kernel.model.contact import contact_force, contact_slopes, leave, set_extremes, set_rates
 from chain_impact.kernel.model.equations import state_rate
-from chain_impact.kernel.model.friction import drop_changes
 from chain_impact.kernel.model.geometry import along_normal, clearance, lever
 from chain_impact.kernel.model.latest import note_impact
-from chain_impact.kernel.work_limit import count_evaluations
+from chain_impact.kernel.work_limit import count_evaluations, counted_work, uncount_work
 
 FORCE, PENETRATION = 0, 1
 HELD_SAMPLES = 5  # samples of a constraint force over a step, its ends included
@@ -39,8 +39,8 @@ def update_extremes(d):
         _, gap_rate = clearance(d, c)
         force_rate = rate_of_force(d, c)
         peak, depth, elsewhere = peaks(d, c, force_rate, d.step.end, SOLVER)
-        touch.peak_force[c], touch.max_penetration[c] = peak, depth
-        touch.force_rate[c], touch.speed[c] = force_rate, -gap_rate
+        set_extremes(d, c, peak, depth)
+        set_rates(d, c, -gap_rate, force_rate)
         if elsewhere:
             locate_points(d, d.step.state_end)
 
@@ -86,7 +86,7 @@ def update_held_extremes(d):
             peak, bend = right, left - 2.0 * top + right
             if j >= 2 and top > max(left, right):
                 peak = top - (right - left) ** 2 / (8.0 * bend)
-            d.touch.peak_force[c] = max(d.touch.peak_force[c], peak)
+            set_extremes(d, c, max(d.touch.peak_force[c], peak), d.touch.max_penetration[c])
             samples[0, k], samples[1, k] = top, right
     count_evaluations(d, HELD_SAMPLES)
     locate_points(d, step.state_end)
@@ -102,14 +102,13 @@ def update_to_output_time(d):
 
 def update_own_to_output_time(d):
     """Truncate the last step at the communication point, and update the active contacts up to there."""
-    evaluations, work = d.statistics.rhs_evaluations, d.limits.other_work
+    counted = counted_work(d)
     end_at_output_time(d)
     ensure_rate(d)
     ensure_points(d)
     update_extremes(d)
     commit_impulses(d)
-    # evaluations for outputs do not count as work
-    d.statistics.rhs_evaluations, d.limits.other_work = evaluations, work
+    uncount_work(d, counted)
 
 
 def end_at_output_time(d):
@@ -122,7 +121,7 @@ def end_at_output_time(d):
     truncate_to_output_time(d)
     for c in range(d.candidates):
         if not (due and d.touch.event[c] == ONSET):
-            d.touch.event[c] = NONE
+            mark(d, c, NONE)
     if not due:
         drop_changes(d)
 
@@ -187,8 +186,13 @@ def value_at(d, c, quantity, theta):
     return force if quantity == FORCE else -gap
 
 
-def log_contact(d, c, held):
-    """Log the contact of candidate c, which ends now. In a full log it overwrites the oldest entry.
+def clear_log(d):
+    """Clear the log, as its contacts have been collected or a run starts."""
+    d.finished.count = 0
+
+
+def end_contact(d, c, held):
+    """End the contact of candidate c, and log it. In a full log it overwrites the oldest entry.
 
     ``held``: whether a rigid wall held it until now; by now its law may have changed to one with a force.
     """
@@ -210,3 +214,4 @@ def log_contact(d, c, held):
     log.impulse[row] = impulse * arm
     note_impact(d, c, d.step.end, speed, touch.peak_force[c], touch.max_penetration[c], impulse)
     log.count += 1
+    leave(d, c)

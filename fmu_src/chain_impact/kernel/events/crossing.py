@@ -9,6 +9,7 @@ neither condition decides is halved.
 from chain_impact.kernel.chain.state import omega_at, sundman_u_at, velocity_at
 from chain_impact.kernel.events.exclusion import keep_start, set_clearance, set_clearances, sundman_u_now
 from chain_impact.kernel.events.kinds import END, NONE, ONSET
+from chain_impact.kernel.events.marks import mark
 from chain_impact.kernel.events.sampling import locate_at
 from chain_impact.kernel.integration.dense import rate_bounds, rate_bounds_along
 from chain_impact.kernel.integration.methods import bound_curvatures
@@ -91,7 +92,7 @@ def locate(d, a, b):
     """Find the earliest event in (a, b], in which no candidate is undecided, and mark its candidates."""
     first, found = b, -1
     for c in range(d.candidates):
-        d.touch.event[c] = kind_of(d, c) if check_candidate(d, c, a, b) == CROSSES else NONE
+        mark(d, c, kind_of(d, c) if check_candidate(d, c, a, b) == CROSSES else NONE)
     for c in range(d.candidates):
         # φ is that at `first`: a candidate with φ ≥ 0 there has its event later
         if d.touch.event[c] and d.search.clear_end[c] < 0.0:
@@ -101,7 +102,7 @@ def locate(d, a, b):
     for c in range(d.candidates):
         # `found` is always kept, as round-off may exceed this limit for a slow point
         if c != found and d.search.clear_end[c] > within * abs(d.search.clear_end_rate[c]):
-            d.touch.event[c] = NONE
+            mark(d, c, NONE)
     return first
 
 

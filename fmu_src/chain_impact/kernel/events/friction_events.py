@@ -8,10 +8,10 @@ negative is the step sampled. To find an event late does no harm but a little en
 """
 
 from chain_impact.kernel.events.kinds import SLIDING_ENDS, STICKING_ENDS
+from chain_impact.kernel.events.marks import drop_events, mark_change
 from chain_impact.kernel.events.sampling import bisection, first_passage, locate_at
 from chain_impact.kernel.model.compliance import mean_mass
 from chain_impact.kernel.model.constraints import project_state
-from chain_impact.kernel.model.contact import drop_events
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.friction import STICKS
 from chain_impact.kernel.model.geometry import along_tangent
@@ -48,7 +48,7 @@ def mark_changes(d, found, theta):
     for i in range(own.count):
         e = d.element.index[i]
         if e == found or has_changed(d, e, theta):
-            d.element.event[e] = STICKING_ENDS if d.element.mode[e] == STICKS else SLIDING_ENDS
+            mark_change(d, e, STICKING_ENDS if d.element.mode[e] == STICKS else SLIDING_ENDS)
 
 
 def resolution_of(d, e):

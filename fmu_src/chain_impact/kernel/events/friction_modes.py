@@ -13,6 +13,7 @@ as fewer and fewer do, else only the last. An element keeps its mode if that is 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
 from chain_impact.kernel.events.friction_events import excess, rest_speed
 from chain_impact.kernel.events.kinds import SLIDING_ENDS, STICKING_ENDS
+from chain_impact.kernel.events.marks import drop_changes
 from chain_impact.kernel.integration.last_step import reset_step
 from chain_impact.kernel.model.constraints import MAX_STALLED_PIVOTS, ROUNDS, count_stalls, project_state
 from chain_impact.kernel.model.equations import located_rate
@@ -23,7 +24,9 @@ from chain_impact.kernel.model.friction import (
     joint_of,
     list_friction,
     list_sticking,
+    set_anchor,
     set_friction_used,
+    set_mode,
 )
 from chain_impact.kernel.model.geometry import along_tangent
 from chain_impact.kernel.work_limit import count_evaluations
@@ -47,14 +50,15 @@ def update_modes(d, struck):
     list_friction(d)
     for e in range(d.elements):
         d.element.before[e] = NO_FRICTION if begins(d, e) else d.element.mode[e]
-        d.element.mode[e] = NO_FRICTION
+        set_mode(d, e, NO_FRICTION)
     for i in range(own.count):
-        d.element.mode[d.element.index[i]] = first_guess(d, d.element.index[i], struck)
+        set_mode(d, d.element.index[i], first_guess(d, d.element.index[i], struck))
+    drop_changes(d)
     choose_modes(d)
     for i in range(own.stuck_count):
         e = d.element.stuck[i]
         if struck or d.element.before[e] != STICKS:
-            d.element.anchor[e] = along_tangent(d, e, d.work.position)
+            set_anchor(d, e)
     log_changes(d)
     if any_sticking(d):
         project_state(d, d.step.state_end)
@@ -91,19 +95,11 @@ def set_slack(d, e):
     d.element.slack[e] = max(0.0, 2.0 * backward) if d.element.undecided[e] else 0.0
 
 
-def pending_changes(d):
-    """The number of elements whose mode ends at the end of the last step."""
-    changes = 0
-    for i in range(d.friction.count):
-        changes += d.element.event[d.element.index[i]] != 0
-    return changes
-
-
 def first_guess(d, e, struck):
     """The mode of element e by its motion; if it is at rest, the one it had, and it is undecided."""
     speed = along_tangent(d, e, d.work.velocity)
     before, event = d.element.before[e], d.element.event[e]
-    d.element.event[e], d.element.undecided[e] = 0, 1
+    d.element.undecided[e] = 1
     if event == STICKING_ENDS:
         return against(d.element.force[e])
     resting = event == SLIDING_ENDS or (before == STICKS and not struck)
@@ -136,7 +132,7 @@ def choose_modes(d):
         for i in range(own.count):
             e = d.element.index[own.count - 1 - i]
             if is_inconsistent(d, e):
-                d.element.mode[e] = against(d.element.force[e]) if d.element.mode[e] == STICKS else STICKS
+                set_mode(d, e, against(d.element.force[e]) if d.element.mode[e] == STICKS else STICKS)
                 if stalls_left < 0:
                     break
     list_sticking(d)
@@ -158,6 +154,11 @@ def is_inconsistent(d, e):
         return abs(d.element.force[e]) > d.element.limit[e] + 0.5 * excess(d, e)
     acceleration = d.element.mode[e] * along_tangent(d, e, d.work.acceleration)
     return acceleration < -AGAINST * largest(d, d.work.acceleration)
+
+
+def clear_changes(d):
+    """Clear the log of changes, as they have been collected or a run starts."""
+    d.changes.count = 0
 
 
 def log_changes(d):

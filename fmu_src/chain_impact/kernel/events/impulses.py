@@ -22,26 +22,36 @@ impulses leave. If these turn the point back, there is no such contact.
 import math
 
 from chain_impact.kernel.chain.kinematics import largest, locate_points
-from chain_impact.kernel.chain.state import coordinate_count, dissipated_at, velocity_at
-from chain_impact.kernel.events.contact_log import log_contact
+from chain_impact.kernel.chain.state import velocity_at
+from chain_impact.kernel.events.contact_log import end_contact
 from chain_impact.kernel.events.friction_modes import update_modes
-from chain_impact.kernel.events.kinds import NEIGHBOUR, NONE, ONSET, RELEASE
+from chain_impact.kernel.events.kinds import NEIGHBOUR, ONSET, RELEASE
+from chain_impact.kernel.events.marks import drop_contact_events, mark
 from chain_impact.kernel.integration.impulse import give_impulses
+from chain_impact.kernel.integration.last_step import dissipate
 from chain_impact.kernel.model.constraints import (
     DOUBT,
     RISE,
+    activate_all,
+    add_change,
     any_point_held,
-    constraint_rows,
     project_state,
+    release,
+    require,
     solve_lcp,
     solve_positions,
     start_from_accelerations,
+    start_from_clearances,
 )
 from chain_impact.kernel.model.contact import (
     begin_contact,
     clear_loads,
+    include,
+    leave,
     list_touching,
+    set_extremes,
     set_kink_side,
+    set_rates,
     start_contact,
 )
 from chain_impact.kernel.model.equations import free_rate
@@ -74,7 +84,6 @@ def handle_impact(d):
     for c in range(d.candidates):
         if touch.event[c] == ONSET and d.law.impulsive[c]:
             begin_contact(d, c)
-            touch.active[c] = 1
             struck = True
     if struck:
         include_near_contacts(d)
@@ -123,7 +132,7 @@ def follow_jump(d):
         c = d.touch.active_index[k]
         _, gap_rate = clearance(d, c)
         # the force has jumped: a smaller rate of it would hide that it is at its peak
-        d.touch.speed[c], d.touch.force_rate[c] = -gap_rate, 1.0
+        set_rates(d, c, -gap_rate, 1.0)
         set_kink_side(d, c)
 
 
@@ -136,26 +145,24 @@ def include_near_contacts(d):
     for c in range(d.candidates):
         gap, _ = clearance(d, c)
         if d.law.impulsive[c] and not touch.active[c] and gap < NEAR * d.model.size:
-            touch.active[c] = 1
-            touch.event[c] = NEIGHBOUR
+            include(d, c)
+            mark(d, c, NEIGHBOUR)
 
 
 def apply_impulses(d):
     """Apply the impulses of an impact to the velocities, and add the energy lost to the dissipated energy."""
-    own, n, state = d.rigid, d.links, d.step.state_end
     lost, moved = find_impulses(d, 1.0)
     if lost < -GAIN * moved or lacks_rebound(d):
         # the cause can only be a NEIGHBOUR that moves away from its wall, or a wedged point
         lost, _ = find_impulses(d, 0.0)
     for k in range(d.touch.active_count):
         c = d.touch.active_index[k]
-        if d.touch.event[c] == NEIGHBOUR and own.impulse[k] > 0.0:
+        if d.touch.event[c] == NEIGHBOUR and d.rigid.impulse[k] > 0.0:
             begin_contact(d, c)
-    for j in range(coordinate_count(n)):
-        state[velocity_at(n) + j] += own.change[j]
-    state[dissipated_at(n)] += max(0.0, lost)
+    add_change(d, d.step.state_end, velocity_at(d.links))
+    dissipate(d, max(0.0, lost))
     give_impulses(d)
-    locate_points(d, state)
+    locate_points(d, d.step.state_end)
 
 
 def find_impulses(d, share):
@@ -165,16 +172,15 @@ def find_impulses(d, share):
         The energy [J] they dissipate and Σ p (|u⁻| + |u⁺|) [J].
     """
     own, lost, moved = d.rigid, 0.0, 0.0
-    for k in range(d.touch.active_count):
-        _, own.start[k] = clearance(d, d.touch.active_index[k])
+    activate_all(d)
+    start_from_clearances(d, 1)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         least = d.law.minimum_impact_speed[c]
         arrives = -own.start[k] >= least and d.touch.event[c] in (ONSET, NEIGHBOUR)
         # u⁺ ≥ −e u⁻
         rebound = -share * d.law.restitution[c] * own.start[k] if arrives else 0.0
-        own.target[k] = rebound if rebound > STICK * least else 0.0
-        own.in_active_set[k] = 1
+        require(d, k, rebound if rebound > STICK * least else 0.0)
     solve_lcp(d, largest(d, d.work.velocity))
     for k in range(d.touch.active_count):
         # −½ p (u⁻ + u⁺)
@@ -200,7 +206,7 @@ def end_rebounding_contacts(d):
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         if d.touch.event[c] == NEIGHBOUR and d.rigid.impulse[k] <= 0.0:
-            d.touch.active[c] = 0  # it takes no part in the impact
+            leave(d, c)  # it takes no part in the impact
         elif d.rigid.reached[k] > max(slow, STICK * d.law.minimum_impact_speed[c]):
             end_rigid_contact(d, c)
     list_touching(d)
@@ -219,14 +225,13 @@ def end_changed_contacts(d):
 def end_rigid_contact(d, c):
     """End and log a contact. One of no duration has an impulse and an infinite peak force."""
     if d.touch.onset[c] == d.step.end:
-        d.touch.peak_force[c] = math.inf
-    log_contact(d, c, True)
-    d.touch.active[c] = 0
+        set_extremes(d, c, math.inf, d.touch.max_penetration[c])
+    end_contact(d, c, True)
 
 
 def update_active_set(d):
     """Keep the contacts that a pushing force must hold, and end the others: 0 ≤ F ⟂ g̈ ≥ 0."""
-    touch, own, state = d.touch, d.rigid, d.step.state_end
+    touch, state = d.touch, d.step.state_end
     if any_point_held(d):
         locate_points(d, state)
         project_state(d, state)
@@ -235,15 +240,15 @@ def update_active_set(d):
         rate = d.work.rate
         free_rate(d, state, rate)
         scale = start_from_accelerations(d, state, rate)
+        activate_all(d)
         for k in range(touch.compliant_count, touch.active_count):
-            own.target[k] = 0.0
-            own.in_active_set[k] = touch.event[touch.active_index[k]] != RELEASE
+            if touch.event[touch.active_index[k]] == RELEASE:
+                release(d, k)
         solve_lcp(d, scale)
         release_contacts(d)
         list_touching(d)
     # the modes of dry friction are chosen after this, by their own events
-    for c in range(d.candidates):
-        touch.event[c] = NONE
+    drop_contact_events(d)
 
 
 def end_unstopped_contacts(d):
@@ -257,19 +262,14 @@ def end_unstopped_contacts(d):
 
 def release_contacts(d):
     """End the contacts that no force holds, and move their points off the wall by RELEASE_GAP."""
-    own, n, state = d.rigid, d.links, d.step.state_end
     parting = False
+    start_from_clearances(d, 0)
     for k in range(d.touch.compliant_count, d.touch.active_count):
-        own.start[k], _ = clearance(d, d.touch.active_index[k])
-        own.target[k] = 0.0
-        if not own.in_active_set[k]:
+        released = not d.rigid.in_active_set[k]
+        require(d, k, RELEASE_GAP * d.model.size if released else 0.0)
+        if released:
             end_rigid_contact(d, d.touch.active_index[k])
-            own.target[k] = RELEASE_GAP * d.model.size
-            own.in_active_set[k] = 1
             parting = True
-    for k in range(d.touch.active_count, constraint_rows(d)):
-        own.start[k] = 0.0  # what sticks by dry friction stays where it is
     if parting:
         solve_positions(d)
-        for j in range(coordinate_count(n)):
-            state[j] += own.change[j]
+        add_change(d, d.step.state_end, 0)

@@ -9,8 +9,9 @@ until it leaves, or until it moves inward so fast that the wall pushes again.
 
 from chain_impact.kernel.events.crossing import SIMULTANEOUS
 from chain_impact.kernel.events.kinds import KINK, NONE
+from chain_impact.kernel.events.marks import drop_events, mark
 from chain_impact.kernel.events.sampling import first_contact, first_passage, locate_at
-from chain_impact.kernel.model.contact import drop_events, kink_height
+from chain_impact.kernel.model.contact import kink_height
 from chain_impact.kernel.model.contact_force import note_crossing
 
 SAMPLES = 8  # samples of a step
@@ -32,7 +33,7 @@ def find_kink(d, touch):
     locate_at(d, min(end, first + SIMULTANEOUS / d.step.size))
     for k in range(d.touch.compliant_count):
         c = d.touch.active_index[k]
-        d.touch.event[c] = KINK if c == found or crossed(d, c) else NONE
+        mark(d, c, KINK if c == found or crossed(d, c) else NONE)
     locate_at(d, first)
     return first
 

@@ -6,8 +6,8 @@ The cause is a second impact, or an onset so slow that gravity soon makes δ̇ m
 
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO, nearly_fast
 from chain_impact.kernel.events.kinds import RELATCH
+from chain_impact.kernel.events.marks import drop_events, mark
 from chain_impact.kernel.events.sampling import bisection, first_contact, first_passage, locate_at
-from chain_impact.kernel.model.contact import drop_events
 from chain_impact.kernel.model.geometry import clearance
 
 SAMPLES = 4  # samples of a step besides its ends: if a short excess is missed, v₀ stays as it was
@@ -22,7 +22,7 @@ def find_relatch(d, touch):
     if found < 0:
         return touch
     drop_events(d)
-    d.touch.event[found] = RELATCH
+    mark(d, found, RELATCH)
     return first
 
 

@@ -3,10 +3,10 @@
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import omega_at
 from chain_impact.kernel.events.kinds import REFUSED, RELEASE
+from chain_impact.kernel.events.marks import drop_events, mark
 from chain_impact.kernel.events.sampling import bisection, first_passage
 from chain_impact.kernel.integration.dense import interpolate
-from chain_impact.kernel.model.constraints import project_state
-from chain_impact.kernel.model.contact import drop_events
+from chain_impact.kernel.model.constraints import least_impulse, project_state
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.work_limit import count_evaluations
 
@@ -65,10 +65,7 @@ def pulls(d, _c, theta):
     project_state(d, d.work.y)
     state_rate(d, d.work.y, d.work.rate)
     count_evaluations(d, 1)
-    least = 0.0
-    for k in range(d.touch.compliant_count, d.touch.active_count):
-        least = min(least, d.rigid.impulse[k])
-    return least < -pull_limit(d)
+    return least_impulse(d) < -pull_limit(d)
 
 
 def mark_pulling(d, theta):
@@ -77,7 +74,7 @@ def mark_pulling(d, theta):
     drop_events(d)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         if d.rigid.impulse[k] < -pull_limit(d):
-            d.touch.event[d.touch.active_index[k]] = RELEASE
+            mark(d, d.touch.active_index[k], RELEASE)
 
 
 _when_pulled = first_passage(pulls, SAMPLES, bisection(pulls))

@@ -22,6 +22,7 @@ from chain_impact.kernel.events.exclusion import (
 from chain_impact.kernel.events.friction_events import find_mode_change
 from chain_impact.kernel.events.kinds import END, NONE, ONSET, REFUSED
 from chain_impact.kernel.events.kinks import find_kink
+from chain_impact.kernel.events.marks import mark
 from chain_impact.kernel.events.relatch import find_relatch
 from chain_impact.kernel.events.release import find_release
 from chain_impact.kernel.events.sampling import locate_at
@@ -174,6 +175,6 @@ def drop_separating(d, theta):
     left = False
     for c in range(d.candidates):
         if not d.touch.active[c] and d.search.clear_end_rate[c] > 0.0:
-            d.touch.event[c] = NONE
+            mark(d, c, NONE)
         left = left or d.touch.event[c] != NONE
     return theta if left else -1.0

@@ -18,18 +18,19 @@ the simultaneous onsets of contacts with a force wait for the impulses.
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.dispatch import dispatch
-from chain_impact.kernel.events.contact_log import log_contact
+from chain_impact.kernel.events.contact_log import end_contact
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
-from chain_impact.kernel.events.friction_modes import pending_changes, update_modes
+from chain_impact.kernel.events.friction_modes import update_modes
 from chain_impact.kernel.events.impulses import handle_impact, rigid_onset
 from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, RELATCH, RELEASE
+from chain_impact.kernel.events.marks import mark, pending_changes
 from chain_impact.kernel.integration import step_size
 from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.integration.methods import MEASURES_START
 from chain_impact.kernel.integration.switching import begin_flight, begin_impact
 from chain_impact.kernel.model.constraints import any_point_held
-from chain_impact.kernel.model.contact import clear_loads, list_touching, set_kink_side, start_contact
-from chain_impact.kernel.model.contact_force import cut_off, may_jump, set_damping, set_expected_depth
+from chain_impact.kernel.model.contact import clear_loads, cross_kink, list_touching, relatch, start_contact
+from chain_impact.kernel.model.contact_force import may_jump
 from chain_impact.kernel.model.geometry import clearance
 
 # Fraction of the time scale of a contact: a point that will be out of the wall within it has left. To wait
@@ -53,28 +54,19 @@ def handle_end(d, c):
     gap, gap_rate = clearance(d, c)
     # −g/ġ ≤ LEFT δ*/v₀
     if gap_rate >= 0.0 and -gap * touch.impact_speed[c] <= LEFT * touch.depth_scale[c] * gap_rate:
-        log_contact(d, c, False)
-        touch.active[c] = 0
+        end_contact(d, c, False)
     return may_jump(d, c)
 
 
 def handle_relatch(d, c):
     """Double the latched v₀ of a point that moves inward much faster than it arrived."""
-    touch = d.touch
-    touch.impact_speed[c] *= RELATCH_RATIO
-    set_expected_depth(d, c)
-    set_damping(d, c)
-    set_kink_side(d, c)
+    relatch(d, c, RELATCH_RATIO)
     return True
 
 
 def handle_kink(d, c):
     """Switch candidate c to the force of the other side of its kink."""
-    if cut_off(d, c):
-        d.touch.force_rate[c] = 1.0  # rising
-    if d.law.approach_only[c]:
-        d.touch.speed[c] = 0.0  # δ̇ = 0 here, and the largest penetration has been recorded
-    d.touch.beyond_kink[c] = 1 - d.touch.beyond_kink[c]
+    cross_kink(d, c)
     return True
 
 
@@ -105,7 +97,7 @@ def apply_events(d):
     locate_points(d, d.step.state_end)
     forces = touch.compliant_count > 0
     if not forces:
-        d.step.flight_size = d.step.next_size
+        step_size.keep_for_flight(d)
     for c in range(d.candidates):
         kind = touch.event[c]
         if d.law.impulsive[c]:
@@ -116,7 +108,7 @@ def apply_events(d):
         jumped = _handle(kind, d, c) or jumped
         goes_on = goes_on or kind in (RELATCH, KINK)
         onset = c if kind == ONSET else onset
-        touch.event[c] = NONE
+        mark(d, c, NONE)
     if rigid:
         late = handle_impact(d)
         onset = late if late >= 0 else onset
@@ -125,7 +117,7 @@ def apply_events(d):
         update_modes(d, False)
     if rigid and touch.compliant_count == 0:
         if forces:
-            d.step.next_size = d.step.flight_size  # the last size was that of an impact with a force
+            step_size.resume_flight(d)  # the last size was that of an impact with a force
         begin_flight(d)
     else:
         choose_size(d, onset, goes_on)
@@ -142,12 +134,12 @@ def choose_size(d, onset, goes_on):
     """
     if d.touch.active_count == 0:
         clear_loads(d)
-        free = step_size.in_flight(d, d.step.state_end, d.work.rate_start)
-        d.step.next_size = min(d.step.flight_size, free)
+        step_size.resume_flight(d)
+        step_size.limit(d, step_size.in_flight(d, d.step.state_end, d.work.rate_start))
         begin_flight(d)
     elif onset >= 0 or not (goes_on or MEASURES_START[d.step.method]):
         c = onset if onset >= 0 else d.touch.active_index[0]
-        d.step.next_size = step_size.at_onset(d, c, EXPLICIT)
+        step_size.propose(d, step_size.at_onset(d, c, EXPLICIT))
     if onset >= 0:
         begin_impact(d, onset)
 

@@ -34,7 +34,7 @@ from chain_impact.kernel.integration.extended import (
     impulse_at,
     rate_at,
 )
-from chain_impact.kernel.integration.impulse import friction_count, impulse_count
+from chain_impact.kernel.integration.impulse import set_tried_impulses
 from chain_impact.kernel.integration.linear_system import (
     factorize_complex,
     factorize_real,
@@ -54,7 +54,7 @@ from chain_impact.kernel.integration.radau import (
     STAGES,
 )
 from chain_impact.kernel.model.constraints import any_constraint
-from chain_impact.kernel.model.contact import clear_stage_notes
+from chain_impact.kernel.model.equations import clear_stage_notes
 from chain_impact.kernel.work_limit import count_evaluations, count_other_work
 
 LAST = STAGES - 1
@@ -92,7 +92,7 @@ def _solve(d, h):
 
 def can_extrapolate(d):
     """Whether the polynomial of the last step, with the same contacts, can predict the stages."""
-    return d.implicit.ready and d.step.last_method == IMPLICIT
+    return d.implicit.listing == d.touch.listings and d.step.last_method == IMPLICIT
 
 
 def set_jacobian(d, z):
@@ -115,7 +115,7 @@ def prepare(d, h):
     h = toward_end(d, h)
     if can_extrapolate(d):
         return h
-    d.implicit.ready, d.implicit.slowness = 0, UNKNOWN
+    d.implicit.slowness = UNKNOWN
     return first_size(d, h)
 
 
@@ -235,10 +235,7 @@ def set_result(d, h):
     for j in range(sundman_u_at(d.links)):
         work.y[j] = own.z[j]
     work.y[sundman_u_at(d.links)], work.y[time_at(d.links)] = 1.0, h
-    for k in range(impulse_count(d)):
-        d.impulse.tried[k] = own.z[impulse_at(d, k)]
-    for k in range(friction_count(d)):
-        d.friction_impulse.tried[k] = own.z[friction_impulse_at(d, k)]
+    set_tried_impulses(d, own.z, impulse_at(d, 0), friction_impulse_at(d, 0))
     locate_points(d, work.y)
 
 

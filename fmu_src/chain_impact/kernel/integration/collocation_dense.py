@@ -81,7 +81,7 @@ def finish(d, h):
     for i in range(STAGES):
         for j in range(extended_size(d)):
             own.last[i, j] = own.stages[i, j]
-    own.began, own.span, own.ready = d.step.start, h, 1
+    own.began, own.span, own.listing = d.step.start, h, d.touch.listings
     for j in range(len(d.work.y)):
         dense[0, j] = d.step.state_end[j] - d.step.state[j]
         for m in range(1, len(dense)):

@@ -11,6 +11,15 @@ from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.integration.dense import interpolate_component
 
 
+def clear_impulses(d):
+    """Start with totals of 0."""
+    for c in range(d.candidates):
+        d.impulse.total[c] = 0.0
+    for e in range(d.elements):
+        d.friction_impulse.total[e] = 0.0
+    d.friction_impulse.energy = 0.0
+
+
 def impulse_count(d):
     """The number of impulses that are integrated: those of the active contacts, if they are requested."""
     return d.touch.active_count if d.impulse.wanted else 0
@@ -51,15 +60,18 @@ def set_impulse_stage_at_end(d, i):
         d.friction_impulse.stage[i, k] = friction_integrand_at_end(d, k) * pace
 
 
-def keep_end_forces(d):
-    """Store the forces that were evaluated just now as those at the end of the last step."""
-    for k in range(d.touch.active_count):
-        c = d.touch.active_index[k]
-        d.touch.force_end[c] = d.touch.force[c]
-    for i in range(d.friction.contact_count):
-        c = d.element.index[i]
-        d.element.force_end[c] = d.element.force[c]
-    d.friction.power_end = d.friction.power
+def set_tried_impulses(d, z, first, first_of_friction):
+    """Set the impulses at the end of the step that was tried to the entries of z from the first ones on."""
+    for k in range(impulse_count(d)):
+        d.impulse.tried[k] = z[first + k]
+    for k in range(friction_count(d)):
+        d.friction_impulse.tried[k] = z[first_of_friction + k]
+
+
+def add_tried_impulses(d):
+    """Add the impulses of rigid walls, found just now, to those of the step that was tried."""
+    for k in range(d.touch.compliant_count, impulse_count(d)):
+        d.impulse.tried[k] += d.rigid.impulse[k]
 
 
 def append_impulses(d):

@@ -6,25 +6,38 @@ the next step does not start at the end of this one, in the same variable. `step
 impact's change of the state at the end of a step belongs to the step that follows (advance.py).
 """
 
-from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points, place_points
-from chain_impact.kernel.chain.state import omega_at, sundman_u_at, time_at
+from chain_impact.kernel.chain.kinematics import (
+    accelerate_points,
+    locate_points,
+    note_points_at_end,
+    note_points_elsewhere,
+    place_points,
+)
+from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, time_at
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.impulse import (
+    add_tried_impulses,
     append_impulses,
-    impulse_count,
-    keep_end_forces,
     reset_impulse_step,
     roll_back_impulses,
     truncate_impulses,
 )
+from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.integration.methods import DENSE_EVALUATIONS, RATE_AT_END, dense_output, finish
+from chain_impact.kernel.integration.step_size import rescale
 from chain_impact.kernel.integration.sundman import NO_CONTACT, lone_contact, time_rate_now
 from chain_impact.kernel.model.constraints import any_constraint, project_state
+from chain_impact.kernel.model.contact import keep_end_forces
 from chain_impact.kernel.model.equations import located_rate, state_rate
 from chain_impact.kernel.model.friction import keep_anchors
-from chain_impact.kernel.work_limit import count_evaluations
+from chain_impact.kernel.work_limit import count_evaluations, counted_work, uncount_work
 
 NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2  # step.dense_for: what has requested the dense output
+
+
+def clear_breaks(d):
+    """Count the breaks of a run from 0."""
+    d.step.breaks = 0
 
 
 def reset_step(d, time, y):
@@ -42,7 +55,7 @@ def reset_step(d, time, y):
     reset_impulse_step(d)
     step.regularized = NO_CONTACT
     step.dense_for = SOLVER
-    d.implicit.ready = 0
+    step.last_method = EXPLICIT  # no implicit step extrapolates from it
     mark_jump(d)
 
 
@@ -51,8 +64,7 @@ def accept(d, h):
     if any_constraint(d):
         project_state(d, d.work.y)
         keep_anchors(d)
-        for k in range(d.touch.compliant_count, impulse_count(d)):
-            d.impulse.tried[k] += d.rigid.impulse[k]
+        add_tried_impulses(d)
     step, y = d.step, d.work.y
     for j in range(len(step.state)):
         step.state[j] = step.state_end[j]
@@ -63,11 +75,17 @@ def accept(d, h):
     step.end = step.start + y[time_at(d.links)]
     step.last_method = step.method
     step.dense_for = NOT_REQUESTED
-    step.rate_known, d.work.at_end = 0, 0
+    step.rate_known = 0
+    note_points_elsewhere(d)
     finish(d)
     if RATE_AT_END[step.last_method]:
         # the error control of this method has located the points if contacts are active
         find_rate(d, d.touch.active_count > 0)
+
+
+def dissipate(d, energy):
+    """Count an energy [J] that is lost at the end of the last step as dissipated."""
+    d.step.state_end[dissipated_at(d.links)] += energy
 
 
 def roll_back(d):
@@ -91,6 +109,12 @@ def truncate_step(d, theta):
     mark_jump(d)
 
 
+def set_own_output_time(d, time):
+    """Make a ``time`` [s] in the last step the communication point."""
+    d.step.time = time
+    ensure_dense(d, OUTPUTS)
+
+
 def truncate_to_output_time(d):
     """End the last step at the communication point."""
     step = d.step
@@ -104,7 +128,8 @@ def truncate_to_output_time(d):
 
 def mark_jump(d):
     """Mark the rate and points at the end of the last step as unknown, and count a break."""
-    d.step.rate_known, d.work.at_end = 0, 0
+    d.step.rate_known = 0
+    note_points_elsewhere(d)
     d.step.breaks += 1
 
 
@@ -124,7 +149,7 @@ def choose_variable(d, size_chosen):
     if changed:
         step.breaks += 1
         if not size_chosen:
-            step.next_size *= before / time_rate_now(d, step.state_end)
+            rescale(d, before / time_rate_now(d, step.state_end))
 
 
 def ensure_rate(d):
@@ -148,7 +173,7 @@ def find_rate(d, located):
         if not touching:
             place_points(d, y)
         accelerate_points(d, y, rate)
-        d.work.at_end = 1
+        note_points_at_end(d)
     count_evaluations(d, 1)
     d.step.rate_known = 1
 
@@ -158,7 +183,7 @@ def ensure_points(d):
     if not d.work.at_end:
         locate_points(d, d.step.state_end)
         accelerate_points(d, d.step.state_end, d.work.rate_end)
-        d.work.at_end = 1
+        note_points_at_end(d)
 
 
 def largest_turn(d):
@@ -184,8 +209,8 @@ def ensure_dense(d, reader):
     step = d.step
     known, step.dense_for = step.dense_for, max(step.dense_for, reader)
     if known == NOT_REQUESTED:
-        work = d.limits.other_work
+        counted = counted_work(d)
         dense_output(d)
-        d.limits.other_work = work
+        uncount_work(d, counted)
     if known < SOLVER <= reader:
         count_evaluations(d, DENSE_EVALUATIONS[step.last_method])

@@ -27,8 +27,8 @@ from chain_impact.kernel.chain.springs import spring_stiffness
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, omega_at, velocity_at
 from chain_impact.kernel.integration.extended import compliant, gap_at, impulse_at, rate_at
 from chain_impact.kernel.integration.impulse import impulse_count
-from chain_impact.kernel.model.compliance import factorize_contacts, solve_chain
-from chain_impact.kernel.model.constraints import constraint_rows, holding_impedance
+from chain_impact.kernel.model.compliance import factorize_contacts, holding_impedance, solve_chain
+from chain_impact.kernel.model.constraints import constraint_rows
 from chain_impact.kernel.model.geometry import (
     add_along_normal,
     add_impedance,

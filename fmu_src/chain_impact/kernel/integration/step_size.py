@@ -18,6 +18,31 @@ SHRINK, GROW = 0.1, 6.0
 TURN = 2.8
 
 
+def propose(d, size):
+    """Propose a size of the next step, in its integration variable."""
+    d.step.next_size = size
+
+
+def limit(d, size):
+    """Let the next step be no longer than a size."""
+    propose(d, min(d.step.next_size, size))
+
+
+def rescale(d, ratio):
+    """Multiply the proposed size by a ratio, as the integration variable changes."""
+    propose(d, d.step.next_size * ratio)
+
+
+def keep_for_flight(d):
+    """Keep the proposed size for the flight after the contacts that begin."""
+    d.step.flight_size = d.step.next_size
+
+
+def resume_flight(d):
+    """Propose the size that was kept for flight."""
+    propose(d, d.step.flight_size)
+
+
 def factor(d, error):
     """The factor on the size of a step that follows from its error relative to the tolerance."""
     method = d.step.method

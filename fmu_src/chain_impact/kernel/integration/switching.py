@@ -19,7 +19,7 @@ import math
 from chain_impact.kernel.chain.joint_rate import joint_rate
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.methods import AUTO, chosen
-from chain_impact.kernel.integration.step_size import at_onset
+from chain_impact.kernel.integration.step_size import at_onset, limit, propose
 from chain_impact.kernel.model.contact import contact_slopes
 
 # hρ of explicit steps beyond which implicit ones could replace them. Impacts are resolved with less than 1,
@@ -45,11 +45,11 @@ def choose_method(d):
     step = d.step
     touching = d.touch.active_count > 0
     if d.contact.any_rigid and not (d.contact.any_force or d.model.resisting):
-        begin_explicit(step)  # constraints by rigid walls are not stiff
+        begin_explicit(d)  # constraints by rigid walls are not stiff
     elif d.solver.method != AUTO:
         step.method = chosen(d.solver.method)
     elif not (touching or d.model.resisting):
-        begin_explicit(step)  # nothing is stiff
+        begin_explicit(d)  # nothing is stiff
     elif step.end > step.start:  # not just re-initialized
         step.stiff_count = step.stiff_count + 1 if suggests_switch(d) else 0
         if step.stiff_count >= step.switch_hysteresis:
@@ -96,8 +96,8 @@ def begin_impact(d, c):
     if joints_over(d, IMPACT * d.step.next_size) <= STIFF:
         d.step.method = EXPLICIT
     elif d.step.method != EXPLICIT:
-        d.step.next_size = min(d.step.next_size, at_onset(d, c, d.step.method))
-    reset_stiff_count(d.step)
+        limit(d, at_onset(d, c, d.step.method))
+    reset_stiff_count(d)
 
 
 def begin_flight(d):
@@ -106,8 +106,8 @@ def begin_flight(d):
     if z <= STIFF:
         d.step.method = EXPLICIT
     if d.step.method == EXPLICIT:
-        d.step.next_size = stable(d, d.step.next_size)
-    reset_stiff_count(d.step)
+        propose(d, stable(d, d.step.next_size))
+    reset_stiff_count(d)
 
 
 def stable(d, h):
@@ -118,14 +118,15 @@ def stable(d, h):
     return h * min(1.0, STABLE / max(STABLE, joints_over(d, h)))
 
 
-def begin_explicit(step):
+def begin_explicit(d):
     """Begin a new phase with the explicit method."""
-    step.method = EXPLICIT
-    reset_stiff_count(step)
+    d.step.method = EXPLICIT
+    reset_stiff_count(d)
 
 
-def reset_stiff_count(step):
+def reset_stiff_count(d):
     """Reset the counts that lead to a change of the method."""
+    step = d.step
     step.stiff_count, step.explicit_size = 0, 0.0
     step.switch_hysteresis = MIN_SWITCH_STEPS
 

@@ -27,6 +27,10 @@ from chain_impact.kernel.model.geometry import (
 # Relative to the mobility of all links as one mass. In a toggle position of a pinned chain the mobility of a
 # point is 0, and its effective mass infinite; a million times the chain's mass behaves like that.
 LEAST_MOBILITY = 1e-6
+# D of a held point over the mean mass of a link. An iteration in constraints.py leaves 1/(D W) of the
+# residual: two or three suffice. A larger D would lose digits of the chain's inertia, a smaller one takes
+# more of them.
+STIFF = 1e6
 
 
 def mean_mass(d):
@@ -37,6 +41,11 @@ def mean_mass(d):
 def least_mobility(d):
     """The least mobility [1/kg] of what sticks: in a toggle position no impulse moves it."""
     return LEAST_MOBILITY / mean_mass(d)
+
+
+def holding_impedance(d):
+    """An impedance [kg] so large that it holds a point, up to a millionth of its free motion."""
+    return STIFF * mean_mass(d)
 
 
 def factorize_contacts(d, links, impedance, time, factors):

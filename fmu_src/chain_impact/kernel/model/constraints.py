@@ -25,15 +25,19 @@ import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
 from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, velocity_at
-from chain_impact.kernel.model.compliance import factorize_contacts, least_mobility, mean_mass, solve_contacts
+from chain_impact.kernel.model.compliance import (
+    factorize_contacts,
+    holding_impedance,
+    least_mobility,
+    mean_mass,
+    solve_contacts,
+)
+from chain_impact.kernel.model.contact import keep_force
 from chain_impact.kernel.model.friction import any_sticking, keep_static_forces
 from chain_impact.kernel.model.geometry import along_normal, along_tangent, clearance
 from chain_impact.kernel.model.sticking import add_sticking_force, sticks_alone
 from chain_impact.kernel.work_limit import count_other_work, work_exceeded
 
-# D over the mean mass of a link. An iteration leaves 1/(D W) of the residual: two or three suffice. A larger
-# D would lose digits of the chain's own inertia, a smaller one takes more iterations.
-STIFF = 1e6
 # Near a toggle position 1/W is far more than the mass of a link. If an iteration does not halve the residual,
 # D grows by the factor STIFFER, up to STIFFEST times that mass; beyond it the residual is only round-off.
 STIFFEST, STIFFER = 1e12, 1e3
@@ -54,11 +58,6 @@ LEAST_SHARE = 1e-2
 # Over the mean mass of a link: the impedance with which stiff contacts resist the projection of what sticks.
 RESISTANCE = 1e3
 ROUNDS = 30  # plus 4 for each candidate: a bound on the pivots, far above any number that was observed
-
-
-def holding_impedance(d):
-    """An impedance [kg] so large that it holds a point, up to a millionth of its free motion."""
-    return STIFF * mean_mass(d)
 
 
 def set_impedance(d, amount):
@@ -244,9 +243,42 @@ def along_constraint(d, k, vectors):
 
 def activate_all(d):
     """Put every contact without a force law, and what sticks, into the active set, with the target 0."""
+    for k in range(d.touch.compliant_count):
+        release(d, k)
     for k in range(d.touch.compliant_count, constraint_rows(d)):
-        d.rigid.in_active_set[k] = 1
-        d.rigid.target[k] = 0.0
+        require(d, k, 0.0)
+
+
+def require(d, k, target):
+    """Put constraint k into the active set, with the least required value of its motion."""
+    d.rigid.in_active_set[k] = 1
+    d.rigid.target[k] = target
+
+
+def release(d, k):
+    """Take constraint k out of the active set."""
+    d.rigid.in_active_set[k] = 0
+
+
+def start_from_clearances(d, derivative):
+    """Set ``start`` to the clearances of contacts (derivative 1: their rates), and to 0 for what sticks."""
+    for k in range(d.touch.active_count):
+        gap, gap_rate = clearance(d, d.touch.active_index[k])
+        d.rigid.start[k] = gap_rate if derivative else gap
+    for k in range(d.touch.active_count, constraint_rows(d)):
+        d.rigid.start[k] = 0.0
+
+
+def clear_least_forces(d):
+    """Begin to record the least forces of the contacts without a force law."""
+    for k in range(d.touch.compliant_count, d.touch.active_count):
+        d.rigid.least_force[d.touch.active_index[k]] = 0.0
+
+
+def add_change(d, y, first):
+    """Add the change of the coordinates by the impulses to the entries of y from the ``first`` on."""
+    for j in range(coordinate_count(d.links)):
+        y[first + j] += d.rigid.change[j]
 
 
 def start_from_accelerations(d, y, rate):
@@ -262,19 +294,18 @@ def add_constraint_forces(d, y, rate):
 
     The forces [N] are then stored in ``d.rigid.impulse``; they do no work but that of errors.
     """
-    if sticks_alone(d):
-        add_sticking_force(d, y, rate)
-        return
     own = d.rigid
-    scale = start_from_accelerations(d, y, rate)
-    activate_all(d)
-    solve_equality(d, scale)
-    for j in range(coordinate_count(d.links)):
-        rate[velocity_at(d.links) + j] += own.change[j]
-    for k in range(d.touch.compliant_count, d.touch.active_count):
-        c = d.touch.active_index[k]
-        own.least_force[c] = min(own.least_force[c], own.impulse[k])
-        d.touch.force[c] = own.impulse[k]
+    if sticks_alone(d):
+        own.impulse[d.touch.active_count] = add_sticking_force(d, y, rate)
+    else:
+        scale = start_from_accelerations(d, y, rate)
+        activate_all(d)
+        solve_equality(d, scale)
+        add_change(d, rate, velocity_at(d.links))
+        for k in range(d.touch.compliant_count, d.touch.active_count):
+            c = d.touch.active_index[k]
+            own.least_force[c] = min(own.least_force[c], own.impulse[k])
+            keep_force(d, c, own.impulse[k])
     if any_sticking(d):
         rate[dissipated_at(d.links)] += keep_static_forces(d)
 
@@ -290,27 +321,24 @@ def project_state(d, y):
     size. Where walls would pull by more than the errors explain, the points that leave are not stopped and
     keep their ġ > 0, in ``d.rigid.reached``. The loss of kinetic energy by all this counts as dissipated.
     """
-    own, n = d.rigid, d.links
+    own, lost = d.rigid, dissipated_at(d.links)
     for derivative in range(2):
         activate_all(d)
-        for k in range(d.touch.active_count):
-            gap, gap_rate = clearance(d, d.touch.active_index[k])
-            own.start[k] = gap_rate if derivative else gap
+        start_from_clearances(d, derivative)
         if any_sticking(d):
             start_sticking(d, derivative)
         if derivative:
             solve_stopping_impulses(d)
         else:
             solve_positions(d)
-        for j in range(coordinate_count(n)):
-            y[derivative * velocity_at(n) + j] += own.change[j]
+        add_change(d, y, derivative * velocity_at(d.links))
         locate_points(d, y)
     for k in range(constraint_rows(d)):
         # −½ p (u⁻ + u⁺)
-        y[dissipated_at(n)] -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
+        y[lost] -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
     for k in range(d.touch.compliant_count):
         # the resistance has the impulse −D (u⁺ − u⁻)
-        y[dissipated_at(n)] += 0.5 * own.resistance[k] * (own.reached[k] ** 2 - own.start[k] ** 2)
+        y[lost] += 0.5 * own.resistance[k] * (own.reached[k] ** 2 - own.start[k] ** 2)
         own.resistance[k] = 0.0
 
 

@@ -7,6 +7,7 @@ penetration is δ = −g and its rate δ̇ > 0 while compressing.
 from chain_impact.kernel.model.compliance import effective_mass
 from chain_impact.kernel.model.contact_force import (
     continued_force,
+    cut_off,
     height_over_kink,
     law_force,
     law_slopes,
@@ -16,13 +17,23 @@ from chain_impact.kernel.model.contact_force import (
 from chain_impact.kernel.model.friction import (
     apply_friction,
     begin_friction,
-    clear_margins,
-    drop_changes,
+    keep_end_friction,
     list_friction,
     may_rub,
 )
 from chain_impact.kernel.model.geometry import add_along_normal, clear_loads_of, clearance, lever
-from chain_impact.kernel.model.latest import list_impact
+from chain_impact.kernel.model.latest import forget_impacts, list_impact
+
+
+def clear_contacts(d, time):
+    """Start at ``time`` [s] without contacts, and without impacts so far."""
+    touch, impact = d.touch, d.impact
+    touch.listings, touch.active_count, touch.compliant_count, touch.stop_count = 0, 0, 0, 0
+    for c in range(d.candidates):
+        touch.active[c], touch.active_index[c] = 0, 0
+    impact.count, impact.last_time, impact.last_speed = 0, time, 0.0
+    impact.last_point, impact.last_wall = -1, 0
+    forget_impacts(d)
 
 
 def contact_force(d, c, gap, gap_rate):
@@ -35,10 +46,23 @@ def contact_force(d, c, gap, gap_rate):
 def apply_contact(d, c, gap, gap_rate):
     """Add the force of an active candidate to the load on its point; return the dissipated power [W]."""
     force, elastic = continued_force(d, c, max(0.0, -gap), -gap_rate)
-    d.touch.force[c] = force
+    keep_force(d, c, force)
     add_along_normal(d, c, d.work.load, force)
     # the power that the elastic part does not store is dissipated: (F − K δⁿ) δ̇ ≥ 0
     return (elastic - force) * gap_rate
+
+
+def keep_force(d, c, force):
+    """Store the force [N] of an active candidate that was evaluated just now."""
+    d.touch.force[c] = force
+
+
+def keep_end_forces(d):
+    """Store the forces that were evaluated just now as those at the end of the last step."""
+    for k in range(d.touch.active_count):
+        c = d.touch.active_index[k]
+        d.touch.force_end[c] = d.touch.force[c]
+    keep_end_friction(d)
 
 
 def clear_loads(d):
@@ -67,24 +91,22 @@ def contact_slopes(d, c):
 
 
 def begin_contact(d, c):
-    """Begin the contact of candidate c at the located points: fix v₀, effective mass and expected depth."""
+    """Begin the contact of candidate c at the located points, and make it active.
+
+    The speed v₀, the effective mass and the expected depth are fixed.
+    """
     _, gap_rate = clearance(d, c)
     touch = d.touch
     touch.onset[c] = d.step.end
     # a point that moves outward at its onset, by an integration error or another impact, has the speed 0
     touch.onset_speed[c] = max(0.0, 0.0 - gap_rate)
     touch.impact_speed[c] = max(-gap_rate, d.law.minimum_impact_speed[c])
-    touch.speed[c] = -gap_rate
-    touch.force_rate[c] = 1.0  # rising
+    set_rates(d, c, -gap_rate, 1.0)  # the force rises
     touch.force_end[c] = 0.0
-    touch.peak_force[c] = 0.0
-    touch.max_penetration[c] = 0.0
+    set_extremes(d, c, 0.0, 0.0)
     touch.effective_mass[c] = effective_mass(d, c)
-    if d.law.impulsive[c]:
-        touch.depth_scale[c] = d.model.size  # a rigid wall has no penetration that sets a scale
-    else:
-        set_expected_depth(d, c)
-        set_damping(d, c)
+    latch(d, c)
+    touch.active[c] = 1
     d.impact.count += 1
     d.impact.last_time = d.step.end
     d.impact.last_point = d.candidate.point[c]
@@ -95,12 +117,55 @@ def begin_contact(d, c):
 
 
 def start_contact(d, c):
-    """Begin the contact of candidate c, which has a force law, and make it active."""
+    """Begin the contact of candidate c, which has a force law."""
     begin_contact(d, c)
     set_kink_side(d, c)
-    d.touch.active[c] = 1
     if d.friction.used and may_rub(d, c):
         begin_friction(d, c)
+
+
+def latch(d, c):
+    """Fix what follows for the contact of candidate c from its law, v₀ and effective mass."""
+    set_expected_depth(d, c)
+    if not d.law.impulsive[c]:
+        set_damping(d, c)
+
+
+def relatch(d, c, factor):
+    """Multiply the latched v₀ of candidate c by a factor."""
+    d.touch.impact_speed[c] *= factor
+    latch(d, c)
+    set_kink_side(d, c)
+
+
+def include(d, c):
+    """Make candidate c active without an onset, as a neighbour of an impact."""
+    d.touch.active[c] = 1
+
+
+def leave(d, c):
+    """Let candidate c not be active any more."""
+    d.touch.active[c] = 0
+
+
+def set_rates(d, c, speed, force_rate):
+    """Set δ̇ [m/s] and dF/dt [N/s] of candidate c, from which the search for its peaks goes on."""
+    d.touch.speed[c], d.touch.force_rate[c] = speed, force_rate
+
+
+def set_extremes(d, c, peak_force, max_penetration):
+    """Set the peak force [N] and the largest penetration [m] of candidate c so far."""
+    d.touch.peak_force[c], d.touch.max_penetration[c] = peak_force, max_penetration
+
+
+def cross_kink(d, c):
+    """Switch candidate c, which is at its kink, to the force of the other side."""
+    touch = d.touch
+    if cut_off(d, c):
+        touch.force_rate[c] = 1.0  # rising
+    if d.law.approach_only[c]:
+        touch.speed[c] = 0.0  # δ̇ = 0 here, and the largest penetration has been recorded
+    touch.beyond_kink[c] = 1 - touch.beyond_kink[c]
 
 
 def kink_height(d, c):
@@ -120,28 +185,14 @@ def set_kink_sides(d):
         set_kink_side(d, d.touch.active_index[k])
 
 
-def clear_stage_notes(d):
-    """Reset what the stages of a step record: crossings of kinks, least forces, and margins of friction."""
-    for k in range(d.touch.active_count):
-        c = d.touch.active_index[k]
-        d.touch.kink_crossed[c] = 0
-        d.rigid.least_force[c] = 0.0
-    if d.friction.count > 0:
-        clear_margins(d)
-
-
 def list_touching(d):
-    """Pack the active contacts, those with a force law first.
-
-    The implicit step then has no last step with them to extrapolate from.
-    """
+    """Pack the active contacts, those with a force law first."""
     touch = d.touch
-    touch.active_count, d.implicit.ready = 0, 0
+    touch.active_count = 0
+    touch.listings += 1
     if d.contact.any_force:
         list_kind(d, 0)
     touch.compliant_count = touch.active_count
-    for k in range(touch.compliant_count):
-        d.rigid.in_active_set[k] = 0
     if d.contact.any_rigid:
         list_kind(d, 1)
     touch.stop_count = 0
@@ -158,10 +209,3 @@ def list_kind(d, impulsive):
         if touch.active[c] and d.law.impulsive[c] == impulsive:
             touch.active_index[touch.active_count] = c
             touch.active_count += 1
-
-
-def drop_events(d):
-    """Drop the events found in the last step."""
-    for c in range(d.candidates):
-        d.touch.event[c] = 0
-    drop_changes(d)

@@ -57,7 +57,10 @@ def elastic_depth(d, c, mass, speed):
 def set_expected_depth(d, c):
     """Set the expected penetration [m] of candidate c, for the v₀ and effective mass of its contact."""
     touch = d.touch
-    touch.depth_scale[c] = elastic_depth(d, c, touch.effective_mass[c], touch.impact_speed[c])
+    if d.law.impulsive[c]:
+        touch.depth_scale[c] = d.model.size  # a rigid wall has no penetration that sets a scale
+    else:
+        touch.depth_scale[c] = elastic_depth(d, c, touch.effective_mass[c], touch.impact_speed[c])
 
 
 def set_damping(d, c):
@@ -119,6 +122,12 @@ def note_crossing(d, c, height):
     margin = d.touch.kink_margin[c]
     if height > margin if d.touch.beyond_kink[c] else height < -margin:
         d.touch.kink_crossed[c] = 1
+
+
+def clear_crossings(d):
+    """Begin to record whether the active contacts cross their kinks."""
+    for k in range(d.touch.active_count):
+        d.touch.kink_crossed[d.touch.active_index[k]] = 0
 
 
 def height_over_kink(d, c, depth, rate):

@@ -12,8 +12,10 @@ from chain_impact.kernel.chain.state import (
     time_at,
     velocity_at,
 )
-from chain_impact.kernel.model.constraints import add_constraint_forces, any_constraint
+from chain_impact.kernel.model.constraints import add_constraint_forces, any_constraint, clear_least_forces
 from chain_impact.kernel.model.contact import apply_contacts
+from chain_impact.kernel.model.contact_force import clear_crossings
+from chain_impact.kernel.model.friction import clear_margins
 from chain_impact.kernel.model.inputs import ensure_inputs
 
 
@@ -56,6 +58,19 @@ def loaded_rate(d, y, dissipated, rate):
     rate[supplied_at(n)] = supplied
     rate[sundman_u_at(n)] = 0.0
     rate[time_at(n)] = 1.0
+
+
+def clear_stage_notes(d):
+    """Reset what the stages of a step record: crossings of kinks, least forces, and margins of friction."""
+    clear_crossings(d)
+    clear_least_forces(d)
+    clear_margins(d)
+
+
+def clear_moments(d):
+    """Set the moments on the links to zero: they are computed only if there is a cause of them."""
+    for i in range(d.links):
+        d.work.moment[i] = 0.0
 
 
 def joint_moments(d, y):

@@ -46,11 +46,21 @@ def clear_friction(d):
     own = d.friction
     own.count, own.contact_count, own.stuck_count, own.stuck_joints = 0, 0, 0, 0
     own.integral_count = 0
-    own.power, own.power_end, d.friction_impulse.energy = 0.0, 0.0, 0.0
+    own.power, own.power_end = 0.0, 0.0
     for e in range(d.elements):
-        d.element.mode[e], d.element.event[e] = NO_FRICTION, 0
+        set_mode(d, e, NO_FRICTION)
         d.element.index[e], d.element.stuck[e] = 0, 0
-        d.element.force[e], d.element.force_end[e], d.friction_impulse.total[e] = 0.0, 0.0, 0.0
+        d.element.force[e], d.element.force_end[e] = 0.0, 0.0
+
+
+def set_mode(d, e, mode):
+    """Set the mode of element e."""
+    d.element.mode[e] = mode
+
+
+def set_anchor(d, e):
+    """Let element e stick at its located place."""
+    d.element.anchor[e] = along_tangent(d, e, d.work.position)
 
 
 def list_friction(d):
@@ -77,14 +87,12 @@ def list_friction(d):
 
 def list_sticking(d):
     """Pack the elements that stick: each of them is a constraint, after those of the contacts."""
-    own, first = d.friction, d.touch.active_count
+    own = d.friction
     own.stuck_count, own.stuck_joints = 0, 0
     for i in range(own.count):
         e = d.element.index[i]
         if d.element.mode[e] == STICKS:
             d.element.stuck[own.stuck_count] = e
-            d.rigid.in_active_set[first + own.stuck_count] = 1
-            d.rigid.target[first + own.stuck_count] = 0.0
             own.stuck_count += 1
             own.stuck_joints += e >= d.candidates
 
@@ -103,8 +111,8 @@ def begin_friction(d, c):
     """Set the mode of a contact that begins at located points, until events/friction_modes.py chooses it."""
     speed = along_tangent(d, c, d.work.velocity)
     # The state may be projected before that: what sticks stays where it is.
-    d.element.anchor[c] = along_tangent(d, c, d.work.position)
-    d.element.mode[c] = STICKS if speed == 0.0 else (1 if speed > 0.0 else -1)
+    set_anchor(d, c)
+    set_mode(d, c, STICKS if speed == 0.0 else (1 if speed > 0.0 else -1))
 
 
 def friction_load(d, c):
@@ -174,15 +182,16 @@ def keep_anchors(d):
     own = d.friction
     for i in range(own.stuck_count):
         e = d.element.stuck[i]
-        there = along_tangent(d, e, d.work.position)
-        if abs(there - d.element.anchor[e]) > NOT_HELD * d.model.size:
-            d.element.anchor[e] = there
+        if abs(along_tangent(d, e, d.work.position) - d.element.anchor[e]) > NOT_HELD * d.model.size:
+            set_anchor(d, e)
 
 
-def drop_changes(d):
-    """Drop the changes of modes found in the last step."""
-    for i in range(d.friction.count):
-        d.element.event[d.element.index[i]] = 0
+def keep_end_friction(d):
+    """Store the forces and the power that were evaluated just now as those at the end of the last step."""
+    for i in range(d.friction.contact_count):
+        c = d.element.index[i]
+        d.element.force_end[c] = d.element.force[c]
+    d.friction.power_end = d.friction.power
 
 
 def clear_margins(d):

@@ -14,7 +14,8 @@ LANDED = 4e-15  # of the time: a step that ends at most this much after a piece 
 
 
 def apply_inputs(d):
-    """Make the given inputs the present ones."""
+    """Make the given inputs the present ones: no change of them is left to apply."""
+    d.given.changed = 0
     given, course, own = d.given, d.given.course, d.inputs.course
     own.order, own.pace, own.until = course.order, course.pace, course.until
     own.middle, own.scale = course.middle, course.scale
@@ -26,6 +27,11 @@ def apply_inputs(d):
         d.inputs.tip_force[j] = own.tip_force[0, j] = given.tip_force[j]
         for m in range(1, own.order + 1):
             own.tip_force[m, j] = course.tip_force[m, j]
+
+
+def request_reinit(d):
+    """Request that the given inputs and parameters be applied at the communication point."""
+    d.given.changed = AT_ONCE
 
 
 def ensure_inputs(d, y):

@@ -9,8 +9,10 @@ LATEST = 32  # how many are kept at most
 
 
 def forget_impacts(d):
-    """Clear the list."""
+    """Clear the list, so that no contact is in it."""
     latest = d.latest
+    for c in range(d.candidates):
+        d.touch.number[c] = 0
     for row in range(len(latest.time)):
         latest.time[row], latest.end[row] = 0.0, 0.0
         latest.point[row], latest.wall[row] = -1, 0

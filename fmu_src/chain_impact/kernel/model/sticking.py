@@ -6,9 +6,8 @@ eliminations of their own.
 
 from chain_impact.kernel.chain.kinematics import accelerate_points
 from chain_impact.kernel.chain.recursion import set_middle, solve
-from chain_impact.kernel.chain.state import coordinate_count, dissipated_at, velocity_at
+from chain_impact.kernel.chain.state import coordinate_count, velocity_at
 from chain_impact.kernel.model.compliance import least_mobility
-from chain_impact.kernel.model.friction import keep_static_forces
 from chain_impact.kernel.model.geometry import add_along_tangent, along_tangent, clear_loads_of
 
 
@@ -19,7 +18,7 @@ def sticks_alone(d):
 
 
 def add_sticking_force(d, y, rate):
-    """As ``add_constraint_forces`` in constraints.py, for a contact that ``sticks_alone``.
+    """As ``add_constraint_forces`` in constraints.py, for a contact that ``sticks_alone``; returns its force.
 
     ``rate`` must be what ``accelerations`` has found last.
     """
@@ -33,5 +32,4 @@ def add_sticking_force(d, y, rate):
     force = -along_tangent(d, e, d.work.acceleration) / mobility
     for j in range(coordinate_count(d.links)):
         rate[velocity_at(d.links) + j] += force * own.change[j]
-    own.impulse[d.touch.active_count] = force
-    rate[dissipated_at(d.links)] += keep_static_forces(d)
+    return force

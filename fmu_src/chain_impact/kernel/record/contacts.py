@@ -6,7 +6,7 @@ from chain_impact.kernel.chain.state import coordinate_count
 from chain_impact.kernel.integration.dense import DENSE_COEFFICIENTS
 from chain_impact.kernel.integration.explicit import STAGES
 from chain_impact.kernel.model.latest import LATEST
-from chain_impact.kernel.record.fields import INTEGER, REAL, record
+from chain_impact.kernel.record.fields import INTEGER, REAL, record, written_by
 from chain_impact.kernel.record.solver import factors_dtype
 
 CHANGES_OF_EACH = 4  # changes of a mode stored until they are collected, for each element
@@ -18,12 +18,17 @@ def constraint_count(candidates: int, elements: int) -> int:
     return candidates + elements
 
 
+@written_by(
+    "model/contact.py",
+    event="events/marks.py",
+    number="model/latest.py",
+    gap_error="integration/errors.py",
+    **dict.fromkeys(("damping", "depth_scale", "kink_crossed", "kink_margin"), "model/contact_force.py"),
+)
 def touch_dtype(candidates: int) -> np.dtype:
-    """The data of each candidate; values fixed ("latched") at onset hold until the end or a new latch of v₀.
-
-    Owner: model/contact.py; of events, the searches in events/; of peaks, events/contact_log.py.
-    """
+    """The data of each candidate; values that are latched, fixed at onset, hold until a new latch of v₀."""
     return record(
+        ("listings", INTEGER),  # how often the active contacts were packed
         ("active_count", INTEGER),
         ("compliant_count", INTEGER),  # of them, with a force law: these come first
         ("stop_count", INTEGER),  # of them, stops
@@ -55,8 +60,9 @@ def touch_dtype(candidates: int) -> np.dtype:
     )
 
 
+@written_by("model/contact.py")
 def impact_dtype() -> np.dtype:
-    """The impacts so far. Owner: ``begin_contact`` in model/contact.py."""
+    """The impacts so far."""
     return record(
         ("count", INTEGER),  # onsets since the start
         ("last_time", REAL),  # s
@@ -66,8 +72,9 @@ def impact_dtype() -> np.dtype:
     )
 
 
+@written_by("model/latest.py")
 def latest_dtype() -> np.dtype:
-    """The latest impacts, the newest first. Owner: model/latest.py."""
+    """The latest impacts, the newest first."""
     return record(
         ("kept", INTEGER),  # the number of them that is requested
         ("point", INTEGER, (LATEST,)),  # 0…N, −1 for none
@@ -82,10 +89,11 @@ def latest_dtype() -> np.dtype:
     )
 
 
+@written_by("model/constraints.py", sample="events/contact_log.py")
 def rigid_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     """The constraints: the active contacts, packed, and after them what sticks by dry friction.
 
-    Contacts with a force law are not in the active set. Owner: model/constraints.py.
+    Contacts with a force law are not in the active set.
     """
     rows = constraint_count(candidates, elements)
     return record(
@@ -110,8 +118,9 @@ def rigid_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     )
 
 
+@written_by("events/contact_log.py")
 def finished_dtype(candidates: int) -> np.dtype:
-    """The log of finished contacts. Owner: events/contact_log.py; a caller that collects sets count to 0."""
+    """The log of finished contacts. A caller that collects sets count to 0."""
     log = LOG_SIZE + candidates
     return record(
         ("count", INTEGER),  # contacts ended since last collected
@@ -139,8 +148,9 @@ def integral_fields(columns: int) -> tuple[tuple[object, ...], ...]:
     )
 
 
+@written_by("integration/impulse.py", onset="model/contact.py")
 def impulse_dtype(candidates: int) -> np.dtype:
-    """∫F dt of the walls on the points, packed unless noted. Owner: integration/impulse.py."""
+    """∫F dt of the walls on the points, packed unless noted."""
     return record(
         ("wanted", INTEGER),  # 1: impulses are integrated
         ("total", REAL, (candidates,)),  # N·s since the start, not packed
@@ -149,11 +159,9 @@ def impulse_dtype(candidates: int) -> np.dtype:
     )
 
 
+@written_by("integration/impulse.py")
 def friction_impulse_dtype(elements: int) -> np.dtype:
-    """∫F dt of dry friction at contacts, packed unless noted, and last the energy [J] that it dissipates.
-
-    Owner: integration/impulse.py.
-    """
+    """∫F dt of dry friction at contacts, packed unless noted, and last the energy [J] that it dissipates."""
     return record(
         ("total", REAL, (elements,)),  # N·s along t of a candidate since the start, not packed
         ("energy", REAL),  # J, dissipated by dry friction since the start
@@ -161,8 +169,9 @@ def friction_impulse_dtype(elements: int) -> np.dtype:
     )
 
 
+@written_by("model/friction.py")
 def friction_dtype() -> np.dtype:
-    """Which elements, candidates and joints, have dry friction now. Owner: model/friction.py."""
+    """Which elements, candidates and joints, have dry friction now."""
     return record(
         ("used", INTEGER),  # 1: some contact or joint has dry friction
         ("count", INTEGER),  # elements with friction now: active contacts first, then joints
@@ -175,11 +184,13 @@ def friction_dtype() -> np.dtype:
     )
 
 
+@written_by(
+    "model/friction.py",
+    event="events/marks.py",
+    **dict.fromkeys(("before", "slack", "undecided"), "events/friction_modes.py"),
+)
 def element_dtype(elements: int) -> np.dtype:
-    """The data of each element: the candidates, and after them the joints 1…N.
-
-    Owner: model/friction.py; of modes and events, the modules friction_*.py in events/.
-    """
+    """The data of each element: the candidates, and after them the joints 1…N."""
     return record(
         ("index", INTEGER, (elements,)),  # the elements with friction, packed
         ("stuck", INTEGER, (elements,)),  # those that stick, packed
@@ -206,11 +217,9 @@ def element_dtype(elements: int) -> np.dtype:
     )
 
 
+@written_by("events/friction_modes.py")
 def changes_dtype(elements: int) -> np.dtype:
-    """The log of changes between sticking and sliding. Owner: events/friction_modes.py.
-
-    A caller that collects sets count to 0.
-    """
+    """The log of changes between sticking and sliding. A caller that collects sets count to 0."""
     log = CHANGES_OF_EACH * elements
     return record(
         ("count", INTEGER),

@@ -5,6 +5,25 @@ import numpy as np
 REAL, INTEGER = np.float64, np.int64
 
 
+OWNERS: dict[str, dict[str, tuple[str, ...]]] = {}
+"""Part of the record → its fields → the modules that write them; "" stands for all other fields."""
+
+
+def written_by(*owners, **fields):
+    """Declare which modules of the kernel write a part of the record, and which write some fields of it.
+
+    A field that outlives a step has one owner; others call the owner's functions. tests/test_owners.py
+    compares this with what the modules do. Those in kernel/tangent/ also set fields of tangent instances.
+    """
+
+    def declare(layout):
+        of_fields = {name: (own,) if isinstance(own, str) else own for name, own in fields.items()}
+        OWNERS[layout.__name__.removesuffix("_dtype")] = {"": owners, **of_fields}
+        return layout
+
+    return declare
+
+
 def record(*fields: tuple[object, ...]) -> np.dtype:
     """A record of fields (name, type[, shape])."""
     return np.dtype(list(fields), align=True)

@@ -4,14 +4,12 @@ import numpy as np
 
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.model.inputs import DEGREE
-from chain_impact.kernel.record.fields import INTEGER, REAL, record, table
+from chain_impact.kernel.record.fields import INTEGER, REAL, record, table, written_by
 
 
+@written_by("initialize.py")
 def model_dtype(links: int) -> np.dtype:
-    """The chain and its box.
-
-    Owner: variables/model.py; of derived values, ``derive_chain`` in initialize.py.
-    """
+    """The chain and its box. variables/model.py sets what is not derived."""
     return record(
         ("gravity", REAL, (2,)),  # m/s²
         ("length", REAL, (links,)),  # m
@@ -46,10 +44,11 @@ def model_dtype(links: int) -> np.dtype:
     )
 
 
+@written_by("model/contact_law.py")
 def contact_dtype() -> np.dtype:
     """What all contacts with walls have in common; the rest of their law is in `given`.
 
-    Owner: variables/model.py; of derived values, model/contact_law.py.
+    variables/model.py sets what is not derived.
     """
     return record(
         ("exponent", REAL),
@@ -62,10 +61,11 @@ def contact_dtype() -> np.dtype:
     )
 
 
+@written_by()
 def stops_dtype() -> np.dtype:
     """The contact law of the stops in joints; stiffness and restitution are in `given`.
 
-    Owner: variables/model.py.
+    variables/model.py sets it.
     """
     return record(
         ("law", INTEGER),  # number of the contact law, from 1; 0: that of the walls
@@ -74,8 +74,9 @@ def stops_dtype() -> np.dtype:
     )
 
 
+@written_by()
 def initial_dtype(links: int) -> np.dtype:
-    """The initial values. Owner: variables/model.py."""
+    """The initial values. variables/model.py sets them."""
     return record(
         ("position", REAL, (2,)),  # m
         ("velocity", REAL, (2,)),  # m/s
@@ -84,8 +85,9 @@ def initial_dtype(links: int) -> np.dtype:
     )
 
 
+@written_by()
 def solver_dtype() -> np.dtype:
-    """The settings of the solver. Owner: variables/model.py."""
+    """The settings of the solver. variables/model.py sets them."""
     return record(
         ("method", INTEGER),  # index into SOLVER_METHODS of kernel/integration/methods.py, from 1
         ("tolerance", REAL),
@@ -106,10 +108,11 @@ def course_dtype(links: int) -> np.dtype:
     )
 
 
+@written_by(changed="model/inputs.py")
 def given_dtype(links: int) -> np.dtype:
     """The values that an importer can set at any time.
 
-    Owner: the importer. They are applied at the next step, or when the output time is set.
+    They are applied at the next step, or when the output time is set.
     """
     return record(
         ("changed", INTEGER),  # AT_ONCE: a value was set since the last step; CONTINUES: only the course was
@@ -126,8 +129,9 @@ def given_dtype(links: int) -> np.dtype:
     )
 
 
+@written_by("model/inputs.py")
 def inputs_dtype(links: int) -> np.dtype:
-    """The inputs in use. Owner: model/inputs.py."""
+    """The inputs in use."""
     return record(
         ("joint_torque", REAL, (links,)),  # N·m
         ("tip_force", REAL, (2,)),  # N
@@ -135,10 +139,11 @@ def inputs_dtype(links: int) -> np.dtype:
     )
 
 
+@written_by("model/geometry.py")
 def candidate_dtype(candidates: int) -> np.dtype:
     """What may touch: the pairs of a point and a wall first, and then the stops in joints.
 
-    Owner: variables/model.py; of derived values, ``place_walls`` in model/geometry.py.
+    variables/model.py sets what is not derived.
     """
     return table(
         candidates,
@@ -153,8 +158,9 @@ def candidate_dtype(candidates: int) -> np.dtype:
     )
 
 
+@written_by("model/contact_law.py")
 def law_dtype(candidates: int) -> np.dtype:
-    """The contact law of each candidate. Owner: model/contact_law.py."""
+    """The contact law of each candidate."""
     return table(
         candidates,
         ("same_as", INTEGER),  # the first candidate with the same law
@@ -174,10 +180,11 @@ def law_dtype(candidates: int) -> np.dtype:
     )
 
 
+@written_by()
 def walls_dtype(candidates: int) -> np.dtype:
     """The walls at any angle, of which there are at most C, and the materials of all walls.
 
-    Owner: variables/model.py; of stiffness and restitution, the importer, as of `given`.
+    variables/model.py sets them; an importer may set stiffness and restitution, as those in `given`.
     """
     return record(
         ("x", REAL, (candidates,)),  # m, a point on each …

@@ -12,16 +12,25 @@ from chain_impact.kernel.record.fields import (
     loads_dtype,
     record,
     vectors_dtype,
+    written_by,
 )
 from chain_impact.kernel.record.solver import factors_dtype
 
 
+@written_by(
+    **dict.fromkeys(("start", "start_rate", "link", "stiffness", "damping"), "integration/extended.py"),
+    **dict.fromkeys(("impedance", "factors"), "integration/linear_system.py"),
+    **dict.fromkeys(("iterations", "correction", "contraction"), "integration/newton.py"),
+    **dict.fromkeys(("last", "began", "span", "listing", "thirds"), "integration/collocation_dense.py"),
+    **dict.fromkeys(
+        ("z", "stages", "parts", "slowness"), ("integration/collocation.py", "integration/newton.py")
+    ),
+    normal=("integration/collocation_dense.py", "integration/projection.py"),
+)
 def implicit_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     """The work space of an implicit step, and the data that it uses of the last one.
 
     z = (y, then the clearances of active contacts, their rates, impulses): kernel/integration/extended.py.
-
-    Owners: collocation.py and newton.py in integration/, which call all other functions that write here.
     """
     state = state_size(links)
     extended = state + 3 * candidates + elements
@@ -45,7 +54,7 @@ def implicit_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("last", REAL, (STAGES, extended)),  # the increments of the last step, …
         ("began", REAL),  # s, … its start, …
         ("span", REAL),  # s, … its size, …
-        ("ready", INTEGER),  # … and 1 if they can be extrapolated to the next step
+        ("listing", INTEGER),  # … and the value of `touch.listings` for which they can be extrapolated
         ("iterations", INTEGER),  # in the tried step, …
         ("correction", REAL),  # … the largest component of the last correction, over the tolerance, …
         ("contraction", REAL),  # … and the last convergence rate θ

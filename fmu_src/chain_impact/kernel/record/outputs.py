@@ -2,14 +2,12 @@
 
 import numpy as np
 
-from chain_impact.kernel.record.fields import REAL, record
+from chain_impact.kernel.record.fields import REAL, record, written_by
 
 
+@written_by("observe.py")
 def output_dtype(links: int, candidates: int, elements: int) -> np.dtype:
-    """The outputs at the communication point; one row of a time series.
-
-    Owner: observe.py.
-    """
+    """The outputs at the communication point; one row of a time series."""
     points = links + 1
     return record(
         ("point_position", REAL, (points, 2)),  # m
@@ -33,7 +31,7 @@ def output_dtype(links: int, candidates: int, elements: int) -> np.dtype:
 
 
 def friction_output_dtype(elements: int) -> np.dtype:
-    """The outputs of dry friction, by element. Owner: observe.py."""
+    """The outputs of dry friction, by element."""
     return record(
         ("force", REAL, (elements,)),  # N, of a candidate: wall on point, along t = (n_y, −n_x)
         ("impulse", REAL, (elements,)),  # N·s, likewise, since the start

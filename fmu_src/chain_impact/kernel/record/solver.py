@@ -12,15 +12,21 @@ from chain_impact.kernel.record.fields import (
     loads_dtype,
     record,
     vectors_dtype,
+    written_by,
 )
 
 
+@written_by(
+    "integration/last_step.py",
+    dense=("integration/last_step.py", "integration/explicit.py", "integration/collocation_dense.py"),
+    cost_factor=("integration/explicit.py", "integration/collocation.py"),
+    **dict.fromkeys(("next_size", "flight_size"), "integration/step_size.py"),
+    **dict.fromkeys(
+        ("method", "stiff_count", "switch_hysteresis", "explicit_size"), "integration/switching.py"
+    ),
+)
 def step_dtype(links: int) -> np.dtype:
-    """The last accepted step and its dense output, valid from `start` to `end`.
-
-    Owner: integration/last_step.py; of the method and its hysteresis, integration/switching.py; of the
-    proposed size, every function that ends a step or a phase.
-    """
+    """The last accepted step and its dense output, valid from `start` to `end`."""
     state = state_size(links)
     return record(
         ("time", REAL),  # s, the communication point; start ≤ time ≤ end
@@ -47,8 +53,9 @@ def step_dtype(links: int) -> np.dtype:
     )
 
 
+@written_by("work_limit.py", status="status.py")
 def statistics_dtype() -> np.dtype:
-    """Counts since the start, and the status. Owner: advance.py; of evaluations, every caller."""
+    """Counts since the start, and the status."""
     return record(
         ("steps", INTEGER),  # accepted
         ("rejected_steps", INTEGER),
@@ -58,11 +65,9 @@ def statistics_dtype() -> np.dtype:
     )
 
 
+@written_by("work_limit.py")
 def limits_dtype() -> np.dtype:
-    """The counts of events and work, which are limited in windows of time.
-
-    Owner: work_limit.py; of other work, every function that does it.
-    """
+    """The counts of events and work, which are limited in windows of time."""
     return record(
         ("event_start", REAL),  # s
         ("event_count", INTEGER),
@@ -73,8 +78,9 @@ def limits_dtype() -> np.dtype:
     )
 
 
+@written_by("integration/balance.py")
 def balance_dtype() -> np.dtype:
-    """The energy balance, and the changes of it that are allowed. Owner: integration/balance.py."""
+    """The energy balance, and the changes of it that are allowed."""
     return record(
         ("at_end", REAL),  # J, the energy balance at the end of the last step …
         ("at_start", REAL),  # … and at its start
@@ -95,7 +101,7 @@ def balance_dtype() -> np.dtype:
 
 
 def elimination_dtype(links: int) -> np.dtype:
-    """The results of the recursion for each link. Owner: chain/recursion.py."""
+    """The results of the recursion for each link."""
     return record(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse", "bias")),
         # kg, A of the joint at which the arms of a free chain meet
@@ -105,7 +111,7 @@ def elimination_dtype(links: int) -> np.dtype:
 
 
 def factors_dtype(links: int) -> np.dtype:
-    """M + Jᵀ D J + K, eliminated. Owner: ``factorize_contacts`` in model/compliance.py."""
+    """M + Jᵀ D J + K, eliminated."""
     return record(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse")),
         ("middle_mobility", REAL, (3,)),  # 1/kg, A⁻¹ of the middle joint: xx, xy, yy; not used if coupled
@@ -117,13 +123,24 @@ def factors_dtype(links: int) -> np.dtype:
 
 
 def inner_dtype(links: int) -> np.dtype:
-    """The elimination of the arm inward of each joint. Owner: chain/joint_rate.py."""
+    """The elimination of the arm inward of each joint."""
     return record(
         *((name, REAL, (links,)) for name in ("gain_x", "gain_y", "inverse")),
         *((name, REAL, (links,)) for name in ("xx", "xy", "yy")),  # kg, Ā
     )
 
 
+@written_by(
+    y=("events/sampling.py", "integration/collocation.py"),
+    rate_start="advance.py",
+    error="integration/collocation.py",
+    load=("model/contact.py", "integration/linear_system.py"),
+    moment="model/equations.py",
+    elimination="chain/recursion.py",
+    inner="chain/joint_rate.py",
+    reach="events/crossing.py",
+    **dict.fromkeys(("position", "velocity", "acceleration", "at_end"), "chain/kinematics.py"),
+)
 def work_dtype(links: int) -> np.dtype:
     """Work space: valid within a step, except `rate_end` (`rate_known`) and, if `at_end` is 1, the points."""
     points, state = links + 1, state_size(links)
@@ -152,11 +169,9 @@ def work_dtype(links: int) -> np.dtype:
     )
 
 
+@written_by("events/exclusion.py", curvature=("events/crossing.py", "integration/collocation_dense.py"))
 def search_dtype(candidates: int) -> np.dtype:
-    """The data of the search for events, at the ends of the searched interval.
-
-    Owner: events/exclusion.py; of the curvature, events/crossing.py.
-    """
+    """The data of the search for events, at the ends of the searched interval."""
     return record(
         ("known", INTEGER),  # what is known at the end of a step, see kernel/events/exclusion.py, …
         ("known_for", INTEGER),  # … and the value of `step.breaks` for which it is valid

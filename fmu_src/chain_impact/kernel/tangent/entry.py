@@ -7,8 +7,9 @@ the tangent instances.
 import math
 
 from chain_impact.kernel import hooks
-from chain_impact.kernel.advance import advance, set_own_output_time
+from chain_impact.kernel.advance import advance
 from chain_impact.kernel.events.contact_log import update_own_to_output_time
+from chain_impact.kernel.integration.last_step import set_own_output_time
 from chain_impact.kernel.observe import fill_outputs, observe
 from chain_impact.kernel.soundness import within_bounds
 from chain_impact.kernel.status import OK

@@ -12,8 +12,9 @@ import math
 
 from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
 from chain_impact.kernel.events.friction_events import excess, rest_speed
-from chain_impact.kernel.events.friction_modes import begins, pending_changes
+from chain_impact.kernel.events.friction_modes import begins
 from chain_impact.kernel.events.kinds import SLIDING_ENDS, STICKING_ENDS
+from chain_impact.kernel.events.marks import pending_changes
 from chain_impact.kernel.integration.last_step import ensure_points
 from chain_impact.kernel.model.compliance import mean_mass
 from chain_impact.kernel.model.constraints import RESISTANCE

@@ -20,8 +20,8 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.dispatch import dispatch
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
-from chain_impact.kernel.events.friction_modes import pending_changes
 from chain_impact.kernel.events.kinds import END, ONSET, RELATCH
+from chain_impact.kernel.events.marks import copy_marks, pending_changes
 from chain_impact.kernel.integration import explicit
 from chain_impact.kernel.integration.impulse import friction_count, friction_integrand_at_end, impulse_count
 from chain_impact.kernel.integration.last_step import (
@@ -61,10 +61,7 @@ def replay(d, t):
         if d.step.kept != 1.0:
             truncate_step(t, d.step.kept)
         take_values(d, t)
-    for c in range(d.candidates):
-        t.touch.event[c] = d.touch.event[c]
-    for e in range(d.elements):
-        t.element.event[e] = d.element.event[e]
+    copy_marks(d, t)
     move_end(t)
 
 

@@ -13,25 +13,24 @@ from chain_impact.kernel.model.inputs import apply_inputs
 from chain_impact.kernel.tangent.blocks import copy_values
 from chain_impact.kernel.tangent.directions import carried, value
 from chain_impact.kernel.tangent.friction import check_coefficients
-from chain_impact.kernel.tangent.trust import TRUSTED
+from chain_impact.kernel.tangent.trust import trust
 
 
 def start_tangent(d, t):
     """Initialize t from d, which is initialized; t already has the derivatives of the parameters."""
     copy_parameters(d, t)
     derive_chain(t)
-    clear_run(t)
+    clear_run(t, d.step.time)
     apply_given_of(d, t)
     place_walls(t)
     set_initial_state(t, t.work.y)
     reset_step(t, d.step.time, t.work.y)
     clear_loads(t)
-    t.trust.reason = TRUSTED
+    trust(t)
     copy_modes(d, t)
     choose_anew(t, True)
     check_coefficients(t)
-    begin_explicit(t.step)
-    t.impact.last_time = d.step.time
+    begin_explicit(t)
 
 
 def reinit_tangent(d, t):
@@ -39,7 +38,7 @@ def reinit_tangent(d, t):
     reset_step(t, t.step.end, t.step.state_end)
     # derivatives that ended in the part of the run that is dropped may go on: the new part decides
     if t.trust.time > value(t.step.end):
-        t.trust.reason = TRUSTED
+        trust(t)
     apply_given_of(d, t)
     latch_again(t)
     recompute_active_set(t)

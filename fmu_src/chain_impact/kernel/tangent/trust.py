@@ -122,6 +122,11 @@ def mark_untrusted(t, reason, c, time):
         trust.point, trust.wall = t.candidate.point[c], t.candidate.wall[c]
 
 
+def trust(t):
+    """Trust the derivatives from now on."""
+    t.trust.reason = TRUSTED
+
+
 def share_reason(t, other):
     """End the derivatives of t where those of another tangent instance end, if that is earlier."""
     mine, given = t.trust, other.trust

@@ -1,0 +1,58 @@
+"""The marks of events that the search has found in the last step: ``touch.event`` and ``element.event``.
+
+Only this module sets them. They stay until the next step applies them (table.py, friction_modes.py).
+"""
+
+from chain_impact.kernel.events.kinds import NONE, ONSET
+
+
+def mark(d, c, kind):
+    """Mark candidate c with an event of this kind, or with NONE."""
+    d.touch.event[c] = kind
+
+
+def mark_change(d, e, kind):
+    """Mark element e with a change of its mode of this kind."""
+    d.element.event[e] = kind
+
+
+def drop_events(d):
+    """Drop the events found in the last step."""
+    drop_contact_events(d)
+    drop_changes(d)
+
+
+def drop_contact_events(d):
+    """Drop the events of candidates, but not the changes of modes of dry friction."""
+    for c in range(d.candidates):
+        d.touch.event[c] = NONE
+
+
+def drop_changes(d):
+    """Drop the changes of modes found in the last step."""
+    for e in range(d.elements):
+        d.element.event[e] = 0
+
+
+def copy_marks(d, t):
+    """Give the tangent instance t the events of d."""
+    for c in range(d.candidates):
+        t.touch.event[c] = d.touch.event[c]
+    for e in range(d.elements):
+        t.element.event[e] = d.element.event[e]
+
+
+def ends_in_onset(d):
+    """Whether the last step ends where contacts begin."""
+    for c in range(d.candidates):
+        if d.touch.event[c] == ONSET:
+            return True
+    return False
+
+
+def pending_changes(d):
+    """The number of elements whose mode ends at the end of the last step."""
+    changes = 0
+    for i in range(d.friction.count):
+        changes += d.element.event[d.element.index[i]] != 0
+    return changes

@@ -1,0 +1,152 @@
+"""The owners of the record's fields, as declared beside the record, against what the kernel's modules write.
+
+A write is an assignment to a field of the instance, named ``d`` or ``t``, or of a part of it that has a name.
+What a function fills as its result, an argument, is written by whoever passes it.
+"""
+
+import ast
+from collections import defaultdict
+from pathlib import Path
+
+import pytest
+
+import chain_impact.kernel
+from chain_impact.kernel.record.fields import OWNERS
+from chain_impact.kernel.record.instance import instance_dtype
+
+KERNEL = Path(chain_impact.kernel.__file__).parent
+LAYOUT = instance_dtype(2, 2, 4)
+PARTS = {name for name in LAYOUT.names if LAYOUT[name].base.names}
+MODULES = sorted(
+    file.relative_to(KERNEL).as_posix() for file in KERNEL.rglob("*.py") if "record" not in file.parts
+)
+# work space and what the functions of a method return (integration/method.py): more than one module writes it
+SHARED = {
+    "step.dense",
+    "step.cost_factor",
+    "search.curvature",
+    "work.y",
+    "work.load",
+    *(f"implicit.{name}" for name in ("z", "stages", "parts", "slowness", "normal")),
+}
+
+
+def pairs(target, value):
+    """The single assignments of one that may be of several names."""
+    if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple):
+        return [pair for two in zip(target.elts, value.elts, strict=True) for pair in pairs(*two)]
+    if isinstance(target, ast.Tuple):
+        return [(one, None) for one in target.elts]
+    return [(target, value)]
+
+
+def assignments(function):
+    for node in ast.walk(function):
+        if isinstance(node, ast.Assign):
+            yield from (pair for target in node.targets for pair in pairs(target, node.value))
+        elif isinstance(node, ast.AugAssign):
+            yield node.target, None
+
+
+def way(node):
+    """The names from that of a variable on: d.touch.event[c] has d, touch, event."""
+    names = []
+    while isinstance(node, (ast.Attribute, ast.Subscript)):
+        if isinstance(node, ast.Attribute):
+            names.append(node.attr)
+        node = node.value
+    return [node.id, *reversed(names)] if isinstance(node, ast.Name) else []
+
+
+def writes(function):
+    """The (instance, part, field) that a function assigns to."""
+    known = {part: ["d", part] for part in PARTS & {one.arg for one in function.args.args}}
+    known |= {"d": ["d"], "t": ["t"]}
+    for target, value in sorted(assignments(function), key=lambda pair: pair[0].lineno):
+        names = way(target if value is None or not isinstance(target, ast.Name) else value)
+        if not names or names[0] not in known:
+            continue
+        names = known[names[0]] + names[1:]
+        if isinstance(target, ast.Name):
+            known[target.id] = names
+        elif len(names) > 2 and names[1] in PARTS:
+            yield names[0], names[1], names[2]
+
+
+@pytest.fixture(scope="module")
+def writers():
+    """Each field that is written, with its modules; those of the tangent instances are apart."""
+    found, tangent = defaultdict(set), defaultdict(set)
+    for module in MODULES:
+        for function in ast.walk(ast.parse((KERNEL / module).read_text(encoding="utf-8"))):
+            if isinstance(function, ast.FunctionDef):
+                for instance, part, field in writes(function):
+                    own = tangent if module.startswith("tangent/") else found
+                    own[f"{part}.{field}"].add((instance, module))
+    return found, tangent
+
+
+def declared(name):
+    part, field = name.split(".")
+    return OWNERS[part].get(field, OWNERS[part][""])
+
+
+def test_every_part_declares_its_owners():
+    assert set(OWNERS) >= PARTS
+    for part in PARTS:
+        fields = set(LAYOUT[part].base.names)
+        assert set(OWNERS[part]) - {""} <= fields, part
+
+
+def test_each_field_is_written_by_its_owners_only(writers):
+    found, _ = writers
+    strangers = {
+        name: sorted({module for _, module in modules} - set(declared(name)))
+        for name, modules in found.items()
+        if not {module for _, module in modules} <= set(declared(name))
+    }
+    assert strangers == {}
+    assert len(found) > 200
+
+
+def test_a_field_has_one_owner_but_for_work_space_and_what_methods_return():
+    names = {f"{part}.{field}" for part in PARTS for field in LAYOUT[part].base.names}
+    assert {name for name in names if len(declared(name)) > 1} == SHARED
+
+
+def test_every_owner_writes_its_fields(writers):
+    found, _ = writers
+    for part in PARTS:
+        for field, owners in OWNERS[part].items():
+            own = [modules for name, modules in found.items() if name.startswith(f"{part}.{field}")]
+            assert set(owners) <= {module for modules in own for _, module in modules}, (part, field)
+
+
+def test_derivatives_change_nothing_in_the_run_itself(writers):
+    """kernel/tangent/ writes to tangent instances only."""
+    _, tangent = writers
+    assert {
+        name for name, modules in tangent.items() if any(instance == "d" for instance, _ in modules)
+    } == set()
+    assert "step.state_end" in tangent
+
+
+def test_a_write_is_seen_wherever_it_is_hidden():
+    source = """
+def f(d, law, y):
+    own, n = d.touch, d.links
+    latest = d.latest
+    own.event[0], latest.time[n] = 1, 2.0
+    law.number[0] += 1
+    y[0] = d.step.end = 3.0
+    again = own
+    again.onset[0] = 1.0
+"""
+    function = ast.parse(source).body[0]
+    assert {f"{part}.{field}" for _, part, field in writes(function)} == {
+        "touch.event",
+        "latest.time",
+        "law.number",
+        "step.end",
+        "touch.onset",
+    }
