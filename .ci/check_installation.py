@@ -35,8 +35,8 @@ assert Path("build/FourLinkBox.png").is_file()
 wheel = distribution("chain-impact").read_text("WHEEL") or ""
 assert TAG in wheel, wheel
 
-assert len(ready.libraries()) == len(ready.SIZES) + 1  # and one for browsers
-for links in (1, ready.LARGEST_EXACT, ready.LARGEST_EXACT + 1, 64):
+assert len(ready.libraries()) == len(ready.FIRST_SIZES) + 1  # and one for browsers
+for links in (1, 4, ready.LARGEST_EXACT, ready.LARGEST_EXACT + 1, 64):
     assert len(simulate(scene_from_dict(chain(links), "chain"), stop_time=0.35).impacts) > 0
 scratch = tempfile.TemporaryDirectory()
 assert build_fmu("rod_drop", scratch.name, target="native").is_file()

@@ -20,5 +20,5 @@ from kernel_hook import RELEASE, kernels, target  # noqa: E402
 def get_requires_for_build_wheel(config_settings: dict[str, Any] | None = None) -> list[str]:
     """What to install for a wheel besides [build-system] requires."""
     ready = kernels()
-    compilers = [] if ready.all_cached(target(), derivatives=RELEASE) else ready.REQUIREMENTS
+    compilers = [] if ready.all_cached(target(), release=RELEASE) else ready.REQUIREMENTS
     return [*build.get_requires_for_build_wheel(config_settings), *compilers]

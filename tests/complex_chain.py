@@ -89,6 +89,7 @@ class ComplexChain:
             arm[:, :k, k] = self.length[:, :k]
             arm[:, k, k] = self.centre[:, k]
         self.total = self.mass.sum(1)
+        self.own = self.inertia[..., None] * np.eye(n)
         self.b = (arm * self.mass[:, None]).sum(2)
         self.c = np.einsum("lik,lk,ljk->lij", arm, self.mass, arm)
         self.damper, self.spring = (
@@ -173,25 +174,20 @@ class ComplexChain:
         along, n = place.along, self.links
         matrix = np.zeros((self.lanes, n + 2, n + 2), complex)
         matrix[:, 0, 0] = matrix[:, 1, 1] = self.total
-        matrix[:, :2, 2:] = np.swapaxes(self.b[..., None] * place.across, 1, 2)
-        matrix[:, 2:, :2] = self.b[..., None] * place.across
-        matrix[:, 2:, 2:] = self.c * (along @ np.swapaxes(along, 1, 2))
-        matrix[:, range(2, n + 2), range(2, n + 2)] += self.inertia
+        matrix[:, 2:, :2] = coupling = self.b[..., None] * place.across
+        matrix[:, :2, 2:] = coupling.swapaxes(1, 2)
+        matrix[:, 2:, 2:] = self.c * (along @ along.swapaxes(1, 2)) + self.own
         return matrix
 
     def answer(self, place: Place, forces: np.ndarray) -> np.ndarray:
-        """M⁻¹ f of the coordinates that are free."""
-        first, result = 2 if self.pinned else 0, np.zeros_like(forces)
-        result[:, first:] = np.linalg.solve(
-            self.mass_matrix(place)[:, first:, first:], forces[:, first:, None]
-        )[..., 0]
-        return result
+        """M⁻¹ f of the coordinates that are free, for one f in each lane."""
+        return self.answers(place, forces[..., None])[..., 0]
 
-    def spread(self, place: Place, loads: np.ndarray) -> np.ndarray:
-        """The generalized force Jᵀf of forces on the points, shape (lanes, N+1, 2)."""
-        beyond = np.cumsum(loads[:, ::-1], 1)[:, ::-1]  # on a point and all beyond it
-        turning = self.length * (place.across * beyond[:, 1:]).sum(2)
-        return np.concatenate([beyond[:, 0], turning], 1)
+    def answers(self, place: Place, columns: np.ndarray) -> np.ndarray:
+        """The same for the columns of a matrix in each lane."""
+        first, result = 2 if self.pinned else 0, np.zeros_like(columns)
+        result[:, first:] = np.linalg.solve(place.mass[:, first:, first:], columns[:, first:])
+        return result
 
     def gradient(self, place: Place, c: int) -> np.ndarray:
         """J of the clearance of candidate c."""
@@ -202,18 +198,25 @@ class ComplexChain:
             if joint:
                 result[:, 1 + joint] = -side
             return result
-        loads = np.zeros((self.lanes, self.links + 1, 2), complex)
-        loads[:, self.points[c]] = self.normal[:, c]
-        return self.spread(place, loads)
+        return self.pull(place, self.points[c], self.normal[:, c])
+
+    def pull(self, place: Place, point: int, direction: np.ndarray) -> np.ndarray:
+        """The generalized force of a unit force on one point."""
+        result = np.zeros((self.lanes, self.links + 2), complex)
+        result[:, :2] = direction
+        across = (place.across[:, :point] * direction[:, None]).sum(2)
+        result[:, 2 : 2 + point] = self.length[:, :point] * across
+        return result
 
     def look(self, y: np.ndarray, touches: Sequence[Touch]) -> SimpleNamespace:
         """All that follows from a state: accelerations, forces, powers."""
         place = self.locate(y)
-        loads = np.zeros((self.lanes, self.links + 1, 2), complex)
-        loads[:, -1] += self.tip
         pairs = [self.force(y, place, touch) for touch in touches]
         omega, along, across = place.omega, place.along, place.across
-        forces = self.spread(place, loads)
+        if self.tip.any():
+            forces = self.pull(place, self.links, self.tip)
+        else:
+            forces = np.zeros((self.lanes, self.links + 2), complex)
         normal = {touch.candidate: force for touch, (force, _) in zip(touches, pairs, strict=True)}
         for c, force in normal.items():
             forces += self.gradient(place, c) * force[:, None]

@@ -60,6 +60,11 @@ class DryFriction:
 
     def row(self, place: Place, e: int) -> np.ndarray:
         """J of the tangential motion of element e; of a joint, of its angle."""
+        if e not in place.rows:
+            place.rows[e] = self._row(place, e)
+        return place.rows[e]
+
+    def _row(self, place: Place, e: int) -> np.ndarray:
         chain = self.chain
         if e >= self.first_joint:
             joint = e - self.first_joint
@@ -68,9 +73,7 @@ class DryFriction:
             if joint:
                 result[:, 1 + joint] = -1.0
             return result
-        loads = np.zeros((chain.lanes, chain.links + 1, 2), complex)
-        loads[:, chain.points[e]] = self.tangent(e)
-        return chain.spread(place, loads)
+        return chain.pull(place, chain.points[e], self.tangent(e))
 
     def tangent(self, c: int) -> np.ndarray:
         normal = self.chain.normal[:, c]
@@ -116,7 +119,7 @@ class DryFriction:
         Of dependent constraints, only as many get a force as are independent.
         """
         rows = np.stack([self.row(place, e) for e in stuck], 1)
-        moved = np.stack([self.chain.answer(place, rows[:, k]) for k in range(len(stuck))], 1)
+        moved = self.chain.answers(place, rows.swapaxes(1, 2)).swapaxes(1, 2)
         matrix = rows @ np.swapaxes(moved, 1, 2)
         kept: list[int] = []
         for k in range(len(stuck)):

@@ -26,6 +26,12 @@ class Place:
         self.along[..., 0] = self.across[..., 1] = np.cos(self.angle)
         self.along[..., 1] = np.sin(self.angle)
         self.across[..., 0] = -self.along[..., 1]
+        self.rows: dict[int, np.ndarray] = {}  # J of the tangential motion of elements
+
+    @cached_property
+    def mass(self) -> np.ndarray:
+        """The mass matrix, which everything that is asked of this state shares."""
+        return self.chain.mass_matrix(self)
 
     @cached_property
     def position(self) -> np.ndarray:

@@ -141,9 +141,9 @@ class _Run:
 
     def advance(self, time: float) -> None:
         """Integrate until a time [s], through all events before it."""
-        size = self.size_after_event()
+        size, first = self.size_after_event(), self.rate(self.y)
         while self.y[0, self.chain.time].real < time:
-            first, events = self.rate(self.y), self.events(time)
+            events = self.events(time)
             before = [one.function(self.y) for one in events]
             while True:
                 after, stages = self.step(size, first)
@@ -161,6 +161,7 @@ class _Run:
             if not self.touches:
                 self.flight = max(float(np.real(np.max(size))), 1e-4)
             if due is None:
+                first = stages[12]
                 size *= min(3.0, 0.9 * max(error, 1e-9) ** (-1 / 8))
                 if not self.touches:
                     size = min(size, LONGEST)
@@ -168,7 +169,7 @@ class _Run:
                 return
             else:
                 self.handle(event)
-                size = self.size_after_event()
+                size, first = self.size_after_event(), self.rate(self.y)
 
     def size_after_event(self) -> float:
         return FIRST if self.touches else self.flight

@@ -66,9 +66,12 @@ def test_a_second_wheel_of_the_same_sources_takes_no_compiler(made, tmp_path, mo
 def test_there_is_a_kernel_for_every_chain(made):
     assert ready.find(ready.library_name(ready.exact(4), "linux64")).read_text() == "a module for 4"
     assert ready.find(ready.library_name(ready.exact(64), "linux64")).read_text() == "a module for None"
+    assert ready.find(ready.library_name(3, "linux64")) is None
+    assert kernel_library(3) == kernel_library(64) == ready.for_any("linux64", ready.KERNEL)
+    assert kernel_library(4) == ready.find(ready.library_name(4, "linux64"))
     assert ready.find(ready.library_name(4, "win64")) is None
     assert ready.find(browser.MODULE).read_text() == "a module for a browser"
-    assert len(ready.libraries()) == ready.LARGEST_EXACT + 2
+    assert len(ready.libraries()) == len(ready.FIRST_SIZES) + 1
     assert ready.module() == "a module"
     assert lzma.decompress((made / ready.MODULE).read_bytes()) == b"a module"
     assert not [path for path in made.iterdir() if path.is_dir()]
@@ -77,8 +80,8 @@ def test_there_is_a_kernel_for_every_chain(made):
 def test_it_is_said_what_is_done(made, said):
     """pip shows these lines: none is long after the one before."""
     assert said[0] == "compiling kernel, for any number of links"
-    assert "linking kernel-1-linux64.so, 2 of 12" in said
-    assert len(said) == 2 + len(ready.SIZES)
+    assert "linking kernel-4-linux64.so, 4 of 5" in said
+    assert len(said) == 2 + len(ready.FIRST_SIZES)
 
 
 def test_who_waits_long_is_told_that_work_goes_on(tmp_path, monkeypatch):
@@ -102,15 +105,18 @@ def test_who_waits_long_is_told_that_work_goes_on(tmp_path, monkeypatch):
 def test_a_wheel_for_release_carries_the_kernels_with_derivatives(made, tmp_path, monkeypatch):
     """Those for any processor, and those for a newer one; what is cached already is not made again."""
     said = []
-    assert not ready.all_cached(derivatives=True)
-    ready.make(tmp_path / "release", derivatives=True, say=said.append)
-    assert ready.all_cached(derivatives=True)
-    assert not [line for line in said if "kernel-" in line]
+    assert not ready.all_cached(release=True)
+    ready.make(tmp_path / "release", release=True, say=said.append)
+    assert ready.all_cached(release=True)
+    first = ["any" if size is None else str(size) for size in ready.FIRST_SIZES]
+    assert not [line for line in said if any(f"kernel-{size}-" in line for size in first)]
     monkeypatch.setattr(ready, "FOLDER", tmp_path / "release")
     ready._usable.cache_clear()
     assert len(ready.libraries()) == len(ready.SIZES) + len(ready.DERIVATIVE_SIZES) + 2
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "nothing"))
     monkeypatch.setattr(compilers, "wide_cpu", lambda: compilers.WIDE_CPU)
+    for links in range(1, ready.LARGEST_EXACT + 1):
+        assert kernel_library(links).read_text() == f"a module for {links}"
     found = {
         portable: kernel_library(4, derivatives=True, portable=portable).read_text()
         for portable in (True, False)
@@ -131,7 +137,8 @@ def test_a_wheel_for_release_carries_the_kernels_with_derivatives(made, tmp_path
 )
 def test_a_wheel_has_kernels_for_wide_vectors_where_they_can_be_used(platform, kinds):
     plain = [(ready.KERNEL, size) for size in ready.SIZES]
-    assert list(ready._wanted(platform, False).values()) == plain
+    first = [(ready.KERNEL, size) for size in ready.FIRST_SIZES]
+    assert list(ready._wanted(platform, False).values()) == first
     assert [kind for kind, _ in ready._wanted(platform, True).values()] == ["kernel"] * len(plain) + kinds
 
 

@@ -14,7 +14,7 @@ from chain_impact.compilation.ready import DERIVATIVES, KERNEL, WIDE, lowered
 from chain_impact.compilation.work import Notify, Work, announce
 from chain_impact.system import HOST, nowhere
 
-LOWERING, LINKING = {KERNEL: 17.0, DERIVATIVES: 16.0}, {KERNEL: 6.0, DERIVATIVES: 10.0}  # s
+LOWERING, LINKING = {KERNEL: 17.0, DERIVATIVES: 16.0}, {KERNEL: 5.0, DERIVATIVES: 9.0}  # s
 PREPARING = {"win64": 3.0}  # s, in which zig makes what it links with; on other platforms it takes no time
 
 

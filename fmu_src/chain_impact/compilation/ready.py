@@ -1,8 +1,8 @@
 """The kernels that a wheel carries, so that who installs it needs no compiler.
 
-One for release also has those that carry derivatives. They are made when the wheel is built (packaging/ at
-the top of the repository). An editable installation has none: its kernels are made when they are needed, and
-kept in the cache.
+One for release has more of them, also those that carry derivatives. They are made when the wheel is built
+(packaging/ at the top of the repository). An editable installation has none: its kernels are made when they
+are needed, and kept in the cache.
 """
 
 from __future__ import annotations
@@ -28,9 +28,13 @@ PATIENCE = 10.0  # s, after which who waits is told that work goes on
 MADE_FROM = "sources.txt"  # the fingerprint of the sources that they are made from
 LARGEST_EXACT = 10
 """Up to so many links there is a kernel for each number of links. All longer chains share one that reads the
-number from the instance: with it, steps of four links are a quarter slower, of ten a sixth, of thirty not."""
+number from the instance: with it, runs of up to ten links take a tenth to a fifth longer, with many rows of
+outputs up to two fifths, and of thirty no longer."""
 
+FIRST_SIZES: tuple[int | None, ...] = (None, 1, 2, 4)
+"""What a wheel that a user makes has: a kernel for any chain, and those of most models."""
 SIZES: tuple[int | None, ...] = (None, *range(1, LARGEST_EXACT + 1))
+"""What a wheel for release has."""
 DERIVATIVE_SIZES: tuple[int | None, ...] = (None, *range(1, 7))
 """Kernels that carry derivatives are twice as large, so a wheel has fewer of them."""
 REQUIREMENTS = [*(f"{name}=={version}" for name, version in cache.COMPILERS.items()), "numpy>=2.0,<3"]
@@ -80,12 +84,12 @@ def lowered(kind: str) -> str:
     return f"{KERNEL if kind == KERNEL else DERIVATIVES}.ll"
 
 
-def _wanted(platform: str, derivatives: bool) -> dict[str, tuple[str, int | None]]:
+def _wanted(platform: str, release: bool) -> dict[str, tuple[str, int | None]]:
     """The kernels of a wheel: file name → kind and number of links."""
-    kinds = {KERNEL: SIZES}
-    if derivatives and platform in WIDE_PLATFORMS:
+    kinds = {KERNEL: SIZES if release else FIRST_SIZES}
+    if release and platform in WIDE_PLATFORMS:
         kinds |= {DERIVATIVES: (None,), WIDE: DERIVATIVE_SIZES}  # few processors take the first one
-    elif derivatives:
+    elif release:
         kinds[DERIVATIVES] = DERIVATIVE_SIZES
     return {
         library_name(size, platform, what=kind): (kind, size)
@@ -94,16 +98,16 @@ def _wanted(platform: str, derivatives: bool) -> dict[str, tuple[str, int | None
     }
 
 
-def all_cached(platform: str = HOST, *, derivatives: bool = False) -> bool:
+def all_cached(platform: str = HOST, *, release: bool = False) -> bool:
     """Whether all files for a platform are in the cache, so that it takes no compiler to ``make`` them."""
-    return all(cache.find(name) for name in (MODULE, browser.MODULE, *_wanted(platform, derivatives)))
+    return all(cache.find(name) for name in (MODULE, browser.MODULE, *_wanted(platform, release)))
 
 
 def make(
     folder: Path,
     platform: str = HOST,
     *,
-    derivatives: bool = False,
+    release: bool = False,
     say: Callable[[str], None] = print,
 ) -> None:
     """Put all kernels for a platform into a new folder, and the module that more can be made from.
@@ -113,11 +117,11 @@ def make(
     Args:
         folder: to be made.
         platform: of ``compilers.ZIG_TARGETS``.
-        derivatives: whether to add the kernels that carry derivatives.
+        release: whether to add what a wheel for release has: more numbers of links, and derivatives.
         say: is told what is done, before it is.
     """
-    wanted = _wanted(platform, derivatives)
-    if not all_cached(platform, derivatives=derivatives):
+    wanted = _wanted(platform, release)
+    if not all_cached(platform, release=release):
         compilers.require_compilers("a wheel")
         _compile(wanted, platform, say)
     folder.mkdir()
