@@ -144,8 +144,8 @@ def fidelity() -> str:
 
 def browser() -> str:
     """The page that simulates: its size and its times beside the native kernel's."""
-    rows = []
-    for name, found in common.load("browser")["results"]["models"].items():
+    results, rows = common.load("browser")["results"], []
+    for name, found in results["models"].items():
         times = [
             found["first_picture_ms"],
             found["slider_ms"]["median"],
@@ -156,7 +156,10 @@ def browser() -> str:
         texts = [f"{one:.3g} ms" for one in times]
         rows.append((f"`{name}`", f"{found['page_bytes'] / 1e6:.2f} MB", *texts, *ratios))
     head = ("scene", "page", "first picture", "slider to picture", "a run, native", "in the browser", "ratio")
-    return run("browser", ("playwright",)) + "\n\n" + table((*head, "with columns"), rows)
+    grid = results["map"]
+    said = f"The {grid['runs']} runs of a map of `four_link_box` take {grid['browser_s']:.2g} s, "
+    said += f"{span(grid['ratio'])} times as long as the same sweep by as many threads."
+    return "\n\n".join([run("browser", ("playwright",)), table((*head, "with columns"), rows), said])
 
 
 def main() -> None:

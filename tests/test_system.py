@@ -153,9 +153,15 @@ def test_what_comes_next_is_waited_for(monkeypatch):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signal to send for Ctrl-C")
 def test_ctrl_c_ends_a_wait():
-    program = "from queue import SimpleQueue; from chain_impact.system import next_of; print(flush=True);"
+    # a shell lets what it starts in the background ignore Ctrl-C, and with it the tests that run there
+    program = """import signal
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from queue import SimpleQueue
+from chain_impact.system import next_of
+print(flush=True)
+next_of(SimpleQueue())"""
     waiting = subprocess.Popen(
-        [sys.executable, "-c", program + "next_of(SimpleQueue())"],
+        [sys.executable, "-c", program],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
     )

@@ -91,7 +91,11 @@ function rangesOf(scene, valueOf) {
 /** The points in rows of all points. */
 function interleaved(columns, links, axis) {
   const each = Array.from({ length: links + 1 }, (_, point) => columns[`point[${point}].${axis}`]);
-  return Float64Array.from({ length: each[0].length * each.length }, (_, k) => each[k % each.length][Math.floor(k / each.length)]);
+  const found = new Float64Array(each[0].length * each.length);
+  each.forEach((column, point) => column.forEach((value, row) => {
+    found[row * each.length + point] = value;
+  }));
+  return found;
 }
 
 /** What a `Recording` is made of, and how the runs ended; it yields the share that is done. */
