@@ -27,6 +27,7 @@ from chain_impact.results.explore.description import description, packed
 from chain_impact.results.explore.page import WORKER, program
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import Instance
+from chain_impact.system import cores
 
 MODELS = ("four_link_box", "rod_drop", "pinned_arm", "steel_bar")
 ROUNDS = 9
@@ -75,6 +76,7 @@ SLIDES = 60
 MAP = "four_link_box"
 POINTS = 41  # of a map, in each direction
 MAP_ROUNDS = 5
+WORKERS = 8  # that a page takes at most
 
 
 def native(scene: Scene, times: np.ndarray) -> Callable[[], float]:
@@ -163,7 +165,7 @@ def maps(browser: Browser, address: str, rounds: int) -> dict[str, Any]:
         page.wait_for_function("document.getElementById('map-text').textContent.includes(' runs in ')")
         found["browser"].append(time.perf_counter() - began)
         began = time.perf_counter()
-        sweep(MAP, varied, outputs=["impact.count"])
+        sweep(MAP, varied, outputs=["impact.count"], threads=min(cores(), WORKERS))
         found["sweep"].append(time.perf_counter() - began)
     page.close()
     ratios = [one / other for one, other in zip(*found.values(), strict=True)]

@@ -19,7 +19,6 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.compilation import ready
 from chain_impact.compilation.library import kernel_library
 from chain_impact.kernel.status import OK
 from chain_impact.scene.scene import Scene
@@ -31,7 +30,6 @@ from tests.random_scenes import scene as scene_of
 
 MEMORY = 200_000  # numbers, room for the record of any scene
 SLOWEST = 1e4  # evaluations in a second of CPU time; fewer tell of a loop that makes none
-EXACT = 4  # links: longer chains run in the kernel for any number, as after the README's first command
 CONTEXT = get_context("forkserver")
 CONTEXT.set_forkserver_preload(["tests.search"])
 
@@ -149,7 +147,6 @@ def _ended(scene: Scene, seed: int, cpu: float, memory: Any, code: int) -> Verdi
 
 def _serve(pipe: Any, memory: Any) -> None:
     signal.signal(signal.SIGPROF, signal.SIG_DFL)
-    ready.LARGEST_EXACT = EXACT
     while True:
         try:
             scene, seed, cpu = pipe.recv()

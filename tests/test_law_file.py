@@ -90,6 +90,28 @@ def test_an_impact_is_that_of_the_same_law_in_the_registry(law):
             assert impact[name] == pytest.approx(getattr(exact, name), rel=3e-8)
 
 
+def test_a_law_may_have_a_generator(law):
+    text = """
+def parts(x):
+    rest = x
+    for k in range(3):
+        half = 0.5 * rest
+        rest -= half
+        yield half
+    yield rest
+
+def damped(penetration, stiffness):
+    force = 0.0
+    for part in parts(stiffness * penetration):
+        force += part
+    return force
+"""
+    plain = "def damped(penetration, stiffness):\n    return stiffness * penetration"
+    scene, _ = struck_ball()
+    found, known = (simulate(with_file(scene, law(source))).impacts for source in (text, plain))
+    assert found["peak_force"] == pytest.approx(known["peak_force"], rel=1e-9)
+
+
 @pytest.mark.parametrize("change", [lambda path: path.write_text("# another"), Path.unlink])
 def test_a_second_run_is_refused_where_the_law_has_changed(law, change):
     path = Path(law(DAMPED))

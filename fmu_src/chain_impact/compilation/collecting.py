@@ -30,7 +30,7 @@ same bytes."""
 
 
 ANALYSE_AGAIN = frozenset({"PreLowerStripPhis.run_pass", "ReconstructSSA.run_pass"})
-"""Functions of numba that analyse how long variables live, for nobody: a later step does it once more."""
+"""Functions of numba that analyse how long variables live. Only generators need it; the kernel has none."""
 
 
 class Library(codegen.JITCodeLibrary):
@@ -102,8 +102,8 @@ def collect_only(any_python: bool = False) -> None:
     compiler_machinery.PassManager._runPass = _runs_passes(frozenset() if any_python else IDLE)
     numba_ir.Stmt.list_vars = lambda statement: _variables(statement.__dict__.values())
     numba_ir.Expr.list_vars = lambda expression: _variables(expression._kws.values())
-    postproc.PostProcessor.run = _unless_again(postproc.PostProcessor.run)
     if not any_python:
+        postproc.PostProcessor.run = _unless_again(postproc.PostProcessor.run)
         arrayobj.fix_integer_index = _plain_index
     gc.disable()  # the garbage of a compiler that ends soon
 

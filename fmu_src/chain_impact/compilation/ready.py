@@ -27,9 +27,9 @@ MODULE = f"{KERNEL}.ll.xz"  # the lowered kernel, packed in a wheel
 PATIENCE = 10.0  # s, after which who waits is told that work goes on
 MADE_FROM = "sources.txt"  # the fingerprint of the sources that they are made from
 LARGEST_EXACT = 10
-"""Up to so many links there is a kernel for each number of links. All longer chains share one that reads the
-number from the instance: with it, runs of up to ten links take a tenth to a fifth longer, with many rows of
-outputs up to two fifths, and of thirty no longer."""
+"""Up to so many links there can be a kernel for each number of links. All other chains share one that reads
+the number from the instance: with it, runs of up to ten links take a tenth to a fifth longer, with many rows
+of outputs up to two fifths, and of thirty no longer."""
 
 FIRST_SIZES: tuple[int | None, ...] = (None, 1, 2, 4)
 """What a wheel that a user makes has: a kernel for any chain, and those of most models."""

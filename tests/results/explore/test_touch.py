@@ -17,8 +17,8 @@ def middle(page, selector):
     return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
 
-def angle(page):
-    return float(page.evaluate("chainImpact.parameters['initial.angle[4]']"))
+def angle(page, link=4):
+    return float(page.evaluate(f"chainImpact.parameters['initial.angle[{link}]']"))
 
 
 def test_a_finger_drags_a_joint_and_does_not_scroll(show):
@@ -39,10 +39,12 @@ def test_a_second_finger_does_not_take_a_joint_away(show):
     first, second = middle(page, '[data-grip="joint 4"]'), middle(page, '[data-grip="joint 1"]')
     touch(page, "touchStart", first)
     touch(page, "touchMove", (first[0], first[1] - 20))
-    held = angle(page)
+    held, other = angle(page), angle(page, 1)
     touch(page, "touchStart", (first[0], first[1] - 20), second)
     touch(page, "touchMove", (first[0], first[1] - 20), (second[0], second[1] + 40))
-    assert angle(page) == held
+    assert (angle(page), angle(page, 1)) == (held, other)
+    touch(page, "touchMove", (first[0], first[1] - 40), (second[0], second[1] + 40))
+    assert angle(page) > held
     touch(page, "touchEnd")
 
 

@@ -7,9 +7,9 @@ export class Engine {
   #fault; // of the worker itself, after which it answers no more
   #ended = false;
 
-  /** A worker with this program, for a scene; `module` promises the compiled kernel, which all workers share. */
-  constructor(program, scene, module) {
-    this.worker = new Worker(URL.createObjectURL(new Blob([program], { type: "text/javascript" })));
+  /** A worker with the program at an address, for a scene; `module` promises the compiled kernel, which all share. */
+  constructor(address, scene, module) {
+    this.worker = new Worker(address);
     this.worker.onmessage = ({ data }) => this.#take(data);
     this.worker.onerror = ({ message }) => this.#fail(new Error(message || "the browser does not let it begin"));
     this.#begun = module.then((compiled) => this.worker.postMessage({ kind: "scene", scene, module: compiled }));
@@ -36,6 +36,7 @@ export class Engine {
   }
 
   #fail(error) {
+    this.worker.terminate();
     this.#fault = error;
     this.#waiting.forEach(({ fail }) => fail(error));
     this.#waiting.clear();

@@ -22,7 +22,8 @@ const needed = ["Worker", "WebAssembly", "DecompressionStream"].filter((name) =>
 if (needed.length) throw new Error(`this browser has no ${needed.join(", no ")}`);
 const { module: packedModule, ...described } = scene;
 const module = unpacked(packedModule).then((bytes) => WebAssembly.compile(bytes));
-const begin = () => new Engine(find("worker").textContent, described, module);
+const program = URL.createObjectURL(new Blob([find("worker").textContent], { type: "text/javascript" }));
+const begin = () => new Engine(program, described, module);
 const engine = begin();
 const player = new Player(1);
 const ghosts = new Ghosts(player, find("pins"), find("pin-table"));

@@ -82,26 +82,26 @@ export class GridMap {
     });
   }
 
-  /** Work the map out, drawing what is there. */
+  /** Work the map out, drawing what is there; what cannot be asked for changes nothing. */
   async run() {
-    this.#stop();
-    const shown = {};
-    this.shown = shown;
+    let asked;
     try {
-      Object.assign(shown, this.#asked(), { found: Array(RUNS), rows: 0 });
-      const began = performance.now();
-      await this.#simulate(shown);
-      if (shown !== this.shown) return;
-      if (shown.rows < POINTS) {
-        this.#say(`Stopped after ${shown.rows} of ${POINTS} rows.`);
-        return;
-      }
-      const seconds = ((performance.now() - began) / 1000).toPrecision(2);
-      this.#say(`${RUNS} runs in ${seconds} s. Point at a run to read it, click to open it; with a finger, tap twice.`);
+      asked = this.#asked();
     } catch (error) {
-      if (shown === this.shown) this.#say(`${error.message}.`);
+      this.#say(`${error.message}.`);
+      return;
     }
-    if (shown === this.shown) this.#stop();
+    this.#stop();
+    this.#read = undefined;
+    const shown = { ...asked, found: Array(RUNS), rows: 0 };
+    this.shown = shown;
+    const began = performance.now();
+    const fault = await this.#simulate(shown).then(() => "", (error) => `${error.message}.`);
+    if (shown !== this.shown) return;
+    this.#stop();
+    const seconds = ((performance.now() - began) / 1000).toPrecision(2);
+    const done = `${RUNS} runs in ${seconds} s. Point at a run to read it, click to open it; with a finger, tap twice.`;
+    this.#say(fault || (shown.rows === POINTS ? done : `Stopped after ${shown.rows} of ${POINTS} rows.`));
   }
 
   #say(text) {
