@@ -11,14 +11,12 @@ function returns a number only: an exception would be pickled into the code, wit
 from __future__ import annotations
 
 import gc
-import sys
-from collections.abc import Callable, Container, Iterable, Iterator
+from collections.abc import Callable, Container, Iterator
 from typing import Any
 
 from llvmlite import binding as llvm
 from llvmlite import ir
-from numba.core import base, callconv, cgutils, codegen, compiler_machinery, cpu, postproc, types
-from numba.core import ir as numba_ir
+from numba.core import base, callconv, cgutils, codegen, compiler_machinery, cpu, types
 from numba.np import arrayobj
 
 IDLE = frozenset(
@@ -27,10 +25,6 @@ IDLE = frozenset(
 """Steps of numba that look for what a kernel does not have, and take a tenth of the time: closures,
 expressions of whole arrays, functions that numba inlines, ``with``. Without them the lowered kernel has the
 same bytes."""
-
-
-ANALYSE_AGAIN = frozenset({"PreLowerStripPhis.run_pass", "ReconstructSSA.run_pass"})
-"""Functions of numba that analyse how long variables live. Only generators need it; the kernel has none."""
 
 
 class Library(codegen.JITCodeLibrary):
@@ -100,10 +94,7 @@ def collect_only(any_python: bool = False) -> None:
         lambda function, _, kinds, keywords: (function, kinds, *keywords.items()),
     )
     compiler_machinery.PassManager._runPass = _runs_passes(frozenset() if any_python else IDLE)
-    numba_ir.Stmt.list_vars = lambda statement: _variables(statement.__dict__.values())
-    numba_ir.Expr.list_vars = lambda expression: _variables(expression._kws.values())
     if not any_python:
-        postproc.PostProcessor.run = _unless_again(postproc.PostProcessor.run)
         arrayobj.fix_integer_index = _plain_index
     gc.disable()  # the garbage of a compiler that ends soon
 
@@ -150,32 +141,6 @@ def _remembered(method: Callable[..., Any], key: Callable[..., Any]) -> Callable
         return known[one]
 
     return remembered
-
-
-def _variables(values: Iterable[Any]) -> list[numba_ir.Var]:
-    """The variables of a statement, in order. numba's own way to find them takes a tenth of the time."""
-    found: list[numba_ir.Var] = []
-    for one in values:
-        kind = type(one)
-        if kind is numba_ir.Var:
-            found.append(one)
-        elif isinstance(one, numba_ir.Inst):
-            found += one.list_vars()
-        elif kind in (list, tuple):
-            found += _variables(one)
-        elif kind is dict:
-            found += _variables(one.values())
-    return found
-
-
-def _unless_again(analyse: Callable[..., None]) -> Callable[..., None]:
-    """An analysis that is left out where ``ANALYSE_AGAIN`` asks for it."""
-
-    def run(*arguments: Any, **options: Any) -> None:
-        if sys._getframe(1).f_code.co_qualname not in ANALYSE_AGAIN:
-            analyse(*arguments, **options)
-
-    return run
 
 
 def _nothing(*_: Any) -> None:

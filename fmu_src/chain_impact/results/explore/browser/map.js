@@ -131,7 +131,7 @@ export class GridMap {
         next += 1;
         const each = Float64Array.from(axes[0].flatMap((value) => [value, axes[1][row]]));
         const result = await engine.ask("study", values, { names, each, words });
-        if (!result || shown !== this.shown) return;
+        if (!result) return; // the worker was ended
         this.#take(result.rows, row);
       }
     };
@@ -197,7 +197,7 @@ export class GridMap {
     const place = (share) => Math.min(Math.max(Math.floor(share * POINTS), 0), POINTS - 1);
     const [column, row] = [place((clientX - left) / width), POINTS - 1 - place((clientY - top) / height)];
     const index = row * POINTS + column;
-    return this.shown?.found?.[index] === undefined ? undefined : index;
+    return this.shown?.found[index] === undefined ? undefined : index;
   }
 
   #tell(event) {
