@@ -24,7 +24,6 @@ SLOWEST = (
     "tests/fmu/test_platforms.py",
     "tests/studies/sweep/test_cluster.py",
     "tests/test_energy_bound.py",
-    "tests/compilation/test_lower.py",
     "tests/compilation/test_browser.py",
     "tests/results/explore/test_in_browser.py",
     "tests/test_law_file.py",

@@ -31,12 +31,10 @@ from tests.random_scenes import (
 )
 from tests.search import verdict, verdicts
 
-BLOCK = 500  # seeds
-BLOCKS = [
-    range(first + BLOCK * block, first + BLOCK * (block + 1))
-    for first, blocks in ((0, 6), (SLANTED, 1), (SPRUNG, 1), (FOLDED, 1), (TAUT, 1), (STOPPED, 1))
-    for block in range(blocks)
-] + [range(first, first + BLOCK // 2) for first in (UNEVEN, LONG, RUBBED)]
+BLOCK = 250  # seeds
+BLOCKS = [range(first, first + BLOCK) for first in range(0, 6 * BLOCK, BLOCK)]
+BLOCKS += [range(first, first + BLOCK) for first in (SLANTED, SPRUNG, FOLDED, TAUT, STOPPED, UNEVEN, RUBBED)]
+BLOCKS.append(range(LONG, LONG + BLOCK // 2))
 
 
 def broken(one):
