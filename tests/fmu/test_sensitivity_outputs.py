@@ -9,7 +9,7 @@ from chain_impact.fmu.build import build_fmu
 from chain_impact.scene.names import sensitivity_name
 from tests.fmu.conftest import KINDS
 from tests.fmu.importer import Instance
-from tests.friction_derivative_scenes import swinging
+from tests.friction_derivative_scenes import dry_joints
 
 PARAMETERS = ["contact.stiffness", "contact.restitution", "initial.angle[*]"]
 STOP, STEP = 0.8, 0.05  # s, with three impacts
@@ -146,14 +146,14 @@ def test_a_name_that_is_none_is_refused(kind, tmp_path):
 
 
 def test_derivatives_by_a_friction(clean, target, tmp_path):
-    """A point slides, sticks and slides again: as simulate has them."""
-    asked = {"outputs.sensitivities": ["contact.friction", "contact.static_friction"]}
-    rubbing = swinging(static=0.5).scene.with_values(asked)
+    """Joints slide and stick: as simulate has them."""
+    asked = {"outputs.sensitivities": ["link[1].joint_friction", "link[3].joint_friction"]}
+    rubbing = dry_joints(4).scene.with_values(asked)
     result = simulate(rubbing, output_step=STEP)
-    names = [sensitivity_name("point[0].x", name) for name in asked["outputs.sensitivities"]]
+    names = [sensitivity_name("point[4].x", name) for name in asked["outputs.sensitivities"]]
     path = str(build_fmu(rubbing, tmp_path, **KINDS[target]))
     found = clean(stepped, path, names, [float(time) for time in result.time[1:]], {})
     for k, name in enumerate(asked["outputs.sensitivities"]):
-        expected = result.sensitivity("point[0].x", name)
+        expected = result.sensitivity("point[4].x", name)
         assert [row[k] for row in found] == pytest.approx(list(expected), rel=1e-12, abs=1e-14)
         assert abs(expected[-1]) > 1e-4

@@ -51,6 +51,14 @@ class Firefox:
     def wait(self, condition):
         assert self.answer(UNTIL.format(condition)) is True
 
+    def middle(self, selector):
+        """Where an element is, which may be drawn anew at any time."""
+        box = f"document.querySelector({json.dumps(selector)}).getBoundingClientRect()"
+        return self.answer(
+            f"const {{ x, y, width, height }} = {box}; "
+            "return [x + width / 2, y + height / 2].map(Math.round);"
+        )
+
     def find(self, selector):
         return self.driver.find_element("css selector", selector)
 
@@ -94,7 +102,7 @@ def test_a_joint_is_dragged_and_a_map_is_drawn_in_firefox(firefox, tmp_path):
     explore(scene, tmp_path / "rod.html")
     firefox.open(tmp_path / "rod.html")
     pointer = firefox.driver.actions.sequence("pointer", "mouse", {"pointerType": "mouse"})
-    pointer.pointer_move(0, 0, origin=firefox.find('[data-grip="joint 1"]')).pointer_down()
+    pointer.pointer_move(*firefox.middle('[data-grip="joint 1"]')).pointer_down()
     pointer.pointer_move(0, -40, origin="pointer").pointer_up().perform()
     start = scene.values["initial.angle[1]"]
     firefox.wait(f"chainImpact.parameters['initial.angle[1]'] > {start} + 0.01")
