@@ -5,7 +5,8 @@ from tests.results.explore.conftest import needs_browser
 pytestmark = needs_browser
 THOUSAND = """async () => {
   const output = ["point[4].x"];
-  const run = (k) => chainImpact.simulate({ "contact.restitution": 0.3 + k / 2000 }, { output });
+  const values = (k) => ({ "contact.restitution": 0.3 + k / 2000, "simulation.stop_time": 0.6 });
+  const run = (k) => chainImpact.simulate(values(k), { output });
   const whole = async (from, to) => { for (let k = from; k < to; k += 1) await run(k % 1000); };
   const size = () => { gc(); gc(); return performance.memory.usedJSHeapSize; };
   await whole(0, 100);
