@@ -123,7 +123,7 @@ class Model:
         return start
 
     def word(self, variable: Variable) -> int:
-        """Where a variable stands in an instance of the FMU, counted in words."""
+        """Where a variable is in an instance of the FMU, counted in words."""
         return word_index(self.start.dtype, variable.place)
 
     def start_text(self, variable: Variable) -> str:
