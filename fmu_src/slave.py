@@ -163,7 +163,7 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
     # --- variables ---
 
     def get_real(self, vrs: list[int]) -> list[float]:
-        """Return reals; the kernel works outputs out at the first look at them after a change."""
+        """Return reals; the kernel works outputs out when they are first read after a change."""
         if not self.observed and max(vrs, default=0) >= self.model["first_output"]:
             self._initialize()
             self._kernel().observe(self.address)

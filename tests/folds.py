@@ -21,7 +21,7 @@ from chain_impact.kernel.status import ONSET_DUE
 from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import Instance
 from tests.draw import Draw
-from tests.kernel_calls import advance_to_onset, let_happen
+from tests.kernel_calls import advance_to_onset, event_update
 from tests.problems import GRAVITY, build
 from tests.reference import clearance_gradient, mass_matrix
 
@@ -105,7 +105,7 @@ def faults(scene: Scene) -> dict[str, float]:
         if status != ONSET_DUE:
             break
         bound = loss_bound(scene, instance, before)
-        status = let_happen(instance)
+        status = event_update(instance)
         after = row(instance)
         lost = after["dissipated"] - before["dissipated"]
         note("loss", lost - bound, ROUND_OFF * there)

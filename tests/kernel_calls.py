@@ -33,9 +33,9 @@ def advance_to_onset(instance: Instance, time: float) -> int:
     return int(instance._kernel.advance_to_onset(c_void_p(instance._address), c_double(time)))
 
 
-def let_happen(instance: Instance) -> int:
+def event_update(instance: Instance) -> int:
     """Let the onset happen that is due; return the status."""
-    return int(instance._kernel.let_happen(c_void_p(instance._address)))
+    return int(instance._kernel.event_update(c_void_p(instance._address)))
 
 
 def move(instance: Instance, memory: Any) -> None:

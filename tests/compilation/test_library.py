@@ -21,7 +21,7 @@ from tests.binaries import read_binary
 from tests.fmu.standard import all_functions_of_fmi3, co_simulation_functions
 
 ENTRY_POINTS = {
-    *("initialize", "advance", "advance_awhile", "advance_to_onset", "let_happen"),
+    *("initialize", "advance", "advance_awhile", "advance_to_onset", "event_update"),
     *("observe", "sound", "follow", "trajectory", "run_each"),
 }
 OLDEST_GLIBC = (2, 17)  # CentOS 7, of 2014

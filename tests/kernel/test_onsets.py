@@ -7,7 +7,7 @@ from chain_impact import CONTACT_LAWS, load_scene, simulate
 from chain_impact.kernel.status import OK, ONSET_DUE
 from chain_impact.scene.scene import scene_from_dict, with_values
 from chain_impact.simulation.instance import Instance
-from tests.kernel_calls import advance_to_onset, let_happen
+from tests.kernel_calls import advance_to_onset, event_update
 
 RIGID = {("contact", "model"): "newton_impact"}
 
@@ -22,8 +22,8 @@ class Stopping:
     def to_onset(self, time):
         return advance_to_onset(self.instance, time)
 
-    def let_happen(self):
-        return let_happen(self.instance)
+    def event_update(self):
+        return event_update(self.instance)
 
     def outputs(self):
         self.instance.observe()
@@ -40,7 +40,7 @@ class Stopping:
             while (status := self.to_onset(time)) == ONSET_DUE:
                 onsets.append(self.instance.time)
                 count, before = self.count, self.outputs()
-                assert self.let_happen() == OK
+                assert self.event_update() == OK
                 assert self.instance.time == onsets[-1]
                 assert self.count > count
                 assert self.record["impact"]["last_time"] == onsets[-1]
@@ -79,7 +79,7 @@ def test_an_onset_at_the_very_start_is_one(contact):
     stopping = Stopping(dropped(**contact))
     assert stopping.to_onset(0.5) == ONSET_DUE
     assert (stopping.instance.time, stopping.count) == (0.0, 0)
-    assert stopping.let_happen() == OK
+    assert stopping.event_update() == OK
     assert (stopping.instance.time, stopping.count) == (0.0, 2)
 
 
@@ -106,7 +106,7 @@ def test_the_restitution_set_at_an_onset_is_that_of_its_impact():
         stopping.instance.observe()
         # still before the impact
         assert stopping.record["output"]["point_velocity"][0, 1] == pytest.approx(-speed, rel=1e-14)
-        assert stopping.let_happen() == OK
+        assert stopping.event_update() == OK
         stopping.instance.observe()
         ratios.append(stopping.record["output"]["point_velocity"][0, 1] / speed)
     assert ratios == pytest.approx([0.9, 0.5, 0.7], rel=1e-12)
@@ -121,7 +121,7 @@ def test_a_law_set_at_an_onset_is_that_of_its_impact():
         assert stopping.to_onset(10.0) == ONSET_DUE
         stopping.record["given"]["law"] = law
         stopping.record["given"]["changed"] = 1
-        assert stopping.let_happen() == OK
+        assert stopping.event_update() == OK
         lasting.append(int(stopping.record["touch"]["active_count"]))
     assert lasting == [0, 2]
     assert stopping.count == 4

@@ -35,7 +35,7 @@ _TARGETS = {
 ZIG_TARGETS = {name: (target, PLATFORMS[name].suffix) for name, target in _TARGETS.items()}
 """Platform → zig target and file suffix."""
 PORTABLE_CPU = "x86-64-v2"
-BAD_LAW = 3  # exit code of lower.py; what is wrong stands on standard error
+BAD_LAW = 3  # exit code of lower.py; what is wrong is on standard error
 # For every x86 processor since 2009 and every 64-bit ARM, so that results are bit-equal on all of a kind.
 CPUS = {"x86_64": "x86_64_v2", "aarch64": "generic"}
 # Where it is there, twice as many numbers fit a vector, and dual numbers are vectors. Values are bit-equal.

@@ -4,7 +4,7 @@
     int32 advance(instance*, double time)
     int32 advance_awhile(instance*, double time)
     int32 advance_to_onset(instance*, double time)
-    int32 let_happen(instance*)
+    int32 event_update(instance*)
     int32 observe(instance*)
     int32 sound(instance*)
     int32 follow(instance*)
@@ -92,7 +92,7 @@ def entry_points(derivatives: bool = False) -> Entries:
         "advance": (int32(INSTANCE, float64), entry.advance_to),
         "advance_awhile": (int32(INSTANCE, float64), entry.advance_awhile),
         "advance_to_onset": (int32(INSTANCE, float64), advance_to_onset),
-        "let_happen": (int32(INSTANCE), event_update),
+        "event_update": (int32(INSTANCE), event_update),
         "observe": (int32(INSTANCE), entry.observe_now),
         "sound": (int32(INSTANCE), sound),
         "follow": (int32(INSTANCE), follow),

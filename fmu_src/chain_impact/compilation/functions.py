@@ -90,5 +90,5 @@ def _type_of_function(function: FunctionType, _context: object) -> types.Type | 
 
 @lower_constant(Function)
 def _no_value(context: Any, _builder: object, _type: Function, _value: object) -> Any:
-    # numba would write down where its object stands in the memory of this process
+    # numba would write down where its object is in the memory of this process
     return context.get_dummy_value()

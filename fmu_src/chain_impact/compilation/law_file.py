@@ -26,7 +26,7 @@ class LawError(ValueError):
 
 @dataclass(frozen=True)
 class UserLaw:
-    """A law as it stands in its file.
+    """A law as its file has it.
 
     Attributes:
         id: its name, that of the file and of the function in it.

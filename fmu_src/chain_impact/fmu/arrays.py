@@ -20,7 +20,7 @@ class Array(NamedTuple):
 
     Attributes:
         variable: the array as a variable; its place is that of its first element.
-        shape: one size for each dimension; the elements stand one after the other in the record, the last
+        shape: one size for each dimension; the elements are one after the other in the record, the last
             index changing first.
     """
 

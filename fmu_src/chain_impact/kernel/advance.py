@@ -10,7 +10,7 @@ import math
 
 from chain_impact.kernel import hooks
 from chain_impact.kernel.events.contact_log import update_extremes, update_to_output_time
-from chain_impact.kernel.events.friction_modes import choose_anew
+from chain_impact.kernel.events.friction_modes import reinit_modes
 from chain_impact.kernel.events.impulses import end_changed_contacts, update_active_set
 from chain_impact.kernel.events.kinds import KINK, NONE, REFUSED
 from chain_impact.kernel.events.marks import drop_events, ends_in_onset, pending_changes
@@ -198,7 +198,7 @@ def apply_pending_inputs(d):
     if status == OK:
         latch_again(d)
         recompute_active_set(d)
-        choose_anew(d, False)
+        reinit_modes(d, False)
         set_kink_sides(d)  # the law may have changed
     return status
 

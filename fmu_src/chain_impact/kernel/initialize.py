@@ -17,7 +17,7 @@ from chain_impact.kernel.chain.state import (
 )
 from chain_impact.kernel.events.contact_log import clear_log
 from chain_impact.kernel.events.exclusion import NOTHING, remember_clearances
-from chain_impact.kernel.events.friction_modes import choose_anew, clear_changes
+from chain_impact.kernel.events.friction_modes import clear_changes, reinit_modes
 from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.integration.balance import start_balance
 from chain_impact.kernel.integration.impulse import clear_impulses
@@ -57,7 +57,7 @@ def initialize(d, time):
     set_initial_state(d, d.work.y)
     reset_step(d, time, d.work.y)
     clear_loads(d)
-    choose_anew(d, True)
+    reinit_modes(d, True)
     size = first_size(d)
     propose(d, size if IS_IMPLICIT[first_method(d.solver.method)] else stable(d, size))
     keep_for_flight(d)

@@ -143,7 +143,7 @@ class Result:
 
     @property
     def energy(self) -> np.ndarray:
-        """The ledger [J], a structured array of shape (T,).
+        """The energies [J], a structured array of shape (T,).
 
         Fields kinetic, potential, elastic, dissipated, supplied and total = kinetic + potential + elastic;
         total + dissipated − supplied is constant.
@@ -151,11 +151,11 @@ class Result:
         names = ["kinetic", "potential", "elastic", "dissipated", "supplied", "total"]
         if "kinetic" in (self.outputs.dtype.names or ()):
             return self.outputs[names]
-        ledger = np.zeros(len(self.time), [(name, np.float64) for name in names])
+        energy = np.zeros(len(self.time), [(name, np.float64) for name in names])
         for name in names:
             if name != "supplied" or self.scene.inputs.joint_torques or self.scene.inputs.tip_force:
-                ledger[name] = self[f"energy.{name}"]
-        return ledger
+                energy[name] = self[f"energy.{name}"]
+        return energy
 
     def sensitivity(self, quantity: str, parameter: str) -> np.ndarray:
         """The derivative of an output with respect to a parameter, for all other parameters held.

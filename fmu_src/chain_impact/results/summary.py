@@ -26,7 +26,7 @@ def plural(count: int, what: str) -> str:
 
 
 def energy_lines(columns: Mapping[str, np.ndarray]) -> Iterator[str]:
-    """The ledger at the end, and how far it was out of balance; nothing if there are no such columns."""
+    """The energies at the end, and how far they were out of balance; nothing if there are no such columns."""
     if not {"energy.total", "energy.dissipated"} <= columns.keys():
         return
     total, dissipated = columns["energy.total"], columns["energy.dissipated"]

@@ -18,7 +18,7 @@ HATCHES = [np.array([[x, 0.65], [x + 0.25, 1.0]]) for x in (-0.7, -0.35, 0.0, 0.
 def pin_mark(points: np.ndarray) -> list[np.ndarray]:
     """The lines of a pinned base's ground mark: a support on hatched ground.
 
-    It stands above the base if the chain is on the mean below it, else below.
+    It is above the base if the chain is on the mean below it, else below.
 
     Args:
         points: positions, shape (T, N+1, 2) [m].

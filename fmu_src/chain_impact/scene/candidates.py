@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import product
+
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.scene.scene import Scene
 
@@ -26,4 +28,4 @@ def point_wall_pairs(scene: Scene) -> list[tuple[int, int]]:
     """The pairs of a point and a wall that can touch."""
     walls = [w for w, name in enumerate(WALLS) if getattr(scene.box, name) is not None]
     walls += range(len(WALLS), len(WALLS) + len(scene.walls))
-    return [(point, wall) for point in scene.contact.points for wall in walls]
+    return list(product(scene.contact.points, walls))

@@ -27,7 +27,7 @@ START_TOLERANCE = 1e-12  # m, penetration at the start that counts as round-off
 
 
 def with_law_path(scene: Scene, folder: Path) -> Scene:
-    """Return the scene with the whole path of its law's file, after a look at that."""
+    """Return the scene with the whole path of its law's file, after a check of that."""
     file = scene.contact.law_file
     if not file:
         return scene

@@ -46,7 +46,7 @@ def name_of(path: Place, walls: Sequence[object] = ()) -> str:
 
 
 def place_in_file(path: Place) -> str:
-    """Where the value at a path stands in the scene file: "mass in [[chain.links]]"."""
+    """Where the value at a path is in the scene file: "mass in [[chain.links]]"."""
     *head, last = path
     if isinstance(last, int):
         return f"entry {last + 1} of {place_in_file(tuple(head))}"

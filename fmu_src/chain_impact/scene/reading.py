@@ -185,7 +185,7 @@ class Reader:
         return f"{what}; the keys here are {', '.join(here)}"
 
     def _one_table(self, item: Any, value: Mapping[Any, Any], path: Place) -> str:
-        """Say that one table stands where there has to be a list of them, and what else belongs elsewhere."""
+        """Say that one table is where a list of them has to be, and what else belongs elsewhere."""
         name = self.label(path)
         moved = [
             self._keys()[key] for key in value if key not in item.__dataclass_fields__ and key in self._keys()

@@ -1,7 +1,7 @@
 """The scene file: a chain, its box and how it starts, read from TOML into frozen dataclasses.
 
 The dataclass fields, here and in tables.py, are the one table of what a scene may hold. Unit, description,
-range and default stand in each field's metadata, from which come the validation here, the scene reference in
+range and default are in each field's metadata, from which come the validation here, the scene reference in
 the docs and the parameters of the FMU. All values are in SI units, angles in radians from +x.
 """
 
@@ -165,7 +165,7 @@ def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
 
 
 def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
-    """Return the scene; in an error a key is called by its name and, of a file, by what stands there."""
+    """Return the scene; in an error a key is called by its name and, of a file, by its place there."""
     walls = data.get("walls") if isinstance(data, Mapping) else None
     tables = walls if isinstance(walls, list | tuple) else []
     given = [table.get("name") if isinstance(table, Mapping) else None for table in tables]

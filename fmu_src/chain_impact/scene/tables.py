@@ -1,6 +1,6 @@
 """The tables of a scene file, below the scene itself: dataclasses whose fields are its keys.
 
-Unit, description, range and default stand in each field's metadata; see scene.py.
+Unit, description, range and default are in each field's metadata; see scene.py.
 """
 
 import math

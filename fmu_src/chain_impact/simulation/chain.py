@@ -1,4 +1,4 @@
-"""A chain that is stepped by hand, for controllers and learning: set inputs, take a step, look, decide."""
+"""A chain that is stepped by hand, for controllers and learning: set inputs, step, read, decide."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ MAGIC = b"chainsav"
 
 @dataclass(frozen=True, slots=True)
 class _Place:
-    """Where a variable stands in the record, and what may be written there."""
+    """Where a variable is in the record, and what may be written there."""
 
     word: int
     whole: bool
@@ -66,7 +66,7 @@ class Chain:
     """
 
     def __init__(self, scene: SceneSource, notify: Notify | None = None) -> None:
-        """Stand at the start of the scene, t = 0.
+        """Begin at the start of the scene, t = 0.
 
         Args:
             scene: what to simulate: a scene, or what ``load_scene`` takes. The FMU has inputs

@@ -54,7 +54,7 @@ class DifferentiatedInstance(Instance):
         self,
         model: Model,
         varied: Sequence[Variable],
-        output_indices: Sequence[int],
+        output_indices: Sequence[int] | np.ndarray,
         notify: Notify | None = None,
         driven: Drive | None = None,
     ) -> None:
@@ -209,9 +209,9 @@ class RowsWithSlopes:
 
     at_once = ROWS_AT_ONCE
 
-    def __init__(self, numbers: np.ndarray, slopes: np.ndarray) -> None:
-        """Keep the arrays that are filled."""
-        self.numbers, self.slopes = numbers, slopes
+    def __init__(self, numbers: np.ndarray, directions: int) -> None:
+        """Fill an array of outputs, and one of their derivatives, which are NaN until then."""
+        self.numbers, self.slopes = numbers, np.full((*numbers.shape, directions), np.nan)
 
     def fill(self, instance: DifferentiatedInstance, times: np.ndarray, start: int) -> int:
         """See ``Rows``."""
@@ -285,7 +285,7 @@ class DifferentiatedRun:
         times = np.ascontiguousarray(times, float)
         driven = drive(self._model, self._inputs, "follow", times)
         found = np.full((len(driven.times), self._width), np.nan)
-        rows = RowsWithSlopes(found, np.full((*found.shape, self._count), np.nan))
+        rows = RowsWithSlopes(found, self._count)
         asked = np.searchsorted(driven.times, times)
         driven.set(instance.record["given"], 0)
         try:

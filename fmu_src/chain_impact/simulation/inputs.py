@@ -63,8 +63,8 @@ class Drive:
             for name, value in settings.items():
                 course[name] = value
         if changed:
-            anew = row != self.first[at] or self.pieces.jumps[at]
-            given["changed"] = AT_ONCE if anew else CONTINUES
+            jumps = row != self.first[at] or self.pieces.jumps[at]
+            given["changed"] = AT_ONCE if jumps else CONTINUES
 
 
 def drive(model: Model, inputs: Mapping[str, Signal], interpolation: str, times: np.ndarray) -> Drive:
@@ -132,7 +132,7 @@ def _with_functions(scene: Scene, signals: Mapping[str, Any], columns: np.ndarra
 
     follower = Follower(called, float(held.end[-1]), FINER * scene.solver.tolerance)
     try:
-        return follower.beside(held, columns)
+        return follower.with_held(held, columns)
     except NotSmoothError as error:
         which = names[columns[error.which]]
         raise SceneError(

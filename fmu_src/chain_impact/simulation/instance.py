@@ -24,6 +24,7 @@ from chain_impact.variables.variable import Variable
 
 # words at the start of a record: the numbers of links, candidates, elements and instances of dual numbers
 SIZES = 4
+CHUNK_ROWS, CHUNK_BYTES = 5000, 8_000_000  # that the kernel fills at once, at most
 
 
 class SimulationError(RuntimeError):
@@ -56,6 +57,41 @@ class Rows(Protocol):
 
     def fill(self, instance: Any, times: np.ndarray, start: int) -> int:
         """Advance an instance to each of the times [s], keeping rows from ``start`` on; return how many."""
+
+
+class OutputRows:
+    """Rows of all outputs, or of some words of them.
+
+    Attributes:
+        kept: what is filled, by name, shape (T,): the fields of ``output_dtype`` in kernel/record/outputs.py,
+            or the names of the words.
+        numbers: the same as numbers, shape (T, W).
+        words: which words of all outputs these are, shape (W,).
+    """
+
+    def __init__(self, count: int, layout: np.dtype, words: Mapping[str, int] | None = None) -> None:
+        """Make room for so many rows of the record of all outputs, or of some words by their names."""
+        self.at_once = max(1, min(CHUNK_ROWS, CHUNK_BYTES // layout.itemsize))
+        self._scratch = None
+        if words is None:
+            self.kept = np.zeros(count, layout)
+            self.numbers = self.kept.view(np.float64).reshape(count, -1)
+            self.words = np.arange(self.numbers.shape[1])
+        else:
+            self.numbers = np.zeros((count, len(words)))
+            named = np.dtype([(name, np.float64) for name in words])
+            self.kept = self.numbers.view(named)[:, 0] if words else np.zeros(count, named)
+            self.words = np.array(list(words.values()), int)
+            self._scratch = np.zeros(min(count, self.at_once), layout)
+
+    def fill(self, instance: Instance, times: np.ndarray, start: int) -> int:
+        """See ``Rows``."""
+        if self._scratch is None:  # the kernel writes the rows as they are kept
+            return instance.trajectory(times, self.kept[start : start + len(times)])
+        count = instance.trajectory(times, self._scratch)
+        written = self._scratch.view(np.float64).reshape(len(self._scratch), -1)
+        self.numbers[start : start + count] = written[:count, self.words]
+        return count
 
 
 class Instance:
@@ -150,7 +186,7 @@ class Instance:
         # of those that nobody collected in time, the oldest are lost
         count = min(int(log["count"]), len(log["point"]))
         log["count"] = 0
-        return self._impacts({name: log[name][:count] for name in IMPACT_DTYPE.names or ()})
+        return self._impacts(log, np.arange(count))
 
     @property
     def all_changes(self) -> np.ndarray:
@@ -175,16 +211,15 @@ class Instance:
         touch, candidate = self.record["touch"], self.record["candidate"]
         if not touch["active_count"]:
             return np.zeros(0, IMPACT_DTYPE)
-        active = touch["active"] == 1
         columns = open_columns(touch, self.record["impulse"])
         columns |= {"point": candidate["point"], "wall": candidate["wall"]}
-        return self._impacts({name: column[active] for name, column in columns.items()})
+        return self._impacts(columns, np.flatnonzero(touch["active"] == 1))
 
-    def _impacts(self, columns: Mapping[str, np.ndarray]) -> np.ndarray:
-        """The impacts with these columns, without impulses if these are not followed."""
-        rows = np.zeros(len(columns["point"]), IMPACT_DTYPE)
-        for name, column in columns.items():
-            rows[name] = column
+    def _impacts(self, columns: Any, places: np.ndarray) -> np.ndarray:
+        """The impacts at some places of columns by name, without impulses if these are not followed."""
+        rows = np.zeros(len(places), IMPACT_DTYPE)
+        for name in IMPACT_DTYPE.names or ():
+            rows[name] = columns[name][places]
         if not self.record["impulse"]["wanted"]:
             rows["impulse"] = np.nan
         return rows
@@ -203,7 +238,7 @@ class Instance:
     def statistics(self) -> dict[str, int]:
         """The solver's counts."""
         counts = self.record["statistics"]
-        return {name: int(counts[name]) for name in counts.dtype.names or ()}
+        return dict(zip(counts.dtype.names, counts.item(), strict=True))
 
 
 def open_columns(touch: Any, impulse: Any) -> dict[str, np.ndarray]:

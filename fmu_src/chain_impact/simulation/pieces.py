@@ -23,13 +23,13 @@ from chain_impact.kernel.model.inputs import DEGREE
 
 Sampled = Callable[[np.ndarray], np.ndarray]
 """Times, shape (T,) → values of M functions there, shape (T, M)."""
-LOOKS = 2000  # times in a run at which every function is looked at: what is shorter can be missed
+CHECKED_TIMES = 2000  # in a run, at which every function is called: what is shorter can be missed
 POINTS = 16  # values of a piece
 SHORTEST = 4e-13  # of the run: a piece so short is dropped
 NOISE = 4  # pieces in a row that hold jumps: a function that is nowhere smooth
 FINE = 1 / 65536  # of the run: a function with pieces so short is hardly smooth in pieces
 CALLS = 15_000  # times in a run at which functions are called for fine pieces, jumps and kinks
-CALLS_BESIDE = 50  # as many more with each piece of the signals that are held
+CALLS_PER_PIECE = 50  # as many more with each piece of the signals that are held
 SIMPLE = 4  # degree of a polynomial that may be extrapolated in search of a jump or kink
 NEARER = 0.1  # of the larger miss of two polynomials: the smaller one, if a value belongs to one of them
 ROUND_OFF = 4e-15  # of a function's largest value: what its values may err …
@@ -163,7 +163,7 @@ class Follower:
     """Finds pieces of M functions in a run."""
 
     def __init__(self, functions: Sampled, stop: float, accuracy: float) -> None:
-        """Look at the functions all over the run.
+        """Call the functions at times all over the run.
 
         Args:
             functions: what is followed.
@@ -171,7 +171,7 @@ class Follower:
             accuracy: error that a piece may have, in parts of a function's largest value.
         """
         self._functions, self._shortest, self._fine = functions, SHORTEST * stop, FINE * stop
-        self._times = np.linspace(0.0, stop, LOOKS + 1)
+        self._times = np.linspace(0.0, stop, CHECKED_TIMES + 1)
         self._values = functions(self._times)
         self._scale = np.abs(self._values).max(axis=0)
         self._accuracy = max(accuracy, ROUND_OFF)
@@ -194,7 +194,7 @@ class Follower:
                 self._join(found, piece)
         return found
 
-    def beside(self, held: Pieces, columns: np.ndarray) -> Pieces:
+    def with_held(self, held: Pieces, columns: np.ndarray) -> Pieces:
         """Pieces in which the functions are some of the signals; the others are held ones.
 
         Raises:
@@ -202,7 +202,7 @@ class Follower:
         """
         found, powers = [], []
         for k, (start, end) in enumerate(zip(held.start.tolist(), held.end.tolist(), strict=True)):
-            self._calls_left += CALLS_BESIDE
+            self._calls_left += CALLS_PER_PIECE
             pieces = self.pieces(start, end)
             starts = np.array([start, *(piece.start for piece in pieces[1:])])
             found.append((starts, [(piece.start, piece.end) for piece in pieces]))

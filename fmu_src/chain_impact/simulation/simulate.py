@@ -18,17 +18,23 @@ from chain_impact.results.result import Result
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.results.stick_slip import NO_PHASES, phases_of
 from chain_impact.scene.reading import SceneError
-from chain_impact.scene.scene import Scene, SceneSource, scene_of
+from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
 from chain_impact.simulation.derivatives import DifferentiatedInstance, RowsWithSlopes
 from chain_impact.simulation.inputs import Drive, Interpolation, Signal, drive
-from chain_impact.simulation.instance import Instance, Rows, SimulationError, in_order
+from chain_impact.simulation.instance import (
+    CHUNK_ROWS,
+    Instance,
+    OutputRows,
+    Rows,
+    SimulationError,
+    in_order,
+)
 from chain_impact.variables.model import Model, model_of
 from chain_impact.variables.table import WORD, word_index
 from chain_impact.variables.variable import Variable
 
 MOST_BYTES = 2_000_000_000
 """Most bytes that the outputs of a simulation may take: more is refused before anything is computed."""
-CHUNK_ROWS, CHUNK_BYTES = 5000, 8_000_000  # that the kernel fills at once, at most
 
 
 def simulate(
@@ -90,7 +96,6 @@ def simulate(
         SimulationError: when the solver cannot go on; it holds the result up to there.
         BuildError: when the kernel cannot be compiled.
     """
-    scene = scene_of(scene)
     settings = {
         "simulation.stop_time": stop_time,
         "simulation.step_size": None if output_step == math.inf else output_step,
@@ -98,7 +103,7 @@ def simulate(
         "solver.tolerance": tolerance,
     }
     changes = {name: value for name, value in settings.items() if value is not None}
-    scene = scene.with_values(changes) if changes else scene
+    scene = with_values(scene, changes) if changes else scene_of(scene)
     stop = scene.simulation.stop_time
     step = stop if output_step == math.inf else scene.simulation.step_size
     model = Model(scene)
@@ -113,15 +118,12 @@ def simulate(
     if inputs:
         _check_rows(f"{scene.name}: the simulation with its inputs has", len(driven.times), columns)
     stepwise = Stepwise(model, driven, chosen)  # before the run, which may take long
-    kept, numbers = _space(len(driven.times), model.row, words)
-    slopes, differentiated = np.zeros((*numbers.shape, len(varied))), None
-    rows: Rows
+    outputs = OutputRows(len(driven.times), model.row, words)
+    rows: Rows = outputs
+    differentiated = None
     if varied:
-        output_indices = list(range(numbers.shape[1]) if words is None else words.values())
-        differentiated = DifferentiatedInstance(model, varied, output_indices, notify, driven)
-        rows = RowsWithSlopes(numbers, slopes)
-    else:
-        rows = AllOutputs(kept) if words is None else _SomeOutputs(model.row, numbers, words.values())
+        differentiated = DifferentiatedInstance(model, varied, outputs.words, notify, driven)
+        rows = slopes = RowsWithSlopes(outputs.numbers, len(varied))
     instance = differentiated or Instance(model, notify, driven, ())
     done, impacts = instance.run(driven, rows, progress or silent)
     order, found = in_order([*impacts, instance.open_contacts()])
@@ -132,7 +134,7 @@ def simulate(
             model=model,
             varied=varied,
             chosen=None if words is None else tuple(words),
-            slopes=slopes[asked],
+            slopes=slopes.slopes[asked],
             impacts=found,
             impact_slopes=differentiated.slopes_of_impacts(order),
             limits=differentiated.limits,
@@ -140,7 +142,7 @@ def simulate(
     result = Result(
         model=model,
         time=driven.times[asked],
-        outputs=kept[asked],
+        outputs=outputs.kept[asked],
         impacts=found,
         statistics=instance.statistics,
         sensitivities=sensitive,
@@ -183,46 +185,6 @@ def _times(stop: float, step: float) -> np.ndarray:
     times *= step
     times[-1] = stop
     return times
-
-
-def _space(count: int, layout: np.dtype, words: Mapping[str, int] | None) -> tuple[np.ndarray, np.ndarray]:
-    """Room for T rows of all outputs, or of some words of them: by name, and as numbers, shape (T, W)."""
-    if words is None:
-        kept = np.zeros(count, layout)
-        return kept, kept.view(np.float64).reshape(count, -1)
-    numbers, named = np.zeros((count, len(words))), np.dtype([(name, np.float64) for name in words])
-    return numbers.view(named)[:, 0] if words else np.zeros(count, named), numbers
-
-
-class AllOutputs:
-    """Rows of all outputs, as the kernel writes them."""
-
-    def __init__(self, kept: np.ndarray) -> None:
-        """Fill an array of shape (T,), of the fields of ``output_dtype`` in kernel/record/outputs.py."""
-        self.at_once, self._kept = _chunk(kept.dtype), kept
-
-    def fill(self, instance: Instance, times: np.ndarray, start: int) -> int:
-        """See ``Rows``."""
-        return instance.trajectory(times, self._kept[start : start + len(times)])
-
-
-class _SomeOutputs:
-    """Rows of some words of the outputs."""
-
-    def __init__(self, layout: np.dtype, numbers: np.ndarray, words: Iterable[int]) -> None:
-        self.at_once, self._numbers, self._words = _chunk(layout), numbers, np.array(list(words), int)
-        self._scratch = np.zeros(min(len(numbers), self.at_once), layout)
-
-    def fill(self, instance: Instance, times: np.ndarray, start: int) -> int:
-        """See ``Rows``."""
-        count = instance.trajectory(times, self._scratch)
-        written = self._scratch.view(np.float64).reshape(len(self._scratch), -1)[:count]
-        self._numbers[start : start + count] = written[:, self._words]
-        return count
-
-
-def _chunk(layout: np.dtype) -> int:
-    return max(1, min(CHUNK_ROWS, CHUNK_BYTES // layout.itemsize))
 
 
 class _StepwiseRows:

@@ -158,7 +158,7 @@ COLUMNS: dict[str, Callable[[LawRun], object]] = {
     "steps": lambda run: run.steps if run.result else None,
     "note": lambda run: run.note,
 }
-"""The columns of the CSV, and what stands in them; "restitution" to "energy lost" are of the first impact."""
+"""The columns of the CSV, and what they hold; "restitution" to "energy lost" are of the first impact."""
 
 
 def _cell(value: object) -> object:

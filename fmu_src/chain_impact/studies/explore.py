@@ -31,7 +31,7 @@ def explore(
     Args:
         scene: a scene, or what ``load_scene`` takes.
         path: the file to write, for a browser.
-        command: what stands after ``chain-impact simulate`` in the command that the page gives to repeat a
+        command: what comes after ``chain-impact simulate`` in the command that the page gives to repeat a
             motion; by default the source of the scene, or the name of the model that it is.
         notify: as for ``simulate``.
 

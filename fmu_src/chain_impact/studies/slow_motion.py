@@ -13,8 +13,8 @@ from chain_impact.results.recording import Recording
 from chain_impact.results.result import Result, recording_of
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.simulation.inputs import Signal, drive
-from chain_impact.simulation.instance import Instance
-from chain_impact.simulation.simulate import AllOutputs, simulate
+from chain_impact.simulation.instance import Instance, OutputRows
+from chain_impact.simulation.simulate import simulate
 
 MOST_ROWS = 40_000
 WITHIN = np.linspace(
@@ -61,13 +61,13 @@ def record_slowly(
     others = (onsets[:, None] + (ends - onsets)[:, None] * WITHIN).ravel()[:MOST_ROWS]
     driven = drive(result.model, inputs or {}, "follow", np.union1d(shown, others.clip(0.0, stop)))
     instance = Instance(result.model, notify, driven)
-    outputs = np.zeros(len(driven.times), result.model.row)
-    done, _ = instance.run(driven, AllOutputs(outputs), lambda part: show(0.5 + part / 2))
+    rows = OutputRows(len(driven.times), result.model.row)
+    done, _ = instance.run(driven, rows, lambda part: show(0.5 + part / 2))
     return recording_of(
         Result(
             result.model,
             driven.times[:done],
-            outputs[:done],
+            rows.kept[:done],
             result.impacts,
             statistics=instance.statistics,
             stick_slip=result.stick_slip,

@@ -36,23 +36,24 @@ LINK_PARAMETERS = (
 
 
 class Model:
-    """A scene with all that follows from it, each part worked out once, when it is first asked for.
+    """A scene with all that follows from it, each part worked out once, most when they are first asked for.
 
     Attributes:
         scene: what the model is of.
+        candidates: the C pairs (point, or joint of a stop; index into ``scene.wall_names``) that can touch.
+        layout: the record of an instance without derivatives.
+        row: the record of the outputs, a row of ``Result.outputs``.
     """
 
     def __init__(self, scene: Scene) -> None:
-        self.scene = scene
+        self.scene, self.candidates = scene, candidates(scene)
+        links, pairs = len(scene.chain.links), len(self.candidates)
+        self.layout = _layout(links, pairs, links + pairs if scene.has_friction else 0)
+        self.row: np.dtype = self.layout["output"]
 
     def __reduce__(self) -> tuple[type[Model], tuple[Scene]]:
         """So that what follows from the scene does not go to another process."""
         return type(self), (self.scene,)
-
-    @cached_property
-    def candidates(self) -> list[tuple[int, int]]:
-        """The C pairs (point, or joint of a stop; index into ``scene.wall_names``) that can touch."""
-        return candidates(self.scene)
 
     @cached_property
     def parameters(self) -> list[Variable]:
@@ -115,18 +116,6 @@ class Model:
         return {v.name: v for v in variables if not v.name.startswith("solver") | v.name.endswith(left_out)}
 
     @cached_property
-    def row(self) -> np.dtype:
-        """The record of the outputs, a row of ``Result.outputs``."""
-        row: np.dtype = self._layout["output"]
-        return row
-
-    @cached_property
-    def _layout(self) -> np.dtype:
-        """The record of an instance without derivatives."""
-        links, pairs = len(self.scene.chain.links), len(self.candidates)
-        return _layout(links, pairs, links + pairs if self.scene.has_friction else 0)
-
-    @cached_property
     def start(self) -> np.ndarray:
         """An instance as the FMU has it before it is initialized; not to be written to."""
         start = self.new_instance()
@@ -134,7 +123,7 @@ class Model:
         return start
 
     def word(self, variable: Variable) -> int:
-        """Where a variable stands in an instance of the FMU, counted in words."""
+        """Where a variable is in an instance of the FMU, counted in words."""
         return word_index(self.start.dtype, variable.place)
 
     def start_text(self, variable: Variable) -> str:
@@ -206,7 +195,7 @@ class Model:
             varied: with respect to what there are derivatives; by default as in the FMU.
         """
         varied = self.varied if varied is None else varied
-        block = np.zeros(1, self._layout)
+        block = np.zeros(1, self.layout)
         _fill(block[0], self.scene, self.candidates)
         block[0]["step"]["regularized"] = NO_CONTACT
         return _with_tangents(block, [variable.place for variable in varied]) if varied else block
@@ -243,16 +232,14 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
 
     model = d["model"]
     model["gravity"] = scene.gravity
-    for name in LINK_PARAMETERS:
-        model[name] = [getattr(link, name) for link in links]
+    for i, link in enumerate(links):
+        for name in LINK_PARAMETERS:
+            model[name][i] = getattr(link, name)
     model["joint_min"], model["joint_max"] = -math.inf, math.inf
-    # the position of a wall that is not there is never looked at
-    model["wall"] = [getattr(scene.box, name) or 0.0 for name in WALLS]
+    for w, name in enumerate(WALLS):  # the position of a wall that is not there is never read
+        model["wall"][w] = getattr(scene.box, name) or 0.0
     if pairs:
         d["candidate"]["point"], d["candidate"]["wall"] = np.transpose(pairs)
-    _fill_walls(d, scene)
-    if scene.stops.exponent is not None:
-        _fill_stops(d, scene)
     model["pinned"] = scene.chain.base == "pinned"
     model["driven"] = scene.inputs.joint_torques or scene.inputs.tip_force
 
@@ -275,6 +262,9 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     d["solver"]["method"] = SOLVER_METHODS.index(scene.solver.method) + 1
     for name in ("tolerance", "work_limit"):
         d["solver"][name] = getattr(scene.solver, name)
+    _fill_walls(d, scene)
+    if scene.stops.exponent is not None:
+        _fill_stops(d, scene)
 
 
 def _fill_walls(d: Any, scene: Scene) -> None:
@@ -286,11 +276,10 @@ def _fill_walls(d: Any, scene: Scene) -> None:
     for w, wall in enumerate(scene.walls):
         for name, value in (("x", wall.point[0]), ("y", wall.point[1]), ("angle", wall.angle)):
             d["walls"][name][w] = value
-    numbers = {name: w for w, name in enumerate(scene.wall_names)}
-    for wall_name, material in scene.contact.wall.items():
-        w = numbers[wall_name]
+    for w, wall_name in enumerate(scene.wall_names):
+        material = scene.contact.wall.get(wall_name)
         for name in ("stiffness", "restitution", "friction", "static_friction"):
-            if (value := getattr(material, name)) is not None:
+            if material and (value := getattr(material, name)) is not None:
                 d["walls"][name][w] = value
 
 

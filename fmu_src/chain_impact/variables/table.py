@@ -1,7 +1,7 @@
 """The variables of the FMU: one table of their names, kinds, units and places in the instance record.
 
 From it come the modelDescription.xml, the table that the FMU carries, the columns of a CSV file and the names
-that the command line's ``--set`` takes. What a parameter means, its unit and its range stand in the fields of
+that the command line's ``--set`` takes. What a parameter means, its unit and its range are in the fields of
 ``scene/tables.py``; this module adds only where they are found. A scene has the variables that it needs: no
 wall, no candidate and no input that is not in it.
 """

@@ -12,7 +12,7 @@ from chain_impact.scene.names import Place
 
 LARGEST = sys.float_info.max
 OBSERVED = ("output", "latest")
-"""Records that the kernel fills when somebody looks: their real numbers may change all the time."""
+"""Records that the kernel fills when an output is read: their real numbers may change all the time."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -37,15 +37,15 @@ def assert_laws_hold(chain):
 
 @BOTH
 @pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("struck", [True, False])
+@pytest.mark.parametrize("jumped", [True, False])
 def test_the_modes_of_elements_at_rest_are_those_that_dense_algebra_finds(
-    seed, struck, base, contacts, joints
+    seed, jumped, base, contacts, joints
 ):
     """For µ_s = µ all consistent combinations have the same accelerations, and the kernel has these."""
     chain = AtRest(seed, base, contacts, joints)
     right = chain.consistent()
     assert right
-    update_modes(chain.d, struck)
+    update_modes(chain.d, jumped)
     assert chain.modes in right
     assert_laws_hold(chain)
     for reached in right.values():
@@ -86,17 +86,17 @@ def test_a_mode_that_is_consistent_is_kept_and_costs_one_evaluation(seed):
     assert d.changes.count == logged
 
 
-@pytest.mark.parametrize("struck", [True, False])
-def test_what_moves_slides_in_the_direction_of_its_motion(struck):
-    """What stuck moves by errors only, if nothing has struck."""
+@pytest.mark.parametrize("jumped", [True, False])
+def test_what_moves_slides_in_the_direction_of_its_motion(jumped):
+    """What stuck moves by errors only, if no speed has jumped."""
     rng = np.random.default_rng(8)
     _, d, y = rubbing_chain(rng, "free", 3, True)
     d.step.state_end[:] = y
     elements = [int(e) for e in d.element.index[: d.friction.count]]
     signs = [int(np.sign(along_tangent(d, e, d.work.velocity))) for e in elements]
     assert set(signs) == {1, -1}
-    d.element.mode[elements] = STICKS if struck else [-sign for sign in signs]
-    update_modes(d, struck)
+    d.element.mode[elements] = STICKS if jumped else [-sign for sign in signs]
+    update_modes(d, jumped)
     assert d.element.mode[elements].tolist() == signs
     assert not d.element.undecided[elements].any()
     assert not d.element.slack[elements].any()

@@ -41,7 +41,7 @@ def move_at(d, c, speed):
 
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize(
-    "case",  # event, mode before, speed, whether struck; mode, whether undecided
+    "case",  # event, mode before, speed, whether speeds have jumped; mode, whether undecided
     [
         (NONE, 1, 0.5, False, 1, 0),
         (NONE, -1, 0.5, False, 1, 0),
@@ -61,11 +61,11 @@ def move_at(d, c, speed):
 )
 def test_the_first_guess_is_by_the_motion_the_event_or_what_was_before(one, sign, case):
     """All signs turn with that of the motion and the force."""
-    (d, c), (event, before, speed, struck, right, undecided) = one, case
+    (d, c), (event, before, speed, jumped, right, undecided) = one, case
     move_at(d, c, sign * speed)
     d.element.before[c] = sign * before if abs(before) == 1 else before
     d.element.event[c], d.element.force[c] = event, sign * 4.0
-    assert first_guess(d, c, struck) == sign * right
+    assert first_guess(d, c, jumped) == sign * right
     assert d.element.undecided[c] == undecided
 
 

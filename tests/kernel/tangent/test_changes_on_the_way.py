@@ -9,7 +9,7 @@ from chain_impact.simulation.derivatives import DifferentiatedInstance
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.model import Model
 from tests.derivative_scenes import table
-from tests.kernel_calls import advance_to_onset, let_happen
+from tests.kernel_calls import advance_to_onset, event_update
 
 PARAMETERS = ("link[1].mass", "gravity.y")
 OUTPUTS = ("link[2].angle", "link[2].angular_velocity")
@@ -94,7 +94,7 @@ def through_onset(instance, changes, stop):
     given = instance.record["given"]
     for name, value in changes.items():
         given[name], given["changed"] = value, 1
-    let_happen(instance)
+    event_update(instance)
     instance.advance(stop)
     instance.observe()
     return instance.collect()

@@ -291,7 +291,7 @@ def test_of_contacts_that_overlap_the_latest_is_named(show, tmp_path, until_next
 def test_the_ledger_is_that_of_the_recording(show, recording):
     page = show()
     go_to(page, "0.9")
-    names, values = (page.locator(f"#ledger {tag}").all_inner_texts() for tag in ("dt", "dd"))
+    names, values = (page.locator(f"#energies {tag}").all_inner_texts() for tag in ("dt", "dd"))
     shown = dict(zip(names, values, strict=True))
     for name in ("kinetic", "potential", "dissipated", "total"):
         expected = np.interp(0.9, recording.time, recording.columns[f"energy.{name}"])

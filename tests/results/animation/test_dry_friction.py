@@ -113,7 +113,7 @@ def test_arrows_lean_against_the_motion_and_a_bar_shows_what_sticks(show):
     told = [float(re.match(r"[\d.]+", text)[0]) for text in page.locator(".force-text").all_text_contents()]
     assert told == pytest.approx([0.5 * WEIGHT] * 2, abs=0.01)
     assert page.text_content("#close-what").endswith("brown: friction")
-    assert "friction" in page.text_content("#ledger")
+    assert "friction" in page.text_content("#energies")
 
 
 @needs_browser

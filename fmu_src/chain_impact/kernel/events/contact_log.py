@@ -15,7 +15,13 @@ from chain_impact.kernel.integration.last_step import (
     truncate_to_output_time,
 )
 from chain_impact.kernel.model.constraints import any_point_held
-from chain_impact.kernel.model.contact import contact_force, contact_slopes, leave, set_extremes, set_rates
+from chain_impact.kernel.model.contact import (
+    contact_force,
+    contact_slopes,
+    deactivate,
+    set_extremes,
+    set_rates,
+)
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.geometry import along_normal, clearance, lever
 from chain_impact.kernel.model.latest import note_impact
@@ -214,4 +220,4 @@ def end_contact(d, c, held):
     log.impulse[row] = impulse * arm
     note_impact(d, c, d.step.end, speed, touch.peak_force[c], touch.max_penetration[c], impulse)
     log.count += 1
-    leave(d, c)
+    deactivate(d, c)

@@ -39,12 +39,12 @@ AGAINST = 1e-9
 MISLOCATED = 1e-3
 
 
-def update_modes(d, struck):
+def update_modes(d, jumped):
     """Set the modes for the state at the end of the last step, and project it onto what sticks.
 
     Args:
         d: the instance, with the points located at the end of the last step.
-        struck: whether speeds may have jumped. Otherwise what stuck has no speed but for errors.
+        jumped: whether speeds may have jumped. Otherwise what stuck has no speed but for errors.
     """
     own = d.friction
     list_friction(d)
@@ -52,12 +52,12 @@ def update_modes(d, struck):
         d.element.before[e] = NO_FRICTION if begins(d, e) else d.element.mode[e]
         set_mode(d, e, NO_FRICTION)
     for i in range(own.count):
-        set_mode(d, d.element.index[i], first_guess(d, d.element.index[i], struck))
+        set_mode(d, d.element.index[i], first_guess(d, d.element.index[i], jumped))
     drop_changes(d)
     choose_modes(d)
     for i in range(own.stuck_count):
         e = d.element.stuck[i]
-        if struck or d.element.before[e] != STICKS:
+        if jumped or d.element.before[e] != STICKS:
             set_anchor(d, e)
     log_changes(d)
     if any_sticking(d):
@@ -67,17 +67,17 @@ def update_modes(d, struck):
         set_slack(d, d.element.index[i])
 
 
-def choose_anew(d, struck):
+def reinit_modes(d, jumped):
     """Choose the modes at the end of the last step, where parameters, inputs or the state have been set.
 
     Args:
         d: the instance.
-        struck: as for ``update_modes``.
+        jumped: as for ``update_modes``.
     """
     set_friction_used(d)
     if d.friction.used or d.friction.count > 0:
         locate_points(d, d.step.state_end)
-        update_modes(d, struck)
+        update_modes(d, jumped)
         reset_step(d, d.step.end, d.step.state_end)
 
 
@@ -95,14 +95,14 @@ def set_slack(d, e):
     d.element.slack[e] = max(0.0, 2.0 * backward) if d.element.undecided[e] else 0.0
 
 
-def first_guess(d, e, struck):
+def first_guess(d, e, jumped):
     """The mode of element e by its motion; if it is at rest, the one it had, and it is undecided."""
     speed = along_tangent(d, e, d.work.velocity)
     before, event = d.element.before[e], d.element.event[e]
     d.element.undecided[e] = 1
     if event == STICKING_ENDS:
         return against(d.element.force[e])
-    resting = event == SLIDING_ENDS or (before == STICKS and not struck)
+    resting = event == SLIDING_ENDS or (before == STICKS and not jumped)
     if resting and abs(speed) <= MISLOCATED * d.model.size:
         return STICKS
     if abs(speed) > rest_speed(d):

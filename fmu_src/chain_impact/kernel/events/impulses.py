@@ -46,8 +46,8 @@ from chain_impact.kernel.model.constraints import (
 from chain_impact.kernel.model.contact import (
     begin_contact,
     clear_loads,
+    deactivate,
     include,
-    leave,
     list_touching,
     set_extremes,
     set_kink_side,
@@ -80,15 +80,15 @@ def handle_impact(d):
     # an interpolated state satisfies the constraints only up to the error of the interpolant
     project_state(d, d.step.state_end)
     give_impulses(d)
-    struck = False
+    hit = False
     for c in range(d.candidates):
         if touch.event[c] == ONSET and d.law.impulsive[c]:
             begin_contact(d, c)
-            struck = True
-    if struck:
+            hit = True
+    if hit:
         include_near_contacts(d)
     list_touching(d)
-    if struck:
+    if hit:
         suspend_sticking(d)
         apply_impulses(d)
         end_rebounding_contacts(d)
@@ -206,7 +206,7 @@ def end_rebounding_contacts(d):
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         if d.touch.event[c] == NEIGHBOUR and d.rigid.impulse[k] <= 0.0:
-            leave(d, c)  # it takes no part in the impact
+            deactivate(d, c)  # it takes no part in the impact
         elif d.rigid.reached[k] > max(slow, STICK * d.law.minimum_impact_speed[c]):
             end_rigid_contact(d, c)
     list_touching(d)

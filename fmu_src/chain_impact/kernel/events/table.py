@@ -93,7 +93,7 @@ def apply_events(d):
         Whether a force may have jumped: a contact begins or ends, a v₀ was latched again, a mode changes.
     """
     touch, onset, jumped, goes_on = d.touch, -1, False, pending_changes(d) > 0
-    rigid, strikes = any_point_held(d), rigid_onset(d)
+    rigid, rigid_impact = any_point_held(d), rigid_onset(d)
     locate_points(d, d.step.state_end)
     forces = touch.compliant_count > 0
     if not forces:
@@ -103,7 +103,7 @@ def apply_events(d):
         if d.law.impulsive[c]:
             rigid = rigid or kind != NONE
             continue
-        if strikes and kind == ONSET:
+        if rigid_impact and kind == ONSET:
             continue
         jumped = _handle(kind, d, c) or jumped
         goes_on = goes_on or kind in (RELATCH, KINK)

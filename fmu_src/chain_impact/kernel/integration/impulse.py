@@ -44,20 +44,20 @@ def friction_integrand_at_end(d, k):
 
 def set_impulse_stage(d, i):
     """Set stage i of the impulses, dp/ds = F dt/ds, where the rate of the state was evaluated just now."""
-    pace = d.work.stage[i, time_at(d.links)]
+    dt_ds = d.work.stage[i, time_at(d.links)]
     for k in range(impulse_count(d)):
-        d.impulse.stage[i, k] = d.touch.force[d.touch.active_index[k]] * pace
+        d.impulse.stage[i, k] = d.touch.force[d.touch.active_index[k]] * dt_ds
     for k in range(friction_count(d)):
-        d.friction_impulse.stage[i, k] = friction_integrand(d, k) * pace
+        d.friction_impulse.stage[i, k] = friction_integrand(d, k) * dt_ds
 
 
 def set_impulse_stage_at_end(d, i):
     """Set stage i of the impulses, at the end of the last step."""
-    pace = d.work.stage[i, time_at(d.links)]
+    dt_ds = d.work.stage[i, time_at(d.links)]
     for k in range(impulse_count(d)):
-        d.impulse.stage[i, k] = d.touch.force_end[d.touch.active_index[k]] * pace
+        d.impulse.stage[i, k] = d.touch.force_end[d.touch.active_index[k]] * dt_ds
     for k in range(friction_count(d)):
-        d.friction_impulse.stage[i, k] = friction_integrand_at_end(d, k) * pace
+        d.friction_impulse.stage[i, k] = friction_integrand_at_end(d, k) * dt_ds
 
 
 def set_tried_impulses(d, z, first, first_of_friction):

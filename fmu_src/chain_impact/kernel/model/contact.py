@@ -143,8 +143,8 @@ def include(d, c):
     d.touch.active[c] = 1
 
 
-def leave(d, c):
-    """Let candidate c not be active any more."""
+def deactivate(d, c):
+    """Make candidate c inactive."""
     d.touch.active[c] = 0
 
 

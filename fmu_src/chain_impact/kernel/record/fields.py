@@ -30,7 +30,7 @@ def record(*fields: tuple[object, ...]) -> np.dtype:
 
 
 def table(count: int, *columns: tuple[object, ...]) -> np.dtype:
-    """A table of columns (name, type) with ``count`` rows, each of which stands together in memory."""
+    """A table of columns (name, type) with ``count`` rows, each of which is contiguous in memory."""
     return np.dtype((record(*columns), (count,)))
 
 

@@ -1,7 +1,7 @@
 """The start of a tangent instance: the derivatives of all that follows from the parameters."""
 
 from chain_impact.kernel.advance import latch_again, recompute_active_set
-from chain_impact.kernel.events.friction_modes import choose_anew
+from chain_impact.kernel.events.friction_modes import reinit_modes
 from chain_impact.kernel.initialize import clear_run, derive_chain, set_initial_state
 from chain_impact.kernel.integration.last_step import reset_step
 from chain_impact.kernel.integration.switching import begin_explicit
@@ -28,7 +28,7 @@ def start_tangent(d, t):
     clear_loads(t)
     trust(t)
     copy_modes(d, t)
-    choose_anew(t, True)
+    reinit_modes(t, True)
     check_coefficients(t)
     begin_explicit(t)
 
@@ -43,7 +43,7 @@ def reinit_tangent(d, t):
     latch_again(t)
     recompute_active_set(t)
     copy_modes(d, t)
-    choose_anew(t, False)
+    reinit_modes(t, False)
     check_coefficients(t)
     set_kink_sides(t)
     clear_loads(t)

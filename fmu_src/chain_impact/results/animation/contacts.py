@@ -1,4 +1,4 @@
-"""The contacts of a recording: when they were, how large their force was, and which are worth a look."""
+"""The contacts of a recording: when they were, how large their force was, and which are worth showing."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ STYLE: Any = {
     "legend.frameon": False,
 }
 """Settings of matplotlib for a film."""
-SCENE, LEDGER = (0.02, 0.03, 0.6, 0.85), (0.69, 0.12, 0.29, 0.6)  # left, bottom, width, height of the page
+SCENE, ENERGY = (0.02, 0.03, 0.6, 0.85), (0.69, 0.12, 0.29, 0.6)  # left, bottom, width, height of the page
 ABOVE: Any = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0), "borderaxespad": 0.2}
 LONGEST = 0.26  # of the smaller side of the scene: the arrow of the largest force
 LEAST = 0.02  # of the same: the shortest arrow
@@ -51,11 +51,11 @@ class FilmPage:
         """Draw what does not move."""
         self.motion = motion
         self.scene = figure.add_axes(SCENE)
-        self.ledger = figure.add_axes(LEDGER)
+        self.energy = figure.add_axes(ENERGY)
         figure.text(SCENE[0], 0.94, motion.name, fontsize=13, fontweight="bold", va="center")
         moving: dict[str, Any] = {"animated": True, "va": "center"}
-        self.clock = figure.text(LEDGER[0], 0.94, "", fontsize=15, fontweight="bold", **moving)
-        self.rate = figure.text(LEDGER[0], 0.87, "", fontsize=10, **moving)
+        self.clock = figure.text(ENERGY[0], 0.94, "", fontsize=15, fontweight="bold", **moving)
+        self.rate = figure.text(ENERGY[0], 0.87, "", fontsize=10, **moving)
         self._draw_ground()
         self._draw_energies()
         still: dict[str, Any] = {"animated": True, "solid_capstyle": "round", "solid_joinstyle": "round"}
@@ -73,7 +73,7 @@ class FilmPage:
         look: dict[str, Any] = {"linestyle": "", "marker": "o", "animated": True}
         (self.joints,) = self.scene.plot([], [], color="white", markeredgecolor=CHAIN, markersize=5, **look)
         (self.tip,) = self.scene.plot([], [], color=TIP, markeredgecolor="white", markersize=7, **look)
-        self.now = self.ledger.axvline(motion.time[0], color=INK, linewidth=1.0, animated=True)
+        self.now = self.energy.axvline(motion.time[0], color=INK, linewidth=1.0, animated=True)
         peaks = [c.peak_force for c in motion.contacts if c.peak_force is not None and c.arm is None]
         self.peak = max(peaks, default=1.0)
 
@@ -90,7 +90,7 @@ class FilmPage:
         draw_pin(axes, self.motion.pin)
 
     def _draw_energies(self) -> None:
-        axes, motion = self.ledger, self.motion
+        axes, motion = self.energy, self.motion
         for contact in motion.contacts:
             axes.axvline(contact.onset, color=PALE, linewidth=0.8, zorder=0)
         for name, energy in motion.energies.items():

@@ -38,7 +38,7 @@ def description(scene: Scene, command: Sequence[str]) -> dict[str, Any]:
 
     Args:
         scene: that the page shows.
-        command: what stands after ``chain-impact simulate`` in the command that repeats what the page shows.
+        command: what comes after ``chain-impact simulate`` in the command that repeats what the page shows.
     """
     model = Model(_without_derivatives(scene))
     record = model.new_instance([])

@@ -24,7 +24,7 @@ def page(scene: Scene, command: Sequence[str], notify: Notify | None = None) -> 
 
     Args:
         scene: what it simulates at first.
-        command: what stands after ``chain-impact simulate`` in the command that repeats what it shows.
+        command: what comes after ``chain-impact simulate`` in the command that repeats what it shows.
         notify: as for ``simulate``.
 
     Raises:

@@ -27,7 +27,7 @@ class Label:
     Attributes:
         text: what it says.
         place: in data coordinates.
-        away: unit vector of the direction in which it stands from its place.
+        away: unit vector of the direction from its place to the label.
         short: what it says where the text has no room, if anything.
     """
 

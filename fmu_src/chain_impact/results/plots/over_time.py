@@ -51,7 +51,7 @@ def draw_clock(axes: Axes, recording: Recording) -> None:
 
 
 def draw_energy(axes: Axes, recording: Recording) -> None:
-    """The energy ledger over time; the impacts as lines."""
+    """The energies over time; the impacts as lines."""
     mark_impacts(axes, recording)
     for name, colour in ENERGY_COLOURS.items():
         energy = recording.columns.get(f"energy.{name}", np.zeros(1))

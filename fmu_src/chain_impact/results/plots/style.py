@@ -22,7 +22,7 @@ PALETTE = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
 """For what is told apart by colour. Okabe and Ito, Color Universal Design (2008), without their yellow, which
 is too pale on white, and without black."""
 GREY, PALE, INK = "0.72", "0.9", "0.25"
-"""What stands behind what is shown; lines of a grid; text and outlines."""
+"""Curves in the background; lines of a grid; text and outlines."""
 # viridis without its end, which is too pale on white
 TIME_COLOURS = LinearSegmentedColormap.from_list("time", mpl.colormaps["viridis"](np.linspace(0.0, 0.85, 64)))
 

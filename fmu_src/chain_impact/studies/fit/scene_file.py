@@ -93,7 +93,7 @@ def _update(table: Any, wanted: Mapping[str, Any], present: Mapping[str, Any]) -
 def _set(table: Any, key: str, value: Any, present: Any = None) -> None:
     """Write one value; of a list only the entries that differ. A comment behind it keeps its column.
 
-    What is present in the scene may stand in degrees in the table.
+    What is present in the scene may be in degrees in the table.
     """
     here = table.get(key)
     before = len(here.as_string()) if hasattr(here, "as_string") else 0

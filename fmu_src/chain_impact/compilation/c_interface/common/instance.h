@@ -126,7 +126,7 @@ extern int32_t initialize(Word *record, double time);
 extern int32_t advance(Word *record, double time);
 enum { ONSET_DUE = -3 }; /* a status of the kernel, no fault */
 extern int32_t advance_to_onset(Word *record, double time);
-extern int32_t let_happen(Word *record);
+extern int32_t event_update(Word *record);
 extern int32_t observe(Word *record);
 extern int32_t sound(Word *record);
 

@@ -68,11 +68,11 @@ class Chart {
   }
 }
 
-/** The ledger: all energies over the whole time, with their values at the present time. */
+/** All energies over the whole time, with their values at the present time. */
 export class EnergyChart extends Chart {
-  constructor(element, ledger, seek) {
+  constructor(element, energies, seek) {
     super(element, 180);
-    this.ledger = ledger;
+    this.energies = energies;
     this.seek = seek;
     this.names = [];
   }
@@ -103,8 +103,8 @@ export class EnergyChart extends Chart {
       },
       data,
     );
-    this.ledger.replaceChildren();
-    this.values = names.map((name) => ledgerEntry(this.ledger, name));
+    this.energies.replaceChildren();
+    this.values = names.map((name) => energyEntry(this.energies, name));
     const go = (event) => {
       const { left } = this.plot.over.getBoundingClientRect();
       this.seek(this.plot.posToVal(event.clientX - left, "x"));
@@ -124,13 +124,13 @@ export class EnergyChart extends Chart {
   }
 }
 
-/** The entry of an energy in the ledger: its name, and the element for its present value. */
-function ledgerEntry(ledger, name) {
+/** The entry of an energy: its name, and the element for its present value. */
+function energyEntry(energies, name) {
   const [entry, term, value] = ["div", "dt", "dd"].map((tag) => document.createElement(tag));
   term.textContent = name;
   term.style.setProperty("--colour", `var(--${name})`);
   entry.append(term, value);
-  ledger.append(entry);
+  energies.append(entry);
   return [name, value];
 }
 

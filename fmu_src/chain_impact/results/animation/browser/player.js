@@ -21,7 +21,7 @@ export class Player {
     this.scene = new Scene(find("scene"));
     this.panels = [
       [({ energies }) => Object.keys(energies).length > 0, find("energy").closest("section"),
-        new EnergyChart(find("energy"), find("ledger"), (time) => this.clock.seek(time))],
+        new EnergyChart(find("energy"), find("energies"), (time) => this.clock.seek(time))],
       [({ forces }) => forces.length > 0, find("force").closest("section"),
         new ForceChart(find("force"), find("close-what"))],
     ];
