@@ -30,6 +30,7 @@ from chain_impact.kernel.events.exclusion import (
     remember_clearances,
     set_clearance,
     set_clearances,
+    stays_in_contact,
     stays_positive,
     sundman_u_now,
 )
@@ -214,7 +215,7 @@ def test_the_root_of_the_regularized_contact_decides_by_its_end(end, expected):
     _, d = chain(np.random.default_rng(0), 1)
     d.step.regularized, d.search.clear_end[2] = 2, end
     d.search.clear_start[2] = -9.0
-    assert stays_positive(d, 2, 1e9) == expected
+    assert stays_in_contact(d, 2, 1e9) == expected
 
 
 @pytest.mark.parametrize("what", [VALUES, WITH_CURVES, FAR])
