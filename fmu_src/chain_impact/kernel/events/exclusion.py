@@ -48,7 +48,7 @@ def excludes_events(d):
     """Whether the state and rate at the ends of the last step prove that there is no event in it.
 
     Its method must provide the rate at the end; the points are located and accelerated there. If the result
-    is false, φ and φ′ of all candidates are known at both ends.
+    is false, φ and φ′ of all candidates are known at both ends, and the suspects are chosen.
     """
     # an input may change the acceleration between the ends as much as rotation does
     turn = max(largest_turn(d), (d.step.end - d.step.start) * d.inputs.course.pace)
@@ -76,7 +76,39 @@ def excludes_events(d):
         # the scale of errors in a penetration is far below that of a position
         c = d.touch.active_index[k]
         clear = clear and stays_in_contact(d, c, error) and is_quiet(d, c)
+    if not clear:
+        if turn < SMALL_TURN:
+            suspect_some(d, apart, error)
+        else:
+            suspect_all(d)
     return clear
+
+
+def suspect_all(d):
+    """Let the search follow all candidates."""
+    d.search.suspect_count = d.candidates
+    for c in range(d.candidates):
+        d.search.suspect[c] = c
+
+
+def suspect_some(d, apart, error):
+    """Let the search follow the candidates that the test on the ends of the step does not exclude.
+
+    Args:
+        d: the instance, with φ, φ′ and φ″ at both ends.
+        apart: the error [m] of φ where candidates are apart.
+        error: the same where they touch.
+    """
+    search, count = d.search, 0
+    for c in range(d.candidates):
+        if d.touch.active[c]:
+            suspected = not d.law.impulsive[c] and not stays_in_contact(d, c, error)
+        else:
+            suspected = not stays_positive(d, c, apart)
+        if suspected:
+            search.suspect[count] = c
+            count += 1
+    search.suspect_count = count
 
 
 def leeway(d):

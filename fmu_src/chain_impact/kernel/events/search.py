@@ -18,6 +18,7 @@ from chain_impact.kernel.events.exclusion import (
     keep_start,
     known_clearances,
     remember_clearances,
+    suspect_all,
 )
 from chain_impact.kernel.events.friction_events import find_mode_change
 from chain_impact.kernel.events.kinds import END, NONE, ONSET, REFUSED
@@ -54,6 +55,7 @@ def find_event(d):
     if d.candidates == 0:
         return find_event_but_crossings(d)
     if not RATE_AT_END[d.step.last_method]:
+        suspect_all(d)
         if known_clearances(d) in (NOTHING, FAR):
             measure(d, 0.0)
         keep_start(d)
@@ -70,6 +72,7 @@ def find_event(d):
         if theta < 0.0:
             measure(d, 1.0)
     theta = find_sampled_event(d, theta)
+    # those that the search did not follow were measured at the end of the step
     remember_clearances(d, VALUES)
     # the time in a regularized step is not under error control
     if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
