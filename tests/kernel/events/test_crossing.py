@@ -18,7 +18,7 @@ from chain_impact.kernel.events.crossing import (
     locate,
     measure,
 )
-from chain_impact.kernel.events.exclusion import keep_start
+from chain_impact.kernel.events.exclusion import keep_start, suspect_all
 from chain_impact.kernel.events.kinds import END, NONE, ONSET
 from chain_impact.kernel.integration.method import IMPLICIT
 from chain_impact.kernel.model.geometry import clearance
@@ -55,6 +55,7 @@ def moving(seed, *, count=2, size=0.4, near=3, touching=0, base="free"):
 
 
 def prepare(d):
+    suspect_all(d)
     measure(d, 0.0)
     keep_start(d)
     bound_curvature(d)
@@ -121,6 +122,29 @@ def test_a_dip_between_the_ends_of_a_step_is_found(falling, depth):
         expected = 0.5 - math.sqrt(depth / a)
         assert found == pytest.approx(expected, abs=1e-12 + 1e-16 / depth)
         assert d.touch.event.tolist() == [int(k == c) * ONSET for k in range(d.candidates)]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_only_suspects_are_followed(seed):
+    d, motion = moving(seed, size=1.0)
+    crossing_ones = np.flatnonzero((phi(d, motion, SAMPLES) < 0.0).any(axis=0))
+    found = find_crossing(d)
+    assert found >= 0.0
+    (first,) = np.flatnonzero(d.touch.event)
+    for suspects in (crossing_ones, np.setdiff1d(crossing_ones, [first])):
+        d.touch.event[:] = NONE
+        d.search.clear_end[:] = d.search.clear_end_rate[:] = math.nan
+        suspect_all(d)
+        measure(d, 0.0)
+        keep_start(d)
+        d.search.suspect_count = len(suspects)
+        d.search.suspect[: len(suspects)] = suspects
+        again = find_crossing(d)
+        if first in suspects:
+            assert again == pytest.approx(found, abs=1e-14)
+        else:
+            assert again == -1.0 or again > found
+        assert set(np.flatnonzero(d.touch.event)) <= set(suspects)
 
 
 @pytest.mark.parametrize(("clock", "counted"), [(0.0, False), (1e4, True)])
@@ -314,6 +338,7 @@ def test_clearances_bend_in_a_regularized_step_by_no_more_than_its_bound(seed):
     walls_away(d)
     set_step(d, Motion(parts), 0.5, regularized=0)
     d.touch.depth_scale[:] = d.touch.impact_speed[:] = 1.0
+    suspect_all(d)
     bound_curvature(d)
     gaps = gaps_of(d, states[::20])
     second = np.abs(gaps[2:] - 2.0 * gaps[1:-1] + gaps[:-2]) / (20 * h) ** 2

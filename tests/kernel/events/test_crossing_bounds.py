@@ -6,6 +6,7 @@ import pytest
 from chain_impact.kernel.chain.state import omega_at, sundman_u_at, velocity_at
 from chain_impact.kernel.events import crossing
 from chain_impact.kernel.events.crossing import QUIET, SPLIT, bound_curvature, find_crossing, motion_bounds
+from chain_impact.kernel.events.exclusion import suspect_all
 from chain_impact.kernel.integration.dense import rate_bounds, rate_bounds_along
 from chain_impact.kernel.integration.sundman import NO_CONTACT
 from tests.kernel.chains import stopped_chain, stops_of
@@ -21,6 +22,7 @@ def moving():
     d.step.state[:] = rng.uniform(-1.0, 1.0, d.step.state.shape)
     d.step.dense[:] = rng.uniform(-1.0, 1.0, d.step.dense.shape)
     d.step.size = 0.2
+    suspect_all(d)
     first = velocity_at(LINKS)
     return d, rate_bounds(d.step, first), rate_bounds(d.step, first + 1)
 

@@ -30,6 +30,7 @@ from chain_impact.kernel.events.exclusion import (
     remember_clearances,
     set_clearance,
     set_clearances,
+    stays_in_contact,
     stays_positive,
     sundman_u_now,
 )
@@ -164,7 +165,26 @@ def test_a_step_in_which_links_turn_far_or_inputs_change_fast_is_looked_at():
         else:
             d.model.joint_bound = 20.0 / d.step.size
         assert not excludes_events(d)
+        if field != "fade":
+            assert d.search.suspect.tolist() == list(range(d.candidates))
         assert excludes_events(stepped(0, near=2.0)[0])
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_the_search_follows_those_that_may_cross_but_not_those_that_a_rigid_wall_holds(held):
+    _, d = chain(np.random.default_rng(0), 2)
+    motion = translation(d, [0.0], [0.0, -1.0])
+    walls_away(d)
+    set_step(d, motion, 0.5, start=2.0)
+    near, resting = (c for c in range(d.candidates) if d.candidate.wall[c] == 2 and d.candidate.point[c] < 2)
+    for c in (near, resting):
+        wall_at(d, c, motion.at(0.0), 0.4)
+    if held:
+        d.law.impulsive[resting] = 1
+        touch(d, [resting])
+    assert not excludes_events(d)
+    suspects = d.search.suspect[: d.search.suspect_count].tolist()
+    assert suspects == ([near] if held else [near, resting])
 
 
 @pytest.mark.parametrize("active", [False, True])
@@ -214,7 +234,7 @@ def test_the_root_of_the_regularized_contact_decides_by_its_end(end, expected):
     _, d = chain(np.random.default_rng(0), 1)
     d.step.regularized, d.search.clear_end[2] = 2, end
     d.search.clear_start[2] = -9.0
-    assert stays_positive(d, 2, 1e9) == expected
+    assert stays_in_contact(d, 2, 1e9) == expected
 
 
 @pytest.mark.parametrize("what", [VALUES, WITH_CURVES, FAR])

@@ -13,6 +13,7 @@ from chain_impact.kernel.events.crossing import (
     check_interval,
     nearly_linear,
 )
+from chain_impact.kernel.events.exclusion import suspect_all
 from tests.kernel.chains import chain
 
 
@@ -27,6 +28,7 @@ def interval(start, end, rates, curvature, *, active=0, size=2.0):
     search.clear_start[0], search.clear_end[0] = start, end
     search.clear_start_rate[0], search.clear_end_rate[0] = rates
     search.curvature[0] = curvature
+    suspect_all(d)
     return d
 
 

@@ -145,7 +145,7 @@ def test_each_event_has_its_own_effect(kind, active, law, jumped):
     if kind in {RELATCH, KINK}:
         assert d.step.next_size == 0.125
     elif kind == ONSET:
-        assert d.step.next_size == step_size.at_onset(d, C, EXPLICIT)
+        assert d.step.next_size == step_size.at_onset_beside(d, C) < step_size.at_onset(d, C, EXPLICIT)
     else:
         assert d.step.next_size == step_size.at_onset(d, 1, EXPLICIT)
 
@@ -204,7 +204,9 @@ def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
     d.step.method = method
     choose_size(d, onset, goes_on)
     if onset >= 0:
-        assert d.step.next_size == step_size.at_onset(d, onset, EXPLICIT)
+        assert (
+            d.step.next_size == step_size.at_onset_beside(d, onset) < step_size.at_onset(d, onset, EXPLICIT)
+        )
         assert (d.step.method, d.step.stiff_count, d.step.switch_hysteresis) == (
             EXPLICIT,
             0,
@@ -216,6 +218,13 @@ def test_after_an_onset_the_step_is_that_of_an_impact(method, goes_on, onset):
         assert (d.step.method, d.step.stiff_count, d.step.switch_hysteresis) == (method, 3, 16)
 
 
+def test_a_lone_onset_has_the_step_of_its_own_variable():
+    d = arrived(touching=[C])
+    d.touch.impact_speed[C], d.touch.depth_scale[C] = 4.0, 0.1
+    choose_size(d, C, False)
+    assert d.step.next_size == step_size.at_onset(d, C, EXPLICIT)
+
+
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
 def test_stiff_joints_leave_the_step_of_an_impact_to_the_method_at_work(method):
     d = arrived(touching=[0, C])
@@ -225,7 +234,8 @@ def test_stiff_joints_leave_the_step_of_an_impact_to_the_method_at_work(method):
     choose_size(d, C, False)
     sizes = [step_size.at_onset(d, C, one) for one in (EXPLICIT, method)]
     assert d.step.method == method
-    assert d.step.next_size == min(sizes)
+    beside = step_size.at_onset_beside(d, C)
+    assert d.step.next_size == (min(*sizes, beside) if method == EXPLICIT else min(sizes))
     assert (sizes[1] < sizes[0]) == (method == IMPLICIT)
 
 

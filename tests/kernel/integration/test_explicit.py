@@ -13,14 +13,15 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration import dop853
 from chain_impact.kernel.integration.dense import interpolate, rate_bounds
-from chain_impact.kernel.integration.explicit import attempt
+from chain_impact.kernel.integration.explicit import BEYOND, attempt, toward_end
 from chain_impact.kernel.integration.last_step import OUTPUTS, accept, ensure_dense
 from chain_impact.kernel.model.equations import state_rate
+from chain_impact.kernel.model.geometry import along_normal
 from chain_impact.kernel.status import OK
 from chain_impact.simulation.instance import Instance
 from chain_impact.variables.model import Model
 from tests.friction import pendulum
-from tests.kernel.chains import located
+from tests.kernel.chains import chain, located, struck
 from tests.plain import Plain
 from tests.problems import FAR, ball, build, contact_table, rod
 
@@ -353,3 +354,30 @@ def test_the_points_of_a_step_are_located_where_it_is_to_be_projected():
     locate_points(d, d.work.y)
     np.testing.assert_array_equal(found, located(d))
     assert abs(found[-1] - 0.4 * np.exp(-0.6j) - 0.4 * np.exp(-1.1j)) > 1e-3
+
+
+# --- sizes -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("first", [0, 1])
+def test_of_several_contacts_a_step_passes_the_first_end_or_covers_half_of_the_way_to_it(first):
+    rng = np.random.default_rng(3)
+    _, d = chain(rng, 3)
+    d.step.state_end[:] = struck(rng, d, [1, 6, 8])
+    state_rate(d, d.step.state_end, d.work.rate_start)
+    # the last one goes in
+    gaps, speeds, left = [-1e-3, -1e-3, -1e-5], [0.5, 0.5, -1.0], []
+    gaps[first] /= 3.0
+    for c, gap, speed in zip((1, 6, 8), gaps, speeds, strict=True):
+        place, normal = d.candidate.place[c], (d.candidate.normal_x[c], d.candidate.normal_y[c])
+        d.candidate.offset[c] = along_normal(d, c, d.work.position) - d.contact.radius - gap
+        d.work.velocity.x[place], d.work.velocity.y[place] = (speed * n for n in normal)
+    longest = toward_end(d, 1.0)
+    for c, gap, speed in zip((1, 6), gaps[:2], speeds[:2], strict=True):
+        roots = np.roots([0.5 * along_normal(d, c, d.work.acceleration), speed, gap])
+        left.append(min(roots[roots > 0.0]))
+    assert np.argmin(left) == first
+    assert longest == pytest.approx(BEYOND * min(left), rel=1e-9)
+    assert toward_end(d, 0.9 * min(left)) == longest
+    assert toward_end(d, 0.8 * min(left)) == pytest.approx(0.5 * min(left), rel=1e-9)
+    assert toward_end(d, 0.1 * min(left)) == 0.1 * min(left)

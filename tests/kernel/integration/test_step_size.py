@@ -8,6 +8,7 @@ from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.methods import EXPONENT, ONSET_EXPONENT, ONSET_SIZE, SAFETY
 from chain_impact.kernel.integration.step_size import (
     at_onset,
+    at_onset_beside,
     factor,
     in_flight,
     keep_for_flight,
@@ -58,6 +59,8 @@ def test_a_force_rises_in_the_time_in_which_its_depth_is_reached_or_damping_stop
     for method in (EXPLICIT, IMPLICIT):
         right = ONSET_SIZE[method] * time * 1e-6 ** ONSET_EXPONENT[method]
         assert at_onset(d, 0, method) == pytest.approx(right, rel=1e-13)
+    # 15 tolerance^(1/3)
+    assert at_onset_beside(d, 0) == pytest.approx(0.15 * time, rel=1e-13)
 
 
 def test_a_size_follows_from_the_error_and_from_the_cost():

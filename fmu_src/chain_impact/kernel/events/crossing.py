@@ -7,7 +7,7 @@ neither condition decides is halved.
 """
 
 from chain_impact.kernel.chain.state import omega_at, sundman_u_at, velocity_at
-from chain_impact.kernel.events.exclusion import keep_start, set_clearance, set_clearances, sundman_u_now
+from chain_impact.kernel.events.exclusion import keep_start, set_clearance, sundman_u_now
 from chain_impact.kernel.events.kinds import END, NONE, ONSET
 from chain_impact.kernel.events.marks import mark
 from chain_impact.kernel.events.sampling import locate_at
@@ -23,9 +23,9 @@ QUIET, SPLIT, CROSSES = 0, 1, 2
 
 
 def find_crossing(d):
-    """θ of the first onset or end of a contact in the last step, or −1; marks its candidates.
+    """θ of the first onset or end of a suspect's contact in the last step, or −1; marks these candidates.
 
-    φ and φ′ at the start of the step must be set.
+    φ and φ′ at the start of the step must be set, and no candidate be marked.
     """
     a, b = 0.0, 1.0
     while not work_exceeded(d):
@@ -48,10 +48,10 @@ def find_crossing(d):
 
 
 def check_interval(d, a, b):
-    """QUIET if no candidate can have an event in (a, b], CROSSES if one has, SPLIT if undecided."""
+    """QUIET if no suspect can have an event in (a, b], CROSSES if one has, SPLIT if undecided."""
     verdict = QUIET
-    for c in range(d.candidates):
-        outcome = check_candidate(d, c, a, b)
+    for k in range(d.search.suspect_count):
+        outcome = check_candidate(d, d.search.suspect[k], a, b)
         if outcome == SPLIT:
             return SPLIT
         verdict = max(verdict, outcome)
@@ -89,17 +89,20 @@ def nearly_linear(d, c, part):
 
 
 def locate(d, a, b):
-    """Find the earliest event in (a, b], in which no candidate is undecided, and mark its candidates."""
+    """Find the earliest event in (a, b], in which no suspect is undecided, and mark its candidates."""
     first, found = b, -1
-    for c in range(d.candidates):
+    for k in range(d.search.suspect_count):
+        c = d.search.suspect[k]
         mark(d, c, kind_of(d, c) if check_candidate(d, c, a, b) == CROSSES else NONE)
-    for c in range(d.candidates):
+    for k in range(d.search.suspect_count):
+        c = d.search.suspect[k]
         # φ is that at `first`: a candidate with φ ≥ 0 there has its event later
         if d.touch.event[c] and d.search.clear_end[c] < 0.0:
             first = find_root(d, c, a, first)
             found = c
     within = SIMULTANEOUS + 4e-16 * abs(d.step.end)
-    for c in range(d.candidates):
+    for k in range(d.search.suspect_count):
+        c = d.search.suspect[k]
         # `found` is always kept, as round-off may exceed this limit for a slow point
         if c != found and d.search.clear_end[c] > within * abs(d.search.clear_end_rate[c]):
             mark(d, c, NONE)
@@ -140,7 +143,7 @@ def find_root(d, c, a, b):
 
 
 def bound_curvature(d):
-    """Bound |g̈| of every candidate over the last step.
+    """Bound |g̈| of every suspect over the last step.
 
     |n·a_k| ≤ |n·a_0| + Σ_{i≤k} L_i (|α_i| + ω_i²) holds for any point k. This bound is far from sharp for a
     point that rests on a stiff wall; but there the implicit step integrates the clearance itself.
@@ -158,7 +161,8 @@ def bound_curvature(d):
         omega, alpha = rate_bounds(d.step, omega_at(n) + i)
         # the contribution of link i, in any direction
         links[i + 1] = links[i] + d.model.length[i] * (p * (alpha + p * omega * omega) + change * omega)
-    for c in range(d.candidates):
+    for k in range(d.search.suspect_count):
+        c = d.search.suspect[k]
         v, a = motion_bounds(d, c, along_x, along_y)
         of_links = links[d.candidate.point[c]] if d.candidate.stop[c] == 0 else 0.0
         d.search.curvature[c] = p * a + change * v + of_links
@@ -186,9 +190,11 @@ def motion_bounds(d, c, along_x, along_y):
 
 
 def measure(d, theta):
-    """Set φ and φ′ of every candidate at the fraction θ of the step, as the end of the interval."""
+    """Set φ and φ′ of every suspect at the fraction θ of the step, as the end of the interval."""
     locate_at(d, theta)
-    set_clearances(d, d.work.y)
+    u, slope = sundman_u_now(d, d.work.y)
+    for k in range(d.search.suspect_count):
+        set_clearance(d, d.search.suspect[k], u, slope)
 
 
 def kind_of(d, c):

@@ -48,7 +48,7 @@ def excludes_events(d):
     """Whether the state and rate at the ends of the last step prove that there is no event in it.
 
     Its method must provide the rate at the end; the points are located and accelerated there. If the result
-    is false, φ and φ′ of all candidates are known at both ends.
+    is false, φ and φ′ of all candidates are known at both ends, and the suspects are chosen.
     """
     # an input may change the acceleration between the ends as much as rotation does
     turn = max(largest_turn(d), (d.step.end - d.step.start) * d.inputs.course.pace)
@@ -68,13 +68,47 @@ def excludes_events(d):
     # that of a motion which decays or oscillates with the rate ρ: |φ⁽⁶⁾| = ρ⁴ |φ̈|
     fade = fading(d)
     error = way_per_radian(d) * turn**2 * max(turn, fade) ** 4 / 4608.0
-    clear = turn < SMALL_TURN
+    clear, apart = turn < SMALL_TURN, error + leeway(d)
     for c in range(d.candidates):
+        # without branches, so that the compiler can use vectors
+        clear = clear & (stays_positive(d, c, apart) | (d.touch.active[c] != 0))
+    for k in range(d.touch.compliant_count):
         # the scale of errors in a penetration is far below that of a position
-        clear = clear and stays_positive(d, c, error if d.touch.active[c] else error + leeway(d))
-    for k in range(d.touch.active_count):
-        clear = clear and is_quiet(d, d.touch.active_index[k])
+        c = d.touch.active_index[k]
+        clear = clear and stays_in_contact(d, c, error) and is_quiet(d, c)
+    if not clear:
+        if turn < SMALL_TURN:
+            suspect_some(d, apart, error)
+        else:
+            suspect_all(d)
     return clear
+
+
+def suspect_all(d):
+    """Let the search follow all candidates."""
+    d.search.suspect_count = d.candidates
+    for c in range(d.candidates):
+        d.search.suspect[c] = c
+
+
+def suspect_some(d, apart, error):
+    """Let the search follow the candidates that the test on the ends of the step does not exclude.
+
+    Args:
+        d: the instance, with φ, φ′ and φ″ at both ends.
+        apart: the error [m] of φ where candidates are apart.
+        error: the same where they touch.
+    """
+    search, count = d.search, 0
+    for c in range(d.candidates):
+        if d.touch.active[c]:
+            suspected = not d.law.impulsive[c] and not stays_in_contact(d, c, error)
+        else:
+            suspected = not stays_positive(d, c, apart)
+        if suspected:
+            search.suspect[count] = c
+            count += 1
+    search.suspect_count = count
 
 
 def leeway(d):
@@ -103,7 +137,7 @@ def fading(d):
 
 
 def remains_far(d):
-    """Whether no candidate can have touched, and none is active but the regularized one, not yet ended."""
+    """Whether no candidate can have touched, and none has a force but the regularized one, not yet ended."""
     step, search, lasted = d.step, d.search, d.step.end - d.step.start
     speed, acceleration = search.speed, search.acceleration
     search.speed = speed_bound(d, d.work.velocity)
@@ -114,7 +148,7 @@ def remains_far(d):
     if not (known_clearances(d) >= WITH_CURVES and search.safe_distance > leeway(d)):
         return False
     if step.regularized == NO_CONTACT:
-        far = d.touch.active_count == 0
+        far = d.touch.compliant_count == 0
     else:
         far = step.state_end[sundman_u_at(d.links)] > 0.0 and is_quiet(d, step.regularized)
     if far:
@@ -140,9 +174,6 @@ def stays_positive(d, c, error):
     stays above the least of its Bernstein coefficients.
     """
     h = d.step.size
-    if c == d.step.regularized:
-        # δ̇ would have to change its sign twice for u to fall to zero and rise again
-        return d.search.clear_end[c] > 0.0
     b1 = d.search.clear_start[c] + h * d.search.clear_start_rate[c] / 5.0
     b2 = 2.0 * b1 - d.search.clear_start[c] + h * h * d.search.clear_start_curve[c] / 20.0
     b4 = d.search.clear_end[c] - h * d.search.clear_end_rate[c] / 5.0
@@ -152,30 +183,44 @@ def stays_positive(d, c, error):
     return least > MARGIN * (most - least) + error - d.law.harmless_depth[c]
 
 
+def stays_in_contact(d, c, error):
+    """As ``stays_positive``, for the penetration of a contact with a force law, or for u."""
+    if c == d.step.regularized:
+        # δ̇ would have to change its sign twice for u to fall to zero and rise again
+        return d.search.clear_end[c] > 0.0
+    return stays_positive(d, c, error)
+
+
 def measure_all(d, y):
     """Set φ, φ′ and φ″ of every candidate for a state and its located and accelerated points."""
     slope = set_clearances(d, y)
     u = y[sundman_u_at(d.links)]
     p, change = time_rate_of(d, u), time_rate_change(u, slope)
-    d.search.safe_distance = math.inf
+    least = math.inf
     for c in range(d.candidates):
+        # φ′ = p φ̇,  φ″ = p² φ̈ + p′ φ̇
+        curve = p * p * along_normal(d, c, d.work.acceleration) + change * along_normal(d, c, d.work.velocity)
+        d.search.clear_end_curve[c] = curve
+        least = min(least, math.inf if d.touch.active[c] else d.search.clear_end[c])
+    d.search.safe_distance = least
+    for k in range(d.touch.compliant_count):
+        c = d.touch.active_index[k]
         if c == d.step.regularized:
             d.search.clear_end_curve[c] = root_curve(d, d.search.clear_end[c], d.search.clear_end_rate[c])
-            continue
-        sign = -1.0 if d.touch.active[c] else 1.0
-        velocity = along_normal(d, c, d.work.velocity)
-        # φ′ = p φ̇,  φ″ = p² φ̈ + p′ φ̇
-        curve = p * p * along_normal(d, c, d.work.acceleration) + change * velocity
-        d.search.clear_end_curve[c] = sign * curve
-        if not d.touch.active[c]:
-            d.search.safe_distance = min(d.search.safe_distance, d.search.clear_end[c])
+        else:
+            d.search.clear_end_curve[c] = -d.search.clear_end_curve[c]
 
 
 def set_clearances(d, y):
     """Set φ and φ′ of every candidate for the state y and its located points; returns u′."""
     u, slope = sundman_u_now(d, y)
+    p = time_rate_of(d, u)
     for c in range(d.candidates):
-        set_clearance(d, c, u, slope)
+        # as if all were apart: a branch in this loop would take longer than to set a few of them again
+        gap, gap_rate = clearance(d, c)
+        d.search.clear_end[c], d.search.clear_end_rate[c] = gap, p * gap_rate
+    for k in range(d.touch.active_count):
+        set_clearance(d, d.touch.active_index[k], u, slope)
     return slope
 
 

@@ -18,6 +18,7 @@ from chain_impact.kernel.events.exclusion import (
     keep_start,
     known_clearances,
     remember_clearances,
+    suspect_all,
 )
 from chain_impact.kernel.events.friction_events import find_mode_change
 from chain_impact.kernel.events.kinds import END, NONE, ONSET, REFUSED
@@ -52,13 +53,14 @@ def find_event(d):
         to locate it. ``touch.event`` then holds the kind of event of each candidate.
     """
     if d.candidates == 0:
-        return find_mode_change(d, -1.0) if d.friction.count > 0 else -1.0
-    if any_point_held(d) or not RATE_AT_END[d.step.last_method]:
+        return find_event_but_crossings(d)
+    if not RATE_AT_END[d.step.last_method]:
+        suspect_all(d)
         if known_clearances(d) in (NOTHING, FAR):
             measure(d, 0.0)
         keep_start(d)
     elif excludes_events(d):
-        return find_mode_change(d, -1.0) if d.friction.count > 0 else -1.0
+        return find_event_but_crossings(d)
     if DENSE_EVALUATIONS[d.step.last_method] > 0:
         ensure_dense(d, SOLVER)
     bound_curvature(d)
@@ -70,11 +72,20 @@ def find_event(d):
         if theta < 0.0:
             measure(d, 1.0)
     theta = find_sampled_event(d, theta)
+    # those that the search did not follow were measured at the end of the step
     remember_clearances(d, VALUES)
     # the time in a regularized step is not under error control
     if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
         return REFUSED
     return theta
+
+
+def find_event_but_crossings(d):
+    """θ of the earliest event in a step without crossings, or −1; or REFUSED."""
+    if any_point_held(d):
+        ensure_dense(d, SOLVER)
+        return find_sampled_event(d, -1.0)
+    return find_mode_change(d, -1.0) if d.friction.count > 0 else -1.0
 
 
 def find_sampled_event(d, theta):

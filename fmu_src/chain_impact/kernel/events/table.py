@@ -142,6 +142,8 @@ def choose_size(d, onset, goes_on):
         step_size.propose(d, step_size.at_onset(d, c, EXPLICIT))
     if onset >= 0:
         begin_impact(d, onset)
+        if d.step.method == EXPLICIT and d.touch.active_count > 1:
+            step_size.limit(d, step_size.at_onset_beside(d, onset))
 
 
 def bends_force(d):

@@ -22,13 +22,14 @@ from chain_impact.kernel.integration.sundman import (
     runs_back,
 )
 from chain_impact.kernel.model.friction import any_sticking
+from chain_impact.kernel.model.geometry import along_normal, clearance
 from chain_impact.kernel.work_limit import count_evaluations
 
 STAGES = len(dop853.A)
 LAST = dop853.STEP_STAGES  # the stage at the end of the step
 # A step is lengthened by up to STRETCH if it then passes the end of a contact, to BEYOND times the predicted
-# length to the end: the prediction has an error of some hundredths. Otherwise the step covers half of this
-# length, so that no tiny step remains.
+# length to the end: the prediction has an error of some hundredths. Otherwise the step covers at most half of
+# this length, so that no tiny step remains.
 BEYOND, STRETCH = 1.04, 1.2
 HALVE = 50.0  # an error that makes the next try of a method of order 8 half as long
 HUGE = 1e100  # an error whose square could overflow
@@ -59,8 +60,10 @@ _high_01, _high_23 = combinations(*dop853.D[:2]), combinations(*dop853.D[2:])
 
 def toward_end(d, h):
     """The size of the next step if the error control allows h: it passes an end of contact that is near."""
-    if d.step.regularized == NO_CONTACT:
+    if d.touch.compliant_count == 0:
         return h
+    if d.step.regularized == NO_CONTACT:
+        return toward_ends(d, h)
     root = sundman_u_at(d.links)
     u, slope = d.step.state_end[root], d.work.stage[0, root]
     if u + 2.0 * slope * h >= 0.0:
@@ -69,6 +72,25 @@ def toward_end(d, h):
     # u + u′ s + ½ u″ s² = 0
     square = slope * slope - 2.0 * u * root_curve(d, u, slope)
     left = 2.0 * u / (math.sqrt(max(0.0, square)) - slope)
+    return up_to(h, left)
+
+
+def toward_ends(d, h):
+    """As ``toward_end``, for the first end of several contacts: their step is one in time."""
+    accelerate_points(d, d.step.state_end, d.work.rate_start)
+    left = math.inf
+    for k in range(d.touch.compliant_count):
+        c = d.touch.active_index[k]
+        gap, gap_rate = clearance(d, c)
+        if gap < 0.0 < gap_rate:
+            # g + ġ t + ½ g̈ t² = 0
+            square = gap_rate * gap_rate - 2.0 * gap * along_normal(d, c, d.work.acceleration)
+            left = min(left, -2.0 * gap / (gap_rate + math.sqrt(max(0.0, square))))
+    return up_to(h, left)
+
+
+def up_to(h, left):
+    """The size of a step, if the error control allows h and a contact is predicted to end after ``left``."""
     if BEYOND * left < STRETCH * h:
         return BEYOND * left
     return min(h, 0.5 * left)

@@ -16,6 +16,9 @@ SHRINK, GROW = 0.1, 6.0
 # Rotation of the links [rad] in the first step of a flight at a tolerance of 1: the largest for which few of
 # them are rejected (tests/kernel/integration/test_step_size.py). `onset_size` of the methods: likewise.
 TURN = 2.8
+# `onset_size` and `onset_order` of an explicit step in time: there the force begins as a power of the time
+# since the onset, with which errors are of a lower order than those of the method.
+BESIDE_SIZE, BESIDE_ORDER = 15.0, 3.0
 
 
 def propose(d, size):
@@ -61,6 +64,11 @@ def in_flight(d, y, rate):
 def at_onset(d, c, method):
     """A size for a method's first step in the contact of candidate c, which has just begun."""
     return ONSET_SIZE[method] * time_scale(d, c) * d.solver.tolerance ** ONSET_EXPONENT[method]
+
+
+def at_onset_beside(d, c):
+    """As ``at_onset``, for a contact that begins beside others: an explicit step is then one in time."""
+    return BESIDE_SIZE * time_scale(d, c) * d.solver.tolerance ** (1.0 / BESIDE_ORDER)
 
 
 def time_scale(d, c):
