@@ -66,7 +66,10 @@ def test_a_body_that_sticks_stays_for_an_hour(stiffness):
     way = along(result, slope)
     assert np.ptp(way[1:]) < 1e-12
     assert result.statistics["steps"] <= 3700
-    assert result["contact[0].ramp.friction_force"][-1] == pytest.approx(forces.tangential, rel=1e-9)
+    # together they hold the weight; of their shares, 3,600 steps have changed the last digits at random
+    first, second = (result[f"contact[{k}].ramp.friction_force"][-1] for k in (0, 1))
+    assert first + second == pytest.approx(2.0 * forces.tangential, rel=1e-13)
+    assert first == pytest.approx(forces.tangential, rel=5e-9)
     assert result["contact[1].ramp.sticking"][-1] == 1.0
 
 

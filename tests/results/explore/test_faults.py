@@ -86,7 +86,7 @@ def test_a_table_that_is_too_large_or_not_complete_is_told_where_it_is_asked_for
     page.get_by_role("button", name="Export…").click()
     with page.expect_download():
         page.get_by_role("button", name="Outputs as CSV").click()
-    said.get_by_text("The simulation stopped at t = 1.6215 s").wait_for()
+    said.get_by_text("The simulation stopped at t = 1.62152 s").wait_for()
 
 
 def test_an_output_that_is_no_list_is_refused(show):

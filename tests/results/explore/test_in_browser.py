@@ -127,7 +127,8 @@ def test_a_run_that_fails_says_why_and_shows_what_came_before(show):
     status = page.get_by_role("alert")
     status.wait_for()
     assert (
-        "The simulation stopped at t = 1.6215 s: a second of simulated time takes more" in status.inner_text()
+        "The simulation stopped at t = 1.62152 s: a second of simulated time takes more"
+        in status.inner_text()
     )
     page.evaluate("chainImpact.show({'initial.y': -3})")
     page.wait_for_function("document.getElementById('status').textContent.includes('cannot start')")
