@@ -1,4 +1,4 @@
-"""Answers of the oracle of derivatives, kept in files: there are fifty, and each takes a second or more.
+"""Answers of the oracle of derivatives, kept in files: some fifty, each of which takes a second or more.
 
 The name of a file is a hash of all that its answer follows from: the scene, the parameters, the times, the
 inputs, the tolerance, and the sources of the oracle. An answer that has no file is worked out, and kept.
@@ -50,7 +50,8 @@ def kept(
 def sources() -> str:
     """A hash of the sources of the oracle."""
     files = [HERE / "derivatives.py", *sorted(HERE.glob("complex_*.py"))]
-    return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
+    # as text, which is the same however lines end
+    return hashlib.sha256("".join(file.read_text("utf-8") for file in files).encode()).hexdigest()
 
 
 def write(file: Path, answer: Derivatives) -> None:
@@ -86,6 +87,6 @@ DICTIONARIES = {"values": "values", "slopes": "values", "impacts": "impacts", "i
 
 
 if __name__ == "__main__":
-    for old in FOLDER.glob("*.npz"):
+    for old in FOLDER.iterdir():
         old.unlink()
     sys.exit(subprocess.call([sys.executable, "-m", "pytest", *(str(HERE / name) for name in TESTS)]))

@@ -36,7 +36,7 @@ LINK_PARAMETERS = (
 
 
 class Model:
-    """A scene with all that follows from it, each part worked out once, most when they are first asked for.
+    """A scene with all that follows from it, each part worked out once, most of them when first asked for.
 
     Attributes:
         scene: what the model is of.

@@ -133,12 +133,14 @@ def test_only_suspects_are_followed(seed):
     (first,) = np.flatnonzero(d.touch.event)
     for suspects in (crossing_ones, np.setdiff1d(crossing_ones, [first])):
         d.touch.event[:] = NONE
-        d.search.clear_end[:] = d.search.clear_end_rate[:] = math.nan
         suspect_all(d)
         measure(d, 0.0)
         keep_start(d)
         d.search.suspect_count = len(suspects)
         d.search.suspect[: len(suspects)] = suspects
+        others = np.setdiff1d(np.arange(d.candidates), suspects)
+        for field in ("clear_start", "clear_start_rate", "clear_end", "clear_end_rate", "curvature"):
+            d.search[field][others] = math.nan
         again = find_crossing(d)
         if first in suspects:
             assert again == pytest.approx(found, abs=1e-14)

@@ -70,7 +70,8 @@ def excludes_events(d):
     error = way_per_radian(d) * turn**2 * max(turn, fade) ** 4 / 4608.0
     clear, apart = turn < SMALL_TURN, error + leeway(d)
     for c in range(d.candidates):
-        # without branches, so that the compiler can use vectors
+        # Without branches the compiler can use vectors. Where a rigid wall holds a point, φ is ∞ and the first
+        # term meaningless: the second one decides.
         clear = clear & (stays_positive(d, c, apart) | (d.touch.active[c] != 0))
     for k in range(d.touch.compliant_count):
         # the scale of errors in a penetration is far below that of a position
@@ -137,7 +138,7 @@ def fading(d):
 
 
 def remains_far(d):
-    """Whether no candidate can have touched, and none has a force but the regularized one, not yet ended."""
+    """Whether no candidate can have touched, and no contact has a force law but the regularized one, not ended yet."""
     step, search, lasted = d.step, d.search, d.step.end - d.step.start
     speed, acceleration = search.speed, search.acceleration
     search.speed = speed_bound(d, d.work.velocity)

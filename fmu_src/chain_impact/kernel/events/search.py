@@ -53,14 +53,14 @@ def find_event(d):
         to locate it. ``touch.event`` then holds the kind of event of each candidate.
     """
     if d.candidates == 0:
-        return find_event_but_crossings(d)
+        return find_event_without_crossing(d)
     if not RATE_AT_END[d.step.last_method]:
         suspect_all(d)
         if known_clearances(d) in (NOTHING, FAR):
             measure(d, 0.0)
         keep_start(d)
     elif excludes_events(d):
-        return find_event_but_crossings(d)
+        return find_event_without_crossing(d)
     if DENSE_EVALUATIONS[d.step.last_method] > 0:
         ensure_dense(d, SOLVER)
     bound_curvature(d)
@@ -72,7 +72,7 @@ def find_event(d):
         if theta < 0.0:
             measure(d, 1.0)
     theta = find_sampled_event(d, theta)
-    # those that the search did not follow were measured at the end of the step
+    # without an event they are those at the end of the step; an event breaks the step, so they are void
     remember_clearances(d, VALUES)
     # the time in a regularized step is not under error control
     if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
@@ -80,10 +80,10 @@ def find_event(d):
     return theta
 
 
-def find_event_but_crossings(d):
+def find_event_without_crossing(d):
     """θ of the earliest event in a step without crossings, or −1; or REFUSED."""
     if any_point_held(d):
-        ensure_dense(d, SOLVER)
+        ensure_dense(d, SOLVER)  # `update_held_extremes` needs it, too
         return find_sampled_event(d, -1.0)
     return find_mode_change(d, -1.0) if d.friction.count > 0 else -1.0
 

@@ -17,7 +17,7 @@ SHRINK, GROW = 0.1, 6.0
 # them are rejected (tests/kernel/integration/test_step_size.py). `onset_size` of the methods: likewise.
 TURN = 2.8
 # `onset_size` and `onset_order` of an explicit step in time: there the force begins as a power of the time
-# since the onset, with which errors are of a lower order than those of the method.
+# since the onset, so errors are of a lower order than those of the method.
 BESIDE_SIZE, BESIDE_ORDER = 15.0, 3.0
 
 
