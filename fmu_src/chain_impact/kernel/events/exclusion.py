@@ -70,8 +70,8 @@ def excludes_events(d):
     error = way_per_radian(d) * turn**2 * max(turn, fade) ** 4 / 4608.0
     clear, apart = turn < SMALL_TURN, error + leeway(d)
     for c in range(d.candidates):
-        # Without branches the compiler can use vectors. Where a rigid wall holds a point, φ is ∞ and the first
-        # term meaningless: the second one decides.
+        # Without branches the compiler can use vectors. Of a point that a rigid wall holds φ is ∞, and the
+        # second term decides.
         clear = clear & (stays_positive(d, c, apart) | (d.touch.active[c] != 0))
     for k in range(d.touch.compliant_count):
         # the scale of errors in a penetration is far below that of a position
@@ -138,7 +138,7 @@ def fading(d):
 
 
 def remains_far(d):
-    """Whether no candidate can have touched, and no contact has a force law but the regularized one, not ended yet."""
+    """Whether no candidate can have touched, and no force law is active but that of the regularized contact."""
     step, search, lasted = d.step, d.search, d.step.end - d.step.start
     speed, acceleration = search.speed, search.acceleration
     search.speed = speed_bound(d, d.work.velocity)

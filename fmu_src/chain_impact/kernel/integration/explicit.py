@@ -76,7 +76,7 @@ def toward_end(d, h):
 
 
 def toward_ends(d, h):
-    """As ``toward_end``, where the variable of the step is time: for the first end of a contact with a force."""
+    """As ``toward_end``, where the variable is time: for the first end of a contact with a force."""
     accelerate_points(d, d.step.state_end, d.work.rate_start)
     left = math.inf
     for k in range(d.touch.compliant_count):
