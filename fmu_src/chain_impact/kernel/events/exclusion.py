@@ -138,7 +138,7 @@ def fading(d):
 
 
 def remains_far(d):
-    """Whether no candidate can have touched, and no force law is active but that of the regularized contact."""
+    """Whether no candidate can have touched, and no force law is active but the regularized one."""
     step, search, lasted = d.step, d.search, d.step.end - d.step.start
     speed, acceleration = search.speed, search.acceleration
     search.speed = speed_bound(d, d.work.velocity)
