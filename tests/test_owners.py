@@ -23,9 +23,7 @@ MODULES = sorted(
 # work space and what the functions of a method return (integration/method.py): more than one module writes it
 SHARED = {
     "step.dense",
-    "step.cost_factor",
     "search.curvature",
-    "work.y",
     "work.load",
     *(f"implicit.{name}" for name in ("z", "stages", "parts", "slowness", "normal")),
 }

@@ -7,9 +7,10 @@ import pytest
 
 from chain_impact.kernel import advance as loop
 from chain_impact.kernel.entry import UNLIMITED
-from chain_impact.kernel.events.kinds import ONSET, REFUSED
+from chain_impact.kernel.events.kinds import ONSET
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration.dense import fraction, interpolate
+from chain_impact.kernel.integration.trial import NOT_LOCATED, UNBALANCED, conclude, refuse
 from chain_impact.kernel.status import (
     ENERGY_NOT_KEPT,
     LOG_FULL,
@@ -36,19 +37,25 @@ def advance(d, time, work=UNLIMITED):
     return loop.advance(d, time, UNLIMITED, work)
 
 
-def times(answers, otherwise):
-    """A function that gives the answers in turn, and then what another one does."""
-    left = list(answers)
-    return lambda *args: left.pop(0) if left else otherwise(*args)
+def refused_twice(result, otherwise):
+    """A function that refuses two steps, and then does what another one does."""
+    calls = []
+
+    def refusing(d, *args):
+        calls.append(True)
+        if len(calls) > 2:
+            return otherwise(d, *args)
+        refuse(d, result)
+        return -1.0
+
+    return refusing
 
 
-@pytest.mark.parametrize(
-    ("name", "answers"), [("find_event", [REFUSED, REFUSED]), ("energy_step_ok", [False, False])]
-)
-def test_a_step_that_is_refused_is_tried_anew_with_a_smaller_size(monkeypatch, name, answers):
+@pytest.mark.parametrize(("name", "result"), [("find_event", NOT_LOCATED), ("check_energy", UNBALANCED)])
+def test_a_step_that_is_refused_is_tried_anew_with_a_smaller_size(monkeypatch, name, result):
     free, refused = started(), started()
     assert advance(free, 1e-9) == OK
-    monkeypatch.setattr(loop, name, times(answers, getattr(loop, name)))
+    monkeypatch.setattr(loop, name, refused_twice(result, getattr(loop, name)))
     assert advance(refused, 1e-9) == OK
     assert refused["statistics"]["rejected_steps"] == free["statistics"]["rejected_steps"] + 2
     assert refused["step"]["end"] < 0.1 * free["step"]["end"]
@@ -70,7 +77,8 @@ def test_an_event_of_a_refused_step_does_not_take_effect(monkeypatch):
             return find(d)
         marked.append(True)
         d["touch"]["event"][3] = ONSET
-        return REFUSED
+        refuse(d, NOT_LOCATED)
+        return 0.5
 
     monkeypatch.setattr(loop, "find_event", mark_first)
     assert advance(d, 1e-9) == OK
@@ -83,7 +91,7 @@ def test_a_run_ends_where_no_size_of_a_step_will_do(monkeypatch, error, status):
     d = started()
     assert advance(d, 0.1) == OK
     reached, state = float(d["step"]["end"]), d["step"]["state_end"].copy()
-    monkeypatch.setattr(loop, "attempt", lambda _d, _h: error)
+    monkeypatch.setattr(loop, "attempt", lambda d, _h: conclude(d, error, 1.0))
     assert advance(d, 0.2) == status
     assert advance(d, 0.3) == status
     # it stands at the last time that it has reached
@@ -106,7 +114,8 @@ def test_a_search_without_end_is_work(monkeypatch):
     def long_search(d):
         searches.append(True)
         d["limits"]["other_work"] += 1000
-        return REFUSED
+        refuse(d, NOT_LOCATED)
+        return -1.0
 
     monkeypatch.setattr(loop, "find_event", long_search)
     assert advance(d, 0.5) == TOO_MUCH_WORK

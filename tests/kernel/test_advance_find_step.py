@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel import advance as loop
-from chain_impact.kernel.events.kinds import KINK, NONE, ONSET, REFUSED
+from chain_impact.kernel.events.kinds import KINK, NONE, ONSET
 from chain_impact.kernel.integration import step_size
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.methods import SAFETY
-from chain_impact.kernel.status import LOG_FULL, OK, STEP_TOO_SMALL, TOO_MUCH_WORK
+from chain_impact.kernel.integration.trial import add_error, conclude
+from chain_impact.kernel.status import LOG_FULL, NOT_FINITE, OK, STEP_TOO_SMALL, TOO_MUCH_WORK
 from tests.kernel.chains import chain, touch
 
 SIZE = 0.01  # s, proposed for the next step
@@ -18,13 +19,13 @@ ORDER = 8
 
 
 class Trials:
-    """A solver whose errors, events and energies are told in advance."""
+    """A solver whose errors and losses of energy are told in advance."""
 
-    def __init__(self, monkeypatch, errors, thetas=(), limit=math.inf):
+    def __init__(self, monkeypatch, errors, losses=(), limit=math.inf):
         _, self.d = chain(np.random.default_rng(1), 2)
         self.d.step.next_size, self.d.step.method = SIZE, EXPLICIT
-        self.d.step.end, self.d.step.cost_factor = 1.0, 1.0
-        self.sizes, self.errors, self.thetas, self.noted = [], list(errors), list(thetas), []
+        self.d.step.end = 1.0
+        self.sizes, self.errors, self.losses, self.noted = [], list(errors), list(losses), []
         monkeypatch.setattr(loop, "attempt", self.attempt)
         monkeypatch.setattr(loop, "prepare", lambda _, h: h)
         monkeypatch.setattr(loop, "limit_to_piece", lambda _, h: min(h, limit))
@@ -33,15 +34,15 @@ class Trials:
         monkeypatch.setattr(loop, "drop_events", self.note("drop events"))
         monkeypatch.setattr(loop, "find_event", lambda _: -1.0)
         monkeypatch.setattr(
-            loop, "accept_to_event", lambda _d, _theta: self.thetas.pop(0) if self.thetas else 0.0
+            loop, "check_energy", lambda d, _: add_error(d, self.losses.pop(0) if self.losses else 0.0)
         )
 
     def note(self, what):
         return lambda *_: self.noted.append(what)
 
-    def attempt(self, _, h):
+    def attempt(self, d, h):
         self.sizes.append(h)
-        return self.errors.pop(0)
+        conclude(d, self.errors.pop(0), 1.0)
 
     def run(self):
         status = loop.find_step(self.d)
@@ -95,6 +96,11 @@ def test_a_step_that_is_not_finite_is_tried_with_a_tenth(monkeypatch, bad):
     assert trials.sizes == pytest.approx([SIZE, 0.1 * SIZE, 0.01 * SIZE], rel=1e-13)
 
 
+@pytest.mark.parametrize(("bad", "status"), [(math.nan, NOT_FINITE), (2e6, STEP_TOO_SMALL)])
+def test_the_last_try_says_why_no_size_will_do(monkeypatch, bad, status):
+    assert Trials(monkeypatch, [2.0, math.inf, *[bad] * 40]).run()[0] == status
+
+
 def test_a_step_that_was_accepted_too_early_is_rolled_back_with_its_events(monkeypatch):
     trials = Trials(monkeypatch, [0.5, 0.5], [20.0, 0.1])
     trials.run()
@@ -137,73 +143,6 @@ def test_a_refused_step_may_be_the_last_that_the_work_allows(monkeypatch):
     monkeypatch.setattr(loop, "work_exceeded", lambda _: True)
     assert trials.run()[0] == TOO_MUCH_WORK
     assert len(trials.sizes) == 1
-
-
-class Landing:
-    """A step whose event, repeats and energies are told in advance."""
-
-    def __init__(
-        self, monkeypatch, *, bends, method=EXPLICIT, errors=(0.5,), onset=-1.0, keeps=True, loss=0.0
-    ):
-        _, self.d = chain(np.random.default_rng(1), 2)
-        self.d.step.size, self.d.step.last_method = SIZE, method
-        self.noted, errors = [], list(errors)
-        monkeypatch.setattr(loop, "bends_force", lambda _: bends)
-        monkeypatch.setattr(loop, "roll_back", lambda _: self.noted.append("roll back"))
-        monkeypatch.setattr(loop, "accept", lambda _, h: self.noted.append(("accept", h / SIZE)))
-        monkeypatch.setattr(loop, "attempt", lambda _d, _h: errors.pop(0))
-        monkeypatch.setattr(loop, "onset_fraction", lambda _: onset)
-        monkeypatch.setattr(loop, "truncate_step", lambda _, theta: self.noted.append(("cut", theta)))
-
-        def energy_step_ok(d, theta):
-            self.noted.append(("energy", theta))
-            d.balance.loss = loss
-            return keeps
-
-        monkeypatch.setattr(loop, "energy_step_ok", energy_step_ok)
-
-    def run(self, theta):
-        return loop.accept_to_event(self.d, theta), self.noted
-
-
-def test_a_step_without_an_event_is_only_checked(monkeypatch):
-    assert Landing(monkeypatch, bends=True, loss=0.3).run(-1.0) == (0.3, [("energy", -1.0)])
-
-
-def test_a_step_is_cut_at_an_event_at_which_the_force_does_not_bend(monkeypatch):
-    assert Landing(monkeypatch, bends=False).run(0.4) == (0.0, [("energy", 0.4), ("cut", 0.4)])
-    assert Landing(monkeypatch, bends=True).run(0.0) == (0.0, [("energy", 0.0), ("cut", 0.0)])
-
-
-@pytest.mark.parametrize(("bends", "method"), [(True, EXPLICIT), (False, IMPLICIT)])
-def test_it_is_repeated_up_to_one_at_which_the_force_bends_or_if_it_is_implicit(monkeypatch, bends, method):
-    landing = Landing(monkeypatch, bends=bends, method=method)
-    assert landing.run(0.4) == (0.0, ["roll back", ("accept", 0.4), ("energy", -1.0)])
-
-
-@pytest.mark.parametrize("theta", [1e-3, 1.0])
-def test_at_its_ends_the_interpolant_of_an_implicit_step_is_right(monkeypatch, theta):
-    landing = Landing(monkeypatch, bends=False, method=IMPLICIT)
-    assert landing.run(theta) == (0.0, [("energy", theta), ("cut", theta)])
-
-
-def test_a_repeated_step_may_have_an_onset_before_its_end(monkeypatch):
-    landing = Landing(monkeypatch, bends=True, onset=0.9)
-    assert landing.run(0.4) == (0.0, ["roll back", ("accept", 0.4), ("energy", 0.9), ("cut", 0.9)])
-
-
-def test_what_cannot_be_located_or_repeated_is_refused(monkeypatch):
-    assert Landing(monkeypatch, bends=True).run(REFUSED) == (1e6, [])
-    for error in (1.5, math.nan):
-        assert Landing(monkeypatch, bends=True, errors=[error]).run(0.4) == (1e6, ["roll back"])
-    landing = Landing(monkeypatch, bends=True, onset=REFUSED)
-    assert landing.run(0.4) == (1e6, ["roll back", ("accept", 0.4)])
-
-
-@pytest.mark.parametrize(("loss", "error"), [(0.0, 1e6), (1.0, 1e6), (1.05, 1.05), (3.0, 3.0)])
-def test_a_step_that_does_not_keep_the_energy_is_refused_by_its_loss(monkeypatch, loss, error):
-    landing = Landing(monkeypatch, bends=False, keeps=False, loss=loss)
-    assert landing.run(0.4) == (error, [("energy", 0.4)])
 
 
 def at_end_of_a_step(events=(), **more):

@@ -6,21 +6,19 @@ the dense output; so the result does not depend on the communication step. An ev
 the communication point has passed it. ``d`` is the record of the instance (record/instance.py).
 """
 
-import math
-
 from chain_impact.kernel import hooks
 from chain_impact.kernel.events.contact_log import update_extremes, update_to_output_time
 from chain_impact.kernel.events.friction_modes import reinit_modes
 from chain_impact.kernel.events.impulses import end_changed_contacts, update_active_set
-from chain_impact.kernel.events.kinds import KINK, NONE, REFUSED
+from chain_impact.kernel.events.kinds import KINK, NONE
 from chain_impact.kernel.events.marks import drop_events, ends_in_onset, pending_changes
 from chain_impact.kernel.events.search import find_event, onset_fraction
 from chain_impact.kernel.events.table import apply_events, bends_force
 from chain_impact.kernel.initialize import first_size
-from chain_impact.kernel.integration import step_size
+from chain_impact.kernel.integration import step_size, trial
 from chain_impact.kernel.integration.balance import (
     check_balance,
-    energy_step_ok,
+    check_energy,
     rebase_energy,
     reinit_balance,
 )
@@ -73,9 +71,6 @@ from chain_impact.kernel.work_limit import (
 LONGEST_STEP = 1.0
 # s. Far below the resolution of floating-point time, except at t = 0. A run that needs less ends.
 SHORTEST_STEP = 1e-18
-# The error assigned to a refused step: one in which an event cannot be located, or that violates the energy
-# balance. It makes the next try a seventh as long, or an eighth if it is implicit.
-REFUSED_ERROR = 1e6
 # Fraction of an implicit step. So near its start the dense output is as accurate as the end of the step.
 NEAR_START = 1e-3
 
@@ -232,58 +227,71 @@ def take_step(d):
 
 def find_step(d):
     """Try steps of ever smaller size until one is accepted, up to its first event; returns a status."""
-    step, grow, error = d.step, step_size.GROW, 0.0
-    wanted = min(step.next_size, LONGEST_STEP)
+    wanted = min(d.step.next_size, LONGEST_STEP)
     limited = limit_to_piece(d, wanted)
-    h = prepare(d, limited)
-    while True:
-        if h < SHORTEST_STEP or step.end + h == step.end:
-            return STEP_TOO_SMALL if math.isfinite(error) else NOT_FINITE
-        clear_stage_notes(d)
-        error = attempt(d, h)
-        if error <= 1.0:
-            accept(d, h)
-            error = max(error, accept_to_event(d, find_event(d)))
-            if error <= 1.0:
-                size = h * min(grow, step_size.factor(d, max(error, 1e-16)))
-                # the end of a piece of an input says nothing about the size
-                step_size.propose(d, max(size, wanted) if limited < wanted and grow > 1.0 else size)
-                return OK
-            roll_back(d)
-            drop_events(d)
+    h, grow = prepare(d, limited), step_size.GROW
+    if limited < wanted:
+        h = min(h, limited)  # a step that is stretched to the end of a contact does not pass that of the piece
+    while not too_short(d, h):
+        try_step(d, h)
+        suggested = h * min(grow, step_size.factor(d))
+        if trial.accepted(d):
+            # the end of a piece of an input says nothing about the size
+            step_size.propose(d, max(suggested, wanted) if limited < wanted and grow > 1.0 else suggested)
+            return OK
         count_rejected_step(d)
-        h *= step_size.factor(d, error) if math.isfinite(error) else 0.1
-        grow = 1.0
         if work_exceeded(d):
             return TOO_MUCH_WORK
+        h, grow = suggested, 1.0
+    return NOT_FINITE if d.trial.result == trial.NOT_FINITE else STEP_TOO_SMALL
 
 
-def accept_to_event(d, theta):
-    """End the last step at its fraction θ, unless that is −1, if it keeps the energy balance up to there.
+def too_short(d, h):
+    """Whether a step of size h is lost in the time."""
+    return h < SHORTEST_STEP or d.step.end + h == d.step.end
 
-    Returns an error, at most 1 if the step is accepted: that of the energy balance, or REFUSED_ERROR.
 
-    At the end of a contact and at the kink of a force the step is repeated with a size that lands on the
-    event: the force is not smooth there, and the interpolant of a step across it is less accurate than the
-    step. The interpolant of an implicit step is less accurate everywhere but at its ends, so that such a step
-    is repeated for every event.
-    """
-    if theta == REFUSED:
-        return REFUSED_ERROR
-    if theta > 0.0 and (bends_force(d) or (LANDS[d.step.last_method] and NEAR_START < theta < 1.0)):
-        h = theta * d.step.size
+def try_step(d, h):
+    """Try a step of size h. If it is accepted, it is the last step, up to its first event."""
+    clear_stage_notes(d)
+    attempt(d, h)
+    if not trial.accepted(d):
+        return
+    accept(d)
+    theta = find_event(d)
+    if trial.accepted(d) and must_land(d, theta):
+        theta = land(d, theta)
+    if trial.accepted(d):
+        check_energy(d, theta)
+    if not trial.accepted(d):
         roll_back(d)
-        if not attempt(d, h) <= 1.0:
-            return REFUSED_ERROR
-        accept(d, h)
-        theta = onset_fraction(d)
-        if theta == REFUSED:
-            return REFUSED_ERROR
-    if not energy_step_ok(d, theta):
-        return d.balance.loss if d.balance.loss > 1.0 else REFUSED_ERROR
-    if theta >= 0.0:
+        drop_events(d)
+    elif theta >= 0.0:
         truncate_step(d, theta)
-    return d.balance.loss
+
+
+def must_land(d, theta):
+    """Whether the last step must be repeated so that it ends at the event at its fraction θ (−1: none).
+
+    At the end of a contact and at its kink the force is not smooth, and the interpolant of a step across it
+    is less accurate than the step. The interpolant of an implicit step is less accurate everywhere but at its
+    ends, so that such a step is repeated for every event.
+    """
+    return theta > 0.0 and (bends_force(d) or (LANDS[d.step.last_method] and NEAR_START < theta < 1.0))
+
+
+def land(d, theta):
+    """Repeat the last step up to its fraction θ; returns the fraction of it at which onsets are, or −1."""
+    error, h = d.trial.error, theta * d.step.size
+    roll_back(d)
+    attempt(d, h)
+    if not trial.accepted(d):
+        trial.refuse(d, trial.NOT_LOCATED)
+        return -1.0
+    accept(d)
+    # the size of the next step follows from the error of the whole step
+    trial.conclude(d, error, d.trial.cost_factor)
+    return onset_fraction(d)
 
 
 def begin_step(d):

@@ -25,6 +25,7 @@ from chain_impact.kernel.integration.last_step import clear_breaks, reset_step
 from chain_impact.kernel.integration.methods import IS_IMPLICIT, SOLVER_METHODS, first_method
 from chain_impact.kernel.integration.step_size import in_flight, keep_for_flight, propose
 from chain_impact.kernel.integration.switching import begin_explicit, stable
+from chain_impact.kernel.integration.trial import clear_trial
 from chain_impact.kernel.model.contact import clear_contacts, clear_loads
 from chain_impact.kernel.model.contact_law import start_laws
 from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
@@ -91,6 +92,7 @@ def clear_run(d, time):
     clear_joint_loads(d.implicit.load)
     drop_events(d)
     clear_breaks(d)
+    clear_trial(d)
     remember_clearances(d, NOTHING)
     clear_log(d)
     clear_changes(d)

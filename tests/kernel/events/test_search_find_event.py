@@ -7,7 +7,7 @@ from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.events import search
 from chain_impact.kernel.events.crossing import measure
 from chain_impact.kernel.events.exclusion import FAR, NOTHING, VALUES, known_clearances, remember_clearances
-from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, REFUSED, RELEASE
+from chain_impact.kernel.events.kinds import END, KINK, NONE, ONSET, RELEASE
 from chain_impact.kernel.events.search import (
     DEEP,
     EARLY,
@@ -20,6 +20,7 @@ from chain_impact.kernel.events.search import (
 )
 from chain_impact.kernel.integration.last_step import OUTPUTS, SOLVER
 from chain_impact.kernel.integration.method import IMPLICIT
+from chain_impact.kernel.integration.trial import ACCEPTED, NOT_LOCATED, accepted
 from tests.kernel.chains import chain, located, touch
 from tests.kernel.events.test_crossing import first_fall, moving
 from tests.kernel.events.test_kinks_of_a_step import falling
@@ -99,7 +100,8 @@ def test_a_time_that_runs_back_refuses_the_step():
     set_step(d, motion, 1.0, start=2.0)
     d.step.end = 3.0
     d.touch.impact_speed[:], d.touch.kink_crossed[1] = 1e6, 1
-    assert find_event(d) == REFUSED
+    find_event(d)
+    assert d.trial.result == NOT_LOCATED
 
 
 # --- what is believed --------------------------------------------------------------------------------------
@@ -204,6 +206,12 @@ def landed(gaps, rate=-2.0, size=0.5, kind=ONSET, bend=0.0):
     return d
 
 
+def lands(d):
+    """Whether a step that was repeated for onsets is not refused."""
+    onset_fraction(d)
+    return accepted(d)
+
+
 @pytest.mark.parametrize("bend", [0.0, 0.1, -0.1])
 @pytest.mark.parametrize("off", [0.0, 0.5 * LANDED, -0.5 * LANDED])
 def test_a_step_made_anew_for_onsets_ends_at_the_first_of_them(off, bend):
@@ -224,7 +232,7 @@ def test_an_onset_that_stays_deep_inside_is_refused():
     """In two steps of Newton's method the motion bends away from where it was to touch."""
     gap = -0.8 * LANDED
     assert onset_fraction(landed([gap, gap], bend=-0.1)) == pytest.approx(1.0 + gap, abs=1e-4)
-    assert onset_fraction(landed([gap, gap], bend=-100.0)) == REFUSED
+    assert not lands(landed([gap, gap], bend=-100.0))
 
 
 @pytest.mark.parametrize("other", [0, 1])
@@ -233,36 +241,39 @@ def test_an_onset_that_stays_deep_inside_is_refused():
 )
 def test_a_step_that_does_not_land_on_an_onset_is_refused(gap, rate, other):
     gaps = [0.0, gap] if other else [gap, 0.0]
-    assert onset_fraction(landed(gaps, rate)) == REFUSED
+    assert not lands(landed(gaps, rate))
 
 
 def test_other_events_are_where_a_step_ends_and_so_are_those_of_a_step_that_cannot_be_shorter():
     assert onset_fraction(landed([0.1, 0.1], kind=KINK)) == -1.0
     assert onset_fraction(landed([0.1, 0.1], size=1e-13)) == -1.0
     d = landed([0.1, 0.1], size=1e-11)
-    assert onset_fraction(d) == REFUSED
+    assert not lands(d)
+    d.trial.result = ACCEPTED
     d.step.start, d.step.end = 1e4, 1e4 + 1e-11
     assert onset_fraction(d) == -1.0
+    assert accepted(d)
 
 
 def test_an_incredible_touch_refuses_a_step_that_can_be_shorter_and_is_dropped_of_one_that_cannot(
     monkeypatch,
 ):
     # a step of 1e-12 s, or one that can hardly be told from none, cannot
-    for size, clock, expected in (
-        (1.0, 0.0, REFUSED),
-        (1e-13, 0.0, -1.0),
-        (1e-11, 0.0, REFUSED),
-        (1e-11, 1e4, -1.0),
+    for size, clock, result in (
+        (1.0, 0.0, NOT_LOCATED),
+        (1e-13, 0.0, ACCEPTED),
+        (1e-11, 0.0, NOT_LOCATED),
+        (1e-11, 1e4, ACCEPTED),
     ):
         d = touched(0.3 * size, -1.0, size=size)
         d.step.start, d.step.end = clock, clock + size
         d.touch.event[:] = NONE
         monkeypatch.setattr(search, "credible", lambda *_: False)
         monkeypatch.setattr(search, "find_crossing", found_leaving)
-        assert find_event(d) == expected
-        assert d.touch.event[1] == (ONSET if expected == REFUSED else NONE)
-        if expected != REFUSED:
+        assert find_event(d) == -1.0
+        assert d.trial.result == result
+        assert d.touch.event[1] == (ONSET if result == NOT_LOCATED else NONE)
+        if result == ACCEPTED:
             # the points are those of its end
             np.testing.assert_allclose(d.search.clear_end, gaps_of(d, d.step.state_end), rtol=0, atol=1e-11)
 

@@ -6,11 +6,12 @@ import pytest
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.integration.balance import (
     check_balance,
-    energy_step_ok,
+    check_energy,
     loss_budget,
     reinit_balance,
     start_balance,
 )
+from chain_impact.kernel.integration.trial import ACCEPTED, INACCURATE, UNBALANCED, conclude
 from chain_impact.kernel.model.energy import energy_balance
 from chain_impact.kernel.status import ENERGY_NOT_KEPT, OK
 from chain_impact.scene.scene import load_scene
@@ -30,6 +31,13 @@ def after_a_step():
     return d
 
 
+def result_of_check(d, theta):
+    """What the energy check makes of the last step, whose error was a tenth of the tolerance."""
+    conclude(d, 0.1, 1.0)
+    check_energy(d, theta)
+    return d.trial.result
+
+
 def test_the_ledger_is_that_of_the_outputs():
     instance = Instance(load_scene("four_link_box"))
     instance.advance(0.4995)  # in the first impact
@@ -46,7 +54,7 @@ def test_the_ledger_is_that_of_the_outputs():
 def test_a_step_of_the_solver_keeps_the_ledger():
     d = after_a_step()
     before = float(d["balance"]["at_end"])
-    assert energy_step_ok(d, -1.0)
+    assert result_of_check(d, -1.0) == ACCEPTED
     assert float(d["balance"]["at_end"]) == pytest.approx(before, abs=1e-6)
 
 
@@ -57,14 +65,14 @@ def test_a_step_that_changes_the_ledger_is_refused(entry, theta):
     d["step"]["state_end"][entry] += 1e-5
     d["step"]["dense"][0, entry] += 1e-5
     before = float(d["balance"]["at_end"])
-    assert not energy_step_ok(d, theta)
+    assert result_of_check(d, theta) == UNBALANCED
     assert before == d["balance"]["at_end"]
 
 
 def test_a_step_that_is_not_finite_is_refused():
     d = after_a_step()
     d["step"]["state_end"][8] = np.nan
-    assert not energy_step_ok(d, -1.0)
+    assert result_of_check(d, -1.0) == UNBALANCED
 
 
 def test_a_run_ends_when_the_steps_of_a_second_have_changed_the_ledger_by_far_too_much():
@@ -95,7 +103,7 @@ def losing(so_far, by_the_step):
 @pytest.mark.parametrize(
     ("so_far", "by_the_step", "noted"),
     [
-        (0.0, 0.05, 0.0),  # less than a tenth
+        (0.0, 0.09, 0.1),  # less than a tenth, and less than the error of the step
         (0.0, 0.2, 0.2),
         (0.5, 0.2, 0.4),  # of what is left
         (2.0, 0.001, 0.2),  # as much as the budget grows in a step of that size
@@ -107,15 +115,15 @@ def test_a_step_may_lose_what_is_left(so_far, by_the_step, noted):
     if so_far > 1.0:
         noted = by_the_step / (size / (10.0 + d["step"]["end"]))
         assert 0.1 < noted < 1.0
-    assert energy_step_ok(d, -1.0)
-    assert d["balance"]["loss"] == pytest.approx(noted, rel=1e-3)
+    assert result_of_check(d, -1.0) == ACCEPTED
+    assert d.trial.error == pytest.approx(noted, rel=1e-3)
 
 
 @pytest.mark.parametrize(("so_far", "by_the_step"), [(0.9, 0.2), (2.0, 0.1)])
 def test_a_step_that_would_lose_more_is_refused_and_by_how_much_is_noted(so_far, by_the_step):
     d = losing(so_far, by_the_step)
-    assert not energy_step_ok(d, -1.0)
-    assert d["balance"]["loss"] > 1.9
+    assert result_of_check(d, -1.0) == INACCURATE
+    assert d.trial.error > 1.9
 
 
 def test_what_all_steps_may_lose_follows_the_tolerance_and_grows_with_time():

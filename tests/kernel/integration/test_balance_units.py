@@ -70,10 +70,10 @@ def test_the_units_are_those_of_the_stretched_chain():
 
 def test_a_balance_starts_from_the_present_energies():
     d, y = moving()
-    d.balance.available, d.balance.loss, d.step.breaks = 1e9, 0.5, 7
+    d.balance.available, d.step.breaks = 1e9, 7
     start_balance(d, 2.5)
     own, present = d.balance, energy_balance(d, y)
-    assert (own.start, own.since, own.loss, own.breaks) == (2.5, 2.5, 0.0, 7)
+    assert (own.start, own.since, own.breaks) == (2.5, 2.5, 7)
     for name in ("at_end", "at_start", "origin", "reference"):
         assert own[name] == present
     # all energy but the potential one; nothing has been supplied, but 1.3 J were taken

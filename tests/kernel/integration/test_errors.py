@@ -37,7 +37,7 @@ def deep(rng, depth=1e-3, **more):
     d.solver.tolerance = TOLERANCE
     touched = [c for c in range(d.candidates) if d.candidate.point[c] in (1, 3)][:4:3]
     y = struck(rng, d, touched, depth)
-    d.work.y[:] = y
+    d.trial.state[:] = y
     d.work.error[:] = 0.0
     d.touch.gap_error[:] = 0.0
     d.touch.depth_scale[touched] = [2e-3, 3e-4]
@@ -94,7 +94,7 @@ def test_what_is_not_finite_is_infinitely_wrong(rng, bad, where):
     _, d, _, _ = deep(rng)
     for j in range(dissipated_at(LINKS) + 1):
         d.work.error[:] = 0.0
-        row = {"one": d.work.error[ONE], "other": d.work.error[OTHER], "result": d.work.y}[where]
+        row = {"one": d.work.error[ONE], "other": d.work.error[OTHER], "result": d.trial.state}[where]
         right, row[j] = row[j], bad
         assert scaled_errors(d, ONE, OTHER) == (math.inf, math.inf)
         row[j] = right
@@ -186,7 +186,7 @@ def test_moments_count_where_a_rigid_wall_holds_a_point(rng):
     d.model.joint_stiffness[:] = 1e9
     y = random_state(rng, d)
     locate_points(d, y)
-    d.work.y[:], d.work.error[:] = y, 0.0
+    d.trial.state[:], d.work.error[:] = y, 0.0
     d.work.error[ONE][3], d.work.error[OTHER][4] = 1e-7, 2e-7
     touch(d, [])
     free = scaled_errors(d, ONE, OTHER)

@@ -24,6 +24,7 @@ from chain_impact.kernel.integration.extended import extended_size, gap_at, rate
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.newton import UNKNOWN
 from chain_impact.kernel.integration.radau import NODES, REAL_EIGENVALUE, STAGES
+from chain_impact.kernel.integration.trial import ACCEPTED, NOT_FINITE, accepted
 from chain_impact.kernel.model.equations import state_rate
 from tests.kernel.chains import chain, struck, touch
 from tests.reference import mass_matrix
@@ -102,7 +103,8 @@ def test_the_first_step_is_some_time_constants_of_a_fast_motion(tolerance, dampi
     taken = 1.0 - 1.0 / (1.0 + rho * h * REAL_EIGENVALUE)  # by one solution with the real shift
     expected = FADED / rho * (rho / (taken * fast)) ** (1.0 / (ERROR_ORDER - 1))
     assert prepare(d, h) == pytest.approx(expected, rel=1e-6)
-    assert attempt(d, expected) <= 1.0
+    attempt(d, expected)
+    assert accepted(d)
 
 
 def test_a_first_step_that_meets_no_fast_motion_is_as_long_as_it_may_be():
@@ -196,7 +198,8 @@ def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
 ):
     d = at_start()[1]
     prepare(d, 0.01)
-    assert attempt(d, 0.01) <= 1.0
+    attempt(d, 0.01)
+    assert accepted(d)
     assert d.implicit.slowness < UNKNOWN
 
     def unsolved(d, _h, _size):
@@ -206,12 +209,13 @@ def test_a_step_that_is_not_solved_says_how_much_shorter_the_next_try_is(
 
     monkeypatch.setattr(collocation, "_converge", unsolved)
     before = d.statistics.rhs_evaluations
-    assert attempt(d, 0.01) == error
+    attempt(d, 0.01)
+    assert d.trial.error == error
     assert d.implicit.slowness == UNKNOWN
-    assert d.step.cost_factor == 1.0
+    assert d.trial.cost_factor == 1.0
     assert d.statistics.rhs_evaluations == before + 4 * STAGES
     if share:
-        assert step_size.factor(d, error) == pytest.approx(share, rel=0.02)
+        assert step_size.factor(d) == pytest.approx(share, rel=0.02)
 
 
 def test_the_iteration_of_a_step_that_is_far_too_long_diverges():
@@ -220,7 +224,8 @@ def test_the_iteration_of_a_step_that_is_far_too_long_diverges():
     for h in np.geomspace(0.01, 10.0, 25):
         d.implicit.listing = STALE
         prepare(d, h)
-        errors.append(attempt(d, h))
+        attempt(d, h)
+        errors.append(float(d.trial.error))
     assert errors[0] <= 1.0
     assert LATE in errors
     assert DIVERGED in errors
@@ -245,13 +250,15 @@ def test_a_step_that_is_solved_counts_its_systems_and_gives_its_error(monkeypatc
     h = prepare(d, 1e-3)
     before, evaluations = d.limits.other_work, d.statistics.rhs_evaluations
     monkeypatch.setattr(collocation, "estimate", lambda *_: 0.25)
-    assert attempt(d, h) == 0.25
+    attempt(d, h)
+    assert (d.trial.result, d.trial.error) == (ACCEPTED, 0.25)
     iterations = d.implicit.iterations
     assert d.limits.other_work - before == 6 + 4 * iterations + 3
     assert d.statistics.rhs_evaluations - evaluations == STAGES * iterations
     monkeypatch.setattr(collocation, "estimate", lambda *_: math.nan)
     d.implicit.slowness = 0.5
-    assert math.isnan(attempt(d, h))
+    attempt(d, h)
+    assert d.trial.result == NOT_FINITE
     assert d.implicit.slowness == UNKNOWN
 
 

@@ -57,7 +57,7 @@ def with_a_step(d, h=H):
         target[:] = d["work"]["rate_end"]
     prepare(d, h)
     attempt(d, h)
-    accept(d, h)
+    accept(d)
     return d
 
 
@@ -203,5 +203,5 @@ def test_points_that_the_error_of_a_step_has_located_are_not_located_again(monke
     attempt(d, H)
     d["touch"]["active_count"] = touching
     monkeypatch.setattr(last_step, "find_rate", lambda _, located: told.append(bool(located)))
-    accept(d, H)
+    accept(d)
     assert told == [touching > 0]

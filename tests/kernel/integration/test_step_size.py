@@ -1,5 +1,7 @@
 """Sizes of steps that are foreseen instead of tried."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -18,6 +20,7 @@ from chain_impact.kernel.integration.step_size import (
     resume_flight,
     time_scale,
 )
+from chain_impact.kernel.integration.trial import NOT_LOCATED, UNBALANCED, conclude, refuse
 from chain_impact.kernel.model.contact_force import damping_share
 from chain_impact.scene.scene import load_scene, with_values
 from chain_impact.simulation.simulate import simulate
@@ -66,10 +69,20 @@ def test_a_force_rises_in_the_time_in_which_its_depth_is_reached_or_damping_stop
 def test_a_size_follows_from_the_error_and_from_the_cost():
     _, d = chain(np.random.default_rng(7), 1)
     for method in (EXPLICIT, IMPLICIT):
-        d.step.method, d.step.cost_factor = method, 0.7
-        right = SAFETY[method] * 0.7 * 5.0 ** EXPONENT[method]
-        assert factor(d, 5.0) == pytest.approx(right, rel=1e-13)
-        assert factor(d, 1e12) == 0.1  # not less
+        d.step.method = method
+        for error in (5.0, 1e-5):
+            conclude(d, error, 0.7)
+            right = SAFETY[method] * 0.7 * error ** EXPONENT[method]
+            assert factor(d) == pytest.approx(right, rel=1e-13)
+        for error in (1e12, math.inf, math.nan):
+            conclude(d, error, 0.7)
+            assert factor(d) == 0.1  # not less
+        conclude(d, 0.0, 0.7)
+        assert 6.0 < factor(d) < math.inf
+        for result in (NOT_LOCATED, UNBALANCED):
+            conclude(d, 1e-5, 1.0)
+            refuse(d, result)
+            assert 1 / 8.5 < factor(d) < 1 / 7
 
 
 def test_in_flight_the_fastest_turn_decides():

@@ -144,7 +144,9 @@ def test_the_linear_system_is_that_of_the_run():
 def test_a_step_is_made_of_the_stages_of_the_run(monkeypatch, reason, converges, contacts):
     d, called = SimpleNamespace(step=SimpleNamespace(start=1.5)), []
     t = SimpleNamespace(
-        trust=SimpleNamespace(reason=reason), work=SimpleNamespace(y="y"), implicit=SimpleNamespace(z="z")
+        trust=SimpleNamespace(reason=reason),
+        trial=SimpleNamespace(state="y"),
+        implicit=SimpleNamespace(z="z"),
     )
     for name in [
         "extend_start",

@@ -38,7 +38,8 @@ def instances(regularized=-1, events=(NONE, NONE), kept=1.0, method=EXPLICIT):
     t.touch.impact_speed = [dual(0.5, 1.0, 2.0)] * 2
     t.step = SimpleNamespace(method=-1, regularized=regularized, end=dual(1.4999, 3.0, 4.0))
     t.step.state_end = np.array([dual(9.0, *rng.normal(size=2)) for _ in range(SIZE)], object)
-    t.work = SimpleNamespace(y="y", acceleration="acceleration")
+    t.work = SimpleNamespace(acceleration="acceleration")
+    t.trial = SimpleNamespace(state="y", size=-1.0)
     t.work.rate_end = [dual(0.5 + j, 100.0, 100.0) for j in range(SIZE)]
     t.impulse = SimpleNamespace(wanted=1, state_end=[dual(4.0, 1.0, 2.0)])
     # friction at candidate 1 and in the joint, element 2
@@ -134,7 +135,8 @@ def test_a_step_that_is_made_is_accepted(monkeypatch, calls):
     t.step.method = IMPLICIT
     monkeypatch.setattr(replay, "_make", lambda method, _d, _t, h: calls.append(("made", method, h)))
     replay.make(d, t, 0.05)
-    assert calls == [("made", IMPLICIT, 0.05), ("accept", 0.05)]
+    assert calls == [("made", IMPLICIT, 0.05), ("accept",)]
+    assert t.trial.size == 0.05
 
 
 @pytest.mark.parametrize(("active", "stuck"), [(0, 0), (1, 0), (0, 1)])

@@ -2,10 +2,11 @@
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import omega_at
-from chain_impact.kernel.events.kinds import REFUSED, RELEASE
+from chain_impact.kernel.events.kinds import RELEASE
 from chain_impact.kernel.events.marks import drop_events, mark
 from chain_impact.kernel.events.sampling import bisection, first_passage
 from chain_impact.kernel.integration.dense import interpolate
+from chain_impact.kernel.integration.trial import NOT_LOCATED, refuse
 from chain_impact.kernel.model.constraints import least_impulse, project_state
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.work_limit import count_evaluations
@@ -21,8 +22,8 @@ SHORT = 1e-9  # s. A shorter step is not refused for the sake of a release.
 def find_release(d, touch):
     """θ of the event at ``touch`` (−1: none) or of an earlier release; marks the contacts that would pull.
 
-    The stages of the step show whether a force has become negative. The result is REFUSED if a stage has
-    passed a configuration where forces go to infinity.
+    The stages of the step show whether a force has become negative. The step is refused, and the result is
+    −1, if a stage has passed a configuration where forces go to infinity.
     """
     least = 0.0
     for k in range(d.touch.compliant_count, d.touch.active_count):
@@ -30,7 +31,8 @@ def find_release(d, touch):
     if not least < -pull_limit(d):
         return touch
     if least < -strongest(d) and d.step.size > SHORT:
-        return REFUSED
+        refuse(d, NOT_LOCATED)
+        return -1.0
     theta = _when_pulled(d, -1, touch if touch >= 0.0 else 1.0)
     if theta < 0.0:
         return touch

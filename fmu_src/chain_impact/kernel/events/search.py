@@ -21,7 +21,7 @@ from chain_impact.kernel.events.exclusion import (
     suspect_all,
 )
 from chain_impact.kernel.events.friction_events import find_mode_change
-from chain_impact.kernel.events.kinds import END, NONE, ONSET, REFUSED
+from chain_impact.kernel.events.kinds import END, NONE, ONSET
 from chain_impact.kernel.events.kinks import find_kink
 from chain_impact.kernel.events.marks import mark
 from chain_impact.kernel.events.relatch import find_relatch
@@ -30,6 +30,7 @@ from chain_impact.kernel.events.sampling import locate_at
 from chain_impact.kernel.integration.dense import interpolate, interpolate_component
 from chain_impact.kernel.integration.last_step import SOLVER, ensure_dense
 from chain_impact.kernel.integration.methods import DENSE_EVALUATIONS, RATE_AT_END
+from chain_impact.kernel.integration.trial import NOT_LOCATED, accepted, refuse
 from chain_impact.kernel.model.constraints import any_point_held
 from chain_impact.kernel.model.geometry import along_normal, clearance
 
@@ -49,8 +50,8 @@ def find_event(d):
     """Search the last step for the earliest event.
 
     Returns:
-        The fraction θ ∈ [0, 1] of the step at which it happens, or −1; REFUSED if the step is too inaccurate
-        to locate it. ``touch.event`` then holds the kind of event of each candidate.
+        The fraction θ ∈ [0, 1] of the step at which it happens, or −1. ``touch.event`` then holds the kind of
+        event of each candidate. A step that is too inaccurate to locate it is refused.
     """
     if d.candidates == 0:
         return find_event_without_crossing(d)
@@ -67,7 +68,8 @@ def find_event(d):
     theta = find_crossing(d)
     if theta >= 0.0 and not credible(d, theta):
         if d.step.end - d.step.start > SIMULTANEOUS + RESOLVED * abs(d.step.end):
-            return REFUSED
+            refuse(d, NOT_LOCATED)
+            return -1.0
         theta = drop_separating(d, theta)
         if theta < 0.0:
             measure(d, 1.0)
@@ -76,7 +78,7 @@ def find_event(d):
     remember_clearances(d, VALUES)
     # the time in a regularized step is not under error control
     if theta > 0.0 and interpolate_component(d.step, theta, time_at(d.links)) < 0.0:
-        return REFUSED
+        refuse(d, NOT_LOCATED)
     return theta
 
 
@@ -89,14 +91,14 @@ def find_event_without_crossing(d):
 
 
 def find_sampled_event(d, theta):
-    """θ of the crossing at ``theta`` (−1: none) or of an earlier event of another kind; or REFUSED."""
+    """θ of the crossing at ``theta`` (−1: none) or of an earlier event of another kind."""
     if any_point_held(d):
         theta = find_release(d, theta)
         if d.touch.compliant_count > 0:
             locate_at(d, theta if theta >= 0.0 else 1.0)
-    if d.touch.compliant_count > 0 and theta != REFUSED:
+    if d.touch.compliant_count > 0 and accepted(d):
         theta = find_kink(d, find_relatch(d, theta))
-    if d.friction.count > 0 and theta != REFUSED:
+    if d.friction.count > 0 and accepted(d):
         theta = find_mode_change(d, theta)
     return theta
 
@@ -143,8 +145,8 @@ def onset_fraction(d):
     """The fraction θ at which the onsets are, in the last step, repeated to end at its events; or −1.
 
     θ is 1 up to the error of the interpolant with which the events were found. Two Newton iterations correct
-    it; it may come to lie a little beyond the end. The result is REFUSED if points are then deep inside a
-    wall or far from an onset. It is −1, the end, without an onset or in a step that time hardly resolves.
+    it; it may come to lie a little beyond the end. The step is refused if points are then deep inside a wall
+    or far from an onset. θ is −1, the end, without an onset or in a step that time hardly resolves.
     """
     if d.step.end - d.step.start <= SIMULTANEOUS + RESOLVED * abs(d.step.end):
         return -1.0
@@ -153,14 +155,17 @@ def onset_fraction(d):
         return -1.0
     theta = 1.0 - late
     if not abs(late) <= LANDED:
-        return REFUSED
+        refuse(d, NOT_LOCATED)
+        return -1.0
     ensure_dense(d, SOLVER)
     interpolate(d.step, theta, d.work.y)
     late, _ = onset_lateness(d, d.work.y)
     theta -= late
     interpolate(d.step, theta, d.work.y)
     late, deepest = onset_lateness(d, d.work.y)
-    return theta if abs(late) <= LANDED and deepest <= DEEP * d.model.size else REFUSED
+    if not (abs(late) <= LANDED and deepest <= DEEP * d.model.size):
+        refuse(d, NOT_LOCATED)
+    return theta
 
 
 def onset_lateness(d, y):

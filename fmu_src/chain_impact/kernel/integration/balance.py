@@ -43,6 +43,7 @@ from chain_impact.kernel.integration.last_step import (
 )
 from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.integration.switching import STABLE, joints_over
+from chain_impact.kernel.integration.trial import UNBALANCED, accepted, add_error, refuse
 from chain_impact.kernel.model.contact_force import elastic_force
 from chain_impact.kernel.model.energy import energy_balance, mechanical_energy, other_energy
 from chain_impact.kernel.model.geometry import clearance, coordinates_size
@@ -84,7 +85,7 @@ def start_balance(d, time):
     balance.unit_motion = math.sqrt(square)
     balance.weight = total * model.gravity_size
     balance.unit_scale = balance.weight * reach + model.energy
-    balance.start, balance.since, balance.loss = time, time, 0.0
+    balance.start, balance.since = time, time
     rebase_energy(d)
     balance.at_start, balance.origin = balance.at_end, balance.at_end
     begin_window(d)
@@ -121,13 +122,12 @@ def reinit_balance(d):
         balance.at_start = balance.at_end
 
 
-def energy_step_ok(d, theta):
-    """Whether the last step keeps the energy balance, up to an event at its fraction θ or (−1) to its end.
+def check_energy(d, theta):
+    """Refuse the last step if it does not keep the energy balance, up to an event at θ or (−1) to its end.
 
-    ``balance.loss`` is set to its loss over the allowed loss; it is > 1 if the step fails for that reason.
+    Its loss over the allowed loss, if it is notable, counts as an error of the step.
     """
     balance, y = d.balance, d.step.state_end
-    balance.loss = 0.0
     if theta >= 0.0:
         y = d.work.y
         interpolate(d.step, theta, y)
@@ -142,22 +142,23 @@ def energy_step_ok(d, theta):
     if not abs(change) <= balance.least_allowed:
         allowed = allowance(d, y)
         if not abs(change) <= allowed:
-            return False
+            refuse(d, UNBALANCED)
+            return
         balance.allowed = max(balance.allowed, allowed)
     there = most_energy(d, y, potential)
     if change > SLIP * there and present - balance.origin > GAIN * there:
-        return False
+        refuse(d, UNBALANCED)
+        return
     loss = -change / loss_allowed(d, there) if change < 0.0 else 0.0
-    balance.loss = loss if loss > NOTABLE else 0.0
-    if balance.loss > 1.0:
-        if -change > round_off(d, y):
-            return False
-        balance.loss = 1.0
-    if d.step.rate_known and is_long(d) and not interpolates(d):
-        return False
-    balance.at_start, balance.available_at_start = balance.at_end, balance.available
-    balance.at_end, balance.available = present, there
-    return True
+    if loss > 1.0 and not -change > round_off(d, y):
+        loss = 1.0
+    if loss > NOTABLE:
+        add_error(d, loss)
+    if accepted(d) and d.step.rate_known and is_long(d) and not interpolates(d):
+        refuse(d, UNBALANCED)
+    if accepted(d):
+        balance.at_start, balance.available_at_start = balance.at_end, balance.available
+        balance.at_end, balance.available = present, there
 
 
 def most_energy(d, y, potential):

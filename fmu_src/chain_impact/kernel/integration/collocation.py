@@ -53,6 +53,7 @@ from chain_impact.kernel.integration.radau import (
     REAL_EIGENVALUE,
     STAGES,
 )
+from chain_impact.kernel.integration.trial import accepted, conclude
 from chain_impact.kernel.model.constraints import any_constraint
 from chain_impact.kernel.model.equations import clear_stage_notes
 from chain_impact.kernel.work_limit import count_evaluations, count_other_work
@@ -193,30 +194,24 @@ def extrapolate_polynomial(d, h, size):
 
 
 def attempt(d, h):
-    """Try a step of size h [s] from where it was prepared; the result is stored in ``work.y``.
-
-    Returns:
-        The error relative to the tolerance: at most 1 if the step is acceptable; not finite if f was not.
-    """
+    """Try a step of size h [s] from where it was prepared."""
     own, size = d.implicit, extended_size(d)
     extrapolate_stages(d, h, size)
     solved = _converge(d, h, size)
     count_evaluations(d, STAGES * own.iterations)
     count_other_work(d, FACTORIZATIONS + SOLUTIONS * own.iterations + ESTIMATE)
-    d.step.cost_factor = 1.0
-    if not solved:
-        own.slowness = UNKNOWN
+    if solved:
+        set_result(d, h)
+        error = estimate(d, h, size)
+        if compliant(d) > 0:
+            change, apart = project_clearances(d, own.z, d.trial.state)
+            error = max(error, change, apart)
+        conclude(d, error, cost_factor(own))
+    else:
         refused = DIVERGED if own.contraction > 1.0 else LATE
-        return refused if math.isfinite(own.correction) else math.inf
-    d.step.cost_factor = cost_factor(own)
-    set_result(d, h)
-    error = estimate(d, h, size)
-    if compliant(d) > 0:
-        change, apart = project_clearances(d, own.z, d.work.y)
-        error = max(error, change, apart)
-    if not error <= 1.0:
+        conclude(d, refused if math.isfinite(own.correction) else math.inf, 1.0)
+    if not accepted(d):
         own.slowness = UNKNOWN
-    return error
 
 
 def cost_factor(own):
@@ -229,14 +224,14 @@ def cost_factor(own):
 
 def set_result(d, h):
     """Set z and the state at the end of the step, whose points are located."""
-    own, work = d.implicit, d.work
+    own, y = d.implicit, d.trial.state
     for j in range(extended_size(d)):
         own.z[j] = own.start[j] + own.stages[LAST, j]
     for j in range(sundman_u_at(d.links)):
-        work.y[j] = own.z[j]
-    work.y[sundman_u_at(d.links)], work.y[time_at(d.links)] = 1.0, h
+        y[j] = own.z[j]
+    y[sundman_u_at(d.links)], y[time_at(d.links)] = 1.0, h
     set_tried_impulses(d, own.z, impulse_at(d, 0), friction_impulse_at(d, 0))
-    locate_points(d, work.y)
+    locate_points(d, y)
 
 
 def estimate(d, h, size):

@@ -23,9 +23,9 @@ LARGEST_ERROR = 0.01
 
 
 def scaled_errors(d, row, other_row):
-    """The largest scaled components of two error estimates in ``work.error``, for the result in ``work.y``.
+    """The largest scaled components of two error estimates in ``work.error``, for the tried step.
 
-    The points must be located there, and ``gap_error`` must hold the errors in the clearances.
+    The points must be located at its end, and ``gap_error`` must hold the errors in the clearances.
 
     The scales, times the tolerance: 1 rad for angles and one link length for positions, whatever their
     value (turning or shifting the scene changes nothing); for speeds their own size plus one of these per
@@ -37,7 +37,7 @@ def scaled_errors(d, row, other_row):
         At most 1 if the error is within the tolerance; infinity if the result is not finite.
     """
     n, size = d.links, d.model.size
-    one, other, y = d.work.error[row], d.work.error[other_row], d.work.y
+    one, other, y = d.work.error[row], d.work.error[other_row], d.trial.state
     speeds, turns, dissipated = velocity_at(n), omega_at(n), dissipated_at(n)
     if not finite(one, other, y, dissipated + 1):
         return math.inf, math.inf

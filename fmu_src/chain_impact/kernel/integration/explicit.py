@@ -21,6 +21,7 @@ from chain_impact.kernel.integration.sundman import (
     root_curve,
     runs_back,
 )
+from chain_impact.kernel.integration.trial import conclude
 from chain_impact.kernel.model.friction import any_sticking
 from chain_impact.kernel.model.geometry import along_normal, clearance
 from chain_impact.kernel.work_limit import count_evaluations
@@ -97,20 +98,18 @@ def up_to(h, left):
 
 
 def attempt(d, h):
-    """Try a step of size h from ``step.state_end``; the result is stored in ``work.y``.
-
-    Returns:
-        The error relative to the tolerance: at most 1 if the step is acceptable; not finite if f was not.
-    """
+    """Try a step of size h from ``step.state_end``."""
     make(d, h)
-    d.step.cost_factor = 1.0
     count_evaluations(d, STEP_EVALUATIONS)
-    if runs_back(d, d.work.y):
-        return HALVE
+    conclude(d, HALVE if runs_back(d, d.trial.state) else estimate(d, h), 1.0)
+
+
+def estimate(d, h):
+    """The error of the tried step, relative to the tolerance; not finite if f was not."""
     controlled = dissipated_at(d.links) + 1
     _errors(d.work.stage, h, d.work.error[0, :controlled], d.work.error[1, :controlled])
     if d.touch.active_count > 0 or any_sticking(d):
-        locate_points(d, d.work.y)
+        locate_points(d, d.trial.state)
     set_gap_errors(d, 0)
     set_gap_errors(d, 1)
     error_5, error_3 = scaled_errors(d, 0, 1)
@@ -136,7 +135,7 @@ def is_smooth(d):
 def make(d, h):
     """Make a step of size h from ``step.state_end``, without an estimate of its error."""
     _stages(d, h)
-    _step_end(d.work.stage, d.step.state_end, h, d.work.y)
+    _step_end(d.work.stage, d.step.state_end, h, d.trial.state)
     active = impulse_count(d)
     if active > 0:
         _step_end(d.impulse.stage, d.impulse.state_end[:active], h, d.impulse.tried[:active])

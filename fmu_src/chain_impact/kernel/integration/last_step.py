@@ -59,19 +59,19 @@ def reset_step(d, time, y):
     mark_jump(d)
 
 
-def accept(d, h):
-    """Make the step of size h that was tried, with its result in ``work.y``, the last step."""
+def accept(d):
+    """Make the tried step the last step."""
     if any_constraint(d):
-        project_state(d, d.work.y)
+        project_state(d, d.trial.state)
         keep_anchors(d)
         add_tried_impulses(d)
-    step, y = d.step, d.work.y
+    step, y = d.step, d.trial.state
     for j in range(len(step.state)):
         step.state[j] = step.state_end[j]
         step.state_end[j] = y[j]
     append_impulses(d)
     step.start = step.end
-    step.size, step.kept = h, 1.0
+    step.size, step.kept = d.trial.size, 1.0
     step.end = step.start + y[time_at(d.links)]
     step.last_method = step.method
     step.dense_for = NOT_REQUESTED

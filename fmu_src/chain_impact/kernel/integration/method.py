@@ -22,8 +22,8 @@ class Method:
         dense_evaluations: right-hand sides that the dense output needs; with 0 ``finish`` sets it, except for
             what ``dense_output`` adds.
         prepare: prepare a step at its start; returns the size h to try first.
-        attempt: try a step from `step.state_end`; the result is in `work.y`. Returns the error relative to
-            the tolerance: at most 1 if the step is acceptable; not finite if f was not.
+        attempt: try a step from `step.state_end`: set the state at its end, `trial.state`, and conclude the
+            trial (trial.py) with the error relative to the tolerance, which is not finite if f was not.
         finish: store what the method needs of the step that was tried, once it has become the last one.
         dense_output: set the dense output of the last step.
         bound_curvatures: set the bounds on |g̈| over the last step that it knows, ``search.curvature``.

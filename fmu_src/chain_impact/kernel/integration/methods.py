@@ -3,6 +3,7 @@
 from chain_impact.kernel.dispatch import dispatch
 from chain_impact.kernel.integration import collocation, explicit
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
+from chain_impact.kernel.integration.trial import begin_trial
 
 _NUMBERED = {EXPLICIT: explicit.METHOD, IMPLICIT: collocation.METHOD}
 _METHODS = tuple(_NUMBERED[number] for number in range(len(_NUMBERED)))
@@ -34,8 +35,9 @@ def prepare(d, h):
 
 
 def attempt(d, h):
-    """Try a step of size h; returns its error relative to the tolerance, at most 1 if it is acceptable."""
-    return _attempt(d.step.method, d, h)
+    """Try a step of size h by the current method; its outcome is in ``trial``."""
+    begin_trial(d, h)
+    _attempt(d.step.method, d, h)
 
 
 def finish(d):

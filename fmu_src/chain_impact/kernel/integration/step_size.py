@@ -9,10 +9,12 @@ import math
 from chain_impact.kernel.chain.state import omega_at
 from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.integration.methods import EXPONENT, ONSET_EXPONENT, ONSET_SIZE, SAFETY
+from chain_impact.kernel.integration.trial import NOT_FINITE
 from chain_impact.kernel.model.contact_force import damping_share
 
 # Limits of the factor by which the size of a step changes. DOP853's authors use 1/3 and 6.
 SHRINK, GROW = 0.1, 6.0
+LEAST = 1e-16  # a smaller error, which may be 0, counts as this one
 # Rotation of the links [rad] in the first step of a flight at a tolerance of 1: the largest for which few of
 # them are rejected (tests/kernel/integration/test_step_size.py). `onset_size` of the methods: likewise.
 TURN = 2.8
@@ -46,10 +48,12 @@ def resume_flight(d):
     propose(d, d.step.flight_size)
 
 
-def factor(d, error):
-    """The factor on the size of a step that follows from its error relative to the tolerance."""
-    method = d.step.method
-    return max(SHRINK, SAFETY[method] * d.step.cost_factor * error ** EXPONENT[method])
+def factor(d):
+    """The factor on the size of the tried step that follows from its outcome."""
+    if d.trial.result == NOT_FINITE:
+        return SHRINK
+    method, error = d.step.method, max(d.trial.error, LEAST)
+    return max(SHRINK, SAFETY[method] * d.trial.cost_factor * error ** EXPONENT[method])
 
 
 def in_flight(d, y, rate):

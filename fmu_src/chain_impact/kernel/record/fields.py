@@ -24,6 +24,25 @@ def written_by(*owners, **fields):
     return declare
 
 
+AT_START, AT_ANY_TIME = "at the start", "at any time"
+GIVEN: dict[str, str] = {}
+"""Part of the record whose parameters or initial values the scene or an importer gives → when they apply."""
+
+
+def given(when: str):
+    """Declare that the scene or an importer gives a part of the record, and when it applies.
+
+    kernel/tangent/start.py copies each of these parts for derivatives, which
+    tests/kernel/tangent/test_given_parts.py compares with this.
+    """
+
+    def declare(layout):
+        GIVEN[layout.__name__.removesuffix("_dtype")] = when
+        return layout
+
+    return declare
+
+
 def record(*fields: tuple[object, ...]) -> np.dtype:
     """A record of fields (name, type[, shape])."""
     return np.dtype(list(fields), align=True)

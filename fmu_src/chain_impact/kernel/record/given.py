@@ -4,9 +4,19 @@ import numpy as np
 
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.model.inputs import DEGREE
-from chain_impact.kernel.record.fields import INTEGER, REAL, record, table, written_by
+from chain_impact.kernel.record.fields import (
+    AT_ANY_TIME,
+    AT_START,
+    INTEGER,
+    REAL,
+    given,
+    record,
+    table,
+    written_by,
+)
 
 
+@given(AT_START)
 @written_by("initialize.py")
 def model_dtype(links: int) -> np.dtype:
     """The chain and its box. variables/model.py sets what is not derived."""
@@ -44,6 +54,7 @@ def model_dtype(links: int) -> np.dtype:
     )
 
 
+@given(AT_START)
 @written_by("model/contact_law.py")
 def contact_dtype() -> np.dtype:
     """What all contacts with walls have in common; the rest of their law is in `given`.
@@ -61,6 +72,7 @@ def contact_dtype() -> np.dtype:
     )
 
 
+@given(AT_START)
 @written_by()
 def stops_dtype() -> np.dtype:
     """The contact law of the stops in joints; stiffness and restitution are in `given`.
@@ -74,6 +86,7 @@ def stops_dtype() -> np.dtype:
     )
 
 
+@given(AT_START)
 @written_by()
 def initial_dtype(links: int) -> np.dtype:
     """The initial values. variables/model.py sets them."""
@@ -85,6 +98,7 @@ def initial_dtype(links: int) -> np.dtype:
     )
 
 
+@given(AT_START)
 @written_by()
 def solver_dtype() -> np.dtype:
     """The settings of the solver. variables/model.py sets them."""
@@ -108,6 +122,7 @@ def course_dtype(links: int) -> np.dtype:
     )
 
 
+@given(AT_ANY_TIME)
 @written_by(changed="model/inputs.py")
 def given_dtype(links: int) -> np.dtype:
     """The values that an importer can set at any time.
@@ -180,6 +195,7 @@ def law_dtype(candidates: int) -> np.dtype:
     )
 
 
+@given(AT_ANY_TIME)
 @written_by()
 def walls_dtype(candidates: int) -> np.dtype:
     """The walls at any angle, of which there are at most C, and the materials of all walls.

@@ -48,6 +48,7 @@ from chain_impact.kernel.record.solver import (
     search_dtype,
     statistics_dtype,
     step_dtype,
+    trial_dtype,
     work_dtype,
 )
 
@@ -71,6 +72,7 @@ def instance_dtype(links: int, candidates: int, elements: int = 0) -> np.dtype:
         ("given", given_dtype(links)),
         ("inputs", inputs_dtype(links)),
         ("step", step_dtype(links)),
+        ("trial", trial_dtype(links)),
         ("impact", impact_dtype()),
         ("latest", latest_dtype()),
         ("statistics", statistics_dtype()),

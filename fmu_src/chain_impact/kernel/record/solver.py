@@ -19,7 +19,6 @@ from chain_impact.kernel.record.fields import (
 @written_by(
     "integration/last_step.py",
     dense=("integration/last_step.py", "integration/explicit.py", "integration/collocation_dense.py"),
-    cost_factor=("integration/explicit.py", "integration/collocation.py"),
     **dict.fromkeys(("next_size", "flight_size"), "integration/step_size.py"),
     **dict.fromkeys(
         ("method", "stiff_count", "switch_hysteresis", "explicit_size"), "integration/switching.py"
@@ -36,7 +35,6 @@ def step_dtype(links: int) -> np.dtype:
         ("size", REAL),  # s, in the step's integration variable, see kernel/integration/sundman.py
         ("kept", REAL),  # the fraction of `size` at which the step ends
         ("next_size", REAL),  # s, the proposed size of the next step, likewise
-        ("cost_factor", REAL),  # the factor on it by the cost of the tried step
         ("flight_size", REAL),  # s, proposed at the onset of the first of the present contacts
         ("state", REAL, (state,)),  # y at `start`
         ("state_end", REAL, (state,)),  # y at `end`
@@ -50,6 +48,18 @@ def step_dtype(links: int) -> np.dtype:
         ("explicit_size", REAL),  # s, of the last explicit step before implicit ones; 0: not known
         ("stiff_count", INTEGER),  # steps in a row that favoured the other method …
         ("switch_hysteresis", INTEGER),  # … and the number of them that causes a change
+    )
+
+
+@written_by("integration/trial.py", state="integration/collocation.py")
+def trial_dtype(links: int) -> np.dtype:
+    """The outcome of the tried step, of which there is one until the next try."""
+    return record(
+        ("size", REAL),  # s, in the step's integration variable
+        ("state", REAL, (state_size(links),)),  # y at its end
+        ("error", REAL),  # relative to the tolerance, see kernel/integration/trial.py
+        ("cost_factor", REAL),  # the factor on the size of the next step by the cost of this one
+        ("result", INTEGER),  # see kernel/integration/trial.py
     )
 
 
@@ -93,7 +103,6 @@ def balance_dtype() -> np.dtype:
         ("origin", REAL),  # J, the energy balance at the start of the run, with the same changes added
         ("available_at_start", REAL),  # J, the same at the start of the last step
         ("available", REAL),  # J, the energy available so far
-        ("loss", REAL),  # of the last step, over the loss allowed to it
         ("unit_motion", REAL),  # √J, √E₁
         ("unit_scale", REAL),  # J, the constant part of S
         ("weight", REAL),  # N, of the chain
@@ -131,7 +140,7 @@ def inner_dtype(links: int) -> np.dtype:
 
 
 @written_by(
-    y=("events/sampling.py", "integration/collocation.py"),
+    y="events/sampling.py",
     rate_start="advance.py",
     error="integration/collocation.py",
     load=("model/contact.py", "integration/linear_system.py"),
@@ -149,7 +158,7 @@ def work_dtype(links: int) -> np.dtype:
         ("stage", REAL, (STAGES, state)),  # dy/ds at the stages
         ("rate_start", REAL, (state,)),  # ẏ at the start …
         ("rate_end", REAL, (state,)),  # … and the end of the step
-        ("y", REAL, (state,)),  # a state that is tried or evaluated …
+        ("y", REAL, (state,)),  # a state that is evaluated …
         ("rate", REAL, (state,)),  # … and its ẏ, outside of a step
         ("error", REAL, (2, state)),  # the embedded error estimates
         ("link", vectors_dtype(points)),  # m, L_i; entry N is not used

@@ -35,7 +35,7 @@ FAR_OFF = 1e300  # the relative correction if the derivatives are zero
 
 
 def make_implicit(d, t, h):
-    """Make the last step of d, of size h, in dual numbers; the result is stored in ``work.y`` of t."""
+    """Make the last step of d, of size h, in dual numbers; its end is the state of ``trial`` of t."""
     extend_start(t)
     size = extended_size(t)
     extrapolate_stages(t, h, size)
@@ -47,7 +47,7 @@ def make_implicit(d, t, h):
         mark_untrusted(t, NOT_SOLVED, NO_IMPACT, d.step.start)
     set_result(t, h)
     if compliant(t) > 0:
-        project_clearances(t, t.implicit.z, t.work.y)
+        project_clearances(t, t.implicit.z, t.trial.state)
 
 
 def take_stages(d, t, size):

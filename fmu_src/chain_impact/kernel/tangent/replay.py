@@ -34,6 +34,7 @@ from chain_impact.kernel.integration.last_step import (
 )
 from chain_impact.kernel.integration.method import EXPLICIT, IMPLICIT
 from chain_impact.kernel.integration.methods import METHOD_COUNT
+from chain_impact.kernel.integration.trial import begin_trial
 from chain_impact.kernel.model.friction import any_sticking
 from chain_impact.kernel.model.geometry import along_normal, clearance
 from chain_impact.kernel.tangent.directions import carried, value
@@ -67,15 +68,16 @@ def replay(d, t):
 
 def make(d, t, h):
     """Make a step of size h as d did, without its error control."""
+    begin_trial(t, h)
     _make(t.step.method, d, t, h)
-    accept(t, h)
+    accept(t)
 
 
 def make_explicit(_d, t, h):
-    """Make an explicit step of size h; the result is stored in ``work.y``, with its points located."""
+    """Make an explicit step of size h, and locate the points at its end."""
     explicit.make(t, h)
     if t.touch.active_count > 0 or any_sticking(t):
-        locate_points(t, t.work.y)
+        locate_points(t, t.trial.state)
 
 
 _MAKERS = {EXPLICIT: make_explicit, IMPLICIT: make_implicit}
