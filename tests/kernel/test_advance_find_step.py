@@ -76,6 +76,14 @@ def test_a_step_grows_sixfold_at_most_without_an_error(monkeypatch):
     assert step_size.GROW == 6.0
 
 
+def test_a_step_that_its_method_makes_longer_ends_with_the_piece_of_an_input(monkeypatch):
+    for limit, size in ((math.inf, 1.2 * SIZE), (0.6 * SIZE, 0.6 * SIZE)):
+        trials = Trials(monkeypatch, [0.5], limit=limit)
+        monkeypatch.setattr(loop, "prepare", lambda _, h: 1.2 * h)
+        trials.run()
+        assert trials.sizes == [size]
+
+
 def test_the_larger_of_two_errors_counts(monkeypatch):
     trials = Trials(monkeypatch, [1e-3], [0.2])
     assert trials.run() == (OK, pytest.approx(suggested(0.2), rel=1e-13))

@@ -83,7 +83,7 @@ def find_event(d):
 
 
 def find_event_without_crossing(d):
-    """θ of the earliest event in a step without crossings, or −1; or REFUSED."""
+    """θ of the earliest event in a step without crossings, or −1."""
     if any_point_held(d):
         ensure_dense(d, SOLVER)  # `update_held_extremes` needs it, too
         return find_sampled_event(d, -1.0)
