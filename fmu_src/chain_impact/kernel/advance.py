@@ -231,7 +231,7 @@ def find_step(d):
     limited = limit_to_piece(d, wanted)
     h, grow = prepare(d, limited), step_size.GROW
     if limited < wanted:
-        h = min(h, limited)  # a step that passes the end of a contact does not pass that of the piece, too
+        h = min(h, limited)  # a step made longer to pass the end of a contact must not pass the piece
     while not too_short(d, h):
         try_step(d, h)
         suggested = h * min(grow, step_size.factor(d))
