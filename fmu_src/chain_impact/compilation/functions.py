@@ -36,7 +36,7 @@ STAND_INS: dict[Any, Any] = {}
 # what dual_numbers.py and record_type.py have made numba know
 BUILT_IN: set[Any] = {
     *(directions.value, directions.slope, directions.carried, directions.varies),
-    *(blocks.block, blocks.words, blocks.copy_values),
+    *(blocks.block, blocks.words, blocks.copy_values, blocks.copy_given),
 }
 
 

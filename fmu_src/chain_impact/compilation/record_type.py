@@ -11,7 +11,7 @@ reals are plain numbers or dual ones, which carry derivatives (dual_numbers.py).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,7 +32,7 @@ from numba.extending import (
 )
 
 from chain_impact.compilation.dual_numbers import DUAL
-from chain_impact.kernel.record.fields import REAL, is_table
+from chain_impact.kernel.record.fields import GIVEN, REAL, is_table
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent import blocks
 from chain_impact.kernel.tangent.directions import dual_dtype, tangent_dtype
@@ -281,28 +281,57 @@ def _words(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) 
 @type_callable(blocks.copy_values)
 def _type_of_copy_values(_context: Any) -> Any:
     def typer(source: types.Type, target: types.Type) -> types.Type | None:
-        if not (isinstance(source, Record) and isinstance(target, Record) and source.path == target.path):
-            return None
-        return types.none if (source.what, target.what) == ("instance", "tangent") else None
+        return types.none if _has_dual(source, target) else None
 
     return typer
 
 
+@type_callable(blocks.copy_given)
+def _type_of_copy_given(_context: Any) -> Any:
+    def typer(source: types.Type, target: types.Type, when: types.Type) -> types.Type | None:
+        # numba asks once more with the constant itself
+        return types.none if _has_dual(source, target) and isinstance(when, types.Literal) else None
+
+    return typer
+
+
+def _has_dual(source: types.Type, target: types.Type) -> bool:
+    """Whether one is a part of an instance, and the other that part of one of dual numbers."""
+    if not (isinstance(source, Record) and isinstance(target, Record) and source.path == target.path):
+        return False
+    return (source.what, target.what) == ("instance", "tangent")
+
+
 @lower_builtin(blocks.copy_values, Record, Record)
 def _copy_values(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
-    source, target = signature.args
-    for path, field in TABLES[source.what].items():
-        if path[: len(source.path)] == source.path and not field.fields:
+    part = signature.args[0].path
+    _copy_fields(context, builder, arguments, lambda path: path[: len(part)] == part)
+    return context.get_dummy_value()
+
+
+@lower_builtin(blocks.copy_given, Record, Record, types.Integer)
+def _copy_given(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
+    when = signature.args[2].literal_value
+    _copy_fields(context, builder, arguments[:2], lambda path: GIVEN.get(path[0]) == when)
+    return context.get_dummy_value()
+
+
+def _copy_fields(
+    context: Any, builder: ir.IRBuilder, instances: Sequence[ir.Value], wanted: Callable[[Path], bool]
+) -> None:
+    """Copy the values of the wanted fields of an instance to those of one of dual numbers."""
+    source, target = instances
+    for path, field in TABLES["instance"].items():
+        if path and wanted(path) and not field.fields:
             word = context.get_data_type(field.kind)
             count: ir.Value = cgutils.intp_t(1)
             for size in field.shape:
-                count = builder.mul(count, size.built(builder, arguments[0]))
-            given, step = _words_of(context, builder, arguments[0], field, word)
-            own, own_step = _words_of(context, builder, arguments[1], TABLES[target.what][path], word)
+                count = builder.mul(count, size.built(builder, source))
+            given, step = _words_of(context, builder, source, field, word)
+            own, own_step = _words_of(context, builder, target, TABLES["tangent"][path], word)
             with cgutils.for_range(builder, count) as loop:
                 number = builder.load(builder.gep(given, [builder.mul(loop.index, step)]))
                 builder.store(number, builder.gep(own, [builder.mul(loop.index, own_step)]))
-    return context.get_dummy_value()
 
 
 def _words_of(

@@ -119,17 +119,17 @@ class Pieces:
         powers = self.powers[at]
         order = int(np.flatnonzero(powers.any(axis=1)).max(initial=0))
         if order == 0:
-            return {"order": 0, "pace": 0.0}
+            return {"order": 0, "change_rate": 0.0}
         # how fast it changes: (|u⁽ᵐ⁾|/|u|)^(1/m) at the middle
         shares = (np.abs(powers) / self._largest).max(axis=1)
-        pace = max((math.factorial(m) * shares[m]) ** (1.0 / m) for m in range(1, order + 1))
+        rate = max((math.factorial(m) * shares[m]) ** (1.0 / m) for m in range(1, order + 1))
         return {
             "order": order,
             "middle": self.middle[at],
             "scale": self.scale[at],
             # the step that ends with the piece shall not end before it by round-off
             "until": self.end[at] + 4.0 * np.spacing(self.end[at]),
-            "pace": self.scale[at] * pace,
+            "change_rate": self.scale[at] * rate,
         }
 
 

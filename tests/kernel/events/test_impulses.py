@@ -25,7 +25,7 @@ from chain_impact.kernel.events.impulses import (
 )
 from chain_impact.kernel.events.kinds import NEIGHBOUR, NONE, ONSET, RELEASE
 from chain_impact.kernel.events.table import apply_events
-from chain_impact.kernel.model.constraints import DOUBT, RISE
+from chain_impact.kernel.model.constraints import RISE, SIGN_TOLERANCE
 from chain_impact.kernel.model.contact import begin_contact
 from chain_impact.kernel.model.energy import mechanical_energy
 from chain_impact.kernel.model.geometry import clearance
@@ -333,7 +333,7 @@ def test_contacts_that_no_push_can_bring_to_rest_are_let_go():
     d, *_ = touching(1, POINTS, kinds=NONE)
     scale = largest(d, d.work.velocity)
     d.rigid.in_active_set[:4] = 0, 0, 1, 0
-    d.rigid.reached[:4] = 0.5 * DOUBT * scale, 2.0 * DOUBT * scale, 1.0, 0.0
+    d.rigid.reached[:4] = 0.5 * SIGN_TOLERANCE * scale, 2.0 * SIGN_TOLERANCE * scale, 1.0, 0.0
     end_unstopped_contacts(d)
     assert d.touch.active_index[: d.touch.active_count].tolist() == [1, 11, 16]
     assert d.finished.point[0] == d.candidate.point[6]

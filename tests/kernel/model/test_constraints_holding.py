@@ -15,9 +15,9 @@ from chain_impact.kernel.model.compliance import (
     solve_contacts,
 )
 from chain_impact.kernel.model.constraints import (
-    DOUBT,
     MISPLACED,
     RISE,
+    SIGN_TOLERANCE,
     activate_all,
     add_constraint_forces,
     any_point_held,
@@ -144,8 +144,8 @@ def test_who_pulls_or_falls_short_is_wrong_but_for_round_off():
     own.target[:4] = 0.5
     for pull, short in ((2.0, 2.0), (0.5, 2.0), (2.0, 0.5), (0.5, 0.5)):
         own.violated[:] = 7
-        own.impulse[:4] = 4.0, -pull * DOUBT * 4.0, 0.0, 0.0
-        own.reached[:4] = -9.0, 0.5, 0.7, 0.5 - short * DOUBT * scale
+        own.impulse[:4] = 4.0, -pull * SIGN_TOLERANCE * 4.0, 0.0, 0.0
+        own.reached[:4] = -9.0, 0.5, 0.7, 0.5 - short * SIGN_TOLERANCE * scale
         expected = [0, int(pull > 1.0), 0, int(short > 1.0)]
         assert count_violations(d, scale) == sum(expected)
         assert own.violated[:4].tolist() == expected

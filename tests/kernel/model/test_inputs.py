@@ -83,13 +83,13 @@ def test_a_state_sees_the_inputs_at_its_time():
 def test_what_was_given_holds_for_all_torques_and_the_force_on_the_tip(order):
     d, rng = driven(order), np.random.default_rng(order)
     own, given = d.given.course, d.given
-    own.middle, own.scale, own.until, own.pace = 0.4, 2.0, 3.0, 7.0
+    own.middle, own.scale, own.until, own.change_rate = 0.4, 2.0, 3.0, 7.0
     own.joint_torque[:], own.tip_force[:] = rng.normal(size=(DEGREE + 1, 2)), rng.normal(size=(DEGREE + 1, 2))
     given.joint_torque[:], given.tip_force[:] = rng.normal(size=2), rng.normal(size=2)
     apply_inputs(d)
     np.testing.assert_array_equal(d.inputs.joint_torque, given.joint_torque)
     np.testing.assert_array_equal(d.inputs.tip_force, given.tip_force)
-    assert (d.inputs.course.until, d.inputs.course.pace) == (3.0, 7.0)
+    assert (d.inputs.course.until, d.inputs.course.change_rate) == (3.0, 7.0)
     set_inputs(d, 1.1)
     for name in ("joint_torque", "tip_force"):
         powers = np.vstack([given[name], own[name][1 : order + 1]])

@@ -1,14 +1,13 @@
-"""The parts of the record that the scene or an importer gives, as declared, against what derivatives copy."""
+"""The parts of the record that the scene or an importer gives, which are copied for derivatives."""
 
 from types import SimpleNamespace
 
 import numpy as np
-import pytest
 
 from chain_impact import load_scene, model_names
 from chain_impact.kernel.record.fields import AT_ANY_TIME, AT_START, GIVEN
 from chain_impact.kernel.record.instance import instance_dtype
-from chain_impact.kernel.tangent import start
+from chain_impact.kernel.tangent.blocks import copy_given
 from chain_impact.variables.model import Model
 
 PARTS = [name for name in instance_dtype(2, 2, 4).names if instance_dtype(2, 2, 4)[name].base.names]
@@ -28,33 +27,13 @@ def reals(record):
             yield from np.ravel(record[name])
 
 
-@pytest.fixture
-def copied(monkeypatch):
-    """The parts that are copied from an instance to one of dual numbers."""
-    found = []
-
-    def copy_values(source, target):
-        assert target == source + " of t"
-        found.append(source)
-
-    monkeypatch.setattr(start, "copy_values", copy_values)
-    monkeypatch.setattr(start, "apply_inputs", lambda _: None)
-    monkeypatch.setattr(start, "derive_laws_of", lambda _d, _t: None)
-    return found
-
-
-D = SimpleNamespace(**{part: part for part in PARTS})
-T = SimpleNamespace(**{part: f"{part} of t" for part in PARTS})
-
-
-def test_every_part_that_applies_at_the_start_is_copied_there(copied):
-    start.copy_parameters(D, T)
-    assert sorted(copied) == sorted(declared(AT_START))
-
-
-def test_every_part_that_can_change_is_copied_whenever_it_applies(copied):
-    start.apply_given_of(D, T)
-    assert sorted(copied) == sorted(declared(AT_ANY_TIME))
+def test_the_parts_that_apply_then_are_copied_and_no_other():
+    d = {part: part for part in PARTS}
+    for when in (AT_START, AT_ANY_TIME):
+        copied = []
+        t = SimpleNamespace(**{part: SimpleNamespace(copy_values=copied.append) for part in PARTS})
+        copy_given(SimpleNamespace(**d), t, when)
+        assert sorted(copied) == sorted(declared(when))
 
 
 def test_the_declared_parts_are_those_with_numbers_in_a_new_instance():

@@ -11,13 +11,14 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.contact import begin_contact
 from chain_impact.kernel.model.contact_force import elastic_energy
 from chain_impact.kernel.model.contact_law import start_laws, update_laws
+from chain_impact.kernel.record.fields import AT_START
 from chain_impact.kernel.status import OK
 from chain_impact.kernel.tangent import start as starts
+from chain_impact.kernel.tangent.blocks import copy_given
 from chain_impact.kernel.tangent.directions import TRUST
 from chain_impact.kernel.tangent.start import (
     apply_given_of,
     copy_inputs,
-    copy_parameters,
     derive_law_of,
     reinit_tangent,
     start_tangent,
@@ -202,7 +203,7 @@ def test_parameters_are_taken_with_the_derivatives_that_it_has_of_them(both):
     }
     d.given.law = CONTACT_LAWS["hunt_crossley"].number
     assert update_laws(d) == OK
-    copy_parameters(d, t)
+    copy_given(d, t, AT_START)
     apply_given_of(d, t)  # which takes the walls, whose material may change in a run
     for (record, name), own in before.items():
         found = getattr(getattr(t, record), name)

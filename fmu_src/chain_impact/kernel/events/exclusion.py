@@ -51,7 +51,7 @@ def excludes_events(d):
     is false, φ and φ′ of all candidates are known at both ends, and the suspects are chosen.
     """
     # an input may change the acceleration between the ends as much as rotation does
-    turn = max(largest_turn(d), (d.step.end - d.step.start) * d.inputs.course.pace)
+    turn = max(largest_turn(d), (d.step.end - d.step.start) * d.inputs.course.change_rate)
     if turn < SMALL_TURN and remains_far(d):
         return True
     if known_clearances(d) != WITH_CURVES:

@@ -30,8 +30,8 @@ from chain_impact.kernel.events.marks import drop_contact_events, mark
 from chain_impact.kernel.integration.impulse import give_impulses
 from chain_impact.kernel.integration.last_step import dissipate
 from chain_impact.kernel.model.constraints import (
-    DOUBT,
     RISE,
+    SIGN_TOLERANCE,
     activate_all,
     add_change,
     any_point_held,
@@ -115,7 +115,7 @@ def begin_late_contacts(d):
     Returns:
         The last of them, or −1.
     """
-    onset, round_off = -1, DOUBT * largest(d, d.work.velocity)
+    onset, round_off = -1, SIGN_TOLERANCE * largest(d, d.work.velocity)
     for c in range(d.candidates):
         _, gap_rate = clearance(d, c)
         if d.touch.event[c] == ONSET and not d.law.impulsive[c] and gap_rate < -round_off:
@@ -255,7 +255,7 @@ def end_unstopped_contacts(d):
     """End the contacts that pushing impulses could not bring to rest."""
     scale = largest(d, d.work.velocity)
     for k in range(d.touch.compliant_count, d.touch.active_count):
-        if not d.rigid.in_active_set[k] and d.rigid.reached[k] > DOUBT * scale:
+        if not d.rigid.in_active_set[k] and d.rigid.reached[k] > SIGN_TOLERANCE * scale:
             end_rigid_contact(d, d.touch.active_index[k])
     list_touching(d)
 

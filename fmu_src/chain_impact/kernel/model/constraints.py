@@ -49,7 +49,7 @@ RISE = 1e-14
 # The largest plausible correction of a coordinate, in rad or link lengths, over the tolerance plus the error
 # of a clearance in link lengths.
 MISPLACED = 10.0
-DOUBT = 1e-12  # of the largest value: a wrong sign within it is round-off and does not change the active set
+SIGN_TOLERANCE = 1e-12  # of the largest value: a wrong sign within it does not change the active set
 # Pivots of all violated candidates at once that may fail to reduce their number, before only one at a time is
 # changed, which terminates in every case but takes more pivots.
 MAX_STALLED_PIVOTS = 3
@@ -102,7 +102,7 @@ def solve_equality(d, scale):
         worst = find_residual(d)
         exact = worst <= ROUND_OFF * scale
         stalls = not exact and not worst < 0.5 * before
-        final = worst <= DOUBT * scale or impedance >= STIFFEST * mean or not any_point_held(d)
+        final = worst <= SIGN_TOLERANCE * scale or impedance >= STIFFEST * mean or not any_point_held(d)
         if (exact or (stalls and final)) and iterated_enough(d, i):
             return
         if stalls and not final:
@@ -212,9 +212,9 @@ def count_violations(d, scale):
         largest = max(largest, abs(own.impulse[k]))
     for k in range(d.touch.compliant_count, d.touch.active_count):
         if own.in_active_set[k]:
-            own.violated[k] = own.impulse[k] < -DOUBT * largest
+            own.violated[k] = own.impulse[k] < -SIGN_TOLERANCE * largest
         else:
-            own.violated[k] = own.reached[k] < own.target[k] - DOUBT * scale
+            own.violated[k] = own.reached[k] < own.target[k] - SIGN_TOLERANCE * scale
         wrong += own.violated[k]
     return wrong
 

@@ -17,7 +17,7 @@ def apply_inputs(d):
     """Make the given inputs the present ones: no change of them is left to apply."""
     d.given.changed = 0
     given, course, own = d.given, d.given.course, d.inputs.course
-    own.order, own.pace, own.until = course.order, course.pace, course.until
+    own.order, own.change_rate, own.until = course.order, course.change_rate, course.until
     own.middle, own.scale = course.middle, course.scale
     for i in range(d.links):
         d.inputs.joint_torque[i] = own.joint_torque[0, i] = given.joint_torque[i]

@@ -24,16 +24,15 @@ def written_by(*owners, **fields):
     return declare
 
 
-AT_START, AT_ANY_TIME = "at the start", "at any time"
-GIVEN: dict[str, str] = {}
+AT_START, AT_ANY_TIME = 0, 1
+GIVEN: dict[str, int] = {}
 """Part of the record whose parameters or initial values the scene or an importer gives → when they apply."""
 
 
-def given(when: str):
+def given(when: int):
     """Declare that the scene or an importer gives a part of the record, and when it applies.
 
-    kernel/tangent/start.py copies each of these parts for derivatives, which
-    tests/kernel/tangent/test_given_parts.py compares with this.
+    Each of these parts is copied for derivatives (``copy_given`` in kernel/tangent/blocks.py).
     """
 
     def declare(layout):

@@ -116,7 +116,7 @@ def course_dtype(links: int) -> np.dtype:
         ("middle", REAL),  # s, the time at which the argument x is 0 …
         ("scale", REAL),  # 1/s, … and its rate of change
         ("until", REAL),  # s, the end of the piece
-        ("pace", REAL),  # 1/s, the rate at which the inputs change
+        ("change_rate", REAL),  # 1/s, the rate at which the inputs change
         ("joint_torque", REAL, (DEGREE + 1, links)),  # N·m, coefficients of the powers of x
         ("tip_force", REAL, (DEGREE + 1, 2)),  # N
     )

@@ -10,7 +10,8 @@ from chain_impact.kernel.model.contact import clear_loads, set_kink_sides
 from chain_impact.kernel.model.contact_law import copy_law, set_parameters
 from chain_impact.kernel.model.geometry import place_walls
 from chain_impact.kernel.model.inputs import apply_inputs
-from chain_impact.kernel.tangent.blocks import copy_values
+from chain_impact.kernel.record.fields import AT_ANY_TIME, AT_START
+from chain_impact.kernel.tangent.blocks import copy_given, copy_values
 from chain_impact.kernel.tangent.directions import carried, value
 from chain_impact.kernel.tangent.friction import check_coefficients
 from chain_impact.kernel.tangent.trust import trust
@@ -18,7 +19,7 @@ from chain_impact.kernel.tangent.trust import trust
 
 def start_tangent(d, t):
     """Initialize t from d, which is initialized; t already has the derivatives of the parameters."""
-    copy_parameters(d, t)
+    copy_given(d, t, AT_START)
     derive_chain(t)
     clear_run(t, d.step.time)
     apply_given_of(d, t)
@@ -49,19 +50,9 @@ def reinit_tangent(d, t):
     clear_loads(t)
 
 
-def copy_parameters(d, t):
-    """Copy the parameters and initial values of d to t, which keeps the derivatives that it has of them."""
-    copy_values(d.model, t.model)
-    copy_values(d.contact, t.contact)
-    copy_values(d.stops, t.stops)
-    copy_values(d.initial, t.initial)
-    copy_values(d.solver, t.solver)
-
-
 def apply_given_of(d, t):
     """Apply the values that were given to d to t, which keeps the derivatives that it has of them."""
-    copy_values(d.given, t.given)
-    copy_values(d.walls, t.walls)
+    copy_given(d, t, AT_ANY_TIME)
     apply_inputs(t)
     derive_laws_of(d, t)
 
