@@ -20,6 +20,7 @@ from typing import Any
 PORTABLE_CPU = "x86-64-v2"  # as the shipped kernel, see compilation/compilers.py
 os.environ["NUMBA_CPU_NAME"], os.environ["NUMBA_CPU_FEATURES"] = PORTABLE_CPU, ""
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
+os.environ["CHAIN_IMPACT_RELEASE"] = "1"  # a kernel for each number of links up to ten, as a release has
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))  # for what the tests have, too

@@ -23,9 +23,6 @@ TAGS = {
 """The tag of a wheel's platform; any Python will do, as it does not know the shared libraries."""
 PLATFORM = "CHAIN_IMPACT_PLATFORM"
 """The variable that names the platform of the wheel; by default it is this machine's."""
-RELEASE_VARIABLE = "CHAIN_IMPACT_RELEASE"
-RELEASE = os.environ.get(RELEASE_VARIABLE) == "1"
-"""Whether the wheel shall carry all kernels, also those with derivatives, which takes some minutes more."""
 
 
 def kernels() -> ModuleType:
@@ -73,7 +70,7 @@ class KernelHook(BuildHookInterface):
         ready, platform = kernels(), target()
         self.scratch = tempfile.TemporaryDirectory(prefix="chain-impact-")
         folder = Path(self.scratch.name, ready.FOLDER.name)
-        ready.make(folder, platform, release=RELEASE, say=_say)
+        ready.make(folder, platform, release=ready.for_release(), say=_say)
         build_data["force_include"][str(folder)] = f"chain_impact/{ready.FOLDER.name}"
         build_data["pure_python"] = False
         build_data["tag"] = f"py3-none-{TAGS[platform]}"

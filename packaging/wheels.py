@@ -15,7 +15,7 @@ import sys
 import zipfile
 from pathlib import Path
 
-from kernel_hook import PLATFORM, RELEASE_VARIABLE, TAGS
+from kernel_hook import PLATFORM, TAGS, kernels
 
 ROOT = Path(__file__).parents[1]
 LARGEST = 8e6  # bytes of a file: a download of seconds
@@ -32,7 +32,7 @@ def built(target: str, folder: Path, platform: str = "") -> Path:
     Raises:
         ReleaseError: when that fails.
     """
-    settings = {PLATFORM: platform, RELEASE_VARIABLE: "1", "SOURCE_DATE_EPOCH": DATE}
+    settings = {PLATFORM: platform, kernels().RELEASE: "1", "SOURCE_DATE_EPOCH": DATE}
     before = set(folder.iterdir())
     command = [sys.executable, "-m", "hatchling", "build", "-t", target, "-d", str(folder)]
     done = subprocess.run(

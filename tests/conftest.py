@@ -61,10 +61,25 @@ def pytest_configure(config):
         sys.dont_write_bytecode = False
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(collector):
+    """Let every other process collect from the end: each then finds half of the files' bytecode kept."""
+    report = yield
+    number = os.environ.get("PYTEST_XDIST_WORKER", "gw0").removeprefix("gw")
+    if isinstance(collector, pytest.Directory) and int(number) % 2:
+        report.result.reverse()
+    return report
+
+
 def pytest_collection_modifyitems(items):
-    """Put the slowest files first."""
+    """Put the slowest files first, and the others in the same order in all processes."""
     place = {file: k for k, file in enumerate(SLOWEST)}
-    items.sort(key=lambda item: place.get(item.nodeid.split("::")[0], len(place)))
+
+    def key(item):
+        file = item.nodeid.split("::")[0]
+        return place.get(file, len(place)), file
+
+    items.sort(key=key)
 
 
 class ByFile(LoadFileScheduling):

@@ -18,12 +18,9 @@ import pytest
 from chain_impact import load_scene, simulate
 from chain_impact.results.result import recording_of
 from chain_impact.scene.models import models_folder
-from chain_impact.scene.scene import SCENE_FILE, model_names, scene_to_dict
+from chain_impact.scene.scene import SCENE_FILE, model_names
 from chain_impact.variables.model import Model
-from tests import coulomb
-from tests.places import separated
-from tests.textbook import Chain
-from tests.walker import Walker
+from tests.independent import moved
 
 DOCS = Path(__file__).parents[1] / "docs" / "models"
 STEP = 0.02  # s, between two rows of a reference
@@ -75,23 +72,6 @@ REGRESSION_ERROR = {
 BALANCE_ERROR = {"elastic_floor": 2e-8}
 
 
-class Rubbing(Chain):
-    """A chain with dry friction: its motion is that of tests/coulomb.py."""
-
-    def run(self, times):
-        scene, friction = separated(scene_to_dict(self.scene))
-        motion, walls = coulomb.simulate(scene, friction, times), self.scene.wall_names
-        onsets = [
-            (one.time, one.place[0], walls.index(one.place[1]), one.speed)
-            for one in motion.changes
-            if one.kind == "onset"
-        ]
-        return motion.states, onsets
-
-
-# what has no stops in joints and no dry friction is compared with the chain of the textbook
-OTHERS = {"kneed_leg": Walker, "sliding_rod": Rubbing}
-
 CO_SIMULATED = {"controlled_arm": {"inputs.csv", "controller.py", "co_simulation.py", "masters.py"}}
 MEASURED = {"golf_ball": {"measured.csv"}, "triple_pendulum": {"measured.csv", "measured.LICENSE"}}
 
@@ -136,11 +116,9 @@ def coordinates(columns, links):
 def test_the_reference_agrees_with_an_independent_integration(model):
     scene, (until, error) = load_scene(model), INDEPENDENT[model]
     time, columns = reference(model)
-    chain = OTHERS.get(model, Chain)(scene, inputs_of(model))
-    rows = time <= until + 1e-9
-    states, onsets = chain.run(time[rows])
-
-    n = chain.n
+    inputs, rows = inputs_of(model), time <= until + 1e-9
+    chain, motion = moved(scene, time[rows], inputs)
+    states, onsets, n = motion["states"], motion["onsets"], chain.n
     values, rates = coordinates(columns, n)
     places = np.array([chain.points(y)[0] for y in states])
     assert places.reshape(len(states), -1) == pytest.approx(values[rows, : 2 * n + 2], abs=error)
@@ -149,11 +127,10 @@ def test_the_reference_agrees_with_an_independent_integration(model):
     assert states[:, n + 2 : n + 4] == pytest.approx(rates[rows, :2], abs=100 * error)
     assert states[:, n + 4 :] == pytest.approx(rates[rows, 2 * n + 2 :], abs=100 * error)
 
-    inputs = inputs_of(model)
     found = simulate(scene, stop_time=until, tolerance=1e-12, method="explicit", inputs=inputs).impacts
     assert [(row["point"], row["wall"]) for row in found] == [(point, wall) for _, point, wall, _ in onsets]
-    assert found["onset"] == pytest.approx([onset[0] for onset in onsets], abs=error)
-    assert found["impact_speed"] == pytest.approx([onset[3] for onset in onsets], abs=100 * error)
+    assert found["onset"] == pytest.approx(onsets[:, 0], abs=error)
+    assert found["impact_speed"] == pytest.approx(onsets[:, 3], abs=100 * error)
 
 
 @pytest.mark.parametrize("model", model_names())

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chain_impact.compilation import browser, cache, compilers, library
+from chain_impact.compilation import browser, compilers, library
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.library import browser_module
 
@@ -50,15 +50,11 @@ def test_the_module_imports_nothing_and_exports_what_a_page_calls():
     assert exported == {name.encode() for name in (*browser.EXPORTS, "memory")}
 
 
-def test_the_module_is_small_and_the_same_wherever_it_is_made(tmp_path):
-    """No path is in it, and no name of a function."""
+def test_the_module_is_small_and_has_no_path():
+    """Nor the name of a function; .ci/run compares modules that were made in two folders, byte by byte."""
     content = browser_module().read_bytes()
     assert len(content) < 300_000
     assert not re.search(rb"/(?:tmp|home|root|usr|work)/|\.ll\b|\.c\b", content)
-    folder = tmp_path / "another folder"
-    folder.mkdir()
-    browser.link(cache.find("kernel.ll").read_text(), folder / "again.wasm")
-    assert (folder / "again.wasm").read_bytes() == content
 
 
 def test_what_is_musls_is_unchanged():

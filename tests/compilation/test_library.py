@@ -108,7 +108,7 @@ def test_a_law_that_calls_what_only_numba_has_is_refused(tmp_path, monkeypatch):
 
 
 def test_all_long_chains_share_a_kernel():
-    assert kernel_library(30) == kernel_library(1000) != kernel_library(10)
+    assert kernel_library(30) == kernel_library(1000) != kernel_library(4)
 
 
 # --- where it comes from, with compilers that only write files -------------------------------------------
@@ -144,6 +144,7 @@ class Compilers:
 def stand_in(tmp_path, monkeypatch):
     """Stand-in compilers, an empty cache, and nothing ready."""
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
+    monkeypatch.delenv(ready.RELEASE, raising=False)
     monkeypatch.setattr(ready, "_usable", lambda: False)
     both = Compilers()
     for name in ("lower", "link", "compile_open", "link_law"):
@@ -151,15 +152,23 @@ def stand_in(tmp_path, monkeypatch):
     return both
 
 
-def test_the_kernel_is_lowered_once_and_linked_for_each_number_of_links(stand_in):
+def test_the_kernel_is_lowered_once_and_linked_for_the_usual_numbers_of_links_and_for_any(stand_in):
     said = []
-    first = kernel_library(3, notify=said.append)
+    first = kernel_library(2, notify=said.append)
     assert said == ["compiling the kernel", "linking the kernel for linux64"]
-    assert kernel_library(3, notify=said.append) == first
+    assert kernel_library(2, notify=said.append) == first
     assert kernel_library(4, notify=said.append) != first
+    assert kernel_library(3, notify=said.append) == kernel_library(64, notify=said.append)
     assert len(stand_in.lowered) == 1
-    assert stand_in.linked == [("linux64", 3), ("linux64", 4)]
-    assert len(said) == 3
+    assert stand_in.linked == [("linux64", 2), ("linux64", 4), ("linux64", None)]
+    assert len(said) == 4
+
+
+def test_for_a_release_it_is_linked_for_each_number_of_links_up_to_ten(stand_in, monkeypatch):
+    monkeypatch.setenv(ready.RELEASE, "1")
+    for links in (3, ready.LARGEST_EXACT, ready.LARGEST_EXACT + 1):
+        kernel_library(links)
+    assert stand_in.linked == [("linux64", 3), ("linux64", ready.LARGEST_EXACT), ("linux64", None)]
 
 
 def test_a_kernel_with_derivatives_is_another_one(stand_in):
@@ -184,24 +193,24 @@ def test_a_law_is_linked_to_it(stand_in, tmp_path):
     for file, force in zip(files, ("1.0", "2.0"), strict=True):
         file.parent.mkdir()
         file.write_text(f"def mine(rate):\n    return {force}\n")
-    one, two = (kernel_library(3, law_file=str(file)) for file in files)
-    assert len({one, two, kernel_library(3)}) == 3
+    one, two = (kernel_library(2, law_file=str(file)) for file in files)
+    assert len({one, two, kernel_library(2)}) == 3
     assert [law is not None for law in stand_in.lowered] == [True, False, True]
-    assert stand_in.linked == [("linux64", 3)]
-    assert stand_in.opened == [("linux64", 3, None)]
+    assert stand_in.linked == [("linux64", 2)]
+    assert stand_in.opened == [("linux64", 2, None)]
     assert [file.read_text() for file in (one, two)] == [
-        f"a module for 3 with {file.stem.removeprefix('kernel-3-').removesuffix('-linux64')}.ll"
+        f"a module for 2 with {file.stem.removeprefix('kernel-2-').removesuffix('-linux64')}.ll"
         for file in (one, two)
     ]
 
 
 def test_laws_share_what_is_compiled_for_a_number_of_links_a_platform_and_a_processor(stand_in, tmp_path):
     for links, platform, settings in (
-        (3, "linux64", {}),
+        (2, "linux64", {}),
         (4, "linux64", {}),
-        (3, "win64", {}),
-        (3, "linux64", {"derivatives": True}),
-        (3, "linux64", {"derivatives": True, "portable": False}),
+        (2, "win64", {}),
+        (2, "linux64", {"derivatives": True}),
+        (2, "linux64", {"derivatives": True, "portable": False}),
     ):
         for force in "12":
             law = tmp_path / "mine.py"

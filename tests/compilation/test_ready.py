@@ -67,7 +67,7 @@ def test_there_is_a_kernel_for_every_chain(made):
     assert ready.find(ready.library_name(ready.exact(4), "linux64")).read_text() == "a module for 4"
     assert ready.find(ready.library_name(ready.exact(64), "linux64")).read_text() == "a module for None"
     assert ready.find(ready.library_name(3, "linux64")) is None
-    assert kernel_library(3) == kernel_library(64) == ready.for_any("linux64", ready.KERNEL)
+    assert kernel_library(3) == kernel_library(64) == ready.find(ready.library_name(None, "linux64"))
     assert kernel_library(4) == ready.find(ready.library_name(4, "linux64"))
     assert ready.find(ready.library_name(4, "win64")) is None
     assert ready.find(browser.MODULE).read_text() == "a module for a browser"
@@ -123,7 +123,9 @@ def test_a_wheel_for_release_carries_the_kernels_with_derivatives(made, tmp_path
     }
     assert found[True] == "a module with derivatives for None"
     assert found[False] == f"a module with derivatives for 4 on {compilers.WIDE_CPU}"
-    assert kernel_library(9, derivatives=True, portable=False) == ready.for_any("linux64", ready.WIDE)
+    assert kernel_library(9, derivatives=True, portable=False) == ready.find(
+        ready.library_name(None, "linux64", what=ready.WIDE)
+    )
     monkeypatch.setattr(compilers, "wide_cpu", lambda: None)
     assert (
         kernel_library(64, derivatives=True, portable=False).read_text()

@@ -51,7 +51,7 @@ def kernel_library(
     wide = derivatives and not portable and platform == HOST and compilers.wide_cpu() is not None
     kind = WIDE if wide else what
     name = ready.library_name(exact, platform, _law_name(law) if law else "", kind)
-    found = ready.find(name) or cache.find(name) or (None if law else ready.for_any(platform, kind))
+    found = cache.find(name) if law else ready.best(links, platform, kind) or cache.find(name)
     if found:
         return found
     compilers.require_compilers(_purpose(platform, law_file, derivatives))

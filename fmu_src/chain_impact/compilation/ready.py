@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import lzma
+import os
 import shutil
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor, wait
@@ -26,13 +27,15 @@ PROCESSORS = {KERNEL: None, DERIVATIVES: None, WIDE: compilers.WIDE_CPU}
 MODULE = f"{KERNEL}.ll.xz"  # the lowered kernel, packed in a wheel
 PATIENCE = 10.0  # s, after which who waits is told that work goes on
 MADE_FROM = "sources.txt"  # the fingerprint of the sources that they are made from
+RELEASE = "CHAIN_IMPACT_RELEASE"
+"""The variable that is 1 where there shall be kernels for all numbers of links, as in a wheel for release."""
 LARGEST_EXACT = 10
 """Up to so many links there can be a kernel for each number of links. All other chains share one that reads
 the number from the instance: with it, runs of up to ten links take a tenth to a fifth longer, with many rows
 of outputs up to two fifths, and of thirty no longer."""
 
 FIRST_SIZES: tuple[int | None, ...] = (None, 1, 2, 4)
-"""What a wheel that a user makes has: a kernel for any chain, and those of most models."""
+"""The usual ones: a kernel for any chain, and those of most models."""
 SIZES: tuple[int | None, ...] = (None, *range(1, LARGEST_EXACT + 1))
 """What a wheel for release has."""
 DERIVATIVE_SIZES: tuple[int | None, ...] = (None, *range(1, 7))
@@ -41,9 +44,14 @@ REQUIREMENTS = [*(f"{name}=={version}" for name, version in cache.COMPILERS.item
 """What has to be installed to compile kernels."""
 
 
+def for_release() -> bool:
+    """Whether there shall be kernels for all numbers of links."""
+    return os.environ.get(RELEASE) == "1"
+
+
 def exact(links: int) -> int | None:
-    """The number of links that the kernel for a chain of ``links`` is compiled for; None for any."""
-    return links if links <= LARGEST_EXACT else None
+    """The number of links that a kernel for a chain of ``links`` is compiled for here; None for any."""
+    return links if links in (SIZES if for_release() else FIRST_SIZES) else None
 
 
 def library_name(links: int | None, platform: str, law: str = "", what: str = KERNEL) -> str:
@@ -57,9 +65,10 @@ def find(name: str) -> Path | None:
     return FOLDER / name if _usable() and (FOLDER / name).is_file() else None
 
 
-def for_any(platform: str, what: str) -> Path | None:
-    """The ready kernel of a kind for any number of links, which can take the place of any other one."""
-    return find(library_name(None, platform, what=what))
+def best(links: int, platform: str, what: str) -> Path | None:
+    """The ready kernel of a kind for this number of links, or the one for any, which can take its place."""
+    exact, general = (library_name(size, platform, what=what) for size in (links, None))
+    return find(exact) or find(general)
 
 
 def module() -> str | None:

@@ -51,7 +51,7 @@ def test_an_impact_that_lasts_has_its_values_so_far(method, part):
     first = simulate(scene).impacts[0]
     now = first["onset"] + part * (first["end"] - first["onset"])
     listed = look(scene, now)
-    fine = simulate(scene, now, (now - first["onset"]) / 500, tolerance=1e-8)
+    fine = simulate(scene, now, (now - first["onset"]) / 200, tolerance=1e-8)
     forces, depths = fine.outputs["force"], fine.outputs["penetration"]
     assert listed["end"][0] == now
     assert listed["peak_force"][0] == pytest.approx(forces.max(), rel=1e-4)
