@@ -2,7 +2,8 @@
 
 Each side's own package makes instances of the same scenes and its kernel (against_side.py). Both kernels then
 run in this process, in turn, and what they leave in the records ``output`` and ``statistics`` is compared,
-byte by byte.
+byte by byte. Before each run an instance gets back what a sweep of that commit restores: the parameters and
+initial values, or the whole record.
 """
 
 from __future__ import annotations
@@ -34,6 +35,8 @@ class Run:
         room = np.empty(len(self.fresh) + LINE, np.uint8)
         first = (PLACE - room.ctypes.data) % LINE
         self.block = room[first : first + len(self.fresh)]
+        self.block[:] = self.fresh
+        self.given = [(self.block[a:b], self.fresh[a:b]) for a, b in side["given"]]
         self.address, self.stop, self.compared = self.block.ctypes.data, side["stop"], side["compared"]
         self.kernel = ctypes.CDLL(side["library"])
         pointer, real = ctypes.c_void_p, ctypes.c_double
@@ -41,8 +44,9 @@ class Run:
         self.kernel.observe.argtypes = [pointer]
 
     def __call__(self) -> None:
-        """From parameters to the end."""
-        self.block[:] = self.fresh
+        """From parameters to the end, as a run of a sweep."""
+        for own, given in self.given:
+            own[:] = given
         self.kernel.initialize(self.address, 0.0)
         assert self.kernel.advance(self.address, self.stop) == 0
 

@@ -22,7 +22,7 @@ from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.soundness import sound
 from tests.plain import Plain
 
-SIZES = 3  # words at the start of a record: numbers of links, of candidates and of instances of dual numbers
+SIZES = 4  # words at the start of a record: N, C, F, and the number of instances of dual numbers
 
 
 class NoDerivativesError(RuntimeError):
@@ -44,10 +44,10 @@ def array(address: Any, count: int, kind: Any = np.float64) -> np.ndarray:
 
 def instance(address: Any) -> Plain:
     """The record at an address; a view."""
-    links, candidates, tangents = array(address, SIZES, np.int64)
+    *sizes, tangents = array(address, SIZES, np.int64).tolist()
     if tangents:
         raise NoDerivativesError
-    return Plain(array(address, 1, instance_dtype(int(links), int(candidates)))[0])
+    return Plain(array(address, 1, instance_dtype(*sizes))[0])
 
 
 def on(function: Callable[..., Any]) -> Callable[..., int]:
@@ -82,12 +82,11 @@ def run_each(  # noqa: PLR0917 - in C, arguments have no names
 ) -> int:
     """Run again and again with other parameters; return how many runs are done."""
     d = instance(address)
-    words = words_of(d._record)
     return int(
         entry.run_each(
             d,
-            words,
-            array(start, len(words)),
+            words_of(d._record),
+            instance(start),
             array(places, parameters, np.int64),
             array(values, runs * parameters).reshape(runs, parameters),
             array(stops, runs),

@@ -268,8 +268,8 @@ def test_the_times_of_compilation_are_those_that_are_printed():
     first, first_more = (f"{LOWERING[what] + LINKING[what]:g}" for what in (KERNEL, DERIVATIVES))
     for page, sentences in {
         "docs/kernels.md": [
-            f"the kernel once, about {lower} s, then links it for this number of links, about {link} s",
-            f"about {lower_more} s the first time, then about {link_more} s for each number of links",
+            f"the kernel once, about {lower} s, then links one of the four, about {link} s",
+            f"about {lower_more} s the first time, then about {link_more} s for each of the four",
             f"and {lower} s where the kernel without derivatives is not there yet",
         ],
         "docs/development/compilation.md": [

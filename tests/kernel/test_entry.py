@@ -35,7 +35,7 @@ class Runs:
 
     def __init__(self, height=1e-3, stop=STOP):
         self.block = Model(ball(height, 1.0, stiffness=STIFFNESS)).new_instance()
-        self.start = self.block.view(np.float64).copy()
+        self.start = Plain(self.block.copy()[0])
         self.words, self.d = self.block.view(np.float64), Plain(self.block[0])
         self.stop = stop
 

@@ -58,11 +58,10 @@ def run_each(  # noqa: PLR0917 - in C, arguments have no names
     d, start, places, parameters, values, stops, runs, output_indices, columns, rows, continuing
 ):
     """Run again and again with other parameters; return how many runs are done."""
-    instance = words(d)
     return entry.run_each(
         d,
-        instance,
-        vector(start, len(instance)),
+        words(d),
+        start,
         vector(places, parameters),
         matrix(values, runs, parameters),
         vector(stops, runs),
@@ -86,7 +85,7 @@ def trajectory_with(d, times, rows, output_indices, columns, values, slopes):  #
 def entry_points(derivatives: bool = False) -> Entries:
     """Those of the kernel, or of one that carries derivatives, as does all that is compiled after that."""
     reals, indices = types.CPointer(float64), types.CPointer(int64)
-    runs = (INSTANCE, reals, indices, int64, reals, reals, int64, indices, int64, reals, int32)
+    runs = (INSTANCE, INSTANCE, indices, int64, reals, reals, int64, indices, int64, reals, int32)
     entries: Entries = {
         "initialize": (int32(INSTANCE, float64), initialize),
         "advance": (int32(INSTANCE, float64), entry.advance_to),

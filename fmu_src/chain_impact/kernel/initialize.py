@@ -21,7 +21,7 @@ from chain_impact.kernel.events.friction_modes import clear_changes, reinit_mode
 from chain_impact.kernel.events.marks import drop_events
 from chain_impact.kernel.integration.balance import start_balance
 from chain_impact.kernel.integration.impulse import clear_impulses
-from chain_impact.kernel.integration.last_step import clear_breaks, reset_step
+from chain_impact.kernel.integration.last_step import clear_breaks, reset_step, reset_times
 from chain_impact.kernel.integration.methods import IS_IMPLICIT, SOLVER_METHODS, first_method
 from chain_impact.kernel.integration.step_size import in_flight, keep_for_flight, propose
 from chain_impact.kernel.integration.switching import begin_explicit, stable
@@ -45,6 +45,15 @@ from chain_impact.kernel.status import (
 from chain_impact.kernel.work_limit import clear_counts
 
 OVERLAP = 1e-12  # m. A start no deeper in a wall counts as touching: it is round-off of positions and sines
+
+
+def restore_given(d, start):
+    """Give d all parameters, initial values and inputs of ``start``, an instance of the same scene.
+
+    ``initialize`` sets all else, so that a copy of the whole record is not needed to run again. The compiled
+    version is in compilation/record_type.py.
+    """
+    d.restore_given(start)
 
 
 def initialize(d, time):
@@ -92,6 +101,7 @@ def clear_run(d, time):
     clear_joint_loads(d.implicit.load)
     drop_events(d)
     clear_breaks(d)
+    reset_times(d, time)
     clear_trial(d)
     remember_clearances(d, NOTHING)
     clear_log(d)

@@ -138,7 +138,10 @@ def test_a_fault_is_a_row_and_the_others_go_on():
     assert found.table[[0]].tobytes() == found.table[[4]].tobytes()
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize(
+    "seed",
+    [first + k for first in (0, random_scenes.STOPPED, random_scenes.RUBBED) for k in range(8)],
+)
 def test_random_scenes(seed):
     scene = random_scenes.scene(seed)
     scene = with_values(scene, {("simulation", "stop_time"): min(scene.simulation.stop_time, 0.3)})

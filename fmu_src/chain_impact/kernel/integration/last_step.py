@@ -50,13 +50,19 @@ def reset_step(d, time, y):
     step.state[sundman_u_at(d.links)], step.state[time_at(d.links)] = 1.0, 0.0
     for j in range(len(step.state)):
         step.state_end[j] = step.state[j]
-    step.time, step.start, step.end, step.clock = time, time, time, time
+    reset_times(d, time)
     step.size = 1.0
     reset_impulse_step(d)
     step.regularized = NO_CONTACT
     step.dense_for = SOLVER
     step.last_method = EXPLICIT  # no implicit step extrapolates from it
     mark_jump(d)
+
+
+def reset_times(d, time):
+    """Set all times of the last step to ``time`` [s]."""
+    step = d.step
+    step.time, step.start, step.end, step.clock = time, time, time, time
 
 
 def accept(d):

@@ -1,7 +1,8 @@
 """What all runs of a sweep have in common, and one block of them in the kernel.
 
-A run begins from a copy of the scene's instance record, with the values that vary written to their places in
-it. So a parameter is set as the FMU sets it: that one value, and nothing that a default has made of it.
+A run begins with the parameters and initial values of the scene's instance record, and those that vary are
+written to their places. So a parameter is set as the FMU sets it: that one value, and nothing that a default
+has made of it.
 """
 
 from __future__ import annotations
@@ -100,7 +101,7 @@ class Runner:
         asks = any(name.startswith(SENSITIVITY) for name in job.columns)
         model, varied = job.model, job.model.varied if asks else []
         self._kernel = kernel_for(job.scene, notify, derivatives=bool(varied))
-        self._start, self._work = model.new_instance(varied), model.new_instance(varied)
+        self._start = model.new_instance(varied)
         layout, self._job, self._dtype = self._start.dtype, job, job.dtype
         self._columns = job.columns
         # to follow impulses of walls takes time: it is done for the columns that have them only
@@ -108,6 +109,7 @@ class Runner:
         if "latest" not in looked_at:
             self._start["latest"]["kept"] = 0
             self._start["impulse"]["wanted"] = bool(looked_at & {"impulse", "friction"})
+        self._work = self._start.copy()
         in_record = [k for k, place in enumerate(job.varied) if place]
         self._in_record, self._whole = in_record, [job.kinds[k] == "enumeration" for k in in_record]
         self._places = np.array([word_index(layout, job.varied[k]) for k in in_record], np.int64)
