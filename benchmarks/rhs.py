@@ -12,7 +12,7 @@ from __future__ import annotations
 import common  # isort: skip
 
 import numpy as np
-from looks import BLUE, INK, OURS, headline, names_at_ends
+from looks import BLUE, INK, OURS, curve, headline, names_at_ends, strong
 from numba import njit
 from plain_chain import flight_rate, plain_chain, start
 from rhs_loop import kernel_rates
@@ -103,7 +103,7 @@ def in_flight(links: int, rounds: int) -> dict:
         "plain arrays": (lambda: many_plain(*arrays, y, plain, calls), calls),
         "NumPy": (lambda: textbook.rate(y), 1),
     }
-    return {"links": links, "disagreement": float(f"{disagreement:.1e}"), **compared(contenders, rounds)}
+    return {"links": links, "disagreement": common.rounded(disagreement, 2), **compared(contenders, rounds)}
 
 
 def in_contact(links: int, rounds: int) -> dict:
@@ -150,16 +150,14 @@ def draw(page, record) -> None:
     }
     whole, each = page.subplots(1, 2)
     ends = {whole: [], each: []}
-    for name, (colour, marker, label) in looks.items():
+    for name, (colour, marker, text) in looks.items():
         cost = np.array([row["nanoseconds"][name] for row in rows])
-        strong = {"linewidth": 2.4} if name == "ours" else {"linewidth": 1.2}
-        whole.loglog(links, cost, marker=marker, color=colour, **strong)
-        ends[whole].append((links[-1], cost[-1], label, colour))
+        drawn = strong(name == "ours", colour, marker)
+        ends[whole].append(curve(whole, list(zip(links, cost, strict=True)), drawn, text))
         if name != "NumPy":
-            each.semilogx(links, cost / links, marker=marker, color=colour, **strong)
-            ends[each].append(
-                (links[-1], cost[-1] / links[-1], f"{label}: {cost[-1] / links[-1]:.0f} ns", colour)
-            )
+            each.semilogx(links, cost / links, **drawn)
+            last = cost[-1] / links[-1]
+            ends[each].append((links[-1], last, f"{text}: {last:.0f} ns", colour))
     whole.set(xlabel="links N", ylabel="one right-hand side in flight [ns]")
     each.set(xlabel="links N", ylabel="for each link [ns]", ylim=(0, 42))
     least = min(row["NumPy / ours"]["median"] for row in rows)

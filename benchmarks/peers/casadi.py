@@ -19,7 +19,7 @@ from problems import Problem
 from chain_impact.compilation.cache import made
 from peers import Contender, Outcome
 from peers.model import CLEAR, Model
-from peers.symbolic import accelerations, clearances
+from peers.symbolic import accelerations, clearances, push
 
 CPU = "-mcpu=x86_64_v2"  # as the kernel
 LEAST = 1e-24  # m, of a depth: the derivative of √δ is asked for
@@ -61,9 +61,7 @@ class Casadi:
             depth = ca.fmax(LEAST, -gap)
             force = chain.stiffness * depth * ca.sqrt(depth)
             force *= ca.fmax(0.0, 1.0 - chain.damping_factor * rate / ca.if_else(v0[c] > 0.0, v0[c], 1.0))
-            point, wall = int(chain.candidate_point[c]), int(chain.candidate_wall[c])
-            load = loads.setdefault(point, [0.0, 0.0])
-            load[wall // 2] += (1.0 - 2.0 * (wall % 2)) * ca.if_else(v0[c] > 0.0, force, 0.0)
+            push(chain, loads, c, ca.if_else(v0[c] > 0.0, force, 0.0))
         rates = accelerations(chain, ca, q, v, loads)
         dae = {"x": x, "t": t, "ode": ca.vertcat(*v, *rates, *[0.0] * extra)}
         if count == 0:
