@@ -19,12 +19,11 @@ from pathlib import Path
 
 from fmpy import read_model_description
 from fmu_cost import importer
+from functions_library import zig
 
-from chain_impact.compilation.cache import linker_folder
-from chain_impact.compilation.compilers import INCLUDES, ZIG_TARGETS
+from chain_impact.compilation.compilers import INCLUDES
 from chain_impact.fmu.build import build_fmu
 from chain_impact.scene.scene import load_scene, with_values
-from chain_impact.system import HOST
 from tests.fmu.interface import unpacked
 
 SCENE, OUTPUTS, STEP, STEPS, ROUNDS = "four_link_box", 30, 1e-3, 2000, 31
@@ -100,10 +99,8 @@ def rounds_in_c(
 def tool(folder: Path) -> Path:
     """The program of fmu_native.c, compiled in a folder."""
     program = folder / "fmu_native"
-    command = [sys.executable, "-m", "ziglang", "cc", "-O2", "-target", ZIG_TARGETS[HOST][0]]
-    command += [*(f"-I{folder}" for folder in INCLUDES), str(Path(__file__).with_suffix(".c"))]
-    folders = {"ZIG_GLOBAL_CACHE_DIR": str(linker_folder()), "ZIG_LOCAL_CACHE_DIR": str(folder / "zig")}
-    subprocess.run([*command, "-o", str(program), "-ldl", "-lm"], check=True, env={**os.environ, **folders})
+    headers = [f"-I{place}" for place in INCLUDES]
+    zig(folder, *headers, Path(__file__).with_suffix(".c"), "-o", program, "-ldl", "-lm")
     return program
 
 

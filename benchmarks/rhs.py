@@ -159,7 +159,7 @@ def draw(page, record) -> None:
             last = cost[-1] / links[-1]
             ends[each].append((links[-1], last, f"{text}: {last:.0f} ns", colour))
     whole.set(xlabel="links N", ylabel="one right-hand side in flight [ns]")
-    each.set(xlabel="links N", ylabel="for each link [ns]", ylim=(0, 42))
+    each.set(xlabel="links N", ylabel="for each link [ns]", ylim=(0, 50))
     least = min(row["NumPy / ours"]["median"] for row in rows)
     headline(
         page,

@@ -7,13 +7,12 @@ the right-hand side holds the forces of all candidates at once.
 from __future__ import annotations
 
 import hashlib
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import casadi as ca
 import numpy as np
+from functions_library import zig
 from problems import Problem
 
 from chain_impact.compilation.cache import made
@@ -119,8 +118,7 @@ def compiled(function: Any) -> Any:
     def make(library: Path) -> None:
         path = library.with_suffix(".c")
         path.write_text(source)
-        zig = [sys.executable, "-m", "ziglang", "cc", "-O2", CPU, "-shared", "-fPIC", "-Wno-everything"]
-        subprocess.run([*zig, "-o", str(library), str(path), "-lm"], check=True)
+        zig(library.parent, CPU, "-shared", "-fPIC", "-Wno-everything", "-o", library, path, "-lm")
 
     return ca.external(function.name(), str(made(f"casadi-{digest}.so", make)))
 
