@@ -173,7 +173,7 @@ def main() -> None:
     """Measure and draw."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="two rounds")
-    parser.add_argument("--most", type=int, default=SIZES[-1], help="largest number of links")
+    parser.add_argument("--most", type=int, default=SIZES[-1], help=f"most links, {BASE} or more")
     chosen = parser.parse_args()
     rounds = 2 if chosen.quick else ROUNDS
     started, results = common.environment(peers.PACKAGES), {"flight": [], "heap": []}
