@@ -112,15 +112,9 @@ def compared(page: Page, scene: Scene, rounds: int) -> dict[str, Any]:
     return {
         "rows": len(times),
         **{f"{name}_ms": common.median([one[name] for one in found]) for name in calls},
-        "ratio": spread([one["browser"] / one["native"] for one in found]),
-        "ratio_with_columns": spread([one["browser_columns"] / one["native"] for one in found]),
+        "ratio": common.spread([one["browser"] / one["native"] for one in found]),
+        "ratio_with_columns": common.spread([one["browser_columns"] / one["native"] for one in found]),
     }
-
-
-def spread(ratios: list[float]) -> dict[str, float]:
-    """Median, least and largest."""
-    named = {"median": ratios, "least": [min(ratios)], "largest": [max(ratios)]}
-    return {name: common.median(values) for name, values in named.items()}
 
 
 def first_picture(browser: Browser, address: str) -> float:
@@ -173,7 +167,7 @@ def maps(browser: Browser, address: str, rounds: int) -> dict[str, Any]:
         "varied": ends,
         "runs": POINTS**2,
         **{f"{name}_s": common.median(times) for name, times in found.items()},
-        "ratio": spread(ratios),
+        "ratio": common.spread(ratios),
     }
 
 

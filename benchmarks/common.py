@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import importlib
 import json
 import os
 import platform
@@ -10,7 +11,7 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -79,19 +80,32 @@ def rounds(text: str | None, usual: int) -> int:
     return 2 if parser.parse_args().quick else usual
 
 
-def median(values: list[float]) -> float:
+def rounded(value: float, digits: int = 4) -> float:
+    """A number with so many digits."""
+    return float(f"{value:.{digits}g}")
+
+
+def median(values: Iterable[float]) -> float:
     """The median, to four digits."""
-    return float(f"{statistics.median(values):.4g}")
+    return rounded(statistics.median(values))
+
+
+def spread(values: list[float]) -> dict[str, float]:
+    """Median, least and largest, to four digits."""
+    return {"median": median(values), "least": rounded(min(values)), "largest": rounded(max(values))}
 
 
 def ratio(timings: Timings, name: str, base: str) -> dict[str, float]:
-    """How many times as long as ``base`` a contender takes: median, least and largest over the rounds."""
-    pairs = [a / b for a, b in zip(timings[name], timings[base], strict=False)]
-    return {
-        "median": median(pairs),
-        "least": float(f"{min(pairs):.4g}"),
-        "largest": float(f"{max(pairs):.4g}"),
-    }
+    """How many times as long as ``base`` a contender takes, over the rounds."""
+    return spread([a / b for a, b in zip(timings[name], timings[base], strict=False)])
+
+
+def needed(package: str) -> None:
+    """End this script unless a package of the extra ``bench`` is there."""
+    try:
+        importlib.import_module(package)
+    except ImportError as reason:
+        sys.exit(f"{reason}; pip install -e '.[bench]'")
 
 
 def levelled(

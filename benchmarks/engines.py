@@ -9,73 +9,45 @@ from __future__ import annotations
 
 import common  # isort: skip
 
-import sys
-
 import numpy as np
 import peers
 from equal_error import seconds_at
-from looks import BLUE, INK, OURS, SKY, headline, names_at_ends, number
-from peers.ours import Kernel
+from looks import BLUE, INK, OURS, SKY, curve, headline, label, names_at_ends, number, strong
 from problems import PROBLEMS
+from race import ROUNDS, Entries, ours_at, race_settings
 
 FLIGHT, IMPACTS = 2.0, 0.6  # s
 FLIGHT_STEPS = (1e-2, 1e-3, 1e-4)  # s
 IMPACT_STEPS = (1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5)  # s
-CONVERGED = 1e-6  # s
 TIME_CONSTANT = 6.3e-3  # s, of the contact, which then lasts 2.2 ms, as ours at K = 1e8
 STIFFER = tuple(round(2.0 ** (k / 2), 2) for k in range(12, -5, -1))  # time constants, in steps
 GAIN = 0.01  # of the initial energy: more is unstable
 LONG = 2.0  # s, in which it has to stay stable
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10)
-ROUNDS, SPAN, PATIENCE = 5, 0.02, 1.0
+PATIENCE = 1.0  # s
 
 
-def timed(runs: dict, rounds: int) -> dict[object, float]:
-    """Median CPU seconds of each run."""
-    return {key: common.median(v) for key, v in common.interleave(runs, rounds, SPAN, PATIENCE).items()}
-
-
-def ours(problem: str, stop: float, expected: list) -> dict:
+def ours(problem: str, stop: float, expected: np.ndarray) -> Entries:
     """Our kernel at each tolerance: run and error."""
-    found = {}
-    for tolerance in TOLERANCES:
-        kernel = Kernel(PROBLEMS[problem].scene(tolerance), stop)
-        error = np.abs(kernel.outcome().state - np.array(expected)).max()
-        found["ours", tolerance] = (kernel.run, float(error))
-    return found
+    return ours_at(TOLERANCES, PROBLEMS[problem].scene, stop, expected)
 
 
-def mujocos(problem: str, stop: float, steps: tuple[float, ...], expected: list | None) -> dict:
+def mujocos(problem: str, stop: float, steps: tuple[float, ...], expected: np.ndarray | None) -> Entries:
     """MuJoCo at each step: run and error; by its own converged run when there is no reference."""
-    from peers.mujoco import DEFAULTS, INTEGRATORS, Engine, bouncing
+    from peers.mujoco import DEFAULTS, INTEGRATORS, bouncing, runs_at
 
     scene, found = PROBLEMS[problem].scene(), {}
     contact = DEFAULTS if expected is not None else bouncing(TIME_CONSTANT, scene.contact.restitution)
-    for integrator in INTEGRATORS:
-        truth = expected
-        if truth is None:
-            fine = Engine(scene, integrator, CONVERGED, contact)
-            fine.run(stop)
-            truth = fine.state()
-        for dt in steps:
-            engine = Engine(scene, integrator, dt, contact)
-            engine.run(stop)
-            error = float(np.abs(engine.state() - np.array(truth)).max())
-            found[f"MuJoCo {integrator}", dt] = (lambda e=engine: e.run(stop), error)
+    for name in INTEGRATORS:
+        found |= runs_at(f"MuJoCo {name}", (scene, name, contact), steps, stop, expected)[0]
     return found
 
 
-def race(entries: dict, stop: float, rounds: int) -> list[dict]:
-    """Time entries (name, setting) → (run, error)."""
-    seconds = timed({key: run for key, (run, _) in entries.items()}, rounds)
-    rows = []
-    for (name, setting), (_, error) in entries.items():
-        row = {"name": name, "setting": setting, "error": float(f"{error:.3e}")}
-        row["seconds"] = seconds[name, setting]
-        if name != "ours":
-            row["microseconds a step"] = round(1e6 * row["seconds"] * setting / stop, 3)
-        rows.append(row)
-        print(row, flush=True)
+def measure(entries: Entries, stop: float, rounds: int) -> list[dict]:
+    """The rows, with what a step of MuJoCo takes."""
+    rows = race_settings(entries, rounds, PATIENCE)
+    for row in (row for row in rows if row["name"] != "ours"):
+        row["microseconds a step"] = round(1e6 * row["seconds"] * row["setting"] / stop, 3)
     return rows
 
 
@@ -118,11 +90,8 @@ def draw(page, record) -> None:
     for axes, key in zip(panels, ("flight", "impacts"), strict=True):
         ends[axes] = []
         for name, (colour, marker) in looks.items():
-            runs = [row for row in results[key] if row["name"] == name]
-            points = [(row["error"], 1e3 * row["seconds"]) for row in runs]
-            strong = {"linewidth": 2.4} if name == "ours" else {"linewidth": 1.2}
-            axes.loglog(*zip(*points, strict=True), marker=marker, markersize=4.5, color=colour, **strong)
-            ends[axes].append((*max(points), name.replace("ours", "chain-impact"), colour))
+            points = [(row["error"], 1e3 * row["seconds"]) for row in results[key] if row["name"] == name]
+            ends[axes].append(curve(axes, points, strong(name == "ours", colour, marker), label(name)))
         axes.set(xlabel="error of the final state (m, rad, m/s, rad/s)")
         axes.minorticks_off()
     panels[0].set(title="flight, 2 s", ylabel="CPU time [ms]")
@@ -145,19 +114,16 @@ def draw(page, record) -> None:
 def main() -> None:
     """Measure and draw."""
     rounds = common.rounds(__doc__, ROUNDS)
-    try:
-        import mujoco  # noqa: F401
-    except ImportError as reason:
-        sys.exit(f"engines.py: {reason}; pip install -e '.[bench]'")
+    common.needed("mujoco")
+    from peers.mujoco import CONVERGED
+
     started, references = common.environment(peers.PACKAGES), common.load("reference")["results"]
-    flight, impacts = (references[name]["states"][0] for name in ("flight", "box"))
+    flight, impacts = (np.array(references[name]["states"][0]) for name in ("flight", "box"))
+    flying = ours("flight", FLIGHT, flight) | mujocos("flight", FLIGHT, FLIGHT_STEPS, flight)
+    bouncing = ours("box", IMPACTS, impacts) | mujocos("box", IMPACTS, IMPACT_STEPS, None)
     results = {
-        "flight": race(
-            ours("flight", FLIGHT, flight) | mujocos("flight", FLIGHT, FLIGHT_STEPS, flight), FLIGHT, rounds
-        ),
-        "impacts": race(
-            ours("box", IMPACTS, impacts) | mujocos("box", IMPACTS, IMPACT_STEPS, None), IMPACTS, rounds
-        ),
+        "flight": measure(flying, FLIGHT, rounds),
+        "impacts": measure(bouncing, IMPACTS, rounds),
         "stiffest": stiffest(),
     }
     settings = {

@@ -20,7 +20,7 @@ from matplotlib import colormaps
 from matplotlib.ticker import LogLocator
 from peers.ours import Kernel
 from problems import PROBLEMS, STEEL
-from work_precision import judge
+from race import judge
 
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.scene.scene import Scene, SceneError, load_scene, with_values
@@ -84,7 +84,9 @@ def first_impact(scene: Scene, truth: np.void) -> dict[str, float | None]:
     """The first impact as parts of the true one; None for an impulse's force, and where it has not ended."""
     impact = simulate(scene, stop_time=0.6).impacts[0]
     ratios = {name: float(impact[name] / truth[name]) for name in FIRST}
-    return {name: float(f"{ratio:.6g}") if math.isfinite(ratio) else None for name, ratio in ratios.items()}
+    return {
+        name: common.rounded(ratio, 6) if math.isfinite(ratio) else None for name, ratio in ratios.items()
+    }
 
 
 def measure(rounds: int) -> list[dict]:

@@ -131,11 +131,7 @@ def main() -> None:
             low, high = one.intervals[name]
             held[name] += bool(low <= true <= high)
     results = {
-        "milliseconds of a fit": {
-            "median": round(statistics.median(clock), 2),
-            "least": round(min(clock), 2),
-            "largest": round(max(clock), 2),
-        },
+        "milliseconds of a fit": common.spread(clock),
         "runs with derivatives, median": statistics.median(one.runs for one in found),
         "converged": {
             "growing horizon": sum(map(is_right, found)),

@@ -15,8 +15,8 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from looks import GREY, OURS, headline
 
@@ -25,6 +25,7 @@ from chain_impact.scene.scene import Scene, load_scene
 from chain_impact.variables.model import Model
 
 OUTPUTS = 30
+START = "instantiate and initialise [ms]"
 PROCESSES = 9  # fresh ones for each of the two FMUs
 
 EMPTY = '''
@@ -67,35 +68,25 @@ def build_empty(scene: Scene, folder: Path, name: str, more: str = "") -> Path:
     return folder / f"{name}.fmu"
 
 
-def importer(*arguments: object) -> dict:
-    """Run fmu_importer.py in a process that knows nothing of this project."""
+def importer(task: str, outputs: int, fmus: dict[str, Path]) -> Any:
+    """What fmu_importer.py prints, run in a process that knows nothing of this project."""
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
     script = Path(__file__).with_name("fmu_importer.py")
-    command = [sys.executable, str(script), *map(str, arguments)]
+    named = (f"{name}={path}" for name, path in fmus.items())
+    command = [sys.executable, str(script), task, str(outputs), *named]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise RuntimeError(done.stderr)
-    found: dict = json.loads(done.stdout)
-    return found
+    return json.loads(done.stdout)
 
 
-def cold_starts(fmus: dict[str, Path]) -> Iterator[tuple[str, dict]]:
+def cold_starts(fmus: dict[str, Path]) -> dict[str, dict[str, float]]:
     """What each FMU takes as the first one of a process, in turn."""
+    found: dict[str, list[float]] = {name: [] for name in fmus}
     for _ in range(PROCESSES):
         for name, path in fmus.items():
-            yield name, importer("start", path, OUTPUTS)
-
-
-def summary(rows: list[tuple[str, dict]]) -> dict:
-    """The medians over the processes."""
-    names = {name for name, _ in rows}
-    return {
-        name: {
-            key: common.median([row[key] for who, row in rows if who == name])
-            for key in rows[0][1]
-        }
-        for name in sorted(names)
-    }  # fmt: skip
+            found[name].append(importer("start", OUTPUTS, {name: path}))
+    return {name: {START: common.median(values)} for name, values in found.items()}
 
 
 SIZE = (10.5, 4.0)  # inches, of the chart
@@ -109,7 +100,7 @@ def draw(page, record) -> None:
         ("1 ms doStep + 30 outputs\nthrough C pointers", "µs a step", raw["microseconds a step"]),
         ("2 s scenario, 2000 steps\nthrough fmpy.simulate_fmu", "ms", whole["milliseconds"]),
         ("first instance of a process\ninstantiate and initialise", "ms",
-         {name: start[name]["instantiate and initialise [ms]"] for name in ("empty", "ours")}),
+         {name: start[name][START] for name in ("empty", "ours")}),
     )  # fmt: skip
     for axes, (title, unit, values) in zip(steps, groups, strict=True):
         names = [name for name in ("bare", "empty", "ours") if name in values]
@@ -136,16 +127,8 @@ def main() -> None:
         folder = Path(scratch)
         fmus = {"ours": build_fmu(scene, folder), "empty": build_empty(scene, folder, "Empty")}
         bare = build_empty(scene, folder, "Bare", BARE)
-        results = importer("run", *fmus.values(), bare, OUTPUTS)
-        results["cold start"] = summary(list(cold_starts(fmus)))
-        start = results["cold start"]
-        key = "instantiate and initialise [ms]"
-        results["cold start"]["ours - empty [ms]"] = round(start["ours"][key] - start["empty"][key], 2)
-        results["bytes"] = {
-            "FMU": fmus["ours"].stat().st_size,
-            "empty FMU": fmus["empty"].stat().st_size,
-            "instance": Model(scene).new_instance().nbytes,
-        }
+        results = importer("run", OUTPUTS, fmus | {"bare": bare})
+        results["cold start"] = cold_starts(fmus)
     print(json.dumps(results, indent=1))
     settings = {
         "scene": "four_link_box, 2 s in steps of 1 ms, tolerance 1e-8", "outputs read": OUTPUTS,

@@ -1,19 +1,17 @@
-"""The importing side of fmu_cost.py, a process of its own: fmpy and pythonfmu, and nothing of this project.
+"""The importing side of fmu_cost.py and fmu_native.py: fmpy and pythonfmu, and nothing of this project.
 
-``fmu_importer.py run OURS EMPTY BARE OUTPUTS`` times all three in turn, ``fmu_importer.py start FMU OUTPUTS``
-one from cold. Either prints JSON.
+A process of its own: ``fmu_importer.py run OUTPUTS NAME=FMU …`` times FMUs in turn, ``fmu_importer.py start
+OUTPUTS NAME=FMU`` one from cold. Either prints JSON.
 """
 
 from __future__ import annotations
 
 import json
-import resource
 import shutil
 import sys
 import time
 from collections.abc import Callable
 from ctypes import c_double, c_uint
-from pathlib import Path
 
 import common
 import fmpy
@@ -103,62 +101,44 @@ def later_start(importer: Importer) -> float:
     return seconds
 
 
-def compare(**importers: Importer) -> dict:
-    """The FMUs in turn."""
-    results, steps = {}, round(STOP / STEP)
-    for name, function, unit, scale in (
-        ("raw", once, "microseconds a step", 1e6 / steps),
-        ("simulate_fmu", Importer.whole, "milliseconds", 1e3),
-        ("later instance", later_start, "milliseconds", 1e3),
-    ):
+TASKS = {
+    "raw": (once, "microseconds a step", 1e6 * STEP / STOP),
+    "simulate_fmu": (Importer.whole, "milliseconds", 1e3),
+    "later instance": (later_start, "milliseconds", 1e3),
+}
+"""What is timed: a function, the unit, and how many of it a second is."""
+
+
+def compare(importers: dict[str, Importer]) -> dict:
+    """The FMUs in turn, and the ratios of the first to the others."""
+    results: dict = {}
+    first, *others = importers
+    for name, (function, unit, scale) in TASKS.items():
         for importer in importers.values():
             function(importer)
         timings = turns({who: lambda f=function, i=importer: f(i) for who, importer in importers.items()})
         results[name] = {
             unit: {who: common.median([scale * value for value in row]) for who, row in timings.items()},
-            "ours / empty": common.ratio(timings, "ours", "empty"),
-            "ours / bare": common.ratio(timings, "ours", "bare"),
+            **{f"{first} / {other}": common.ratio(timings, first, other) for other in others},
         }
     return results
 
 
-def cold(importer: Importer) -> dict:
-    """Start and memory of the first instance of a process, and of ten more."""
-    before, begin = memory(), time.perf_counter()
+def cold(importer: Importer) -> float:
+    """Milliseconds to start the first instance of a process."""
+    begin = time.perf_counter()
     importer.start()
-    seconds = time.perf_counter() - begin
-    importer.run()
-    first = memory()
-    kept = []
-    for _ in range(10):
-        importer.start()
-        kept.append(importer.fmu)
-    return {
-        "instantiate and initialise [ms]": 1e3 * seconds,
-        "memory of the first instance and its run [kB]": first - before,
-        "memory of each further instance [kB]": (memory() - first) / 10,
-        "peak memory of the process [kB]": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss,
-    }
-
-
-def memory() -> float:
-    """Resident memory [kB]."""
-    return (
-        int(Path("/proc/self/statm").read_text(encoding="utf-8").split()[1]) * resource.getpagesize() / 1024
-    )
+    return 1e3 * (time.perf_counter() - begin)
 
 
 def main() -> None:
     """Measure what the command line says."""
-    task, *paths, outputs = sys.argv[1:]
-    importers = [Importer(path, int(outputs)) for path in paths]
-    if task == "run":
-        results = compare(**dict(zip(("ours", "empty", "bare"), importers, strict=True)))
-    else:
-        results = cold(*importers)
+    task, outputs, *fmus = sys.argv[1:]
+    importers = {name: Importer(path, int(outputs)) for name, path in (fmu.split("=", 1) for fmu in fmus)}
+    results = compare(importers) if task == "run" else cold(*importers.values())
     assert not {"chain_impact", "numba", "scipy"} & set(sys.modules)
     print(json.dumps(results))
-    for importer in importers:
+    for importer in importers.values():
         shutil.rmtree(importer.folder, ignore_errors=True)
 
 

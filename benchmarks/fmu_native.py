@@ -16,17 +16,19 @@ import sysconfig
 import tempfile
 import zipfile
 from pathlib import Path
-from xml.etree import ElementTree
 
-from chain_impact.compilation.cache import linker_folder
+from fmpy import read_model_description
+from fmu_cost import importer
+from functions_library import zig
+
 from chain_impact.compilation.compilers import INCLUDES
 from chain_impact.fmu.build import build_fmu
 from chain_impact.scene.scene import load_scene, with_values
+from tests.fmu.interface import unpacked
 
 SCENE, OUTPUTS, STEP, STEPS, ROUNDS = "four_link_box", 30, 1e-3, 2000, 31
 INPUT = "joint[2].torque"
 TARGETS = ("native", "pythonfmu")
-HERE = Path(__file__).parent
 
 
 def in_c(fmus: dict[str, Path], folder: Path) -> dict:
@@ -74,42 +76,32 @@ def rounds_in_c(
         embeds: whether the tool itself starts Python.
     """
     folder.mkdir(exist_ok=True)
-    program = folder / "fmu_native"
-    compiler = [
-        sys.executable,
-        "-m",
-        "ziglang",
-        "cc",
-        "-O2",
-        *(f"-I{folder}" for folder in INCLUDES),
-        str(HERE / "fmu_native.c"),
-    ]
-    folders = {"ZIG_GLOBAL_CACHE_DIR": str(linker_folder()), "ZIG_LOCAL_CACHE_DIR": str(folder / "zig")}
-    subprocess.run([*compiler, "-o", str(program), "-ldl", "-lm"], check=True, env={**os.environ, **folders})
-    places = []
+    places: list[object] = []
     for target in TARGETS:
-        unpacked = folder / f"unpacked {target}"
-        with zipfile.ZipFile(fmus[target]) as archive:
-            archive.extractall(unpacked)
-        root = ElementTree.parse(unpacked / "modelDescription.xml").getroot()
-        binary = unpacked / "binaries" / "linux64" / f"{root[0].get('modelIdentifier')}.so"
-        places += [binary, root.get("guid"), (unpacked / "resources").as_uri()]
+        place = unpacked(str(fmus[target]), str(folder / f"unpacked {target}"))
+        description = read_model_description(str(place))
+        binary = place / "binaries" / "linux64" / f"{description.coSimulation.modelIdentifier}.so"
+        places += [binary, description.guid, (place / "resources").as_uri()]
     # both kinds have the same value references
-    every = {node.get("name"): node for node in root.iter("ScalarVariable")}
-    reals = [n for n in every.values() if n.get("causality") == "output" and n[0].tag == "Real"]
-    read = [node.get("valueReference") for node in reals[:OUTPUTS]]
-    change = every[driven].get("valueReference") if driven else -1
-    command = [program, python_library(), int(embeds), STEP, STEPS, ROUNDS, change, *places, *read]
-    lines = subprocess.run(
-        list(map(str, command)),
-        check=True,
-        stdout=subprocess.PIPE,
-        text=True,
-        env={**os.environ, "PYTHONHOME": sys.base_prefix},
-    ).stdout
+    variables = description.modelVariables
+    read = [v.valueReference for v in variables if v.causality == "output" and v.type == "Real"][:OUTPUTS]
+    change = next((v.valueReference for v in variables if v.name == driven), -1)
+    command = [tool(folder), python_library(), int(embeds), STEP, STEPS, ROUNDS, change, *places, *read]
+    environment = {**os.environ, "PYTHONHOME": sys.base_prefix}
+    done = subprocess.run(
+        [*map(str, command)], check=True, stdout=subprocess.PIPE, text=True, env=environment
+    )
     names = [f"{target} {what}" for target in TARGETS for what in ("instance", "step")]
-    numbers = [map(float, line.split()) for line in lines.splitlines()[1:]]  # the first round warms up
+    numbers = [map(float, line.split()) for line in done.stdout.splitlines()[1:]]  # the first round warms up
     return dict(zip([*names, "kernel"], map(list, zip(*numbers, strict=True)), strict=True))
+
+
+def tool(folder: Path) -> Path:
+    """The program of fmu_native.c, compiled in a folder."""
+    program = folder / "fmu_native"
+    headers = [f"-I{place}" for place in INCLUDES]
+    zig(folder, *headers, Path(__file__).with_suffix(".c"), "-o", program, "-ldl", "-lm")
+    return program
 
 
 def python_library() -> Path:
@@ -123,37 +115,20 @@ def python_library() -> Path:
     return path
 
 
-def in_fmpy(native: Path, by_pythonfmu: Path) -> dict:
+def in_fmpy(fmus: dict[str, Path]) -> dict:
     """The same scenario through ctypes pointers, for both kinds of FMU in turn."""
-    command = [sys.executable, str(Path(__file__)), "measure", str(native), str(by_pythonfmu)]
-    done = subprocess.run(command, check=True, capture_output=True, text=True)
-    found: dict = json.loads(done.stdout.splitlines()[-1])
-    return found
-
-
-def measure(native: str, by_pythonfmu: str) -> dict:
-    """In a process of its own."""
-    from fmu_importer import STEP, STOP, Importer, later_start, once, turns
-
-    importers = {"native": Importer(native, OUTPUTS), "pythonfmu": Importer(by_pythonfmu, OUTPUTS)}
-    results = {}
-    for name, function, scale in (
-        ("a step [µs]", once, 1e6 * STEP / STOP),
-        ("instance [ms]", later_start, 1e3),
-    ):
-        for importer in importers.values():
-            function(importer)
-        timings = turns({who: lambda f=function, i=one: f(i) for who, one in importers.items()})
-        results[name] = {who: common.median([scale * value for value in row]) for who, row in timings.items()}
-        results[name]["pythonfmu / native"] = common.ratio(timings, "pythonfmu", "native")
-    return results
+    found, ratio = importer("run", OUTPUTS, dict(reversed(fmus.items()))), "pythonfmu / native"
+    return {
+        name: {**found[task][unit], ratio: found[task][ratio]}
+        for name, task, unit in (
+            ("a step [µs]", "raw", "microseconds a step"),
+            ("instance [ms]", "later instance", "milliseconds"),
+        )
+    }
 
 
 def main() -> None:
     """Build, measure and save."""
-    if sys.argv[1:2] == ["measure"]:
-        print(json.dumps(measure(*sys.argv[2:])))
-        return
     started = common.environment()
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
@@ -161,7 +136,7 @@ def main() -> None:
         native, by_pythonfmu = fmus.values()
         results = {
             "C": in_c(fmus, folder / "C") | in_c_driven(folder),
-            "fmpy": in_fmpy(native, by_pythonfmu),
+            "fmpy": in_fmpy(fmus),
         }
         with zipfile.ZipFile(native) as fmu:
             binary = fmu.getinfo("binaries/linux64/FourLinkBox.so")

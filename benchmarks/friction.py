@@ -11,7 +11,6 @@ from __future__ import annotations
 import common  # isort: skip
 
 import math
-import sys
 from dataclasses import replace
 from typing import Any
 
@@ -20,7 +19,9 @@ import peers
 from equal_error import seconds_at
 from friction_chart import SIZE, draw
 from peers.ours import Kernel
+from race import ROUNDS, Entries, ours_at, race_settings
 
+from chain_impact.scene.scene import Scene
 from chain_impact.simulation.simulate import simulate
 from tests.friction import SLOPE, sled, thrown
 
@@ -34,25 +35,8 @@ IMPEDANCE = (0.95, 0.95, 0.001)  # of the contact that is as stiff at rest as ou
 NOSLIP = 10  # iterations
 MOVING, RESTING = 0.3, 1.5  # s, of the thrown chain
 THROWN_STEPS = (1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5)  # s
-CONVERGED = 1e-6  # s
 FINEST_ENERGY = 1e-4  # s, the least step of runs whose energy is watched
-ROUNDS, SPAN, PATIENCE = 5, 0.02, 60.0
-
-
-def race(entries: dict, rounds: int) -> list[dict]:
-    """Time entries (name, setting) → (run, further figures)."""
-    timings = common.interleave({key: run for key, (run, _) in entries.items()}, rounds, SPAN, PATIENCE)
-    rows = []
-    for (name, setting), (_, figures) in entries.items():
-        seconds = common.median(timings[name, setting])
-        rows.append({"name": name, "setting": setting, "seconds": seconds, **figures})
-        print(rows[-1], flush=True)
-    return rows
-
-
-def figure(value: float) -> float:
-    """To four digits."""
-    return float(f"{value:.3e}")
+PATIENCE = 60.0  # s
 
 
 # --- a rod at rest on a slope -----------------------------------------------------------------------------
@@ -66,7 +50,10 @@ def depth(state: np.ndarray) -> float:
 def drift(early: np.ndarray, late: np.ndarray, stop: float) -> dict[str, float]:
     """The mean speed along the slope [µm/s] since the rod has settled, and the depth of penetration [m]."""
     moved = (late - early)[:2] @ (math.cos(SLOPE), -math.sin(SLOPE))
-    return {"drift": figure(1e6 * abs(moved) / (stop - SETTLED)), "penetration": figure(depth(late))}
+    return {
+        "drift": common.rounded(1e6 * abs(moved) / (stop - SETTLED)),
+        "penetration": common.rounded(depth(late)),
+    }
 
 
 def contacts_at_rest(deep: float) -> dict[str, Any]:
@@ -157,31 +144,25 @@ def contacts_when_thrown() -> dict[str, Any]:
     }
 
 
-def ours_when_thrown(stop: float) -> tuple[dict, list[float]]:
+def ours_when_thrown(stop: float) -> tuple[Entries, np.ndarray]:
     """Our kernel at each tolerance: run and error; and the state of the converged run."""
-    truth, found = Kernel(thrown(**{"solver.tolerance": FINE}), stop).outcome().state, {}
-    for tolerance in TOLERANCES:
-        kernel = Kernel(thrown(**{"solver.tolerance": tolerance}), stop)
-        error = np.abs(kernel.outcome().state - truth).max()
-        found["ours", tolerance] = (kernel.run, {"error": figure(error)})
-    return found, truth.tolist()
+
+    def scene(tolerance: float) -> Scene:
+        return thrown(**{"solver.tolerance": tolerance})
+
+    truth = Kernel(scene(FINE), stop).outcome().state
+    return ours_at(TOLERANCES, scene, stop, truth), truth
 
 
-def mujoco_when_thrown(stop: float, contacts: dict) -> tuple[dict, dict[str, list[float]]]:
+def mujoco_when_thrown(stop: float, contacts: dict) -> tuple[Entries, dict[str, list[float]]]:
     """MuJoCo at each step: run and error; and the states of the converged runs."""
-    from peers.mujoco import Engine
+    from peers.mujoco import runs_at
 
     found, truths = {}, {}
-    for name, (integrator, contact) in contacts.items():
-        fine = Engine(thrown(), integrator, CONVERGED, contact)
-        fine.run(stop)
-        truths[name] = fine.state().tolist()
-        for dt in THROWN_STEPS:
-            engine = Engine(thrown(), integrator, dt, contact)
-            engine.run(stop)
-            if not engine.unstable:
-                error = figure(np.abs(engine.state() - truths[name]).max())
-                found[name, dt] = (lambda e=engine: e.run(stop), {"error": error})
+    for name, case in contacts.items():
+        runs, truth = runs_at(name, (thrown(), *case), THROWN_STEPS, stop)
+        found |= runs
+        truths[name] = truth.tolist()
     return found, truths
 
 
@@ -189,13 +170,13 @@ def throw(stop: float, contacts: dict, rounds: int) -> dict:
     """Errors and cost at a time [s]."""
     mine, truth = ours_when_thrown(stop)
     theirs, truths = mujoco_when_thrown(stop, contacts)
-    rows = race(mine | theirs, rounds)
+    rows = race_settings(mine | theirs, rounds, PATIENCE)
     own = [row for row in rows if row["name"] == "ours"]
     for row in rows:
         if row["name"] != "ours":
             equal = seconds_at(row["error"], own)
-            row["times ours at equal error"] = equal and figure(row["seconds"] / equal)
-    return {"rows": rows, "converged": {"ours": truth, **truths}}
+            row["times ours at equal error"] = equal and common.rounded(row["seconds"] / equal)
+    return {"rows": rows, "converged": {"ours": truth.tolist(), **truths}}
 
 
 def own_changes(tolerance: float) -> dict[str, float]:
@@ -204,7 +185,7 @@ def own_changes(tolerance: float) -> dict[str, float]:
     energy = result["energy.kinetic"] + result["energy.potential"]
     total = result["energy.total"] + result["energy.dissipated"]
     flights = np.where(result["energy.elastic"] == 0.0, energy, np.nan)
-    return changes(flights) | {"balance": figure(np.abs(total - total[0]).max())}
+    return changes(flights) | {"balance": common.rounded(np.abs(total - total[0]).max())}
 
 
 def changes(energies: np.ndarray) -> dict[str, float]:
@@ -215,7 +196,7 @@ def changes(energies: np.ndarray) -> dict[str, float]:
     first = energies[: np.isnan(energies).argmax()]
     known = energies[~np.isnan(energies)]
     lost, risen = first[0] - first[-1], (known - np.minimum.accumulate(known)).max()
-    return {"lost before the first impact": figure(lost), "rise": figure(risen)}
+    return {"lost before the first impact": common.rounded(lost), "rise": common.rounded(risen)}
 
 
 def balance(contacts: dict) -> list[dict]:
@@ -239,15 +220,14 @@ def balance(contacts: dict) -> list[dict]:
 def main() -> None:
     """Measure and draw."""
     rounds = common.rounds(__doc__, ROUNDS)
-    try:
-        import mujoco  # noqa: F401
-    except ImportError as reason:
-        sys.exit(f"friction.py: {reason}; pip install -e '.[bench]'")
+    common.needed("mujoco")
+    from peers.mujoco import CONVERGED
+
     started = common.environment(peers.PACKAGES)
     mine, contacts = ours_at_rest(), contacts_when_thrown()
     deep = mine["ours", min(TOLERANCES)][1]["penetration"]
     results = {
-        "slope": race(mine | mujoco_at_rest(deep), rounds),
+        "slope": race_settings(mine | mujoco_at_rest(deep), rounds, PATIENCE),
         "moving": throw(MOVING, contacts, rounds),
         "resting": throw(RESTING, contacts, rounds),
         "energy": balance(contacts),

@@ -6,7 +6,20 @@ import math
 from typing import Any
 
 from equal_error import HOPELESS
-from looks import BLUE, GREEN, INK, LINE_NAME, OURS, PURPLE, SKY, headline, names_at_ends
+from looks import (
+    BLUE,
+    GREEN,
+    INK,
+    LINE_NAME,
+    OURS,
+    PURPLE,
+    SKY,
+    curve,
+    headline,
+    label,
+    names_at_ends,
+    strong,
+)
 
 SIZE = (12.5, 4.6)  # inches
 LEAST = 1e-6  # µm/s: what drifts less is drawn there
@@ -26,21 +39,7 @@ THROWN = {
     "MuJoCo RK4, duration of ours": (INK, "D"),
 }
 
-
 SHOWN = 1e-3  # s, the step of MuJoCo whose factors the headline has
-
-
-def label(name: str) -> str:
-    """What a curve is called."""
-    return "chain-impact" if name == "ours" else name.removeprefix("MuJoCo ")
-
-
-def curve(axes: Any, points: list[tuple[float, float]], name: str, look: tuple[str, str]) -> tuple:
-    """Draw a curve, and return where its name goes."""
-    colour, marker = look
-    strong = {"linewidth": 2.4, "zorder": 3} if name == "ours" else {"linewidth": 1.2}
-    axes.loglog(*zip(*points, strict=True), marker=marker, markersize=4.5, color=colour, **strong)
-    return *max(points), label(name), colour
 
 
 def draw_slope(axes: Any, rows: list[dict]) -> list[tuple]:
@@ -48,7 +47,8 @@ def draw_slope(axes: Any, rows: list[dict]) -> list[tuple]:
     ends = []
     for name, look in ON_THE_SLOPE.items():
         points = [(1e3 * row["seconds"], max(row["drift"], LEAST)) for row in rows if row["name"] == name]
-        end = curve(axes, points, name.replace("MuJoCo Euler, ", "MuJoCo "), look)
+        text = label(name.replace("MuJoCo Euler, ", ""))
+        end = curve(axes, points, strong(name == "ours", *look), text)
         if name == "ours":  # a name at the right would cross the other curve without drift
             middle = sum(math.log(x) for x, _ in points) / len(points)
             axes.text(math.exp(middle), 3.0 * LEAST, end[2], color=end[3], fontsize=LINE_NAME, ha="center")
@@ -70,7 +70,8 @@ def draw(page: Any, record: Any) -> None:
         for name, look in THROWN.items():
             rows = [row for row in results[key]["rows"] if row["name"] == name]
             points = [(row["error"], 1e3 * row["seconds"]) for row in rows if row["error"] < HOPELESS]
-            ends[axes].append(curve(axes, points, name, look))
+            text = label(name.removeprefix("MuJoCo "))
+            ends[axes].append(curve(axes, points, strong(name == "ours", *look), text))
         state = key.replace("resting", "at rest")
         axes.set(title=f"thrown chain, {state}, {stop:g} s", ylabel="CPU time [ms]")
         axes.set(xlabel="error of the state (m, rad, m/s, rad/s)")
@@ -87,7 +88,7 @@ def draw(page: Any, record: Any) -> None:
         page,
         f"MuJoCo creeps on a slope by {creep / 1e3:.2g} mm/s, with noslip not at all; "
         f"a thrown chain takes it {min(factors):.2g} and {max(factors):.2g} times our time, at best as exact",
-        f"elliptic cones  ·  factors: {label(CREEPS)}, steps of {1e3 * SHOWN:g} ms  ·  "
+        f"elliptic cones  ·  factors: {CREEPS.removeprefix('MuJoCo ')}, steps of {1e3 * SHOWN:g} ms  ·  "
         "errors: each against its own converged run",
     )
     names_at_ends(page, ends)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import subprocess
 import sys
 from pathlib import Path
 
 from chain_impact.compilation import compilers, ready
-from chain_impact.compilation.cache import made
+from chain_impact.compilation.cache import linker_folder, made
 from chain_impact.system import HOST
 
 HERE = Path(__file__).parent
@@ -55,3 +56,13 @@ def link(lowered: str, links: int | None, library: Path) -> None:
     functions.write_text(compilers.complete(lowered, links, with_law=False))
     compilers.prepare_zig(HOST)
     compilers._zig_library(HOST, library, functions, flags=compilers.INLINE_MORE)
+
+
+def zig(folder: Path, *arguments: object) -> None:
+    """Compile other C code by zig, which keeps its scratch files in a folder.
+
+    Without a target zig looks for the system's libc, which it does not find each time on a busy machine.
+    """
+    folders = {"ZIG_GLOBAL_CACHE_DIR": str(linker_folder()), "ZIG_LOCAL_CACHE_DIR": str(folder / "zig")}
+    command = [sys.executable, "-m", "ziglang", "cc", "-O2", "-target", compilers.ZIG_TARGETS[HOST][0]]
+    subprocess.run([*command, *map(str, arguments)], check=True, env={**os.environ, **folders})

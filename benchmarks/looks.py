@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from chain_impact.results.plots.labels import label_curves, settle, spread_labels
-from chain_impact.results.plots.style import (
+from chain_impact.results.plots.style import (  # noqa: F401 - for the charts
     BLACK,
     BLUE,
     GREEN,
@@ -50,10 +50,25 @@ QUIET = {"color": GREY, "linewidth": 0.8, "zorder": 1}
 
 def look(name: str) -> dict[str, Any]:
     """How a contender is drawn."""
-    colour, marker, line = LOOKS[name]
-    hollow = {"markerfacecolor": "white"} if line == PYTHON else {}
-    strong = {"linewidth": 2.4, "zorder": 3} if name == "ours" else {"linewidth": 1.2, "zorder": 2}
-    return {"color": colour, "marker": marker, "linestyle": line, "markersize": 4.5, **hollow, **strong}
+    hollow = {"markerfacecolor": "white"} if LOOKS[name][2] == PYTHON else {}
+    return strong(name == "ours", *LOOKS[name]) | hollow
+
+
+def strong(ours: bool, colour: Any, marker: str, line: str = "-") -> dict[str, Any]:
+    """How a curve is drawn; ours is bolder than others, and above them."""
+    bold = {"linewidth": 2.4, "zorder": 3} if ours else {"linewidth": 1.2, "zorder": 2}
+    return {"color": colour, "marker": marker, "linestyle": line, "markersize": 4.5, **bold}
+
+
+def label(name: str) -> str:
+    """What a contender is called in a chart."""
+    return name.replace("ours", "chain-impact") if name.startswith("ours") else name
+
+
+def curve(axes: Any, points: Sequence[tuple], drawn: Mapping[str, Any], text: str) -> tuple:
+    """Draw a curve; return where its name goes, for ``names_at_ends``."""
+    axes.loglog(*zip(*points, strict=True), **drawn)
+    return *max(points), text, drawn["color"]
 
 
 def names_at_ends(page: Any, curves: Mapping[Any, Sequence[tuple[float, float, str, Any]]]) -> None:
@@ -62,22 +77,3 @@ def names_at_ends(page: Any, curves: Mapping[Any, Sequence[tuple[float, float, s
     settle(page)
     for axes, texts in names.items():
         spread_labels(axes, texts)
-
-
-__all__ = [
-    "BLUE",
-    "GREEN",
-    "GREY",
-    "INK",
-    "LINE_NAME",
-    "LOOKS",
-    "OURS",
-    "PURPLE",
-    "QUIET",
-    "SKY",
-    "STYLE",
-    "headline",
-    "look",
-    "names_at_ends",
-    "number",
-]

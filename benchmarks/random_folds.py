@@ -9,11 +9,8 @@ from __future__ import annotations
 import common  # isort: skip
 
 import argparse
-import sys
 import time
 from collections import defaultdict
-
-sys.path.insert(0, str(common.ROOT))
 
 from tests.folds import faults, fold
 
@@ -28,7 +25,7 @@ def main() -> None:
     found: dict[str, dict[int, float]] = defaultdict(dict)
     for seed in range(options.first, options.first + options.count):
         for kind, value in faults(fold(seed)).items():
-            found[kind][seed] = float(f"{value:.3g}")
+            found[kind][seed] = common.rounded(value, 3)
     print(f"{options.count} scenes in {time.time() - begin:.0f} s")
     for kind, seeds in found.items():
         print(f"{kind}: {len(seeds)}, {seeds}")

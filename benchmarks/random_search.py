@@ -96,11 +96,11 @@ def summary(judged: list[Verdict]) -> dict[str, Any]:
         "ends": dict(stops.most_common()),
         "cpu [s]": {
             "sum": round(sum(cpu), 3),
-            "mean": float(f"{statistics.fmean(cpu):.4g}"),
-            "99th of 100": float(f"{cpu[min(len(cpu) - 1, math.ceil(0.99 * len(cpu)))]:.4g}"),
+            "mean": common.rounded(statistics.fmean(cpu)),
+            "99th of 100": common.rounded(cpu[min(len(cpu) - 1, math.ceil(0.99 * len(cpu)))]),
         },
         "closest to a bound without a finding": {
-            kind: {"of the bound": float(f"{ratio:.3g}"), "seed": seed}
+            kind: {"of the bound": common.rounded(ratio, 3), "seed": seed}
             for kind, (ratio, seed) in closeness.items()
         },
     }
@@ -210,7 +210,7 @@ def _slower(table: dict[str, Any]) -> Iterator[dict[str, Any]]:
     for key in ("velocity", "angular_velocities", "angles"):
         values = table["initial"][key]
         for i, value in enumerate(values):
-            for simple in (0.0, float(f"{value:.1g}")):
+            for simple in (0.0, common.rounded(value, 1)):
                 if value not in (0.0, simple):
                     yield _changed(table, "initial", **{key: [*values[:i], simple, *values[i + 1 :]]})
 

@@ -178,7 +178,7 @@ def amplification(problem: Problem, states: list) -> list[float]:
         changed, _ = run(problem, *SETTINGS["check"], change)
         changes = [np.abs(a - b).max() for a, b in zip(changed, states, strict=True)]
         growth = np.maximum(growth, np.array(changes, float) / PERTURBATION)
-    return [float(f"{value:.3g}") for value in growth]
+    return [common.rounded(value, 3) for value in growth]
 
 
 def solve(problem: Problem) -> dict:

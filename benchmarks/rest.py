@@ -14,7 +14,9 @@ import time
 
 import numpy as np
 import rest_model
-from looks import BLUE, INK, OURS, headline, number
+from looks import BLUE, INK, OURS, headline, number, strong
+from peers import MissingError
+from peers.ours import OnInstance
 
 from chain_impact.scene.scene import Scene, load_scene, with_values
 from chain_impact.simulation.instance import Instance
@@ -24,43 +26,25 @@ RESTITUTIONS = (0.05, 0.1, 0.3, 0.7)
 TOLERANCE, FINE = 1e-6, 1e-9
 STOP = 10  # s
 ROUNDS = 5
-BUDGET = 20.0  # s of CPU time for a run
 USERS, CAREFUL, ADAMS = "BDF as users have it", "BDF, careful", "Adams, careful"
 CVODES = {USERS: (0, 0), CAREFUL: (0, 1), ADAMS: (1, 1)}  # name → (adams, careful)
 FINE_ONSETS = f"onsets at tolerance {FINE:g}"
 EXPLICIT_CASE = (0.1, 1e10)  # where ours is run without implicit steps, too
 
-COUNTS = np.dtype(
-    [(name, np.int64) for name in ("steps", "rejected", "rhs", "jacobians", "restarts", "flag")]
-    + [("seconds", np.float64)]
-)
 
-
-class Settings(ctypes.Structure):
-    """See rest_cvode.c."""
-
-    _fields_ = (
-        *((name, ctypes.c_long) for name in ("states", "candidates", "adams", "careful")),
-        ("budget", ctypes.c_double),
-    )
-
-
-class Run:
+class Run(OnInstance):
     """One scene, and the two solvers on it; each run fills ``rows``, the counts after each second."""
 
     def __init__(self, scene: Scene, driver: ctypes.CDLL) -> None:
-        self.instance = Instance(scene)
-        self.block = self.instance._block
-        self.fresh = self.block.copy()
-        self.kernel, self.address = self.instance._kernel, self.instance._address
-        self.driver = driver
-        self.rows = np.zeros(STOP + 1, COUNTS)
+        super().__init__(scene, float(STOP))
+        self.driver, self.rows = driver, np.zeros(STOP + 1, rest_model.COUNTS)
+        self.start = self.energy()
 
     def ours(self) -> float:
         """The kernel; returns its CPU time [s]."""
         self.block[:] = self.fresh
         start = time.process_time()
-        status = self.kernel.advance(self.address, float(STOP))
+        status = self.kernel.advance(self.address, self.stop)
         seconds = time.process_time() - start
         assert status == 0, status
         return seconds
@@ -79,31 +63,29 @@ class Run:
     def cvode(self, adams: int, careful: int) -> float:
         """CVODE; returns its CPU time [s]."""
         self.block[:] = self.fresh
-        record = self.instance.record
-        states = len(record["step"]["state"]) - rest_model.LEFT_OUT
-        settings = Settings(states, int(record["candidates"]), adams, careful, BUDGET)
-        times = np.arange(1.0, STOP + 1.0)
+        settings = rest_model.Settings.of(self.instance.record, adams, careful)
         self.rows[:] = 0
-        pointers = ctypes.byref(settings), times.ctypes.data, STOP, self.rows.ctypes.data
-        done = self.driver.rest_solve(self.address, *pointers)
+        done = rest_model.solve(self.driver, self.address, settings, np.arange(1.0, STOP + 1.0), self.rows)
         self.rows[done:STOP] = self.rows[min(done, STOP - 1)]
         return float(self.rows["seconds"][STOP - 1])
 
+    def energy(self) -> float:
+        """What there is of it now, and what has gone [J]."""
+        self.kernel.observe(self.address)
+        output = self.instance.record["output"]
+        return float(output["total"] + output["dissipated"])
+
     def outcome(self) -> dict:
         """What came out of the run before, at its end and at rest."""
-        self.kernel.observe(self.address)
-        record, last = self.instance.record, self.rows[STOP - 1]
+        energy, record, last = self.energy(), self.instance.record, self.rows[STOP - 1]
         output, model = record["output"], record["model"]
         floor = record["candidate"]["wall"] == 2
         weight = float(model["mass"].sum() * -model["gravity"][1])
-        initial = self.fresh.copy()
-        self.kernel.observe(initial.ctypes.data)
-        energy = float(output["total"] + output["dissipated"])
         return {
             **{name: int(last[name]) for name in ("steps", "rejected", "rhs", "jacobians", "flag")},
             "onsets": int(record["impact"]["count"]),
             "floor / weight": round(float(output["force"][floor].sum()) / weight, 5),
-            "energy drift": float(f"{energy - float(initial[0]['output']['total']):.1e}"),
+            "energy drift": common.rounded(energy - self.start, 2),
             "rhs a second at rest": at_rest(self.rows[:STOP]),
         }
 
@@ -186,10 +168,8 @@ def draw(page, record) -> None:
             for name, (colour, marker, line) in looks.items():
                 # a run that did not finish has no place in the chart
                 values = [row[name][key] if row[name]["flag"] == 0 else np.nan for row in rows]
-                strong = {"linewidth": 2.4} if name == "ours" else {"linewidth": 1.2}
-                label = "chain-impact" if name == "ours" else f"CVODE {name}"
-                look = {"marker": marker, "markersize": 4.5, "linestyle": line, "color": colour, **strong}
-                axes.loglog(stiffness, values, label=label, **look)
+                text = "chain-impact" if name == "ours" else f"CVODE {name}"
+                axes.loglog(stiffness, values, label=text, **strong(name == "ours", colour, marker, line))
         column[0].set_title(f"e = {restitution:g}", fontsize=10)
         column[1].set_xlabel("stiffness K [N/m$^{1.5}$]")
         column[1].set_xticks(STIFFNESSES)
@@ -214,7 +194,7 @@ def main() -> None:
     base = with_values(load_scene("four_link_box"), {("solver", "tolerance"): TOLERANCE})
     try:
         driver = rest_model.driver(len(base.chain.links))
-    except rest_model.NoSundialsError as error:
+    except MissingError as error:
         sys.exit(f"rest.py: {error}")
     started = common.environment()
     results = []
@@ -223,7 +203,7 @@ def main() -> None:
             changes = {("contact", "stiffness"): stiffness, ("contact", "restitution"): restitution}
             results.append(compare(with_values(base, changes), driver))
             print(results[-1], flush=True)
-    settings = {"stop time": STOP, "tolerance": TOLERANCE, "rounds": ROUNDS, "budget": BUDGET}
+    settings = {"stop time": STOP, "tolerance": TOLERANCE, "rounds": ROUNDS, "budget": rest_model.BUDGET}
     settings |= {"careful": {"position error": rest_model.POSITION_ERROR, "margin": rest_model.MARGIN}}
     common.save("rest", started, settings, results)
     common.picture("rest", draw, SIZE)

@@ -17,10 +17,13 @@ import ctypes
 import subprocess
 from functools import cache
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 from functions_library import HERE, built, digest
 from kernel_functions import REALS, happen, rate_at, start_and_stop
 from numba import float64, int32, types
+from peers import MissingError
 
 from chain_impact.compilation.cache import made
 from chain_impact.compilation.entry_points import Entries
@@ -33,12 +36,31 @@ from chain_impact.kernel.model.geometry import clearance
 DRIVER = HERE / "rest_cvode.c"
 LEFT_OUT = 3  # of the kernel's state
 SUNDIALS = ("cvode", "nvecserial", "sunlinsoldense", "sunmatrixdense", "sunnonlinsolfixedpoint")
+BUDGET = 20.0  # s of CPU time for a run
 POSITION_ERROR = 1e-2  # of the static penetration: what the position may err by while in contact …
 MARGIN = 5e-2  # … and how far above the wall a contact ends
 
 
-class NoSundialsError(RuntimeError):
-    """SUNDIALS is not there to be compiled against."""
+COUNTS = np.dtype(
+    [(name, np.int64) for name in ("steps", "rejected", "rhs", "jacobians", "restarts", "flag")]
+    + [("seconds", np.float64)]
+)
+"""See rest_cvode.c."""
+
+
+class Settings(ctypes.Structure):
+    """See rest_cvode.c."""
+
+    _fields_ = (
+        *((name, ctypes.c_long) for name in ("states", "candidates", "adams", "careful")),
+        ("budget", ctypes.c_double),
+    )
+
+    @classmethod
+    def of(cls, record: Any, adams: int, careful: int) -> Settings:
+        """Those for an instance."""
+        states = len(record["step"]["state"]) - LEFT_OUT
+        return cls(states, int(record["candidates"]), adams, careful, BUDGET)
 
 
 @compiled
@@ -119,9 +141,15 @@ def link_driver(library: Path, model: Path) -> None:
         [*gcc, str(DRIVER), str(model), *libraries, "-lm"], capture_output=True, text=True, check=False
     )
     if "cvode/cvode.h" in done.stderr or "-lsundials" in done.stderr:
-        raise NoSundialsError("SUNDIALS is not installed: on Debian `apt-get install libsundials-dev`")
+        raise MissingError("SUNDIALS is not installed: on Debian `apt-get install libsundials-dev`")
     if done.returncode != 0 or done.stderr:
         raise RuntimeError(done.stderr)
+
+
+def solve(driver: ctypes.CDLL, address: int, settings: Settings, times: np.ndarray, rows: np.ndarray) -> int:
+    """Run CVODE on an instance; fill the ``COUNTS`` at each time [s], and return how many are reached."""
+    pointers = ctypes.byref(settings), times.ctypes.data, len(times), rows.ctypes.data
+    return driver.rest_solve(address, *pointers)
 
 
 @cache
@@ -129,7 +157,7 @@ def driver(links: int) -> ctypes.CDLL:
     """The library of rest_cvode.c, with the model for so many links, compiled if it is not cached.
 
     Raises:
-        NoSundialsError: when there is no SUNDIALS to compile against.
+        MissingError: when there is no SUNDIALS to compile against.
     """
     model = built("rest_model", links)
     name = f"rest_cvode-{digest(DRIVER, Path(__file__))}-{model.name}"

@@ -14,10 +14,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import peers
-from looks import LOOKS, headline, look, names_at_ends, number
+from looks import LOOKS, curve, headline, label, look, names_at_ends, number
 from peers import Contender, Outcome, cvode
 from peers.ours import Kernel, OnInstance
+from plain_chain import start
 from problems import Problem
+from race import ROUNDS, race
 from rhs import chain
 from scipy.integrate import solve_ivp
 
@@ -30,7 +32,6 @@ STOP, TOLERANCE = 1.0, 1e-6
 # heyoka's expressions grow with N², NumPy's work with N³
 LIMITS = {"numbalsoda": 1000, "cvode": 1000, "scipy": 1000, "NumPy": 300, "heyoka": 10}
 HEAP_LIMIT = 100  # links, of CVODE: its dense Jacobian costs N² evaluations
-ROUNDS, SPAN, PATIENCE, FAST = 5, 0.02, 1.0, 5
 SHOWN = ("numbalsoda DOP853", "CVODE Adams", "scipy DOP853", "heyoka")
 
 
@@ -65,9 +66,7 @@ class NumPy:
     """What people write: the assembled matrix in NumPy, and solve_ivp."""
 
     def __init__(self, problem: Problem) -> None:
-        first = problem.scene().initial
-        start = [*first.position, *first.angles, *first.velocity, *first.angular_velocities]
-        self.book, self.start = Textbook(problem.scene()), np.array(start)
+        self.book, self.start = Textbook(problem.scene()), start(problem.scene())
 
     def run(self) -> Outcome:
         """Once."""
@@ -110,29 +109,25 @@ def resting(links: int) -> dict[str, Contender]:
     return able
 
 
-def race(links: int, able: dict[str, Contender], rounds: int) -> list[dict]:
+def measure(links: int, able: dict[str, Contender], rounds: int) -> list[dict]:
     """Time them; the difference is to ours, which the heap amplifies beyond any use."""
-    rows, mine = {}, None
-    for name, contender in list(able.items()):
-        found = contender.outcome()
-        mine = found.state if name == "ours" else mine
-        difference = float(f"{np.abs(found.state - mine).max():.1e}")
-        onsets = len(found.onsets)
+    mine = None
+
+    def judged(contender: Contender) -> dict:
+        nonlocal mine
+        found, onsets = contender.outcome(), None
+        mine = found.state if mine is None else mine  # ours is the first
         if isinstance(contender, OnInstance):  # its log may be shorter
             onsets = int(contender.instance.record["impact"]["count"])
-        rows[name] = {
-            "steps": found.steps, "rhs": found.rhs, "onsets": onsets, "difference": difference,
-        }  # fmt: skip
-        if found.failed:
-            rows[name]["failed"] = found.failed
-            del able[name]
-    timings = common.interleave({name: c.run for name, c in able.items()}, rounds, SPAN, PATIENCE, FAST)
-    for name, values in timings.items():
-        rows[name] |= {"seconds": common.median(values), "times_ours": common.ratio(timings, name, "ours")}
-    table = [{"links": links, "name": name, **row} for name, row in rows.items()]
-    for row in table:
-        print({key: value for key, value in row.items() if key != "times_ours"}, flush=True)
-    return table
+        return {
+            "steps": found.steps,
+            "rhs": found.rhs,
+            "onsets": len(found.onsets) if onsets is None else onsets,
+            "difference": common.rounded(np.abs(found.state - mine).max(), 2),
+            **({"failed": found.failed} if found.failed else {}),
+        }
+
+    return race({"links": links}, able, judged, rounds)
 
 
 def levelled(rows: list[dict]) -> list[dict]:
@@ -161,8 +156,7 @@ def draw(page, record) -> None:
             rows = [r for r in record["results"][key] if r["name"] == name and "seconds" in r]
             points = [(r["links"], 1e3 * r["seconds"]) for r in rows]
             if points:
-                axes.loglog(*zip(*points, strict=True), **look(name))
-                ends[axes].append((*points[-1], name.replace("ours", "chain-impact"), LOOKS[name][0]))
+                ends[axes].append(curve(axes, points, look(name), label(name)))
         axes.set(title=f"{key}, 1 s", xlabel="links N")
     panels[0].set_ylabel("CPU time [ms]")
     flat = flatness(record["results"]["flight"])
@@ -179,7 +173,7 @@ def main() -> None:
     """Measure and draw."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="two rounds")
-    parser.add_argument("--most", type=int, default=SIZES[-1], help="largest number of links")
+    parser.add_argument("--most", type=int, default=SIZES[-1], help=f"most links, {BASE} or more")
     chosen = parser.parse_args()
     rounds = 2 if chosen.quick else ROUNDS
     started, results = common.environment(peers.PACKAGES), {"flight": [], "heap": []}
@@ -188,7 +182,7 @@ def main() -> None:
             begin = time.time()
             able = entrants(links)
             print(f"{key}, {links} links: ready after {time.time() - begin:.0f} s", flush=True)
-            results[key] += race(links, able, rounds)
+            results[key] += measure(links, able, rounds)
     results["flight"] = levelled(results["flight"])
     for links, ratio in flatness(results["flight"]).items():
         print(f"flight, {links} links: {ratio:.3g} of the time for each right-hand side and link at {BASE}")

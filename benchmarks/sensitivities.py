@@ -75,7 +75,7 @@ def values_of(scene: Scene, names: list[str]) -> np.ndarray:
 
 def relative(found: np.ndarray, right: np.ndarray) -> float:
     """The largest error, over the largest component."""
-    return float(f"{np.abs(found - right).max() / np.abs(right).max():.2g}")
+    return common.rounded(np.abs(found - right).max() / np.abs(right).max(), 2)
 
 
 def accuracy(right: Derivatives) -> list[dict[str, Any]]:

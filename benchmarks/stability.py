@@ -19,7 +19,7 @@ from multiprocessing import get_context
 import numpy as np
 from peers.fixed_steps import fixed_steps
 from peers.model import energy_of
-from peers.solve_ivp import Run, Scipy
+from peers.scipy import Run, Scipy
 from plain_chain import Chain, plain_chain, start
 from stability_chart import ADAPTIVE, METHODS, draw_all
 
@@ -197,7 +197,7 @@ def cell(task: tuple[str, float, float]) -> dict:
     else:
         found = run_ours(drop(stiffness, restitution, method.split()[1]))
     found["cpu"] = time.process_time() - begin
-    numbers = {key: float(f"{value:.4g}") for key, value in found.items() if isinstance(value, float)}
+    numbers = {key: common.rounded(value) for key, value in found.items() if isinstance(value, float)}
     return {"method": method, "stiffness": stiffness, "restitution": restitution, **found, **numbers}
 
 

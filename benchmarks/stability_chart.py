@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import common
 import numpy as np
-from looks import INK, LOOKS, OURS, headline, names_at_ends, number
+from looks import INK, LOOKS, OURS, curve, headline, names_at_ends, number, strong
 from matplotlib import colormaps
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.lines import Line2D
@@ -122,13 +122,11 @@ def draw_steps(page, record) -> None:
         rows = [row for row in cells if row["method"] == method]
         counts[method] = done = [(r["stiffness"], r["steps"]) for r in rows if r["outcome"] == "completed"]
         failed = [(row["stiffness"], row["steps"]) for row in rows if row["outcome"] != "completed"]
-        strong = {"linewidth": 2.4, "zorder": 3} if method == "ours auto" else {"linewidth": 1.2}
-        line = LINES.get(method, "-")
-        axes.loglog(*zip(*done, strict=True), line, marker="o", markersize=4, color=colour, **strong)
+        text = title_of(method.replace("ours auto", "chain-impact").replace("ours", "chain-impact, only"))
+        drawn = strong(method == "ours auto", colour, "o", LINES.get(method, "-"))
+        ends.append(curve(axes, done, drawn, text))
         if failed:
             axes.loglog(*zip(*failed, strict=True), linestyle="", marker="x", color=colour)
-        name = method.replace("ours auto", "chain-impact").replace("ours", "chain-impact, only")
-        ends.append((*done[-1], title_of(name), colour))
     (softest, least), *_, (stiffest, most) = counts["ours auto"]
     headline(
         page,

@@ -12,15 +12,14 @@ import math
 
 import peers
 import reference
-from looks import LOOKS, headline, look, names_at_ends, number
+from looks import LOOKS, curve, headline, label, look, names_at_ends, number
 from problems import Problem
-from work_precision import judge
+from race import ROUNDS, judge, race
 
 STIFFNESSES = tuple(10.0**k for k in range(5, 13))
 STOP, TOLERANCE = 0.6, 1e-6
 FAMILIES = ("ours", "scipy", "numbalsoda", "cvode", "heyoka", "casadi")
 LEFT_OUT = ("ours, simulate()", "scipy BDF")
-ROUNDS, SPAN, PATIENCE, FAST = 5, 0.02, 1.0, 5
 
 
 def expected(problem: Problem) -> dict:
@@ -35,20 +34,9 @@ def measure(stiffness: float, rounds: int) -> tuple[list[dict], dict]:
     problem = Problem(f"K = {stiffness:.0e}", "", "four_link_box", (STOP,), changes)
     truth = expected(problem)
     contenders, missing = peers.contenders(problem, TOLERANCE, STOP, FAMILIES)
-    rows, able = {}, {}
-    for name, contender in contenders.items():
-        if name in LEFT_OUT:
-            continue
-        rows[name] = judge(contender.outcome(), truth, STOP)
-        if "failed" not in rows[name]:
-            able[name] = contender.run
-    timings = common.interleave(able, rounds, SPAN, PATIENCE, FAST)
-    for name, values in timings.items():
-        rows[name] |= {"seconds": common.median(values), "times_ours": common.ratio(timings, name, "ours")}
-    table = [{"stiffness": stiffness, "name": name, **row} for name, row in rows.items()]
-    for row in table:
-        print({key: value for key, value in row.items() if key != "times_ours"}, flush=True)
-    return table, missing
+    chosen = {name: contender for name, contender in contenders.items() if name not in LEFT_OUT}
+    case = {"stiffness": stiffness}
+    return race(case, chosen, lambda one: judge(one.outcome(), truth, STOP), rounds), missing
 
 
 SIZE = (10.5, 4.4)  # inches, of the chart
@@ -62,13 +50,12 @@ def draw(page, record) -> None:
     for name in LOOKS:
         mine = [row for row in rows if row["name"] == name and "seconds" in row]
         if mine:
-            x, y = [row["stiffness"] for row in mine], [1e3 * row["seconds"] for row in mine]
-            time.loglog(x, y, **look(name))
+            points = [(row["stiffness"], 1e3 * row["seconds"]) for row in mine]
+            ends[time].append(curve(time, points, look(name), label(name)))
             right = [row["error"] if row["onsets_right"] else math.nan for row in mine]
-            error.loglog(x, right, **look(name))
-            ends[time].append((x[-1], y[-1], name.replace("ours", "chain-impact"), LOOKS[name][0]))
-    for axes, label in zip(panels, ("CPU time [ms]", "error of the final state"), strict=True):
-        axes.set(xlabel="contact stiffness K [N/m$^{1.5}$]", ylabel=label)
+            error.loglog([row["stiffness"] for row in mine], right, **look(name))
+    for axes, text in zip(panels, ("CPU time [ms]", "error of the final state"), strict=True):
+        axes.set(xlabel="contact stiffness K [N/m$^{1.5}$]", ylabel=text)
         axes.set_xticks([row["stiffness"] for row in rows if row["name"] == "ours"])
         axes.minorticks_off()
     ours = [(row["stiffness"], row["seconds"]) for row in rows if row["name"] == "ours"]

@@ -2,21 +2,19 @@
 
 The default scene to 0.6 s with two impacts, tolerance 1e-6, and many restitutions. One and two threads take
 turns, so that other work on the machine hits both; CPU time is that of this process alone. It is held against
-the kernel alone, called from Python for each run, and against a loop that calls ``simulate()``.
+a loop that calls ``simulate()``.
 """
 
 from __future__ import annotations
 
 import common  # isort: skip
 
-import statistics
 import time
 from collections.abc import Callable
 
 import numpy as np
 
 from chain_impact import Scene, load_scene, simulate, sweep
-from chain_impact.simulation.instance import Instance
 
 STOP, TOLERANCE = 0.6, 1e-6
 NAME, FIRST, LAST = "contact.restitution", 0.6, 0.8  # all have two impacts
@@ -37,21 +35,6 @@ def measured(call: Callable[[], object], runs: int) -> tuple[float, float]:
     used, clock = time.process_time(), time.perf_counter()
     call()
     return 1e6 * (time.perf_counter() - clock) / runs, 1e6 * (time.process_time() - used) / runs
-
-
-def kernel_alone(scene: Scene, runs: int) -> Callable[[], object]:
-    """The same runs, each with two calls from Python, and nothing but the run."""
-    instance = Instance(scene)
-    values = np.linspace(FIRST, LAST, runs).tolist()
-    given, kernel, address = instance.record["given"], instance._kernel, instance._address
-
-    def call() -> None:
-        for value in values:
-            given["restitution"] = value
-            kernel.initialize(address, 0.0)
-            kernel.advance(address, STOP)
-
-    return call
 
 
 def loop(scene: Scene, calls: int) -> Callable[[], object]:
@@ -77,12 +60,6 @@ def equal_to_simulate(scene: Scene, calls: int) -> bool:
     return True
 
 
-def summary(values: list[float]) -> dict[str, float]:
-    """Median, least and largest, to four digits."""
-    parts = {"median": statistics.median(values), "least": min(values), "largest": max(values)}
-    return {name: float(f"{value:.4g}") for name, value in parts.items()}
-
-
 def main() -> None:
     """Measure."""
     rounds = common.rounds(__doc__, ROUNDS)
@@ -96,7 +73,6 @@ def main() -> None:
         )
         for count in THREADS
     }
-    contenders["kernel, called for each run"] = kernel_alone(scene, RUNS), RUNS
     contenders["loop over simulate()"] = loop(scene, CALLS), CALLS
     clock: dict[str, list[float]] = {name: [] for name in contenders}
     used: dict[str, list[float]] = {name: [] for name in contenders}
@@ -107,21 +83,23 @@ def main() -> None:
             used[name].append(cpu)
     one, two = list(contenders)[: len(THREADS)]
     results = {
-        "microseconds a run": {name: summary(values) for name, values in clock.items()},
-        "CPU microseconds a run": {name: summary(values) for name, values in used.items()},
-        "runs a second and core": summary([1e6 / value for value in used[one]]),
-        "two threads over twice one": summary(
+        "microseconds a run": {name: common.spread(values) for name, values in clock.items()},
+        "CPU microseconds a run": {name: common.spread(values) for name, values in used.items()},
+        "runs a second and core": common.spread([1e6 / value for value in used[one]]),
+        "two threads over twice one": common.spread(
             [a / b / 2 for a, b in zip(clock[one], clock[two], strict=True)]
         ),
-        "CPU time, one thread over two": summary([a / b for a, b in zip(used[one], used[two], strict=True)]),
-        "simulate() over sweep, CPU time": summary(
+        "CPU time, one thread over two": common.spread(
+            [a / b for a, b in zip(used[one], used[two], strict=True)]
+        ),
+        "simulate() over sweep, CPU time": common.spread(
             [a / b for a, b in zip(used["loop over simulate()"], used[one], strict=True)]
         ),
         "rows equal to simulate()": equal_to_simulate(scene, CALLS),
         "rows of two threads equal to those of one": bool(
             sweep(scene, vary, threads=1).rows.tobytes() == first.rows.tobytes()
         ),
-        "evaluations a run": float(f"{first['solver.rhs_evaluations'].mean():.4g}"),
+        "evaluations a run": common.rounded(first["solver.rhs_evaluations"].mean()),
     }
     for name, value in results.items():
         print(f"{name}: {value}")

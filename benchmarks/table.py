@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Callable, Iterable, Mapping
 
 import common
 
@@ -21,3 +22,16 @@ def run(name: str, packages: Iterable[str] = ()) -> str:
     versions = "".join(f", {key} {record['versions'][key]}" for key in packages if key in record["versions"])
     where = f"{record['machine']['processor']}, {record['machine']['cores']} cores"
     return f"Run {record['date'][:10]} at commit `{record['commit'][:7]}`{changed}; {where}{versions}."
+
+
+def fill(page: str, functions: Mapping[str, Callable[[], str]]) -> None:
+    """Put what each function returns between ``<!-- name -->`` and ``<!-- end -->`` in a page of the docs."""
+    path = common.ROOT / "docs" / page
+    text = re.sub(
+        r"<!-- (?!end )(\w+) -->\n.*?<!-- end -->",
+        lambda found: f"<!-- {found[1]} -->\n\n{functions[found[1]]()}\n\n<!-- end -->",
+        path.read_text(encoding="utf-8"),
+        flags=re.DOTALL,
+    )
+    path.write_text(text, encoding="utf-8")
+    print(f"filled {path.relative_to(common.ROOT)}")

@@ -6,15 +6,13 @@ replaced by what the function ``name`` returns.
 
 from __future__ import annotations
 
-import re
-
 import common
 import sensitivities
 from fidelity import GRID
 from peer_tables import TABLES
 from problems import STEEL
 from stability import ADAPTIVE, OUTCOMES
-from table import run, table
+from table import fill, run, table
 
 SHOWN = 1e-8  # tolerance of the stiffnesses in the table of fidelity.py
 # what the table of fidelity.py shows
@@ -164,28 +162,10 @@ def browser() -> str:
 
 def main() -> None:
     """Fill the pages."""
-    functions = (
-        browser,
-        fidelity,
-        fmu_native,
-        importers,
-        derivatives,
-        fits,
-        stability,
-        *TABLES,
-    )
+    functions = (browser, fidelity, fmu_native, importers, derivatives, fits, stability, *TABLES)
     tables = {function.__name__: function for function in functions}
     for name in PAGES:
-        page = common.ROOT / "docs" / name
-        text = page.read_text(encoding="utf-8")
-        text = re.sub(
-            r"<!-- (?!end )(\w+) -->\n.*?<!-- end -->",
-            lambda found: f"<!-- {found[1]} -->\n\n{tables[found[1]]()}\n\n<!-- end -->",
-            text,
-            flags=re.DOTALL,
-        )
-        page.write_text(text, encoding="utf-8")
-        print(f"filled {page.relative_to(common.ROOT)}")
+        fill(name, tables)
 
 
 if __name__ == "__main__":

@@ -9,16 +9,12 @@ from __future__ import annotations
 import common  # isort: skip
 
 import re
-import sys
 
-sys.path.insert(0, str(common.ROOT))
-
-from table import run, table
+from table import fill, run, table
 
 from chain_impact.scene.scene import model_names
 from tests.validation import PROBLEMS, Figure, Problem
 
-PAGE = common.ROOT / "docs" / "validation.md"
 DEFAULT, TIGHT = 1e-8, 1e-12  # tolerances
 SOURCES = {
     "double_pendulum_wall": "Potra et al. 2006; Solfec",
@@ -115,18 +111,8 @@ def main() -> None:
     started = common.environment(("scipy",))
     results = [row for function in PROBLEMS.values() for row in rows(function(DEFAULT), function(TIGHT))]
     common.save("validation", started, {"tolerances": [DEFAULT, TIGHT]}, results)
-    text = (
-        run("validation")
-        + "\n\n"
-        + table(
-            SHOWN, (shown(row) for row in results if not any(text in row["quantity"] for text in LEFT_OUT))
-        )
-    )
-    page = PAGE.read_text(encoding="utf-8")
-    start, end = "<!-- validation -->", "<!-- end -->"
-    filled = re.sub(f"(?<={start}\n).*?(?={end})", lambda _: f"\n{text}\n\n", page, flags=re.DOTALL)
-    PAGE.write_text(filled, encoding="utf-8")
-    print(f"filled {PAGE.relative_to(common.ROOT)}")
+    lines = [shown(row) for row in results if not any(text in row["quantity"] for text in LEFT_OUT)]
+    fill("validation.md", {"validation": lambda: run("validation") + "\n\n" + table(SHOWN, lines)})
 
 
 if __name__ == "__main__":

@@ -10,38 +10,16 @@ from __future__ import annotations
 import common  # isort: skip
 
 import argparse
-import math
 
-import numpy as np
 import peers
 from equal_error import at_equal_error, usable
-from peers import Contender, Outcome
 from peers.ours import Kernel
 from problems import PROBLEMS, Problem
+from race import FAST, ROUNDS, judge, race
 from work_precision_chart import draw_all
 
 TOLERANCES = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
-ROUNDS, SPAN, PATIENCE, FAST = 5, 0.02, 5.0, 5
-
-
-def judge(found: Outcome, expected: dict, stop: float) -> dict:
-    """Largest error of the state (m, rad, m/s, rad/s alike) and of the onsets [s]."""
-    row = {"steps": found.steps, "rhs": found.rhs, "onsets": len(found.onsets)}
-    if found.failed:
-        return {**row, "failed": found.failed}
-    truth = np.array(expected["states"][expected["times"].index(stop)])
-    true = [(i["candidate"], i["onset"]) for i in expected["impacts"] if i["onset"] < stop]
-    right = [c for c, _ in found.onsets] == [c for c, _ in true]
-    error = float(np.abs(found.state - truth).max())
-    if not math.isfinite(error):
-        return {**row, "failed": "not finite"}
-    late = [abs(a - b) for (_, a), (_, b) in zip(found.onsets, true, strict=False)]
-    return {
-        **row,
-        "error": float(f"{error:.3e}"),
-        "onset_error": float(f"{max(late):.3e}") if right and late else None,
-        "onsets_right": right,
-    }
+PATIENCE = 5.0  # s
 
 
 def measure(
@@ -49,27 +27,8 @@ def measure(
 ) -> tuple[list, dict]:
     """All contenders at one tolerance up to one time; and who is missing."""
     contenders, missing = peers.contenders(problem, tolerance, stop)
-    rows: dict[str, dict] = {}
-    able: dict[str, Contender] = {}
-    for name, contender in contenders.items():
-        rows[name] = judge(contender.outcome(), expected, stop)
-        if "failed" not in rows[name]:
-            able[name] = contender
-    timings = common.interleave({name: c.run for name, c in able.items()}, rounds, SPAN, PATIENCE, FAST)
-    for name, values in timings.items():
-        rows[name] |= {
-            "seconds": common.median(values),
-            "rounds": len(values),
-            "times_ours": common.ratio(timings, name, "ours"),
-        }
-    table = []
-    for name, row in rows.items():
-        table.append({"problem": problem.name, "stop": stop, "tolerance": tolerance, "name": name, **row})
-        said = (
-            f"{1e3 * row['seconds']:9.3f} ms  error {row['error']:.1e}" if "error" in row else row["failed"]
-        )
-        print(f"{problem.name:7}{stop:4} {tolerance:.0e} {name:22} {said}", flush=True)
-    return table, missing
+    case = {"problem": problem.name, "stop": stop, "tolerance": tolerance}
+    return race(case, contenders, lambda one: judge(one.outcome(), expected, stop), rounds, PATIENCE), missing
 
 
 def levelled(rows: list[dict]) -> list[dict]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import common
 from equal_error import seconds_at, usable
-from looks import LOOKS, OURS, QUIET, headline, look, names_at_ends, number
+from looks import LOOKS, OURS, QUIET, curve, headline, look, names_at_ends, number
 from problems import PROBLEMS
 
 PLACES = (("box", 0.6), ("box", 1.2), ("rod", 1.2), ("steel", 0.6), ("steel", 1.2), ("flight", 2.0))
@@ -43,9 +43,8 @@ def draw(page, record) -> None:
         if name not in NAMED:
             axes.loglog(*zip(*points, strict=True), **QUIET)
             continue
-        axes.loglog(*zip(*points, strict=True), **look(name))
         factor = "" if name == "ours" else f": {times[name]:.3g}×"
-        ends.append((*max(points), NAMED[name] + factor, LOOKS[name][0]))
+        ends.append(curve(axes, points, look(name), NAMED[name] + factor))
     mine = 1e3 * seconds_at(AT, usable(rows, *SHOWN, "ours"))
     nearest = min((name for name in NAMED if name != "ours"), key=times.__getitem__)
     for name, text_at in ((nearest, 0.5), (USUAL, 0.8)):

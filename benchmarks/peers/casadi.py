@@ -7,19 +7,18 @@ the right-hand side holds the forces of all candidates at once.
 from __future__ import annotations
 
 import hashlib
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import casadi as ca
 import numpy as np
+from functions_library import zig
 from problems import Problem
 
 from chain_impact.compilation.cache import made
 from peers import Contender, Outcome
 from peers.model import CLEAR, Model
-from peers.symbolic import accelerations, clearances
+from peers.symbolic import accelerations, clearances, push
 
 CPU = "-mcpu=x86_64_v2"  # as the kernel
 LEAST = 1e-24  # m, of a depth: the derivative of √δ is asked for
@@ -61,9 +60,7 @@ class Casadi:
             depth = ca.fmax(LEAST, -gap)
             force = chain.stiffness * depth * ca.sqrt(depth)
             force *= ca.fmax(0.0, 1.0 - chain.damping_factor * rate / ca.if_else(v0[c] > 0.0, v0[c], 1.0))
-            point, wall = int(chain.candidate_point[c]), int(chain.candidate_wall[c])
-            load = loads.setdefault(point, [0.0, 0.0])
-            load[wall // 2] += (1.0 - 2.0 * (wall % 2)) * ca.if_else(v0[c] > 0.0, force, 0.0)
+            push(chain, loads, c, ca.if_else(v0[c] > 0.0, force, 0.0))
         rates = accelerations(chain, ca, q, v, loads)
         dae = {"x": x, "t": t, "ode": ca.vertcat(*v, *rates, *[0.0] * extra)}
         if count == 0:
@@ -121,8 +118,7 @@ def compiled(function: Any) -> Any:
     def make(library: Path) -> None:
         path = library.with_suffix(".c")
         path.write_text(source)
-        zig = [sys.executable, "-m", "ziglang", "cc", "-O2", CPU, "-shared", "-fPIC", "-Wno-everything"]
-        subprocess.run([*zig, "-o", str(library), str(path), "-lm"], check=True)
+        zig(library.parent, CPU, "-shared", "-fPIC", "-Wno-everything", "-o", library, path, "-lm")
 
     return ca.external(function.name(), str(made(f"casadi-{digest}.so", make)))
 

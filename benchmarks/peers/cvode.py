@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-import ctypes
-
 import numpy as np
 import rest_model
 from problems import Problem
-from rest import COUNTS, Settings
 
-from peers import Contender, MissingError, Outcome
+from peers import Contender, Outcome
 from peers.ours import OnInstance
-
-BUDGET = 20.0  # s of CPU time
 
 
 class Cvode(OnInstance):
@@ -21,18 +16,14 @@ class Cvode(OnInstance):
     def __init__(self, problem: Problem, tolerance: float, stop: float, adams: int, careful: int) -> None:
         scene = problem.scene(tolerance)
         super().__init__(scene, stop)
-        record = self.instance.record
-        states = len(record["step"]["state"]) - rest_model.LEFT_OUT
-        candidates = int(record["candidates"])
         self.driver = rest_model.driver(len(scene.chain.links))
-        self.settings = Settings(states, candidates, adams, careful, BUDGET)
-        self.times, self.row = np.array([stop]), np.zeros(1, COUNTS)
+        self.settings = rest_model.Settings.of(self.instance.record, adams, careful)
+        self.times, self.row = np.array([stop]), np.zeros(1, rest_model.COUNTS)
 
     def run(self) -> int:
         """Once; returns whether it came to the end."""
         self.block[:] = self.fresh
-        pointers = ctypes.byref(self.settings), self.times.ctypes.data, 1, self.row.ctypes.data
-        return self.driver.rest_solve(self.address, *pointers)
+        return rest_model.solve(self.driver, self.address, self.settings, self.times, self.row)
 
     def outcome(self) -> Outcome:
         """Once more."""
@@ -43,10 +34,7 @@ class Cvode(OnInstance):
 
 def contenders(problem: Problem, tolerance: float, stop: float, careful: int = 0) -> dict[str, Contender]:
     """Both; careful in sustained contact, see rest_model.py."""
-    try:
-        return {
-            f"CVODE {name}": Cvode(problem, tolerance, stop, adams, careful)
-            for name, adams in (("Adams", 1), ("BDF", 0))
-        }
-    except rest_model.NoSundialsError as error:
-        raise MissingError(str(error)) from error
+    return {
+        f"CVODE {name}": Cvode(problem, tolerance, stop, adams, careful)
+        for name, adams in (("Adams", 1), ("BDF", 0))
+    }

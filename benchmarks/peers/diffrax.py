@@ -22,7 +22,7 @@ from problems import Problem
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from peers import Contender, Outcome
 from peers.model import CLEAR, Contacts, Model
-from peers.symbolic import accelerations, clearances
+from peers.symbolic import accelerations, clearances, push
 
 jax.config.update("jax_enable_x64", True)
 MOST_STEPS = 100_000
@@ -53,9 +53,7 @@ class Dopri8:
             force = chain.stiffness * depth * jnp.sqrt(jnp.where(touching, depth, 1.0))
             force = force * jnp.maximum(0.0, 1.0 - chain.damping_factor * gap_rate / v0)
             for c in range(self.model.candidates):
-                point, wall = int(chain.candidate_point[c]), int(chain.candidate_wall[c])
-                load = loads.setdefault(point, [0.0, 0.0])
-                load[wall // 2] = load[wall // 2] + (1.0 - 2.0 * (wall % 2)) * force[c]
+                push(chain, loads, c, force[c])
         rates = accelerations(chain, jnp, y[:half], y[half:], loads)
         return jnp.concatenate([y[half:], jnp.stack(rates)])
 

@@ -16,7 +16,7 @@ from problems import Problem
 from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from peers import Contender, Outcome
 from peers.model import Contacts, Model
-from peers.symbolic import accelerations, clearances
+from peers.symbolic import accelerations, clearances, push
 
 SKIP = 1e-9  # s
 hy.set_logger_level_critical()
@@ -47,9 +47,7 @@ class Taylor:
             if c in active:
                 elastic = chain.stiffness * (-gap) ** chain.exponent
                 force = elastic * (1.0 - chain.damping_factor * rate / hy.par[c])
-                point, wall = int(chain.candidate_point[c]), int(chain.candidate_wall[c])
-                load = loads.setdefault(point, [0.0, 0.0])
-                load[wall // 2] = load[wall // 2] + (1.0 - 2.0 * (wall % 2)) * force
+                push(chain, loads, c, force)
                 events += [-gap, RELATCH_RATIO * hy.par[c] + rate]
             else:
                 events.append(gap)

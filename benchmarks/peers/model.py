@@ -105,15 +105,6 @@ class Contacts:
         self.model = model
         self.active, self.v0 = np.zeros(model.candidates, np.bool_), np.ones(model.candidates)
         self.onsets: list[tuple[int, float]] = []  # candidate, time [s]
-        self.ends: list[tuple[int, float]] = []
-
-    def rate(self, t: float, y: np.ndarray) -> np.ndarray:
-        """f(t, y)."""
-        return self.model.rate(t, y, self.active, self.v0, self.model.law)
-
-    def least(self, t: float, y: np.ndarray) -> float:
-        """The event function: an event where it falls through zero."""
-        return self.model.least(t, y, self.active, self.v0, self.model.law)
 
     def switch(
         self, t: float, y: np.ndarray, flight_step: float | None = None, *, propose: bool = True
@@ -132,10 +123,10 @@ class Contacts:
             if active[c] and speed >= RELATCH_RATIO * v0[c] * (1.0 - 1e-9):
                 v0[c] *= RELATCH_RATIO
             if speed < 0.0 and value <= -speed * AT_ZERO + 1e-15:
-                (self.ends if active[c] else self.onsets).append((c, t))
                 active[c] = not active[c]
                 hop = min(hop, -speed * HOP / 9.81)
                 if active[c]:
+                    self.onsets.append((c, t))
                     # the force rises as δⁿ, unseen at onset
                     v0[c] = max(-speed, model.scene.contact.minimum_impact_speed)
                     step = model.first_step(y, c, v0[c]) if propose else None

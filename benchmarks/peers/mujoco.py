@@ -9,10 +9,14 @@ contact that cannot move along one of them.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 import mujoco
 import numpy as np
+from common import rounded
 
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
@@ -21,6 +25,7 @@ RADIUS = 1e-3  # m
 RUBBING_RADIUS = 1e-6  # m, as friction acts at the surface of a sphere and not at its centre
 # balls touch walls and nothing else
 BALL, WALL = (f'contype="{a}" conaffinity="{1 - a}"' for a in (1, 0))
+CONVERGED = 1e-6  # s, the step of runs that count as exact
 INTEGRATORS = ("Euler", "implicitfast", "RK4")
 OUT_OF_PLANE = '<joint type="slide" axis="0 1 0"/>'
 
@@ -163,3 +168,31 @@ class Engine:
             mujoco.mj_forward(self.model, shown)
             energies.append(np.nan if shown.ncon else float(shown.energy.sum()))
         return np.array(energies)
+
+
+def runs_at(
+    name: str, case: tuple[Scene, str, Contact], steps: Iterable[float], stop: float, truth: Any = None
+) -> tuple[dict, np.ndarray]:
+    """Runs with some steps [s] that stay stable, and the errors of their states at the end.
+
+    Args:
+        name: of the contender.
+        case: the scene, the integrator and the contact.
+        steps: [s].
+        stop: [s].
+        truth: the state at the end; by default that of a run with the finest steps.
+
+    Returns:
+        Entries of race.py, and the state that counts as true.
+    """
+    scene, integrator, contact = case
+    found = {}
+    for dt in (CONVERGED, *steps) if truth is None else steps:
+        engine = Engine(scene, integrator, dt, contact)
+        engine.run(stop)
+        if truth is None:
+            truth = engine.state()
+        elif not engine.unstable:
+            error = rounded(np.abs(engine.state() - truth).max())
+            found[name, dt] = (partial(engine.run, stop), {"error": error})
+    return found, truth

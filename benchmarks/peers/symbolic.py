@@ -36,6 +36,12 @@ def clearances(chain: Chain, algebra: Any, q: Sequence[Any], v: Sequence[Any]) -
     return found
 
 
+def push(chain: Chain, loads: Loads, c: int, force: Any) -> None:
+    """Add the force of a candidate to the loads [N]."""
+    load, wall = loads.setdefault(int(chain.candidate_point[c]), [0.0, 0.0]), int(chain.candidate_wall[c])
+    load[wall // 2] = load[wall // 2] + (1.0 - 2.0 * (wall % 2)) * force
+
+
 def accelerations(chain: Chain, algebra: Any, q: Sequence[Any], v: Sequence[Any], loads: Loads) -> list[Any]:
     """q̈ by the recursion, see plain_chain.accelerations."""
     n = len(chain.length)
