@@ -147,7 +147,7 @@ def test_the_search_for_events_counts_as_work():
     instance = Instance(scene)
     assert instance.advance(1.0) == OK
     evaluations = int(instance.record["statistics"]["rhs_evaluations"])
-    assert work(instance) > evaluations + 50
+    assert work(instance) > evaluations + 40
     with pytest.raises(SimulationError) as caught:
         simulate(with_values(scene, {("solver", "work_limit"): float(evaluations)}), stop_time=1.0)
     assert caught.value.status == TOO_MUCH_WORK

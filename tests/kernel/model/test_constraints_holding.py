@@ -12,6 +12,7 @@ from chain_impact.kernel.model.compliance import (
     effective_mass,
     factorize_contacts,
     holding_impedance,
+    mean_mass,
     solve_contacts,
 )
 from chain_impact.kernel.model.constraints import (
@@ -26,6 +27,7 @@ from chain_impact.kernel.model.constraints import (
     count_violations,
     find_residual,
     least_impulse,
+    only_active,
     project_state,
     set_impedance,
     solve_equality,
@@ -135,6 +137,39 @@ def test_all_of_the_pressed_reach_their_aims_and_impulses_are_counted_as_work(pr
     np.testing.assert_allclose(own.change, response @ expected, rtol=1e-9, atol=1e-9)
     # a few sweeps do
     assert 2 <= d.limits.other_work - before <= 12
+
+
+@pytest.mark.parametrize("row", range(4))
+def test_the_only_one_that_is_pressed_takes_one_solution(row):
+    pressed = [int(k == row) for k in range(4)]
+    d, _, _, response, w = problem(pressed=pressed)
+    own, before = d.rigid, d.limits.other_work
+    assert only_active(d) == row
+    solve_equality(d, 2.0)
+    expected = np.zeros(4)
+    expected[row] = (own.target - own.start)[row] / w[row, row]
+    np.testing.assert_allclose(own.impulse[:4], expected, rtol=1e-12)
+    np.testing.assert_allclose(own.change, response @ expected, rtol=1e-11, atol=1e-13)
+    np.testing.assert_allclose(own.reached[:4], own.start[:4] + w @ expected, rtol=1e-11, atol=1e-12)
+    assert d.limits.other_work == before + 1
+
+
+def test_one_that_can_hardly_move_is_found_by_the_iteration(monkeypatch):
+    d, _, _, _, w = problem(pressed=[0, 1, 0, 0])
+    own, before = d.rigid, d.limits.other_work
+    monkeypatch.setattr(constraints, "LEAST_SINGLE", 1.01 * w[1, 1] * mean_mass(d))
+    solve_equality(d, 2.0)
+    assert own.impulse[1] == pytest.approx((own.target - own.start)[1] / w[1, 1], rel=1e-12)
+    assert d.limits.other_work >= before + 4
+    monkeypatch.setattr(constraints, "LEAST_SINGLE", 0.99 * w[1, 1] * mean_mass(d))
+    before = d.limits.other_work
+    solve_equality(d, 2.0)
+    assert d.limits.other_work == before + 1
+
+
+@pytest.mark.parametrize("pressed", [[0, 0, 0, 0], [1, 1, 0, 0], [0, 1, 1, 1]])
+def test_none_or_more_are_not_the_only_one(pressed):
+    assert only_active(problem(pressed=pressed)[0]) == -1
 
 
 def test_who_pulls_or_falls_short_is_wrong_but_for_round_off():

@@ -42,6 +42,9 @@ from chain_impact.kernel.work_limit import count_other_work, work_exceeded
 # D grows by the factor STIFFER, up to STIFFEST times that mass; beyond it the residual is only round-off.
 STIFFEST, STIFFER = 1e12, 1e3
 MAX_ITERATIONS = 30  # iterations; reached only in toggle positions, where the last ones change nothing
+# Of the mobility of a free link: with less, nearer to a toggle position, W loses digits, and the iteration
+# finds the impulse of a point.
+LEAST_SINGLE = 1e-3
 ROUND_OFF = 1e-15  # of the largest motion: a residual that is accepted
 # Of a link length: a point that rises less before it falls again has not left. Its clearance could not be
 # distinguished from round-off, and its next onset could not be located.
@@ -91,8 +94,8 @@ def solve_equality(d, scale):
     mean, impedance = mean_mass(d), holding_impedance(d)
     set_impedance(d, 0.0)
     factorize_contacts(d, link, own.impedance, 0.0, d.work.factors)
-    if d.friction.stuck_count == 1 and not any_point_held(d):
-        solve_single(d)
+    row = only_active(d)
+    if row >= 0 and solve_single(d, row):
         return
     set_impedance(d, impedance)
     factorize_contacts(d, link, own.impedance, 0.0, own.factors)
@@ -114,17 +117,32 @@ def solve_equality(d, scale):
         correct_impulses(d)
 
 
-def solve_single(d):
-    """As ``solve_equality``, for one element that sticks, without rigid contacts: p = m/W.
+def only_active(d):
+    """The constraint that is the only one of the active set, or −1."""
+    only = -1
+    for k in range(constraint_rows(d)):
+        if d.rigid.in_active_set[k]:
+            if only >= 0:
+                return -1
+            only = k
+    return only
+
+
+def solve_single(d, row):
+    """As ``solve_equality``, for the active set of one constraint: p = m/W; returns whether W allows it.
 
     That takes a third of the time of the iteration. M must have been factorized in ``work.factors``.
     """
-    own, row = d.rigid, d.touch.active_count
+    own = d.rigid
     for k in range(constraint_rows(d)):
         own.impulse[k] = 0.0
     own.impulse[row] = 1.0
     solve_contacts(d, d.work.link, d.work.factors, own.impulse, own.change)
-    mobility = max(least_mobility(d), along_constraint(d, row, d.work.motion))
+    mobility = along_constraint(d, row, d.work.motion)
+    if row >= d.touch.active_count:
+        mobility = max(least_mobility(d), mobility)
+    elif mobility * mean_mass(d) < LEAST_SINGLE:
+        return False
     impulse = (own.target[row] - own.start[row]) / mobility
     for j in range(len(own.change)):
         own.change[j] *= impulse
@@ -132,6 +150,7 @@ def solve_single(d):
         own.reached[k] = own.start[k] + impulse * along_constraint(d, k, d.work.motion)
     own.impulse[row] = impulse
     count_other_work(d, 1)
+    return True
 
 
 def iterated_enough(_d, _iterations):
