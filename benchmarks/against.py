@@ -2,8 +2,7 @@
 
 Each side's own package makes instances of the same scenes and its kernel (against_side.py). Both kernels then
 run in this process, in turn, and what they leave in the records ``output`` and ``statistics`` is compared,
-byte by byte. Before each run an instance gets back what a sweep of that commit restores: the parameters and
-initial values, or the whole record.
+byte by byte. A run begins with the initialization of the same record, and must leave nothing to the next.
 """
 
 from __future__ import annotations
@@ -31,12 +30,11 @@ class Run:
     """A kernel on an instance of a scene."""
 
     def __init__(self, side: dict) -> None:
-        self.fresh = np.frombuffer(side["instance"], np.uint8)
-        room = np.empty(len(self.fresh) + LINE, np.uint8)
+        fresh = np.frombuffer(side["instance"], np.uint8)
+        room = np.empty(len(fresh) + LINE, np.uint8)
         first = (PLACE - room.ctypes.data) % LINE
-        self.block = room[first : first + len(self.fresh)]
-        self.block[:] = self.fresh
-        self.given = [(self.block[a:b], self.fresh[a:b]) for a, b in side["given"]]
+        self.block = room[first : first + len(fresh)]
+        self.block[:] = fresh
         self.address, self.stop, self.compared = self.block.ctypes.data, side["stop"], side["compared"]
         self.kernel = ctypes.CDLL(side["library"])
         pointer, real = ctypes.c_void_p, ctypes.c_double
@@ -44,9 +42,7 @@ class Run:
         self.kernel.observe.argtypes = [pointer]
 
     def __call__(self) -> None:
-        """From parameters to the end, as a run of a sweep."""
-        for own, given in self.given:
-            own[:] = given
+        """From parameters to the end."""
         self.kernel.initialize(self.address, 0.0)
         assert self.kernel.advance(self.address, self.stop) == 0
 
@@ -87,8 +83,10 @@ def sides(root: Path) -> dict[str, dict]:
 def compare(scene: str, new: dict, old: dict) -> dict:
     """Both kernels on a scene."""
     runs = {"new": Run(new), "old": Run(old)}
-    equal = runs["new"].outcome() == runs["old"].outcome()
+    outcomes = {name: run.outcome() for name, run in runs.items()}
+    equal = outcomes["new"] == outcomes["old"]
     timings = common.interleave(runs, ROUNDS)
+    assert outcomes == {name: run.outcome() for name, run in runs.items()}, "a run depends on the one before"
     row = {
         "scene": scene,
         "microseconds": {name: common.median([1e6 * value for value in timings[name]]) for name in runs},

@@ -24,12 +24,6 @@ except ImportError:  # before the package had rooms
 
     from chain_impact.scene import Scene, load_scene, scene_from_dict, with_values
 
-try:
-    from chain_impact.kernel.initialize import restore_given  # noqa: F401
-    from chain_impact.kernel.record.fields import GIVEN
-except ImportError:  # before a sweep restored no more than that
-    GIVEN = {}
-
 
 def chain(height: float) -> Scene:
     """Ten links, folded and turning, that start at a height [m] above a floor."""
@@ -83,19 +77,8 @@ def library(links: int, candidates: int) -> Path:
     return kernel_library(links)
 
 
-def given(layout: np.dtype) -> list[tuple[int, int]]:
-    """The bytes of an instance that a sweep restores before each run: (start, end), without gaps between."""
-    places: list[tuple[int, int]] = []
-    for name in GIVEN or layout.names or ():
-        kind, start = (layout.fields or {})[name][:2]
-        if places and places[-1][1] == start:
-            start = places.pop()[0]
-        places.append((start, (layout.fields or {})[name][1] + kind.itemsize))
-    return places
-
-
 def main() -> None:
-    """Name → stop time, kernel, bytes of a new instance, and where in these is what is given and compared."""
+    """Name → stop time, kernel, bytes of a new instance, and where in these are the records to compare."""
     sides = {}
     for name, (scene, stop) in scenes().items():
         block = new_instance(scene)
@@ -104,7 +87,6 @@ def main() -> None:
             "stop": stop,
             "library": str(library(len(scene.chain.links), len(block[0]["touch"]["active"]))),
             "instance": block.tobytes(),
-            "given": given(block.dtype),
             "compared": [(offset, offset + kind.itemsize) for kind, offset in places],
         }
     pickle.dump(sides, sys.stdout.buffer)

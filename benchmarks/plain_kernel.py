@@ -69,7 +69,6 @@ def trajectory(address: Any, times: Any, count: int, out: Any) -> int:
 
 def run_each(  # noqa: PLR0917 - in C, arguments have no names
     address: Any,
-    start: Any,
     places: Any,
     parameters: int,
     values: Any,
@@ -86,7 +85,6 @@ def run_each(  # noqa: PLR0917 - in C, arguments have no names
         entry.run_each(
             d,
             words_of(d._record),
-            instance(start),
             array(places, parameters, np.int64),
             array(values, runs * parameters).reshape(runs, parameters),
             array(stops, runs),

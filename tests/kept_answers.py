@@ -1,8 +1,9 @@
 """Answers of independent models, kept in files: some eighty, each of which takes a second or more.
 
-The name of a file is a hash of all that its answer follows from: what the model was given, and the sources of
-the model. An answer that has no file is worked out, and kept. ``python -m tests.kept_answers`` works all of
-them out anew; the new files are to be committed.
+The name of a file is a hash of what the model was given and of the sources of the model in the tests. Those
+of chain_impact.scene, which reads scenes, are not in it, but the scene as it was read. An answer that has no
+file is worked out, and kept. ``python -m tests.kept_answers`` works all of them out anew; the new files are to
+be committed.
 """
 
 from __future__ import annotations
@@ -69,6 +70,7 @@ def sources(module: str) -> str:
 def imported(source: str) -> list[str]:
     """The modules of the tests that a source imports."""
     arrows = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.ImportFrom)]
+    assert "import tests" not in source, "only `from tests… import` is followed"
     inside = [node.module for node in arrows if (node.module or "").startswith("tests.")]
     return inside + [f"tests.{one.name}" for node in arrows if node.module == "tests" for one in node.names]
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.kernel.record.fields import GIVEN, is_table
+from chain_impact.kernel.record.fields import is_table
 
 
 class Plain:
@@ -37,11 +37,6 @@ class Plain:
 
     def __setitem__(self, name: str, value: Any) -> None:
         self._record[name] = value
-
-    def restore_given(self, start: Plain) -> None:
-        """As ``restore_given`` in kernel/initialize.py."""
-        for part in GIVEN:
-            self._record[part] = start._record[part]
 
     def copy_values(self, source: Plain) -> None:
         """As ``copy_values`` in kernel/tangent/blocks.py, without derivatives."""

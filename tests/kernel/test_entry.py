@@ -35,7 +35,6 @@ class Runs:
 
     def __init__(self, height=1e-3, stop=STOP):
         self.block = Model(ball(height, 1.0, stiffness=STIFFNESS)).new_instance()
-        self.start = Plain(self.block.copy()[0])
         self.words, self.d = self.block.view(np.float64), Plain(self.block[0])
         self.stop = stop
 
@@ -54,7 +53,6 @@ class Runs:
         done = run_each(
             self.d,
             self.words,
-            self.start,
             places,
             np.array(stiffness).reshape(-1, 1),
             np.full(count, self.stop),

@@ -9,9 +9,9 @@
     int32 sound(instance*)
     int32 follow(instance*)
     int64 trajectory(instance*, const double* times, int64 rows, output* out)
-    int64 run_each(instance*, const instance* start, const int64* places, int64 parameters,
-                   const double* values, const double* stops, int64 runs, const int64* output_indices,
-                   int64 columns, double* rows, int32 continuing)
+    int64 run_each(instance*, const int64* places, int64 parameters, const double* values,
+                   const double* stops, int64 runs, const int64* output_indices, int64 columns,
+                   double* rows, int32 continuing)
 
 What they do, kernel/entry.py and kernel/advance.py tell. In a kernel that carries derivatives they take the
 instances of dual numbers along that are behind theirs, and there is one more (kernel/tangent/entry.py):
@@ -55,13 +55,12 @@ def trajectory(d, times, count, out):
 
 
 def run_each(  # noqa: PLR0917 - in C, arguments have no names
-    d, start, places, parameters, values, stops, runs, output_indices, columns, rows, continuing
+    d, places, parameters, values, stops, runs, output_indices, columns, rows, continuing
 ):
     """Run again and again with other parameters; return how many runs are done."""
     return entry.run_each(
         d,
         words(d),
-        start,
         vector(places, parameters),
         matrix(values, runs, parameters),
         vector(stops, runs),
@@ -85,7 +84,7 @@ def trajectory_with(d, times, rows, output_indices, columns, values, slopes):  #
 def entry_points(derivatives: bool = False) -> Entries:
     """Those of the kernel, or of one that carries derivatives, as does all that is compiled after that."""
     reals, indices = types.CPointer(float64), types.CPointer(int64)
-    runs = (INSTANCE, INSTANCE, indices, int64, reals, reals, int64, indices, int64, reals, int32)
+    runs = (INSTANCE, indices, int64, reals, reals, int64, indices, int64, reals, int32)
     entries: Entries = {
         "initialize": (int32(INSTANCE, float64), initialize),
         "advance": (int32(INSTANCE, float64), entry.advance_to),

@@ -14,7 +14,6 @@ import chain_impact.kernel
 from chain_impact.compilation.dual_numbers import DUAL, Dual
 from chain_impact.compilation.record_type import TANGENT
 from chain_impact.compilation.reuse import Overloads
-from chain_impact.kernel.initialize import restore_given
 from chain_impact.kernel.laws import user_law
 from chain_impact.kernel.tangent import blocks, directions
 from chain_impact.kernel.tangent.rules import RULES
@@ -37,7 +36,7 @@ STAND_INS: dict[Any, Any] = {}
 # what dual_numbers.py and record_type.py have made numba know
 BUILT_IN: set[Any] = {
     *(directions.value, directions.slope, directions.carried, directions.varies),
-    *(blocks.block, blocks.words, blocks.copy_values, blocks.copy_given, restore_given),
+    *(blocks.block, blocks.words, blocks.copy_values, blocks.copy_given),
 }
 
 

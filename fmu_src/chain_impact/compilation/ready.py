@@ -30,9 +30,9 @@ MADE_FROM = "sources.txt"  # the fingerprint of the sources that they are made f
 RELEASE = "CHAIN_IMPACT_RELEASE"
 """The variable that is 1 where there shall be kernels for all numbers of links, as in a wheel for release."""
 LARGEST_EXACT = 10
-"""Up to so many links there can be a kernel for each number of links. All other chains share one that reads
-the number from the instance: with it, runs of up to ten links take a tenth to a fifth longer, with many rows
-of outputs up to two fifths, and of thirty no longer."""
+"""Up to so many links there can be a kernel for each number of links. Chains without one of their own share
+one that reads the number from the instance: with it, runs of up to ten links take a tenth to a fifth longer,
+with many rows of outputs up to two fifths, and of thirty no longer."""
 
 FIRST_SIZES: tuple[int | None, ...] = (None, 1, 2, 4)
 """The usual ones: a kernel for any chain, and those of most models."""
@@ -67,8 +67,7 @@ def find(name: str) -> Path | None:
 
 def best(links: int, platform: str, what: str) -> Path | None:
     """The ready kernel of a kind for this number of links, or the one for any, which can take its place."""
-    exact, general = (library_name(size, platform, what=what) for size in (links, None))
-    return find(exact) or find(general)
+    return find(library_name(links, platform, what=what)) or find(library_name(None, platform, what=what))
 
 
 def module() -> str | None:

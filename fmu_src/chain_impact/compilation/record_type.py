@@ -32,7 +32,6 @@ from numba.extending import (
 )
 
 from chain_impact.compilation.dual_numbers import DUAL
-from chain_impact.kernel.initialize import restore_given
 from chain_impact.kernel.record.fields import GIVEN, REAL, is_table
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent import blocks
@@ -314,25 +313,6 @@ def _copy_values(context: Any, builder: ir.IRBuilder, signature: Any, arguments:
 def _copy_given(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Any) -> ir.Value:
     when = signature.args[2].literal_value
     _copy_fields(context, builder, arguments[:2], lambda path: GIVEN.get(path[0]) == when)
-    return context.get_dummy_value()
-
-
-@type_callable(restore_given)
-def _type_of_restore_given(_context: Any) -> Any:
-    def typer(instance: types.Type, start: types.Type) -> types.Type | None:
-        return types.none if instance == start == INSTANCE else None
-
-    return typer
-
-
-@lower_builtin(restore_given, Record, Record)
-def _restore_given(context: Any, builder: ir.IRBuilder, _signature: Any, arguments: Any) -> ir.Value:
-    for part in GIVEN:
-        whole = INSTANCE.field(part)
-        own, given = (_place(context, builder, instance, whole) for instance in arguments)
-        count = builder.udiv(whole.size.built(builder, arguments[0]), cgutils.intp_t(WORD))
-        with cgutils.for_range(builder, count) as loop:
-            builder.store(builder.load(builder.gep(given, [loop.index])), builder.gep(own, [loop.index]))
     return context.get_dummy_value()
 
 

@@ -3,7 +3,7 @@
 from chain_impact.kernel.advance import advance, reinit
 from chain_impact.kernel.events.contact_log import clear_log, update_to_output_time
 from chain_impact.kernel.events.friction_modes import clear_changes
-from chain_impact.kernel.initialize import initialize, restore_given
+from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.inputs import request_reinit
 from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import LOG_FULL, OK, PAUSED
@@ -59,13 +59,14 @@ def trajectory(d, times, output, rows):
     return len(times)
 
 
-def run_each(d, words, start, places, values, stops, output_indices, rows, continuing):
+def run_each(d, words, places, values, stops, output_indices, rows, continuing):
     """Run the instance once for each row of parameter values, each time from its start.
+
+    The runs before leave nothing behind: no run changes a parameter, and ``initialize`` sets all else.
 
     Args:
         d: the instance.
         words: all numbers of its record (8 bytes each), shape (W,).
-        start: the instance, of the same scene, whose parameters and initial values each run begins with.
         places: indices of the words that vary, shape (K,).
         values: their values in each run, shape (R, K).
         stops: the end time of each run, shape (R,) [s].
@@ -81,7 +82,6 @@ def run_each(d, words, start, places, values, stops, output_indices, rows, conti
     work = work_of_a_call(d) + (work_done(d) if continuing else 0)
     for r in range(len(rows)):
         if r > 0 or not continuing:
-            restore_given(d, start)
             for j in range(len(places)):
                 words[places[j]] = values[r, j]
             initialize(d, 0.0)

@@ -31,7 +31,7 @@ from chain_impact.kernel.model.contact_law import start_laws
 from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
 from chain_impact.kernel.model.equations import clear_moments, state_rate
 from chain_impact.kernel.model.friction import clear_friction
-from chain_impact.kernel.model.geometry import clear_joint_loads, clearance, place_walls
+from chain_impact.kernel.model.geometry import clear_joints, clearance, place_walls
 from chain_impact.kernel.model.inputs import apply_inputs
 from chain_impact.kernel.status import (
     MASS_MATRIX_SINGULAR,
@@ -45,15 +45,6 @@ from chain_impact.kernel.status import (
 from chain_impact.kernel.work_limit import clear_counts
 
 OVERLAP = 1e-12  # m. A start no deeper in a wall counts as touching: it is round-off of positions and sines
-
-
-def restore_given(d, start):
-    """Give d all parameters, initial values and inputs of ``start``, an instance of the same scene.
-
-    ``initialize`` sets all else, so that a copy of the whole record is not needed to run again. The compiled
-    version is in compilation/record_type.py.
-    """
-    d.restore_given(start)
 
 
 def initialize(d, time):
@@ -97,8 +88,10 @@ def clear_run(d, time):
     clear_friction(d)
     clear_impulses(d)
     clear_moments(d)
-    clear_joint_loads(d.work.load)
-    clear_joint_loads(d.implicit.load)
+    clear_joints(d.work.load)
+    clear_joints(d.implicit.load)
+    clear_joints(d.work.impedance)
+    clear_joints(d.implicit.reactance)
     drop_events(d)
     clear_breaks(d)
     reset_times(d, time)

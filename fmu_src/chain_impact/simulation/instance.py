@@ -252,7 +252,7 @@ def open_columns(touch: Any, impulse: Any) -> dict[str, np.ndarray]:
 def in_order(parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """The order of contacts by onset, and the contacts in it."""
     found = np.concatenate(parts)
-    order = np.argsort(found, order=["onset", "point", "wall"])
+    order = np.lexsort([found[name] for name in ("wall", "point", "onset")])
     return order, found[order]
 
 
@@ -288,7 +288,7 @@ def load_kernel(library: Path) -> ctypes.CDLL:
     kernel.advance_awhile.argtypes = [pointer, real]
     kernel.observe.argtypes = kernel.follow.argtypes = kernel.sound.argtypes = [pointer]
     kernel.trajectory.argtypes = [pointer, pointer, integer, pointer]
-    runs = (pointer, pointer, pointer, integer, pointer, pointer, integer, pointer, integer, pointer)
+    runs = (pointer, pointer, integer, pointer, pointer, integer, pointer, integer, pointer)
     kernel.run_each.argtypes = [*runs, ctypes.c_int32]
     kernel.trajectory.restype = kernel.run_each.restype = integer
     if hasattr(kernel, "trajectory_with"):

@@ -25,10 +25,11 @@ from chain_impact.kernel.events.impulses import (
 )
 from chain_impact.kernel.events.kinds import NEIGHBOUR, NONE, ONSET, RELEASE
 from chain_impact.kernel.events.table import apply_events
-from chain_impact.kernel.model.constraints import RISE, SIGN_TOLERANCE
+from chain_impact.kernel.model.constraints import SIGN_TOLERANCE
 from chain_impact.kernel.model.contact import begin_contact
 from chain_impact.kernel.model.energy import mechanical_energy
 from chain_impact.kernel.model.geometry import clearance
+from chain_impact.kernel.model.holding import RISE
 from tests.kernel.chains import (
     chain,
     free_coordinates,

@@ -7,8 +7,9 @@ import pytest
 
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.initialize import initialize
-from chain_impact.kernel.model.constraints import project_state, solve_equality, solve_lcp
+from chain_impact.kernel.model.constraints import solve_equality, solve_lcp
 from chain_impact.kernel.model.geometry import clearance
+from chain_impact.kernel.model.holding import project_state
 from chain_impact.scene.scene import WALLS, with_values
 from chain_impact.variables.model import Model
 from tests.plain import Plain

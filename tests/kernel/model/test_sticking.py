@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.model import constraints
-from chain_impact.kernel.model.constraints import add_constraint_forces
+from chain_impact.kernel.model import holding
 from chain_impact.kernel.model.equations import free_rate
 from chain_impact.kernel.model.friction import STICKS, list_sticking
+from chain_impact.kernel.model.holding import add_constraint_forces
 from chain_impact.kernel.model.sticking import sticks_alone
 from tests.kernel.rubbing import rubbing_chain
 from tests.plain import make_rigid
@@ -50,7 +50,7 @@ def test_beside_a_rigid_wall_no_contact_sticks_alone():
 def test_its_force_is_that_of_the_constraint(base, contacts, stuck, monkeypatch):
     results = []
     for alone in (sticks_alone, lambda _d: False):
-        monkeypatch.setattr(constraints, "sticks_alone", alone)
+        monkeypatch.setattr(holding, "sticks_alone", alone)
         d, y = stuck_chain(base, contacts, True, [stuck])
         rate = np.zeros(len(y))
         free_rate(d, y, rate)

@@ -8,7 +8,7 @@ from chain_impact.kernel.record.contacts import LOG_SIZE
 from chain_impact.kernel.status import STATUS_NAME, STATUS_TEXT
 from chain_impact.results.result import recording_of
 from chain_impact.scene.reading import SceneError
-from chain_impact.scene.scene import load_scene, with_values
+from chain_impact.scene.scene import load_scene, scene_from_dict, with_values
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import with_settings
 from chain_impact.simulation.simulate import simulate, with_law
@@ -183,3 +183,32 @@ def test_a_mass_matrix_that_is_singular_is_a_row():
     swept = sweep(load_scene("rod_drop"), {"link[1].inertia": [0.0, 0.1], "link[1].center_of_mass": [0.0]})
     assert swept["status"].tolist() == ["mass_matrix_singular", "ok"]
     assert "1 mass_matrix_singular" in repr(swept)
+
+
+def test_a_joint_without_dry_friction_is_free_after_one_with_it():
+    """A joint that sticks, with the tip on a rough floor, leaves nothing to a run without its friction."""
+    links = [{"length": 0.4, "mass": 1.0, "joint_damping": 5.0, "joint_stiffness": 1e4}] * 3
+    links[1] = links[1] | {"joint_friction": 50.0}
+    scene = scene_from_dict(
+        {
+            "name": "Rough",
+            "chain": {"links": links},
+            "box": {"y_min": 0.0},
+            "contact": {"friction": 2.0, "restitution": 0.3, "stiffness": 1e5, "points": [3]},
+            "initial": {"position": [0.0, 0.01], "angles": [0.2, 0.0, -0.2]},
+            "solver": {"method": "implicit", "tolerance": 1e-6},
+            "simulation": {"stop_time": 0.5, "step_size": 0.5},
+        },
+        "rough",
+    )
+    vary = {"solver.work_limit": [7e3, 1e7], "link[2].joint_friction": [50.0, 0.0]}
+    found = [check(scene, row, vary) for row in sweep(scene, vary).table]
+    assert found == ["too_much_work", "ok", "ok", "ok"]
+
+
+def test_derivatives_of_a_run_that_was_refused_are_unknown():
+    scene = short().with_values({"outputs.sensitivities": ["contact.restitution"]})
+    name = "sensitivity.contact.restitution.point[4].x"
+    found = sweep(scene, {"initial.y": [1.4, -1.0, 1.4]}, outputs=[name])
+    assert np.isfinite(found[name]).tolist() == [True, False, True]
+    assert found[name][0] == found[name][2]

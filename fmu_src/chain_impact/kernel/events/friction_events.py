@@ -11,10 +11,10 @@ from chain_impact.kernel.events.kinds import SLIDING_ENDS, STICKING_ENDS
 from chain_impact.kernel.events.marks import drop_events, mark_change
 from chain_impact.kernel.events.sampling import bisection, first_passage, locate_at
 from chain_impact.kernel.model.compliance import mean_mass
-from chain_impact.kernel.model.constraints import project_state
 from chain_impact.kernel.model.equations import state_rate
 from chain_impact.kernel.model.friction import STICKS
 from chain_impact.kernel.model.geometry import along_tangent
+from chain_impact.kernel.model.holding import project_state
 from chain_impact.kernel.work_limit import count_evaluations
 
 SAMPLES = 8  # samples of a step, its end included

@@ -15,7 +15,7 @@ from chain_impact.kernel.events.friction_events import excess, rest_speed
 from chain_impact.kernel.events.kinds import SLIDING_ENDS, STICKING_ENDS
 from chain_impact.kernel.events.marks import drop_changes
 from chain_impact.kernel.integration.last_step import reset_step
-from chain_impact.kernel.model.constraints import MAX_STALLED_PIVOTS, ROUNDS, count_stalls, project_state
+from chain_impact.kernel.model.constraints import MAX_STALLED_PIVOTS, ROUNDS, count_stalls
 from chain_impact.kernel.model.equations import located_rate
 from chain_impact.kernel.model.friction import (
     NO_FRICTION,
@@ -29,6 +29,7 @@ from chain_impact.kernel.model.friction import (
     set_mode,
 )
 from chain_impact.kernel.model.geometry import along_tangent
+from chain_impact.kernel.model.holding import project_state
 from chain_impact.kernel.work_limit import count_evaluations
 
 # Of the largest acceleration: a sliding element at rest that accelerates by no more against its direction

@@ -30,18 +30,12 @@ from chain_impact.kernel.events.marks import drop_contact_events, mark
 from chain_impact.kernel.integration.impulse import give_impulses
 from chain_impact.kernel.integration.last_step import dissipate
 from chain_impact.kernel.model.constraints import (
-    RISE,
     SIGN_TOLERANCE,
     activate_all,
-    add_change,
     any_point_held,
-    project_state,
     release,
     require,
     solve_lcp,
-    solve_positions,
-    start_from_accelerations,
-    start_from_clearances,
 )
 from chain_impact.kernel.model.contact import (
     begin_contact,
@@ -57,6 +51,14 @@ from chain_impact.kernel.model.contact import (
 from chain_impact.kernel.model.equations import free_rate
 from chain_impact.kernel.model.friction import suspend_sticking
 from chain_impact.kernel.model.geometry import clearance
+from chain_impact.kernel.model.holding import (
+    RISE,
+    add_change,
+    project_state,
+    solve_positions,
+    start_from_accelerations,
+    start_from_clearances,
+)
 
 # Fraction of the smallest speed that rebounds: slower points do not separate, because bounces that each have
 # a fraction of the speed of the last would accumulate in a finite time (Zeno behaviour).

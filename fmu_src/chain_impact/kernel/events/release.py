@@ -7,8 +7,8 @@ from chain_impact.kernel.events.marks import drop_events, mark
 from chain_impact.kernel.events.sampling import bisection, first_passage
 from chain_impact.kernel.integration.dense import interpolate
 from chain_impact.kernel.integration.trial import NOT_LOCATED, refuse
-from chain_impact.kernel.model.constraints import least_impulse, project_state
 from chain_impact.kernel.model.equations import state_rate
+from chain_impact.kernel.model.holding import least_impulse, project_state
 from chain_impact.kernel.work_limit import count_evaluations
 
 # Relative to the chain's mass times (gravity + one link length per s²): a smaller pull is round-off.

@@ -6,7 +6,7 @@ integrated together with y, z = (y, g, ġ, p), with g̈ the acceleration of the 
 impulses, if they are requested. The forces are evaluated at g and ġ, in which the fast motions are linear
 except for the force law.
 
-A rigid wall has no force law and constrains its points as in all other steps (model/constraints.py): z has
+A rigid wall has no force law and constrains its points as in all other steps (model/holding.py): z has
 no entries for them.
 """
 
@@ -18,12 +18,13 @@ from chain_impact.kernel.integration.impulse import (
     friction_integrand_at_end,
     impulse_count,
 )
-from chain_impact.kernel.model.constraints import add_constraint_forces, any_constraint
+from chain_impact.kernel.model.constraints import any_constraint
 from chain_impact.kernel.model.contact import apply_contact, clear_loads
 from chain_impact.kernel.model.contact_force import law_slopes
 from chain_impact.kernel.model.equations import loaded_rate
 from chain_impact.kernel.model.friction import apply_friction
 from chain_impact.kernel.model.geometry import along_normal, clearance
+from chain_impact.kernel.model.holding import add_constraint_forces
 from chain_impact.kernel.model.inputs import set_inputs
 
 

@@ -26,10 +26,11 @@ from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.integration.methods import DENSE_EVALUATIONS, RATE_AT_END, dense_output, finish
 from chain_impact.kernel.integration.step_size import rescale
 from chain_impact.kernel.integration.sundman import NO_CONTACT, lone_contact, time_rate_now
-from chain_impact.kernel.model.constraints import any_constraint, project_state
+from chain_impact.kernel.model.constraints import any_constraint
 from chain_impact.kernel.model.contact import keep_end_forces
 from chain_impact.kernel.model.equations import located_rate, state_rate
 from chain_impact.kernel.model.friction import keep_anchors
+from chain_impact.kernel.model.holding import project_state
 from chain_impact.kernel.work_limit import count_evaluations, counted_work, uncount_work
 
 NOT_REQUESTED, OUTPUTS, SOLVER = 0, 1, 2  # step.dense_for: what has requested the dense output

@@ -7,7 +7,8 @@ problems come up:
     equality          u_k = target_k in the active set, else p_k = 0    (``solve_equality``)
     complementarity   p ≥ 0,  u ≥ target,  p·(u − target) = 0           (``solve_lcp``)
 
-W is never formed. With an impedance D at the points of the active set the recursion solves, in O(N),
+If only one constraint is active, p = m/W with this one number W (``solve_single``). Else W is never formed:
+with an impedance D at the points of the active set the recursion solves, in O(N),
 
     (M + Jᵀ D J) z = Jᵀ D m,   p ← p + D (m − J z),   m = target − u,
 
@@ -23,8 +24,6 @@ floor, are left free: the forces that hold them could have any size.
 
 import math
 
-from chain_impact.kernel.chain.kinematics import accelerate_points, largest, locate_points
-from chain_impact.kernel.chain.state import ANGLES, coordinate_count, dissipated_at, velocity_at
 from chain_impact.kernel.model.compliance import (
     factorize_contacts,
     holding_impedance,
@@ -32,34 +31,24 @@ from chain_impact.kernel.model.compliance import (
     mean_mass,
     solve_contacts,
 )
-from chain_impact.kernel.model.contact import keep_force
-from chain_impact.kernel.model.friction import any_sticking, keep_static_forces
-from chain_impact.kernel.model.geometry import along_normal, along_tangent, clearance
-from chain_impact.kernel.model.sticking import add_sticking_force, sticks_alone
+from chain_impact.kernel.model.friction import any_sticking
+from chain_impact.kernel.model.geometry import along_normal, along_tangent
 from chain_impact.kernel.work_limit import count_other_work, work_exceeded
 
 # Near a toggle position 1/W is far more than the mass of a link. If an iteration does not halve the residual,
 # D grows by the factor STIFFER, up to STIFFEST times that mass; beyond it the residual is only round-off.
 STIFFEST, STIFFER = 1e12, 1e3
 MAX_ITERATIONS = 30  # iterations; reached only in toggle positions, where the last ones change nothing
-# Of the mobility of a free link: with less, nearer to a toggle position, W loses digits, and the iteration
-# finds the impulse of a point.
+# As a share of 1/(mean mass of a link). If W of a point is less, as near a toggle position, it has lost
+# digits, and the iteration is used instead.
 LEAST_SINGLE = 1e-3
 ROUND_OFF = 1e-15  # of the largest motion: a residual that is accepted
-# Of a link length: a point that rises less before it falls again has not left. Its clearance could not be
-# distinguished from round-off, and its next onset could not be located.
-RISE = 1e-14
-# The largest plausible correction of a coordinate, in rad or link lengths, over the tolerance plus the error
-# of a clearance in link lengths.
-MISPLACED = 10.0
 SIGN_TOLERANCE = 1e-12  # of the largest value: a wrong sign within it does not change the active set
 # Pivots of all violated candidates at once that may fail to reduce their number, before only one at a time is
 # changed, which terminates in every case but takes more pivots.
 MAX_STALLED_PIVOTS = 3
 # Of the impedance of what sticks with the largest limit: with less, the residual would fall too slowly.
 LEAST_SHARE = 1e-2
-# Over the mean mass of a link: the impedance with which stiff contacts resist the projection of what sticks.
-RESISTANCE = 1e3
 ROUNDS = 30  # plus 4 for each candidate: a bound on the pivots, far above any number that was observed
 
 
@@ -131,7 +120,8 @@ def only_active(d):
 def solve_single(d, row):
     """As ``solve_equality``, for the active set of one constraint: p = m/W; returns whether W allows it.
 
-    That takes a third of the time of the iteration. M must have been factorized in ``work.factors``.
+    That takes one solution of the chain, and the iteration six in most cases. M must have been factorized in
+    ``work.factors``.
     """
     own = d.rigid
     for k in range(constraint_rows(d)):
@@ -274,145 +264,11 @@ def require(d, k, target):
     d.rigid.target[k] = target
 
 
+def set_impulse(d, k, impulse):
+    """Set the impulse of constraint k, which was found without the others."""
+    d.rigid.impulse[k] = impulse
+
+
 def release(d, k):
     """Take constraint k out of the active set."""
     d.rigid.in_active_set[k] = 0
-
-
-def start_from_clearances(d, derivative):
-    """Set ``start`` to the clearances of contacts (derivative 1: their rates), and to 0 for what sticks."""
-    for k in range(d.touch.active_count):
-        gap, gap_rate = clearance(d, d.touch.active_index[k])
-        d.rigid.start[k] = gap_rate if derivative else gap
-    for k in range(d.touch.active_count, constraint_rows(d)):
-        d.rigid.start[k] = 0.0
-
-
-def clear_least_forces(d):
-    """Begin to record the least forces of the contacts without a force law."""
-    for k in range(d.touch.compliant_count, d.touch.active_count):
-        d.rigid.least_force[d.touch.active_index[k]] = 0.0
-
-
-def add_change(d, y, first):
-    """Add the change of the coordinates by the impulses to the entries of y from the ``first`` on."""
-    for j in range(coordinate_count(d.links)):
-        y[first + j] += d.rigid.change[j]
-
-
-def start_from_accelerations(d, y, rate):
-    """Set ``start`` to the accelerations of all constraints for a rate ẏ; return the largest |a|."""
-    accelerate_points(d, y, rate)
-    for k in range(constraint_rows(d)):
-        d.rigid.start[k] = along_constraint(d, k, d.work.acceleration)
-    return largest(d, d.work.acceleration)
-
-
-def add_constraint_forces(d, y, rate):
-    """Add to a rate ẏ, found without them, the effect of the constraint forces of g̈ = 0 and t·a = 0.
-
-    The forces [N] are then stored in ``d.rigid.impulse``; they do no work but that of errors.
-    """
-    own = d.rigid
-    if sticks_alone(d):
-        own.impulse[d.touch.active_count] = add_sticking_force(d, y, rate)
-    else:
-        scale = start_from_accelerations(d, y, rate)
-        activate_all(d)
-        solve_equality(d, scale)
-        add_change(d, rate, velocity_at(d.links))
-        for k in range(d.touch.compliant_count, d.touch.active_count):
-            c = d.touch.active_index[k]
-            own.least_force[c] = min(own.least_force[c], own.impulse[k])
-            keep_force(d, c, own.impulse[k])
-    if any_sticking(d):
-        rate[dissipated_at(d.links)] += keep_static_forces(d)
-
-
-def project_state(d, y):
-    """Project the located state y onto the constraints, so that no drift accumulates.
-
-    Held contacts have g = 0 and ġ = 0. What sticks has its tangential coordinate at its anchor and no
-    tangential speed. The contacts with a force law resist it, as on a stiff wall a change of their clearances
-    would act as an impact.
-
-    Near a toggle position, or where two points nearly coincide, small errors of ġ may need impulses of any
-    size. Where walls would pull by more than the errors explain, the points that leave are not stopped and
-    keep their ġ > 0, in ``d.rigid.reached``. The loss of kinetic energy by all this counts as dissipated.
-    """
-    own, lost = d.rigid, dissipated_at(d.links)
-    for derivative in range(2):
-        activate_all(d)
-        start_from_clearances(d, derivative)
-        if any_sticking(d):
-            start_sticking(d, derivative)
-        if derivative:
-            solve_stopping_impulses(d)
-        else:
-            solve_positions(d)
-        add_change(d, y, derivative * velocity_at(d.links))
-        locate_points(d, y)
-    for k in range(constraint_rows(d)):
-        # −½ p (u⁻ + u⁺)
-        y[lost] -= 0.5 * own.impulse[k] * (own.start[k] + own.reached[k])
-    for k in range(d.touch.compliant_count):
-        # the resistance has the impulse −D (u⁺ − u⁻)
-        y[lost] += 0.5 * own.resistance[k] * (own.reached[k] ** 2 - own.start[k] ** 2)
-        own.resistance[k] = 0.0
-
-
-def start_sticking(d, derivative):
-    """Set the start of the projection for what sticks, and let the contacts with a force law resist it."""
-    own, first = d.rigid, d.touch.active_count
-    for k in range(d.touch.compliant_count):
-        own.resistance[k] = contact_resistance(d)
-    for i in range(d.friction.stuck_count):
-        e = d.element.stuck[i]
-        if derivative:
-            own.start[first + i] = along_tangent(d, e, d.work.velocity)
-        else:
-            own.start[first + i] = along_tangent(d, e, d.work.position) - d.element.anchor[e]
-
-
-def contact_resistance(d):
-    """The resistance [kg] of the contacts with a force law to a projection."""
-    return RESISTANCE * mean_mass(d)
-
-
-def solve_positions(d):
-    """Find the change of the coordinates that brings the active set to its targets, g = target.
-
-    If the residuals and errors do not explain so large a change, only candidates with g < target are moved.
-    """
-    own, size, asked, moved = d.rigid, d.model.size, 0.0, 0.0
-    for k in range(d.touch.compliant_count, constraint_rows(d)):
-        asked = max(asked, abs(own.target[k] - own.start[k]))
-    solve_equality(d, size)
-    for j in range(coordinate_count(d.links)):
-        moved = max(moved, abs(own.change[j]) / (size if j < ANGLES else 1.0))
-    if moved > MISPLACED * (d.solver.tolerance + asked / size):
-        solve_lcp(d, size)
-
-
-def solve_stopping_impulses(d):
-    """Find the impulses that stop the active set; none of them pulls by more than errors explain."""
-    speed = largest(d, d.work.velocity)
-    solve_equality(d, speed)
-    if least_impulse(d) < -tolerated_momentum(d, speed):
-        solve_lcp(d, speed)
-
-
-def least_impulse(d):
-    """The most negative impulse, or 0 if all push."""
-    least = 0.0
-    for k in range(d.touch.compliant_count, d.touch.active_count):
-        least = min(least, d.rigid.impulse[k])
-    return least
-
-
-def tolerated_momentum(d, speed):
-    """Momentum [N·s] of the chain from the tolerated error of a ``speed`` [m/s] and from a fall by RISE."""
-    size = d.model.size
-    mass = d.model.energy / (size * size)
-    rise = math.sqrt(2.0 * (d.model.gravity_size + size) * RISE * size)
-    return mass * (rise + d.solver.tolerance * (size + speed))

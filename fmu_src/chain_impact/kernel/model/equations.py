@@ -12,10 +12,11 @@ from chain_impact.kernel.chain.state import (
     time_at,
     velocity_at,
 )
-from chain_impact.kernel.model.constraints import add_constraint_forces, any_constraint, clear_least_forces
+from chain_impact.kernel.model.constraints import any_constraint
 from chain_impact.kernel.model.contact import apply_contacts
 from chain_impact.kernel.model.contact_force import clear_crossings
 from chain_impact.kernel.model.friction import clear_margins
+from chain_impact.kernel.model.holding import add_constraint_forces, clear_least_forces
 from chain_impact.kernel.model.inputs import ensure_inputs
 
 

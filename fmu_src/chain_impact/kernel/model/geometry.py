@@ -107,13 +107,13 @@ def clear_loads_of(d, load):
     """Set the loads at all places and, if they are used, the moments in all joints to zero."""
     zero(d, load)
     if d.model.jointed or d.model.resisting:
-        clear_joint_loads(load)
+        clear_joints(load)
 
 
-def clear_joint_loads(load):
-    """Set the moments in all joints to zero."""
-    for i in range(len(load.joint)):
-        load.joint[i] = 0.0
+def clear_joints(values):
+    """Set the moments, or the impedances, of all joints to zero."""
+    for i in range(len(values.joint)):
+        values.joint[i] = 0.0
 
 
 def speed_bound(d, vectors):

@@ -18,7 +18,7 @@ def sticks_alone(d):
 
 
 def add_sticking_force(d, y, rate):
-    """As ``add_constraint_forces`` in constraints.py, for a contact that ``sticks_alone``; returns its force.
+    """As ``add_constraint_forces`` in holding.py, for a contact that ``sticks_alone``; returns its force.
 
     ``rate`` must be what ``accelerations`` has found last.
     """

@@ -89,7 +89,13 @@ def latest_dtype() -> np.dtype:
     )
 
 
-@written_by("model/constraints.py", sample="events/contact_log.py")
+@written_by(
+    "model/constraints.py",
+    start="model/holding.py",
+    resistance="model/holding.py",
+    least_force="model/holding.py",
+    sample="events/contact_log.py",
+)
 def rigid_dtype(links: int, candidates: int, elements: int) -> np.dtype:
     """The constraints: the active contacts, packed, and after them what sticks by dry friction.
 

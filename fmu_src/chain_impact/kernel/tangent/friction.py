@@ -17,10 +17,10 @@ from chain_impact.kernel.events.kinds import SLIDING_ENDS, STICKING_ENDS
 from chain_impact.kernel.events.marks import pending_changes
 from chain_impact.kernel.integration.last_step import ensure_points
 from chain_impact.kernel.model.compliance import mean_mass
-from chain_impact.kernel.model.constraints import RESISTANCE
 from chain_impact.kernel.model.equations import located_rate
 from chain_impact.kernel.model.friction import NO_FRICTION, STICKS, list_sticking
 from chain_impact.kernel.model.geometry import along_tangent
+from chain_impact.kernel.model.holding import RESISTANCE
 from chain_impact.kernel.tangent.directions import DIRECTIONS, carried, slope, value
 from chain_impact.kernel.tangent.trust import (
     AT_LIMIT,

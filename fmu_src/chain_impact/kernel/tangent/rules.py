@@ -11,7 +11,7 @@ from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events import friction_modes
 from chain_impact.kernel.integration import dense
 from chain_impact.kernel.laws import contact_laws, user_law
-from chain_impact.kernel.model import constraints, contact_force
+from chain_impact.kernel.model import constraints, contact_force, holding
 from chain_impact.kernel.tangent.directions import carried, value, varies
 from chain_impact.kernel.tangent.friction import choose_modes, contact_resistance
 
@@ -140,7 +140,7 @@ def moved(argument, by, at):
 
 
 RULES = {
-    constraints.contact_resistance: contact_resistance,
+    holding.contact_resistance: contact_resistance,
     constraints.iterated_enough: iterated_enough,
     contact_force.power: power,
     friction_modes.choose_modes: choose_modes,

@@ -20,7 +20,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import kernel_for
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.variables.model import Model, model_of
-from chain_impact.variables.table import word_index
+from chain_impact.variables.table import BEHIND, word_index
 from chain_impact.variables.variable import Variable
 
 PEAKS = ("peak_force", "max_penetration")
@@ -101,15 +101,14 @@ class Runner:
         asks = any(name.startswith(SENSITIVITY) for name in job.columns)
         model, varied = job.model, job.model.varied if asks else []
         self._kernel = kernel_for(job.scene, notify, derivatives=bool(varied))
-        self._start = model.new_instance(varied)
-        layout, self._job, self._dtype = self._start.dtype, job, job.dtype
+        self._instance = model.new_instance(varied)
+        layout, self._job, self._dtype = self._instance.dtype, job, job.dtype
         self._columns = job.columns
         # to follow impulses of walls takes time: it is done for the columns that have them only
         looked_at = {part for column in self._columns.values() for part in column.place}
         if "latest" not in looked_at:
-            self._start["latest"]["kept"] = 0
-            self._start["impulse"]["wanted"] = bool(looked_at & {"impulse", "friction"})
-        self._work = self._start.copy()
+            self._instance["latest"]["kept"] = 0
+            self._instance["impulse"]["wanted"] = bool(looked_at & {"impulse", "friction"})
         in_record = [k for k, place in enumerate(job.varied) if place]
         self._in_record, self._whole = in_record, [job.kinds[k] == "enumeration" for k in in_record]
         self._places = np.array([word_index(layout, job.varied[k]) for k in in_record], np.int64)
@@ -139,8 +138,7 @@ class Runner:
             if not wanted():
                 return None
             done += self._kernel.run_each(
-                self._work.ctypes.data,
-                self._start.ctypes.data,
+                self._instance.ctypes.data,
                 self._places.ctypes.data,
                 len(self._places),
                 words[done:].ctypes.data,
@@ -159,5 +157,5 @@ class Runner:
         """Set to NaN what speaks of the end, in the runs that did not get there."""
         failed = rows[STATUS] != OK
         for name, variable in self._columns.items():
-            if variable.place[0] == "output":
+            if variable.place[0] in {"output", BEHIND}:
                 rows[name][failed] = np.nan

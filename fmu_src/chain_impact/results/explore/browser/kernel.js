@@ -127,12 +127,12 @@ export class Kernel {
    */
   *runEach(values, names, each, stops, words) {
     const [runs, width] = [stops.length, 2 + words.length];
-    const sizes = [this.start.length / WORD, names.length, each.length, runs, words.length, runs * width];
+    const sizes = [names.length, each.length, runs, words.length, runs * width];
     const places = sizes.reduce((found, size) => [...found, aligned(found.at(-1) + size * WORD)], [this.scratch]);
     this.#reserve(places.at(-1));
-    const [start, at, rows, ends, outputs, found] = places;
+    const [at, rows, ends, outputs, found] = places;
     const { buffer } = this.exports.memory;
-    new Uint8Array(buffer, start, this.start.length).set(this.#given(values));
+    this.#given(values);
     new BigInt64Array(buffer, at, names.length).set(names.map((name) => BigInt(this.parameters.get(name).word)));
     new Float64Array(buffer, rows, each.length).set(each);
     new Float64Array(buffer, ends, runs).set(stops);
@@ -141,7 +141,7 @@ export class Kernel {
       const most = Math.min(RUNS, runs - done);
       const [valuesAt, endsAt, foundAt] = [rows + done * names.length * WORD, ends + done * WORD, found + done * width * WORD];
       const counts = [names.length, most, words.length].map(BigInt);
-      const complete = Number(this.exports.run_each(this.record, start, at, counts[0], valuesAt, endsAt, counts[1], outputs, counts[2], foundAt, continuing));
+      const complete = Number(this.exports.run_each(this.record, at, counts[0], valuesAt, endsAt, counts[1], outputs, counts[2], foundAt, continuing));
       done += complete;
       continuing = complete < most ? 1 : 0;
       yield done / runs;
