@@ -2,8 +2,8 @@
 
 The name of a file is a hash of what the model was given and of the sources of the model in the tests. Those
 of chain_impact.scene, which reads scenes, are not in it, but the scene as it was read. An answer that has no
-file is worked out, and kept. ``python -m tests.kept_answers`` works all of them out anew; the new files are to
-be committed.
+file is worked out, and kept. ``python -m tests.kept_answers`` works all of them out anew; the new files are
+to be committed.
 """
 
 from __future__ import annotations
