@@ -13,7 +13,7 @@ from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.integration import dop853
 from chain_impact.kernel.integration.dense import interpolate, rate_bounds
-from chain_impact.kernel.integration.explicit import BEYOND, toward_end
+from chain_impact.kernel.integration.explicit import BEYOND, LEFT, toward_end
 from chain_impact.kernel.integration.last_step import OUTPUTS, accept, ensure_dense
 from chain_impact.kernel.integration.methods import attempt
 from chain_impact.kernel.integration.trial import NOT_FINITE, accepted
@@ -386,3 +386,6 @@ def test_of_several_contacts_a_step_passes_the_first_end_or_covers_half_of_the_w
     assert toward_end(d, 0.9 * min(left)) == longest
     assert toward_end(d, 0.8 * min(left)) == pytest.approx(0.5 * min(left), rel=1e-9)
     assert toward_end(d, 0.1 * min(left)) == 0.1 * min(left)
+    # a contact that has all but left does not count
+    assert toward_end(d, 0.99 * min(left) / LEFT) == longest
+    assert toward_end(d, 1.01 * min(left) / LEFT) == 1.01 * min(left) / LEFT

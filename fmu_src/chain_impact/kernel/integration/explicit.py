@@ -32,6 +32,9 @@ LAST = dop853.STEP_STAGES  # the stage at the end of the step
 # length to the end: the prediction has an error of some hundredths. Otherwise the step covers at most half of
 # this length, so that no tiny step remains.
 BEYOND, STRETCH = 1.04, 1.2
+# Of a step: a contact that ends within it has practically no force left, and its penetration may be
+# round-off. The search for events finds its end, and a step up to there could be lost in the time.
+LEFT = 1e-6
 HALVE = 50.0  # an error that makes the next try of a method of order 8 half as long
 HUGE = 1e100  # an error whose square could overflow
 STEP_EVALUATIONS = LAST - 1  # new right-hand sides of a step, without the one at its end
@@ -92,6 +95,8 @@ def toward_ends(d, h):
 
 def up_to(h, left):
     """The size of a step, if the error control allows h and a contact is predicted to end after ``left``."""
+    if left < LEFT * h:
+        return h
     if BEYOND * left < STRETCH * h:
         return BEYOND * left
     return min(h, 0.5 * left)
