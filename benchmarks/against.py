@@ -44,17 +44,18 @@ class Run:
         self.expected = self.outcome()
         self.copies = False
         self.copies = any(self.outcome() != self.expected for _ in range(2))
+        assert self() == 0
         assert self.outcome() == self.expected
 
-    def __call__(self) -> None:
-        """From parameters to the end."""
+    def __call__(self) -> int:
+        """From parameters to the end; the status."""
         if self.copies:
             self.block[:] = self.fresh
         self.kernel.initialize(self.address, 0.0)
-        self.kernel.advance(self.address, self.stop)
+        return int(self.kernel.advance(self.address, self.stop))
 
     def outcome(self) -> list[bytes]:
-        """The records that are compared, after one more run; the status is in them."""
+        """The records that are compared, after one more run."""
         self()
         self.kernel.observe(self.address)
         return [self.block[start:end].tobytes() for start, end in self.compared]

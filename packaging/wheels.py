@@ -55,12 +55,12 @@ def check_wheel(wheel: Path, platform: str) -> None:
         names = archive.namelist()
         (about,) = (name for name in names if name.endswith(".dist-info/WHEEL"))
         tags = [line for line in archive.read(about).decode().splitlines() if line.startswith("Tag: ")]
-    kernels = [name for name in names if Path(name).stem.endswith(tuple(f"-{one}" for one in TAGS))]
+    libraries = [name for name in names if Path(name).stem.endswith(tuple(f"-{one}" for one in TAGS))]
     if tags != [f"Tag: {tag}"] or not wheel.stem.endswith(f"-{tag}"):
         raise ReleaseError(f"{wheel.name}: its tag is {', '.join(tags)}, and must be {tag}")
-    if not kernels or not all(Path(name).stem.endswith(f"-{platform}") for name in kernels):
+    if not libraries or not all(Path(name).stem.endswith(f"-{platform}") for name in libraries):
         raise ReleaseError(f"{wheel.name}: must have kernels for {platform} only")
-    if not any("derivatives-" in name for name in kernels):
+    if not any("derivatives-" in name for name in libraries):
         raise ReleaseError(f"{wheel.name}: must have kernels with derivatives")
 
 

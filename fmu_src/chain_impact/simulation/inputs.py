@@ -84,9 +84,9 @@ def drive(model: Model, inputs: Mapping[str, Signal], interpolation: str, times:
     if interpolation not in INTERPOLATIONS:
         allowed = "must be follow, hold or linear"
         raise SceneError(f"{scene.name}: interpolation = {interpolation!r} {allowed}")
-    run = times if times[0] == 0.0 else np.append(0.0, times)
+    run = np.union1d(0.0, times)
     if not inputs:
-        return Drive(run, run >= times[0], (), NOTHING, np.zeros(1, int))
+        return Drive(run, np.isin(run, times), (), NOTHING, np.zeros(1, int))
     places = {variable.name: variable.place for variable in model.inputs}
     for name in inputs:
         if name not in places:

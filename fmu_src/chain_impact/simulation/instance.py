@@ -252,7 +252,7 @@ def open_columns(touch: Any, impulse: Any) -> dict[str, np.ndarray]:
 def in_order(parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """The order of contacts by onset, and the contacts in it."""
     found = np.concatenate(parts)
-    order = np.lexsort([found[name] for name in ("wall", "point", "onset")])
+    order = np.argsort(found, order=["onset", "point", "wall"])
     return order, found[order]
 
 
