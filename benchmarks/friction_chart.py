@@ -87,7 +87,7 @@ def draw(page: Any, record: Any) -> None:
     headline(
         page,
         f"MuJoCo creeps on a slope by {creep / 1e3:.2g} mm/s, with noslip not at all; "
-        f"a thrown chain takes it {min(factors):.2g} and {max(factors):.2g} times our time, at best as exact",
+        f"for a thrown chain it takes {min(factors):.2g} to {max(factors):.2g} times our time at equal error",
         f"elliptic cones  ·  factors: {CREEPS.removeprefix('MuJoCo ')}, steps of {1e3 * SHOWN:g} ms  ·  "
         "errors: each against its own converged run",
     )

@@ -12,8 +12,8 @@ from tests.friction_derivative_scenes import dry_joints
 from tests.independent import moved
 from tests.kernel.integration import stiff_problems
 
-# In a column that is zero but for rounding, numbers up to 1e-10 of this are the same: the processor that an answer
-# was worked out on adds in another order.
+# In a column that is zero but for rounding, numbers up to 1e-10 of this are the same. The processor on which
+# an answer was worked out may have added in another order.
 ROUNDING = 1e-5
 # of each kind of scene the one that takes least
 CASES = {

@@ -4,6 +4,8 @@ import { durationText, forceText, touchingText, unitsOf } from "./format.js";
 
 const WIDTHS = { total: 2.4 };
 const AROUND = 0.35; // of a contact's duration, shown before and after it
+const NARROWEST = 48; // pixels of a vertical axis: it is as wide for most impacts
+const LABEL_MARGIN = 4; // pixels on the left of a label
 
 /** A colour of the style sheet. */
 function colour(name) {
@@ -18,6 +20,15 @@ function axis(options = {}) {
     font: "11px system-ui, sans-serif",
     ...options,
   };
+}
+
+/** The width of a vertical axis, for its longest label. It stays if uPlot asks again for the same labels. */
+function labelledWidth(plot, labels, index, cycle) {
+  const { _size, font, gap, ticks } = plot.axes[index];
+  if (cycle > 1) return _size;
+  plot.ctx.font = font[0];
+  const widths = (labels ?? []).map((label) => plot.ctx.measureText(label).width / devicePixelRatio);
+  return Math.ceil(Math.max(NARROWEST, LABEL_MARGIN + Math.max(...widths) + gap + ticks.size));
 }
 
 /** A vertical line at the present time, and what the charts share. */
@@ -98,7 +109,7 @@ export class EnergyChart extends Chart {
       {
         series: [{}, ...series],
         scales: { x: { time: false, range: () => [this.recording.start, this.recording.end] } },
-        axes: [axis({ size: 26, values: (_, ticks) => ticks.map((tick) => `${+tick.toFixed(6)} s`) }), axis({ size: 44 })],
+        axes: [axis({ size: 26, values: (_, ticks) => ticks.map((tick) => `${+tick.toFixed(6)} s`) }), axis({ size: labelledWidth })],
         hooks: { drawAxes: [(plot) => drawOnsets(plot, this.recording.impacts)] },
       },
       data,
@@ -170,7 +181,7 @@ export class ForceChart extends Chart {
         scales: { x: { time: false }, y: { range: (_, least, most) => [1.08 * Math.min(least, 0), 1.08 * Math.max(most, 1e-9)] } },
         axes: [
           axis({ size: 26, values: (_, ticks) => ticks.map((tick) => ticksText(tick, ticks)) }),
-          axis({ size: 52, values: (_, ticks) => ticks.map((tick) => (tick ? forceText(tick, 0, this.unit.force) : "0")) }),
+          axis({ size: labelledWidth, values: (_, ticks) => ticks.map((tick) => (tick ? forceText(tick, 0, this.unit.force) : "0")) }),
         ],
       },
       [[0, 1], [0, 0], [null, null]],
