@@ -18,8 +18,8 @@ def degrees_pattern(unit: str) -> str | None:
 
 def in_radians(value: Any, unit: str) -> Any:
     """A value in a unit: of an angle in text, ``"90 deg"``, the radians; all else stays as it is."""
-    pattern = degrees_pattern(unit)
-    found = re.fullmatch(pattern, value) if pattern and isinstance(value, str) else None
+    pattern = degrees_pattern(unit) if isinstance(value, str) else None
+    found = re.fullmatch(pattern, value) if pattern else None
     return math.radians(float(found[1])) if found else value
 
 

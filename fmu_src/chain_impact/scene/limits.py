@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import operator
 import re
 from collections.abc import Callable, Mapping
@@ -54,6 +55,7 @@ def quantity(unit: str, description: str, default: Any = MISSING, **limits: Unpa
     return field(default=MISSING if isinstance(default, Derived) else default, metadata=metadata)
 
 
+@functools.cache
 def without_none(kind: Any) -> Any:
     """The type ``kind``, or the first of a union with None."""
     return get_args(kind)[0] if NoneType in get_args(kind) else kind
@@ -61,13 +63,19 @@ def without_none(kind: Any) -> Any:
 
 def keeps(value: Any, rule: Mapping[str, Any]) -> bool:
     """Whether one value keeps all limits of the metadata `rule`."""
-    limits = ((limit, keep) for limit, keep in _KEEPS.items() if rule[limit] is not None)
-    return all(keep(value, rule[limit]) for limit, keep in limits)
+    for limit, keep in _KEEPS.items():
+        bound = rule[limit]
+        if bound is not None and not keep(value, bound):
+            return False
+    return True
 
 
 def extended(rule: Mapping[str, Any], known: Mapping[str, Any]) -> Mapping[str, Any]:
     """The metadata `rule` with the choice that another key adds, for the values read before."""
-    table, _, key = (rule.get("extended_by") or "").rpartition(".")
+    extended_by = rule.get("extended_by")
+    if not extended_by:
+        return rule
+    table, _, key = extended_by.rpartition(".")
     file = getattr(known[table], key) if table else known.get(key)
     return {**rule, "choices": (*rule["choices"], Path(file).stem)} if file else rule
 

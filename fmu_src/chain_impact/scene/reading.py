@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -113,8 +114,9 @@ class Reader:
             if name not in table.__dataclass_fields__:
                 raise SceneError(self._unknown(table, path, name))
         values: dict[str, Any] = {}
+        scope = dict(known)
         for entry in fields(table):
-            where, scope = (*path, entry.name), {**known, **values}
+            where = (*path, entry.name)
             rule = extended(entry.metadata, scope)
             value = data.get(entry.name)
             if value is None:
@@ -124,7 +126,8 @@ class Reader:
             if isinstance(value, Derived):
                 value = value.value(scope)
             # what is None still is not there, such as a wall
-            values[entry.name] = None if value is None else self._value(entry.type, rule, value, where, scope)
+            read = None if value is None else self._value(entry.type, rule, value, where, scope)
+            values[entry.name] = scope[entry.name] = read
         return table(**values)
 
     def _value(
@@ -134,9 +137,10 @@ class Reader:
         kind = without_none(kind)
         if is_dataclass(kind):
             return self._table(kind, value, path, known)
-        if get_origin(kind) is tuple:
+        origin = _origin(kind)
+        if origin is tuple:
             return self._list(kind, rule, value, path, known)
-        if get_origin(kind) is Mapping:
+        if origin is Mapping:
             return self._tables(kind, value, path, known)
         result = _convert(kind, in_radians(value, rule["unit"]))
         if result is None or not keeps(result, rule):
@@ -196,6 +200,12 @@ class Reader:
     def _keys(self) -> dict[str, str]:
         """The last part of every key → the whole key, of equal ones the first."""
         return {key.rpartition(".")[2]: key for key, _ in reversed(list(keys_of(self.root)))}
+
+
+@functools.cache
+def _origin(kind: Any) -> Any:
+    """A type without its arguments; typing's function, alone, tries one kind of type after the other."""
+    return get_origin(kind)
 
 
 def _convert(kind: Any, value: Any) -> Any:

@@ -202,11 +202,18 @@ def scene_to_dict(scene: Scene) -> dict[str, Any]:
 
 def _all_tables(scene: Scene) -> dict[str, Any]:
     """The scene as plain dicts, lists and values, with every table in which a value can be set."""
+    tables: dict[str, Any] = _plain(scene)
+    return tables
 
-    def plain(items: list[tuple[str, Any]]) -> dict[str, Any]:
-        return {key: list(one) if isinstance(one, tuple) else one for key, one in items if one is not None}
 
-    return asdict(scene, dict_factory=plain)
+def _plain(value: Any) -> Any:
+    """A value without what is missing in it; dataclasses.asdict copies each number, which takes longer."""
+    if is_dataclass(value):
+        parts = ((entry.name, getattr(value, entry.name)) for entry in fields(value))
+        return {name: _plain(part) for name, part in parts if part is not None}
+    if isinstance(value, Mapping):
+        return {name: _plain(part) for name, part in value.items()}
+    return [_plain(part) for part in value] if isinstance(value, tuple) else value
 
 
 def _without_empty(data: dict[str, Any]) -> dict[str, Any]:
