@@ -174,7 +174,7 @@ def test_the_factors_of_friction_are_those_of_the_stored_figures(charts):
         mine = [row["seconds"] for (name, _), row in rows.items() if name == "ours"]
         return theirs["seconds"] / min(mine[:2])
 
-    said = [float(found) for found in re.search(r"takes it ([\d.]+) and ([\d.]+) times", message).groups()]
+    said = [float(found) for found in re.search(r"takes ([\d.]+) to ([\d.]+) times", message).groups()]
     assert said == pytest.approx(sorted(map(factor, ("moving", "resting"))), rel=0.05)
 
 

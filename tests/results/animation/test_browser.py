@@ -266,23 +266,22 @@ def test_list_caption_and_force_chart_name_the_same_impact_at_every_moment(show,
     assert named(page) == (14, 14, 14)
 
 
-def twins(until_next, force=1.0):
-    """Two points at a wall, the second before the first is gone, or at once."""
+def twins(path, until_next=1e-3, force=1.0):
+    """The address of a page: two points at a wall, the second before the first is gone, or at once."""
     time = np.linspace(0.0, 0.02, 401)
     columns = {f"point[{k}].{axis}": 0 * time + k * (axis == "x") for k in (0, 1) for axis in "xy"}
     onsets = [0.01, 0.01 + until_next]
     for k, onset in enumerate(onsets):
         columns[f"contact[{k}].y_min.force"] = force * np.maximum(0.0, 1.0 - abs(time - onset - 1e-3) / 1e-3)
     impacts = [Impact(onset, k, "y_min", 1.0, onset + 2e-3, force) for k, onset in enumerate(onsets)]
-    return Recording("Twins", time, columns, impacts, half_planes({"y_min": 0.0}, {}))
+    animate(Recording("Twins", time, columns, impacts, half_planes({"y_min": 0.0}, {})), path)
+    return path.as_uri()
 
 
 @pytest.mark.parametrize("until_next", [1e-3, 0.0])
 def test_of_contacts_that_overlap_the_latest_is_named(show, tmp_path, until_next):
     """That is the one that is gone to."""
-    recording = twins(until_next)
-    animate(recording, tmp_path / "twins.html")
-    page = show(address=(tmp_path / "twins.html").as_uri())
+    page = show(address=twins(tmp_path / "twins.html", until_next))
     for number in (1, 2, 1):
         page.get_by_role("button", name=f"Go to impact {number}, ").click()
         time_of(page)
@@ -294,10 +293,8 @@ def test_of_contacts_that_overlap_the_latest_is_named(show, tmp_path, until_next
 
 
 def test_the_labels_of_a_force_are_not_cut_off(show, tmp_path):
-    animate(twins(1e-3, force=2.345e-4), tmp_path / "faint.html")
-    page = show(address=(tmp_path / "faint.html").as_uri())
-    page.get_by_role("button", name="Go to impact 1, ").click()
-    time_of(page)
+    page = show(address=twins(tmp_path / "faint.html", force=2.345e-4))
+    go_to(page, "0.011")
     picture = pixels(page.locator("#force canvas"))
     assert picture.min() < 128.0
     assert (picture[:, :2] == picture[0, 0]).all()
