@@ -1,5 +1,6 @@
 """The order of the tests; for many of them the command line, run in an empty folder, and an FMU."""
 
+import math
 import os
 import shutil
 import sys
@@ -10,6 +11,7 @@ import pytest
 from xdist.scheduler import LoadFileScheduling
 
 from chain_impact import cli
+from chain_impact.cli import progress
 from tests.shared import once, shared_folder
 
 # What takes longest comes first, so that all cores end together. Of the first two, one links plain kernels
@@ -113,8 +115,10 @@ def here(tmp_path, monkeypatch):
 
 
 @pytest.fixture
-def run(here, capsys):
+def run(here, capsys, monkeypatch):
     """Run a command in an empty folder: (exit code, standard output, standard error)."""
+
+    monkeypatch.setattr(progress, "LINES", math.inf)  # no lines of progress, however slow the machine is
 
     def run(*arguments):
         try:

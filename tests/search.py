@@ -44,7 +44,6 @@ class Verdict:
     findings: list[Finding]
     status: int | None = OK  # None: it did not end
     cpu: float = 0.0  # s
-    counts: dict[str, int] = field(default_factory=dict)
     closeness: dict[str, float] = field(default_factory=dict)  # kind of check → value over bound
 
     @property
@@ -142,7 +141,7 @@ def _ended(scene: Scene, seed: int, cpu: float, memory: Any, code: int) -> Verdi
         finding = Finding("hang" if hangs else "slow", cpu, cpu, f"CPU time [s], {where}")
     else:
         finding = Finding("crash", float(abs(code)), 0.0, f"the process died, {where}")
-    return Verdict(seed, scene.contact.model, scene.solver.method, [finding], None, cpu, counts)
+    return Verdict(seed, scene.contact.model, scene.solver.method, [finding], None, cpu)
 
 
 def _serve(pipe: Any, memory: Any) -> None:
@@ -164,8 +163,7 @@ def _judged(scene: Scene, seed: int, cpu: float, memory: Any) -> Verdict:
     signal.setitimer(signal.ITIMER_PROF, cpu)
     run = oracle.account(scene, seed, memory)
     signal.setitimer(signal.ITIMER_PROF, 0.0)
-    counts = {**run.statistics, "impacts": len(run.impacts)}
     rows = list(oracle.checks(run, cpu))
     closeness = {kind: value / bound for kind, value, bound, _ in rows if bound > 0.0}
     law, method = scene.contact.model, scene.solver.method
-    return Verdict(seed, law, method, oracle.findings(rows), run.status, run.cpu, counts, closeness)
+    return Verdict(seed, law, method, oracle.findings(rows), run.status, run.cpu, closeness)

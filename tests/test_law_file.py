@@ -25,6 +25,8 @@ from chain_impact.compilation.places import base_folder
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS, LAW_COUNT
 from chain_impact.kernel.laws.user_law import ARGUMENTS
 from chain_impact.kernel.status import NOT_FINITE
+from chain_impact.scene.models import models_folder
+from chain_impact.scene.reading import SceneWarning
 from chain_impact.scene.scene import parse_scene, scene_to_dict, with_values
 from chain_impact.variables.model import Model
 from tests.problems import ball, own_law, struck_ball
@@ -88,6 +90,17 @@ def test_an_impact_is_that_of_the_same_law_in_the_registry(law):
         (impact,) = simulate(with_file(scene, law(DAMPED)), method=method).impacts
         for name in ("max_penetration", "peak_force", "separation_speed"):
             assert impact[name] == pytest.approx(getattr(exact, name), rel=3e-8)
+
+
+def test_a_law_that_is_given_and_not_used_is_pointed_at(law, tmp_path):
+    scene = tmp_path / "scene.toml"
+    text = (models_folder() / "rod_drop" / "scene.toml").read_text(encoding="utf-8")
+    scene.write_text(text.replace("[contact]", f"[contact]\nlaw_file = '{law(DAMPED)}'"), encoding="utf-8")
+    with pytest.warns(SceneWarning) as caught:
+        used = load_scene(scene).with_values({"contact.model": "damped"})
+    said = 'contact.law_file gives the law damped, which is not used: contact.model is "zhang_sharf"'
+    assert [str(one.message) for one in caught] == [f"{scene}: {said}"]
+    assert used.contact.model == "damped"
 
 
 def test_a_law_may_have_a_generator(law):

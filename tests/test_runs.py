@@ -161,6 +161,13 @@ def test_the_fmu_says_why_and_nothing_else_is_printed(fmus, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.parametrize("kind", ["native", "fmi3"])
+def test_a_native_fmu_says_why(tmp_path_factory, kind):
+    path = Path(OnDemand(kind, shared_folder(tmp_path_factory, "fmus") / kind)["four_link_box"])
+    with pytest.raises(RunError, match=r"FourLinkBox\.fmu: .*a contact point starts beyond a wall"):
+        record_fmu(path, {"box.x_min": "0.65"})
+
+
 @pytest.mark.parametrize("settings", [{}, LITTLE_WORK])
 def test_an_fmu_leaves_no_files_behind(fmus, tmp_path, monkeypatch, settings):
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))

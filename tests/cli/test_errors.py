@@ -234,4 +234,27 @@ def test_compare_of_what_cannot_be(refused, arguments, pattern):
 
 
 def test_compare_takes_no_fmu(refused, fmu):
-    refused(2, "FourLinkBox.fmu: cannot be read", "compare", fmu)
+    refused(2, r"FourLinkBox.fmu: cannot be read \(it is an FMU, or another ZIP file;", "compare", fmu)
+
+
+# --- outputs -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["simulate", "rod", "--csv", "rod/scene.toml"],
+        ["simulate", "rod/scene.toml", "--csv", "{here}/rod/scene.toml"],
+        ["simulate", "rod.fmu", "--csv", "rod.fmu"],
+        ["compare", "rod/scene.toml", "--csv", "rod/../rod/scene.toml"],
+        ["fit", "rod", "motion.csv,impacts.csv", "--free", "contact.restitution", "-o", "impacts.csv"],
+        ["fit", "rod/scene.toml", "motion.csv", "--free", "contact.restitution", "-o", "rod/scene.toml"],
+    ],
+)
+def test_what_is_read_is_not_replaced(refused, here, arguments):
+    (here / "rod").mkdir()
+    files = [here / name for name in ("rod/scene.toml", "rod.fmu", "motion.csv", "impacts.csv")]
+    for file in files:
+        file.write_text("as before", encoding="utf-8")
+    refused(2, "is read by this command, and would be replaced", *(a.format(here=here) for a in arguments))
+    assert {file.read_text(encoding="utf-8") for file in files} == {"as before"}

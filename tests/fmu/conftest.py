@@ -104,6 +104,12 @@ def run(clean) -> Clean:
 
 
 @pytest.fixture(scope="session")
+def run3(clean) -> Clean:
+    """Run a function in a clean process that has interface3.py."""
+    return lambda function, *arguments: clean(function, *arguments, module="interface3")
+
+
+@pytest.fixture(scope="session")
 def fmi3(all_fmus) -> dict[str, str]:
     """The FMU of each model."""
     return all_fmus["fmi3"]

@@ -17,13 +17,6 @@ from tests.fmu.standard import all_functions_of_fmi3
 from tests.shared import once, shared_folder
 from tests.stops import knee
 
-
-@pytest.fixture(scope="session")
-def run(clean):
-    """Run a function in a clean process that has interface3.py."""
-    return lambda function, *arguments: clean(function, *arguments, module="interface3")
-
-
 # The functions before each test run in the clean process, with all that interface3.py has.
 
 
@@ -69,8 +62,8 @@ def not_instantiated(fmu):
     return [found, library.categories, kinds, forms, library.c.fmi3GetVersion().decode()]
 
 
-def test_what_cannot_be_instantiated_is_refused_in_one_sentence(fmi3, run):
-    found, categories, kinds, forms, version = run(not_instantiated, fmi3["rod_drop"])
+def test_what_cannot_be_instantiated_is_refused_in_one_sentence(fmi3, run3):
+    found, categories, kinds, forms, version = run3(not_instantiated, fmi3["rod_drop"])
     expected = {
         "no name": "the instance has no name",
         "blank name": "the instance has no name",
@@ -120,8 +113,8 @@ def every_call(fmu, phases):
     return each_call(Library(fmu), Component, calls(), phases)
 
 
-def test_the_state_machine(fmi3, run):
-    found = run(every_call, fmi3["rod_drop"], PHASES)
+def test_the_state_machine(fmi3, run3):
+    found = run3(every_call, fmi3["rod_drop"], PHASES)
     without_instance = 5  # three to make one, one to free it, one that tells the version
     assert len(found) == len(PHASES) * (len(all_functions_of_fmi3()) - without_instance)
     assert {f"fmi3{name}" for _, name, *_ in found} < set(all_functions_of_fmi3())
@@ -160,8 +153,8 @@ def null_pointers(fmu):
     return [without, alone, stepping.step(0.0, 0.1)[0], stepping.call("FreeFMUState", None)]
 
 
-def test_null_pointers_are_refused(fmi3, run):
-    without, alone, after, freed = run(null_pointers, fmi3["rod_drop"])
+def test_null_pointers_are_refused(fmi3, run3):
+    without, alone, after, freed = run3(null_pointers, fmi3["rod_drop"])
     assert set(without.values()) == {ERROR}
     for name, (*statuses, messages) in alone.items():
         assert set(statuses) == {ERROR}, name
@@ -183,8 +176,8 @@ def modes(fmu):
     return found
 
 
-def test_without_early_return_steps_are_plain(fmi3, run):
-    for case, (rows, statuses, texts, count) in run(modes, fmi3["rod_drop"]).items():
+def test_without_early_return_steps_are_plain(fmi3, run3):
+    for case, (rows, statuses, texts, count) in run3(modes, fmi3["rod_drop"]).items():
         assert rows == [[OK, False, False, False, (k + 1) * 0.0625] for k in range(16)], case
         assert count[0] > 3
         if case.startswith("False"):
@@ -228,8 +221,8 @@ def stopping(fmu, size, stop):
 
 @pytest.mark.parametrize("size", [1e-3, 1e-2, 0.1])
 @pytest.mark.parametrize("model", ["four_link_box", "rod_drop"])
-def test_every_impact_is_an_event_and_nothing_else_changes(fmi3, run, model, size):
-    events, equal = run(stopping, fmi3[model], size, 2.0)
+def test_every_impact_is_an_event_and_nothing_else_changes(fmi3, run3, model, size):
+    events, equal = run3(stopping, fmi3[model], size, 2.0)
     expected = Counter(simulate(load_scene(model)).impacts["onset"].tolist())
     assert len(expected) > 10
     assert [[time, count] for time, count, *_ in events] == [list(item) for item in sorted(expected.items())]
@@ -263,9 +256,9 @@ def changed_at_impacts(fmu, law):
     return found
 
 
-def test_parameters_set_at_an_impact_hold_for_it(fmi3, run):
+def test_parameters_set_at_an_impact_hold_for_it(fmi3, run3):
     law = CONTACT_LAWS["newton_impact"].number
-    for restitution, left, right in run(changed_at_impacts, fmi3["rod_drop"], law):
+    for restitution, left, right in run3(changed_at_impacts, fmi3["rod_drop"], law):
         assert left[0] < 0.0
         np.testing.assert_allclose(right, -restitution * np.array(left), rtol=1e-12)
 
@@ -279,8 +272,8 @@ def stopped(tmp_path_factory):
 
 
 @pytest.mark.parametrize("size", [1e-3, 0.1])
-def test_every_impact_at_a_stop_is_an_event(stopped, run, size):
-    events, equal = run(stopping, stopped, size, 2.0)
+def test_every_impact_at_a_stop_is_an_event(stopped, run3, size):
+    events, equal = run3(stopping, stopped, size, 2.0)
     impacts = simulate(knee()).impacts
     assert set(impacts["wall"]) == {1, 4}
     assert [time for time, *_ in events] == sorted(impacts["onset"])
@@ -305,9 +298,9 @@ def changed_at_stops(fmu, law):
     return found
 
 
-def test_parameters_set_at_an_impact_of_a_stop_hold_for_it(stopped, run):
+def test_parameters_set_at_an_impact_of_a_stop_hold_for_it(stopped, run3):
     law = CONTACT_LAWS["newton_impact"].number
-    for restitution, left, right, speed in run(changed_at_stops, stopped, law):
+    for restitution, left, right, speed in run3(changed_at_stops, stopped, law):
         assert left[1] - left[0] == pytest.approx(-speed, rel=1e-12)
         assert right[1] - right[0] == pytest.approx(restitution * speed, rel=1e-12)
 
@@ -334,8 +327,8 @@ def torque_at_impact(fmu):
     return rows
 
 
-def test_an_input_can_be_set_at_an_impact(fmi3, run):
-    at_event, after = run(torque_at_impact, fmi3["pinned_arm"])
+def test_an_input_can_be_set_at_an_impact(fmi3, run3):
+    at_event, after = run3(torque_at_impact, fmi3["pinned_arm"])
     assert abs(at_event[-1]) > 0.1
     np.testing.assert_allclose(at_event, after, rtol=0, atol=1e-7)
 
@@ -365,8 +358,8 @@ def arrays(fmu):
     return [found, scalars, wrong, library.said(), one.get("time", "point.position")]
 
 
-def test_arrays_have_the_values_of_their_elements(fmi3, run):
-    found, scalars, wrong, texts, both = run(arrays, fmi3["four_link_box"])
+def test_arrays_have_the_values_of_their_elements(fmi3, run3):
+    found, scalars, wrong, texts, both = run3(arrays, fmi3["four_link_box"])
     assert found["point.position"][0] == [5, 2]
     assert found["impact.time"][0] == [8]
     assert found["contact.force"][0] == [20]
@@ -390,8 +383,8 @@ def large_integers(fmu):
     return [*found, *library.said()]
 
 
-def test_integers_have_64_bits_and_messages_escape_what_the_standard_says(fmi3, run):
-    status, text, path = run(large_integers, fmi3["rod_drop"])
+def test_integers_have_64_bits_and_messages_escape_what_the_standard_says(fmi3, run3):
+    status, text, path = run3(large_integers, fmi3["rod_drop"])
     assert status == ERROR
     assert "contact.model = 8589934593 must be one of 1 (hertz)" in text
     assert "resourcePath /a##1##%s/ has no file" in path

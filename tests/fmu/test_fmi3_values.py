@@ -1,16 +1,8 @@
 """FMI 3.0: the time in every state, and arrays as an importer sees them."""
 
 import numpy as np
-import pytest
 
 from tests.fmu.interface3 import PHASES, Component, Library
-
-
-@pytest.fixture(scope="session")
-def run(clean):
-    """Run a function in a clean process that has interface3.py."""
-    return lambda function, *arguments: clean(function, *arguments, module="interface3")
-
 
 # The functions before each test run in the clean process.
 
@@ -26,8 +18,8 @@ def times(fmu, phases):
     return found
 
 
-def test_the_time_can_be_read_in_every_state(fmi3, run):
-    found = run(times, fmi3["pinned_arm"], sorted(PHASES))
+def test_the_time_can_be_read_in_every_state(fmi3, run3):
+    found = run3(times, fmi3["pinned_arm"], sorted(PHASES))
     assert all(isinstance(values, list) for values in found.values()), found
     assert found["instantiated"] == found["initialization mode"] == found["event mode"] == [0.0]
     assert found["a later start"] == [2.5]

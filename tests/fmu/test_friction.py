@@ -6,8 +6,9 @@ import pytest
 from chain_impact import CONTACT_LAWS, Chain, simulate
 from chain_impact.fmu.build import build_fmu
 from tests.fmu.conftest import KINDS
-from tests.fmu.importer import Instance, refused
-from tests.fmu.test_stops import tuned
+from tests.fmu.importer import refused
+from tests.fmu.test_state import saved
+from tests.fmu.test_stops import description, tuned
 from tests.fmu.test_use import trajectory
 from tests.friction import thrown
 from tests.shared import once, shared_folder
@@ -23,10 +24,6 @@ def fmu(target, tmp_path_factory):
     once(folder, lambda folder: build_fmu(thrown(), folder, **KINDS[target]))
     (path,) = folder.glob("*.fmu")
     return str(path)
-
-
-def description(fmu):
-    return {name: [v.causality, v.variability, v.unit] for name, v in Instance(fmu).variables.items()}
 
 
 def test_it_has_the_variables_of_friction(fmu, clean):
@@ -69,32 +66,10 @@ def test_what_is_tunable_can_be_set_between_steps(fmu, clean):
     assert found["point[2].x"][-1] != other["point[2].x"][-1]
 
 
-def saved(fmu, save_at, stop, step):
-    """Save, go on to the end twice, and once more in another instance from the bytes of the state."""
-    one, two = Instance(fmu).start(), Instance(fmu)
-    one.step(save_at)
-    state = one.fmu.getFMUstate()
-    data = one.fmu.serializeFMUstate(state)
-    ends = [save_at + step * (i + 1) for i in range(round((stop - save_at) / step))]
-
-    def go_on(instance):
-        instance.time = save_at
-        return [instance.get(instance.outputs), *instance.run(ends)]
-
-    first = go_on(one)
-    one.fmu.setFMUstate(state)
-    second = go_on(one)
-    one.fmu.freeFMUstate(state)
-    copy = two.fmu.deSerializeFMUstate(data)
-    two.fmu.setFMUstate(copy)
-    third = go_on(two)
-    two.fmu.freeFMUstate(copy)
-    return [first == second == third, len(first)]
-
-
 @pytest.mark.parametrize("save_at", [0.25, 1.25], ids=["sliding", "sticking"])
 def test_a_saved_state_goes_on_to_the_last_bit(fmu, clean, save_at):
-    assert clean(saved, fmu, save_at, STOP, STEP) == [True, round((STOP - save_at) / STEP) + 1]
+    first, second, third, never, _ = clean(saved, fmu, save_at, STOP)
+    assert first == second == third == never
 
 
 def rigid(fmu, number):

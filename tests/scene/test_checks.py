@@ -76,6 +76,7 @@ LINK_2 = ("chain", "links", 2)
         (("contact", "radius"), 1.25, "box.y_max = 2.5 must be > 2.5 [m], which is y_min + 2 contact.radius"),
         (("chain", "links", 9, "mass"), 1, "('chain', 'links', 9, 'mass') is no path to a value"),
         ((), 1, "() is no path to a value of the scene"),
+        (5, 1, "5 is no path to a value of the scene"),
     ],
 )
 def test_a_bad_value_is_refused_by_key_value_and_what_is_allowed(path, value, message):

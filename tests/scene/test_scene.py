@@ -236,6 +236,13 @@ def test_an_unknown_name_is_refused_and_the_nearest_is_named(name, hint):
     assert message.startswith(f"FourLinkBox: {name} is no parameter; {hint}")
 
 
+def test_values_can_be_arrays_and_numbers_of_numpy():
+    scene = load_scene("four_link_box")
+    angles = np.linspace(0.1, 0.4, 4)
+    found = scene.with_values({"initial.angles": angles, "contact.restitution": np.float64(0.5)})
+    assert found == scene.with_values({"initial.angles": angles.tolist(), "contact.restitution": 0.5})
+
+
 def test_an_unknown_name_is_a_key_that_is_missing():
     with pytest.raises(KeyError) as caught:
         load_scene("rod_drop").with_values({"contact.x": 1.0})

@@ -196,6 +196,8 @@ def test_some_laws_only():
     assert [run.law for run in alone.runs] == ["kelvin_voigt", scene.contact.model]
     with pytest.raises(SceneError, match="flore is no contact law; the nearest is flores"):
         compare(scene, laws=["flore"])
+    with pytest.raises(SceneError, match=r"rubber is no contact law; the laws are .*hertz, .*newton_impact"):
+        compare(scene, laws=["rubber"])
 
 
 def test_a_scene_can_be_named(tmp_path):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from chain_impact.cli.options import UsageError, Verbs, add_scene, add_set, check_folders, is_fmu, settings_of
+from chain_impact.cli.options import UsageError, Verbs, add_scene, add_set, check_outputs, is_fmu, settings_of
 from chain_impact.cli.progress import progress, say
 from chain_impact.fmu.run import record_fmu
 from chain_impact.results.animation import FORMATS, IMPACT_TIME, SIZE, animate
@@ -73,7 +73,7 @@ def size(text: str) -> tuple[int, int]:
 
 def run(options: argparse.Namespace) -> int:
     """Get the recording, and write its animation; also of what came before a fault."""
-    check_folders(options.output)
+    check_outputs(options.output, inputs=filter(None, (options.source, options.scene)))
     fault = None
     try:
         recording = record(options)

@@ -11,7 +11,7 @@ from chain_impact.cli.options import (
     add_repeated,
     add_scene,
     add_set,
-    check_folders,
+    check_outputs,
     names_in,
     settings_of,
 )
@@ -37,7 +37,7 @@ def run(options: argparse.Namespace) -> int:
     """Simulate a scene with every law; print the table and the advice, and write what was asked for."""
     from chain_impact.studies.compare import compare
 
-    check_folders(options.csv, options.plot)
+    check_outputs(options.csv, options.plot, inputs=[options.source])
     scene = with_settings(load_scene(options.source), settings_of(options.set))
     with progress("comparing") as (notify, advance):
         comparison = compare(scene, notify, advance, laws=names_in(*options.laws) or None)

@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from chain_impact.cli.options import Verbs, add_scene, add_set, check_folders, settings_of
+from chain_impact.cli.options import Verbs, add_scene, add_set, check_outputs, settings_of
 from chain_impact.cli.progress import progress, say
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.record_scene import with_settings
@@ -38,7 +38,7 @@ def run(options: argparse.Namespace) -> int:
     from chain_impact.studies.explore import explore
 
     file = options.output or DEFAULT
-    check_folders(file)
+    check_outputs(file, inputs=[options.source])
     scene = with_settings(load_scene(options.source), settings_of(options.set))
     command = [options.source, *(word for setting in options.set for word in ("--set", setting))]
     with progress("writing") as (notify, advance):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from itertools import chain
 from pathlib import Path
 
 from chain_impact.cli.options import (
@@ -12,7 +13,7 @@ from chain_impact.cli.options import (
     add_plot,
     add_repeated,
     add_set,
-    check_folders,
+    check_outputs,
     name_and_value,
     names_in,
     settings_of,
@@ -70,14 +71,15 @@ def run(options: argparse.Namespace) -> int:
     """Fit, print what was found, and write what was asked for."""
     from chain_impact.studies.fit.fit import fit
 
-    check_folders(options.scene, options.plot)
+    data = [names_in(text) for text in options.data]
+    check_outputs(options.scene, options.plot, inputs=[options.source, *chain.from_iterable(data)])
     settings = settings_of(options.set)
     scene = with_settings(load_scene(options.source), settings)
     set_each = pairs("--set-each", options.set_each)
     with progress("fitting") as (notify, advance):
         found = fit(
             scene,
-            [names_in(text) for text in options.data],
+            data,
             names_in(*options.free),
             free_each=names_in(*options.free_each),
             set_each={name: numbers(name, text) for name, text in set_each.items()},

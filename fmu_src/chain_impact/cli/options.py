@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from errno import ENOENT
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from chain_impact.scene.models import SCENE_FILE
 
 if TYPE_CHECKING:
     Verbs = argparse._SubParsersAction[argparse.ArgumentParser]
@@ -88,8 +90,11 @@ def names_in(*texts: str) -> list[str]:
     return [part.strip() for text in texts for part in text.split(",") if part.strip()]
 
 
-def check_folders(*paths: Path | None) -> None:
-    """Refuse files in folders that are not there, before any work is done."""
-    for path in paths:
-        if path and not path.parent.is_dir():
+def check_outputs(*outputs: Path | None, inputs: Iterable[str | Path]) -> None:
+    """Refuse files in folders that are not there, and those that are read, before any work is done."""
+    read = [file for one in inputs for file in (Path(one), Path(one, SCENE_FILE)) if file.is_file()]
+    for path in filter(None, outputs):
+        if not path.parent.is_dir():
             raise FileNotFoundError(ENOENT, "No such folder", str(path))
+        if path.exists() and any(map(path.samefile, read)):
+            raise UsageError(f"{path} is read by this command, and would be replaced; must be another file")

@@ -13,7 +13,7 @@ from chain_impact.cli.options import (
     add_repeated,
     add_scene,
     add_set,
-    check_folders,
+    check_outputs,
     name_and_value,
     settings_of,
 )
@@ -69,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
     from chain_impact.studies.sweep.resume import partial_path
     from chain_impact.studies.sweep.sweep import sweep
 
-    check_folders(options.table, options.plot)
+    check_outputs(options.table, options.plot, inputs=[options.source])
     scene = with_settings(load_scene(options.source), settings_of(options.set))
     vary = variations(options.vary, settings_of(options.set))
     if options.plot:

@@ -167,7 +167,8 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
     said = io.StringIO()  # what a slave in Python prints: it runs in this process
     logged: list[str] = []  # what a native FMU says to the importer
 
-    def log(_environment: Any, _name: bytes, status: int, _category: bytes | None, message: bytes) -> None:
+    def log(*call: Any) -> None:
+        status, _category, message = call[-3:]  # before them FMI 2.0 has a name that FMI 3.0 does not have
         if status > WARNING:
             logged.append(message.decode(errors="replace"))
 

@@ -194,9 +194,7 @@ def _arm(point: int, wall: str, stops: Mapping[int, JointRange]) -> float | None
     return stops[point].length if wall in STOPS and point in stops else None
 
 
-def impact_list(
-    table: np.ndarray, walls: Sequence[str], stops: Mapping[int, JointRange] = NO_STOPS
-) -> list[Impact]:
+def impact_list(table: np.ndarray, walls: Sequence[str], stops: Mapping[int, JointRange]) -> list[Impact]:
     """The impacts of a table as `Result.impacts`, with the names of the walls, and the joints with stops."""
     return [
         Impact(

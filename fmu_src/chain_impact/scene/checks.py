@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import warnings
 from collections.abc import Mapping
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from chain_impact.scene.scene import Scene
 
 _MASSES = ("length", "center_of_mass", "inertia")
+PACKAGE = __name__.partition(".")[0]
 START_TOLERANCE = 1e-12  # m, penetration at the start that counts as round-off
 
 
@@ -157,10 +159,25 @@ def hints(scene: Scene) -> list[str]:
     return found
 
 
+def unused_law(scene: Scene) -> list[str]:
+    """A sentence on a law of the user's own that is given and not used, if it is so."""
+    if not scene.contact.law_file:
+        return []
+    law, model = Path(scene.contact.law_file).stem, scene.contact.model
+    if law in (model, scene.stops.model):
+        return []
+    return [f'contact.law_file gives the law {law}, which is not used: contact.model is "{model}"']
+
+
 def warn(source: str, hints: list[str]) -> None:
-    """Say what may be meant otherwise, at the line that called the function that calls this one."""
+    """Say what may be meant otherwise, at the line outside of this package that has led here."""
+    if not hints:
+        return
+    frame, level = inspect.currentframe(), 1
+    while frame and frame.f_globals.get("__name__", "").partition(".")[0] == PACKAGE:
+        frame, level = frame.f_back, level + 1
     for hint in hints:
-        warnings.warn(f"{source}: {hint}", SceneWarning, stacklevel=3)
+        warnings.warn(f"{source}: {hint}", SceneWarning, stacklevel=level)
 
 
 def has_counts(data: Any) -> bool:

@@ -51,7 +51,7 @@ def matching(
     name: str,
     names: Iterable[str],
     what: str,
-    hint: Callable[[str], str | None] = lambda _: None,
+    hint: Callable[[str], str | None],
 ) -> list[str]:
     """The names that are ``name``, or like it if it has a ``*``, which stands for any text.
 

@@ -160,7 +160,7 @@ def parse_scene(text: str, source: str) -> Scene:
 def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
     """Return the validated scene of a parsed scene file; errors (SceneError) name it `source`."""
     scene = _validated(data, source, in_file=True)
-    checks.warn(source, checks.hints(scene))
+    checks.warn(source, [*checks.hints(scene), *checks.unused_law(scene)])
     return scene
 
 
@@ -197,17 +197,14 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
 
 def scene_to_dict(scene: Scene) -> dict[str, Any]:
     """Return the scene as plain dicts, lists and values that TOML can hold, without what is missing."""
-    return _without_empty(_all_tables(scene))
-
-
-def _all_tables(scene: Scene) -> dict[str, Any]:
-    """The scene as plain dicts, lists and values, with every table in which a value can be set."""
-    tables: dict[str, Any] = _plain(scene)
-    return tables
+    return _without_empty(_plain(scene))
 
 
 def _plain(value: Any) -> Any:
-    """A value without what is missing in it; dataclasses.asdict copies each number, which takes longer."""
+    """A value as plain dicts, lists and values, without keys that are missing, but with empty tables.
+
+    dataclasses.asdict would copy each number, which takes longer.
+    """
     if is_dataclass(value):
         parts = ((entry.name, getattr(value, entry.name)) for entry in fields(value))
         return {name: _plain(part) for name, part in parts if part is not None}
@@ -248,7 +245,7 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[Place, 
     """
     scene = scene_of(scene)
     values = [_place_and_value(scene, change, given) for change, given in changes.items()]
-    if all(len(path) == 2 and path[1] in _INDEPENDENT.get(path[0], ()) for path, _ in values):  # noqa: PLR2004
+    if all(_is_independent(path) for path, _ in values):
         changed = _with_independent(scene, values)
     else:
         changed = _with_any(scene, values)
@@ -259,7 +256,7 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[Place, 
 
 def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
     """As with_values: all is read anew."""
-    data: Any = _all_tables(scene)
+    data = _plain(scene)
     for path, value in values:
         try:
             *parents, last = path
@@ -269,11 +266,19 @@ def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
     return _validated(_without_empty(data), scene.name, in_file=False)
 
 
-_INDEPENDENT: dict[Any, frozenset[str]] = {
+_INDEPENDENT: dict[str, frozenset[str]] = {
     name: frozenset(entry.name for entry in fields(table))
     for name, table in (("inputs", Inputs), ("solver", Solver), ("simulation", Simulation))
 }
 """The tables, and their keys, on which no other value of a scene depends."""
+
+
+def _is_independent(path: Any) -> bool:
+    """Whether a path is that of a key of such a table."""
+    match path:
+        case str(table), str(key):
+            return key in _INDEPENDENT.get(table, ())
+    return False
 
 
 def _with_independent(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
@@ -292,7 +297,8 @@ def _with_independent(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
 
 
 def _place_and_value(scene: Scene, change: str | Place, given: Any) -> tuple[Place, Any]:
-    """The path of a change, which may be a name, and the value that it stands for."""
+    """The path of a change, which may be a name, and the value that it stands for, of an array a list."""
+    given = given.tolist() if hasattr(given, "tolist") else given
     if not isinstance(change, str):
         return change, given
     names = _keys() if change in _keys() else _keys() | _names(scene)

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.compilation.work import Notify
+from chain_impact.kernel.model.inputs import AT_ONCE
 from chain_impact.kernel.status import OK
 from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.stick_slip import CHANGE_DTYPE, phases_of
@@ -197,7 +198,7 @@ class Chain:
                 memory[word] = number
                 self._observed = False
                 if self._stepped:
-                    self._integers[self._changed_word] = 1  # the solver starts anew from this point in time
+                    self._integers[self._changed_word] = AT_ONCE
                 else:
                     self._initialized = False
 

@@ -101,7 +101,7 @@ def advice(comparison: Comparison) -> list[str]:
     lines = [f"for e = {e:g}: {best.law}. {reason}"]
     if others:
         how = "their range and here" if lone else "their range"
-        lines.append(f"within {100 * NEAR:g} % of e too, by {how}: {', '.join(others)}")
+        lines.append(f"also within {100 * NEAR:g} % of e by {how}: {', '.join(others)}")
     if unfit:
         lines.append(f"not for e = {e:g}: {', '.join(unfit)}")
     return lines

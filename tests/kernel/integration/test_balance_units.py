@@ -258,23 +258,26 @@ def test_the_energy_of_impacts_allows_for_some_of_it(monkeypatch):
     assert not dissipates_evenly(d, 1.0 + 1.01 * slack)
 
 
-def test_a_motion_that_keeps_its_energy_does_so_in_the_middle():
-    d = after_a_step(0.0)
-    motion = free_motion(np.random.default_rng(1), d, speed=0.0, bend=0.0)  # at rest, without gravity
-    d.model.gravity[:] = d.model.gravity_size = 0.0
-    set_step(d, motion, 0.1)
-    start_balance(d, 0.0)
-    assert interpolates(d)
-    d.step.dense[3, 2 + LINKS + 3] += 1.0  # a rate, in the middle only
-    assert not interpolates(d)
-
-
-def test_nor_is_energy_dissipated_in_the_middle_only():
+@pytest.fixture
+def still():
+    """A chain after a step at rest, without gravity."""
     d = after_a_step(0.0)
     motion = free_motion(np.random.default_rng(1), d, speed=0.0, bend=0.0)
     d.model.gravity[:] = d.model.gravity_size = 0.0
     set_step(d, motion, 0.1)
     start_balance(d, 0.0)
+    return d
+
+
+def test_a_motion_that_keeps_its_energy_does_so_in_the_middle(still):
+    d = still
+    assert interpolates(d)
+    d.step.dense[3, 2 + LINKS + 3] += 1.0  # a rate, in the middle only
+    assert not interpolates(d)
+
+
+def test_nor_is_energy_dissipated_in_the_middle_only(still):
+    d = still
     d.step.dense[3, dissipated_at(LINKS)] += 1.0
     # the energy itself would be allowed
     d.balance.least_allowed = 1e9

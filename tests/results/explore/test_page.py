@@ -1,6 +1,5 @@
 """The page stands alone and is small; its modules fit together."""
 
-import json
 import re
 from collections import Counter
 
@@ -10,14 +9,11 @@ import pytest
 from chain_impact import load_scene, model_names
 from chain_impact.results.animation import page as player
 from chain_impact.results.explore.page import MODULES, PAGE, STYLES, WORKER, page, program
+from tests.page_data import data_of
 
 LARGEST = 900_000  # bytes
 LONG = {"name": "Long", "chain": {"links": [{"length": 0.1, "mass": 0.1, "count": 40}]}}
 DEFINED = re.compile(r"^(?:const|let|class|(?:async )?function\*?) (\w+)", re.MULTILINE)
-
-
-def data_of(text):
-    return json.loads(re.search(r'<script id="data"[^>]*>(.*?)</script>', text, re.DOTALL)[1])
 
 
 @pytest.mark.parametrize("model", model_names())

@@ -24,8 +24,9 @@ from chain_impact.kernel.model.geometry import (
     to_joints,
 )
 
-# Relative to the mobility of all links as one mass. In a toggle position of a pinned chain the mobility of a
-# point is 0, and its effective mass infinite; a million times the chain's mass behaves like that.
+# In a toggle position of a pinned chain the mobility of a point is 0, and its effective mass infinite; a
+# million times the chain's mass behaves like that. The mobility is at least this part of that of all links as
+# one mass where a contact begins, and of that of a mean link where a constraint is active.
 LEAST_MOBILITY = 1e-6
 # D of a held point over the mean mass of a link. An iteration in constraints.py leaves 1/(D W) of the
 # residual: two or three suffice. A larger D would lose digits of the chain's inertia, a smaller one takes

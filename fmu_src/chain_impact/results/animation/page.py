@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import html
 import json
 import math
 import re
@@ -55,7 +56,8 @@ def assembled(template: str, title: str, styles: Iterable[str], modules: str, **
         parts: what to fill in at other places of the template.
     """
     scripts = "\n".join(f"<script>\n{SOURCE_MAP.sub('', _text(name))}</script>" for name in LIBRARIES)
-    parts |= {"title": escaped(title), "style": "\n".join(styles), "libraries": scripts, "program": modules}
+    parts |= {"title": html.escape(title, quote=False), "style": "\n".join(styles)}
+    parts |= {"libraries": scripts, "program": modules}
     parts |= {name: _text(f"{name}.html") for name in FRAGMENTS}
     # one pass: what is filled in may hold what looks like a place to fill
     return re.sub(r"\{\{ (\w+) \}\}", lambda found: parts[found[1]], template)
@@ -179,9 +181,3 @@ def _base64(array: np.ndarray) -> str:
 
 def _text(name: str) -> str:
     return PAGE.joinpath(name).read_text(encoding="utf-8")
-
-
-def escaped(text: str) -> str:
-    """Text in HTML."""
-    replaced: Mapping[str, str] = {"&": "&amp;", "<": "&lt;", ">": "&gt;"}
-    return "".join(replaced.get(sign, sign) for sign in text)

@@ -126,6 +126,6 @@ def quantiles(freedom: np.ndarray) -> np.ndarray:
     return np.where(freedom > 2.0 * LEAST_FREEDOM, found, math.inf)
 
 
-def largest_usual(freedom: float, probability: float = 0.999) -> float:
+def largest_usual(freedom: float) -> float:
     """The χ² that a right model exceeds with a probability of 0.1 % only."""
-    return float(require("scipy.special", "fit").chdtri(freedom, 1.0 - probability))
+    return float(require("scipy.special", "fit").chdtri(freedom, 1e-3))

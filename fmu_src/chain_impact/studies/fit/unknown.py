@@ -29,7 +29,7 @@ PROPOSED = {
 }
 
 
-def unknown(problem: Problem, at: Evaluation, known: Information, reached: Collection[int] = ()) -> list[str]:
+def unknown(problem: Problem, at: Evaluation, known: Information, reached: Collection[int]) -> list[str]:
     """What the data cannot tell: sentences, none if they determine all parameters but those at bounds."""
     return list(_Adviser(problem, at, known, reached).sentences())
 
