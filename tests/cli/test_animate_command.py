@@ -71,3 +71,11 @@ def test_refusals_are_one_line(run, here, arguments, pattern):
     assert re.search(pattern, errors)
     assert errors.count("\n") == 1
     assert list(here.iterdir()) == []
+
+
+def test_a_table_of_another_chain_is_refused(run, here):
+    run("simulate", "rod_drop", "--csv", "rod.csv")
+    code, _, errors = run("animate", "rod.csv", "--scene", "falling_arm", "-o", "rod.html")
+    assert code == 2
+    assert errors == "chain-impact: rod.csv has 1 link, and --scene falling_arm has 2\n"
+    assert not (here / "rod.html").exists()

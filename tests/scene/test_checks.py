@@ -171,7 +171,7 @@ def test_a_wall_has_an_angle_or_a_normal_and_keeps_the_angle():
             "wall.ramp has both angle and normal; must have",
         ),
         ([RAMP | {"normal": [0.0, 0.0]}], "wall.ramp.normal = [0.0, 0.0] must not be zero"),
-        ([RAMP | {"normal": [1.0]}], "wall.ramp.normal = [1.0] must be a list, expected length 2"),
+        ([RAMP | {"normal": [1.0]}], "wall.ramp.normal has 1 value, must have 2 ("),
         ([RAMP | {"angle": "up"}], "wall.ramp.angle = 'up' must be a finite number [rad]"),
         (
             [RAMP | {"angle": 0.0}] * 2,

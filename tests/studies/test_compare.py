@@ -194,6 +194,8 @@ def test_some_laws_only():
     assert [run.law for run in found.runs] == ["hertz", "flores"]
     alone = compare(scene, laws=["kelvin_voigt"])
     assert [run.law for run in alone.runs] == ["kelvin_voigt", scene.contact.model]
+    unfit = str(compare(scene, laws=["hertz"]))
+    assert f"for e = {scene.contact.restitution:g}: none of these laws; hertz is nearest. " in unfit
     with pytest.raises(SceneError, match="flore is no contact law; the nearest is flores"):
         compare(scene, laws=["flore"])
     with pytest.raises(SceneError, match=r"rubber is no contact law; the laws are .*hertz, .*newton_impact"):

@@ -12,6 +12,7 @@ from chain_impact.results.animation import FORMATS, IMPACT_TIME, SIZE, animate
 from chain_impact.results.csv_file import read_csv
 from chain_impact.results.joint_stops import ranges_of
 from chain_impact.results.recording import Recording
+from chain_impact.results.summary import plural
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.instance import SimulationError
 from chain_impact.simulation.record_scene import RunError, with_settings
@@ -133,4 +134,8 @@ def read_table(path: Path, scene: str | None, settings: dict[str, str]) -> Recor
             )
         return read_csv(path, None)
     known = with_settings(load_scene(scene), settings)
-    return read_csv(path, known.half_planes, known.wall_names, ranges_of(known))
+    found = read_csv(path, known.half_planes, known.wall_names, ranges_of(known))
+    links, wanted = found.points.shape[1] - 1, len(known.chain.links)
+    if links != wanted:
+        raise UsageError(f"{path} has {plural(links, 'link')}, and --scene {scene} has {wanted}")
+    return found

@@ -122,7 +122,8 @@ class Reader:
             if value is None:
                 value = rule.get("default", {})  # a table has no default but those of its keys
             if value is MISSING:
-                raise SceneError(f"{self.label(where)} is missing ({rule['description']})")
+                meaning = "" if rule["description"] == entry.name else f" ({rule['description']})"
+                raise SceneError(f"{self.label(where)} is missing{meaning}")
             if isinstance(value, Derived):
                 value = value.value(scope)
             # what is None still is not there, such as a wall
@@ -155,10 +156,11 @@ class Reader:
         length = len(known["chain"].links) if rule["per_link"] else None if ... in rest else 1 + len(rest)
         if isinstance(value, Mapping) and is_dataclass(item):
             raise SceneError(self._one_table(item, value, path))
-        if rule["per_link"] and isinstance(value, list | tuple) and len(value) != length:
-            needed = f"has {len(value)} value{'s' * (len(value) != 1)}, must have {length}, one for each link"
-            raise SceneError(f"{self.label(path)} {needed} ({rule['description']})")
-        if not isinstance(value, list | tuple) or length not in (None, len(value)):
+        if isinstance(value, list | tuple) and length not in (None, len(value)):
+            needed = f"has {len(value)} value{'s' * (len(value) != 1)}, must have {length}"
+            each = ", one for each link" if rule["per_link"] else ""
+            raise SceneError(f"{self.label(path)} {needed}{each} ({rule['description']})")
+        if not isinstance(value, list | tuple):
             expected = "" if length is None else f", expected length {length} ({rule['description']})"
             raise self._refusal(path, value, f"a list{expected}")
         least, most = rule["entries"] or (0, math.inf)

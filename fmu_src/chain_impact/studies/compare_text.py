@@ -98,7 +98,10 @@ def advice(comparison: Comparison) -> list[str]:
     near = [run.law for run in ended if _in_range(run.law, e) and (not lone or _is_near(run, e))]
     others = [law for law in near if law != best.law]
     unfit = [run.law for run in ended if run.law not in (best.law, *near)]
-    lines = [f"for e = {e:g}: {best.law}. {reason}"]
+    suits = best.law in (EXACT, *near)
+    lines = [
+        f"for e = {e:g}: {best.law if suits else f'none of these laws; {best.law} is nearest'}. {reason}"
+    ]
     if others:
         how = "their range and here" if lone else "their range"
         lines.append(f"also within {100 * NEAR:g} % of e by {how}: {', '.join(others)}")
