@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.scene.reading import SceneError
+from chain_impact.scene.reading import SceneError, SceneWarning
 from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep.variation import sweepable, variations_of
 
@@ -89,3 +89,15 @@ def test_all_parameters_and_the_stop_time_can_be_varied():
     assert {"gravity.x", "link[4].mass", "solver.method", "initial.angle[1]", "box.y_max"} <= known.keys()
     assert "simulation.stop_time" in known
     assert "solver.steps" not in known
+
+
+@pytest.mark.parametrize("values", ["0:90:3", [-90.0, 3.0]])
+def test_angles_of_more_than_a_turn_are_pointed_at(values):
+    with pytest.warns(SceneWarning, match=r"initial\.angle\[1\] = -?90 rad is 14\.3 turns: if degrees"):
+        one("initial.angle[1]", values)
+
+
+def test_angles_of_less_than_a_turn_are_not(recwarn):
+    one("initial.angle[1]", "0 deg:360 deg:5")
+    one("initial.angular_velocity[1]", "0:90:3")
+    assert not recwarn.list

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from chain_impact.scene.angles import in_radians, or_degrees
+from chain_impact.scene.angles import in_radians, or_degrees, radians_hint
+from chain_impact.scene.checks import warn
 from chain_impact.scene.names import friction_hint
 from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene
@@ -95,6 +96,8 @@ def variations_of(source: Scene | Model, vary: Mapping[str, Values]) -> tuple[Va
             raise UnknownNameError(scene.name, name, known, what, friction_hint(name))
         variation = _read(known[name], values, scene.name)
         _check(variation, scene.name)
+        hint = radians_hint(name, max(variation.values, key=abs), variation.variable.unit)
+        warn(scene.name, [hint] if hint else [])
         found.append(variation)
     return tuple(found)
 
