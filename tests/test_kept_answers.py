@@ -12,9 +12,9 @@ from tests.friction_derivative_scenes import dry_joints
 from tests.independent import moved
 from tests.kernel.integration import stiff_problems
 
-# In a column that is zero but for rounding, numbers up to 1e-10 of this are the same. The processor on which
-# an answer was worked out may have added in another order.
-ROUNDING = 1e-5
+# Columns are compared to 1e-10 of their largest number, or of this where that is smaller: what is zero but
+# for rounding depends on the processor.
+LEAST_SCALE = 1e-5
 # of each kind of scene the one that takes least
 CASES = {
     "rigid walls": struck_twice("newton_impact"),
@@ -33,11 +33,11 @@ def assert_same(found, right):
     for name in DICTIONARIES:
         assert getattr(found, name).keys() == getattr(right, name).keys()
         for key, value in getattr(right, name).items():
-            scale = np.max(np.abs(value), initial=ROUNDING, where=np.isfinite(value))
+            scale = np.max(np.abs(value), initial=LEAST_SCALE, where=np.isfinite(value))
             np.testing.assert_allclose(getattr(found, name)[key], value, rtol=1e-9, atol=1e-10 * scale)
     assert found.points.tolist() == right.points.tolist()
     assert found.walls.tolist() == right.walls.tolist()
-    assert found.steps == pytest.approx(right.steps, rel=0.02)
+    assert found.steps == pytest.approx(right.steps, abs=2)  # on another processor a step more or less
     np.testing.assert_allclose(np.reshape(found.modes, (-1, 3)), np.reshape(right.modes, (-1, 3)), rtol=1e-9)
 
 

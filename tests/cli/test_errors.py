@@ -46,6 +46,19 @@ def test_build_into_what_is_no_folder(refused, here, place):
     refused(2, place, "build", "rod_drop", "-o", place)
 
 
+@pytest.mark.parametrize(
+    ("place", "pattern"),
+    [
+        ("file", "file is a file, must be a folder"),
+        ("mine.fmu", r"mine\.fmu must not end in \.fmu: it is a folder"),
+        (300 * "a", "File name too long"),
+    ],
+)
+def test_build_into_a_folder_that_cannot_be(refused, here, place, pattern):
+    (here / "file").write_text("")
+    refused(2, pattern, "build", "rod_drop", "-o", place)
+
+
 def test_build_of_an_unknown_platform(refused):
     refused(2, "'amiga' is no platform; must be of linux64, win64", "build", "--platform", "linux64,amiga")
 
@@ -234,7 +247,7 @@ def test_compare_of_what_cannot_be(refused, arguments, pattern):
 
 
 def test_compare_takes_no_fmu(refused, fmu):
-    refused(2, r"FourLinkBox.fmu: cannot be read \(it is an FMU, or another ZIP file;", "compare", fmu)
+    refused(2, r"FourLinkBox.fmu: cannot be read \(it is a ZIP file, such as an FMU", "compare", fmu)
 
 
 # --- outputs -----------------------------------------------------------------------------------------------

@@ -200,6 +200,8 @@ def test_some_laws_only():
         compare(scene, laws=["flore"])
     with pytest.raises(SceneError, match=r"rubber is no contact law; the laws are .*hertz, .*newton_impact"):
         compare(scene, laws=["rubber"])
+    with pytest.raises(SceneError, match="3 is no contact law; the laws are "):
+        compare(scene, laws=[3])
 
 
 def test_a_scene_can_be_named(tmp_path):

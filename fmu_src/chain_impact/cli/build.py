@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from chain_impact.cli.options import Verbs, add_scene, is_fmu
+from chain_impact.cli.options import UsageError, Verbs, add_scene, is_fmu
 from chain_impact.cli.progress import progress, say
 from chain_impact.cli.report import report
 from chain_impact.scene.scene import load_scene
@@ -19,7 +19,7 @@ def add(verbs: Verbs) -> None:
     build = verbs.add_parser("build", help="make the FMU of a scene")
     add_scene(build, "scene")
     build.add_argument(
-        "-o", "--output", metavar="DIR", type=_folder, default=Path("build"), help="default: build"
+        "-o", "--output", metavar="DIR", type=Path, default=Path("build"), help="default: build"
     )
     build.add_argument(
         "--platform",
@@ -49,6 +49,11 @@ def run(options: argparse.Namespace) -> int:
     """Build the FMU of a scene; if asked, simulate and draw it."""
     from chain_impact.fmu.build import TARGET, build_fmu
 
+    if is_fmu(str(options.output)):
+        named = "it is a folder, and the FMU in it has the name of the scene"
+        raise UsageError(f"-o {options.output} must not end in .fmu: {named}")
+    if options.output.is_file():
+        raise UsageError(f"-o {options.output} is a file, must be a folder")
     scene = load_scene(options.source)
     with progress() as (notify, _):
         fmu = build_fmu(
@@ -64,14 +69,6 @@ def run(options: argparse.Namespace) -> int:
     if options.simulate:
         report(str(fmu), [], fmu.with_suffix(".csv"), fmu.with_suffix(".png"))
     return 0
-
-
-def _folder(text: str) -> Path:
-    """The type of an argument: a folder, which need not be there."""
-    path = Path(text)
-    if is_fmu(text) or path.is_file():
-        raise argparse.ArgumentTypeError(f"{text} must be a folder; the FMU in it has the name of the scene")
-    return path
 
 
 def _platforms(text: str) -> tuple[str, ...]:

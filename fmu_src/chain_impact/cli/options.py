@@ -91,7 +91,10 @@ def names_in(*texts: str) -> list[str]:
 
 
 def check_outputs(*outputs: Path | None, inputs: Iterable[str | Path]) -> None:
-    """Refuse files in folders that are not there, and those that are read, before any work is done."""
+    """Refuse files in folders that are not there, and those that are read, before any work is done.
+
+    An input may be a folder with a scene.
+    """
     read = [file for one in inputs for file in (Path(one), Path(one, SCENE_FILE)) if file.is_file()]
     for path in filter(None, outputs):
         if not path.parent.is_dir():

@@ -159,14 +159,14 @@ def hints(scene: Scene) -> list[str]:
     return found
 
 
-def unused_law(scene: Scene) -> list[str]:
-    """A sentence on a law of the user's own that is given and not used, if it is so."""
+def law_hints(scene: Scene) -> list[str]:
+    """A sentence on a law of the user's own that is not the law of the scene."""
     if not scene.contact.law_file:
         return []
     law, model = Path(scene.contact.law_file).stem, scene.contact.model
     if law in (model, scene.stops.model):
         return []
-    return [f'contact.law_file gives the law {law}, which is not used: contact.model is "{model}"']
+    return [f'contact.law_file gives the law {law}, but contact.model is "{model}"']
 
 
 def warn(source: str, hints: list[str]) -> None:

@@ -206,7 +206,7 @@ class Reader:
 
 @functools.cache
 def _origin(kind: Any) -> Any:
-    """A type without its arguments; typing's function, alone, tries one kind of type after the other."""
+    """What typing's function gives for a type. It is kept, as that function tries many kinds of types."""
     return get_origin(kind)
 
 

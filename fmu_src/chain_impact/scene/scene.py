@@ -140,7 +140,9 @@ def load_scene(source: str | os.PathLike[str]) -> Scene:
         reason = error.strerror if isinstance(error, OSError) else error
         wanted = f"a scene file, a folder with {SCENE_FILE}, or a model: {', '.join(model_names())}"
         raise SceneError(f"{source}: cannot be read ({reason}); must be {wanted}") from None
-    return parse_scene(text, str(path))
+    scene = parse_scene(text, str(path))
+    checks.warn(str(path), checks.law_hints(scene))
+    return scene
 
 
 def scene_of(source: SceneSource) -> Scene:
@@ -160,7 +162,7 @@ def parse_scene(text: str, source: str) -> Scene:
 def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
     """Return the validated scene of a parsed scene file; errors (SceneError) name it `source`."""
     scene = _validated(data, source, in_file=True)
-    checks.warn(source, [*checks.hints(scene), *checks.unused_law(scene)])
+    checks.warn(source, checks.hints(scene))
     return scene
 
 

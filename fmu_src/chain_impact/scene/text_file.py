@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 UTF_16 = (b"\xff\xfe", b"\xfe\xff")  # how a file in it begins
-ZIP = b"PK\x03\x04"  # how an FMU begins
+ZIP = b"PK\x03\x04"  # how a ZIP file begins
 COMMA = re.compile(r"=\s*([+-]?\d+),(\d+)")
 SEPARATORS = {";": "semicolons", "\t": "tabs"}
 
@@ -20,7 +20,7 @@ def text_of(path: Path) -> str:
     """
     content = path.read_bytes()
     if content.startswith(ZIP):
-        raise ValueError("it is an FMU, or another ZIP file; must be text in UTF-8")
+        raise ValueError("it is a ZIP file, such as an FMU or an Excel workbook; must be text in UTF-8")
     if content.startswith(UTF_16) or b"\0" in content:
         raise ValueError("it is in UTF-16, or no text; must be text in UTF-8")
     try:

@@ -241,7 +241,8 @@ def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
     known = law_names(scene)
     for law in laws or ():
         if law not in known:
-            hint = None if nearest(law, known) else f"the laws are {', '.join(known)}"
+            near = isinstance(law, str) and nearest(law, known)
+            hint = f"the nearest is {near}" if near else f"the laws are {', '.join(known)}"
             raise UnknownNameError(scene.name, law, known, "no contact law", hint)
     chosen = [law for law in known if not laws or law in laws]
     at_home = any(keeps_exponents(law, scene) for law in chosen)

@@ -267,7 +267,7 @@ def test_list_caption_and_force_chart_name_the_same_impact_at_every_moment(show,
 
 
 def twins(path, until_next=1e-3, force=1.0):
-    """The address of a page: two points at a wall, the second before the first is gone, or at once."""
+    """Write a page in which a second point touches a wall soon after the first; return its address."""
     time = np.linspace(0.0, 0.02, 401)
     columns = {f"point[{k}].{axis}": 0 * time + k * (axis == "x") for k in (0, 1) for axis in "xy"}
     onsets = [0.01, 0.01 + until_next]
@@ -280,7 +280,7 @@ def twins(path, until_next=1e-3, force=1.0):
 
 @pytest.mark.parametrize("until_next", [1e-3, 0.0])
 def test_of_contacts_that_overlap_the_latest_is_named(show, tmp_path, until_next):
-    """That is the one that is gone to."""
+    """Where both begin at once, it is the one whose button was pressed."""
     page = show(address=twins(tmp_path / "twins.html", until_next))
     for number in (1, 2, 1):
         page.get_by_role("button", name=f"Go to impact {number}, ").click()

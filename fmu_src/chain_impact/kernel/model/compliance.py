@@ -25,8 +25,8 @@ from chain_impact.kernel.model.geometry import (
 )
 
 # In a toggle position of a pinned chain the mobility of a point is 0, and its effective mass infinite; a
-# million times the chain's mass behaves like that. The mobility is at least this part of that of all links as
-# one mass where a contact begins, and of that of a mean link where a constraint is active.
+# million times the chain's mass behaves like that. Where a contact begins, this is relative to the mobility
+# of all links as one mass; where a constraint is active, to that of one mass that is the mean of the links.
 LEAST_MOBILITY = 1e-6
 # D of a held point over the mean mass of a link. An iteration in constraints.py leaves 1/(D W) of the
 # residual: two or three suffice. A larger D would lose digits of the chain's inertia, a smaller one takes

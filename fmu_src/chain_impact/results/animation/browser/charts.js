@@ -4,7 +4,7 @@ import { durationText, forceText, touchingText, unitsOf } from "./format.js";
 
 const WIDTHS = { total: 2.4 };
 const AROUND = 0.35; // of a contact's duration, shown before and after it
-const NARROWEST = 48; // pixels of a vertical axis: it is as wide for most impacts
+const NARROWEST = 48; // pixels, the least width of a vertical axis; most labels need no more
 const LABEL_MARGIN = 4; // pixels on the left of a label
 
 /** A colour of the style sheet. */
@@ -22,7 +22,7 @@ function axis(options = {}) {
   };
 }
 
-/** The width of a vertical axis, for its longest label. It stays if uPlot asks again for the same labels. */
+/** The width of a vertical axis, for its longest label. uPlot asks several times in one layout; the first answer counts. */
 function labelledWidth(plot, labels, index, cycle) {
   const { _size, font, gap, ticks } = plot.axes[index];
   if (cycle > 1) return _size;
