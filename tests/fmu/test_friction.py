@@ -68,8 +68,10 @@ def test_what_is_tunable_can_be_set_between_steps(fmu, clean):
 
 @pytest.mark.parametrize("save_at", [0.25, 1.25], ids=["sliding", "sticking"])
 def test_a_saved_state_goes_on_to_the_last_bit(fmu, clean, save_at):
-    first, second, third, never, _ = clean(saved, fmu, save_at, STOP)
+    times = [save_at + STEP * (i + 1) for i in range(round((STOP - save_at) / STEP))]
+    first, second, third, never, _ = clean(saved, fmu, save_at, times)
     assert first == second == third == never
+    assert len(first) == len(times) + 1
 
 
 def rigid(fmu, number):

@@ -7,7 +7,7 @@ from tests.fmu.importer import MESSAGES, FMICallException, Instance, refused
 # The functions before each test run in the clean process: they hold all that they use.
 
 
-def saved(fmu, save_at, stop):
+def saved(fmu, save_at, times):
     one, two, never = Instance(fmu).start(), Instance(fmu), Instance(fmu).start()
     one.step(save_at)
     state = one.fmu.getFMUstate()
@@ -16,7 +16,7 @@ def saved(fmu, save_at, stop):
     def go_on(instance):
         instance.time = save_at
         first = instance.get(instance.outputs)
-        return [first, *instance.run([save_at + 0.01 * (i + 1) for i in range(50)] + [stop])]
+        return [first, *instance.run(times)]
 
     first = go_on(one)
     one.fmu.setFMUstate(state)
@@ -33,7 +33,8 @@ def saved(fmu, save_at, stop):
 
 @pytest.mark.parametrize("save_at", [0.3, 0.5], ids=["in flight", "later"])
 def test_a_saved_state_goes_on_to_the_last_bit(fmus, clean, save_at):
-    first, second, third, never, size = clean(saved, fmus["four_link_box"], save_at, 1.0)
+    times = [save_at + 0.01 * (i + 1) for i in range(50)] + [1.0]
+    first, second, third, never, size = clean(saved, fmus["four_link_box"], save_at, times)
     assert first == second == third == never
     assert size > 1000
 

@@ -8,7 +8,7 @@ from errno import ENOENT
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chain_impact.scene.models import SCENE_FILE
+from chain_impact.scene.models import scene_path
 
 if TYPE_CHECKING:
     Verbs = argparse._SubParsersAction[argparse.ArgumentParser]
@@ -91,11 +91,8 @@ def names_in(*texts: str) -> list[str]:
 
 
 def check_outputs(*outputs: Path | None, inputs: Iterable[str | Path]) -> None:
-    """Refuse files in folders that are not there, and those that are read, before any work is done.
-
-    An input may be a folder with a scene.
-    """
-    read = [file for one in inputs for file in (Path(one), Path(one, SCENE_FILE)) if file.is_file()]
+    """Refuse files in folders that are not there, and those that are read, before any work is done."""
+    read = [path for path in map(scene_path, inputs) if path.is_file()]  # of what is no scene the file itself
     for path in filter(None, outputs):
         if not path.parent.is_dir():
             raise FileNotFoundError(ENOENT, "No such folder", str(path))

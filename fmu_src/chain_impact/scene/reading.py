@@ -36,12 +36,22 @@ class UnknownNameError(SceneError, KeyError):
     __str__ = Exception.__str__  # that of KeyError adds quotes
 
     def __init__(
-        self, source: str, name: object, names: Iterable[str], what: str, hint: str | None = None
+        self,
+        source: str,
+        name: object,
+        names: Iterable[str],
+        what: str,
+        hint: str | None = None,
+        *,
+        otherwise: str = "`chain-impact info` lists the names",
     ) -> None:
-        """Say that ``name`` is no ``what``: "no parameter"; and the ``hint`` or the nearest of ``names``."""
+        """Say that ``name`` is ``what``, "no parameter", and the ``hint``.
+
+        Without a hint it is the nearest of the ``names``, or what else to say where none is near.
+        """
         if hint is None:
             near = nearest(name, names) if isinstance(name, str) else None
-            hint = f"the nearest is {near}" if near else "`chain-impact info` lists the names"
+            hint = f"the nearest is {near}" if near else otherwise
         text = name if isinstance(name, str) else shown(name)
         super().__init__(f"{source}: {text} is {what}; {hint}")
 

@@ -17,7 +17,7 @@ from chain_impact.results.joint_stops import at_stop
 from chain_impact.results.recording import written_whole
 from chain_impact.results.result import Result
 from chain_impact.scene.candidates import point_wall_pairs
-from chain_impact.scene.names import STOPS, nearest
+from chain_impact.scene.names import STOPS
 from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.scene.scene import Scene, SceneSource, scene_from_dict, scene_of, with_values
 from chain_impact.scene.tables import Contact
@@ -241,9 +241,8 @@ def chosen_laws(scene: Scene, laws: Sequence[str] | None) -> list[str]:
     known = law_names(scene)
     for law in laws or ():
         if law not in known:
-            near = isinstance(law, str) and nearest(law, known)
-            hint = f"the nearest is {near}" if near else f"the laws are {', '.join(known)}"
-            raise UnknownNameError(scene.name, law, known, "no contact law", hint)
+            listed = f"the laws are {', '.join(known)}"
+            raise UnknownNameError(scene.name, law, known, "no contact law", otherwise=listed)
     chosen = [law for law in known if not laws or law in laws]
     at_home = any(keeps_exponents(law, scene) for law in chosen)
     return chosen if at_home else [*chosen, scene.contact.model]
