@@ -53,7 +53,7 @@ def link(lowered: str, links: int | None, library: Path) -> None:
         library: the file to write; others are put beside it.
     """
     functions = library.with_name("functions.ll")
-    functions.write_text(compilers.complete(lowered, links, with_law=False))
+    functions.write_text(compilers.complete(lowered, links))
     compilers.prepare_zig(HOST)
     compilers._zig_library(HOST, library, functions, flags=compilers.INLINE_MORE)
 

@@ -40,6 +40,7 @@ ERRORS = (
     ci.SceneError,
     ci.SimulationError,
 )
+WITH_DERIVATIVES = (ready.DERIVATIVES, ready.WIDE)
 MODELS = ("four_link_box", "rod_drop", "pinned_arm", "ramp")
 SPRING = "def mine(penetration):\n    return 1e6 * penetration\n"
 TABLE = "time,point[4].x\n" + "".join(f"{0.1 * i:.1f},{{}}\n" for i in range(4))
@@ -80,17 +81,16 @@ def kernels() -> str:
 @check
 def all_kinds_of_kernels_give_the_same_bits() -> str:
     scene, blocks = ci.load_scene("four_link_box"), {}
-    for kind in (ready.KERNEL, ready.DERIVATIVES, ready.WIDE):
-        for size in (4, None):
-            found = ready.find(ready.library_name(size, system.HOST, what=kind))
-            if found is None or (kind == ready.WIDE and not system.has_wide_vectors()):
-                continue
-            kernel, block = load_kernel(found), Model(scene).new_instance()
-            assert kernel.initialize(block.ctypes.data, 0.0) == 0
-            assert kernel.advance(block.ctypes.data, 2.0) == 0
-            assert kernel.observe(block.ctypes.data) == 0
-            assert block[0]["impact"]["count"] > 1
-            blocks[found.name] = block.tobytes()
+    for kind, size in ((ready.KERNEL, 4), (ready.KERNEL, None), *((kind, None) for kind in WITH_DERIVATIVES)):
+        found = kernel_of(kind, size)
+        if found is None:
+            continue
+        kernel, block = load_kernel(found), Model(scene).new_instance()
+        assert kernel.initialize(block.ctypes.data, 0.0) == 0
+        assert kernel.advance(block.ctypes.data, 2.0) == 0
+        assert kernel.observe(block.ctypes.data) == 0
+        assert block[0]["impact"]["count"] > 1
+        blocks[found.name] = block.tobytes()
     assert len(set(blocks.values())) <= 1, f"not the same: {', '.join(blocks)}"
     return f"{len(blocks)} kernels"
 
@@ -164,15 +164,21 @@ def derivatives() -> str:
         for step in (1e-5, -1e-5)
     ]
     assert abs((ends[0] - ends[1]) / 2e-5 - exact) < 1e-3 * max(1.0, abs(exact))
-    others = {size: slope(scene, size) for size in (4, None)}
-    assert len(set(others.values()) - {b""}) <= 1, "kernels of two sizes differ"
+    others = {slope(scene, kind) for kind in WITH_DERIVATIVES}
+    assert len(others - {b""}) <= 1, "kernels for two kinds of processors differ"
     return f"d x/d e = {exact:.6f} m"
 
 
-def slope(scene: ci.Scene, size: int | None) -> bytes:
-    """The derivative by the ready kernel for a number of links, or for any; nothing if there is none."""
-    kind = ready.WIDE if system.has_wide_vectors() else ready.DERIVATIVES
-    found = ready.find(ready.library_name(size, system.HOST, what=kind))
+def kernel_of(kind: str, size: int | None) -> Path | None:
+    """The ready kernel of a kind, for a number of links or any, if it is there and this machine runs it."""
+    if kind == ready.WIDE and not system.has_wide_vectors():
+        return None
+    return ready.find(ready.library_name(size, system.HOST, what=kind))
+
+
+def slope(scene: ci.Scene, kind: str) -> bytes:
+    """The derivative by the ready kernel of a kind; nothing if there is none."""
+    found = kernel_of(kind, None)
     if found is None:
         return b""
     usual, instance._loaded = instance.kernel_library, {}

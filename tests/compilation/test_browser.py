@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chain_impact.compilation import browser, compilers, library
+from chain_impact.compilation import browser, compilers
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.library import browser_module
 
@@ -123,13 +123,7 @@ def test_a_law_of_the_users_own_is_compiled_in(tmp_path):
     assert SECTIONS["import"] not in sections(module.read_bytes())
 
 
-def test_a_law_that_calls_what_a_browser_does_not_have_says_so(tmp_path, monkeypatch):
-    """In place of the kernel, which takes seconds to compile, stands one that only calls the law."""
-    numbers = ", ".join(["double 1.0"] * 7)
-    calls = f"  %f = call double @user_law_force({numbers})\n  ret double %f\n"
-    bodies = dict.fromkeys(browser.EXPORTS[:-1], "  ret double 0.0\n") | {"initialize": calls}
-    module = "".join(f"define double @{name}() {{\n{body}}}\n" for name, body in bodies.items())
-    monkeypatch.setattr(library, "_lowered_kernel", lambda *_: module)
+def test_a_law_that_calls_what_a_browser_does_not_have_says_so(tmp_path):
     law = tmp_path / "mine.py"
     law.write_text(LAW.format("stiffness * math.lgamma(penetration)"))
     with pytest.raises(BuildError, match=r"mine\.py calls lgamma, which a kernel in a browser does not have"):

@@ -104,7 +104,7 @@ def test_a_law_that_calls_what_only_numba_has_is_refused(tmp_path, monkeypatch):
     nothing = tmp_path / "nothing.c"
     nothing.touch()
     with pytest.raises(LawError, match=r"^calls gamma, which a kernel does not have$"):
-        compilers.link_law(nothing, tmp_path / "kernel.so", HOST, tmp_path / "mine.ll")
+        compilers.link(nothing, tmp_path / "kernel.so", HOST, tmp_path / "mine.ll")
 
 
 def test_all_long_chains_share_a_kernel():
@@ -118,26 +118,21 @@ class Compilers:
     """Stand in for numba and zig."""
 
     def __init__(self):
-        self.lowered, self.linked, self.opened, self.processors = [], [], [], []
+        self.lowered, self.compiled, self.linked = [], [], []
 
     def lower(self, module, law=None, plain=None):
         self.lowered.append(law)
         module.write_text(f"{plain} with derivatives" if plain else "a module")
 
-    def link(self, module, library, platform, links, *, derivatives, cpu=None):
-        assert library.name.startswith("derivatives" if derivatives else "kernel")
-        self.linked.append((platform, links))
-        self.processors.append(cpu)
-        library.write_text(module)
-
-    def compile_open(self, module, compiled, platform, links, *, derivatives, cpu=None):
+    def compile_kernel(self, module, compiled, platform, links, *, derivatives, cpu=None):
         assert compiled.name.startswith("derivatives" if derivatives else "kernel")
-        self.opened.append((platform, links, cpu))
-        compiled.write_text(f"{module} for {links}")
+        self.compiled.append((platform, links, cpu))
+        compiled.write_text(module)
 
-    def link_law(self, compiled, library, platform, law, *, cpu=None):
-        assert (platform, cpu) == (self.opened[-1][0], self.opened[-1][2])
-        library.write_text(f"{compiled.read_text()} with {law.name}")
+    def link(self, compiled, library, platform, law=None, *, cpu=None):
+        assert compiled.stem.endswith(platform)
+        self.linked.append(cpu)
+        library.write_text(compiled.read_text() + (f" with {law.name}" if law else ""))
 
 
 @pytest.fixture
@@ -147,7 +142,7 @@ def stand_in(tmp_path, monkeypatch):
     monkeypatch.delenv(ready.RELEASE, raising=False)
     monkeypatch.setattr(ready, "_usable", lambda: False)
     both = Compilers()
-    for name in ("lower", "link", "compile_open", "link_law"):
+    for name in ("lower", "compile_kernel", "link"):
         monkeypatch.setattr(compilers, name, getattr(both, name))
     return both
 
@@ -160,7 +155,7 @@ def test_the_kernel_is_lowered_once_and_linked_for_the_usual_numbers_of_links_an
     assert kernel_library(4, notify=said.append) != first
     assert kernel_library(3, notify=said.append) == kernel_library(64, notify=said.append)
     assert len(stand_in.lowered) == 1
-    assert stand_in.linked == [("linux64", 2), ("linux64", 4), ("linux64", None)]
+    assert [links for _, links, _ in stand_in.compiled] == [2, 4, None]
     assert len(said) == 4
 
 
@@ -168,18 +163,20 @@ def test_for_a_release_it_is_linked_for_each_number_of_links_up_to_ten(stand_in,
     monkeypatch.setenv(ready.RELEASE, "1")
     for links in (3, ready.LARGEST_EXACT, ready.LARGEST_EXACT + 1):
         kernel_library(links)
-    assert stand_in.linked == [("linux64", 3), ("linux64", ready.LARGEST_EXACT), ("linux64", None)]
+    assert [links for _, links, _ in stand_in.compiled] == [3, ready.LARGEST_EXACT, None]
 
 
-def test_a_kernel_with_derivatives_is_another_one(stand_in):
+def test_a_kernel_with_derivatives_is_another_one_for_any_number_of_links(stand_in):
     plain, other = kernel_library(3), kernel_library(3, derivatives=True, portable=False)
     assert (plain.read_text(), other.read_text()) == ("a module", "a module with derivatives")
-    assert kernel_library(3, derivatives=True, portable=False) == other
+    for links in (1, 2, 3, 4):
+        assert kernel_library(links, derivatives=True, portable=False) == other
     assert kernel_library(3, portable=False) == plain
-    assert len(stand_in.lowered) == len(stand_in.linked) == 2
-    assert stand_in.processors == [None, compilers.wide_cpu()]
+    assert len(stand_in.lowered) == 2
+    assert stand_in.compiled == [("linux64", None, None), ("linux64", None, compilers.wide_cpu())]
+    assert stand_in.linked == [None, compilers.wide_cpu()]
     kernel_library(3, derivatives=True)
-    assert stand_in.processors[-1] is None
+    assert stand_in.linked[-1] is None
 
 
 def test_each_platform_has_its_library(stand_in):
@@ -196,15 +193,14 @@ def test_a_law_is_linked_to_it(stand_in, tmp_path):
     one, two = (kernel_library(2, law_file=str(file)) for file in files)
     assert len({one, two, kernel_library(2)}) == 3
     assert [law is not None for law in stand_in.lowered] == [True, False, True]
-    assert stand_in.linked == [("linux64", 2)]
-    assert stand_in.opened == [("linux64", 2, None)]
+    assert stand_in.compiled == [("linux64", 2, None)]
     assert [file.read_text() for file in (one, two)] == [
-        f"a module for 2 with {file.stem.removeprefix('kernel-2-').removesuffix('-linux64')}.ll"
+        f"a module with {file.stem.removeprefix('kernel-2-').removesuffix('-linux64')}.ll"
         for file in (one, two)
     ]
 
 
-def test_laws_share_what_is_compiled_for_a_number_of_links_a_platform_and_a_processor(stand_in, tmp_path):
+def test_laws_share_a_kernel_for_a_number_of_links_a_platform_and_a_processor(stand_in, tmp_path):
     for links, platform, settings in (
         (2, "linux64", {}),
         (4, "linux64", {}),
@@ -216,9 +212,9 @@ def test_laws_share_what_is_compiled_for_a_number_of_links_a_platform_and_a_proc
             law = tmp_path / "mine.py"
             law.write_text(f"def mine(rate):\n    return {force}.0\n")
             kernel_library(links, platform, law_file=str(law), **settings)
-        assert stand_in.opened[-1][:2] == (platform, links)
-    assert len(stand_in.opened) == 5
-    assert [cpu for _, _, cpu in stand_in.opened] == [None] * 4 + [compilers.wide_cpu()]
+        assert stand_in.compiled[-1][:2] == (platform, None if "derivatives" in settings else links)
+    assert len(stand_in.linked) == 10
+    assert [cpu for _, _, cpu in stand_in.compiled] == [None] * 4 + [compilers.wide_cpu()]
 
 
 @pytest.mark.parametrize(
@@ -247,13 +243,15 @@ def test_without_a_compiler_one_sentence_says_what_to_install(
     assert stand_in.lowered == []
 
 
-def test_a_compiler_that_fails_leaves_nothing_behind(stand_in, monkeypatch, tmp_path):
-    def fails(module, library, *_, **__):
-        library.write_text("half")
+@pytest.mark.parametrize(("step", "finished"), [("compile_kernel", []), ("link", ["kernel-any-linux64.o"])])
+def test_a_compiler_that_fails_leaves_nothing_behind(stand_in, monkeypatch, tmp_path, step, finished):
+    def fails(_, output, *__, **___):
+        output.write_text("half")
         raise BuildError("no luck")
 
-    monkeypatch.setattr(compilers, "link", fails)
+    monkeypatch.setattr(compilers, step, fails)
     with pytest.raises(BuildError, match="no luck"):
         kernel_library(3)
     (folder,) = (path for path in (tmp_path / "cache").iterdir() if path.is_dir())
-    assert [path.name for path in folder.iterdir() if not path.name.endswith(".lock")] == ["kernel.ll"]
+    left = {path.name for path in folder.iterdir() if not path.name.endswith(".lock")}
+    assert left == {"kernel.ll", *finished}

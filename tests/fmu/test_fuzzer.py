@@ -9,7 +9,7 @@ import pytest
 
 from chain_impact import load_scene
 from chain_impact.compilation import library
-from chain_impact.compilation.compilers import CPUS, INCLUDES, complete, interface_sources
+from chain_impact.compilation.compilers import CPUS, INCLUDES, complete, interface_sources, write_beside
 from chain_impact.compilation.library import kernel_library
 from chain_impact.variables.model import Model
 from tests.fmu.contents import description
@@ -46,7 +46,12 @@ def fuzzer(request, tmp_path_factory):
             program,
         )
     else:
-        inputs += [sanitized_kernel(folder, links), "-fsanitize=address", "-fno-sanitize-recover=undefined"]
+        inputs += [
+            sanitized_kernel(folder, links),
+            *write_beside(program, None),
+            "-fsanitize=address",
+            "-fno-sanitize-recover=undefined",
+        ]
         command = ["cc", "-std=c11", "-D_POSIX_C_SOURCE=200809L", *options, *inputs]
         subprocess.run([*map(str, command), "-o", str(program)], check=True)
     return program
@@ -54,7 +59,7 @@ def fuzzer(request, tmp_path_factory):
 
 def sanitized_kernel(folder, links):
     """An object of the kernel in which each access to memory is checked."""
-    text = complete(library._lowered_kernel(library.KERNEL, lambda _: None), links, with_law=False)
+    text = complete(library._lowered_kernel(library.KERNEL, lambda _: None), links)
     text, functions = re.subn(r"^(define .*)\{$", r"\1sanitize_address {", text, flags=re.M)
     assert functions > 500
     (folder / "kernel.ll").write_text(text)

@@ -16,7 +16,7 @@ from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.law_file import LawError
 from chain_impact.compilation.sources import PACKAGE
 
-MODULE = "kernel-any-browser.wasm"
+MODULE, COMPILED = "kernel-any-browser.wasm", "kernel-any-browser.o"
 EXPORTS = ("initialize", "advance_awhile", "observe", "follow", "trajectory", "run_each", "__heap_base")
 MATHEMATICS = PACKAGE / "compilation" / "mathematics"
 STACK = 1 << 20  # bytes; the kernel needs a few thousand
@@ -27,11 +27,26 @@ FLAGS = (*compilers.FLAGS, "-fno-math-errno", '-Dhidden=__attribute__((visibilit
 _MISSING = re.compile(r"undefined symbol: _?(?:numba_)?(\w+)")
 
 
-def link(module: str, output: Path, law: Path | None = None) -> None:
-    """Make the WebAssembly module of a lowered kernel.
+def compile_kernel(module: str, compiled: Path) -> None:
+    """Compile a lowered kernel for ``link``.
 
     Args:
         module: the kernel in LLVM's language, as lower.py writes it.
+        compiled: the file to write; others are put beside it.
+
+    Raises:
+        BuildError: when the compiler fails.
+    """
+    kernel = compiled.with_name("kernel.ll")
+    kernel.write_text(compilers.complete(module, None))
+    compilers.run_zig(["cc", "-c", *TARGET, *FLAGS, "-o", str(compiled), str(kernel)], compiled)
+
+
+def link(compiled: Path, output: Path, law: Path | None = None) -> None:
+    """Make the WebAssembly module of a kernel.
+
+    Args:
+        compiled: the kernel, as ``compile_kernel`` writes it.
         output: the file to write; others are put beside it.
         law: a user's law in LLVM's language, if there is one.
 
@@ -39,14 +54,11 @@ def link(module: str, output: Path, law: Path | None = None) -> None:
         LawError: when the law calls what the module does not have.
         BuildError: when the compiler fails.
     """
-    kernel, stubs = output.with_name("kernel.ll"), output.with_name("stubs.c")
-    kernel.write_text(compilers.complete(module, None, with_law=law is not None))
-    stubs.write_text("".join(map(compilers.STUB.format, compilers.PYTHON_SYMBOLS)))
     headers = files("ziglang") / "lib" / "libc" / "include"
     folders = [f"-isystem{headers / name}" for name in ("wasm-wasi-musl", "generic-musl")]
     folders += [f"-I{folder}" for folder in (MATHEMATICS, MATHEMATICS / "musl")]
     linker = ["-Wl,--no-entry", f"-Wl,-z,stack-size={STACK}", *(f"-Wl,--export={name}" for name in EXPORTS)]
-    inputs = [kernel, *([law] if law else []), stubs, *sorted(MATHEMATICS.rglob("*.c"))]
+    inputs = [compiled, *compilers.write_beside(output, law), *sorted(MATHEMATICS.rglob("*.c"))]
     arguments = ["cc", *TARGET, *FLAGS, *folders, "-o", str(output), *map(str, inputs), *linker]
     try:
         compilers.run_zig(arguments, output)

@@ -73,17 +73,13 @@ CONSTANT = """define internal i64 @{name}(ptr %instance) alwaysinline {{
   ret i64 {number}
 }}
 """
-NO_LAW = """define internal i64 @user_law_present() alwaysinline {
-  ret i64 0
-}
-define internal double @user_law_force(double, double, double, double, double, double, double) alwaysinline {
-  ret double 0.0
-}
-"""
-LAW = """define internal i64 @user_law_present() alwaysinline {
-  ret i64 1
-}
+LAW = """declare hidden i64 @user_law_present()
 declare hidden double @user_law_force(double, double, double, double, double, double, double)
+"""
+# what is linked to a kernel beside a user's law, and in place of one, in C
+LAW_IS_PRESENT = "long long user_law_present(void) { return 1; }\n"
+NO_LAW = """long long user_law_present(void) { return 0; }
+double user_law_force(double a, double b, double c, double d, double e, double f, double g) { return 0.0; }
 """
 _DECLARED_ABOVE = re.compile(
     r"^declare .*@(chain_links|chain_candidates|chain_elements|user_law_present|user_law_force)\(.*$\n", re.M
@@ -91,13 +87,13 @@ _DECLARED_ABOVE = re.compile(
 _OF_NUMBA = re.compile(r"undefined symbol: _?numba_(\w+)")
 
 
-def complete(module: str, links: int | None, with_law: bool) -> str:
-    """A lowered kernel with what it leaves open: the sizes of a record, N or None for any, and the law."""
+def complete(module: str, links: int | None) -> str:
+    """A lowered kernel with the sizes of a record, which it leaves open: for N links, or None for any."""
     name = "chain_links"
     sizes = HELD.format(name=name, word=0) if links is None else CONSTANT.format(name=name, number=links)
     for word, held in enumerate(("chain_candidates", "chain_elements"), 1):
         sizes += HELD.format(name=held, word=word)
-    return _DECLARED_ABOVE.sub("", module) + sizes + (LAW if with_law else NO_LAW)
+    return _DECLARED_ABOVE.sub("", module) + sizes + LAW
 
 
 def require_compilers(purpose: str) -> None:
@@ -138,36 +134,7 @@ def lower(module: Path, law: Path | None = None, plain: str | None = None) -> No
     _check(done)
 
 
-def link(
-    module: str,
-    library: Path,
-    platform: str,
-    links: int | None,
-    *,
-    derivatives: bool = False,
-    cpu: str | None = None,
-) -> None:
-    """Make the library of a lowered kernel.
-
-    Args:
-        module: the kernel in LLVM's language, as lower.py writes it.
-        library: the file to write; others are put beside it.
-        platform: of ``ZIG_TARGETS``.
-        links: the number of links that it is for; None for any.
-        derivatives: whether the kernel carries derivatives.
-        cpu: zig's name of the processor that it is for; by default that of ``CPUS``.
-
-    Raises:
-        BuildError: when the compiler fails.
-    """
-    kernel = library.with_name("kernel.ll")
-    kernel.write_text(complete(module, links, with_law=False))
-    prepare_zig(platform)
-    flags = _tuning(links, derivatives=derivatives)
-    _zig_library(platform, library, kernel, *interface_sources(), cpu=cpu, flags=flags)
-
-
-def compile_open(
+def compile_kernel(
     module: str,
     compiled: Path,
     platform: str,
@@ -176,16 +143,21 @@ def compile_open(
     derivatives: bool = False,
     cpu: str | None = None,
 ) -> None:
-    """Compile a lowered kernel that calls a user's law, whichever that is: ``link_law`` adds it.
+    """Compile a lowered kernel. It calls a user's law, whichever that is, or none: ``link`` adds it.
 
-    The arguments are those of ``link``, but for ``compiled``, the file to write.
+    Args:
+        module: the kernel in LLVM's language, as lower.py writes it.
+        compiled: the file to write; others are put beside it.
+        platform: of ``ZIG_TARGETS``.
+        links: the number of links that it is for; None for any.
+        derivatives: whether the kernel carries derivatives.
+        cpu: zig's name of the processor that it is for; by default that of ``CPUS``.
 
     Raises:
         BuildError: when the compiler fails.
     """
     kernel = compiled.with_name("kernel.ll")
-    kernel.write_text(complete(module, links, with_law=True))
-    prepare_zig(platform)
+    kernel.write_text(complete(module, links))
     flags = ["-c", *_tuning(links, derivatives=derivatives)]
     if "windows" not in ZIG_TARGETS[platform][0]:  # whose code is always so
         flags.append("-fPIC")
@@ -199,26 +171,28 @@ def _tuning(links: int | None, *, derivatives: bool) -> tuple[str, ...]:
     return (*INLINE_MORE, *SCALAR) if links == 1 else INLINE_MORE
 
 
-def link_law(compiled: Path, library: Path, platform: str, law: Path, *, cpu: str | None = None) -> None:
-    """Make the library of a kernel with a user's law.
+def link(
+    compiled: Path, library: Path, platform: str, law: Path | None = None, *, cpu: str | None = None
+) -> None:
+    """Make the library of a kernel.
 
     Args:
-        compiled: the kernel, as ``compile_open`` writes it.
+        compiled: the kernel, as ``compile_kernel`` writes it.
         library: the file to write; others are put beside it.
         platform: of ``ZIG_TARGETS``.
-        law: the law in LLVM's language.
+        law: a user's law in LLVM's language, if there is one.
         cpu: as that of the kernel.
 
     Raises:
         LawError: when the law calls what only numba has.
         BuildError: when the compiler fails.
     """
+    prepare_zig(platform)
     try:
-        inputs = (compiled, law, *interface_sources())
-        _zig_library(platform, library, *inputs, cpu=cpu, flags=INLINE_MORE)
+        _zig_library(platform, library, compiled, *interface_sources(), law=law, cpu=cpu)
     except BuildError as error:
         missing = _OF_NUMBA.search(str(error))
-        if missing:
+        if law and missing:
             raise LawError(f"calls {missing[1]}, which a kernel does not have") from None
         raise
 
@@ -256,11 +230,15 @@ def interface_sources() -> list[Path]:
 
 
 def _zig_library(
-    platform: str, library: Path, *inputs: Path, cpu: str | None = None, flags: Iterable[str] = ()
+    platform: str,
+    library: Path,
+    *inputs: Path,
+    law: Path | None = None,
+    cpu: str | None = None,
+    flags: Iterable[str] = (),
 ) -> None:
     """Compile what is not compiled yet, and link a library."""
-    stubs = library.with_name("stubs.c")
-    stubs.write_text("".join(map(STUB.format, PYTHON_SYMBOLS)))
+    inputs += write_beside(library, law)
     target, _ = ZIG_TARGETS[platform]
     options = [*flags, "-shared", "-s"]
     if "linux" in target:
@@ -271,7 +249,14 @@ def _zig_library(
     # Without start files and, but for Windows, zig's runtime, which it would first have to build. Nothing
     # calls them.
     libraries = ["-nostdlib", *(_from_windows() if "windows" in target else ["-lm", "-lc"])]
-    _zig(platform, library, *inputs, stubs, cpu=cpu, flags=options, libraries=libraries)
+    _zig(platform, library, *inputs, cpu=cpu, flags=options, libraries=libraries)
+
+
+def write_beside(library: Path, law: Path | None) -> tuple[Path, ...]:
+    """What a kernel needs of others: a user's law, or none, and what stands for Python's functions."""
+    beside = library.with_name("beside.c")
+    beside.write_text("".join(map(STUB.format, PYTHON_SYMBOLS)) + (LAW_IS_PRESENT if law else NO_LAW))
+    return (law, beside) if law else (beside,)
 
 
 def _zig(

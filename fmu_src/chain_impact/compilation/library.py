@@ -45,9 +45,9 @@ def kernel_library(
     if not platform:
         raise BuildError(nowhere())
     notify = notify or announce
-    exact = ready.exact(links)
     law = _law(law_file) if law_file else None
     what = DERIVATIVES if derivatives else KERNEL
+    exact = ready.exact(links, what)
     wide = derivatives and not portable and platform == HOST and compilers.wide_cpu() is not None
     kind = WIDE if wide else what
     name = ready.library_name(exact, platform, _law_name(law) if law else "", kind)
@@ -55,28 +55,21 @@ def kernel_library(
     if found:
         return found
     compilers.require_compilers(_purpose(platform, law_file, derivatives))
-    cpu = ready.PROCESSORS[kind]
+    lowered_law = _lowered_law(law, law_file, notify) if law else None
 
-    def write(file: Path) -> None:
+    def text() -> str:
         module = _lowered_kernel(what, notify)
         prepared = compilers.zig_is_prepared(platform)
         seconds = LINKING[what] + (0.0 if prepared else PREPARING.get(platform, 0.0))
         notify(Work(f"linking the kernel for {platform}", seconds))
-        compiler = compilers.compile_open if law else compilers.link
-        compiler(module, file, platform, exact, derivatives=derivatives, cpu=cpu)
+        return module
 
-    if not law:
-        return cache.made(name, write, notify)
-    lowered_law = _lowered_law(law, law_file, notify)
-
-    def add_law(library: Path) -> None:
-        all_but_law = Path(ready.library_name(exact, platform, what=kind)).with_suffix(".o").name
+    def link(file: Path) -> None:
+        compiled = ready.compiled(exact, platform, kind, text, notify)
         with _about(law_file):
-            compilers.link_law(
-                cache.made(all_but_law, write, notify), library, platform, lowered_law, cpu=cpu
-            )
+            compilers.link(compiled, file, platform, lowered_law, cpu=ready.PROCESSORS[kind])
 
-    return cache.made(name, add_law, notify)
+    return cache.made(name, link, notify)
 
 
 def browser_module(notify: Notify | None = None, law_file: str = "") -> Path:
@@ -100,13 +93,17 @@ def browser_module(notify: Notify | None = None, law_file: str = "") -> Path:
     )
     lowered_law = _lowered_law(law, law_file, notify) if law else None
 
-    def write(file: Path) -> None:
+    def text() -> str:
         module = _lowered_kernel(KERNEL, notify)
         notify(Work("linking the kernel for a browser", LINKING[KERNEL]))
-        with _about(law_file):
-            browser.link(module, file, lowered_law)
+        return module
 
-    return cache.made(name, write, notify)
+    def link(file: Path) -> None:
+        compiled = ready.compiled_for_browsers(text, notify)
+        with _about(law_file):
+            browser.link(compiled, file, lowered_law)
+
+    return cache.made(name, link, notify)
 
 
 def _lowered_kernel(what: str, notify: Notify) -> str:

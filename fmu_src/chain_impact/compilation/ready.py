@@ -18,6 +18,7 @@ from typing import Any
 
 from chain_impact.compilation import browser, cache, compilers
 from chain_impact.compilation.sources import PACKAGE, fingerprint
+from chain_impact.compilation.work import Notify, announce
 from chain_impact.system import HOST, WIDE_PLATFORMS, cores
 
 FOLDER = PACKAGE / "ready"
@@ -38,8 +39,8 @@ FIRST_SIZES: tuple[int | None, ...] = (None, 1, 2, 4)
 """The usual ones: a kernel for any chain, and those of most models."""
 SIZES: tuple[int | None, ...] = (None, *range(1, LARGEST_EXACT + 1))
 """What a wheel for release has."""
-DERIVATIVE_SIZES: tuple[int | None, ...] = (None, *range(1, 7))
-"""Kernels that carry derivatives are twice as large, so a wheel has fewer of them."""
+DERIVATIVE_SIZES: tuple[int | None, ...] = (None,)
+"""A kernel that carries derivatives is for any chain: one for a number of links is a twentieth faster."""
 REQUIREMENTS = [*(f"{name}=={version}" for name, version in cache.COMPILERS.items()), "numpy>=2.0,<3"]
 """What has to be installed to compile kernels."""
 
@@ -49,9 +50,15 @@ def for_release() -> bool:
     return os.environ.get(RELEASE) == "1"
 
 
-def exact(links: int) -> int | None:
+def exact(links: int, kind: str = KERNEL) -> int | None:
     """The number of links that a kernel for a chain of ``links`` is compiled for here; None for any."""
-    return links if links in (SIZES if for_release() else FIRST_SIZES) else None
+    return links if links in _sizes(kind, for_release()) else None
+
+
+def _sizes(kind: str, release: bool) -> tuple[int | None, ...]:
+    if kind != KERNEL:
+        return DERIVATIVE_SIZES
+    return SIZES if release else FIRST_SIZES
 
 
 def library_name(links: int | None, platform: str, law: str = "", what: str = KERNEL) -> str:
@@ -92,17 +99,36 @@ def lowered(kind: str) -> str:
     return f"{KERNEL if kind == KERNEL else DERIVATIVES}.ll"
 
 
+def compiled(
+    links: int | None, platform: str, kind: str, text: Callable[[], str], notify: Notify = announce
+) -> Path:
+    """The kernel of a kind without a user's law, from the cache.
+
+    If it is not there, it is compiled from ``text``, which returns the lowered kernel.
+    """
+
+    def compile_it(file: Path) -> None:
+        derivatives, cpu = kind != KERNEL, PROCESSORS[kind]
+        compilers.compile_kernel(text(), file, platform, links, derivatives=derivatives, cpu=cpu)
+
+    name = Path(library_name(links, platform, what=kind)).with_suffix(".o").name
+    return cache.made(name, compile_it, notify)
+
+
+def compiled_for_browsers(text: Callable[[], str], notify: Notify = announce) -> Path:
+    """The same for ``browser.link``."""
+    return cache.made(browser.COMPILED, lambda file: browser.compile_kernel(text(), file), notify)
+
+
 def _wanted(platform: str, release: bool) -> dict[str, tuple[str, int | None]]:
     """The kernels of a wheel: file name → kind and number of links."""
-    kinds = {KERNEL: SIZES if release else FIRST_SIZES}
-    if release and platform in WIDE_PLATFORMS:
-        kinds |= {DERIVATIVES: (None,), WIDE: DERIVATIVE_SIZES}  # few processors take the first one
-    elif release:
-        kinds[DERIVATIVES] = DERIVATIVE_SIZES
+    kinds = [KERNEL]
+    if release:
+        kinds += [DERIVATIVES, WIDE] if platform in WIDE_PLATFORMS else [DERIVATIVES]
     return {
         library_name(size, platform, what=kind): (kind, size)
-        for kind, sizes in kinds.items()
-        for size in sizes
+        for kind in kinds
+        for size in _sizes(kind, release)
     }
 
 
@@ -170,11 +196,11 @@ def _compile(wanted: dict[str, tuple[str, int | None]], platform: str, say: Call
             def link(file: Path) -> None:
                 say(f"linking {name}, {names.index(name) + 1} of {len(names)}")
                 if name == browser.MODULE:
-                    browser.link(texts[lowered(KERNEL)], file)
+                    browser.link(compiled_for_browsers(lambda: texts[lowered(KERNEL)]), file)
                     return
                 kind, links = wanted[name]
-                text, cpu = texts[lowered(kind)], PROCESSORS[kind]
-                compilers.link(text, file, platform, links, derivatives=kind != KERNEL, cpu=cpu)
+                kernel = compiled(links, platform, kind, lambda: texts[lowered(kind)])
+                compilers.link(kernel, file, platform, cpu=PROCESSORS[kind])
 
             cache.made(name, link)
 
