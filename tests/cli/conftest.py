@@ -1,14 +1,31 @@
-"""The kernels of the models: what the command line says of compiling them is no matter of most tests."""
+"""What the tests of the command line share."""
+
+import io
 
 import pytest
+from rich.console import Console
 
 from chain_impact import load_scene
+from chain_impact.cli import progress
 from chain_impact.compilation.library import kernel_library
 from chain_impact.scene.scene import model_names
 
 
 @pytest.fixture(scope="package", autouse=True)
 def kernels():
-    """See that they are compiled."""
+    """Those of the models are compiled: what is said of compiling is no matter of most tests."""
     for links in {len(load_scene(name).chain.links) for name in model_names()}:
         kernel_library(links)
+
+
+@pytest.fixture
+def terminal(monkeypatch):
+    """What is printed for the eyes of a terminal's user on standard error."""
+
+    def terminal(is_one):
+        text = io.StringIO()
+        console = Console(file=text, force_terminal=is_one, width=100)
+        monkeypatch.setattr(progress, "err", console)
+        return text
+
+    return terminal

@@ -19,8 +19,6 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from filelock import FileLock, Timeout
-
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.places import base_folder, explained, stand_in, writable
 from chain_impact.compilation.sources import fingerprint
@@ -111,6 +109,8 @@ def made(name: str, make: Callable[[Path], None], notify: Notify = announce) -> 
 @contextmanager
 def _locked(path: Path, notify: Notify) -> Iterator[None]:
     """Hold a lock, which the system gives back when a process is killed."""
+    from filelock import FileLock, Timeout
+
     lock = FileLock(path)
     try:
         lock.acquire(timeout=PATIENCE)

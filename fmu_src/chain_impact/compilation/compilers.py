@@ -16,8 +16,6 @@ from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from filelock import FileLock
-
 from chain_impact.compilation.cache import COMPILERS, linker_folder
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.law_file import LawError
@@ -214,6 +212,8 @@ def prepare_zig(platform: str) -> None:
     """
     if zig_is_prepared(platform):
         return
+    from filelock import FileLock
+
     folder = linker_folder()
     folder.mkdir(parents=True, exist_ok=True)
     with FileLock(folder / f"{platform}.lock"), TemporaryDirectory() as scratch:

@@ -6,8 +6,6 @@ last two vanish at both ends, and make the coordinates match the integrated clea
 
 from fractions import Fraction
 
-import numpy as np
-
 from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.chain.state import dissipated_at, sundman_u_at, velocity_at
 from chain_impact.kernel.integration.dense import POWERS, interpolate
@@ -44,18 +42,9 @@ def _coefficients():
     return tuple(tuple(float(value) for value in row[STAGES:]) for row in rows)
 
 
-def _curve_bounds():
-    """The largest second derivatives of these functions on [0, 1]."""
-    theta, bounds = np.linspace(0.0, 1.0, 1001), []
-    for p, q in POWERS[:STAGES]:
-        function = np.polynomial.Polynomial([0.0, 1.0]) ** p * np.polynomial.Polynomial([1.0, -1.0]) ** q
-        bounds.append(float(np.abs(function.deriv(2)(theta)).max()))
-    return tuple(bounds)
-
-
 # row m: the coefficient of the m-th function, from the increments of the stages
 SHAPE = _coefficients()
-CURVE_BOUND = _curve_bounds()
+CURVE_BOUND = (0.0, 2.0, 4.0, 2.0, 2.0)  # the largest second derivatives of these functions on [0, 1]
 
 
 def lagrange(first, m, x):

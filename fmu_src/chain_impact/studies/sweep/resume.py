@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
-from filelock import FileLock, Timeout
 
 from chain_impact.compilation.sources import fingerprint
 from chain_impact.scene.reading import SceneError
@@ -93,6 +92,8 @@ def _locked(table: Path) -> Iterator[None]:
     """
     if not table.parent.is_dir():  # the lock would make it
         raise FileNotFoundError(errno.ENOENT, f"there is no folder {table.parent}", str(table))
+    from filelock import FileLock, Timeout
+
     lock = FileLock(table.with_name(table.name + SUFFIX + LOCK))
     try:
         lock.acquire(timeout=0)
