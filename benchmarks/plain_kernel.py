@@ -89,7 +89,7 @@ def run_each(  # noqa: PLR0917 - in C, arguments have no names
             array(values, runs * parameters).reshape(runs, parameters),
             array(stops, runs),
             array(looks, columns, np.int64),
-            array(rows, runs * (entry.PEAKS + columns)).reshape(runs, -1),
+            array(rows, runs * columns).reshape(runs, -1),
             continuing,
         )
     )

@@ -9,7 +9,7 @@ from chain_impact import CONTACT_LAWS, simulate
 from chain_impact.scene.scene import scene_from_dict
 from tests import coulomb
 from tests.reference import point_impact, rebound
-from tests.stops import LENGTH, MASS, SPEED, STIFFNESS, arm, struck_rod, together
+from tests.stops import LENGTH, MASS, SPEED, STIFFNESS, arm, knee, struck_rod, together
 from tests.textbook import Textbook
 
 INERTIA = MASS * LENGTH**2 / 3
@@ -108,6 +108,21 @@ def test_an_assembled_chain_moves_alike(scene):
     np.testing.assert_allclose(result.angular_velocities[-1], state[n + 4 :], rtol=0, atol=1e-9)
     ledger = result.energy["total"] + result.energy["dissipated"]
     assert np.ptp(ledger) < 1e-9
+
+
+def test_a_contact_that_lasts_at_the_end_is_told_by_moment_and_angle():
+    """As one that has ended: the same onset, speed and inertia, and what was reached so far."""
+    whole, scene = simulate(knee()).impacts[0], knee()
+    result = simulate(scene, stop_time=0.5 * (whole["onset"] + whole["end"]))
+    (lasting,) = result.impacts
+    assert scene.wall_names[lasting["wall"]] == "joint_min"
+    for name in ("point", "wall", "onset", "impact_speed", "effective_mass"):
+        assert lasting[name] == whole[name], name
+    assert np.isnan([lasting["end"], lasting["separation_speed"]]).all()
+    assert lasting["max_penetration"] >= result.angles[-1, 0] - result.angles[-1, 1] > 0.0
+    assert lasting["peak_force"] >= result["joint[2].stop_moment"][-1] > 0.0
+    for name in ("peak_force", "max_penetration", "impulse"):
+        assert 0.5 * whole[name] < lasting[name] <= whole[name], name
 
 
 # --- rest --------------------------------------------------------------------------------------------------

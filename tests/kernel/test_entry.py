@@ -6,16 +6,12 @@ import pytest
 from chain_impact.kernel import entry
 from chain_impact.kernel.advance import advance
 from chain_impact.kernel.entry import (
-    MAX_PENETRATION,
-    PEAK_FORCE,
-    PEAKS,
     advance_awhile,
     advance_to,
     finish_run,
     observe_now,
     run_each,
     trajectory,
-    update_peaks,
 )
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.observe import observe
@@ -48,7 +44,7 @@ class Runs:
 
     def run(self, stiffness, output_indices=(), rows=None, continuing=0):
         count = len(stiffness)
-        rows = np.full((count, PEAKS + len(output_indices)), -1.0) if rows is None else rows
+        rows = np.full((count, len(output_indices)), -1.0) if rows is None else rows
         places = np.array([self.word("given", "stiffness")])
         done = run_each(
             self.d,
@@ -82,55 +78,49 @@ def test_each_run_is_that_of_a_fresh_instance():
         runs.word("step", "end"),
         runs.word("output", "kinetic"),
         runs.word("given", "stiffness"),
+        runs.word("peaks", "force"),
+        runs.word("peaks", "penetration"),
     ]
     done, rows = runs.run(stiffness, output_indices)
     assert done == 3
     for row, value in zip(rows, stiffness, strict=True):
         d = alone(value)
         assert d.finished.count == 1
-        assert row[PEAK_FORCE] == d.finished.peak_force[0] > 0.0
-        assert row[MAX_PENETRATION] == d.finished.max_penetration[0] > 0.0
-        assert row[PEAKS:].tolist() == [d.step.end, d.output.kinetic, value]
+        peaks = [d.finished.peak_force[0], d.finished.max_penetration[0]]
+        assert min(peaks) > 0.0
+        assert row.tolist() == [d.step.end, d.output.kinetic, value, *peaks]
     assert rows[0].tolist() == rows[2].tolist() != rows[1].tolist()
 
 
 def test_a_run_that_ends_in_a_contact_has_its_peaks_so_far():
     runs = Runs(stop=2e-3)
-    _, rows = runs.run([STIFFNESS])
+    _, rows = runs.run([STIFFNESS], [runs.word("peaks", name) for name in ("force", "penetration")])
     d = alone(STIFFNESS, 2e-3)
     assert d.touch.active_count == 1
-    assert rows[0, PEAK_FORCE] == pytest.approx(d.output.force[0], rel=1e-9)  # it still rises
-    assert rows[0, MAX_PENETRATION] == pytest.approx(d.output.penetration[0], rel=1e-9)
+    assert rows[0, 0] == pytest.approx(d.output.force[0], rel=1e-9)  # it still rises
+    assert rows[0, 1] == pytest.approx(d.output.penetration[0], rel=1e-9)
 
 
 def test_a_run_goes_on_where_a_call_has_paused(monkeypatch):
-    whole = Runs().run([1e4, 3e4])[1]
+    looks = [Runs().word("peaks", "force"), Runs().word("step", "end")]
+    whole = Runs().run([1e4, 3e4], looks)[1]
     monkeypatch.setattr(entry, "work_of_a_call", lambda _: 60)
-    runs, rows, stiffness, done, calls = Runs(), np.full((2, PEAKS), -1.0), [1e4, 3e4], 0, 0
+    runs, rows, stiffness, done, calls = Runs(), np.full((2, 2), -1.0), [1e4, 3e4], 0, 0
     continuing = 0
     while done < 2:
-        more, _ = runs.run(stiffness[done:], rows=rows[done:], continuing=continuing)
+        more, _ = runs.run(stiffness[done:], looks, rows=rows[done:], continuing=continuing)
         done, continuing, calls = done + more, 1, calls + 1
     assert calls > 3
     assert rows.tolist() == whole.tolist()
 
 
-def test_the_finished_contacts_of_a_run_are_collected_and_seen(monkeypatch):
-    runs = Runs()
-    d, row = runs.d, np.zeros(PEAKS)
+def test_the_finished_contacts_of_a_run_are_collected(monkeypatch):
+    d = Runs().d
     initialize(d, 0.0)
-    d.finished.count, d.finished.peak_force[:2], d.finished.max_penetration[:2] = 2, [5.0, 3.0], [1e-3, 4e-3]
+    d.finished.count = 2
     monkeypatch.setattr(entry, "advance", lambda *_: OK)
-    assert finish_run(d, 0.1, UNLIMITED, row) == OK
-    assert row.tolist() == [5.0, 4e-3]
+    assert finish_run(d, 0.1, UNLIMITED) == OK
     assert d.finished.count == 0
-
-
-def test_peaks_are_the_largest_of_all():
-    row = np.zeros(PEAKS)
-    for force, penetration in ((2.0, 1e-3), (1.0, 5e-3), (3.0, 2e-3)):
-        update_peaks(row, force, penetration)
-    assert (row[PEAK_FORCE], row[MAX_PENETRATION]) == (3.0, 5e-3)
 
 
 def test_rows_are_the_outputs_at_their_times():

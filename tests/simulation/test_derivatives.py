@@ -11,6 +11,7 @@ from chain_impact.simulation.derivatives import IMPACT_QUANTITIES, Differentiate
 from chain_impact.variables.model import Model
 from tests.derivative_scenes import AT_STOPS, sprung_chain, struck_twice
 from tests.problems import ball
+from tests.stops import knee
 
 CASE = struck_twice("hunt_crossley")
 OUTPUTS = ("point[2].x", "energy.total")
@@ -59,6 +60,20 @@ def test_a_name_without_derivatives(name, said):
 def test_no_names():
     with pytest.raises(SceneError, match="name at least one parameter"):
         DifferentiatedRun(CASE.scene, [], OUTPUTS)
+
+
+def test_a_contact_that_lasts_at_a_stop_is_differentiated_as_an_angle():
+    """What is known from its onset on has the derivatives that it has when it has ended."""
+    names = ["link[1].length", "link[2].mass", "initial.angular_velocity[1]"]
+    run, values = DifferentiatedRun(knee(), names, ["energy.total"]), np.array([0.5, 1.0, 0.0])
+    whole = run.run(values, np.array([0.5]))
+    middle = 0.5 * (whole.impacts["onset"][0] + whole.impacts["end"][0])
+    lasting = run.run(values, np.array([middle]))
+    assert len(lasting.impacts) == 1
+    for name in ("onset", "impact_speed", "effective_mass"):
+        np.testing.assert_array_equal(lasting.impact_slopes[name][0], whole.impact_slopes[name][0], name)
+        assert np.abs(whole.impact_slopes[name][0]).max() > 1e-3
+    assert np.isnan(lasting.impact_slopes["end"][0]).all()
 
 
 def test_there_is_a_row_for_each_time_also_for_equal_ones():

@@ -65,7 +65,7 @@ def run_each(  # noqa: PLR0917 - in C, arguments have no names
         matrix(values, runs, parameters),
         vector(stops, runs),
         vector(output_indices, columns),
-        matrix(rows, runs, entry.PEAKS + columns),
+        matrix(rows, runs, columns),
         continuing,
     )
 

@@ -1,16 +1,13 @@
 """The functions for callers of an instance; compilation/entry_points.py makes C functions of them."""
 
 from chain_impact.kernel.advance import advance, reinit
-from chain_impact.kernel.events.contact_log import clear_log, update_to_output_time
+from chain_impact.kernel.events.contact_log import clear_log, update_peaks, update_to_output_time
 from chain_impact.kernel.events.friction_modes import clear_changes
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.inputs import request_reinit
 from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import LOG_FULL, OK, PAUSED
 from chain_impact.kernel.work_limit import UNLIMITED, allow_any_length, work_done, work_of_a_call
-
-# the first two numbers in a row of `run_each`
-PEAK_FORCE, MAX_PENETRATION, PEAKS = 0, 1, 2
 
 
 def advance_to(d, time):
@@ -71,8 +68,8 @@ def run_each(d, words, places, values, stops, output_indices, rows, continuing):
         values: their values in each run, shape (R, K).
         stops: the end time of each run, shape (R,) [s].
         output_indices: indices of the words to return from the end of a run, shape (L,).
-        rows: result, shape (R, 2 + L): the largest force [N] and the largest penetration [m] of all contacts,
-            then the words that are asked for. After a fault the outputs among them are not those of the end.
+        rows: result, shape (R, L): the words that are asked for. After a fault the outputs among them are not
+            those of the end.
         continuing: 1 if an earlier call has begun the first run, which now continues.
 
     Returns:
@@ -85,24 +82,21 @@ def run_each(d, words, places, values, stops, output_indices, rows, continuing):
             for j in range(len(places)):
                 words[places[j]] = values[r, j]
             initialize(d, 0.0)
-            rows[r, PEAK_FORCE], rows[r, MAX_PENETRATION] = 0.0, 0.0
-        if finish_run(d, stops[r], work, rows[r]) == PAUSED:
+        if finish_run(d, stops[r], work) == PAUSED:
             return r
         work -= work_done(d)
         for j in range(len(output_indices)):
-            rows[r, PEAKS + j] = words[output_indices[j]]
+            rows[r, j] = words[output_indices[j]]
     return len(rows)
 
 
-def finish_run(d, stop, work, row):
-    """Advance to ``stop`` [s] and store the peaks in a row of ``run_each``; returns a status."""
+def finish_run(d, stop, work):
+    """Advance to ``stop`` [s], and there take the peaks of contacts that last; returns a status."""
     log_capacity = len(d.finished.point) - d.candidates
     status = LOG_FULL
     allow_any_length(d)
     while status == LOG_FULL:
         status = advance(d, stop, log_capacity, work)
-        for k in range(d.finished.count):
-            update_peaks(row, d.finished.peak_force[k], d.finished.max_penetration[k])
         clear_log(d)
         clear_changes(d)
     if status == OK:
@@ -110,12 +104,5 @@ def finish_run(d, stop, work, row):
     if status != PAUSED and d.touch.active_count > 0:
         update_to_output_time(d)
         for k in range(d.touch.active_count):
-            c = d.touch.active_index[k]
-            update_peaks(row, d.touch.peak_force[c], d.touch.max_penetration[c])
+            update_peaks(d, d.touch.active_index[k])
     return status
-
-
-def update_peaks(row, force, penetration):
-    """Update the largest force [N] and penetration [m] in a row of ``run_each``."""
-    row[PEAK_FORCE] = max(row[PEAK_FORCE], force)
-    row[MAX_PENETRATION] = max(row[MAX_PENETRATION], penetration)

@@ -15,7 +15,7 @@ from chain_impact.kernel.chain.state import (
     supplied_at,
     velocity_at,
 )
-from chain_impact.kernel.events.contact_log import clear_log
+from chain_impact.kernel.events.contact_log import clear_log, clear_peaks
 from chain_impact.kernel.events.exclusion import NOTHING, remember_clearances
 from chain_impact.kernel.events.friction_modes import clear_changes, reinit_modes
 from chain_impact.kernel.events.marks import drop_events
@@ -98,6 +98,7 @@ def clear_run(d, time):
     clear_trial(d)
     remember_clearances(d, NOTHING)
     clear_log(d)
+    clear_peaks(d)
     clear_changes(d)
     clear_counts(d, time)
 

@@ -31,7 +31,7 @@ from chain_impact.scene.names import Place
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.simulation.inputs import Drive, drive
-from chain_impact.simulation.instance import Instance, SimulationError, in_order, open_columns
+from chain_impact.simulation.instance import Instance, SimulationError, in_order
 from chain_impact.variables.model import Model
 from chain_impact.variables.table import BEHIND, word_index
 from chain_impact.variables.variable import Variable
@@ -145,11 +145,11 @@ class DifferentiatedInstance(Instance):
         rows = super().open_contacts()
         if not len(rows):
             return rows
-        active = self.record["touch"]["active"] == 1
-        slopes = open_columns(*(_slopes(self._tangents[part]) for part in ("touch", "impulse")))
+        log, places = self._tangents["finished"], self._open_places
+        slopes = {name: log[name]["slope"][:, places] for name in IMPACT_QUANTITIES}
         if self.status != OK:
             slopes = {name: np.full_like(slope, np.nan) for name, slope in slopes.items()}
-        self._keep_slopes(rows, {name: slope[:, active] for name, slope in slopes.items()})
+        self._keep_slopes(rows, slopes)
         return rows
 
     def _keep_slopes(self, rows: np.ndarray, slopes: Mapping[str, np.ndarray]) -> None:
@@ -191,12 +191,6 @@ class DifferentiatedInstance(Instance):
             reasons = REASONS_AT_STOPS if stopped else reasons
         reason = reasons[int(trust["reason"])]
         return (f"there are no derivatives from t = {trust['time']:.9g} s on{where}: {reason}",)
-
-
-def _slopes(part: np.ndarray) -> dict[str, np.ndarray]:
-    """The derivatives of all dual numbers in a part of instances of dual numbers."""
-    names = part.dtype.names or ()
-    return {name: part[name]["slope"] for name in names if part.dtype[name].base.names}
 
 
 class RowsWithSlopes:

@@ -208,12 +208,13 @@ class Instance:
     def open_contacts(self) -> np.ndarray:
         """The contacts that have not ended yet, with their peaks so far; drops what was solved ahead."""
         self._kernel.follow(self._address)
-        touch, candidate = self.record["touch"], self.record["candidate"]
-        if not touch["active_count"]:
-            return np.zeros(0, IMPACT_DTYPE)
-        columns = open_columns(touch, self.record["impulse"])
-        columns |= {"point": candidate["point"], "wall": candidate["wall"]}
-        return self._impacts(columns, np.flatnonzero(touch["active"] == 1))
+        return self._impacts(self.record["finished"], self._open_places)
+
+    @property
+    def _open_places(self) -> np.ndarray:
+        """Where the log has the contacts that have not ended: behind those that have."""
+        log = self.record["finished"]
+        return (int(log["count"]) + np.arange(int(self.record["touch"]["active_count"]))) % len(log["point"])
 
     def _impacts(self, columns: Any, places: np.ndarray) -> np.ndarray:
         """The impacts at some places of columns by name, without impulses if these are not followed."""
@@ -239,14 +240,6 @@ class Instance:
         """The solver's counts."""
         counts = self.record["statistics"]
         return dict(zip(counts.dtype.names, counts.item(), strict=True))
-
-
-def open_columns(touch: Any, impulse: Any) -> dict[str, np.ndarray]:
-    """What the log would have of each candidate if its contact ended now, but for what only the end tells."""
-    columns = {name: touch[name] for name in ("onset", "peak_force", "max_penetration", "effective_mass")}
-    columns["impact_speed"] = touch["onset_speed"]
-    columns["impulse"] = impulse["total"] - impulse["onset"]
-    return columns | {name: np.full_like(touch["onset"], np.nan) for name in ("end", "separation_speed")}
 
 
 def in_order(parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:

@@ -11,6 +11,7 @@ from chain_impact.kernel.events import contact_log
 from chain_impact.kernel.events.contact_log import (
     FORCE,
     PENETRATION,
+    clear_peaks,
     end_at_output_time,
     end_contact,
     maximum_inside,
@@ -21,6 +22,7 @@ from chain_impact.kernel.events.contact_log import (
     update_held_extremes,
     update_latest,
     update_own_to_output_time,
+    update_peaks,
     update_to_output_time,
     value_at,
 )
@@ -373,3 +375,17 @@ def test_a_contact_of_a_stop_is_logged_as_an_angle_and_a_moment():
     assert log.max_penetration[0] == pytest.approx(0.3 / arm)
     assert log.effective_mass[0] == pytest.approx(2.5 * arm**2)
     assert log.impulse[0] == pytest.approx(1.5 * arm)
+    assert (d.peaks.moment, d.peaks.rotation) == (log.peak_force[0], log.max_penetration[0])
+    assert (d.peaks.force, d.peaks.penetration) == (0.0, 0.0)
+
+
+def test_peaks_are_the_largest_of_all_contacts():
+    d, _ = pressed([0.0, 0.0, 0.0])
+    clear_peaks(d)
+    for c, (force, penetration) in enumerate([(2.0, 1e-3), (1.0, 5e-3), (3.0, 2e-3)]):
+        d.touch.peak_force[c], d.touch.max_penetration[c] = force, penetration
+        update_peaks(d, c)
+    assert (d.peaks.force, d.peaks.penetration) == (3.0, 5e-3)
+    assert (d.peaks.moment, d.peaks.rotation) == (0.0, 0.0)
+    clear_peaks(d)
+    assert (d.peaks.force, d.peaks.penetration) == (0.0, 0.0)

@@ -9,6 +9,7 @@ from chain_impact import SimulationError, load_scene, model_names, simulate
 from chain_impact.results.explore.description import description
 from tests.compilation.test_browser import SINH
 from tests.results.explore.conftest import needs_browser, packed_module
+from tests.stops import knee
 
 pytestmark = needs_browser
 
@@ -56,6 +57,15 @@ def test_changed_parameters_give_the_bits_of_the_changed_scene(kernel, model, ch
     changed = scene.with_values(changes)
     values = {name: numbers(changed).get((name, value), value) for name, value in changes.items()}
     assert_same_bits(kernel(scene, values), simulate(changed))
+
+
+@pytest.mark.parametrize("stop_time", [0.406, 1.69])
+def test_a_contact_that_lasts_at_the_end_is_that_of_simulate(kernel, stop_time):
+    """At a stop and at a wall."""
+    scene = knee(**{"simulation.stop_time": stop_time})
+    result = simulate(scene)
+    assert np.isnan(result.impacts["end"][-1])
+    assert_same_bits(kernel(scene), result)
 
 
 def numbers(scene):

@@ -31,8 +31,8 @@ def test_the_runs_of_a_map_have_the_bits_of_a_sweep(worker):
     stops, asked = [1.2] * len(grid), [words[name] for name in outputs]
     given = [packed_module(), data, list(varied), grid.ravel().tolist(), stops, asked]
     text, rows_after = worker.evaluate(RUN, given)
-    found = bits(text).reshape(len(grid), 2 + len(outputs))
-    for place, name in enumerate(outputs, 2):
+    found = bits(text).reshape(len(grid), len(outputs))
+    for place, name in enumerate(outputs):
         column = np.ascontiguousarray(known[name])
         np.testing.assert_array_equal(found[:, place], column.view(np.int64), name)
     assert rows_after == 11  # the memory has grown, and other runs go on as before

@@ -10,6 +10,7 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene
 from chain_impact.studies.sweep.plot import COLOURS, FAILED_COLOUR, QUANTITIES, fill
 from chain_impact.studies.sweep.sweep import sweep
+from tests.stops import knee
 
 SCENE = load_scene("four_link_box").with_values({"simulation.stop_time": 0.6, "solver.tolerance": 1e-6})
 TEN = [law for law in CONTACT_LAWS if law not in ("kelvin_voigt", "newton_impact")][:10]
@@ -61,8 +62,9 @@ def test_every_kind_is_drawn_and_nothing_overlaps(kind, tmp_path):
 def test_lines_are_the_columns():
     found = sweep(SCENE, {"contact.restitution": "0.8,0.4,0.0", "contact.model": "flores,hertz"})
     page = drawn(found)
-    assert [axes.get_ylabel() for axes in page.axes] == [quantity.label for quantity in QUANTITIES]
-    for axes, quantity in zip(page.axes, QUANTITIES, strict=True):
+    quantities = [quantity for quantity in QUANTITIES if not quantity.column.startswith("stop.")]
+    assert [axes.get_ylabel() for axes in page.axes] == [quantity.label for quantity in quantities]
+    for axes, quantity in zip(page.axes, quantities, strict=True):
         for line, law in zip(axes.lines, ("flores", "hertz"), strict=False):
             rows = found.table[found["contact.model"] == law][::-1]
             values = np.where(rows["status"] == "ok", quantity.factor * rows[quantity.column], np.nan)
@@ -72,6 +74,22 @@ def test_lines_are_the_columns():
     assert "1 failed (×)" in page.get_suptitle()
     labels = [text.get_text() for text in page.legends[0].get_texts()]
     assert labels == ["flores", "hertz"]
+
+
+def test_a_scene_with_stops_has_panels_for_them():
+    outputs = ["point[2].x", "point[2].y", "joint[2].stop_moment", "impact.last_time"]
+    page = drawn(sweep(knee(), {"stop.restitution": "0.2,0.5,0.8"}, outputs=outputs))
+    labels = [axes.get_ylabel() for axes in page.axes]
+    assert labels[:6] == [quantity.label for quantity in QUANTITIES]
+    assert len(labels) == 6 + len(outputs)
+    assert "kN, peak moment of stops" in page.get_suptitle()
+
+
+def test_a_scene_without_walls_has_no_panels_for_them():
+    page = drawn(sweep(load_scene("kneed_leg"), {"stop.restitution": "0.0,0.5"}))
+    assert page.axes[0].get_ylabel() == "peak moment of stops [N·m]"
+    assert len(page.axes) == len(QUANTITIES) - 2
+    assert "peak force" not in page.get_suptitle()
 
 
 def test_maps_are_the_columns_with_ordered_axes():

@@ -7,6 +7,7 @@ import sys
 
 import numpy as np
 import pytest
+from filelock import FileLock
 
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene, with_values
@@ -220,7 +221,7 @@ def test_a_folder_that_can_only_be_read_is_said_with_the_path_of_the_table(tmp_p
         raise PermissionError(errno.EACCES, "Permission denied", lock.lock_file)
 
     path = tmp_path / "x.csv"
-    monkeypatch.setattr(resume.FileLock, "acquire", refused)
+    monkeypatch.setattr(FileLock, "acquire", refused)
     with pytest.raises(PermissionError, match="Permission denied") as caught:
         sweep(SCENE, VARY, path=path)
     assert caught.value.filename == str(path)

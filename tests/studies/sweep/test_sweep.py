@@ -6,6 +6,7 @@ import pytest
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.record.contacts import LOG_SIZE
 from chain_impact.kernel.status import STATUS_NAME, STATUS_TEXT
+from chain_impact.results.joint_stops import at_stop
 from chain_impact.results.result import recording_of
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import load_scene, scene_from_dict, with_values
@@ -15,8 +16,10 @@ from chain_impact.simulation.simulate import simulate, with_law
 from chain_impact.studies.sweep.sweep import sweep
 from tests import random_scenes
 from tests.problems import own_law
+from tests.stops import knee
 
 FORCES = ("peak_force", "max_penetration")
+AT_STOPS = ("stop.peak_moment", "stop.max_penetration")
 
 
 def short(model="four_link_box", stop=0.6, tolerance=1e-6):
@@ -46,8 +49,11 @@ def check(scene, row, varied, outputs=()):
         columns = recording_of(result).columns
         for name in ("energy.kinetic", "energy.potential", "energy.elastic", "energy.total", *outputs):
             assert row[name] == columns[name][-1], name
+    stops = np.array([at_stop(scene, wall) for wall in result.impacts["wall"]], bool)
     for name in FORCES:
-        assert row[name] == max(result.impacts[name], default=0.0), name
+        assert row[name] == max(result.impacts[name][~stops], default=0.0), name
+    for name, column in zip(FORCES, AT_STOPS if scene.chain.stops else (), strict=False):
+        assert row[column] == max(result.impacts[name][stops], default=0.0), column
     assert row["impact.count"] == len(result.impacts)
     for name, count in result.statistics.items():
         assert row[f"solver.{name}"] == count, name
@@ -155,6 +161,20 @@ def test_the_stop_time_alone():
     for row in found.table:
         assert check(short(), row, found.varied) == "ok"
     assert found["time"].tolist() == [0.1, 0.5]
+
+
+def test_contacts_at_stops_have_columns_of_their_own():
+    """Also one that lasts at the end."""
+    scene = knee()
+    result = simulate(scene)
+    assert {at_stop(scene, wall) for wall in result.impacts["wall"]} == {False, True}
+    first = next(row for row in result.impacts if at_stop(scene, row["wall"]))
+    found = sweep(scene, {"simulation.stop_time": [0.5 * (first["onset"] + first["end"]), 2.0]})
+    for row in found.table:
+        assert check(scene, row, found.varied) == "ok"
+    assert (found["stop.peak_moment"] > 0.0).all()
+    assert found["peak_force"].tolist() == [0.0, max(found["peak_force"])]
+    assert not set(AT_STOPS) & set(sweep(short(), {"gravity.y": [-9.81]}).names)
 
 
 def test_a_chain_that_can_touch_nothing():

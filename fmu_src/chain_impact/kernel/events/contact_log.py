@@ -1,5 +1,7 @@
 """Data of each contact: peak force and penetration, updated in every step, and the log of finished ones."""
 
+import math
+
 from chain_impact.kernel import hooks
 from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
 from chain_impact.kernel.events.kinds import KINK, NONE, ONSET
@@ -107,13 +109,14 @@ def update_to_output_time(d):
 
 
 def update_own_to_output_time(d):
-    """Truncate the last step at the communication point, and update the active contacts up to there."""
+    """Truncate the last step at the communication point, and log the active contacts up to there."""
     counted = counted_work(d)
     end_at_output_time(d)
     ensure_rate(d)
     ensure_points(d)
     update_extremes(d)
     commit_impulses(d)
+    log_active(d)
     uncount_work(d, counted)
 
 
@@ -197,27 +200,73 @@ def clear_log(d):
     d.finished.count = 0
 
 
+def clear_peaks(d):
+    """Forget the peaks of all contacts, as a run starts."""
+    peaks = d.peaks
+    peaks.force, peaks.penetration, peaks.moment, peaks.rotation = 0.0, 0.0, 0.0, 0.0
+
+
+def update_peaks(d, c):
+    """Take the largest force and penetration of candidate c so far into those of all contacts."""
+    peaks, arm = d.peaks, lever(d, c)
+    force, penetration = d.touch.peak_force[c] * arm, d.touch.max_penetration[c] / arm
+    if d.candidate.stop[c] == 0:
+        peaks.force = max(peaks.force, force)
+        peaks.penetration = max(peaks.penetration, penetration)
+    else:
+        peaks.moment = max(peaks.moment, force)
+        peaks.rotation = max(peaks.rotation, penetration)
+
+
 def end_contact(d, c, held):
     """End the contact of candidate c, and log it. In a full log it overwrites the oldest entry.
 
     ``held``: whether a rigid wall held it until now; by now its law may have changed to one with a force.
     """
-    touch, log, arm = d.touch, d.finished, lever(d, c)
+    touch, log, impulse = d.touch, d.finished, impulse_since_onset(d, c)
     _, gap_rate = clearance(d, c)
     # a point that was held at a rigid wall is at rest: a negative rate is round-off
     speed = max(0.0, gap_rate) if held else gap_rate
-    impulse = d.impulse.total[c] - d.impulse.onset[c]
-    row = log.count % len(log.point)
+    log_contact(d, c, log.count % len(log.point), d.step.end, speed)
+    log.count += 1
+    note_impact(d, c, d.step.end, speed, touch.peak_force[c], touch.max_penetration[c], impulse)
+    update_peaks(d, c)
+    deactivate(d, c)
+
+
+def log_active(d):
+    """Log the active contacts behind those that have ended, without an end. They are not counted."""
+    log = d.finished
+    row = log.count
+    for c in range(d.candidates):
+        if d.touch.active[c]:
+            log_contact(d, c, row % len(log.point), math.nan, math.nan)
+            row += 1
+
+
+def log_contact(d, c, row, end, separation_speed):
+    """Write the contact of candidate c to a row of the log; that of a stop by its moments and angles.
+
+    Args:
+        d: the instance.
+        c: the candidate.
+        row: in the log.
+        end: the time of its end [s].
+        separation_speed: ġ at that time [m/s].
+    """
+    touch, log, arm = d.touch, d.finished, lever(d, c)
     log.point[row] = d.candidate.point[c]
     log.wall[row] = d.candidate.wall[c]
     log.onset[row] = touch.onset[c]
-    log.end[row] = d.step.end
+    log.end[row] = end
     log.impact_speed[row] = touch.onset_speed[c] / arm
-    log.separation_speed[row] = speed / arm
+    log.separation_speed[row] = separation_speed / arm
     log.peak_force[row] = touch.peak_force[c] * arm
     log.max_penetration[row] = touch.max_penetration[c] / arm
     log.effective_mass[row] = touch.effective_mass[c] * arm * arm
-    log.impulse[row] = impulse * arm
-    note_impact(d, c, d.step.end, speed, touch.peak_force[c], touch.max_penetration[c], impulse)
-    log.count += 1
-    deactivate(d, c)
+    log.impulse[row] = impulse_since_onset(d, c) * arm
+
+
+def impulse_since_onset(d, c):
+    """∫F dt of candidate c since the onset of its contact [N·s]."""
+    return d.impulse.total[c] - d.impulse.onset[c]

@@ -126,20 +126,31 @@ def rigid_dtype(links: int, candidates: int, elements: int) -> np.dtype:
 
 @written_by("events/contact_log.py")
 def finished_dtype(candidates: int) -> np.dtype:
-    """The log of finished contacts. A caller that collects sets count to 0."""
+    """The log of finished contacts, and behind them those that last. Who collects sets count to 0."""
     log = LOG_SIZE + candidates
     return record(
         ("count", INTEGER),  # contacts ended since last collected
         ("point", INTEGER, (log,)),
         ("wall", INTEGER, (log,)),
         ("onset", REAL, (log,)),  # s
-        ("end", REAL, (log,)),  # s
+        ("end", REAL, (log,)),  # s, NaN while the contact lasts
         ("impact_speed", REAL, (log,)),  # m/s, approach speed at onset
-        ("separation_speed", REAL, (log,)),  # m/s
+        ("separation_speed", REAL, (log,)),  # m/s, NaN while it lasts
         ("peak_force", REAL, (log,)),  # N
         ("max_penetration", REAL, (log,)),  # m
         ("effective_mass", REAL, (log,)),  # kg
         ("impulse", REAL, (log,)),  # N·s
+    )
+
+
+@written_by("events/contact_log.py")
+def peaks_dtype() -> np.dtype:
+    """The largest of all contacts that have ended since the start; in a sweep, of those at its end, too."""
+    return record(
+        ("force", REAL),  # N, of a wall on a point
+        ("penetration", REAL),  # m
+        ("moment", REAL),  # N·m, of a stop on a joint
+        ("rotation", REAL),  # rad, of a joint beyond its stop
     )
 
 

@@ -24,6 +24,7 @@ from chain_impact.kernel.record.contacts import (
     impact_dtype,
     impulse_dtype,
     latest_dtype,
+    peaks_dtype,
     rigid_dtype,
     touch_dtype,
 )
@@ -75,6 +76,7 @@ def instance_dtype(links: int, candidates: int, elements: int = 0) -> np.dtype:
         ("trial", trial_dtype(links)),
         ("impact", impact_dtype()),
         ("latest", latest_dtype()),
+        ("peaks", peaks_dtype()),
         ("statistics", statistics_dtype()),
         ("limits", limits_dtype()),
         ("balance", balance_dtype()),

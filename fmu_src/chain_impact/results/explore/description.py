@@ -82,37 +82,21 @@ def layout(record: np.dtype) -> dict[str, Any]:
     def word(*place: str | int) -> int:
         return word_index(record, place)
 
-    def starts(part: str, names: Sequence[str]) -> dict[str, int]:
-        offset = record.fields[part][1]  # type: ignore[index]
-        return {name: (offset + record[part].fields[name][1]) // WORD for name in names}  # type: ignore[index]
-
-    logged = [name for name in IMPACT_DTYPE.names or () if name in (record["finished"].names or ())]
-    candidate = record["candidate"].base
+    log, offset = record["finished"], record.fields["finished"][1]  # type: ignore[index]
+    starts = {name: offset + log.fields[name][1] for name in IMPACT_DTYPE.names or ()}  # type: ignore[index]
     return {
         "status": word("statistics", "status"),
         "time": word("step", "time"),
         "impulses": word("impulse", "wanted"),
         "finished": {
             "count": word("finished", "count"),
-            "room": record["finished"]["point"].shape[0],
-            "fields": starts("finished", logged),
+            "room": log["point"].shape[0],
+            "fields": {name: start // WORD for name, start in starts.items()},
         },
         "changes": word("changes", "count"),
-        "candidates": record["candidate"].shape[0],
-        "candidate": {
-            "start": record.fields["candidate"][1] // WORD,  # type: ignore[index]
-            "width": candidate.itemsize // WORD,
-            "point": candidate.fields["point"][1] // WORD,  # type: ignore[index]
-            "wall": candidate.fields["wall"][1] // WORD,  # type: ignore[index]
-        },
-        "open": starts("touch", ("active", "onset", "onset_speed", *OPEN_FIELDS))
-        | {f"impulse_{name}": at for name, at in starts("impulse", ("total", "onset")).items()},
+        "active": word("touch", "active_count"),
         "statistics": {name: word("statistics", name) for name in record["statistics"].names or ()},
     }
-
-
-OPEN_FIELDS = ("peak_force", "max_penetration", "effective_mass")
-"""Of a contact that has not ended, what the record has under the same name as the table of impacts."""
 
 
 def parameter(model: Model, variable: Variable) -> dict[str, Any]:

@@ -23,8 +23,13 @@ from chain_impact.variables.model import Model, model_of
 from chain_impact.variables.table import BEHIND, word_index
 from chain_impact.variables.variable import Variable
 
-PEAKS = ("peak_force", "max_penetration")
-"""The largest of all contacts of a run [N], [m]: the first columns that the kernel fills."""
+PEAKS: dict[str, Place] = {"peak_force": ("peaks", "force"), "max_penetration": ("peaks", "penetration")}
+"""The largest of all contacts at walls [N], [m]: column → place in the instance record."""
+STOP_PEAKS: dict[str, Place] = {
+    "stop.peak_moment": ("peaks", "moment"),
+    "stop.max_penetration": ("peaks", "rotation"),
+}
+"""The same at stops of joints [N·m], [rad], in a scene with stops."""
 ENDED = "time"  # s, where a run ended
 STATUS = "solver.status"
 
@@ -52,6 +57,11 @@ class Job:
         return self.model.scene
 
     @property
+    def peaks(self) -> dict[str, Place]:
+        """The first columns: name → place in the instance record."""
+        return PEAKS | (STOP_PEAKS if self.scene.chain.stops else {})
+
+    @property
     def columns(self) -> dict[str, Variable]:
         """What is read from the record at the end of each run: name → variable."""
         found = self.model.outputs_by_name
@@ -64,7 +74,7 @@ class Job:
         """The row of one run."""
         kinds = {"integer": np.int64, "real": np.float64}
         columns = [(name, kinds[variable.type]) for name, variable in self.columns.items()]
-        return np.dtype([*((name, np.float64) for name in (*PEAKS, ENDED)), *columns])
+        return np.dtype([*((name, np.float64) for name in (*self.peaks, ENDED)), *columns])
 
 
 def job_of(source: Scene | Model, variations: Sequence[Variation], outputs: Sequence[str]) -> Job:
@@ -112,7 +122,11 @@ class Runner:
         in_record = [k for k, place in enumerate(job.varied) if place]
         self._in_record, self._whole = in_record, [job.kinds[k] == "enumeration" for k in in_record]
         self._places = np.array([word_index(layout, job.varied[k]) for k in in_record], np.int64)
-        places = [("step", "time"), *(variable.place for variable in self._columns.values())]
+        places = [
+            *job.peaks.values(),
+            ("step", "time"),
+            *(variable.place for variable in self._columns.values()),
+        ]
         self._output_indices = np.array([word_index(layout, place) for place in places], np.int64)
 
     def run(self, values: np.ndarray, wanted: Callable[[], bool] = lambda: True) -> np.ndarray | None:

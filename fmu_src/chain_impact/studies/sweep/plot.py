@@ -18,8 +18,10 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from chain_impact.results.plots.style import STYLE, headline, number, save
+from chain_impact.scene.candidates import point_wall_pairs
 from chain_impact.scene.reading import SceneError
 from chain_impact.studies.sweep.design import Design
+from chain_impact.studies.sweep.job import PEAKS
 from chain_impact.studies.sweep.table import Sweep
 from chain_impact.studies.sweep.variation import Variation
 from chain_impact.variables.model import Model
@@ -30,7 +32,7 @@ COLOURS = (
 )  # fmt: skip
 MAP_COLOURS, FAILED_COLOUR = "cividis", "0.8"
 CROSS: dict[str, Any] = {"color": "0.3", "marker": "x", "markersize": 4, "linestyle": ""}
-MOST_VARIED, MOST_PANELS = 6, 8
+MOST_VARIED, MOST_ASKED = 6, 4  # parameters that vary, outputs that were asked for
 WIDE_RANGE, MOST = 1e3, 0.95  # of most values, from which on an axis is logarithmic
 NEVER = "no run has a finite value"
 
@@ -52,9 +54,16 @@ class Quantity:
 QUANTITIES = (
     Quantity("peak_force", "peak force [kN]", 1e-3),
     Quantity("max_penetration", "largest penetration [mm]", 1e3),
+    Quantity("stop.peak_moment", "peak moment of stops [N·m]"),
+    Quantity("stop.max_penetration", "largest rotation beyond a stop [rad]"),
     Quantity("impact.count", "impacts"),
     Quantity("energy.dissipated", "energy dissipated [J]"),
 )
+
+PEAKS_TOLD = {
+    "peak_force": "peak force {:.3g} to {:.3g} kN",
+    "stop.peak_moment": "peak moment of stops {:.3g} to {:.3g} N·m",
+}
 
 
 def check_picture(varied: int, source: str) -> None:
@@ -103,11 +112,12 @@ def fill(page: Figure, found: Sweep) -> None:
 
 def title(found: Sweep, mark: str) -> str:
     """What came of the runs."""
-    force = QUANTITIES[0].of(found)
-    force = force[np.isfinite(force)]
     parts = [f"{found.scene.name}: {len(found)} run{'s' if len(found) != 1 else ''}"]
-    if force.size:
-        parts.append(f"peak force {force.min():.3g} to {force.max():.3g} kN")
+    for quantity in QUANTITIES:
+        values = quantity.of(found) if quantity.column in {*PEAKS_TOLD} & {*found.names} else np.zeros(0)
+        values = values[np.isfinite(values)]
+        if values.any():
+            parts.append(PEAKS_TOLD[quantity.column].format(values.min(), values.max()))
     if found.failed.any():
         parts.append(f"{found.failed.sum()} failed{mark}")
     return ", ".join(parts)
@@ -130,12 +140,14 @@ def _varying(design: Design) -> list[Variation]:
 def _quantities(found: Sweep) -> list[Quantity]:
     """The main results, then the outputs that were asked for."""
     units = Model(found.scene).units
-    known = {quantity.column for quantity in QUANTITIES}
+    absent = set() if point_wall_pairs(found.scene) else {*PEAKS}
+    main = [quantity for quantity in QUANTITIES if quantity.column in {*found.names} - absent]
+    known = {quantity.column for quantity in main}
     asked = [name for name in found.outputs if name not in known]
     extra = [
         Quantity(name, f"{name} at the end" + (f" [{units[name]}]" if units[name] else "")) for name in asked
     ]
-    return [*QUANTITIES, *extra][:MOST_PANELS]
+    return [*main, *extra[:MOST_ASKED]]
 
 
 def _panels(page: Figure, count: int, width: float = 5.0) -> list[Axes]:

@@ -33,8 +33,10 @@ class Sweep:
     ``sweep["peak_force"]`` is a column, with one value for each run. The columns are the parameters that
     vary, then:
 
-    - ``peak_force`` [N] and ``max_penetration`` [m]: the largest of all contacts; 0 without a contact, and
-      infinite for an impulse.
+    - ``peak_force`` [N] and ``max_penetration`` [m]: the largest of all contacts at walls; 0 without a
+      contact, and an infinite force for an impulse.
+    - ``stop.peak_moment`` [N·m] and ``stop.max_penetration`` [rad]: the same at stops of joints, in a scene
+      with stops.
     - ``time`` [s]: where the run ended: the stop time, or earlier after a fault.
     - ``impact.count``, ``energy.kinetic`` and so on, ``solver.steps`` and so on, and the outputs that were
       asked for: as the FMU has them at the end.

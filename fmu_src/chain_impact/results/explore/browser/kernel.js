@@ -122,11 +122,11 @@ export class Kernel {
   }
 
   /**
-   * Run once for each row of values of some parameters, all real, and return words of the record at the end of each run,
-   * in rows that begin with the largest force and penetration. It yields the share that is done.
+   * Run once for each row of values of some parameters, all real, and return words of the record at the end of each run.
+   * It yields the share that is done.
    */
   *runEach(values, names, each, stops, words) {
-    const [runs, width] = [stops.length, 2 + words.length];
+    const [runs, width] = [stops.length, words.length];
     const sizes = [names.length, each.length, runs, words.length, runs * width];
     const places = sizes.reduce((found, size) => [...found, aligned(found.at(-1) + size * WORD)], [this.scratch]);
     this.#reserve(places.at(-1));
@@ -163,43 +163,25 @@ export class Kernel {
     const count = Math.min(Number(this.integers[finished.count]), finished.room);
     this.integers[finished.count] = 0n;
     this.integers[changes] = 0n;
-    return Array.from({ length: count }, (_, index) => this.#impact((name) => finished.fields[name] + index));
+    return this.#logged(count, (index) => index);
   }
 
-  #impact(wordOf) {
-    const { reals, integers } = this;
-    const impact = { point: Number(integers[wordOf("point")]), wall: Number(integers[wordOf("wall")]) };
-    for (const name of Object.keys(this.scene.layout.finished.fields)) {
-      if (!(name in impact)) impact[name] = reals[wordOf(name)];
-    }
-    return this.#withImpulse(impact);
+  /** Rows of the log of contacts. */
+  #logged(count, rowOf) {
+    const { reals, integers, scene: { layout: { finished, impulses } } } = this;
+    const unknown = integers[impulses] === 0n ? { impulse: NaN } : {};
+    return Array.from({ length: count }, (_, index) => {
+      const read = ([name, word]) => [name, ["point", "wall"].includes(name) ? Number(integers[word + rowOf(index)]) : reals[word + rowOf(index)]];
+      return { ...Object.fromEntries(Object.entries(finished.fields).map(read)), ...unknown };
+    });
   }
 
-  #withImpulse(impact) {
-    const followed = this.integers[this.scene.layout.impulses] !== 0n;
-    return followed ? impact : { ...impact, impulse: NaN };
-  }
-
-  /** The contacts that have not ended, with their peaks so far; drops what was solved ahead. */
+  /** The contacts that have not ended, with their peaks so far, behind those that have; drops what was solved ahead. */
   #open() {
     this.exports.follow(this.record);
-    const { reals, integers, scene: { layout: { candidates, candidate, open } } } = this;
-    const active = Array.from({ length: candidates }, (_, c) => c).filter((c) => integers[open.active + c] === 1n);
-    return active.map((c) => {
-      const of = (field) => Number(integers[candidate.start + c * candidate.width + candidate[field]]);
-      return this.#withImpulse({
-        point: of("point"),
-        wall: of("wall"),
-        onset: reals[open.onset + c],
-        end: NaN,
-        impact_speed: reals[open.onset_speed + c],
-        separation_speed: NaN,
-        peak_force: reals[open.peak_force + c],
-        max_penetration: reals[open.max_penetration + c],
-        effective_mass: reals[open.effective_mass + c],
-        impulse: reals[open.impulse_total + c] - reals[open.impulse_onset + c],
-      });
-    });
+    const { finished, active } = this.scene.layout;
+    const ended = Number(this.integers[finished.count]);
+    return this.#logged(Number(this.integers[active]), (index) => (ended + index) % finished.room);
   }
 }
 

@@ -6,7 +6,6 @@ import { unitText } from "./knobs.js";
 
 const POINTS = 41; // in each direction
 const RUNS = POINTS * POINTS;
-const WIDTH = 4; // numbers of a run: peaks, status, output
 const WORKERS = 8; // at most
 // viridis of matplotlib (CC0), at equal distances
 const VIRIDIS = [[68, 1, 84], [59, 82, 139], [33, 145, 140], [94, 201, 98], [253, 231, 37]];
@@ -151,7 +150,7 @@ export class GridMap {
     const { output, found } = this.shown;
     const integers = new BigInt64Array(rows.buffer);
     for (let column = 0; column < POINTS; column += 1) {
-      const [status, value] = [column * WIDTH + 2, column * WIDTH + 3];
+      const [status, value] = [2 * column, 2 * column + 1];
       const index = row * POINTS + column;
       const given = output.integer ? Number(integers[value]) : rows[value];
       found[index] = integers[status] === 0n && this.#isAllowed(index) ? given : null;
