@@ -52,10 +52,10 @@ def link(lowered: str, links: int | None, library: Path) -> None:
         links: number of links; None for any.
         library: the file to write; others are put beside it.
     """
-    functions = library.with_name("functions.ll")
-    functions.write_text(compilers.complete(lowered, links))
+    functions = library.with_name("functions.o")
+    compilers.compile_kernel(lowered, functions, HOST, links)
     compilers.prepare_zig(HOST)
-    compilers._zig_library(HOST, library, functions, flags=compilers.INLINE_MORE)
+    compilers._zig_library(HOST, library, functions)
 
 
 def zig(folder: Path, *arguments: object) -> None:

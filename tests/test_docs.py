@@ -270,7 +270,7 @@ def test_the_times_of_compilation_are_those_that_are_printed():
         "docs/kernels.md": [
             f"the kernel once, about {lower} s, then links one of the four, about {link} s",
             f"about {first_more} s the first time, for all numbers of links",
-            f"about 3 s for each law, and {link} s more for the first one with each of the four",
+            f"the first law takes {link} s more with each of the four kernels",
             f"and {lower} s where the kernel without derivatives is not there yet",
         ],
         "docs/development/compilation.md": [

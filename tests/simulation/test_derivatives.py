@@ -76,6 +76,21 @@ def test_a_contact_that_lasts_at_a_stop_is_differentiated_as_an_angle():
     assert np.isnan(lasting.impact_slopes["end"][0]).all()
 
 
+def test_contacts_that_last_together_have_derivatives_of_their_own():
+    """A rod that lies on the floor."""
+    scene, names, values = load_scene("rod_drop"), ["contact.stiffness", "link[1].mass"], [1e8, 0.5]
+    found = DifferentiatedRun(scene, names, ["energy.total"]).run(np.array(values), np.array([2.0]))
+    last = np.flatnonzero(np.isnan(found.impacts["end"]))
+    assert len(last) == 2
+    for k, name in enumerate(names):
+        step = 1e-6 * values[k]
+        ends = [simulate(scene.with_values({name: values[k] + sign * step}), 2.0, 2.0) for sign in (1, -1)]
+        more, less = (end.impacts["onset"][last] for end in ends)
+        slopes = found.impact_slopes["onset"][last, k]
+        np.testing.assert_allclose(slopes, (more - less) / (2.0 * step), rtol=1e-2)
+        assert abs(slopes[0] - slopes[1]) > 0.1 * abs(slopes[0])
+
+
 def test_there_is_a_row_for_each_time_also_for_equal_ones():
     name, start = "contact.restitution", CASE.scene.contact.restitution
     run = DifferentiatedRun(CASE.scene, [name], OUTPUTS)

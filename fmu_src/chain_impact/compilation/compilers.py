@@ -74,7 +74,7 @@ CONSTANT = """define internal i64 @{name}(ptr %instance) alwaysinline {{
 LAW = """declare hidden i64 @user_law_present()
 declare hidden double @user_law_force(double, double, double, double, double, double, double)
 """
-# what is linked to a kernel beside a user's law, and in place of one, in C
+# C code that is linked to a kernel: the first beside a user's law, the second where there is none
 LAW_IS_PRESENT = "long long user_law_present(void) { return 1; }\n"
 NO_LAW = """long long user_law_present(void) { return 0; }
 double user_law_force(double a, double b, double c, double d, double e, double f, double g) { return 0.0; }
@@ -235,12 +235,11 @@ def _zig_library(
     *inputs: Path,
     law: Path | None = None,
     cpu: str | None = None,
-    flags: Iterable[str] = (),
 ) -> None:
     """Compile what is not compiled yet, and link a library."""
     inputs += write_beside(library, law)
     target, _ = ZIG_TARGETS[platform]
-    options = [*flags, "-shared", "-s"]
+    options = ["-shared", "-s"]
     if "linux" in target:
         # what it calls must not be found in another library that the same process has loaded, nor be missing
         options += ["-Wl,-Bsymbolic", "-Wl,-z,defs"]

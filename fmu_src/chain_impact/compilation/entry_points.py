@@ -43,7 +43,7 @@ Entries = dict[str, tuple[Any, Callable[..., Any]]]
 
 
 def follow(d):
-    """Follow the contacts up to the communication point."""
+    """Follow the contacts up to the communication point, and log those that last behind the finished ones."""
     update_to_output_time(d)
     return 0
 

@@ -39,8 +39,6 @@ FIRST_SIZES: tuple[int | None, ...] = (None, 1, 2, 4)
 """The usual ones: a kernel for any chain, and those of most models."""
 SIZES: tuple[int | None, ...] = (None, *range(1, LARGEST_EXACT + 1))
 """What a wheel for release has."""
-DERIVATIVE_SIZES: tuple[int | None, ...] = (None,)
-"""A kernel that carries derivatives is for any chain: one for a number of links is a twentieth faster."""
 REQUIREMENTS = [*(f"{name}=={version}" for name, version in cache.COMPILERS.items()), "numpy>=2.0,<3"]
 """What has to be installed to compile kernels."""
 
@@ -56,8 +54,9 @@ def exact(links: int, kind: str = KERNEL) -> int | None:
 
 
 def _sizes(kind: str, release: bool) -> tuple[int | None, ...]:
+    """The numbers of links that there are kernels of a kind for."""
     if kind != KERNEL:
-        return DERIVATIVE_SIZES
+        return (None,)  # with derivatives, one for a number of links is a twentieth faster only
     return SIZES if release else FIRST_SIZES
 
 

@@ -1,7 +1,7 @@
 """The functions for callers of an instance; compilation/entry_points.py makes C functions of them."""
 
 from chain_impact.kernel.advance import advance, reinit
-from chain_impact.kernel.events.contact_log import clear_log, update_peaks, update_to_output_time
+from chain_impact.kernel.events.contact_log import clear_log, update_to_output_time
 from chain_impact.kernel.events.friction_modes import clear_changes
 from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.inputs import request_reinit
@@ -91,7 +91,7 @@ def run_each(d, words, places, values, stops, output_indices, rows, continuing):
 
 
 def finish_run(d, stop, work):
-    """Advance to ``stop`` [s], and there take the peaks of contacts that last; returns a status."""
+    """Advance to ``stop`` [s], and log the contacts that last there, for their peaks; returns a status."""
     log_capacity = len(d.finished.point) - d.candidates
     status = LOG_FULL
     allow_any_length(d)
@@ -103,6 +103,4 @@ def finish_run(d, stop, work):
         observe(d)
     if status != PAUSED and d.touch.active_count > 0:
         update_to_output_time(d)
-        for k in range(d.touch.active_count):
-            update_peaks(d, d.touch.active_index[k])
     return status

@@ -147,9 +147,10 @@ class DifferentiatedInstance(Instance):
             return rows
         log, places = self._tangents["finished"], self._open_places
         slopes = {name: log[name]["slope"][:, places] for name in IMPACT_QUANTITIES}
-        if self.status != OK:
-            slopes = {name: np.full_like(slope, np.nan) for name, slope in slopes.items()}
-        self._keep_slopes(rows, slopes)
+        # after a fault, other contacts may last there
+        same = (log["point"][:, places] == rows["point"]) & (log["wall"][:, places] == rows["wall"])
+        known = (same.all(axis=0) & (self.status == OK))[:, np.newaxis]
+        self._keep_slopes(rows, {name: np.where(known, slope, np.nan) for name, slope in slopes.items()})
         return rows
 
     def _keep_slopes(self, rows: np.ndarray, slopes: Mapping[str, np.ndarray]) -> None:

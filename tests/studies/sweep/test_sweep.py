@@ -177,6 +177,18 @@ def test_contacts_at_stops_have_columns_of_their_own():
     assert not set(AT_STOPS) & set(sweep(short(), {"gravity.y": [-9.81]}).names)
 
 
+def test_peaks_of_rigid_stops_and_of_a_run_that_cannot_start():
+    scene = knee(**{"simulation.stop_time": 0.5})
+    vary = {"stop.restitution": [0.5, 0.0], "initial.angle[2]": [0.9, -2.0]}
+    found = sweep(scene, vary)
+    statuses = [check(scene, row, found.varied) for row in found.table]
+    assert "ok" in statuses
+    assert "starts_inside_wall" in statuses
+    rigid = sweep(scene.with_values({"stops.model": "newton_impact"}), {"stop.restitution": [0.5]})
+    assert rigid["stop.peak_moment"].tolist() == [np.inf]
+    assert rigid["stop.max_penetration"].tolist() == [0.0]
+
+
 def test_a_chain_that_can_touch_nothing():
     scene = without_walls()
     found = sweep(scene, {"gravity.y": [-9.81, 0.0]})

@@ -1,4 +1,4 @@
-"""Data of each contact: peak force and penetration, updated in every step, and the log of finished ones."""
+"""Data of each contact: peak force and penetration, updated in every step, and the log of contacts."""
 
 import math
 
@@ -103,7 +103,7 @@ def update_held_extremes(d):
 
 
 def update_to_output_time(d):
-    """Truncate the last step at the communication point, update the active contacts, and call the hook."""
+    """Truncate the last step at the communication point, log the active contacts, and call the hook."""
     update_own_to_output_time(d)
     hooks.on_truncate(d)
 
@@ -206,10 +206,9 @@ def clear_peaks(d):
     peaks.force, peaks.penetration, peaks.moment, peaks.rotation = 0.0, 0.0, 0.0, 0.0
 
 
-def update_peaks(d, c):
-    """Take the largest force and penetration of candidate c so far into those of all contacts."""
-    peaks, arm = d.peaks, lever(d, c)
-    force, penetration = d.touch.peak_force[c] * arm, d.touch.max_penetration[c] / arm
+def update_peaks(d, c, force, penetration):
+    """Take the largest force and penetration of candidate c into those of all contacts."""
+    peaks = d.peaks
     if d.candidate.stop[c] == 0:
         peaks.force = max(peaks.force, force)
         peaks.penetration = max(peaks.penetration, penetration)
@@ -230,12 +229,14 @@ def end_contact(d, c, held):
     log_contact(d, c, log.count % len(log.point), d.step.end, speed)
     log.count += 1
     note_impact(d, c, d.step.end, speed, touch.peak_force[c], touch.max_penetration[c], impulse)
-    update_peaks(d, c)
     deactivate(d, c)
 
 
 def log_active(d):
-    """Log the active contacts behind those that have ended, without an end. They are not counted."""
+    """Log the active contacts behind those that have ended, without an end. They are not counted.
+
+    Where more contacts have ended than the log has room for, they overwrite the oldest.
+    """
     log = d.finished
     row = log.count
     for c in range(d.candidates):
@@ -265,6 +266,7 @@ def log_contact(d, c, row, end, separation_speed):
     log.max_penetration[row] = touch.max_penetration[c] / arm
     log.effective_mass[row] = touch.effective_mass[c] * arm * arm
     log.impulse[row] = impulse_since_onset(d, c) * arm
+    update_peaks(d, c, log.peak_force[row], log.max_penetration[row])
 
 
 def impulse_since_onset(d, c):

@@ -1,7 +1,7 @@
 """The interface of a user's own contact law: two functions that are linked to the kernel.
 
-In a kernel without such a law, and in plain Python, they are those below. A user's law replaces them when a
-library is linked, see compilation/compilers.py.
+In plain Python they are those below. A kernel calls functions of these names that are linked to it: those of
+the law, or what says that there is none (compilation/compilers.py).
 """
 
 ARGUMENTS = (

@@ -126,7 +126,10 @@ def rigid_dtype(links: int, candidates: int, elements: int) -> np.dtype:
 
 @written_by("events/contact_log.py")
 def finished_dtype(candidates: int) -> np.dtype:
-    """The log of finished contacts, and behind them those that last. Who collects sets count to 0."""
+    """The log of finished contacts. A caller that collects sets count to 0.
+
+    Behind them are those that last, as they were when the last step was truncated.
+    """
     log = LOG_SIZE + candidates
     return record(
         ("count", INTEGER),  # contacts ended since last collected
@@ -145,7 +148,7 @@ def finished_dtype(candidates: int) -> np.dtype:
 
 @written_by("events/contact_log.py")
 def peaks_dtype() -> np.dtype:
-    """The largest of all contacts that have ended since the start; in a sweep, of those at its end, too."""
+    """The largest of all contacts that were logged since the start."""
     return record(
         ("force", REAL),  # N, of a wall on a point
         ("penetration", REAL),  # m

@@ -82,16 +82,14 @@ def layout(record: np.dtype) -> dict[str, Any]:
     def word(*place: str | int) -> int:
         return word_index(record, place)
 
-    log, offset = record["finished"], record.fields["finished"][1]  # type: ignore[index]
-    starts = {name: offset + log.fields[name][1] for name in IMPACT_DTYPE.names or ()}  # type: ignore[index]
     return {
         "status": word("statistics", "status"),
         "time": word("step", "time"),
         "impulses": word("impulse", "wanted"),
         "finished": {
             "count": word("finished", "count"),
-            "room": log["point"].shape[0],
-            "fields": {name: start // WORD for name, start in starts.items()},
+            "room": record["finished"]["point"].shape[0],
+            "fields": {name: word("finished", name, 0) for name in IMPACT_DTYPE.names or ()},
         },
         "changes": word("changes", "count"),
         "active": word("touch", "active_count"),

@@ -39,11 +39,19 @@ NEVER = "no run has a finite value"
 
 @dataclass(frozen=True)
 class Quantity:
-    """What a panel shows: a column of the table, in a unit that is easy to read."""
+    """What a panel shows: a column of the table, in a unit that is easy to read.
+
+    Attributes:
+        column: its name.
+        label: of the axis.
+        factor: from the column to the unit of the panel.
+        told: what the headline says of the smallest and the largest value, if anything.
+    """
 
     column: str
     label: str
     factor: float = 1.0
+    told: str = ""
 
     def of(self, found: Sweep) -> np.ndarray:
         """Its values, NaN where a run failed or an impulse has no finite force, shape (R,)."""
@@ -52,18 +60,17 @@ class Quantity:
 
 
 QUANTITIES = (
-    Quantity("peak_force", "peak force [kN]", 1e-3),
+    Quantity("peak_force", "peak force [kN]", 1e-3, "peak force {:.3g} to {:.3g} kN"),
     Quantity("max_penetration", "largest penetration [mm]", 1e3),
-    Quantity("stop.peak_moment", "peak moment of stops [N·m]"),
+    Quantity(
+        "stop.peak_moment",
+        "peak moment of stops [N·m]",
+        told="peak moment of stops {:.3g} to {:.3g} N·m",
+    ),
     Quantity("stop.max_penetration", "largest rotation beyond a stop [rad]"),
     Quantity("impact.count", "impacts"),
     Quantity("energy.dissipated", "energy dissipated [J]"),
 )
-
-PEAKS_TOLD = {
-    "peak_force": "peak force {:.3g} to {:.3g} kN",
-    "stop.peak_moment": "peak moment of stops {:.3g} to {:.3g} N·m",
-}
 
 
 def check_picture(varied: int, source: str) -> None:
@@ -113,11 +120,11 @@ def fill(page: Figure, found: Sweep) -> None:
 def title(found: Sweep, mark: str) -> str:
     """What came of the runs."""
     parts = [f"{found.scene.name}: {len(found)} run{'s' if len(found) != 1 else ''}"]
-    for quantity in QUANTITIES:
-        values = quantity.of(found) if quantity.column in {*PEAKS_TOLD} & {*found.names} else np.zeros(0)
-        values = values[np.isfinite(values)]
-        if values.any():
-            parts.append(PEAKS_TOLD[quantity.column].format(values.min(), values.max()))
+    for quantity in _main(found):
+        finite = quantity.of(found)[~np.isnan(quantity.of(found))]
+        if quantity.told and finite.any():
+            more = " or infinite" if np.isinf(found[quantity.column][~found.failed]).any() else ""
+            parts.append(quantity.told.format(finite.min(), finite.max()) + more)
     if found.failed.any():
         parts.append(f"{found.failed.sum()} failed{mark}")
     return ", ".join(parts)
@@ -137,11 +144,15 @@ def _varying(design: Design) -> list[Variation]:
     return [one for one in design.variations if len(np.unique(one.values)) > 1]
 
 
+def _main(found: Sweep) -> list[Quantity]:
+    """The main results of a scene: those at walls and at stops where it has some."""
+    absent = set() if point_wall_pairs(found.scene) else {*PEAKS}
+    return [quantity for quantity in QUANTITIES if quantity.column in {*found.names} - absent]
+
+
 def _quantities(found: Sweep) -> list[Quantity]:
     """The main results, then the outputs that were asked for."""
-    units = Model(found.scene).units
-    absent = set() if point_wall_pairs(found.scene) else {*PEAKS}
-    main = [quantity for quantity in QUANTITIES if quantity.column in {*found.names} - absent]
+    units, main = Model(found.scene).units, _main(found)
     known = {quantity.column for quantity in main}
     asked = [name for name in found.outputs if name not in known]
     extra = [
