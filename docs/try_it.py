@@ -21,7 +21,7 @@ hide: [toc]
 
 # Try it
 
-The browser simulates this scene with the compiled solver, to the last bit as Python does. Turn a knob,
+The browser simulates this scene with the compiled solver, to the last bit as Python does. Move a slider,
 drag the chain at its start, or choose another scene below. [What the page can do](explore.md). Your own
 scene: `chain-impact explore my_scene.toml`.
 

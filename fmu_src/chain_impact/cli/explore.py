@@ -17,7 +17,7 @@ DEFAULT = Path("explore.html")
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
-    verb = verbs.add_parser("explore", help="a page in which the browser simulates a scene, with knobs")
+    verb = verbs.add_parser("explore", help="a page in which the browser simulates a scene, with controls")
     add_scene(verb, "scene")
     add_set(verb)
     verb.add_argument(

@@ -158,7 +158,10 @@ class Contact:
     radius: float = quantity("m", "radius of every point that may touch", 0.0, minimum=0.0)
     points: tuple[int, ...] = quantity("", "points that may touch, base (0) to tip (N)", _MOVABLE)
     minimum_impact_speed: float = quantity(
-        "m/s", "slower impacts are treated as having this speed", 1e-3, above=0.0
+        "m/s",
+        "slower impacts are damped as at this speed; on rigid walls they do not rebound",
+        1e-3,
+        above=0.0,
     )
     friction: float = quantity("1", "coefficient of sliding friction", 0.0, minimum=0.0)
     static_friction: float = quantity(
@@ -188,7 +191,10 @@ class Stops:
         "1", "prescribed restitution of the stops", _of_contact("restitution"), minimum=0.0, maximum=1.0
     )
     minimum_impact_speed: float | None = quantity(
-        "rad/s", "slower impacts at stops are treated as having this speed", _with_stops(1e-3), above=0.0
+        "rad/s",
+        "slower impacts at stops are damped as at this speed; at rigid stops they do not rebound",
+        _with_stops(1e-3),
+        above=0.0,
     )
 
 
@@ -235,7 +241,9 @@ class Solver:
 
     method: str = quantity("", "integration method", "auto", choices=SOLVER_METHODS)
     tolerance: float = quantity("1", "relative error tolerance", 1e-8, minimum=1e-13, maximum=1e-2)
-    work_limit: float = quantity("1/s", "most evaluations of f for a second simulated", 5e6, above=0.0)
+    work_limit: float = quantity(
+        "1/s", "most evaluations of the right-hand side in a second of simulated time", 5e6, above=0.0
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

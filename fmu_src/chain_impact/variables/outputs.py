@@ -77,11 +77,14 @@ def _points(scene: Scene) -> Iterator[Variable]:
 
 
 def _links(scene: Scene) -> Iterator[Variable]:
-    rotations = (("angle", "rad"), ("angular_velocity", "rad/s"), ("angular_acceleration", "rad/s2"))
+    rotations = (
+        ("angle", "rad", "angle, absolute, from +x"),
+        ("angular_velocity", "rad/s", "angular velocity, absolute"),
+        ("angular_acceleration", "rad/s2", "angular acceleration, absolute"),
+    )
     for i in range(len(scene.chain.links)):
-        for quantity, unit in rotations:
-            text = f"link {i + 1}: {quantity.replace('_', ' ')}, absolute, from +x"
-            yield _output(f"link[{i + 1}].{quantity}", unit, text, "output", quantity, i)
+        for quantity, unit, text in rotations:
+            yield _output(f"link[{i + 1}].{quantity}", unit, f"link {i + 1}: {text}", "output", quantity, i)
 
 
 def _contacts(scene: Scene) -> Iterator[Variable]:

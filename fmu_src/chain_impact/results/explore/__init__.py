@@ -1,1 +1,1 @@
-"""A page for the browser that simulates: the kernel itself, as WebAssembly, with knobs."""
+"""A page for the browser that simulates: the kernel itself, as WebAssembly, with controls."""
