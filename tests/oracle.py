@@ -87,19 +87,15 @@ def account(scene: Scene, seed: int, memory: Any = None, rows: int = ROWS) -> Ac
     begin = time.process_time()
     times = np.linspace(0.0, scene.simulation.stop_time, rows + 1)
     try:
-        instance = Instance(scene)
+        instance = start(scene, seed)
     except SimulationError as error:
         none = np.zeros(0)
         cpu = time.process_time() - begin
         return Account(scene, none, none, none, {"status": error.status, "steps": 0}, cpu, refused=True)
     if memory is not None:
         move(instance, memory)
-    record = instance.record
     torque, force = drive(scene, seed)
-    if scene.inputs.joint_torques or scene.inputs.tip_force:
-        record["given"]["joint_torque"], record["given"]["tip_force"] = torque, force
-        record["given"]["changed"] = 1
-    outputs = np.zeros(len(times), record.dtype["output"])
+    outputs = np.zeros(len(times), instance.record.dtype["output"])
     done, impacts = 0, []
     while done < len(times) and instance.status == OK:
         done += instance.trajectory(times[done:], outputs[done:])
@@ -109,6 +105,20 @@ def account(scene: Scene, seed: int, memory: Any = None, rows: int = ROWS) -> Ac
     rows = np.concatenate(impacts)
     push, turn = float(np.linalg.norm(force)), float(np.abs(torque).sum())
     return Account(scene, times[:done], outputs[:done], rows, statistics, cpu, push=push, torque=turn)
+
+
+def start(scene: Scene, seed: int) -> Instance:
+    """An instance of a scene at its start, with the inputs of a seed.
+
+    Raises:
+        SimulationError: when it cannot start.
+    """
+    instance = Instance(scene)
+    if scene.inputs.joint_torques or scene.inputs.tip_force:
+        given = instance.record["given"]
+        given["joint_torque"], given["tip_force"] = drive(scene, seed)
+        given["changed"] = 1
+    return instance
 
 
 def judge(run: Account, cpu: float = CPU) -> list[Finding]:

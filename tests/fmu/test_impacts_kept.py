@@ -7,16 +7,17 @@ import pytest
 from chain_impact import impacts_of, load_scene, simulate
 from chain_impact.fmu.build import build_fmu
 from tests.fmu.conftest import KINDS
+from tests.random_scenes import scene as random_scene
 
 EXACT = {"onset": 1e-9, "impact_speed": 1e-9, "end": 1e-9}  # s, m/s
 SHARES = ("peak_force", "max_penetration", "impulse")
 
 
-def recorded(fmu, step):
+def recorded(fmu, step, stop=None):
     """What fmpy records of the impacts."""
     variables = fmpy.read_model_description(str(fmu)).modelVariables
-    names = [variable.name for variable in variables if variable.name.startswith("impact")]
-    return fmpy.simulate_fmu(str(fmu), output=names, output_interval=step)
+    names = [variable.name for variable in variables if variable.name.startswith(("impact", "solver"))]
+    return fmpy.simulate_fmu(str(fmu), output=names, output_interval=step, stop_time=stop)
 
 
 def same(found, expected):
@@ -44,3 +45,12 @@ def test_the_dropped_rod_is_complete_if_enough_are_shown(fmus, target, tmp_path)
     some = impacts_of(record)
     assert record["impact.count"][-1] == len(expected) > len(some)  # it shows that some are missing
     same(some, expected[np.isin(expected["onset"], some["onset"])])
+
+
+@pytest.mark.parametrize(("seed", "stop"), [(9000193, 0.25), (8000264, 0.0625), (9000359, 0.125)])
+def test_impacts_do_not_depend_on_the_communication_step(target, tmp_path, seed, stop):
+    """Dry friction, stops and rigid walls; the times are binary fractions, which no step rounds."""
+    scene = random_scene(seed).with_values({"outputs.impacts": 16})
+    fmu = build_fmu(scene, tmp_path, **KINDS[target])
+    first, *others = (recorded(fmu, stop / steps, stop)[-1].tobytes() for steps in (1, 64, 1024))
+    assert others == [first, first]

@@ -30,7 +30,6 @@ from chain_impact.kernel.integration.impulse import (
 from chain_impact.kernel.integration.last_step import (
     accept,
     choose_variable,
-    ensure_points,
     ensure_rate,
     reset_step,
     roll_back,
@@ -321,7 +320,6 @@ def apply_pending_events(d):
 
     ensure_rate(d)
     if d.touch.active_count > 0:
-        ensure_points(d)
         update_extremes(d)
 
     rate = d.work.rate_start

@@ -3,7 +3,7 @@
 import math
 
 from chain_impact.kernel import hooks
-from chain_impact.kernel.chain.kinematics import accelerate_points, locate_points
+from chain_impact.kernel.chain.kinematics import locate_points
 from chain_impact.kernel.events.kinds import KINK, NONE, ONSET
 from chain_impact.kernel.events.marks import drop_changes, mark
 from chain_impact.kernel.integration.dense import fraction, interpolate
@@ -36,21 +36,20 @@ HELD_SAMPLES = 5  # samples of a constraint force over a step, its ends included
 def update_extremes(d):
     """Update the peak force and the largest penetration of every active contact over the last step.
 
-    The points must have their positions, velocities and accelerations at the end of the step set; afterwards
-    they have these again.
+    The rate at the end of the step must be known. Afterwards the points are located and accelerated there.
     """
     touch = d.touch
     if any_point_held(d):
         update_held_extremes(d)
     for k in range(touch.compliant_count):
+        ensure_points(d)  # the search for the peaks of the last contact has located others
         c = touch.active_index[k]
         _, gap_rate = clearance(d, c)
         force_rate = rate_of_force(d, c)
-        peak, depth, elsewhere = peaks(d, c, force_rate, d.step.end, SOLVER)
+        peak, depth, _ = peaks(d, c, force_rate, d.step.end, SOLVER)
         set_extremes(d, c, peak, depth)
         set_rates(d, c, -gap_rate, force_rate)
-        if elsewhere:
-            locate_points(d, d.step.state_end)
+    ensure_points(d)
 
 
 def peaks(d, c, force_rate, time, reader):
@@ -84,6 +83,7 @@ def turns_at_end(d, c):
 def update_held_extremes(d):
     """Update the peak forces of rigid walls over the last step, by parabolas through samples."""
     step, samples = d.step, d.rigid.sample
+    ensure_dense(d, SOLVER)
     end = fraction(d, step.end)
     for j in range(HELD_SAMPLES):
         interpolate(step, end * j / (HELD_SAMPLES - 1), d.work.y)
@@ -97,9 +97,6 @@ def update_held_extremes(d):
             set_extremes(d, c, max(d.touch.peak_force[c], peak), d.touch.max_penetration[c])
             samples[0, k], samples[1, k] = top, right
     count_evaluations(d, HELD_SAMPLES)
-    locate_points(d, step.state_end)
-    # those of the samples are without the constraint forces
-    accelerate_points(d, step.state_end, d.work.rate_end)
 
 
 def update_to_output_time(d):
@@ -113,7 +110,6 @@ def update_own_to_output_time(d):
     counted = counted_work(d)
     end_at_output_time(d)
     ensure_rate(d)
-    ensure_points(d)
     update_extremes(d)
     commit_impulses(d)
     log_active(d)

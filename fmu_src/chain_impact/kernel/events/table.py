@@ -31,7 +31,9 @@ from chain_impact.kernel.integration.switching import begin_flight, begin_impact
 from chain_impact.kernel.model.constraints import any_point_held
 from chain_impact.kernel.model.contact import clear_loads, cross_kink, list_touching, relatch, start_contact
 from chain_impact.kernel.model.contact_force import may_jump
+from chain_impact.kernel.model.equations import located_rate
 from chain_impact.kernel.model.geometry import clearance
+from chain_impact.kernel.work_limit import count_evaluations
 
 # Fraction of the time scale of a contact: a point that will be out of the wall within it has left. To wait
 # until it is out would cost one more step, a tenth of the work of an impact at a tolerance of 1e-4.
@@ -95,6 +97,10 @@ def apply_events(d):
     touch, onset, jumped, goes_on = d.touch, -1, False, pending_changes(d) > 0
     rigid, rigid_impact = any_point_held(d), rigid_onset(d)
     locate_points(d, d.step.state_end)
+    if d.friction.count > 0:
+        # the forces that decide what sticks may be those of another time, at which the motion was observed
+        located_rate(d, d.step.state_end, d.work.rate)
+        count_evaluations(d, 1)
     forces = touch.compliant_count > 0
     if not forces:
         step_size.keep_for_flight(d)
