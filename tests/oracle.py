@@ -20,11 +20,11 @@ import numpy as np
 from chain_impact.kernel.status import OK, STATUS_TEXT, TOO_MUCH_WORK
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import Scene
-from chain_impact.simulation.instance import Instance, SimulationError
+from chain_impact.simulation.instance import SimulationError
 from tests.kernel_calls import move
 from tests.oracle_laws import Columns, Law, chain_of, columns, laws
 from tests.random_friction import friction_checks
-from tests.random_scenes import drive
+from tests.random_scenes import drive, started
 
 CPU = 2.0  # s, that a run may take
 ROWS = 50  # communication points, besides the start
@@ -87,7 +87,7 @@ def account(scene: Scene, seed: int, memory: Any = None, rows: int = ROWS) -> Ac
     begin = time.process_time()
     times = np.linspace(0.0, scene.simulation.stop_time, rows + 1)
     try:
-        instance = start(scene, seed)
+        instance = started(scene, seed)
     except SimulationError as error:
         none = np.zeros(0)
         cpu = time.process_time() - begin
@@ -105,20 +105,6 @@ def account(scene: Scene, seed: int, memory: Any = None, rows: int = ROWS) -> Ac
     rows = np.concatenate(impacts)
     push, turn = float(np.linalg.norm(force)), float(np.abs(torque).sum())
     return Account(scene, times[:done], outputs[:done], rows, statistics, cpu, push=push, torque=turn)
-
-
-def start(scene: Scene, seed: int) -> Instance:
-    """An instance of a scene at its start, with the inputs of a seed.
-
-    Raises:
-        SimulationError: when it cannot start.
-    """
-    instance = Instance(scene)
-    if scene.inputs.joint_torques or scene.inputs.tip_force:
-        given = instance.record["given"]
-        given["joint_torque"], given["tip_force"] = drive(scene, seed)
-        given["changed"] = 1
-    return instance
 
 
 def judge(run: Account, cpu: float = CPU) -> list[Finding]:

@@ -20,6 +20,7 @@ from chain_impact.kernel.chain.regular import loose_links
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.scene.scene import SOLVER_METHODS, Scene, scene_from_dict, with_values
+from chain_impact.simulation.instance import Instance
 from tests.draw import Draw
 from tests.folds import fold
 from tests.random_friction import rubbed
@@ -222,6 +223,20 @@ def drive(scene: Scene, seed: int) -> tuple[np.ndarray, np.ndarray]:
     if scene.inputs.tip_force:
         force[:] = draw.direction(links[-1].mass * draw.power(1.0, 100.0))
     return torque, force
+
+
+def started(scene: Scene, seed: int) -> Instance:
+    """An instance of a scene at its start, with the inputs of a seed.
+
+    Raises:
+        SimulationError: when it cannot start.
+    """
+    instance = Instance(scene)
+    if scene.inputs.joint_torques or scene.inputs.tip_force:
+        given = instance.record["given"]
+        given["joint_torque"], given["tip_force"] = drive(scene, seed)
+        given["changed"] = 1
+    return instance
 
 
 _ORIGIN = [0.0, 0.0]

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from chain_impact.simulation.instance import Instance, SimulationError
-from tests.oracle import account, start
-from tests.random_scenes import FOLDED, RUBBED, SLANTED, SPRUNG, STOPPED, TAUT, UNEVEN, scene
+from tests.oracle import account
+from tests.random_scenes import FOLDED, RUBBED, SLANTED, SPRUNG, STOPPED, TAUT, UNEVEN, scene, started
 
 EACH = 65  # scenes of each kind
 SEEDS = {
@@ -56,7 +56,7 @@ def test_no_step_reads_what_observing_writes(kind):
 
 def observed(seed: int, *, spoils: bool) -> tuple[bytes, int]:
     """The results of the scene of a seed, looked at many times, and how many numbers were overwritten."""
-    instance = start(scene(seed), seed)
+    instance = started(scene(seed), seed)
     stop, impacts, count = instance.model.scene.simulation.stop_time, [], 0
     words = [word for name, word in reals(instance.record.dtype) if not name.startswith(OBSERVED)]
     for time in np.linspace(0.0, stop, 98)[1:]:
