@@ -239,15 +239,16 @@ def test_a_neighbour_takes_part_in_an_impact_and_brings_no_energy(speed):
     assert gains > 2 or speed < 0.0
 
 
-def test_errors_of_held_contacts_are_corrected_by_impulses_of_the_wall():
+def test_errors_of_held_contacts_are_corrected_without_an_impulse():
     for act in (apply_events, update_active_set):
         d, y, jacobian, response, w, candidates = touching(2, (1, 6), kinds=NONE)
         # so that it takes a push to hold them, and to stop them
         y[6:12] = response @ np.linalg.solve(w, w @ np.array([-1e-9, -2e-9]))
         d.step.state_end[:] = y
         d.work.velocity.x[:], d.work.position.x[:] = 9.0, 9.0
+        before = d.impulse.total[candidates].tolist()
         act(d)
-        np.testing.assert_allclose(d.impulse.total[candidates], [1e-9, 2e-9], rtol=1e-4)
+        assert d.impulse.total[candidates].tolist() == before
         np.testing.assert_allclose(jacobian @ d.step.state_end[6:12], 0.0, atol=1e-13)
         assert set(d.touch.active.tolist()) <= {0, 1}
 

@@ -8,8 +8,11 @@ from chain_impact.kernel.integration.dense import DENSE_COEFFICIENTS, interpolat
 from chain_impact.kernel.integration.impulse import (
     append_impulses,
     commit_impulses,
+    falls_inside,
     give_impulses,
     impulse_count,
+    keep_course_rising,
+    keep_impulses_rising,
     reset_impulse_step,
     roll_back_impulses,
     set_impulse_stage,
@@ -99,6 +102,42 @@ def test_totals_are_those_at_the_end_of_the_step(d):
     assert d.impulse.total.tolist() == before.tolist()
 
 
+def test_one_that_would_fall_stays_and_has_a_straight_course(d):
+    d.impulse.state_end[:2], d.impulse.tried[:2] = (5.0, 5.0), (4.9, 5.5)
+    keep_impulses_rising(d)
+    assert values(d, "tried", "linear") == [[5.0, 5.5], [1, 0]]
+    d.impulse.dense[:, :2] = np.array([0.5, *np.zeros(DENSE_COEFFICIENTS - 1)])[:, None]
+    d.impulse.dense[3, 0] = 1e-9
+    keep_course_rising(d, 0)
+    assert d.impulse.dense[:, 0].tolist() == d.impulse.dense[:, 1].tolist()
+
+
+def test_what_a_wall_gives_is_shared_by_the_forces_if_one_would_fall(d):
+    make_rigid(d)
+    d.candidate.wall[TOUCHED] = 2
+    d.impulse.state_end[:2], d.impulse.tried[:2] = (5.0, 1.0), (4.0, 3.0)
+    d.touch.force_end[TOUCHED] = 3.0, 1.0
+    keep_impulses_rising(d)
+    assert values(d, "tried", "linear") == [[5.75, 1.25], [1, 1]]
+    # other walls have nothing to do with it
+    d.candidate.wall[TOUCHED] = 2, 3
+    d.impulse.tried[:2] = 4.0, 3.0
+    keep_impulses_rising(d)
+    assert values(d, "tried") == [[5.0, 3.0]]
+
+
+@pytest.mark.parametrize(("bump", "falls"), [(-0.9, True), (-1e-12, False), (0.9, False)])
+def test_a_course_that_falls_inside_is_made_straight(d, bump, falls):
+    """3 θ² − 2 θ³ rises from one end to the other, slowly at first."""
+    d.impulse.state[0], d.impulse.state_end[0], d.impulse.linear[0] = 0.0, 1.0, 0
+    d.impulse.dense[:, 0] = 0.0
+    d.impulse.dense[:3, 0] = 1.0, -1.0 + bump, 2.0
+    before = d.impulse.dense[:, 0].tolist()
+    assert falls_inside(d, 0) == falls
+    keep_course_rising(d, 0)
+    assert d.impulse.dense[:, 0].tolist() == ([1.0, *np.zeros(DENSE_COEFFICIENTS - 1)] if falls else before)
+
+
 def test_a_new_phase_starts_from_the_totals(d):
     total = d.impulse.total[TOUCHED].tolist()
     reset_impulse_step(d)
@@ -118,23 +157,13 @@ def test_without_them_nothing_is_done(d, function):
     assert d._record.tobytes() == before
 
 
-def test_rigid_walls_give_their_impulses_at_once(d):
+def test_rigid_walls_give_their_impulses_at_once_and_none_that_pulls(d):
     make_rigid(d)
-    d.impulse.onset[:] = 0.0
-    d.rigid.impulse[:2] = 2.5, -0.25
+    d.rigid.impulse[:2] = 2.5, -1e-17
     right = d.impulse.total.copy()
-    right[TOUCHED] += (2.5, -0.25)
+    right[TOUCHED[0]] += 2.5
     give_impulses(d)
     assert d.impulse.total.tolist() == right.tolist()
-
-
-def test_a_correction_takes_no_more_than_the_contact_has_given(d):
-    make_rigid(d)
-    d.impulse.total[TOUCHED], d.impulse.onset[TOUCHED] = [5.0, 3.0], [4.0, 3.5]
-    d.rigid.impulse[:2] = -2.0, -2.0
-    give_impulses(d)
-    # to its onset; and one that is already below that keeps what it has
-    assert d.impulse.total[TOUCHED].tolist() == [4.0, 3.0]
 
 
 def test_contacts_with_a_force_are_given_no_impulse_at_once(d):

@@ -81,7 +81,6 @@ def handle_impact(d):
     touch, onset = d.touch, -1
     # an interpolated state satisfies the constraints only up to the error of the interpolant
     project_state(d, d.step.state_end)
-    give_impulses(d)
     hit = False
     for c in range(d.candidates):
         if touch.event[c] == ONSET and d.law.impulsive[c]:
@@ -237,7 +236,6 @@ def update_active_set(d):
     if any_point_held(d):
         locate_points(d, state)
         project_state(d, state)
-        give_impulses(d)
         end_unstopped_contacts(d)
         rate = d.work.rate
         free_rate(d, state, rate)

@@ -10,6 +10,8 @@ when contacts last began or ended. A scene that does not request impulses has no
 from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.integration.dense import interpolate_component
 
+SAMPLES = 8  # of the dense output of a step
+
 
 def clear_impulses(d):
     """Start with totals of 0."""
@@ -68,10 +70,57 @@ def set_tried_impulses(d, z, first, first_of_friction):
         d.friction_impulse.tried[k] = z[first_of_friction + k]
 
 
-def add_tried_impulses(d):
-    """Add the impulses of rigid walls, found just now, to those of the step that was tried."""
-    for k in range(d.touch.compliant_count, impulse_count(d)):
-        d.impulse.tried[k] += d.rigid.impulse[k]
+def keep_impulses_rising(d):
+    """Correct the impulses of the step that was tried that would fall: no wall pulls.
+
+    The quadrature of a step has weights of both signs, so that the error of a force that is close to 0 can
+    exceed it: such an impulse stays as it is. Where points all but coincide, the stages share the force that
+    holds them with errors of any size: of what a wall gives to all that it holds, each then has the share
+    that it has at the start of the step.
+    """
+    own, first = d.impulse, d.touch.compliant_count
+    for k in range(impulse_count(d)):
+        own.linear[k] = 1 if own.tried[k] < own.state_end[k] else 0
+    for k in range(first, impulse_count(d)):
+        if own.linear[k]:
+            share_impulse(d, d.candidate.wall[d.touch.active_index[k]])
+    for k in range(impulse_count(d)):
+        own.tried[k] = max(own.tried[k], own.state_end[k])
+
+
+def share_impulse(d, wall):
+    """Share what a wall gives in the step that was tried by the forces with which it holds points now."""
+    own, first, given, force = d.impulse, d.touch.compliant_count, 0.0, 0.0
+    for k in range(first, impulse_count(d)):
+        c = d.touch.active_index[k]
+        if d.candidate.wall[c] == wall and d.candidate.stop[c] == 0:
+            given += own.tried[k] - own.state_end[k]
+            force += max(0.0, d.touch.force_end[c])
+    for k in range(first, impulse_count(d)):
+        c = d.touch.active_index[k]
+        if d.candidate.wall[c] == wall and d.candidate.stop[c] == 0 and force > 0.0:
+            own.tried[k] = own.state_end[k] + given * max(0.0, d.touch.force_end[c]) / force
+            own.linear[k] = 1
+
+
+def keep_course_rising(d, k):
+    """Let the dense output of the k-th impulse be a straight line if it was corrected, or falls inside."""
+    own = d.impulse
+    if own.linear[k] or falls_inside(d, k):
+        for m in range(1, len(own.dense)):
+            own.dense[m, k] = 0.0
+
+
+def falls_inside(d, k):
+    """Whether the dense output of the k-th impulse falls by more than the tolerance, relative to its end."""
+    own, before = d.impulse, d.impulse.state[k]
+    allowed = d.solver.tolerance * abs(own.state_end[k])
+    for i in range(1, SAMPLES + 1):
+        here = interpolate_component(own, i / SAMPLES, k)
+        if here < before - allowed:
+            return True
+        before = here
+    return False
 
 
 def append_impulses(d):
@@ -136,11 +185,6 @@ def reset_integrals(own, count):
 
 
 def give_impulses(d):
-    """Add the impulses of rigid walls, found just now, to the totals.
-
-    A correction of errors may pull, but by no more than the contact has pushed: no impact has an impulse < 0.
-    """
-    own = d.impulse
+    """Add the impulses of rigid walls in an impact, found just now, to the totals."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
-        c = d.touch.active_index[k]
-        own.total[c] = max(own.total[c] + d.rigid.impulse[k], min(own.total[c], own.onset[c]))
+        d.impulse.total[d.touch.active_index[k]] += max(0.0, d.rigid.impulse[k])

@@ -16,8 +16,8 @@ from chain_impact.kernel.chain.kinematics import (
 from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_at, time_at
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.impulse import (
-    add_tried_impulses,
     append_impulses,
+    keep_impulses_rising,
     reset_impulse_step,
     roll_back_impulses,
     truncate_impulses,
@@ -71,7 +71,7 @@ def accept(d):
     if any_constraint(d):
         project_state(d, d.trial.state)
         keep_anchors(d)
-        add_tried_impulses(d)
+    keep_impulses_rising(d)
     step, y = d.step, d.trial.state
     for j in range(len(step.state)):
         step.state[j] = step.state_end[j]

@@ -67,7 +67,6 @@ def set_damping(d, c):
     """Set the damping d [N·s/m^(p+1)] of candidate c, for the v₀ and effective mass of its contact."""
     law, touch, number = d.law, d.touch, d.law.number[c]
     factor, stiffness = law.damping_factor[c], law.stiffness[c]
-    touch.kink_margin[c] = turning_margin(d, c) if law.approach_only[c] else 0.0
     mass_power = MASS_POWERS[number - 1] if number <= LAW_COUNT else 0.0
     if mass_power == 0.0:
         # λ K/v₀
@@ -76,6 +75,7 @@ def set_damping(d, c):
         # f K^(1−s) m^s
         ratio = touch.effective_mass[c] / stiffness
         touch.damping[c] = factor * stiffness * ratio**mass_power * unit_of_damping(d, c, mass_power)
+    touch.kink_margin[c] = turning_margin(d, c) if law.approach_only[c] else 0.0
 
 
 def unit_of_damping(d, c, mass_power):
@@ -94,11 +94,12 @@ def unit_of_damping(d, c, mass_power):
 def turning_margin(d, c):
     """The |δ̇| [m/s] up to which the force of the wrong side of δ̇ = 0 has an error within the tolerance.
 
-    If δ̇ reaches v on the wrong side, the relative error of the impulse is (v/v₀)². For a point at rest the
-    sign of δ̇ changes all the time, with speeds within the tolerance.
+    If δ̇ reaches v on the wrong side, the relative error of the impulse is (v/v₀)² times the share of the
+    damping. For a point at rest the sign of δ̇ changes all the time, with speeds within the tolerance.
     """
     tolerance = d.solver.tolerance
-    return TURNED * math.sqrt(tolerance) * d.touch.impact_speed[c] + tolerance * d.model.size
+    least = math.sqrt(tolerance / max(1.0, damping_share(d, c)))
+    return TURNED * least * d.touch.impact_speed[c] + tolerance * d.model.size
 
 
 def law_force(d, c, depth, rate):
