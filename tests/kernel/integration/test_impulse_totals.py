@@ -126,7 +126,7 @@ def test_what_a_wall_gives_is_shared_by_the_forces_if_one_would_fall(d):
     assert values(d, "tried") == [[5.0, 3.0]]
 
 
-@pytest.mark.parametrize(("bump", "falls"), [(-0.9, True), (-1e-12, False), (0.9, False)])
+@pytest.mark.parametrize(("bump", "falls"), [(-0.9, True), (-1e-12, False), (0.05, False)])
 def test_a_course_that_falls_inside_is_made_straight(d, bump, falls):
     """3 θ² − 2 θ³ rises from one end to the other, slowly at first."""
     d.impulse.state[0], d.impulse.state_end[0], d.impulse.linear[0] = 0.0, 1.0, 0
