@@ -7,7 +7,7 @@ import re
 import numpy as np
 
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.results.plots.style import number
+from chain_impact.results.plots.style import SEPARATOR, number
 from chain_impact.results.recording import Recording
 
 SHARE = 0.01  # of the energy at the start: more below zero, and a share of it means nothing
@@ -107,7 +107,7 @@ def conditions(recording: Recording) -> str:
         parts.append(f"radius {known['contact.radius']:g} m")
     if "solver.tolerance" in known:
         parts.append(f"method {known['solver.method']}, tolerance {number(known['solver.tolerance'])}")
-    return "  ·  ".join(parts)
+    return SEPARATOR.join(parts)
 
 
 def is_rigid(law: str) -> bool:
