@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from chain_impact import load_scene, simulate
-from chain_impact.results.plots.style import BLACK, BLUE, DPI, PALETTE, STYLE, VERMILLION, headline
+from chain_impact.results.plots.style import BLACK, BLUE, PALETTE, STYLE, VERMILLION, headline, save
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
@@ -108,9 +108,7 @@ def draw(folder: Path) -> None:
     """All charts, each as <model>.png."""
     for model, fill in CHARTS.items():
         with mpl.rc_context(STYLE):
-            page = Figure(figsize=SIZE, dpi=DPI, layout="constrained")
-            fill(page)
-            page.savefig(folder / f"{model}.png", dpi="figure")
+            save(folder / f"{model}.png", fill, SIZE)
 
 
 if __name__ == "__main__":

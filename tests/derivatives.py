@@ -306,7 +306,7 @@ class _Run:
             case "onset" if chain.laws[subject].rigid:
                 self.y, touch = chain.bounce(self.y, subject)
                 away = chain.locate(self.y).gap_rate[:, subject]
-                row = self.row(touch, touch.onset, away, [np.full(chain.lanes, np.inf)])
+                row = self.row(touch, touch.onset, away, [np.zeros(chain.lanes)])
                 self.finished.append((touch, row))
             case "onset":
                 touch = chain.begin(self.y, subject)

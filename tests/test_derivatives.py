@@ -92,8 +92,7 @@ def test_derivatives_are_those_of_differences(name):
         for t in range(len(case.times)):
             assert off(by_state[t], states[t, :, k], values[t], unit) < bound, (parameter, case.times[t])
         for field, found, right, value in zip(FIELDS, by_impact, impacts[..., k], rows, strict=True):
-            if not np.isinf(value).any():
-                assert off(found, right, value, unit) < bound, (parameter, field)
+            assert off(found, right, value, unit) < bound, (parameter, field)
 
 
 def test_the_exponent():

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from chain_impact import simulate
 from tests.measured import heard_impacts, measured
@@ -63,3 +64,6 @@ def test_the_charts_are_drawn(tmp_path):
     spec.loader.exec_module(charts)
     charts.draw(tmp_path)
     assert {file.stem for file in tmp_path.iterdir()} == {*MODELS, "steel_bar"}
+    for file in tmp_path.iterdir():  # the picture in the docs says the same
+        with Image.open(file) as now, Image.open(path.parent / "images" / file.name) as committed:
+            assert committed.text == now.text

@@ -196,7 +196,7 @@ def test_the_peak_of_a_force_is_the_largest_one_also_where_rigid_contacts_strike
     }
     for name, force in forces.items():
         own = result.impacts[result.impacts["wall"] == scene.wall_names.index(name)]
-        if np.isfinite(own["peak_force"]).all():
+        if (own["peak_force"] > 0.0).all():
             assert force.max() <= own["peak_force"].max() * (1.0 + 1e-9)
 
 
@@ -228,11 +228,11 @@ def test_a_contact_begins_after_a_rigid_impact_at_the_same_moment_if_it_still_ap
     first, second = ("y_min", "joint_min") if rigid == "floor" else ("joint_min", "y_min")
     hits = simulate(scene, tolerance=1e-10).impacts
     at_once = {scene.wall_names[hit["wall"]]: hit for hit in hits if hit["onset"] < 1e-10}
-    assert np.isinf(at_once[first]["peak_force"])
+    assert at_once[first]["peak_force"] == 0.0
     assert (second in at_once) == (left < 0.0)
     if left < 0.0:
         assert at_once[second]["impact_speed"] == pytest.approx(-left, rel=1e-12)
-        assert 1.0 < at_once[second]["peak_force"] < np.inf
+        assert at_once[second]["peak_force"] > 1.0
 
 
 def test_steps_after_an_impact_are_as_long_as_before_it_while_a_rigid_stop_holds_another_joint():
@@ -248,7 +248,7 @@ def test_steps_after_an_impact_are_as_long_as_before_it_while_a_rigid_stop_holds
         initial={"angles": [-0.1, 0.6], "angular_velocities": [0.0, -2.0]},
     )
     result = simulate(scene)
-    bounces = np.isfinite(result.impacts["peak_force"]) & (result.impacts["wall"] == 2)
+    bounces = (result.impacts["peak_force"] > 0.0) & (result.impacts["wall"] == 2)
     assert bounces.sum() > 10
     # if steps had to grow from the size of those of an impact, there would be 28 for each
     assert result.statistics["steps"] < 26 * bounces.sum()

@@ -57,3 +57,18 @@ def test_a_pinned_base_has_a_ground_mark_away_from_the_chain_and_in_view(side):
 def test_a_base_that_moves_or_has_no_time_to_has_none():
     assert pin_mark(SQUARE) == []
     assert pin_mark(hanging([0.2])) == []
+
+
+@pytest.mark.parametrize(("far", "whole"), [(1.9, True), (2.1, False)])
+def test_a_closed_room_is_seen_whole_where_it_is_asked_for_and_not_far_larger_than_the_motion(far, whole):
+    walls = half_planes({"x_min": -0.1, "x_max": 2.1, "y_min": -0.1}, {"roof": (0.0, 2.0 + far, np.pi)})
+    view, near = seen(SQUARE, walls, room=1.0)
+    assert len(near) == (4 if whole else 3)
+    np.testing.assert_allclose(view, [[-0.1, -0.1], [2.1, 2.0 + far if whole else 2.0]], atol=1e-12)
+
+
+def test_a_room_that_is_open_on_a_side_is_not_closed():
+    walls = half_planes({"x_min": -0.1, "x_max": 3.0, "y_min": -1.0}, {})
+    view, near = seen(SQUARE, walls, room=1.0)
+    assert len(near) == 1
+    assert view.tolist() == [[-0.1, 0.0], [2.0, 2.0]]

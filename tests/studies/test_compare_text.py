@@ -76,7 +76,7 @@ def test_without_rebound_rigid_walls_are_what_is_left():
     """At e = 0 the wall holds the point that it stopped, which is no part of the impact."""
     comparison = compare(with_values(default_scene(model="hertz"), {("contact", "restitution"): 0.0}))
     rigid = comparison["newton_impact"]
-    assert (rigid.restitution, rigid.duration, rigid.peak_force) == (0.0, 0.0, math.inf)
+    assert (rigid.restitution, rigid.duration, rigid.peak_force) == (0.0, 0.0, 0.0)
     impact = rigid.result.impacts[0]
     lost = 0.5 * impact["effective_mass"] * impact["impact_speed"] ** 2
     assert rigid.energy_lost == pytest.approx(lost, rel=1e-9)

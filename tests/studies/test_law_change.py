@@ -71,7 +71,7 @@ def test_laws_are_compared_at_a_stop(up):
     assert run.stiffness == 1e4
     # the loop is of samples in time: the largest of them is near the peak
     assert run.loop.max(axis=1) == pytest.approx([first["max_penetration"], first["peak_force"]], rel=1e-4)
-    assert found["newton_impact"].peak_force == np.inf
+    assert found["newton_impact"].peak_force == 0.0
     curves = realised_restitution(found, np.array([0.5]))
     assert curves["zhang_sharf"] == pytest.approx([0.5], rel=1e-6)
     assert curves["newton_impact"] == pytest.approx([0.5], rel=1e-6)

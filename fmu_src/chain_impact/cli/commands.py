@@ -68,13 +68,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 @contextmanager
 def hints_shown() -> Iterator[None]:
-    """Show what a scene may mean otherwise in a line, as all that is said beside the results."""
-    usual = warnings.showwarning
+    """Show what a scene may mean otherwise in a line, and once, as all that is said beside the results."""
+    usual, shown = warnings.showwarning, set()
 
     def show(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
         if not issubclass(category, SceneWarning):
             usual(message, category, *place, **more)
-        elif not out.quiet:
+        elif not out.quiet and str(message) not in shown:
+            shown.add(str(message))
             complain(message)
 
     with warnings.catch_warnings():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -17,7 +16,6 @@ from chain_impact.scene.names import SENSITIVITY
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.text_file import check_separator, text_of
 
-PEAK_FORCE = re.compile(r"impact\[\d+\]\.peak_force")
 NEEDED = ("time", "point[0].x", "point[0].y", "point[1].x", "point[1].y")
 
 
@@ -59,10 +57,9 @@ def read_csv(
         raise SceneError(
             f"{path}: {rows.shape[0]} rows of {rows.shape[1]} numbers; must be at least 2 of {len(names)}"
         )
-    # of an impulse of a rigid wall the force is infinite, and a derivative need not exist
-    impulses = np.isposinf(rows) & [PEAK_FORCE.fullmatch(name) is not None for name in names]
+    # a derivative need not exist
     slopes = [name.startswith(SENSITIVITY) for name in names]
-    for row in np.flatnonzero(~(np.isfinite(rows) | impulses | slopes).all(axis=1))[:1]:
+    for row in np.flatnonzero(~(np.isfinite(rows) | slopes).all(axis=1))[:1]:
         raise SceneError(f"{path}: line {row + 2} has a number that is not finite")
     columns = dict(zip(names, rows.T.copy(), strict=True))
     time = columns.pop("time")

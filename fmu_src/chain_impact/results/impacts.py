@@ -30,7 +30,8 @@ IMPACT_DTYPE = np.dtype(
 speed [m/s]; peak force [N]; largest penetration [m]; effective mass at onset [kg]; impulse of the wall [N·s],
 as accurate as the momentum of the chain, NaN if the scene asks for no impulses. The end and the separation
 speed of a contact that lasts to the end of the simulation are NaN. Under the law ``newton_impact`` a bounce
-has no duration and an infinite peak force; that of a contact that lasts is the largest force that held it.
+has no duration, and a peak force of 0, as an impulse has no peak; that of a contact that lasts is the largest
+force that held it.
 
 At a stop of a joint, the wall ``joint_min`` or ``joint_max``, the point is the number of the joint, 1…N, and
 the quantities are those of its angle: speeds [rad/s], moment [N·m], angle beyond the stop [rad], effective

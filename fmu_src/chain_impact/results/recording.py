@@ -36,7 +36,7 @@ class Impact:
         wall: name of the wall.
         speed: normal approach speed [m/s].
         end: of the contact [s]; NaN if it is unknown, or of one that lasts.
-        peak_force: the largest force [N], infinite between rigid walls; NaN if it is unknown.
+        peak_force: the largest force [N], 0 for an impulse of a rigid wall; NaN if it is unknown.
         arm: at a stop of a joint, the length of the joint's link [m]; None at a wall. The point is the
             joint there, 1…N, the speed is in rad/s, the peak force is a moment in N·m, and the penetration
             is an angle in rad.

@@ -101,11 +101,36 @@ def _speed_head(result: Result) -> str:
 
 def _facts(result: Result) -> Iterator[str]:
     yield from energy_lines(result.motion if len(result.time) else {})
+    yield from (f"note     {hint}" for hint in hints(result))
     counts = result.statistics
     steps = f"{counts['steps']} steps, of which {counts['implicit_steps']} implicit"
     yield f"solver   {steps}; {counts['rhs_evaluations']} evaluations of the equations of motion"
     status = counts["status"]
     yield f"status   {status}: {'done' if status == OK else STATUS_TEXT[status]}"
+
+
+def hints(result: Result) -> list[str]:
+    """A sentence on a wall that gives way by more than the length of the shortest link, and so is no wall.
+
+    It names the wall beyond which a point went farthest. A chain of one link that touches with one point is a
+    ball: the length of its link means nothing.
+    """
+    scene, links = result.scene, result.scene.chain.links
+    if len(links) == len(scene.contact.points) == 1:
+        return []
+    walls = [number for number in range(len(scene.wall_names)) if not at_stop(scene, number)]
+    depths = np.where(np.isin(result.impacts["wall"], walls), result.impacts["max_penetration"], 0.0)
+    shortest = min(link.length for link in links)
+    if depths.max(initial=0.0) <= shortest:
+        return []
+    wall = scene.wall_names[result.impacts["wall"][depths.argmax()]]
+    material = scene.contact.wall.get(wall)
+    own = material.stiffness if material else None
+    name, stiffness = ("contact", scene.contact.stiffness) if own is None else (f"wall.{wall}", own)
+    return [
+        f"a point goes farther beyond {wall} than the shortest link is long, {shortest:g} m: "
+        f"{name}.stiffness = {stiffness:g} [N/m^{scene.contact.exponent:g}] is small for this motion"
+    ]
 
 
 def aligned(head: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:

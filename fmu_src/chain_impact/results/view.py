@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
 from chain_impact.scene.half_planes import HalfPlane
 
-NEAR = 0.2  # of the motion's width: a wall farther from the motion is left out
+NEAR = 0.2  # of the motion's width: a wall farther from the motion is left out …
+ROOM = 1.0  # … unless, in an animation, it closes a room with others, which all are nearer than this
 PIN = 0.08  # of the motion's width: the height of the ground mark of a pinned base
 SUPPORT = np.array([[0.0, 0.0], [-0.4, 0.65], [0.4, 0.65], [0.0, 0.0]])  # in heights of the mark
 GROUND = np.array([[-0.75, 0.65], [0.75, 0.65]])
@@ -35,7 +36,7 @@ def pin_mark(points: np.ndarray) -> list[np.ndarray]:
 
 
 def seen(
-    points: np.ndarray, walls: Mapping[str, HalfPlane], radius: float = 0.0
+    points: np.ndarray, walls: Mapping[str, HalfPlane], radius: float = 0.0, room: float = 0.0
 ) -> tuple[np.ndarray, list[HalfPlane]]:
     """The rectangle that holds a motion, a pinned base's mark, and where the walls near them are nearest.
 
@@ -43,6 +44,8 @@ def seen(
         points: positions, shape (T, N+1, 2) [m].
         walls: name → free side.
         radius: of the points [m].
+        room: of the motion's width: where the walls close a room that ends nearer than this, all of it is
+            seen, and all walls are near.
 
     Returns:
         The lower left and the upper right corner, shape (2, 2) [m], and the walls that are near.
@@ -50,8 +53,10 @@ def seen(
     reach = np.array([points.min(axis=(0, 1)) - radius, points.max(axis=(0, 1)) + radius])
     width = np.ptp(reach, axis=0).max()
     shown = np.concatenate([*reach[:, None], *pin_mark(points)])
-    view, near = np.array([shown.min(axis=0), shown.max(axis=0)]), []
-    for wall in walls.values():
+    if corners := closed_room(walls, reach + room * width * np.array([[-1.0], [1.0]])):
+        shown = np.concatenate([shown, corners])
+    view, near = np.array([shown.min(axis=0), shown.max(axis=0)]), list(walls.values()) if corners else []
+    for wall in () if corners else walls.values():
         corner = np.where(np.array(wall.normal) > 0.0, *reach)  # the nearest to the wall
         gap = wall.clearance(*corner)
         if -width <= gap <= NEAR * width:
@@ -59,3 +64,28 @@ def seen(
             view = np.array([np.minimum(view[0], met), np.maximum(view[1], met)])
             near.append(wall)
     return view, near
+
+
+def closed_room(walls: Mapping[str, HalfPlane], around: np.ndarray) -> list[np.ndarray]:
+    """The corners of the room between some walls, if it ends inside a rectangle on all sides; else none.
+
+    Args:
+        walls: name → free side.
+        around: the lower left and the upper right corner of the rectangle, shape (2, 2) [m].
+    """
+    corners = [around[[i, j], [0, 1]] for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    for wall in walls.values():
+        corners = list(_clipped(corners, wall))
+    inside = all(((around[0] < corner) & (corner < around[1])).all() for corner in corners)
+    return corners if inside else []
+
+
+def _clipped(corners: list[np.ndarray], wall: HalfPlane) -> Iterator[np.ndarray]:
+    """The corners of the part of a polygon on the free side of a wall (Sutherland & Hodgman, 1974)."""
+    gaps = [wall.clearance(*corner) for corner in corners]
+    for k, (here, gap) in enumerate(zip(corners, gaps, strict=True)):
+        before = gaps[k - 1]
+        if before * gap < 0.0:
+            yield corners[k - 1] + before / (before - gap) * (here - corners[k - 1])
+        if gap >= 0.0:
+            yield here

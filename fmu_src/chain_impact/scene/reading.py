@@ -27,7 +27,7 @@ class SceneError(ValueError):
 
 
 class SceneWarning(UserWarning):
-    """What is allowed in a scene, but may be meant otherwise: one line, with what to write then."""
+    """What is allowed in a scene, but may be meant otherwise, by its values or by its motion: one line."""
 
 
 class UnknownNameError(SceneError, KeyError):

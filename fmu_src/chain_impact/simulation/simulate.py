@@ -17,6 +17,8 @@ from chain_impact.kernel.status import OK
 from chain_impact.results.result import Result
 from chain_impact.results.sensitivity import Sensitivities
 from chain_impact.results.stick_slip import NO_PHASES, phases_of
+from chain_impact.results.summary import hints
+from chain_impact.scene.checks import warn
 from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, SceneSource, scene_of, with_values
 from chain_impact.simulation.derivatives import DifferentiatedInstance, RowsWithSlopes
@@ -91,6 +93,9 @@ def simulate(
         notify: called with a sentence before a kernel is compiled; by default that is said on standard error.
         progress: called with the fraction done, if given.
 
+    Warns:
+        SceneWarning: when a point goes farther beyond a wall than the shortest link is long.
+
     Raises:
         SceneError: when one of the arguments is outside its range, or the result would be too large.
         SimulationError: when the solver cannot go on; it holds the result up to there.
@@ -149,6 +154,7 @@ def simulate(
         stepwise=stepwise,
         stick_slip=phases_of(instance.all_changes) if instance.changes else NO_PHASES,
     )
+    warn(scene.name, hints(result))
     if instance.status != OK:
         raise SimulationError(instance.status, instance.time, result)
     return result

@@ -53,7 +53,7 @@ class LawRun:
         exponent: n that it was run with.
         stiffness: K that it was run with [N/m^n].
         restitution: realised in the first impact.
-        peak_force: of the first impact [N]; infinite for an impulse. Of one at a stop [N·m], as all here is
+        peak_force: of the first impact [N]; 0 for an impulse. Of one at a stop [N·m], as all here is
             that of the angle.
         max_penetration: of the first impact [m].
         duration: of the first impact [s]; 0 for an impulse.
@@ -279,7 +279,7 @@ def _values_of(result: Result, impact: np.void) -> dict[str, Any]:
     law = CONTACT_LAWS.get(contact_at(result.scene, impact).model)
     if law and law.impulsive and impact["end"] != impact["onset"]:
         # stopped by the impulse; how long the wall holds the point then is no part of the impact
-        impact["end"], impact["separation_speed"], impact["peak_force"] = impact["onset"], 0.0, math.inf
+        impact["end"], impact["separation_speed"], impact["peak_force"] = impact["onset"], 0.0, 0.0
     values = {
         "restitution": impact["separation_speed"] / impact["impact_speed"],
         "peak_force": impact["peak_force"],

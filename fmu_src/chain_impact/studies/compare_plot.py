@@ -142,10 +142,12 @@ def draw_loops(axes: Axes, comparison: Comparison, looks: Looks) -> None:
     """Force over penetration in the first impact; an impulse is a line at no penetration."""
     for law, look in looks.items():
         run = comparison[law]
-        if run.loop is not None and run.loop.size:
+        if run.loop is None:
+            continue
+        if run.loop.size:
             depth, force = run.loop
             axes.plot(MILLI * depth, KILO * force, **look)
-        elif math.isinf(run.peak_force):
+        else:
             axes.axvline(0.0, **look)
     depth_unit, name = ("mrad", "moment [kN m]") if comparison.at_stop else ("mm", "force [kN]")
     axes.set(xlabel=f"penetration in the {first_place(comparison.scene)} [{depth_unit}]", ylabel=name)

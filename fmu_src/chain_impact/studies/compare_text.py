@@ -61,7 +61,7 @@ def cells(run: LawRun) -> tuple[str, ...]:
 
 def told(value: float, form: str) -> str:
     """A number; a dash where there is none."""
-    return NOTHING if math.isnan(value) else "∞" if math.isinf(value) else format(value, form)
+    return NOTHING if math.isnan(value) else format(value, form)
 
 
 def legend(comparison: Comparison) -> str:

@@ -209,7 +209,7 @@ def _latest_impacts(scene: Scene) -> Iterator[Variable]:
         (
             "peak_force",
             "N",
-            f"largest force so far, infinite for an impulse of a rigid wall{of_stop['force']}",
+            f"largest force so far, 0 for an impulse of a rigid wall{of_stop['force']}",
             0.0,
             None,
         ),

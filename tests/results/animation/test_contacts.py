@@ -38,7 +38,7 @@ def test_what_an_impact_tells_of_its_contact_is_taken():
 
 
 def test_a_bounce_of_rigid_walls_has_no_peak():
-    told = Impact(0.203, 1, "y_min", 3.0, end=0.203, peak_force=np.inf)
+    told = Impact(0.203, 1, "y_min", 3.0, end=0.203, peak_force=0.0)
     (found,) = contacts(recording(0.0 * TIME, [told]))
     assert (found.end, found.peak_force, found.resolved) == (0.203, None, False)
 

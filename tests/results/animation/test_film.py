@@ -1,15 +1,17 @@
 """Films: what their readers find in them."""
 
+import itertools
 from dataclasses import replace
 
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from PIL import Image
 
 from chain_impact import load_scene
-from chain_impact.results.animation.film import RATES, draw_frames, shades, write_film
-from chain_impact.results.animation.film_page import CHAIN, ENERGIES, FORCE
+from chain_impact.results.animation.film import RATES, draw_frames, resolution, shades, write_film
+from chain_impact.results.animation.film_page import CHAIN, ENERGIES, FORCE, STYLE, FilmPage
 from chain_impact.results.animation.frames import motion_of
 from chain_impact.results.recording import Recording
 from chain_impact.studies.slow_motion import record_slowly
@@ -90,10 +92,31 @@ def test_an_arrow_is_there_while_there_is_a_force(motion):
     (force,) = (force for (point, _), force in motion.forces.items() if point == 2)
     shown = np.array([0, int(np.argmax(force)), len(motion.time) - 1])
     before, within, after = draw_frames(motion, shown, SIZE, lambda _: None)
-    red = [coloured(picture[:, : SIZE[0] // 2], FORCE) for picture in (before, within, after)]
+    # below the head, in which slow motion has this colour
+    red = [coloured(picture[SIZE[1] // 4 :], FORCE) for picture in (before, within, after)]
     assert red[0] == 0
     assert red[1] > 10
     assert red[2] == 0
+
+
+@pytest.mark.parametrize("size", [(240, 180), (320, 240), (480, 270), (640, 360), (960, 540), (900, 300)])
+def test_no_text_runs_out_of_a_film(size):
+    """With dry friction there are most energies."""
+    motion = motion_of(record_slowly(load_scene("sliding_rod").with_values({"simulation.stop_time": 0.1})))
+    with mpl.rc_context(STYLE):
+        dpi = resolution(size)
+        figure = Figure(figsize=(size[0] / dpi, size[1] / dpi), dpi=dpi)
+        page = FilmPage(figure, motion)
+        list(page.show(len(motion.time) // 2, 1e-4))
+        figure.draw_without_rendering()
+    shown = page.energy.get_legend().get_texts() if page.tells_energies else []
+    boxes = [text.get_window_extent() for text in [*figure.texts, *shown]]
+    assert page.tells_energies == (size[0] >= 480 and size[1] >= 270)
+    for box in boxes:
+        assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
+        assert figure.bbox.y0 <= box.y0 < box.y1 <= figure.bbox.y1
+    for one, other in itertools.combinations(boxes, 2):
+        assert not one.overlaps(other)
 
 
 def test_the_colours_of_a_gif_are_few_and_white_is_white():

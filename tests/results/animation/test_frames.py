@@ -1,10 +1,13 @@
 """The motion that an animation shows, of a real scene: against the recording, and where walls are seen."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from chain_impact import load_scene
 from chain_impact.results.animation.frames import MARGIN, motion_of
+from chain_impact.scene.half_planes import HalfPlane
 from chain_impact.studies.slow_motion import record_slowly
 
 
@@ -41,11 +44,22 @@ def test_the_view_holds_the_motion_and_the_walls_near_it(recording):
     assert (motion.points.max(axis=(0, 1)) < high).all()
     assert low[1] < 0.0 < low[1] + 2 * MARGIN * (high - low).max()
     assert high[0] > 3.0
-    assert high[1] < 2.5  # far above the motion
+
+
+def test_a_closed_room_is_seen_whole_unless_it_is_far_larger_than_the_motion(recording):
+    motion = motion_of(recording)
+    assert (motion.view[0] < 0.0).all()
+    assert (motion.view[1] > [3.0, 2.5]).all()
+    assert motion.anchor == (0.5, 0.5)
+    walls = recording.walls | {"y_max": HalfPlane((0.0, -1.0), -5.0)}
+    low, high = motion_of(replace(recording, walls=walls)).view
+    assert low[0] > 0.0
+    assert high[1] < 2.5
 
 
 def test_what_room_is_left_is_on_the_side_without_a_wall(recording):
-    assert motion_of(recording).anchor[1] == 0.0  # all above, none below the floor
+    walls = {"y_min": recording.walls["y_min"]}
+    assert motion_of(replace(recording, walls=walls)).anchor[1] == 0.0  # all above, none below the floor
 
 
 def test_points_with_a_radius_have_it():

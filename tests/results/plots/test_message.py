@@ -1,6 +1,5 @@
 """The headline of a picture says what happened, in numbers that are those of the recording."""
 
-import math
 import re
 from dataclasses import replace
 
@@ -127,10 +126,10 @@ def test_the_rigid_stops_of_an_fmu_are_known_by_their_impacts(values, time, told
     assert told in conditions(replace(recording, stop_law="")).split("  ·  ")
 
 
-def test_a_finite_force_at_a_rigid_stop_that_holds_a_joint_is_no_sign_of_a_stiffness():
+def test_a_force_at_a_rigid_stop_that_holds_a_joint_is_no_sign_of_a_stiffness():
     rigid = {"contact.model": "newton_impact", "stop.restitution": 0.0}
     recording = recording_of(simulate(knee(**rigid), 2.0))
-    held = [hit for hit in recording.impacts if hit.at_stop and math.isfinite(hit.peak_force)]
+    held = [hit for hit in recording.impacts if hit.at_stop and hit.peak_force > 0.0]
     assert held
     assert "stops e = 0" in conditions(replace(recording, impacts=held)).split("  ·  ")
 

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
-from chain_impact.results.plots.style import PALETTE, TIME_COLOURS, headline, number
+from chain_impact.results.plots.style import PALETTE, SEPARATOR, TIME_COLOURS, headline, number
 
 # what red-blind, green-blind and blue-blind eyes see of linear RGB, at full severity: Machado, Oliveira and
 # Fernandes, A physiologically-based model for simulation of color vision deficiency, IEEE Transactions on
@@ -80,3 +80,42 @@ def test_the_headline_leaves_the_panels_room(conditions):
 )
 def test_numbers_without_zeros_that_say_nothing(value, text):
     assert number(value) == text
+
+
+LONG = [
+    "4 links",
+    "joint friction ≤ 0.02 N·m",
+    "law zhang_sharf",
+    "stiffness K = 1e8 N/m$^{1.5}$",
+    "friction µ = 0.3 (static 0.4), 0.1 (static 0.2) at y_min, 0.5 (static 0.6) at ramp",
+    "stops law newton_impact, e = 0.5",
+    "method auto, tolerance 1e-8",
+]
+
+
+@pytest.mark.parametrize("width", [3.0, 6.0, 10.0])
+def test_a_headline_and_its_conditions_are_broken_into_lines_that_fit_the_page(width):
+    page = Figure(figsize=(width, 5.0), layout="constrained")
+    axes = page.subplots()
+    headline(
+        page,
+        "Box: 14 impacts, 82 % of the energy dissipated, 12 % of it by dry friction",
+        SEPARATOR.join(LONG),
+    )
+    page.draw_without_rendering()
+    message, conditions = page.texts
+    boxes = [text.get_window_extent() for text in (message, conditions)]
+    for box in boxes:
+        assert page.bbox.x0 <= box.x0 < box.x1 <= page.bbox.x1
+    assert axes.get_tightbbox().y1 < boxes[1].y0
+    assert boxes[1].y1 < boxes[0].y0
+    lines = conditions.get_text().split("\n")
+    assert len(lines) > 1
+    if width > 5.0:
+        assert [part for line in lines for part in line.split(SEPARATOR)] == LONG
+
+
+def test_what_fits_stays_in_a_line():
+    page = Figure(figsize=(10.0, 5.0))
+    headline(page, "Box: 14 impacts", SEPARATOR.join(LONG[:3]))
+    assert [text.get_text() for text in page.texts] == ["Box: 14 impacts", SEPARATOR.join(LONG[:3])]

@@ -72,7 +72,7 @@ def test_a_grid_of_laws_methods_and_restitutions():
     statuses = {check(scene, row, vary, ("point[4].x", "link[2].angular_velocity")) for row in found.table}
     assert {"ok", "restitution_not_allowed", "exponent_not_allowed"} <= statuses
     bounced = (found["contact.model"] == "newton_impact") & (found["contact.restitution"] > 0.0)
-    assert np.isinf(found["peak_force"][bounced]).all()
+    assert (found["peak_force"][bounced] == 0.0).all()
 
 
 def test_impulses_are_followed_for_the_columns_that_have_them():
@@ -185,7 +185,7 @@ def test_peaks_of_rigid_stops_and_of_a_run_that_cannot_start():
     assert "ok" in statuses
     assert "starts_inside_wall" in statuses
     rigid = sweep(scene.with_values({"stops.model": "newton_impact"}), {"stop.restitution": [0.5]})
-    assert rigid["stop.peak_moment"].tolist() == [np.inf]
+    assert rigid["stop.peak_moment"].tolist() == [0.0]
     assert rigid["stop.max_penetration"].tolist() == [0.0]
 
 

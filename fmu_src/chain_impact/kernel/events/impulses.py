@@ -43,7 +43,6 @@ from chain_impact.kernel.model.contact import (
     deactivate,
     include,
     list_touching,
-    set_extremes,
     set_kink_side,
     set_rates,
     start_contact,
@@ -224,9 +223,7 @@ def end_changed_contacts(d):
 
 
 def end_rigid_contact(d, c):
-    """End and log a contact. One of no duration has an impulse and an infinite peak force."""
-    if d.touch.onset[c] == d.step.end:
-        set_extremes(d, c, math.inf, d.touch.max_penetration[c])
+    """End and log a contact. One of no duration has an impulse, and a peak force of 0."""
     end_contact(d, c, True)
 
 

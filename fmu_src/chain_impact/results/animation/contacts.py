@@ -91,7 +91,7 @@ def contacts(recording: Recording) -> list[Contact]:
             end = float(time[min(last + 1, len(time) - 1)])
             if impact and impact.end > onset:
                 end = impact.end
-            known = impact is not None and math.isfinite(impact.peak_force)
+            known = impact is not None and impact.peak_force > 0.0
             peak_time = float(time[first + np.argmax(force[first : last + 1])])
             found.append(
                 Contact(
@@ -110,7 +110,7 @@ def contacts(recording: Recording) -> list[Contact]:
             )
     for impact in left:  # between two rows, or of rigid walls
         end = max(impact.time, impact.end) if math.isfinite(impact.end) else impact.time
-        peak = impact.peak_force if math.isfinite(impact.peak_force) else None
+        peak = impact.peak_force if impact.peak_force > 0.0 else None
         found.append(
             Contact(
                 impact.point,

@@ -13,10 +13,10 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from chain_impact.extras import require
-from chain_impact.results.animation.film_page import COLOURS, STYLE, FilmPage
+from chain_impact.results.animation.film_page import COLOURS, ROOM, STYLE, FilmPage
 from chain_impact.results.animation.frames import Motion
 
-DPI = 100
+DPI, LEAST_DPI, SMALL_DPI = 100, 60, 80  # pixels for an inch: usual, at least with energies, and without them
 RATES = {".gif": 20, ".mp4": 30}  # frames in a second; a gif counts in hundredths of a second
 HOLD = 1.5  # s for which a gif stays at its end before it starts anew
 BITS = 5  # of red, green and blue each, by which a gif's colours are told apart
@@ -57,7 +57,8 @@ def draw_frames(
 ) -> Iterator[np.ndarray]:
     """Draw frames of the motion: red, green, blue of each pixel, shape (height, width, 3)."""
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(size[0] / DPI, size[1] / DPI), dpi=DPI)
+        dpi = resolution(size)
+        figure = Figure(figsize=(size[0] / dpi, size[1] / dpi), dpi=dpi)
         canvas: Any = FigureCanvasAgg(figure)  # matplotlib says nothing of its types
         page = FilmPage(figure, motion)
         canvas.draw()
@@ -69,6 +70,12 @@ def draw_frames(
                 figure.draw_artist(artist)
             yield np.asarray(canvas.buffer_rgba())[..., :3].copy()
             progress((number + 1) / len(shown))
+
+
+def resolution(size: tuple[int, int]) -> float:
+    """The pixels for an inch of a film: fewer for a small one, so that its page has room for all it shows."""
+    found = min(pixels / inches for pixels, inches in zip(size, ROOM, strict=True))
+    return min(DPI, found) if found >= LEAST_DPI else SMALL_DPI
 
 
 def write_gif(pictures: Iterable[np.ndarray], path: Path, film_rate: int) -> None:

@@ -37,6 +37,10 @@ STYLE: Any = {
 }
 """Settings of matplotlib for a film."""
 SCENE, ENERGY = (0.02, 0.03, 0.6, 0.85), (0.69, 0.12, 0.29, 0.6)  # left, bottom, width, height of the page
+CLOCK, RATE = (0.69, 0.94), (0.69, 0.87)  # left, and the middle of the height
+ROOM = (8.0, 4.5)  # inches, width and height that a page with energies has at least
+SMALL_SCENE, SMALL_CLOCK, SMALL_RATE = (0.02, 0.03, 0.96, 0.75), (0.02, 0.84), (0.55, 0.84)
+"""The same of a page that has no room for energies."""
 ABOVE: Any = {"loc": "lower left", "bbox_to_anchor": (-0.02, 1.0), "borderaxespad": 0.2}
 LONGEST = 0.26  # of the smaller side of the scene: the arrow of the largest force
 LEAST = 0.02  # of the same: the shortest arrow
@@ -50,12 +54,15 @@ class FilmPage:
     def __init__(self, figure: Figure, motion: Motion) -> None:
         """Draw what does not move."""
         self.motion = motion
-        self.scene = figure.add_axes(SCENE)
-        self.energy = figure.add_axes(ENERGY)
-        figure.text(SCENE[0], 0.94, motion.name, fontsize=13, fontweight="bold", va="center")
+        wide = bool((figure.get_size_inches() > 0.99 * np.array(ROOM)).all())
+        scene, clock, rate = (SCENE, CLOCK, RATE) if wide else (SMALL_SCENE, SMALL_CLOCK, SMALL_RATE)
+        self.tells_energies = wide and bool(motion.energies)
+        self.scene = figure.add_axes(scene)
+        self.energy = figure.add_axes(ENERGY, visible=self.tells_energies)
+        figure.text(SCENE[0], 0.94, motion.name, fontsize=13 if wide else 10, fontweight="bold", va="center")
         moving: dict[str, Any] = {"animated": True, "va": "center"}
-        self.clock = figure.text(ENERGY[0], 0.94, "", fontsize=15, fontweight="bold", **moving)
-        self.rate = figure.text(ENERGY[0], 0.87, "", fontsize=10, **moving)
+        self.clock = figure.text(*clock, "", fontsize=15 if wide else 10, fontweight="bold", **moving)
+        self.rate = figure.text(*rate, "", fontsize=10, **moving)
         self._draw_ground()
         self._draw_energies()
         still: dict[str, Any] = {"animated": True, "solid_capstyle": "round", "solid_joinstyle": "round"}
@@ -101,8 +108,7 @@ class FilmPage:
             }
             axes.plot(motion.time, energy, "--" if name == "friction" else "-", **look)
         axes.set(xlim=(motion.time[0], motion.time[-1]), xlabel="time [s]", ylabel="energy [J]")
-        axes.set_visible(bool(motion.energies))
-        if motion.energies:
+        if self.tells_energies:
             axes.legend(**ABOVE, ncols=3, fontsize=8, handlelength=1.0, columnspacing=1.0)
 
     def show(self, frame: int, rate: float) -> Iterable[Artist]:
@@ -131,7 +137,9 @@ class FilmPage:
         yield from self._arrows(frame)
         yield from self._stop_marks(frame)
         yield from self._stuck_joints(frame)
-        yield from (self.now, self.clock, self.rate) if motion.energies else (self.clock, self.rate)
+        yield from (self.clock, self.rate)
+        if self.tells_energies:
+            yield self.now
 
     def _show_tail(self, frame: int) -> None:
         motion = self.motion

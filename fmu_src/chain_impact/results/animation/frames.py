@@ -12,7 +12,7 @@ from chain_impact.results.animation.pacing import IMPACT_TIME, frame_times
 from chain_impact.results.joint_stops import JointRange
 from chain_impact.results.recording import Recording
 from chain_impact.results.stick_slip import friction_columns
-from chain_impact.results.view import pin_mark, seen
+from chain_impact.results.view import ROOM, pin_mark, seen
 from chain_impact.scene.half_planes import HalfPlane
 
 ENERGIES = ("kinetic", "potential", "elastic", "dissipated", "friction", "supplied", "total")
@@ -140,8 +140,8 @@ def _radius(recording: Recording) -> float:
 def _view(
     points: np.ndarray, walls: Mapping[str, HalfPlane], radius: float
 ) -> tuple[np.ndarray, tuple[float, float]]:
-    """The corners of what is to be seen: the motion, and the walls near it; and the ``anchor``."""
-    view, near = seen(points, walls, radius)
+    """The corners of what is to be seen: the motion, the walls near it, a closed room; and the ``anchor``."""
+    view, near = seen(points, walls, radius, ROOM)
     open_sides = np.ones((2, 2))  # left and below, right and above
     for wall in near:
         normal = np.array(wall.normal)

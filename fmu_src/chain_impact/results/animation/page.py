@@ -19,7 +19,10 @@ from chain_impact.scene.half_planes import HalfPlane
 PAGE = resources.files("chain_impact.results.animation") / "browser"
 STYLES = ("vendor/uPlot.min.css", "style.css", "panels.css")
 LIBRARIES = ("vendor/uPlot.iife.min.js", "vendor/svg.min.js")
-PLAYER = ("dom", "recording", "clock", "format", "room", "scene", "charts", "impacts", "controls", "player")
+PLAYER = (
+    *("dom", "recording", "clock", "format", "room", "trace"),
+    *("scene", "charts", "impacts", "controls", "player"),
+)
 """The modules that show a recording, each after those that it imports from."""
 MODULES = (*PLAYER, "packed", "main")
 FRAGMENTS = ("stage", "panels", "playback")

@@ -13,7 +13,7 @@ from chain_impact.scene.scene import Scene
 
 PAGE = resources.files("chain_impact.results.explore") / "browser"
 STYLES = ("explore.css",)
-WORKER = ("unpacked", "kernel", "pacing", "view", "motion", "worker")
+WORKER = ("unpacked", "kernel", "pacing", "room", "view", "motion", "worker")
 """The modules of the worker, each after those that it imports from."""
 MODULES = ("unpacked", "view", "changes", "engine", "knobs", "ghosts", "handles", "outside", "map", "explore")
 """Those of the page, after the ones that show a recording."""
@@ -42,8 +42,14 @@ def page(scene: Scene, command: Sequence[str], notify: Notify | None = None) -> 
 
 
 def program(names: tuple[str, ...]) -> str:
-    """Some modules of this folder one after the other, as one."""
-    return player.joined(_text(f"{name}.js") for name in names)
+    """Some modules one after the other, as one."""
+    return player.joined(map(source, names))
+
+
+def source(name: str) -> str:
+    """The text of a module of this folder, or else of the player's."""
+    folder = PAGE if PAGE.joinpath(f"{name}.js").is_file() else player.PAGE
+    return folder.joinpath(f"{name}.js").read_text(encoding="utf-8")
 
 
 def _text(name: str) -> str:

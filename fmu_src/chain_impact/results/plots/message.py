@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 import re
 
 import numpy as np
 
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.results.plots.style import number
+from chain_impact.results.plots.style import SEPARATOR, number
 from chain_impact.results.recording import Recording
 
 SHARE = 0.01  # of the energy at the start: more below zero, and a share of it means nothing
@@ -108,7 +107,7 @@ def conditions(recording: Recording) -> str:
         parts.append(f"radius {known['contact.radius']:g} m")
     if "solver.tolerance" in known:
         parts.append(f"method {known['solver.method']}, tolerance {number(known['solver.tolerance'])}")
-    return "  ·  ".join(parts)
+    return SEPARATOR.join(parts)
 
 
 def is_rigid(law: str) -> bool:
@@ -130,14 +129,14 @@ def stop_conditions(recording: Recording) -> str:
 def has_rigid_stops(recording: Recording) -> bool:
     """Whether the law of the stops has impulses in place of a force.
 
-    An FMU does not tell which law its stops have, but its impacts do: only a rigid stop has an infinite
-    force, and only one with a force is penetrated. A finite force tells nothing: a rigid stop that holds a
-    joint has one, too.
+    An FMU does not tell which law its stops have, but its impacts do: only those at a rigid stop end as they
+    begin, and only one with a force is penetrated. A force tells nothing: a rigid stop that holds a joint has
+    one, too.
     """
     if recording.stop_law:
         return is_rigid(recording.stop_law)
     hits = [hit for hit in recording.impacts if hit.at_stop]
-    if any(math.isinf(hit.peak_force) for hit in hits):
+    if any(hit.end == hit.time for hit in hits):
         return True
     if any(hit.max_penetration > 0.0 for hit in hits):
         return False

@@ -21,7 +21,7 @@ from chain_impact.results.plots.over_time import (
     number_impacts,
 )
 from chain_impact.results.plots.room import view_of
-from chain_impact.results.plots.style import STYLE, headline, save
+from chain_impact.results.plots.style import STYLE, Page, headline, save
 from chain_impact.results.recording import Recording
 
 SIZE = (10.0, 5.4)  # inches
@@ -64,7 +64,7 @@ def drawn(recording: Recording, path: str | os.PathLike[str] | None, draw: Draw 
     if path is not None:
         plot(recording, Path(path), draw)
         return None
-    page = Figure(figsize=SIZE, layout="constrained")
+    page = Page(figsize=SIZE, layout="constrained")
     draw(page, recording)
     return page
 

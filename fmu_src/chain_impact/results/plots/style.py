@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ import numpy as np
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.text import Text
 
 from chain_impact.results.recording import written_whole
 
@@ -41,21 +43,77 @@ STYLE: Any = {
 """Settings of matplotlib for every picture, for `matplotlib.rc_context`."""
 DPI = 160
 LEFT, TOP = 0.12, 0.08  # inches from the left and the upper edge of the page to the headline
-LINES = (0.3, 0.24)  # inches, the heights of its lines
+LINES = (0.3, 0.24)  # inches, the heights of its first line and of the first one below it …
+MORE_LINES = (0.21, 0.15)  # … and of each further one of the two
+SEPARATOR = "  ·  "
+
+
+class Page(Figure):
+    """An empty page for a picture, which a notebook shows whatever else was imported, and shows once."""
+
+    def _repr_png_(self) -> bytes:
+        """What IPython asks for where no backend of matplotlib has told it how to show a figure."""
+        file = BytesIO()
+        self.savefig(file, format="png", dpi="figure")
+        return file.getvalue()
 
 
 def headline(page: Figure, message: str, conditions: str = "") -> None:
     """Write what the picture says over it, and below that, smaller, under which conditions."""
     width, height = page.get_size_inches()
-    place: dict[str, Any] = {"x": LEFT / width, "ha": "left", "va": "top"}
-    page.suptitle(message, y=1.0 - TOP / height, fontsize=12, fontweight="bold", **place, in_layout=False)
-    page.text(
-        s=conditions, y=1.0 - (TOP + LINES[0]) / height, fontsize=8.5, color=INK, **place, in_layout=False
-    )
-    top = TOP + LINES[0] + (LINES[1] if conditions else 0.0)
+    place: dict[str, Any] = {"x": LEFT / width, "ha": "left", "va": "top", "in_layout": False}
+    said = page.suptitle(message, y=1.0 - TOP / height, fontsize=12, fontweight="bold", **place)
+    top = TOP + LINES[0] + (break_lines(said, (" ",)) - 1) * MORE_LINES[0]
+    told = page.text(s=conditions, y=1.0 - top / height, fontsize=8.5, color=INK, **place)
+    if conditions:
+        top += LINES[1] + (break_lines(told, (SEPARATOR, " ")) - 1) * MORE_LINES[1]
     engine = page.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):
         engine.set(rect=(0.0, 0.0, 1.0, 1.0 - top / height))
+
+
+def break_lines(text: Text, separators: Sequence[str]) -> int:
+    """Break a text where it runs out of its page, at the first of some separators if that is enough.
+
+    Returns:
+        The number of its lines.
+    """
+    page = text.get_figure(root=True)
+    assert page is not None
+    room = page.bbox.width - page.dpi * LEFT
+
+    def fits(line: str) -> bool:
+        text.set_text(line)
+        return bool(text.get_window_extent().x1 <= room)
+
+    found = _lines(text.get_text(), fits, separators)
+    text.set_text("\n".join(found))
+    return len(found)
+
+
+def _lines(words: str, fits: Callable[[str], bool], separators: Sequence[str]) -> list[str]:
+    """The lines of a text, each as long as it fits."""
+    if not separators or fits(words):
+        return [words]
+    lines: list[str] = []
+    for part in words.split(separators[0]):
+        longer = f"{lines[-1]}{separators[0]}{part}" if lines else part
+        if lines and fits(longer):
+            lines[-1] = longer
+        else:
+            lines += _lines(part, fits, separators[1:])
+    return lines
+
+
+def words_of(page: Figure) -> dict[str, str]:
+    """What a picture says, as its file keeps it: the headline, and all else but the numbers at ticks."""
+    title = page.get_suptitle()
+    told = [text.get_text() for text in page.texts if text.get_text() != title]
+    for axes in page.axes:
+        legend = axes.get_legend()
+        told += [axes.get_title(), axes.get_xlabel(), axes.get_ylabel()]
+        told += [text.get_text() for text in (*axes.texts, *(legend.get_texts() if legend else ()))]
+    return {"Title": title, "Description": "\n".join(filter(None, told))}
 
 
 def save(
@@ -67,9 +125,10 @@ def save(
         OSError: when the file cannot be written.
     """
     with written_whole(Path(path)) as fresh:
-        page = Figure(figsize=size, dpi=DPI, layout="constrained")
+        page = Page(figsize=size, dpi=DPI, layout="constrained")
         fill(page)
-        page.savefig(fresh, dpi="figure")
+        told = words_of(page) if Path(path).suffix == ".png" else None
+        page.savefig(fresh, dpi="figure", metadata=told)
 
 
 def number(value: float, digits: int = 4) -> str:

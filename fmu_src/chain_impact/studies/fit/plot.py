@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.ticker import MaxNLocator
 
-from chain_impact.results.plots.style import GREY, INK, PALE, PALETTE, STYLE, headline, number, save
+from chain_impact.results.plots.style import GREY, INK, PALE, PALETTE, STYLE, Page, headline, number, save
 from chain_impact.results.result import Result
 from chain_impact.results.summary import plural
 from chain_impact.results.tables import IMPACT_UNITS
@@ -62,7 +62,7 @@ def plot_fit(fit: Fit, path: str | Path) -> None:
 
 def figure(fit: Fit) -> Figure:
     """A fit as a figure."""
-    page = Figure(layout="constrained")
+    page = Page(layout="constrained")
     fill(page, fit)
     return page
 

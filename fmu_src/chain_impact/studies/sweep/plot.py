@@ -54,9 +54,8 @@ class Quantity:
     told: str = ""
 
     def of(self, found: Sweep) -> np.ndarray:
-        """Its values, NaN where a run failed or an impulse has no finite force, shape (R,)."""
-        values = self.factor * found[self.column].astype(float)
-        return np.where(found.failed | ~np.isfinite(values), np.nan, values)
+        """Its values, NaN where a run failed, shape (R,)."""
+        return np.where(found.failed, np.nan, self.factor * found[self.column].astype(float))
 
 
 QUANTITIES = (
@@ -123,8 +122,7 @@ def title(found: Sweep, mark: str) -> str:
     for quantity in _main(found):
         finite = quantity.of(found)[~np.isnan(quantity.of(found))]
         if quantity.told and finite.any():
-            more = " or infinite" if np.isinf(found[quantity.column][~found.failed]).any() else ""
-            parts.append(quantity.told.format(finite.min(), finite.max()) + more)
+            parts.append(quantity.told.format(finite.min(), finite.max()))
     if found.failed.any():
         parts.append(f"{found.failed.sum()} failed{mark}")
     return ", ".join(parts)
@@ -247,7 +245,7 @@ def _maps(
         if x.names:
             axes.tick_params(axis="x", rotation=90)
         if np.ma.is_masked(shown):
-            grey = [Patch(facecolor=FAILED_COLOUR, label="failed, or infinite")]
+            grey = [Patch(facecolor=FAILED_COLOUR, label="failed")]
     if grey:
         page.legend(handles=grey, loc="outside lower right")
 

@@ -34,7 +34,7 @@ class Sweep:
     vary, then:
 
     - ``peak_force`` [N] and ``max_penetration`` [m]: the largest of all contacts at walls; 0 without a
-      contact, and an infinite force for an impulse.
+      contact, and a force of 0 for an impulse.
     - ``stop.peak_moment`` [N·m] and ``stop.max_penetration`` [rad]: the same at stops of joints, in a scene
       with stops.
     - ``time`` [s]: where the run ended: the stop time, or earlier after a fault.

@@ -3,13 +3,13 @@
 import { forceText, unitsOf } from "./format.js";
 import { lastBefore } from "./recording.js";
 import { Camera, roomWithin } from "./room.js";
+import { traceOf } from "./trace.js";
 
 const LONGEST_ARROW = 0.26; // of the smaller side of the scene, for the largest force
 const LEAST_ARROW = 9; // pixels, so that a small force is seen
 const LABEL_FROM = 22; // pixels: shorter arrows have no label
 const TAIL = 0.3; // s of simulated time in which the trace's bright end fades
 const TAIL_PARTS = 10;
-const TRACE_STEP = 1.5; // pixels between the corners of the trace
 const RING_TIME = 0.25; // s of simulated time for which the place of an impact is marked
 const STRIP = 30; // pixels at the top for the scale bar, where the chain never comes
 const STOP_DOT = 11; // pixels, the mark of a joint at its stop
@@ -78,7 +78,7 @@ export class Scene {
     this.recording.pin.forEach((line) => this.ground.polyline(places(line)).addClass("pin"));
     this.#drawScaleBar(width);
     this.discs.forEach(([, disc]) => disc.radius(this.recording.radius * this.camera.scale));
-    this.#prepareTrace();
+    ({ frames: this.traceFrames, places: this.tracePlaces } = traceOf(this.recording, this.camera));
   }
 
   /** A bar of a round length, about a sixth of the width. */
@@ -92,21 +92,6 @@ export class Scene {
       .addClass("bar").fill("none");
     const text = length < 0.01 ? `${+(1000 * length).toPrecision(1)} mm` : `${+length.toPrecision(1)} m`;
     this.ground.plain(text).attr({ x: left - 8, y: y + 4 }).addClass("bar-text");
-  }
-
-  /** The tip's places on the screen, without those that cannot be told apart, and the frame of each. */
-  #prepareTrace() {
-    const { recording } = this;
-    this.traceFrames = [];
-    this.tracePlaces = [];
-    for (let frame = 0; frame < recording.time.length; frame += 1) {
-      const here = this.camera.place(...recording.pointAt(frame, recording.links));
-      const before = this.tracePlaces.at(-1);
-      if (!before || Math.hypot(here[0] - before[0], here[1] - before[1]) >= TRACE_STEP) {
-        this.traceFrames.push(frame);
-        this.tracePlaces.push(here);
-      }
-    }
   }
 
   /** Draw a frame. */

@@ -6,6 +6,7 @@ import { wallsAt } from "./view.js";
 const ARROW_TIME = 0.1; // s: an arrow is as long as the way at its velocity in this time …
 const LONGEST = 0.2; // … unless one would be longer than this part of the view
 const GRIP = 26; // pixels, what a finger hits
+const STEM = 32; // pixels from a joint to where its arrow begins: so the grip of a joint at rest lies beside it
 const WALL = 18; // pixels, the grip of a wall
 const MOST_DECIMALS = 15;
 
@@ -87,7 +88,9 @@ export class Handles {
       group.rect(WALL, WALL).radius(5).center(x, y).addClass("wall-grip").data("grip", `wall ${name}`);
     });
     place.forEach((point, k) => {
-      if (k > 0 || this.changes.parameters.has("initial.vx")) this.#arrow(group, screen(point), screen(tipOf(point, velocity[k], time)), k);
+      if (k === 0 && !this.changes.parameters.has("initial.vx")) return;
+      const from = screen(point);
+      this.#arrow(group, from, wayTo(from, screen(tipOf(point, velocity[k], time))), k);
     });
     place.forEach((point, k) => {
       group.circle(15).center(...screen(point)).addClass("joint-ring");
@@ -95,10 +98,22 @@ export class Handles {
     });
   }
 
-  #arrow(group, from, to, k) {
-    group.line([from, to]).addClass("velocity");
+  /** The arrow of a velocity, at the end of a stem in its direction; `way` is its length on the screen. */
+  #arrow(group, from, way, k) {
+    const length = Math.hypot(...way);
+    const direction = length > 0 ? way.map((part) => part / length) : this.#aside(k);
+    const foot = from.map((part, axis) => part + STEM * direction[axis]);
+    const to = foot.map((part, axis) => part + way[axis]);
+    group.line([from, foot]).addClass("velocity-stem");
+    group.line([foot, to]).addClass("velocity");
     group.circle(9).center(...to).addClass("velocity-tip");
     group.circle(GRIP).center(...to).addClass("grip").data("grip", `velocity ${k}`);
+  }
+
+  /** Where on the screen the stem of a point at rest points: off the chain at the base, else where its link turns to. */
+  #aside(k) {
+    const angle = this.#value(`initial.angle[${Math.max(k, 1)}]`);
+    return k === 0 ? [-Math.cos(angle), Math.sin(angle)] : [-Math.sin(angle), -Math.cos(angle)];
   }
 
   #grasp(event) {
@@ -148,7 +163,9 @@ export class Handles {
     const k = Number(index);
     const { place, velocity } = this.#start;
     const pixel = this.#pixel / this.dragged.time;
-    const wanted = [x - place[k][0], y - place[k][1]].map((way) => way / this.dragged.time);
+    const way = wayTo(place[k], [x, y]);
+    const share = Math.max(0, 1 - (STEM * this.#pixel) / Math.hypot(...way)); // without the stem
+    const wanted = way.map((part) => (share * part) / this.dragged.time);
     if (k === 0) return { "initial.vx": byHand(wanted[0], pixel), "initial.vy": byHand(wanted[1], pixel) };
     const link = [0, 1].map((axis) => place[k][axis] - place[k - 1][axis]);
     const added = [0, 1].map((axis) => wanted[axis] - velocity[k - 1][axis]);
@@ -173,7 +190,12 @@ function gripOf({ target }) {
   return target.closest("[data-grip]")?.dataset.grip;
 }
 
-/** Where an arrow ends [m]. */
+/** The way from a place to another. */
+function wayTo([x0, y0], [x1, y1]) {
+  return [x1 - x0, y1 - y0];
+}
+
+/** Where a point gets to at its velocity in a time [m]. */
 function tipOf([x, y], [vx, vy], time) {
   return [x + vx * time, y + vy * time];
 }

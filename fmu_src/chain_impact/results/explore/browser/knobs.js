@@ -24,15 +24,28 @@ export function unitText(unit) {
   return unit === "1" ? "" : UNITS.reduce((text, [from, to]) => text.replaceAll(from, to), unit);
 }
 
-/** Say what is wrong with a value at its field, or nothing. */
+/** Change something; a field whose value is refused is marked, and its row says why. */
 function attempt(field, change) {
   try {
     field.setCustomValidity("");
     change();
   } catch (error) {
     field.setCustomValidity(error.message);
-    field.reportValidity();
   }
+  explain(field.closest(".knob, .parameter"));
+}
+
+/** The place in a row for what is wrong. */
+function refusal() {
+  const place = make("p", { className: "refusal" });
+  place.setAttribute("role", "alert");
+  return place;
+}
+
+/** Say in a row what is wrong with a value in it, until it is changed, or nothing. */
+function explain(row) {
+  const refused = [...row.querySelectorAll("input, select")].find((field) => !field.checkValidity());
+  row.querySelector(".refusal").textContent = refused ? `Not taken: ${refused.validationMessage}.` : "";
 }
 
 /** A field for a number, or a choice, that follows the changes. */
@@ -87,14 +100,16 @@ function knob(changes, entry) {
   const label = make("label", { className: "knob-label", textContent: entry.label, title: entry.name });
   if (unit) label.append(" ", make("small", { textContent: unit }));
   const row = make("div", { className: "knob" }, label, resetButton(changes, entry.name, field), field);
+  const told = refusal();
   field.id = `knob-${entry.name}`;
   label.htmlFor = field.id;
   if (parameter.items.length) {
     const sentence = make("p", { className: "sentence" });
-    row.append(sentence);
+    row.append(sentence, told);
     row.classList.add("choice-knob");
     return { row, refresh: () => {
       refresh();
+      explain(row);
       sentence.textContent = parameter.items[changes.valueOf(entry.name) - 1][1];
       row.classList.toggle("changed", changes.isChanged(entry.name));
     } };
@@ -106,11 +121,12 @@ function knob(changes, entry) {
     const value = rounded(toValue(slider.value / STEPS));
     attempt(slider, () => changes.set({ [entry.name]: Math.max(value, entry.spread ? rounded(changes.starts[entry.name] / 100) : value) }));
   });
-  row.append(slider);
+  row.append(slider, told);
   return { row, refresh: () => {
     refresh();
     const value = changes.valueOf(entry.name);
     slider.setCustomValidity("");
+    explain(row);
     if (document.activeElement !== slider) slider.value = String(STEPS * toPlace(value));
     slider.style.setProperty("--done", `${100 * Math.min(Math.max(toPlace(value), 0), 1)}%`);
     slider.setAttribute("aria-valuetext", `${numberText(value)} ${unit}`);
@@ -167,12 +183,13 @@ function listRow(changes, parameter) {
   const { field, refresh } = valueField(changes, parameter);
   const words = make("span", { className: "parameter-name", title: `${text}; ${allowed}` }, name.replaceAll(/(\.|_)/g, "$1\u200b"));
   const row = make("div", { className: "parameter" }, words, resetButton(changes, name, field), field,
-    make("small", { textContent: unitText(unit) }));
+    make("small", { textContent: unitText(unit) }), refusal());
   return {
     row,
     text: `${name} ${text}`.toLowerCase(),
     refresh: () => {
       refresh();
+      explain(row);
       row.classList.toggle("changed", changes.isChanged(name));
     },
   };

@@ -31,7 +31,7 @@ function listed(impacts, scene, valueOf, stop) {
       impactEnd: Math.min(until, onset + lasting),
       speed,
       endSpeed: speed * (atStop ? valueOf(`link[${point}].length`) : 1),
-      peak: Number.isFinite(peak) ? peak : null,
+      peak: peak > 0 ? peak : null,
       resolved: true,
       atStop,
     };

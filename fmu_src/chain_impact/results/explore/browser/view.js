@@ -1,6 +1,9 @@
 // What is to be seen of a motion: as `view.py` and `frames.py` of the results, which tell why.
 
-const NEAR_WALL = 0.2; // of the motion's width: a wall farther from the motion is left out
+import { roomWithin } from "./room.js";
+
+const NEAR_WALL = 0.2; // of the motion's width: a wall farther from the motion is left out …
+const ROOM = 1; // … unless it closes a room with others, which all are nearer than this
 const MARGIN = 0.06; // of the size of what is seen
 const UPRIGHT = 0.5; // of a wall's normal along an axis
 const PIN = 0.08; // of the motion's width
@@ -49,19 +52,30 @@ function pinLines(x, y, points) {
   return PIN_LINES.map((line) => line.map(([dx, dy]) => [x[0] + size * dx, y[0] + side * size * dy]));
 }
 
+/** The corners of the room between the walls, if they close it, and nowhere farther than ROOM from the motion. */
+function closedRoom(walls, [low, high], width) {
+  const around = [low.map((end) => end - ROOM * width), high.map((end) => end + ROOM * width)];
+  const { corners } = roomWithin(walls, around);
+  const isInside = (corner) => corner.every((value, axis) => value > around[0][axis] && value < around[1][axis]);
+  return corners.every(isInside) ? corners : [];
+}
+
 /** View, anchor and pin of a recording whose points are at `x` and `y` in rows of all points. */
 export function viewOf(x, y, points, walls, radius, pinned) {
   const [[left, right], [bottom, top]] = [ends(x), ends(y)];
   const reach = [[left - radius, bottom - radius], [right + radius, top + radius]];
   const width = Math.max(reach[1][0] - reach[0][0], reach[1][1] - reach[0][1]);
   const pin = pinned ? pinLines(x, y, points) : [];
-  const corners = [...reach, ...pin.flat()];
+  const room = closedRoom(walls, reach, width);
+  const corners = [...reach, ...pin.flat(), ...room];
   const open = [[1, 1], [1, 1]]; // left and below, right and above
   for (const { normal, offset } of Object.values(walls)) {
-    const corner = normal.map((part, axis) => reach[part > 0 ? 0 : 1][axis]);
-    const gap = normal[0] * corner[0] + normal[1] * corner[1] - offset;
-    if (!(gap >= -width && gap <= NEAR_WALL * width)) continue;
-    corners.push(corner.map((value, axis) => value - Math.max(0, gap) * normal[axis]));
+    if (!room.length) {
+      const corner = normal.map((part, axis) => reach[part > 0 ? 0 : 1][axis]);
+      const gap = normal[0] * corner[0] + normal[1] * corner[1] - offset;
+      if (!(gap >= -width && gap <= NEAR_WALL * width)) continue;
+      corners.push(corner.map((value, axis) => value - Math.max(0, gap) * normal[axis]));
+    }
     normal.forEach((part, axis) => {
       if (part > UPRIGHT) open[0][axis] = 0;
       if (part < -UPRIGHT) open[1][axis] = 0;

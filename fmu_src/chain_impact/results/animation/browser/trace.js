@@ -1,0 +1,61 @@
+// The trace of the tip on the screen: a smooth curve through the frames, which has corners where impacts are.
+
+const APART = 1.5; // pixels between the places of the trace
+const OFF = 0.05; // pixels from the curve to the straight lines that are drawn for it
+const BEND = 4 / 27; // of the difference of a curve's slope from that of its chord: how far it is from the chord
+const MOST_PARTS = 16; // of the curve between two frames …
+const MOST = 20_000; // … and places of a whole trace
+
+/** The places of the tip on the screen, without those that cannot be told apart, and the frame of each, a fraction. */
+export function traceOf(recording, camera) {
+  const count = recording.time.length;
+  const most = Math.min(MOST_PARTS, Math.max(1, Math.floor(MOST / count)));
+  const at = Array.from(recording.time, (_, frame) => camera.place(...recording.pointAt(frame, recording.links)));
+  const slopes = slopesOf(at, recording);
+  const [frames, places] = [[0], [at[0]]];
+  for (let frame = 0; frame < count - 1; frame += 1) {
+    const curve = curveBetween(at[frame], at[frame + 1], ...slopes[frame]);
+    const parts = Math.min(most, Math.max(1, Math.ceil(Math.sqrt(curve.bend / OFF))));
+    for (let part = 1; part <= parts; part += 1) {
+      const [here, before] = [curve.at(part / parts), places.at(-1)];
+      if (Math.hypot(here[0] - before[0], here[1] - before[1]) >= APART) {
+        frames.push(frame + part / parts);
+        places.push(here);
+      }
+    }
+  }
+  return { frames, places };
+}
+
+/** The slopes of the curve at both ends of each step from frame to frame, in pixels for the step; undefined where an impact begins in it. */
+function slopesOf(at, recording) {
+  const { time, contacts } = recording;
+  const broken = new Set(contacts.map(({ onset }) => Math.floor(recording.frameAt(onset))));
+  const steps = Array.from({ length: at.length - 1 }, (_, k) => broken.has(k) ? undefined : time[k + 1] - time[k]);
+  const speed = (k) => [0, 1].map((axis) => (at[k + 1][axis] - at[k][axis]) / steps[k]);
+  // the slope of the parabola through three frames, where no impact is between them
+  const within = at.map((_, k) => {
+    const [h0, h1] = [steps[k - 1], steps[k]];
+    if (!(h0 > 0 && h1 > 0)) return undefined;
+    const [before, after] = [speed(k - 1), speed(k)];
+    return before.map((one, axis) => (h1 * one + h0 * after[axis]) / (h0 + h1));
+  });
+  return steps.map((h, k) => {
+    if (!(h > 0)) return [];
+    const chord = speed(k);
+    // without a slope at one end, the curve is a parabola
+    const other = (slope) => slope && chord.map((one, axis) => 2 * one - slope[axis]);
+    const [from, to] = [within[k] ?? other(within[k + 1]), within[k + 1] ?? other(within[k])];
+    return [from, to].map((slope) => (slope ?? chord).map((one) => h * one));
+  });
+}
+
+/** The cubic curve with slopes between two places, and how far it bends from the straight line; that line without slopes. */
+function curveBetween(from, to, first, last) {
+  const chord = [0, 1].map((axis) => to[axis] - from[axis]);
+  const [start, end] = [first, last].map((slope) => (slope ?? chord).map((one, axis) => one - chord[axis]));
+  return {
+    bend: BEND * (Math.hypot(...start) + Math.hypot(...end)),
+    at: (u) => chord.map((way, axis) => from[axis] + u * way + u * (1 - u) * ((1 - u) * start[axis] - u * end[axis])),
+  };
+}

@@ -1,0 +1,28 @@
+"""The pictures of models in the docs are what the code draws: they keep what is written in them."""
+
+import re
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from chain_impact.results.plots.style import words_of
+from chain_impact.scene.scene import model_names
+from tests.results.plots.pictures import drawn, recorded
+
+IMAGES = Path(__file__).parents[3] / "docs" / "images"
+OTHERS = {"controlled_arm", "golf_ball", "steel_bar", "triple_pendulum"}  # drawn by programs of their own
+NUMBERS = re.compile(r"[\d, +]+")
+
+
+def lines(words):
+    """What is written in a picture, but the numbers of impacts, which are left out where there is no room."""
+    return [line for line in words["Description"].split("\n") if not NUMBERS.fullmatch(line)]
+
+
+@pytest.mark.parametrize("model", sorted({*model_names()} - OTHERS))
+def test_the_picture_of_a_model_says_what_the_code_says(model):
+    now = words_of(drawn(recorded(model))[0])
+    with Image.open(IMAGES / f"{model}.png") as picture:
+        assert picture.text["Title"] == now["Title"]
+        assert lines(picture.text) == lines(now)

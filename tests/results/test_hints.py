@@ -1,0 +1,61 @@
+"""A wall that gives way by more than the shortest link is long is told, in Python and on the command line."""
+
+import warnings
+
+import pytest
+
+from chain_impact import SceneWarning, SimulationError, cli, load_scene, simulate
+
+SOFT = {"contact.stiffness": 100.0}
+TOLD = (
+    "a point goes farther beyond y_min than the shortest link is long, 0.5 m: "
+    "contact.stiffness = 100 [N/m^1.5] is small for this motion"
+)
+
+
+def said(scene, **settings):
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        result = simulate(scene, **settings)
+    return [str(one.message) for one in found], result
+
+
+def test_a_wall_that_is_too_soft_is_told_at_the_line_that_simulates():
+    with pytest.warns(SceneWarning) as found:
+        result = simulate(load_scene("four_link_box").with_values(SOFT))
+    assert [str(one.message) for one in found] == [f"FourLinkBox: {TOLD}"]
+    assert found[0].filename == __file__
+    assert result.impacts["max_penetration"].max() > 0.5
+    assert f"note     {TOLD}" in str(result).splitlines()
+    assert TOLD.replace(">", "&gt;") in result._repr_html_()
+
+
+def test_the_stiffness_of_the_wall_itself_is_named():
+    soft = {"contact.wall": {"y_min": {"stiffness": 100.0}}}
+    told, _ = said(load_scene("four_link_box").with_values(soft))
+    assert told == [f"FourLinkBox: {TOLD.replace('contact.', 'wall.y_min.')}"]
+
+
+@pytest.mark.parametrize("values", [{}, {"contact.stiffness": 1e3}, {"contact.model": "newton_impact"}])
+def test_shallow_contacts_are_not_told(values):
+    told, result = said(load_scene("four_link_box").with_values(values))
+    assert told == []
+    assert result.impacts["max_penetration"].max() < 0.5
+    assert "note" not in str(result)
+
+
+@pytest.mark.parametrize("model", ["elastic_floor", "kneed_leg", "simple_pendulum"])
+def test_balls_stops_and_chains_without_walls_have_nothing_to_tell(model):
+    told, _ = said(model)
+    assert told == []
+
+
+def test_a_run_that_stops_tells_it_too():
+    with pytest.raises(SimulationError), pytest.warns(SceneWarning, match="goes farther beyond y_min"):
+        simulate(load_scene("four_link_box").with_values({**SOFT, "solver.work_limit": 1000}))
+
+
+def test_the_command_line_tells_it_once(capsys, tmp_path):
+    picture = ["--set", "simulation.step_size=0.01", "--plot", str(tmp_path / "soft.png")]
+    assert cli.main(["simulate", "four_link_box", "--set", "contact.stiffness=100", *picture]) == 0
+    assert capsys.readouterr().err.count(TOLD) == 1
