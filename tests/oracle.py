@@ -23,7 +23,7 @@ from chain_impact.scene.scene import Scene
 from chain_impact.simulation.instance import SimulationError
 from tests.kernel_calls import move
 from tests.oracle_laws import Columns, Law, chain_of, columns, laws
-from tests.random_friction import friction_checks
+from tests.random_friction import falls, friction_checks
 from tests.random_scenes import drive, started
 
 CPU = 2.0  # s, that a run may take
@@ -153,6 +153,7 @@ def checks(run: Account, cpu: float = CPU) -> Iterator[Row]:
     yield from friction_checks(run.scene, outputs)
     yield from speeds(run)
     yield from moments(run)
+    yield from falls(run.scene, outputs)
 
 
 # --- energy ------------------------------------------------------------------------------------------------

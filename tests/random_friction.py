@@ -13,6 +13,7 @@ from chain_impact.scene.scene import Scene, with_values
 from tests.draw import Draw
 
 FORCE = 1e-9  # of the limit of friction: an excess that is round-off
+ROUND_OFF = 1e-12  # of the chain's mass times a link length per second
 SMALL = 1e-8  # of the weight of the chain, and of its mass times a link length per second squared
 
 
@@ -40,6 +41,25 @@ def rubbed(scene: Scene, draw: Draw, most_work: float) -> Scene:
     solver = asdict(scene.solver)
     solver["work_limit"] = min(solver["work_limit"], most_work / min(1.0, scene.simulation.stop_time))
     return with_values(scene, {("chain", "links"): links, ("contact",): contact, ("solver",): solver})
+
+
+def falls(scene: Scene, outputs: Any) -> Iterator[tuple[str, float, float, str]]:
+    """That no impulse of a wall falls from one row to the next: kind, value, the most it may be, and what.
+
+    It falls by no more than ten times the tolerance of its largest value, or round-off of a momentum.
+    """
+    mass, size = sum(link.mass for link in scene.chain.links), max(link.length for link in scene.chain.links)
+    for c, (point, wall) in enumerate(candidates(scene)):
+        if not scene.wall_names[wall].startswith("joint_"):  # those of a joint's two stops have signs
+            impulse = outputs["impulse"][:, c]
+            least = 10.0 * scene.solver.tolerance * float(np.abs(impulse).max()) + ROUND_OFF * mass * size
+            fall = float((np.maximum.accumulate(impulse) - impulse).max())
+            yield (
+                "falls",
+                fall,
+                least,
+                f"fall of the impulse of point {point} at {scene.wall_names[wall]} [N·s]",
+            )
 
 
 def friction_checks(scene: Scene, outputs: Any) -> Iterator[tuple[str, float, float, str]]:

@@ -201,6 +201,12 @@ def test_a_point_that_is_too_deep_in_a_wall_is_found(run):
     assert kinds(run) == {"too deep"}
 
 
+def test_an_impulse_that_falls_is_found(run):
+    column = run.outputs["impulse"][:, run.outputs["impulse"][-1].argmax()]
+    column[-1] = column.max() * (1.0 - 11.0 * run.scene.solver.tolerance)
+    assert kinds(run) == {"falls"}
+
+
 def test_a_wall_that_pulls_is_found(run):
     run.outputs["force"][20, 3] = -1e-6
     assert kinds(run) == {"pulls"}

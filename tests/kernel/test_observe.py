@@ -52,6 +52,7 @@ def seen(theta):
     d.impulse.total[:] = d.impulse.onset[:] = np.arange(d.candidates)
     d.impulse.state[:2], d.impulse.dense[:] = (7.0, 8.0), 0.0
     d.impulse.dense[0, :2] = 0.5, 0.25
+    d.impulse.state_end[:2] = 7.5, 8.25
     for name in ("force", "penetration", "penetration_rate", "impulse"):
         d.output[name][:] = 99.0
     d.step.time = 2.0 + theta * SIZE

@@ -17,7 +17,7 @@ from chain_impact.kernel.integration.extended import (
     impulse_at,
     rate_at,
 )
-from chain_impact.kernel.integration.impulse import friction_count, impulse_count, keep_course_rising
+from chain_impact.kernel.integration.impulse import friction_count, impulse_count
 from chain_impact.kernel.integration.projection import project_coordinates
 from chain_impact.kernel.integration.radau import NODES, STAGES
 
@@ -80,7 +80,6 @@ def finish(d, h):
             dense[m, j] = coefficient(own.last, m, j)
     for k in range(impulse_count(d)):
         keep_impulse(d, d.impulse, k, impulse_at(d, k))
-        keep_course_rising(d, k)
     for k in range(friction_count(d)):
         keep_impulse(d, d.friction_impulse, k, friction_impulse_at(d, k))
 

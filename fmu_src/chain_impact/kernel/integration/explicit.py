@@ -10,7 +10,6 @@ from chain_impact.kernel.integration.errors import scaled_errors, set_gap_errors
 from chain_impact.kernel.integration.impulse import (
     friction_count,
     impulse_count,
-    keep_course_rising,
     set_impulse_stage,
     set_impulse_stage_at_end,
 )
@@ -159,8 +158,6 @@ def dense_output(d, h):
     _interpolant(d.step, d.work.stage, len(d.work.y), h)
     if impulse_count(d) > 0:
         _interpolant(d.impulse, d.impulse.stage, impulse_count(d), h)
-        for k in range(impulse_count(d)):
-            keep_course_rising(d, k)
     if friction_count(d) > 0:
         _interpolant(d.friction_impulse, d.friction_impulse.stage, friction_count(d), h)
 

@@ -78,11 +78,9 @@ def keep_impulses_rising(d):
     holds them with errors of any size: of what a wall gives to all that it holds, each then has the share
     that it has at the start of the step.
     """
-    own, first = d.impulse, d.touch.compliant_count
-    for k in range(impulse_count(d)):
-        own.linear[k] = 1 if own.tried[k] < own.state_end[k] else 0
-    for k in range(first, impulse_count(d)):
-        if own.linear[k]:
+    own = d.impulse
+    for k in range(d.touch.compliant_count, impulse_count(d)):
+        if own.tried[k] < own.state_end[k]:
             share_impulse(d, d.candidate.wall[d.touch.active_index[k]])
     for k in range(impulse_count(d)):
         own.tried[k] = max(own.tried[k], own.state_end[k])
@@ -100,27 +98,18 @@ def share_impulse(d, wall):
         c = d.touch.active_index[k]
         if d.candidate.wall[c] == wall and d.candidate.stop[c] == 0 and force > 0.0:
             own.tried[k] = own.state_end[k] + given * max(0.0, d.touch.force_end[c]) / force
-            own.linear[k] = 1
 
 
-def keep_course_rising(d, k):
-    """Let the dense output of the k-th impulse be a straight line if it was corrected, or falls inside."""
-    own = d.impulse
-    if own.linear[k] or falls_inside(d, k):
-        for m in range(1, len(own.dense)):
-            own.dense[m, k] = 0.0
+def impulse_at(d, theta, k):
+    """The impulse of the k-th contact at the fraction θ of the last step.
 
-
-def falls_inside(d, k):
-    """Whether the dense output of the k-th impulse falls by more than the tolerance, relative to its end."""
-    own, before = d.impulse, d.impulse.state[k]
-    allowed = d.solver.tolerance * abs(own.state_end[k])
-    for i in range(1, SAMPLES + 1):
-        here = interpolate_component(own, i / SAMPLES, k)
-        if here < before - allowed:
-            return True
-        before = here
-    return False
+    It is not beyond those at the ends of the step, nor above the dense output later in the step: it rises.
+    """
+    own, value = d.impulse, min(d.impulse.state_end[k], interpolate_component(d.impulse, theta, k))
+    for i in range(1, SAMPLES):
+        if theta < i / SAMPLES < d.step.kept:
+            value = min(value, interpolate_component(own, i / SAMPLES, k))
+    return max(own.state[k], value)
 
 
 def append_impulses(d):
@@ -147,7 +136,7 @@ def roll_back_impulses(d):
 def truncate_impulses(d, theta):
     """Set the impulses at the end of the last step to those at its fraction θ."""
     for k in range(impulse_count(d)):
-        d.impulse.state_end[k] = interpolate_component(d.impulse, theta, k)
+        d.impulse.state_end[k] = max(d.impulse.state[k], interpolate_component(d.impulse, theta, k))
     for k in range(friction_count(d)):
         d.friction_impulse.state_end[k] = interpolate_component(d.friction_impulse, theta, k)
 

@@ -129,6 +129,7 @@ def truncate_to_output_time(d):
     theta = fraction(d, step.time)
     interpolate(step, theta, step.state_end)
     truncate_impulses(d, theta)
+    step.kept = theta
     step.end = step.time
     mark_jump(d)
 

@@ -175,7 +175,6 @@ def impulse_dtype(candidates: int) -> np.dtype:
         ("wanted", INTEGER),  # 1: impulses are integrated
         ("total", REAL, (candidates,)),  # N·s since the start, not packed
         ("onset", REAL, (candidates,)),  # N·s, the total at the onset of the contact, not packed
-        ("linear", INTEGER, (candidates,)),  # 1: it was corrected, and goes straight through the last step
         *integral_fields(candidates),
     )
 
