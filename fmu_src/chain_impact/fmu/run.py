@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import io
 import re
-import shutil
-import tempfile
 import zipfile
 from collections.abc import Mapping
-from contextlib import chdir, nullcontext, redirect_stderr, redirect_stdout
 from numbers import Integral, Real
 from pathlib import Path
 from types import MappingProxyType
@@ -17,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from chain_impact.compilation.work import Progress, silent
+from chain_impact.fmu.importer import read_fmu, simulated
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.results.joint_stops import ranges_from
 from chain_impact.results.recording import Recording, impacts_from_outputs
@@ -27,19 +24,10 @@ from chain_impact.scene.names import STOPS, input_key
 from chain_impact.scene.reading import SceneError, UnknownNameError
 from chain_impact.simulation.record_scene import RunError, value_of
 from chain_impact.simulation.simulate import check_size
-from chain_impact.system import HOST, PLATFORMS
+from chain_impact.system import PLATFORMS
 
 EXPERIMENT = ("simulation.stop_time", "simulation.step_size")
 """What can be set of an FMU besides its parameters, for this run only."""
-WARNING = 1  # fmi2Warning; what is worse comes after it
-
-
-def fmpy_loaded() -> Any:
-    """The package fmpy, which takes half a second; on ARM Linux it prints that a part of it is missing."""
-    with redirect_stdout(io.StringIO()):
-        import fmpy
-
-    return fmpy
 
 
 def platforms_of(path: str | Path) -> list[str]:
@@ -49,22 +37,6 @@ def platforms_of(path: str | Path) -> list[str]:
         found = (re.fullmatch(r"binaries/([^/]+)/[^/]+", name) for name in fmu.namelist())
     folders = sorted({file[1] for file in found if file})
     return [ours.get(folder, folder) for folder in folders]
-
-
-def read_fmu(path: Path) -> Any:
-    """The model description of an FMU, as fmpy gives it.
-
-    Raises:
-        SceneError: when the file is no FMU.
-    """
-    fmpy = fmpy_loaded()
-    try:
-        return fmpy.read_model_description(str(path))
-    except OSError:
-        raise
-    except Exception as error:  # whatever zipfile, lxml and fmpy's own checks raise
-        reason = str(error).strip('"')
-        raise SceneError(f"{path}: not a readable FMU: {reason}") from None
 
 
 def record_fmu(
@@ -150,57 +122,6 @@ def record_fmu(
         partial = recording(recorders[0].result()) if recorders else None
         raise RunError(str(error), partial) from None
     return recording(rows)
-
-
-def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
-    """Simulate any FMU with fmpy; return its rows.
-
-    Args:
-        path: the FMU.
-        description: its model description, as ``read_fmu`` gives it.
-        options: those of ``fmpy.simulate_fmu``.
-
-    Raises:
-        RunError: when it fails, with the first reason that the FMU gave.
-    """
-    fmpy = fmpy_loaded()
-    said = io.StringIO()  # what a slave in Python prints: it runs in this process
-    logged: list[str] = []  # what a native FMU says to the importer
-
-    def log(*call: Any) -> None:
-        status, _category, message = call[-3:]  # before them FMI 2.0 has a name that FMI 3.0 does not have
-        if status > WARNING:
-            logged.append(message.decode(errors="replace"))
-
-    # where fmpy takes the processor for another one, it says that a part of it is missing
-    talk = nullcontext() if fmpy.platform == HOST else redirect_stdout(io.StringIO())
-    try:
-        # fmpy leaves the working directory changed when it cannot load the FMU's library, and what it has
-        # unpacked when a call fails
-        with (
-            tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder,
-            redirect_stderr(said),
-            talk,
-            chdir("."),
-        ):
-            fmpy.extract(str(path), folder)
-            _place_binaries(Path(folder, "binaries"), fmpy.platform)
-            rows: np.ndarray = fmpy.simulate_fmu(
-                folder, model_description=description, logger=log, debug_logging=True, **options
-            )
-    except Exception as error:  # fmpy's exceptions have no common class
-        # the first that is logged: after it, an importer may go on to the next refusal
-        reason = (said.getvalue().splitlines()[-1:] or logged or [str(error)])[0]
-        raise RunError(f"{path}: {reason}") from None
-    return rows
-
-
-def _place_binaries(binaries: Path, folder: str) -> None:
-    """Put this machine's binaries where fmpy looks: on ARM it looks for those of x86-64, too."""
-    names = [HOST, PLATFORMS[HOST].fmi3] if HOST and folder != HOST else []
-    for name in names:
-        if (binaries / name).is_dir():
-            shutil.copytree(binaries / name, binaries / folder, dirs_exist_ok=True)
 
 
 def _walls(values: Mapping[str, float]) -> dict[str, HalfPlane]:
