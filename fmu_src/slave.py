@@ -8,7 +8,7 @@ both.
 
 Errors: to a pythonfmu slave only OK, Discard and, by raising, Fatal are open. Importers take Discard for a
 step that was too long: fmpy ends without a word and returns the results up to there. So whatever goes wrong
-raises a SlaveError, whose sentence goes to the importer's log and to that of Python, which writes it to stderr.
+raises a SlaveError, whose sentence goes to the importer's log and to Python's, which writes it to stderr.
 """
 
 from __future__ import annotations
@@ -52,8 +52,8 @@ class SlaveError(Exception):
         for slave in slaves:
             for kept in (slave, type(slave), slave.log_queue):
                 ctypes.pythonapi.Py_IncRef(ctypes.py_object(kept))
-        # fmpy's log is off by default: its user would learn no more than "status 4 (fatal)". Python writes what
-        # is logged to stderr, unless the process does something else with it.
+        # fmpy's log is off by default: its user would learn no more than "status 4 (fatal)". Python writes
+        # what is logged to stderr, unless the process does something else with it.
         logging.getLogger("chain_impact.fmu").error("%s: %s", ChainImpact.model["name"], text)
 
     def __repr__(self) -> str:

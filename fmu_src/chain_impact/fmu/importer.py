@@ -1,7 +1,7 @@
 """fmpy as the importer of an FMU, in a process that is left as it was found.
 
-Several threads may run FMUs at once, so nothing that belongs to the whole process is changed for a run: neither
-its streams nor its working folder.
+Several threads may run FMUs at once, so nothing that belongs to the whole process is changed for a run:
+neither its streams nor its working folder.
 """
 
 from __future__ import annotations
@@ -129,8 +129,8 @@ def _instance(description: Any, folder: str, log: Callable[..., None]) -> Any:
 def _in_place(kind: type) -> type:
     """A kind of fmpy's instances that loads its library without a change of the working folder.
 
-    fmpy's constructor changes that of the whole process meanwhile, and for good where it fails. So it is given
-    a module ``os`` in which that does nothing.
+    fmpy's constructor changes that of the whole process meanwhile, and for good where it fails. So it is
+    given a module ``os`` in which that does nothing.
     """
     base = kind.__mro__[-2]  # of all of fmpy's kinds
     fmpys: Any = base.__init__  # type: ignore[misc]

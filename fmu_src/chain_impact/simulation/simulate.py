@@ -111,7 +111,8 @@ def simulate(
     chosen = None if output is None else model.outputs_named(output)
     words = None
     if chosen is not None:
-        words = {one.name: model.columns[one.name] for one in chosen if one.name in model.columns}
+        observed = [one for one in chosen if one.place[0] == "output"]
+        words = {one.name: word_index(model.row, one.place[1:]) for one in observed}
     columns = (model.row.itemsize // WORD if words is None else len(words)) * (1 + len(varied))
     check_size(scene.name, stop, step, columns)
     driven = drive(model, inputs or {}, interpolation, _times(stop, step))

@@ -68,7 +68,12 @@ class Model:
     @cached_property
     def outputs(self) -> list[Variable]:
         """The outputs of the FMU, but for derivatives."""
-        return list(all_outputs(self.scene))
+        return list(self._own_outputs.values())
+
+    @cached_property
+    def _own_outputs(self) -> dict[str, Variable]:
+        """The outputs of the FMU, but for derivatives, by their names."""
+        return all_outputs(self.scene)
 
     @cached_property
     def outputs_by_name(self) -> dict[str, Variable]:
@@ -164,7 +169,9 @@ class Model:
         Raises:
             UnknownNameError: when there is none of a name, or like a pattern.
         """
-        there = {variable.name: variable for variable in self.outputs}
+        if not wanted:
+            return []
+        there = self._own_outputs
         return [there[name] for name in self._named(wanted, there, "no output")]
 
     def columns_named(self, wanted: str | Iterable[str]) -> dict[str, int]:
