@@ -273,8 +273,8 @@ def with_law(scene: SceneSource, law: Callable[..., float]) -> Scene:
     Args:
         scene: a scene, or what ``load_scene`` takes.
         law: a function that returns the force [N], as in a ``contact.law_file``. Its source, which has to be
-            known, is kept as a file in the cache folder. It knows the module ``math`` and nothing else that
-            is defined outside it.
+            known, is kept as a file in the cache folder, which ``Fit.save`` copies to the scene that it
+            writes. It knows the module ``math`` and nothing else that is defined outside it.
 
     Raises:
         SceneError: when it cannot be a law.
