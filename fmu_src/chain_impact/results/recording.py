@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.results.equality import Comparable
 from chain_impact.results.impacts import impacts_of, names_of
 from chain_impact.results.joint_stops import JointRange, touching_place
 from chain_impact.results.sensitivity import Sensitivities
@@ -63,8 +64,8 @@ class Impact:
         return self.speed * (1.0 if self.arm is None else self.arm)
 
 
-@dataclass(frozen=True, repr=False)
-class Recording:
+@dataclass(frozen=True, repr=False, eq=False)
+class Recording(Comparable):
     """A simulation over time, of a scene or an FMU.
 
     Attributes:

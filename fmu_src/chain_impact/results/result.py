@@ -13,6 +13,7 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.results import summary, tables
+from chain_impact.results.equality import Comparable
 from chain_impact.results.joint_stops import ranges_of
 from chain_impact.results.recording import Recording, impact_list
 from chain_impact.results.sensitivity import Sensitivities
@@ -38,8 +39,8 @@ class Stepwise(Protocol):
         """Name → shape (T,), by a run that says when it has to compile, and how far it is."""
 
 
-@dataclass(frozen=True, repr=False)
-class Result:
+@dataclass(frozen=True, repr=False, eq=False)
+class Result(Comparable):
     """What happened in a simulation.
 
     ``result["point[4].x"]`` is an output over time, shape (T,), by its name in the FMU; ``result["time"]`` is
@@ -67,7 +68,7 @@ class Result:
     impacts: np.ndarray
     statistics: dict[str, int]
     sensitivities: Sensitivities | None = None
-    stepwise: Stepwise | None = None
+    stepwise: Stepwise | None = field(default=None, compare=False)
     stick_slip: np.ndarray = field(default_factory=lambda: NO_PHASES)
 
     @overload

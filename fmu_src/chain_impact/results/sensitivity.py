@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from chain_impact.results.equality import Comparable
 from chain_impact.results.summary import plural
 from chain_impact.scene.names import sensitivity_name
 from chain_impact.scene.reading import UnknownNameError
@@ -19,8 +20,8 @@ PART = 0.01
 """Of its value, the change of a parameter for which changes are told; of its unit, where the value is 0."""
 
 
-@dataclass(frozen=True, repr=False)
-class Sensitivities:
+@dataclass(frozen=True, repr=False, eq=False)
+class Sensitivities(Comparable):
     """Derivatives of outputs and of impacts with respect to P parameters.
 
     Attributes:

@@ -25,6 +25,7 @@ from chain_impact.kernel.tangent.trust import (
     REASONS_OF_FRICTION,
     TRUSTED,
 )
+from chain_impact.results.equality import Comparable
 from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.joint_stops import at_stop, what
 from chain_impact.scene.names import Place
@@ -214,8 +215,8 @@ class RowsWithSlopes:
         return instance.follow_trajectory(times, self.numbers[place], self.slopes[place])
 
 
-@dataclass(frozen=True)
-class Differentiated:
+@dataclass(frozen=True, eq=False)
+class Differentiated(Comparable):
     """The outputs of a run, with derivatives with respect to its P parameters.
 
     Attributes:

@@ -13,6 +13,7 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.results.equality import Comparable
 from chain_impact.results.joint_stops import at_stop
 from chain_impact.results.recording import written_whole
 from chain_impact.results.result import Result
@@ -41,8 +42,8 @@ NO_FRICTION = {"friction": 0.0, "static_friction": 0.0}  # a free impact has no 
 HEIGHT = 1e-3  # m, from which the mass of a free impact flies to the wall
 
 
-@dataclass(frozen=True)
-class LawRun:
+@dataclass(frozen=True, eq=False)
+class LawRun(Comparable):
     """The result of one law.
 
     The values of the first impact are NaN where there is none, or it has not ended. Where stops have a law of
@@ -91,8 +92,8 @@ class LawRun:
         return self.result.statistics["steps"] if self.result else 0
 
 
-@dataclass(frozen=True, repr=False)
-class Comparison:
+@dataclass(frozen=True, repr=False, eq=False)
+class Comparison(Comparable):
     """All laws on one scene, or some of them. Printed, it is a table with a line for each, and the advice.
 
     Attributes:

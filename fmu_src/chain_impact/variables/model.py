@@ -51,6 +51,12 @@ class Model:
         self.layout = _layout(links, pairs, links + pairs if scene.has_friction else 0)
         self.row: np.dtype = self.layout["output"]
 
+    def __eq__(self, other: object) -> bool:
+        """Whether it is the model of an equal scene."""
+        return self.scene == other.scene if isinstance(other, Model) else NotImplemented
+
+    __hash__ = None  # type: ignore[assignment]
+
     def __reduce__(self) -> tuple[type[Model], tuple[Scene]]:
         """So that what follows from the scene does not go to another process."""
         return type(self), (self.scene,)

@@ -1,0 +1,45 @@
+"""Equality of what holds arrays, of which ``==`` gives a value for each number."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+
+class Comparable:
+    """A dataclass that is equal to another one of its kind if all that they hold is; NaN equals NaN."""
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __eq__(self, other: object) -> bool:
+        """Whether they are equal."""
+        if type(other) is not type(self):
+            return NotImplemented
+        names = [one.name for one in fields(self) if one.compare]  # type: ignore[arg-type]
+        return all(equal(getattr(self, name), getattr(other, name)) for name in names)
+
+
+def equal(first: Any, second: Any) -> bool:
+    """Whether two values are equal, also if they are, or hold, arrays or NaN."""
+    match first, second:
+        case (np.ndarray(), _) | (_, np.ndarray()):
+            return type(first) is type(second) and _equal_arrays(first, second)
+        case Mapping(), Mapping():
+            return first.keys() == second.keys() and all(equal(first[key], second[key]) for key in first)
+        case (list(), list()) | (tuple(), tuple()):
+            return len(first) == len(second) and all(map(equal, first, second))
+        case float(), float():
+            return first == second or (math.isnan(first) and math.isnan(second))
+    return bool(first == second)
+
+
+def _equal_arrays(first: np.ndarray, second: np.ndarray) -> bool:
+    if (first.dtype, first.shape) != (second.dtype, second.shape):
+        return False
+    if first.dtype.names:
+        return all(_equal_arrays(first[name], second[name]) for name in first.dtype.names)
+    return np.array_equal(first, second, equal_nan=first.dtype.kind == "f")
