@@ -21,7 +21,7 @@ from chain_impact.results.stick_slip import phases_from_columns
 from chain_impact.scene.angles import in_radians, or_degrees
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.names import STOPS, input_key
-from chain_impact.scene.reading import SceneError, UnknownNameError
+from chain_impact.scene.reading import SceneError, UnknownNameError, nearest_choice
 from chain_impact.simulation.record_scene import RunError, value_of
 from chain_impact.simulation.simulate import check_size
 from chain_impact.system import PLATFORMS
@@ -168,7 +168,8 @@ def _start_value(variable: Any, value: Any, source: str) -> float | int:
         number = numbers.get(value) if isinstance(value, str) else value
         if isinstance(number, Integral) and number in numbers.values() and not isinstance(number, bool):
             return int(number)
-        raise SceneError(f"{source}: {variable.name} = {value} must be one of {', '.join(numbers)}")
+        meant = nearest_choice(value, numbers)
+        raise SceneError(f"{source}: {variable.name} = {value} must be one of {', '.join(numbers)}{meant}")
     number = in_radians(value, variable.unit or "")
     if not _is_number(number):
         needed = f"a number{or_degrees(variable.unit or '')}"

@@ -156,7 +156,8 @@ class Reader:
         result = _convert(kind, in_radians(value, rule["unit"]))
         if result is None or not keeps(result, rule):
             needed = allowed(kind, rule) + or_degrees(rule["unit"])
-            raise self._refusal(path, value, needed + (decimal_comma(value) if kind is not str else ""))
+            meant = decimal_comma(value) if kind is not str else nearest_choice(value, rule["choices"])
+            raise self._refusal(path, value, needed + meant)
         return result
 
     def _list(
@@ -237,6 +238,12 @@ def decimal_comma(value: Any) -> str:
     """What to say of text for a number that has a decimal comma; else nothing."""
     found = re.match(r"\s*([+-]?\d+),(\d+)", value) if isinstance(value, str) else None
     return f"; a number has a decimal point: {found[1]}.{found[2]}" if found else ""
+
+
+def nearest_choice(value: Any, choices: Iterable[str] | None) -> str:
+    """What to say of text that is none of the choices: which of them is like it, if one is; else nothing."""
+    near = nearest(value, choices or ()) if isinstance(value, str) else None
+    return f"; the nearest is {near}" if near else ""
 
 
 def shown(value: Any) -> str:

@@ -336,14 +336,14 @@ def free_impact(contact: Contact, mass: float, speed: float, notify: Notify | No
     """The impact of a point mass [kg] at a speed [m/s], with no other force: a row of ``Result.impacts``.
 
     Raises:
-        SceneError: when mass or speed are out of range.
+        SceneError: when mass or speed are out of range, or there is no impact until the end of the run.
         SimulationError: when the solver cannot go on.
         BuildError: when the kernel cannot be compiled.
     """
     link = {"length": 1.0, "mass": mass, "center_of_mass": 0.0, "inertia": 1.0}
     n, k = contact.exponent, contact.stiffness
     depth = (0.5 * mass * speed**2 * (n + 1.0) / k) ** (1.0 / (n + 1.0))
-    stop = HEIGHT / speed + LONGEST * depth / speed
+    stop = (2.0 * HEIGHT + LONGEST * depth) / speed  # also where the depth is lost beside the height
     data = {
         "name": "FreeImpact",
         "gravity": [0.0, 0.0],
@@ -353,8 +353,11 @@ def free_impact(contact: Contact, mass: float, speed: float, notify: Notify | No
         "initial": {"position": [0.0, HEIGHT], "angles": [0.0], "velocity": [0.0, -speed]},
         "simulation": {"stop_time": stop, "step_size": stop},
     }
-    impact: np.void = simulate(scene_from_dict(data, "free impact"), notify=notify).impacts[0]
-    return impact
+    impacts = simulate(scene_from_dict(data, "free impact"), notify=notify).impacts
+    if not len(impacts):
+        raise SceneError(f"free impact: there is none of {mass:g} kg at {speed:g} m/s within {stop:g} s")
+    first: np.void = impacts[0]
+    return first
 
 
 def realised_restitution(
