@@ -10,21 +10,15 @@ from typing import Any
 import numpy as np
 
 
-class Comparable:
-    """A dataclass that is equal to another one of its kind if all that they hold is; NaN equals NaN."""
-
-    __hash__ = None  # type: ignore[assignment]
-
-    def __eq__(self, other: object) -> bool:
-        """Whether they are equal."""
-        if type(other) is not type(self):
-            return NotImplemented
-        names = [one.name for one in fields(self) if one.compare]  # type: ignore[arg-type]
-        return all(equal(getattr(self, name), getattr(other, name)) for name in names)
+def same(one: Any, other: Any) -> bool:
+    """The method ``__eq__`` of a dataclass: two of one kind are equal if all that they hold is."""
+    if type(other) is not type(one):
+        return False
+    return all(equal(getattr(one, it.name), getattr(other, it.name)) for it in fields(one) if it.compare)
 
 
 def equal(first: Any, second: Any) -> bool:
-    """Whether two values are equal, also if they are, or hold, arrays or NaN."""
+    """Whether two values are equal, also if they are, or hold, arrays; NaN equals NaN."""
     match first, second:
         case (np.ndarray(), _) | (_, np.ndarray()):
             return type(first) is type(second) and _equal_arrays(first, second)

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from chain_impact.results.equality import Comparable
+from chain_impact.results.equality import same
 from chain_impact.results.impacts import impacts_of, names_of
 from chain_impact.results.joint_stops import JointRange, touching_place
 from chain_impact.results.sensitivity import Sensitivities
@@ -65,7 +65,7 @@ class Impact:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Recording(Comparable):
+class Recording:
     """A simulation over time, of a scene or an FMU.
 
     Attributes:
@@ -83,6 +83,9 @@ class Recording(Comparable):
             step.
         wall_names: the names of all walls, by the numbers in ``stick_slip``.
     """
+
+    __eq__ = same
+    __hash__ = None  # type: ignore[assignment]
 
     name: str
     time: np.ndarray

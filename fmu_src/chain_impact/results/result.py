@@ -13,7 +13,7 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.results import summary, tables
-from chain_impact.results.equality import Comparable
+from chain_impact.results.equality import same
 from chain_impact.results.joint_stops import ranges_of
 from chain_impact.results.recording import Recording, impact_list
 from chain_impact.results.sensitivity import Sensitivities
@@ -40,7 +40,7 @@ class Stepwise(Protocol):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Result(Comparable):
+class Result:
     """What happened in a simulation.
 
     ``result["point[4].x"]`` is an output over time, shape (T,), by its name in the FMU; ``result["time"]`` is
@@ -61,6 +61,9 @@ class Result(Comparable):
         stick_slip: one row for each phase of sticking or sliding by dry friction, in order of its start, see
             ``STICK_SLIP_DTYPE``.
     """
+
+    __eq__ = same
+    __hash__ = None  # type: ignore[assignment]
 
     model: Model
     time: np.ndarray

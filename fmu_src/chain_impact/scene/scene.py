@@ -51,6 +51,10 @@ class Scene:
 
     name: str = quantity("", "model name", matching=IDENTIFIER)
     description: str = quantity("", "what the scene shows", "", matching=XML_TEXT)
+    author: str = quantity("", "who has made the model, for its FMU", "", matching=XML_TEXT)
+    copyright: str = quantity("", "copyright of the model, for its FMU", "", matching=XML_TEXT)
+    license: str = quantity("", "license of the model, for its FMU", "", matching=XML_TEXT)
+    version: str = quantity("", "version of the model, for its FMU", "", matching=XML_TEXT)
     gravity: tuple[float, float] = quantity("m/s2", "acceleration of gravity", (0.0, -9.81))
     chain: Chain
     box: Box

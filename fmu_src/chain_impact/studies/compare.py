@@ -13,7 +13,7 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
-from chain_impact.results.equality import Comparable
+from chain_impact.results.equality import same
 from chain_impact.results.joint_stops import at_stop
 from chain_impact.results.recording import written_whole
 from chain_impact.results.result import Result
@@ -43,7 +43,7 @@ HEIGHT = 1e-3  # m, from which the mass of a free impact flies to the wall
 
 
 @dataclass(frozen=True, eq=False)
-class LawRun(Comparable):
+class LawRun:
     """The result of one law.
 
     The values of the first impact are NaN where there is none, or it has not ended. Where stops have a law of
@@ -66,6 +66,9 @@ class LawRun(Comparable):
         note: why there is no result or not all of it, or a remark.
         result: the simulation, if there is one.
     """
+
+    __eq__ = same
+    __hash__ = None  # type: ignore[assignment]
 
     law: str
     exponent: float
@@ -93,7 +96,7 @@ class LawRun(Comparable):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Comparison(Comparable):
+class Comparison:
     """All laws on one scene, or some of them. Printed, it is a table with a line for each, and the advice.
 
     Attributes:
@@ -101,6 +104,9 @@ class Comparison(Comparable):
         reference: id of the law whose impacts the others are compared with.
         runs: one for each law, in the order of the registry, then the scene's own law if it has one.
     """
+
+    __eq__ = same
+    __hash__ = None  # type: ignore[assignment]
 
     scene: Scene
     reference: str
