@@ -12,7 +12,6 @@ import os
 import shutil
 import tempfile
 import threading
-from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -28,7 +27,7 @@ from chain_impact.system import HOST, PLATFORMS
 WARNING = 1  # fmi2Warning; what is worse comes after it
 SLAVES = "chain_impact.fmu"
 """The name of the logger of slaves in Python, see slave.py."""
-_here = threading.local()  # what the slave that this thread runs has said
+_here = threading.local()  # what the FMU that this thread runs has said, and what it has logged
 
 
 def read_fmu(path: Path) -> Any:
@@ -61,20 +60,13 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
     """
     import fmpy
 
-    _here.said = []
-    logged: list[str] = []  # what the FMU says to the importer
-
-    def log(*call: Any) -> None:
-        status, _category, message = call[-3:]  # before them FMI 2.0 has a name that FMI 3.0 does not have
-        if status > WARNING:
-            logged.append(message.decode(errors="replace"))
-
+    _here.said, _here.logged = [], []
     try:
         # fmpy leaves what it has unpacked when a call fails
         with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
             fmpy.extract(str(path), folder)
             _place_binaries(Path(folder, "binaries"), fmpy.platform)
-            instance = _instance(description, folder, log)
+            instance = _instance(description, folder)
             kind = "CoSimulation" if description.coSimulation else "ModelExchange"
             rows: np.ndarray = fmpy.simulate_fmu(
                 folder, model_description=description, fmu_instance=instance, fmi_type=kind, **options
@@ -82,11 +74,18 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
             instance.freeInstance()
     except Exception as error:  # fmpy's exceptions have no common class
         # the first that is said: after it, an importer may go on to the next refusal
-        reason = (_here.said or logged or [str(error)])[0]
+        reason = (_here.said or _here.logged or [str(error)])[0]
         raise RunError(f"{path}: {reason}") from None
     finally:
-        del _here.said
+        del _here.said, _here.logged
     return rows
+
+
+def _log(*call: Any) -> None:
+    """Take what an FMU says to its importer, in the thread that calls it."""
+    status, _category, message = call[-3:]  # before them FMI 2.0 has a name that FMI 3.0 does not have
+    if status > WARNING and hasattr(_here, "logged"):
+        _here.logged.append(message.decode(errors="replace"))
 
 
 def _heard(record: logging.LogRecord) -> bool:
@@ -100,8 +99,8 @@ def _heard(record: logging.LogRecord) -> bool:
 logging.getLogger(SLAVES).addFilter(_heard)
 
 
-def _instance(description: Any, folder: str, log: Callable[..., None]) -> Any:
-    """An instance of an unpacked FMU, which says all to ``log``."""
+def _instance(description: Any, folder: str) -> Any:
+    """An instance of an unpacked FMU, which says all to ``_log``."""
     from fmpy import fmi2, fmi3
 
     modes = description.coSimulation or description.modelExchange
@@ -109,10 +108,20 @@ def _instance(description: Any, folder: str, log: Callable[..., None]) -> Any:
     stepped = modes is description.coSimulation
     if description.fmiVersion != "2.0":
         instance = _in_place(fmi3.FMU3Slave if stepped else fmi3.FMU3Model)(**named)
-        instance.instantiate(loggingOn=True, logMessage=log)
+        instance.instantiate(loggingOn=True, logMessage=_log)
         return instance
+    instance = _in_place(fmi2.FMU2Slave if stepped else fmi2.FMU2Model)(**named)
+    instance.instantiate(callbacks=_callbacks(), loggingOn=True)
+    return instance
+
+
+@cache
+def _callbacks() -> Any:
+    """What FMUs for FMI 2.0 call: the same for all, as fmpy's library keeps the logger of the last one."""
+    from fmpy import fmi2
+
     callbacks = fmi2.fmi2CallbackFunctions()
-    callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(log)
+    callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(_log)
     callbacks.allocateMemory, callbacks.freeMemory = (
         getattr(fmi2.defaultCallbacks, name) for name in ("allocateMemory", "freeMemory")
     )
@@ -120,9 +129,7 @@ def _instance(description: Any, folder: str, log: Callable[..., None]) -> Any:
         from fmpy.logging import addLoggerProxy
 
         addLoggerProxy(ctypes.byref(callbacks))
-    instance = _in_place(fmi2.FMU2Slave if stepped else fmi2.FMU2Model)(**named)
-    instance.instantiate(callbacks=callbacks, loggingOn=True)
-    return instance
+    return callbacks
 
 
 @cache
