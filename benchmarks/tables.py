@@ -58,9 +58,6 @@ def fmu_native() -> str:
             if isinstance(values, dict):
                 texts = (f"{values[who]:.3g}" for who in ("native", "pythonfmu"))
                 rows.append((f"in {tool}: {name}", *texts, span(values["pythonfmu / native"])))
-    size = found["bytes"]
-    sizes = (f"{size[name] / 1e3:.0f}" for name in ("native FMU", "pythonfmu FMU"))
-    rows.append(("FMU [kB]", *sizes, ""))
     return run("fmu_native") + "\n\n" + table(("", "native", "pythonfmu", "pythonfmu / native"), rows)
 
 

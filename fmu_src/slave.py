@@ -8,7 +8,7 @@ both.
 
 Errors: to a pythonfmu slave only OK, Discard and, by raising, Fatal are open. Importers take Discard for a
 step that was too long: fmpy ends without a word and returns the results up to there. So whatever goes wrong
-raises a SlaveError, whose sentence goes to the importer's log and to stderr.
+raises a SlaveError, whose sentence goes to the importer's log and to Python's, which writes it to stderr.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import atexit
 import ctypes
 import gc
 import json
+import logging
 import math
 import os
 import struct
@@ -51,8 +52,9 @@ class SlaveError(Exception):
         for slave in slaves:
             for kept in (slave, type(slave), slave.log_queue):
                 ctypes.pythonapi.Py_IncRef(ctypes.py_object(kept))
-        # fmpy's log is off by default: its user would learn no more than "status 4 (fatal)"
-        print(f"{ChainImpact.model['name']}: {text}", file=sys.stderr)
+        # fmpy's log is off by default: its user would learn no more than "status 4 (fatal)". Python writes
+        # what is logged to stderr, unless the process does something else with it.
+        logging.getLogger("chain_impact.fmu").error("%s: %s", ChainImpact.model["name"], text)
 
     def __repr__(self) -> str:
         # what the wrapper logs: a printf format in which, by FMI's rules, # begins the number of a variable

@@ -49,6 +49,7 @@ TESTED_ELSEWHERE = {
     "fmu/native_target.py": "fmu/test_native.py",
     "fmu/pythonfmu_target.py": "fmu/test_slave.py",
     "fmu/table.py": "fmu/test_native.py",
+    "fmu/importer.py": "test_runs.py",
     "fmu/run.py": "test_runs.py",
     "sensitivities.py": "test_public_names.py",
     "simulation/record_scene.py": "test_runs.py",
@@ -128,6 +129,22 @@ def test_it_can_be_imported_where_it_is_not_installed():
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
+
+
+def redirections(file):
+    """The names in a file by which the streams or the working folder of the whole process are changed."""
+    calls, streams = {"redirect_stdout", "redirect_stderr", "chdir", "fchdir", "dup2"}, {"stdout", "stderr"}
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom):
+            yield from {alias.name for alias in node.names} & calls
+        elif isinstance(node, ast.Attribute):
+            yield from {node.attr} & (calls if isinstance(node.ctx, ast.Load) else streams)
+
+
+@pytest.mark.parametrize("file", [*MODULES, SLAVE], ids=lambda file: file.stem)
+def test_nothing_of_the_process_is_redirected(file):
+    """As the caller may have other threads."""
+    assert list(redirections(file)) == []
 
 
 @pytest.mark.parametrize("file", [*MODULES, SLAVE], ids=lambda file: file.stem)

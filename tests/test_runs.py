@@ -4,6 +4,7 @@ import math
 import sys
 import tempfile
 import zipfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,8 @@ import pytest
 
 from chain_impact import CONTACT_LAWS, SceneError, load_scene
 from chain_impact.compilation.errors import BuildError
-from chain_impact.fmu.run import read_fmu, record_fmu
+from chain_impact.fmu.importer import read_fmu
+from chain_impact.fmu.run import record_fmu
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.scene import model_names
 from chain_impact.simulation import instance
@@ -155,6 +157,16 @@ def test_before_the_first_step_there_is_nothing_to_keep(fmus):
     assert caught.value.recording is None
 
 
+def test_the_fmu_says_which_point_or_joint_starts_beyond_its_range(fmus):
+    with pytest.raises(RunError, match=r": point 0 at \(0\.6, 1\.4\) m is 0\.05 m deep in the wall x_min$"):
+        record_fmu(fmus["four_link_box"], {"box.x_min": "0.65"})
+    leg = load_scene("kneed_leg")
+    joint, (low, high) = next(iter(leg.chain.joint_ranges.items()))
+    turned = leg.initial.angles[joint - 2] + high + 0.5
+    with pytest.raises(RunError, match=rf"stop: joint {joint} at {high + 0.5:.6g} rad, of {low:.6g} to"):
+        record_fmu(fmus["kneed_leg"], {f"initial.angle[{joint}]": str(turned)})
+
+
 def test_the_fmu_says_why_and_nothing_else_is_printed(fmus, capfd):
     with pytest.raises(RunError, match=r"FourLinkBox\.fmu: .*a contact point starts beyond a wall"):
         record_fmu(fmus["four_link_box"], {"box.x_min": "0.65"})
@@ -231,6 +243,33 @@ def test_a_damaged_library_is_a_fault_of_the_run(fmus, tmp_path):
     assert caught.value.recording is None
     assert len(str(caught.value).splitlines()) == 1
     assert Path.cwd() == before
+
+
+@pytest.mark.parametrize("kind", ["pythonfmu", "native", "fmi3"])
+def test_runs_in_threads_leave_the_process_as_it_is(tmp_path_factory, kind):
+    path = Path(OnDemand(kind, shared_folder(tmp_path_factory, "fmus") / kind)["rod_drop"])
+    before = sys.stdout, sys.stderr, Path.cwd()
+    seen = []
+
+    def run(number):
+        end = {"simulation.stop_time": 0.2}
+        # every second one fails, which must not change what the others find
+        values = {"initial.y": -1.0} if number % 2 else {}
+        try:
+            return record_fmu(path, end | values, lambda _: seen.append((sys.stdout, sys.stderr, Path.cwd())))
+        except RunError as error:
+            return str(error)
+
+    alone = run(0)
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(run, range(8)))
+    assert (sys.stdout, sys.stderr, Path.cwd()) == before
+    assert set(seen) == {before}
+    for one in found[::2]:
+        assert one.impacts == alone.impacts
+        assert all(np.array_equal(one.columns[name], alone.columns[name]) for name in alone.columns)
+    assert len(set(found[1::2])) == 1
+    assert "a contact point starts beyond a wall" in found[1]
 
 
 def test_a_missing_file_is_named():

@@ -31,7 +31,7 @@ def refused(run, here):
 
 @pytest.mark.parametrize(
     "arguments",
-    [[], ["fly"], ["build", "a", "b"], ["simulate", "--csv"], ["validate"], ["build", "--target", "fortran"]],
+    [["fly"], ["build", "a", "b"], ["simulate", "--csv"], ["validate"], ["build", "--target", "fortran"]],
 )
 def test_wrong_arguments_are_said_in_one_line(refused, arguments):
     refused(2, r"; see chain-impact( \w+)? --help$", *arguments)
@@ -74,6 +74,7 @@ def test_build_of_an_unknown_platform(refused):
         ("contact.stiffness=hard", r"contact\.stiffness = '?hard'? must be a .*number"),
         ("contact.model=no_law", r"contact\.model = '?no_law'? must be one of .*zhang_sharf"),
         ("contact.model=99", r"contact\.model = .*99.* must be one of"),
+        ("contact.model=florez", r"contact\.model = '?florez'? must be one of .*; the nearest is flores$"),
         ("contact.model", "must be NAME=VALUE"),
         ("=3", "must be NAME=VALUE"),
         ("contact.stiffness=", "must be NAME=VALUE"),
@@ -106,20 +107,23 @@ def test_a_start_inside_a_wall(refused, fmu):
 
 
 @pytest.mark.parametrize("option", ["--csv", "--plot"])
-@pytest.mark.parametrize("place", ["missing/out.png", "file/out.png", "folder.png"])
+@pytest.mark.parametrize("place", ["missing/out", "file/out", "folder"])
 def test_a_place_that_cannot_be_written(refused, here, option, place):
+    place += ".csv" if option == "--csv" else ".png"
     (here / "file").write_text("")
+    (here / "folder.csv").mkdir()
     (here / "folder.png").mkdir()
     refused(2, rf"^chain-impact: {re.escape(place)}: [A-Z]", "simulate", "rod_drop", option, place)
 
 
 @pytest.mark.parametrize("option", ["--csv", "--plot"])
 def test_a_disk_that_is_full_is_named(refused, here, option):
-    (here / "full.png").symlink_to("/dev/full")
+    full = "full.csv" if option == "--csv" else "full.png"
+    (here / full).symlink_to("/dev/full")
     refused(
         2,
-        r"^chain-impact: full\.png: No space left on device; free some space, or write to another disk$",
-        *("simulate", "rod_drop", option, "full.png"),
+        rf"^chain-impact: {full}: No space left on device; free some space, or write to another disk$",
+        *("simulate", "rod_drop", option, full),
     )
 
 
@@ -248,6 +252,28 @@ def test_compare_of_what_cannot_be(refused, arguments, pattern):
 
 def test_compare_takes_no_fmu(refused, fmu):
     refused(2, r"FourLinkBox.fmu: cannot be read \(it is a ZIP file, such as an FMU", "compare", fmu)
+
+
+@pytest.mark.parametrize("verb", ["simulate", "compare"])
+@pytest.mark.parametrize("file", ["laws.parquet", "laws.json", "laws.CSV.gz"])
+def test_a_table_is_csv(refused, here, verb, file):
+    refused(2, f"^chain-impact: --csv {file}: must end in .csv, as", verb, "rod_drop", "--csv", file)
+    assert not (here / file).exists()
+
+
+@pytest.mark.parametrize("option", ["--plot", "--csv"])
+def test_an_option_with_one_value_is_not_given_twice(run, here, option):
+    files = ("one.png", "two.png") if option == "--plot" else ("one.csv", "two.csv")
+    code, said, errors = run("simulate", "rod_drop", option, files[0], option, files[1])
+    assert (code, said) == (2, "")
+    assert f"argument {option}: is given twice: give it once" in errors
+    assert not any((here / file).exists() for file in files)
+
+
+def test_the_command_alone_shows_the_help(run):
+    code, said, errors = run()
+    assert (code, errors) == (2, "")
+    assert said == run("--help")[1]
 
 
 # --- outputs -----------------------------------------------------------------------------------------------

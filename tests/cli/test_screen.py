@@ -4,12 +4,14 @@ import io
 import math
 from dataclasses import replace
 
+import pytest
 from rich.console import Console
 
-from chain_impact import CONTACT_LAWS, compare
+from chain_impact import CONTACT_LAWS, compare, load_scene
 from chain_impact.cli.report import show
 from chain_impact.cli.screen import law_table, plain_lines, summary, table_of, variable_table
 from chain_impact.simulation.record_scene import record_scene
+from chain_impact.studies.compare_text import told
 from chain_impact.variables.model import Model
 from tests.problems import default_scene
 
@@ -36,6 +38,20 @@ def test_the_columns_and_what_differs_are_explained():
         "speed. 'differs at' is the first impact with another point "
         "or wall than under zhang_sharf: its number and time."
     )
+
+
+def test_the_list_of_impacts_has_their_peak_forces():
+    recording = record_scene(load_scene("kneed_leg"), {})
+    _, table, *_ = summary(recording)
+    head, *rows = plain_lines(table)
+    assert head.split("  ")[-1].strip() == "peak force"
+    for row, impact in zip(rows, recording.impacts, strict=True):
+        unit = "N·m" if impact.at_stop else "N"
+        assert row.endswith(f"  {told(impact.peak_force, '.4g')} {unit}")
+    free = record_scene(default_scene(), {})
+    head, first, *_ = plain_lines(list(summary(free))[1])
+    assert head.endswith("peak force, N")
+    assert float(first.split()[-1]) == pytest.approx(free.impacts[0].peak_force, rel=1e-3)
 
 
 def test_without_impacts_there_is_no_table_of_them():

@@ -236,7 +236,7 @@ def test_without_a_compiler_one_sentence_says_what_to_install(
     law.write_text("def mine(rate):\n    return 1.0\n")
     if "law_file" in arguments:
         arguments = arguments | {"law_file": str(law)}
-    monkeypatch.setattr(compilers, "find_spec", lambda name: None if name == "ziglang" else name)
+    monkeypatch.setattr(ready, "find_spec", lambda name: None if name == "ziglang" else name)
     with pytest.raises(BuildError) as caught:
         kernel_library(**arguments)
     assert str(caught.value).startswith(message.replace("LAW", str(law)))

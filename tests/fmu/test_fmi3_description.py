@@ -2,6 +2,7 @@
 
 import io
 import zipfile
+from importlib.metadata import version
 from pathlib import Path
 
 import fmpy
@@ -9,10 +10,12 @@ import numpy as np
 import pytest
 from lxml import etree
 
-from chain_impact import load_scene
+from chain_impact import build_fmu, load_scene
+from chain_impact.fmu.model_description import model_description
 from chain_impact.scene.scene import model_names
 from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
+from tests.fmu.conftest import KINDS
 from tests.fmu.contents import description
 
 every_model = pytest.mark.parametrize("model", model_names())
@@ -92,3 +95,25 @@ def test_files_and_capabilities(fmi3):
         "mightReturnEarlyFromDoStep": "true",
         "hasEventMode": "true",
     }
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_whose_the_model_is_only_the_scene_says(fmi):
+    said = {
+        "author": "Jane Doe",
+        "copyright": "© 2026 Example <Ltd>",
+        "license": "CC-BY-4.0",
+        "version": "1.2",
+    }
+    scene = load_scene("rod_drop")
+    for values in ({}, said, {"author": "Jane Doe"}):
+        root = model_description(Model(scene.with_values(values)), "a tool", fmi)
+        assert {name: root.get(name) for name in said if name in root.attrib} == values
+        assert root.get("generationTool") == "a tool"
+
+
+def test_the_author_is_in_fmus_of_both_targets(tmp_path, target):
+    scene = load_scene("rod_drop").with_values({"author": "Jane Doe", "version": "1.2"})
+    root = description(build_fmu(scene, tmp_path, **KINDS[target]))
+    assert (root.get("author"), root.get("version")) == ("Jane Doe", "1.2")
+    assert root.get("generationTool").startswith(f"chain-impact {version('chain-impact')}")

@@ -139,7 +139,7 @@ def test_an_error_names_the_entry_of_the_file_where_entries_are_not_links():
         "[{length = 2.0, mass = 3.0}]", "[{length = 2.0, mass = 3.0, count = 3}, {mass = 1.0}]"
     )
     message = refusal(parse_scene, text, "f")
-    assert message == "f: length in entry 2 of [[chain.links]] is missing"
+    assert message == "f: length in entry 2 of [[chain.links]] is missing (at line 2)"
 
 
 def test_counts_of_too_many_links_in_all_are_refused():

@@ -2,6 +2,8 @@
 
 import csv
 import math
+from dataclasses import replace
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from tests.problems import ball, default_scene, flat_rod, of_law, own_law, struc
 from tests.reference import exact_damping_factor, point_impact
 from tests.reference import realised_restitution as exact_restitution
 
+compare_module = import_module("chain_impact.studies.compare")
 OTHER_EXPONENT = [law for law in CONTACT_LAWS.values() if not law.allows_exponent(1.5)]
 
 
@@ -170,6 +173,19 @@ def test_a_free_impact_is_the_exact_one(restitution):
     assert impact["separation_speed"] == pytest.approx(exact.separation_speed, rel=1e-6)
     assert impact["peak_force"] == pytest.approx(exact.peak_force, rel=1e-6)
     assert impact["end"] - impact["onset"] == pytest.approx(exact.duration, rel=1e-6)
+
+
+def test_where_no_impact_is_seen_the_curve_has_no_number(box, monkeypatch):
+    """As an impact is not logged before the run ends."""
+
+    def without_impacts(*given, **options):
+        result = simulate(*given, **options)
+        return replace(result, impacts=result.impacts[:0])
+
+    monkeypatch.setattr(compare_module, "simulate", without_impacts)
+    with pytest.raises(SceneError, match=r"^free impact: there is none of 2\.5 kg at 4 m/s within"):
+        free_impact(default_scene().contact, 2.5, 4.0)
+    assert np.isnan(list(realised_restitution(box, np.array([0.5])).values())).all()
 
 
 def test_curves_of_the_family_keep_the_exact_relation(box):

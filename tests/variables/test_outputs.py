@@ -6,9 +6,12 @@ import pytest
 from chain_impact.kernel.status import STATUS_TEXT, STEP_TOO_LONG
 from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.scene.scene import load_scene
+from chain_impact.simulation.simulate import simulate
+from chain_impact.variables import outputs
 from chain_impact.variables.model import Model
 from chain_impact.variables.outputs import all_outputs
 from chain_impact.variables.table import inputs
+from chain_impact.variables.variable import Variable
 
 BOX, ARM = load_scene("four_link_box"), load_scene("pinned_arm")
 # key of [outputs] → a name that is only there with it
@@ -23,8 +26,10 @@ GROUPS = {
 
 @pytest.mark.parametrize("left_out", GROUPS)
 def test_a_group_that_is_not_asked_for_is_not_there(left_out):
-    every = {variable.name for variable in all_outputs(BOX)}
-    found = {variable.name for variable in all_outputs(BOX.with_values({f"outputs.{left_out}": False}))}
+    every = {variable.name for variable in all_outputs(BOX).values()}
+    found = {
+        variable.name for variable in all_outputs(BOX.with_values({f"outputs.{left_out}": False})).values()
+    }
     for key, name in GROUPS.items():
         if any(name in one for one in every):
             assert (name in found) == (key != left_out)
@@ -35,9 +40,47 @@ def test_a_group_that_is_not_asked_for_is_not_there(left_out):
     )
 
 
+@pytest.mark.parametrize("output", [(), "point[4].x", ["energy.*", "solver.steps"]])
+def test_to_choose_outputs_makes_no_variables_again(monkeypatch, output):
+    """Not even of another scene, if it differs in nothing but numbers."""
+    made = []
+
+    def counted(**values):
+        made.append(values["name"])
+        return Variable(**values)
+
+    simulate(BOX, stop_time=0.01, output="energy.total")
+    monkeypatch.setattr(outputs, "Variable", counted)
+    changed = BOX.with_values({"contact.restitution": 0.4, "link[1].mass": 1.5})
+    for scene in (BOX, changed):
+        simulate(scene, stop_time=0.01, output=output)
+    assert made == []
+
+
+CHANGED_SHAPES = [
+    ("link[2].joint_min", -3.0),
+    ("link[2].joint_friction", 0.1),
+    ("contact.friction", 0.2),
+    ("contact.points", [0, 4]),
+    ("box.x_max", None),
+    ("inputs.tip_force", True),
+    ("outputs.impacts", 2),
+    ("outputs.solver", False),
+]
+
+
+@pytest.mark.parametrize(("name", "value"), CHANGED_SHAPES)
+def test_what_is_kept_of_a_scene_is_not_taken_for_another_one(name, value):
+    before, changed = all_outputs(BOX), BOX.with_values({name: value})
+    kept = all_outputs(changed)
+    outputs._of_shape.cache_clear()
+    assert kept == all_outputs(changed)
+    assert kept != before
+
+
 @pytest.mark.parametrize("scene", [BOX, ARM], ids=["free", "pinned"])
 def test_only_the_base_of_a_pinned_chain_is_held(scene):
-    held = {variable.name for variable in all_outputs(scene) if variable.held}
+    held = {variable.name for variable in all_outputs(scene).values() if variable.held}
     base = {f"point[0].{prefix}{axis}" for prefix in ("", "v", "a") for axis in "xy"}
     assert held == (base if scene is ARM else set())
 
@@ -96,7 +139,7 @@ def total_slopes(duals):
 
 def test_numbers_of_points_and_walls_have_the_limits_that_their_texts_tell():
     """Point −1 and wall 0 stand for none."""
-    limits = {variable.name: (variable.minimum, variable.maximum) for variable in all_outputs(BOX)}
+    limits = {variable.name: (variable.minimum, variable.maximum) for variable in all_outputs(BOX).values()}
     for prefix in ("impact.last_", "impact[1].", "impact[2]."):
         assert limits[f"{prefix}point"] == (-1, 4)
         assert limits[f"{prefix}wall"] == (0, 4)
@@ -105,7 +148,5 @@ def test_numbers_of_points_and_walls_have_the_limits_that_their_texts_tell():
     assert limits["impact[1].peak_force"] == limits["impact[1].max_penetration"] == (0.0, None)
     assert limits["solver.steps"] == (0, None)
     assert limits["solver.status"] == (0, STEP_TOO_LONG), "but for the status of dry friction"
-    rubbing = {
-        variable.name: variable for variable in all_outputs(BOX.with_values({"contact.friction": 0.1}))
-    }
+    rubbing = all_outputs(BOX.with_values({"contact.friction": 0.1}))
     assert rubbing["solver.status"].maximum == max(STATUS_TEXT)

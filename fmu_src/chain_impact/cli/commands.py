@@ -45,6 +45,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     grammar = parser()
     completion.answer(grammar)
     options = grammar.parse_args(arguments)
+    if options.run is None:
+        grammar.print_help()
+        return 2
     out.quiet = options.quiet
     try:
         with hints_shown():
@@ -95,8 +98,9 @@ class Parser(argparse.ArgumentParser):
 def parser() -> argparse.ArgumentParser:
     """The grammar of the command line."""
     whole = Parser(prog="chain-impact", description="Impact dynamics of planar robotic chains, as an FMU.")
+    whole.set_defaults(run=None)
     whole.add_argument("--version", action="version", version=f"chain-impact {version('chain-impact')}")
-    verbs = whole.add_subparsers(required=True, metavar="COMMAND")
+    verbs = whole.add_subparsers(metavar="COMMAND")
     for verb in VERBS:
         verb.add(verbs)
     for command in verbs.choices.values():

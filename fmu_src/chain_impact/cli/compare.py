@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 from chain_impact.cli.options import (
     Verbs,
+    add_csv,
     add_plot,
     add_repeated,
     add_scene,
     add_set,
+    check_csv,
     check_outputs,
     names_in,
     settings_of,
@@ -29,7 +30,7 @@ def add(verbs: Verbs) -> None:
     add_set(compare)
     add_repeated(compare, "--laws", "NAMES", "compare these laws only, as hertz,flores; default: all")
     add_plot(compare, "restitution, first impact and energy")
-    compare.add_argument("--csv", metavar="FILE", type=Path, help="write the table")
+    add_csv(compare, "the table")
     compare.set_defaults(run=run)
 
 
@@ -38,6 +39,7 @@ def run(options: argparse.Namespace) -> int:
     from chain_impact.studies.compare import compare
 
     check_outputs(options.csv, options.plot, inputs=[options.source])
+    check_csv(options.csv)
     scene = with_settings(load_scene(options.source), settings_of(options.set))
     with progress("comparing") as (notify, advance):
         comparison = compare(scene, notify, advance, laws=names_in(*options.laws) or None)

@@ -93,7 +93,8 @@ def _scenes(prefix: str, **_: object) -> list[str]:
 
 def _settings(prefix: str, parsed_args: argparse.Namespace, **_: object) -> list[str]:
     """What ``--set`` takes: all values of a scene, or the parameters of an FMU."""
-    from chain_impact.fmu.run import EXPERIMENT, read_fmu
+    from chain_impact.fmu.importer import read_fmu
+    from chain_impact.fmu.run import EXPERIMENT
     from chain_impact.scene.scene import load_scene
 
     source = _source(parsed_args)

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Iterable, Sequence
 from errno import ENOENT
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from chain_impact.scene.models import scene_path
 
@@ -54,9 +54,26 @@ def add_repeated(command: argparse.ArgumentParser, option: str, metavar: str, wh
     )
 
 
+class Once(argparse.Action):
+    """Keeps the value of an option that cannot be given twice."""
+
+    def __call__(self, _parser: Any, options: argparse.Namespace, value: Any, _option: Any = None) -> None:
+        """Keep the value, or refuse a second one."""
+        if getattr(options, self.dest) is not None:
+            raise argparse.ArgumentError(self, "is given twice: give it once")
+        setattr(options, self.dest, value)
+
+
 def add_plot(command: argparse.ArgumentParser, what: str) -> None:
     """Add the file of a picture."""
-    command.add_argument("--plot", metavar="FILE", type=picture, help=f"draw {what} (png, svg, pdf)")
+    command.add_argument(
+        "--plot", action=Once, metavar="FILE", type=picture, help=f"draw {what} (png, svg, pdf)"
+    )
+
+
+def add_csv(command: argparse.ArgumentParser, what: str) -> None:
+    """Add the file of a table."""
+    command.add_argument("--csv", action=Once, metavar="FILE", type=Path, help=f"write {what}")
 
 
 def picture(text: str) -> Path:
@@ -65,6 +82,12 @@ def picture(text: str) -> Path:
     if path.suffix.lower() not in PICTURES:
         raise argparse.ArgumentTypeError(f"{text} must end in {', '.join(PICTURES)}")
     return path
+
+
+def check_csv(path: Path | None) -> None:
+    """Refuse a table in another format than CSV; what has no suffix may be no file, as /dev/stdout."""
+    if path and path.suffix.lower() not in ("", ".csv"):
+        raise UsageError(f"--csv {path}: must end in .csv, as the table is written in no other format")
 
 
 def is_fmu(source: str) -> bool:

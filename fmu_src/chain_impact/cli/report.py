@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from rich.console import RenderableType
 from rich.table import Table
 
-from chain_impact.cli.options import UsageError, check_outputs, is_fmu, settings_of
+from chain_impact.cli.options import UsageError, check_csv, check_outputs, is_fmu, settings_of
 from chain_impact.cli.progress import complain, out, progress, say
 from chain_impact.cli.screen import plain_lines, sensitivity_tables, summary
 from chain_impact.fmu.run import record_fmu
@@ -39,6 +39,7 @@ def report(
     The picture is drawn into a file, into an empty window, or both.
     """
     check_outputs(csv, picture, inputs=[source])
+    check_csv(csv)
     fault = None
     try:
         recording = record(source, settings, sensitivities, complete=csv is not None)

@@ -68,11 +68,15 @@ def variable_table(variables: Iterable[Any]) -> Iterator[RenderableType]:
 
 def summary(recording: Recording) -> Iterator[RenderableType]:
     """Impacts and energy balance."""
-    table = table_of(("#", "time, s", "point", "wall", "speed" if recording.stops else "speed, m/s"))
+    values = ("speed", "peak force") if recording.stops else ("speed, m/s", "peak force, N")
+    table = table_of(("#", "time, s", "point", "wall", *values))
     for number, impact in enumerate(recording.impacts, start=1):
         point = what(impact.point, True) if impact.at_stop else str(impact.point)
-        unit = f" {speed_unit(impact.at_stop)}" if recording.stops else ""
-        table.add_row(str(number), f"{impact.time:.6f}", point, impact.wall, f"{impact.speed:.4f}{unit}")
+        speed, force = f"{impact.speed:.4f}", told(impact.peak_force, ".4g")
+        if recording.stops:
+            speed += f" {speed_unit(impact.at_stop)}"
+            force += f" {'N·m' if impact.at_stop else 'N'}"
+        table.add_row(str(number), f"{impact.time:.6f}", point, impact.wall, speed, force)
     count, listed = recording.impact_count, len(recording.impacts)
     impacts = plural(count, "impact")
     if listed < count:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from chain_impact.cli.options import Verbs, add_plot, add_repeated, add_scene, add_set, names_in
+from chain_impact.cli.options import Verbs, add_csv, add_plot, add_repeated, add_scene, add_set, names_in
 from chain_impact.cli.report import report
 from chain_impact.simulation.record_scene import RunError
 
@@ -28,7 +27,7 @@ def add(verbs: Verbs) -> None:
     )
     simulate.add_argument("--show", action="store_true", help="open a window with the picture")
     add_plot(simulate, "motion, energy and impacts")
-    simulate.add_argument("--csv", metavar="FILE", type=Path, help="write the outputs over time")
+    add_csv(simulate, "the outputs over time")
     simulate.set_defaults(run=run)
 
 

@@ -79,6 +79,11 @@ def _places() -> list[Path]:
     return [base, *filter(None, [stand_in(base)])]
 
 
+def holds(file: Path) -> bool:
+    """Whether a file is in the cache, or in what stands in for it, and so may be removed from there."""
+    return any(place in file.parents for place in _places())
+
+
 def made(name: str, make: Callable[[Path], None], notify: Notify = announce) -> Path:
     """Return the file or folder of that name in the cache folder; if it is not there, make it.
 

@@ -1,8 +1,8 @@
 """numba's front end alone: every function is lowered once, and not optimised.
 
 When numba compiles a function it optimises it, links all that it calls to it, optimises the whole and makes
-machine code of that. For a kernel of 350 functions that call one another this takes a minute, and none of it
-is used here: zig's compiler optimises all functions, in one pass over one module. numba has no public way to
+machine code of that. For a kernel of hundreds of functions this takes a minute, and none of it is used here:
+zig's compiler optimises all functions, in one pass over one module. numba has no public way to
 leave these steps out. So this file replaces private parts of numba: the libraries in which it keeps the
 code of functions, and the way in which one function calls another. Where numba would raise, a
 function returns a number only: an exception would be pickled into the code, with the path of a file.

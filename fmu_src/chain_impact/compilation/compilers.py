@@ -12,15 +12,13 @@ import subprocess
 import sys
 from collections.abc import Iterable
 from importlib.resources import files
-from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from chain_impact.compilation.cache import COMPILERS, linker_folder
+from chain_impact.compilation.cache import linker_folder
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.law_file import LawError
 from chain_impact.compilation.sources import PACKAGE, fingerprint
-from chain_impact.extras import how_to_install
 from chain_impact.system import HOST, PLATFORMS, has_wide_vectors
 
 _TARGETS = {
@@ -38,6 +36,9 @@ BAD_LAW = 3  # exit code of lower.py; what is wrong is on standard error
 CPUS = {"x86_64": "x86_64_v2", "aarch64": "generic"}
 # Where it is there, twice as many numbers fit a vector, and dual numbers are vectors. Values are bit-equal.
 WIDE_CPU = "x86_64_v3"
+KERNEL, DERIVATIVES, WIDE = "kernel", "derivatives", "derivatives-wide"
+"""Kinds of kernels: without derivatives; with them, for any processor; and the same for one like this."""
+PROCESSORS = {KERNEL: None, DERIVATIVES: None, WIDE: WIDE_CPU}
 # ARM's instruction that multiplies and adds is not used: it rounds once where the two of x86 round twice.
 # Without LLVM's loop strength reduction, linking takes a seventh less, and kernels are no slower.
 FLAGS = ("-O2", "-ffp-contract=off", "-Wno-everything", "-mllvm", "-disable-lsr")
@@ -92,18 +93,6 @@ def complete(module: str, links: int | None) -> str:
     for word, held in enumerate(("chain_candidates", "chain_elements"), 1):
         sizes += HELD.format(name=held, word=word)
     return _DECLARED_ABOVE.sub("", module) + sizes + LAW
-
-
-def require_compilers(purpose: str) -> None:
-    """Refuse what needs compilers that are not installed.
-
-    Raises:
-        BuildError: when one of them is not; ``purpose`` begins its sentence.
-    """
-    missing = [name for name in COMPILERS if find_spec(name) is None]
-    if missing:
-        how = how_to_install("compiler")
-        raise BuildError(f"{purpose} needs a compiler: {how} ({', '.join(missing)} missing)")
 
 
 def lower(module: Path, law: Path | None = None, plain: str | None = None) -> None:

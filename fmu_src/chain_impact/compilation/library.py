@@ -8,9 +8,9 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from chain_impact.compilation import browser, cache, compilers, ready
+from chain_impact.compilation.compilers import DERIVATIVES, KERNEL, PROCESSORS, WIDE
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.law_file import LawError, UserLaw, read_law
-from chain_impact.compilation.ready import DERIVATIVES, KERNEL, WIDE, lowered
 from chain_impact.compilation.work import Notify, Work, announce
 from chain_impact.system import HOST, nowhere
 
@@ -54,7 +54,7 @@ def kernel_library(
     found = cache.find(name) if law else ready.best(links, platform, kind) or cache.find(name)
     if found:
         return found
-    compilers.require_compilers(_purpose(platform, law_file, derivatives))
+    ready.require_compilers(_purpose(platform, law_file, derivatives))
     lowered_law = _lowered_law(law, law_file, notify) if law else None
 
     def text() -> str:
@@ -67,7 +67,7 @@ def kernel_library(
     def link(file: Path) -> None:
         compiled = ready.compiled(exact, platform, kind, text, notify)
         with _about(law_file):
-            compilers.link(compiled, file, platform, lowered_law, cpu=ready.PROCESSORS[kind])
+            compilers.link(compiled, file, platform, lowered_law, cpu=PROCESSORS[kind])
 
     return cache.made(name, link, notify)
 
@@ -88,9 +88,7 @@ def browser_module(notify: Notify | None = None, law_file: str = "") -> Path:
     found = ready.find(name) or cache.find(name)
     if found:
         return found
-    compilers.require_compilers(
-        f"{law_file}: a contact law of one's own" if law_file else "a page that computes"
-    )
+    ready.require_compilers(f"{law_file}: a contact law of one's own" if law_file else "a page that computes")
     lowered_law = _lowered_law(law, law_file, notify) if law else None
 
     def text() -> str:
@@ -115,7 +113,7 @@ def _lowered_kernel(what: str, notify: Notify) -> str:
         compilers.lower(module, plain=plain)
 
     packed = ready.module() if what == KERNEL else None
-    return packed or cache.made(lowered(what), lower, notify).read_text()
+    return packed or cache.made(ready.lowered(what), lower, notify).read_text()
 
 
 def _lowered_law(law: UserLaw, file: str, notify: Notify) -> Path:

@@ -13,18 +13,19 @@ import os
 import shutil
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor, wait
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from chain_impact.compilation import browser, cache, compilers
+from chain_impact.compilation.compilers import DERIVATIVES, KERNEL, PROCESSORS, WIDE
+from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.sources import PACKAGE, fingerprint
 from chain_impact.compilation.work import Notify, announce
+from chain_impact.extras import how_to_install
 from chain_impact.system import HOST, WIDE_PLATFORMS, cores
 
 FOLDER = PACKAGE / "ready"
-KERNEL, DERIVATIVES, WIDE = "kernel", "derivatives", "derivatives-wide"
-"""Kinds of kernels: without derivatives; with them, for any processor; and the same for one like this."""
-PROCESSORS = {KERNEL: None, DERIVATIVES: None, WIDE: compilers.WIDE_CPU}
 MODULE = f"{KERNEL}.ll.xz"  # the lowered kernel, packed in a wheel
 PATIENCE = 10.0  # s, after which who waits is told that work goes on
 MADE_FROM = "sources.txt"  # the fingerprint of the sources that they are made from
@@ -41,6 +42,18 @@ SIZES: tuple[int | None, ...] = (None, *range(1, LARGEST_EXACT + 1))
 """What a wheel for release has."""
 REQUIREMENTS = [*(f"{name}=={version}" for name, version in cache.COMPILERS.items()), "numpy>=2.0,<3"]
 """What has to be installed to compile kernels."""
+
+
+def require_compilers(purpose: str) -> None:
+    """Refuse what needs compilers that are not installed.
+
+    Raises:
+        BuildError: when one of them is not; ``purpose`` begins its sentence.
+    """
+    missing = [name for name in cache.COMPILERS if find_spec(name) is None]
+    if missing:
+        how = how_to_install("compiler")
+        raise BuildError(f"{purpose} needs a compiler: {how} ({', '.join(missing)} missing)")
 
 
 def for_release() -> bool:
@@ -155,7 +168,7 @@ def make(
     """
     wanted = _wanted(platform, release)
     if not all_cached(platform, release=release):
-        compilers.require_compilers("a wheel")
+        require_compilers("a wheel")
         _compile(wanted, platform, say)
     folder.mkdir()
     for name in (MODULE, browser.MODULE, *wanted):

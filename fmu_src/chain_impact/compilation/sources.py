@@ -8,7 +8,16 @@ from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1]
-COMPILED = ("kernel", "compilation", "extras.py", "system.py")
+MAKERS = (
+    *("browser", "collecting", "compilers", "dual_numbers", "entry_points", "functions"),
+    *("law", "law_file", "lower", "record_type", "reuse"),
+)
+"""The modules of this folder that make code. The others find kernels, keep them and speak of them."""
+COMPILED = (
+    "kernel",
+    *(f"compilation/{name}.py" for name in MAKERS),
+    *("compilation/c_interface", "compilation/mathematics"),
+)
 """Folders and files of the package: kernels follow from nothing else in it."""
 LANGUAGES = (".py", ".c", ".h")
 

@@ -16,7 +16,6 @@ from chain_impact.compilation.work import Notify, announce
 from chain_impact.fmu import native_target, pythonfmu_target
 from chain_impact.fmu.documents import documents
 from chain_impact.fmu.references import reference_files
-from chain_impact.fmu.run import fmpy_loaded
 from chain_impact.results.recording import written_whole
 from chain_impact.scene.scene import SceneSource, scene_of
 from chain_impact.system import HOST, PLATFORMS, nowhere
@@ -119,7 +118,6 @@ def build_fmu(
 
 def validate_fmu(path: str | os.PathLike[str]) -> list[str]:
     """Check an FMU against the FMI standard; return what is wrong with it, a sentence each."""
-    fmpy_loaded()
     from fmpy.validation import validate_fmu as problems_of  # takes a second, so not at the top
 
     try:

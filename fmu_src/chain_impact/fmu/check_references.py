@@ -23,8 +23,9 @@ from xml.etree.ElementTree import Element
 
 import numpy as np
 
+from chain_impact.fmu.importer import read_fmu, simulated
 from chain_impact.fmu.references import MANIFEST, TOLERANCES
-from chain_impact.fmu.run import platforms_of, read_fmu, simulated
+from chain_impact.fmu.run import platforms_of
 from chain_impact.scene.reading import SceneError
 from chain_impact.simulation.record_scene import RunError
 from chain_impact.system import HOST

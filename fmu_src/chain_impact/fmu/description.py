@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from importlib.metadata import version
 from xml.etree.ElementTree import Element, SubElement
 
 from chain_impact.scene.angles import DEGREES
@@ -34,14 +33,15 @@ LOG_CATEGORIES = {
 
 
 def about(scene: Scene, tool: str) -> dict[str, str]:
-    """The attributes of the root, but for the version and the GUID. ``tool`` is what has made the FMU."""
+    """The attributes of the root, but for the GUID and FMI's version. ``tool`` is what has made the FMU.
+
+    Whose the model is only its scene can say.
+    """
+    said = {name: getattr(scene, name) for name in ("author", "version", "copyright", "license")}
     return {
         "modelName": scene.name,
         "description": scene.description,
-        "author": "The chain-impact developers",
-        "version": version("chain-impact"),
-        "copyright": "Copyright 2026 The chain-impact developers",
-        "license": "MIT, see documentation/licenses",
+        **{name: text for name, text in said.items() if text},
         "generationTool": tool,
         "generationDateAndTime": DATE,
         "variableNamingConvention": "structured",

@@ -67,7 +67,8 @@ def _staged(model: Model, kernels: Mapping[str, Path]) -> dict[str, bytes]:
     for platform, library in sorted(kernels.items()):
         files[f"kernel-{platform}{library.suffix}"] = library.read_bytes()
     slave, table = slave_source(), model_table(model)
-    description = model_description(model, f"chain-impact with PythonFMU {version('pythonfmu')}", 2)
+    tool = f"chain-impact {version('chain-impact')} with PythonFMU {version('pythonfmu')}"
+    description = model_description(model, tool, 2)
 
     guid = guid_of((slave, json.dumps(table).encode(), ElementTree.tostring(description), *files.values()))
     description.set("guid", guid)

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import io
+import math
 import re
-import shutil
-import tempfile
 import zipfile
-from collections.abc import Mapping
-from contextlib import chdir, nullcontext, redirect_stderr, redirect_stdout
+from collections.abc import Container, Iterator, Mapping
 from numbers import Integral, Real
 from pathlib import Path
 from types import MappingProxyType
@@ -17,29 +14,23 @@ from typing import Any
 import numpy as np
 
 from chain_impact.compilation.work import Progress, silent
+from chain_impact.fmu.importer import read_fmu, simulated
 from chain_impact.kernel.model.geometry import WALLS
-from chain_impact.results.joint_stops import ranges_from
+from chain_impact.kernel.status import STARTS_INSIDE_WALL, STATUS_TEXT
+from chain_impact.results.joint_stops import JointRange, ranges_from
 from chain_impact.results.recording import Recording, impacts_from_outputs
 from chain_impact.results.stick_slip import phases_from_columns
 from chain_impact.scene.angles import in_radians, or_degrees
+from chain_impact.scene.checks import START_TOLERANCE
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.names import STOPS, input_key
-from chain_impact.scene.reading import SceneError, UnknownNameError
+from chain_impact.scene.reading import SceneError, UnknownNameError, nearest_choice
 from chain_impact.simulation.record_scene import RunError, value_of
 from chain_impact.simulation.simulate import check_size
-from chain_impact.system import HOST, PLATFORMS
+from chain_impact.system import PLATFORMS
 
 EXPERIMENT = ("simulation.stop_time", "simulation.step_size")
 """What can be set of an FMU besides its parameters, for this run only."""
-WARNING = 1  # fmi2Warning; what is worse comes after it
-
-
-def fmpy_loaded() -> Any:
-    """The package fmpy, which takes half a second; on ARM Linux it prints that a part of it is missing."""
-    with redirect_stdout(io.StringIO()):
-        import fmpy
-
-    return fmpy
 
 
 def platforms_of(path: str | Path) -> list[str]:
@@ -49,22 +40,6 @@ def platforms_of(path: str | Path) -> list[str]:
         found = (re.fullmatch(r"binaries/([^/]+)/[^/]+", name) for name in fmu.namelist())
     folders = sorted({file[1] for file in found if file})
     return [ours.get(folder, folder) for folder in folders]
-
-
-def read_fmu(path: Path) -> Any:
-    """The model description of an FMU, as fmpy gives it.
-
-    Raises:
-        SceneError: when the file is no FMU.
-    """
-    fmpy = fmpy_loaded()
-    try:
-        return fmpy.read_model_description(str(path))
-    except OSError:
-        raise
-    except Exception as error:  # whatever zipfile, lxml and fmpy's own checks raise
-        reason = str(error).strip('"')
-        raise SceneError(f"{path}: not a readable FMU: {reason}") from None
 
 
 def record_fmu(
@@ -148,59 +123,11 @@ def record_fmu(
         )
     except RunError as error:
         partial = recording(recorders[0].result()) if recorders else None
-        raise RunError(str(error), partial) from None
+        points = {int(name[8 : name.index("]")]) for name in outputs if name.startswith("contact[")}
+        told = STATUS_TEXT[STARTS_INSIDE_WALL] in str(error)
+        where = [*_points_beyond(values, walls, points), *_joints_beyond(values, stops)] if told else []
+        raise RunError(": ".join([str(error), *where[:1]]), partial) from None
     return recording(rows)
-
-
-def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
-    """Simulate any FMU with fmpy; return its rows.
-
-    Args:
-        path: the FMU.
-        description: its model description, as ``read_fmu`` gives it.
-        options: those of ``fmpy.simulate_fmu``.
-
-    Raises:
-        RunError: when it fails, with the first reason that the FMU gave.
-    """
-    fmpy = fmpy_loaded()
-    said = io.StringIO()  # what a slave in Python prints: it runs in this process
-    logged: list[str] = []  # what a native FMU says to the importer
-
-    def log(*call: Any) -> None:
-        status, _category, message = call[-3:]  # before them FMI 2.0 has a name that FMI 3.0 does not have
-        if status > WARNING:
-            logged.append(message.decode(errors="replace"))
-
-    # where fmpy takes the processor for another one, it says that a part of it is missing
-    talk = nullcontext() if fmpy.platform == HOST else redirect_stdout(io.StringIO())
-    try:
-        # fmpy leaves the working directory changed when it cannot load the FMU's library, and what it has
-        # unpacked when a call fails
-        with (
-            tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder,
-            redirect_stderr(said),
-            talk,
-            chdir("."),
-        ):
-            fmpy.extract(str(path), folder)
-            _place_binaries(Path(folder, "binaries"), fmpy.platform)
-            rows: np.ndarray = fmpy.simulate_fmu(
-                folder, model_description=description, logger=log, debug_logging=True, **options
-            )
-    except Exception as error:  # fmpy's exceptions have no common class
-        # the first that is logged: after it, an importer may go on to the next refusal
-        reason = (said.getvalue().splitlines()[-1:] or logged or [str(error)])[0]
-        raise RunError(f"{path}: {reason}") from None
-    return rows
-
-
-def _place_binaries(binaries: Path, folder: str) -> None:
-    """Put this machine's binaries where fmpy looks: on ARM it looks for those of x86-64, too."""
-    names = [HOST, PLATFORMS[HOST].fmi3] if HOST and folder != HOST else []
-    for name in names:
-        if (binaries / name).is_dir():
-            shutil.copytree(binaries / name, binaries / folder, dirs_exist_ok=True)
 
 
 def _walls(values: Mapping[str, float]) -> dict[str, HalfPlane]:
@@ -209,6 +136,30 @@ def _walls(values: Mapping[str, float]) -> dict[str, HalfPlane]:
     slopes = [name.split(".")[1] for name in values if name.startswith("wall.") and name.endswith(".angle")]
     lines = ([values[f"wall.{wall}.{key}"] for key in ("x", "y", "angle")] for wall in slopes)
     return half_planes(box, {wall: (x, y, angle) for wall, (x, y, angle) in zip(slopes, lines, strict=True)})
+
+
+def _points_beyond(
+    values: Mapping[str, float], walls: Mapping[str, HalfPlane], points: Container[int]
+) -> Iterator[str]:
+    """The points of an FMU that start beyond a wall, in words, by the values of its parameters."""
+    x, y = values["initial.x"], values["initial.y"]
+    for point in range(sum(name.endswith("].length") for name in values) + 1):
+        if point:
+            length, angle = values[f"link[{point}].length"], values[f"initial.angle[{point}]"]
+            x, y = x + length * math.cos(angle), y + length * math.sin(angle)
+        for name, wall in walls.items():
+            depth = values.get("contact.radius", 0.0) - wall.clearance(x, y)
+            if point in points and depth > START_TOLERANCE:
+                yield f"point {point} at ({x:.6g}, {y:.6g}) m is {depth:.6g} m deep in the wall {name}"
+
+
+def _joints_beyond(values: Mapping[str, float], stops: Mapping[int, JointRange]) -> Iterator[str]:
+    """Likewise the joints that start beyond a stop."""
+    for joint, ends in stops.items():
+        before = values[f"initial.angle[{joint - 1}]"] if joint > 1 else 0.0
+        angle = values[f"initial.angle[{joint}]"] - before
+        if max(ends.low - angle, angle - ends.high) > START_TOLERANCE:
+            yield f"joint {joint} at {angle:.6g} rad, of {ends.low:.6g} to {ends.high:.6g} rad"
 
 
 def _named(variable: Any, value: float) -> float | str:
@@ -247,7 +198,8 @@ def _start_value(variable: Any, value: Any, source: str) -> float | int:
         number = numbers.get(value) if isinstance(value, str) else value
         if isinstance(number, Integral) and number in numbers.values() and not isinstance(number, bool):
             return int(number)
-        raise SceneError(f"{source}: {variable.name} = {value} must be one of {', '.join(numbers)}")
+        meant = nearest_choice(value, numbers)
+        raise SceneError(f"{source}: {variable.name} = {value} must be one of {', '.join(numbers)}{meant}")
     number = in_radians(value, variable.unit or "")
     if not _is_number(number):
         needed = f"a number{or_degrees(variable.unit or '')}"

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.results.equality import same
 from chain_impact.results.impacts import impacts_of, names_of
 from chain_impact.results.joint_stops import JointRange, touching_place
 from chain_impact.results.sensitivity import Sensitivities
@@ -63,7 +64,7 @@ class Impact:
         return self.speed * (1.0 if self.arm is None else self.arm)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Recording:
     """A simulation over time, of a scene or an FMU.
 
@@ -82,6 +83,9 @@ class Recording:
             step.
         wall_names: the names of all walls, by the numbers in ``stick_slip``.
     """
+
+    __eq__ = same
+    __hash__ = None  # type: ignore[assignment]
 
     name: str
     time: np.ndarray

@@ -13,6 +13,7 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.results import summary, tables
+from chain_impact.results.equality import same
 from chain_impact.results.joint_stops import ranges_of
 from chain_impact.results.recording import Recording, impact_list
 from chain_impact.results.sensitivity import Sensitivities
@@ -38,7 +39,7 @@ class Stepwise(Protocol):
         """Name → shape (T,), by a run that says when it has to compile, and how far it is."""
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Result:
     """What happened in a simulation.
 
@@ -61,13 +62,16 @@ class Result:
             ``STICK_SLIP_DTYPE``.
     """
 
+    __eq__ = same
+    __hash__ = None  # type: ignore[assignment]
+
     model: Model
     time: np.ndarray
     outputs: np.ndarray
     impacts: np.ndarray
     statistics: dict[str, int]
     sensitivities: Sensitivities | None = None
-    stepwise: Stepwise | None = None
+    stepwise: Stepwise | None = field(default=None, compare=False)
     stick_slip: np.ndarray = field(default_factory=lambda: NO_PHASES)
 
     @overload

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from chain_impact.results.equality import same
 from chain_impact.results.summary import plural
 from chain_impact.scene.names import sensitivity_name
 from chain_impact.scene.reading import UnknownNameError
@@ -19,7 +20,7 @@ PART = 0.01
 """Of its value, the change of a parameter for which changes are told; of its unit, where the value is 0."""
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Sensitivities:
     """Derivatives of outputs and of impacts with respect to P parameters.
 
@@ -32,6 +33,9 @@ class Sensitivities:
         impact_slopes: quantity of an impact → derivatives, shape (I, P).
         limits: sentences: from when on there are none, and why.
     """
+
+    __eq__ = same
+    __hash__ = None  # type: ignore[assignment]
 
     model: Model
     varied: Sequence[Variable]

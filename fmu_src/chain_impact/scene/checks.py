@@ -125,14 +125,15 @@ def check_start(scene: Scene) -> None:
     for link, angle in zip(scene.chain.links, scene.initial.angles, strict=True):
         x, y = x + link.length * math.cos(angle), y + link.length * math.sin(angle)
         positions.append((x, y))
-    walls = scene.half_planes
-    for point in scene.contact.points:
-        x, y = positions[point]
+    walls, candidates = scene.half_planes, [positions[point] for point in scene.contact.points]
+    for point, (x, y) in zip(scene.contact.points, candidates, strict=True):
         for name, wall in walls.items():
             depth = scene.contact.radius - wall.clearance(x, y)
             if depth > START_TOLERANCE:
                 place = f"point {point} at ({x:.6g}, {y:.6g}) m is {depth:.6g} m deep in"
-                raise SceneError(f"initial: {place} the wall {name}; must be outside")
+                beyond = name not in WALLS and all(wall.clearance(*one) < 0.0 for one in candidates)
+                asked = "; no point is: is its normal reversed?" if beyond and not angle_hints(scene) else ""
+                raise SceneError(f"initial: {place} the wall {name}; must be outside{asked}")
 
 
 def angle_hints(scene: Scene) -> list[str]:

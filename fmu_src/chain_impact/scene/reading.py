@@ -19,11 +19,16 @@ _SHOWN = 60  # characters of a value that a message shows
 
 
 class SceneError(ValueError):
-    """A scene that cannot be used: one line naming the file, the key, the value and what is allowed."""
+    """A scene that cannot be used: one line naming the file, the key, the value and what is allowed.
 
-    def __init__(self, message: str) -> None:
+    Attributes:
+        place: the path of the key in the scene file; empty if it is not known.
+    """
+
+    def __init__(self, message: str, place: Place = ()) -> None:
         """Keep the message to one line, whatever names and values it quotes."""
         super().__init__(" ".join(message.splitlines()))
+        self.place = place
 
 
 class SceneWarning(UserWarning):
@@ -122,7 +127,7 @@ class Reader:
             raise self._refusal(path, data, "a table")
         for name in data:
             if name not in table.__dataclass_fields__:
-                raise SceneError(self._unknown(table, path, name))
+                raise SceneError(self._unknown(table, path, name), (*path, name))
         values: dict[str, Any] = {}
         scope = dict(known)
         for entry in fields(table):
@@ -133,7 +138,7 @@ class Reader:
                 value = rule.get("default", {})  # a table has no default but those of its keys
             if value is MISSING:
                 meaning = "" if rule["description"] == entry.name else f" ({rule['description']})"
-                raise SceneError(f"{self.label(where)} is missing{meaning}")
+                raise SceneError(f"{self.label(where)} is missing{meaning}", where)
             if isinstance(value, Derived):
                 value = value.value(scope)
             # what is None still is not there, such as a wall
@@ -156,7 +161,8 @@ class Reader:
         result = _convert(kind, in_radians(value, rule["unit"]))
         if result is None or not keeps(result, rule):
             needed = allowed(kind, rule) + or_degrees(rule["unit"])
-            raise self._refusal(path, value, needed + (decimal_comma(value) if kind is not str else ""))
+            meant = decimal_comma(value) if kind is not str else nearest_choice(value, rule["choices"])
+            raise self._refusal(path, value, needed + meant)
         return result
 
     def _list(
@@ -165,17 +171,18 @@ class Reader:
         item, *rest = get_args(kind)
         length = len(known["chain"].links) if rule["per_link"] else None if ... in rest else 1 + len(rest)
         if isinstance(value, Mapping) and is_dataclass(item):
-            raise SceneError(self._one_table(item, value, path))
+            raise SceneError(self._one_table(item, value, path), path)
         if isinstance(value, list | tuple) and length not in (None, len(value)):
             needed = f"has {len(value)} value{'s' * (len(value) != 1)}, must have {length}"
             each = ", one for each link" if rule["per_link"] else ""
-            raise SceneError(f"{self.label(path)} {needed}{each} ({rule['description']})")
+            raise SceneError(f"{self.label(path)} {needed}{each} ({rule['description']})", path)
         if not isinstance(value, list | tuple):
             expected = "" if length is None else f", expected length {length} ({rule['description']})"
             raise self._refusal(path, value, f"a list{expected}")
         least, most = rule["entries"] or (0, math.inf)
         if not least <= len(value) <= most:
-            raise SceneError(f"{self.label(path)} has {len(value)} entries, must have {least} to {most}")
+            needed = f"has {len(value)} entries, must have {least} to {most}"
+            raise SceneError(f"{self.label(path)} {needed}", path)
         return tuple(self._value(item, rule, one, (*path, i), known) for i, one in enumerate(value))
 
     def _tables(self, kind: Any, value: Any, path: Place, known: Mapping[str, Any]) -> dict[str, Any]:
@@ -186,7 +193,7 @@ class Reader:
 
     def _refusal(self, path: Place, value: Any, needed: str) -> SceneError:
         where = self.label(path) if path else "scene"
-        return SceneError(f"{where} = {shown(value)} must be {needed}")
+        return SceneError(f"{where} = {shown(value)} must be {needed}", path)
 
     def _unknown(self, table: Any, path: Place, name: Any) -> str:
         """Name the key most like `name`: of the same table, else of another one; else all of this table."""
@@ -237,6 +244,12 @@ def decimal_comma(value: Any) -> str:
     """What to say of text for a number that has a decimal comma; else nothing."""
     found = re.match(r"\s*([+-]?\d+),(\d+)", value) if isinstance(value, str) else None
     return f"; a number has a decimal point: {found[1]}.{found[2]}" if found else ""
+
+
+def nearest_choice(value: Any, choices: Iterable[str] | None) -> str:
+    """What to say of text that is none of the choices: which of them is like it, if one is; else nothing."""
+    near = nearest(value, choices or ()) if isinstance(value, str) else None
+    return f"; the nearest is {near}" if near else ""
 
 
 def shown(value: Any) -> str:

@@ -21,6 +21,7 @@ from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.scene import checks, friction, scene_text, stops
 from chain_impact.scene.half_planes import HalfPlane, half_planes
 from chain_impact.scene.limits import quantity
+from chain_impact.scene.lines import fault_hint, line_of
 from chain_impact.scene.models import SCENE_FILE, model_names, scene_path
 from chain_impact.scene.names import STOPS, Place, name_of, parameter_hint, place_in_file
 from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, keys_of, shown
@@ -38,7 +39,7 @@ from chain_impact.scene.tables import (
     Stops,
     Wall,
 )
-from chain_impact.scene.text_file import comma_in, text_of
+from chain_impact.scene.text_file import text_of
 
 SceneSource: TypeAlias = "Scene | str | os.PathLike[str]"
 """A scene, or what ``load_scene`` takes."""
@@ -50,6 +51,10 @@ class Scene:
 
     name: str = quantity("", "model name", matching=IDENTIFIER)
     description: str = quantity("", "what the scene shows", "", matching=XML_TEXT)
+    author: str = quantity("", "who has made the model, for its FMU", "", matching=XML_TEXT)
+    copyright: str = quantity("", "copyright of the model, for its FMU", "", matching=XML_TEXT)
+    license: str = quantity("", "license of the model, for its FMU", "", matching=XML_TEXT)
+    version: str = quantity("", "version of the model, for its FMU", "", matching=XML_TEXT)
     gravity: tuple[float, float] = quantity("m/s2", "acceleration of gravity", (0.0, -9.81))
     chain: Chain
     box: Box
@@ -155,8 +160,14 @@ def parse_scene(text: str, source: str) -> Scene:
     try:
         data = tomllib.loads(text.removeprefix("\ufeff"))
     except (ValueError, RecursionError) as error:  # also Python's own limits on digits and nesting
-        raise SceneError(f"{source}: not valid TOML: {error}{comma_in(text, str(error))}") from None
-    return scene_from_dict(data, source)
+        raise SceneError(f"{source}: not valid TOML: {error}{fault_hint(text, str(error))}") from None
+    try:
+        return scene_from_dict(data, source)
+    except SceneError as error:
+        line = line_of(text, error.place)
+        if line is None:
+            raise
+        raise SceneError(f"{error} (at line {line})", error.place) from None
 
 
 def scene_from_dict(data: Mapping[str, Any], source: str) -> Scene:
@@ -193,7 +204,7 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
         checks.check_start(scene)
         stops.check_joint_angles(scene)
     except SceneError as error:
-        raise SceneError("; ".join([f"{source}: {error}", *hints])) from None
+        raise SceneError("; ".join([f"{source}: {error}", *hints]), error.place) from None
     return scene
 
 

@@ -25,6 +25,7 @@ from chain_impact.kernel.tangent.trust import (
     REASONS_OF_FRICTION,
     TRUSTED,
 )
+from chain_impact.results.equality import same
 from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.joint_stops import at_stop, what
 from chain_impact.scene.names import Place
@@ -214,7 +215,7 @@ class RowsWithSlopes:
         return instance.follow_trajectory(times, self.numbers[place], self.slopes[place])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Differentiated:
     """The outputs of a run, with derivatives with respect to its P parameters.
 
@@ -226,6 +227,9 @@ class Differentiated:
         status: 0 if there is no fault, see ``chain_impact.kernel.status``.
         limits: sentences: from when on derivatives are NaN, and why.
     """
+
+    __eq__ = same
+    __hash__ = None  # type: ignore[assignment]
 
     values: np.ndarray
     slopes: np.ndarray

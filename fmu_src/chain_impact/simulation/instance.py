@@ -25,6 +25,7 @@ from chain_impact.variables.variable import Variable
 # words at the start of a record: the numbers of links, candidates, elements and instances of dual numbers
 SIZES = 4
 CHUNK_ROWS, CHUNK_BYTES = 5000, 8_000_000  # that the kernel fills at once, at most
+SCRATCH_BYTES = 400_000  # of rows of which some words are kept: so few stay in the processor's cache
 
 
 class SimulationError(RuntimeError):
@@ -82,16 +83,23 @@ class OutputRows:
             named = np.dtype([(name, np.float64) for name in words])
             self.kept = self.numbers.view(named)[:, 0] if words else np.zeros(count, named)
             self.words = np.array(list(words.values()), int)
-            self._scratch = np.zeros(min(count, self.at_once), layout)
+            self._scratch = np.zeros(max(1, min(count, SCRATCH_BYTES // layout.itemsize)), layout)
+            self._written = self._scratch.view(np.float64).reshape(len(self._scratch), -1)
 
     def fill(self, instance: Instance, times: np.ndarray, start: int) -> int:
         """See ``Rows``."""
         if self._scratch is None:  # the kernel writes the rows as they are kept
             return instance.trajectory(times, self.kept[start : start + len(times)])
-        count = instance.trajectory(times, self._scratch)
-        written = self._scratch.view(np.float64).reshape(len(self._scratch), -1)
-        self.numbers[start : start + count] = written[:count, self.words]
-        return count
+        done = 0
+        while done < len(times):
+            part = times[done : done + len(self._scratch)]
+            count = instance.trajectory(part, self._scratch)
+            first = start + done
+            self.numbers[first : first + count] = self._written[:count, self.words]
+            done += count
+            if count < len(part):  # a fault
+                break
+        return done
 
 
 class Instance:

@@ -116,7 +116,8 @@ def simulate(
     chosen = None if output is None else model.outputs_named(output)
     words = None
     if chosen is not None:
-        words = {one.name: model.columns[one.name] for one in chosen if one.name in model.columns}
+        observed = [one for one in chosen if one.place[0] == "output"]
+        words = {one.name: word_index(model.row, one.place[1:]) for one in observed}
     columns = (model.row.itemsize // WORD if words is None else len(words)) * (1 + len(varied))
     check_size(scene.name, stop, step, columns)
     driven = drive(model, inputs or {}, interpolation, _times(stop, step))
@@ -278,8 +279,8 @@ def with_law(scene: SceneSource, law: Callable[..., float]) -> Scene:
     Args:
         scene: a scene, or what ``load_scene`` takes.
         law: a function that returns the force [N], as in a ``contact.law_file``. Its source, which has to be
-            known, is kept as a file in the cache folder. It knows the module ``math`` and nothing else that
-            is defined outside it.
+            known, is kept as a file in the cache folder, which ``Fit.save`` copies to the scene that it
+            writes. It knows the module ``math`` and nothing else that is defined outside it.
 
     Raises:
         SceneError: when it cannot be a law.

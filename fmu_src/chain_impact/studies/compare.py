@@ -13,6 +13,7 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify, Progress, silent
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
+from chain_impact.results.equality import same
 from chain_impact.results.joint_stops import at_stop
 from chain_impact.results.recording import written_whole
 from chain_impact.results.result import Result
@@ -41,7 +42,7 @@ NO_FRICTION = {"friction": 0.0, "static_friction": 0.0}  # a free impact has no 
 HEIGHT = 1e-3  # m, from which the mass of a free impact flies to the wall
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LawRun:
     """The result of one law.
 
@@ -65,6 +66,9 @@ class LawRun:
         note: why there is no result or not all of it, or a remark.
         result: the simulation, if there is one.
     """
+
+    __eq__ = same
+    __hash__ = None  # type: ignore[assignment]
 
     law: str
     exponent: float
@@ -91,7 +95,7 @@ class LawRun:
         return self.result.statistics["steps"] if self.result else 0
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Comparison:
     """All laws on one scene, or some of them. Printed, it is a table with a line for each, and the advice.
 
@@ -100,6 +104,9 @@ class Comparison:
         reference: id of the law whose impacts the others are compared with.
         runs: one for each law, in the order of the registry, then the scene's own law if it has one.
     """
+
+    __eq__ = same
+    __hash__ = None  # type: ignore[assignment]
 
     scene: Scene
     reference: str
@@ -335,14 +342,14 @@ def free_impact(contact: Contact, mass: float, speed: float, notify: Notify | No
     """The impact of a point mass [kg] at a speed [m/s], with no other force: a row of ``Result.impacts``.
 
     Raises:
-        SceneError: when mass or speed are out of range.
+        SceneError: when mass or speed are out of range, or there is no impact until the end of the run.
         SimulationError: when the solver cannot go on.
         BuildError: when the kernel cannot be compiled.
     """
     link = {"length": 1.0, "mass": mass, "center_of_mass": 0.0, "inertia": 1.0}
     n, k = contact.exponent, contact.stiffness
     depth = (0.5 * mass * speed**2 * (n + 1.0) / k) ** (1.0 / (n + 1.0))
-    stop = HEIGHT / speed + LONGEST * depth / speed
+    stop = (2.0 * HEIGHT + LONGEST * depth) / speed  # also where the depth is lost beside the height
     data = {
         "name": "FreeImpact",
         "gravity": [0.0, 0.0],
@@ -352,8 +359,11 @@ def free_impact(contact: Contact, mass: float, speed: float, notify: Notify | No
         "initial": {"position": [0.0, HEIGHT], "angles": [0.0], "velocity": [0.0, -speed]},
         "simulation": {"stop_time": stop, "step_size": stop},
     }
-    impact: np.void = simulate(scene_from_dict(data, "free impact"), notify=notify).impacts[0]
-    return impact
+    impacts = simulate(scene_from_dict(data, "free impact"), notify=notify).impacts
+    if not len(impacts):
+        raise SceneError(f"free impact: there is none of {mass:g} kg at {speed:g} m/s within {stop:g} s")
+    first: np.void = impacts[0]
+    return first
 
 
 def realised_restitution(

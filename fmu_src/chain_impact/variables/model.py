@@ -51,6 +51,12 @@ class Model:
         self.layout = _layout(links, pairs, links + pairs if scene.has_friction else 0)
         self.row: np.dtype = self.layout["output"]
 
+    def __eq__(self, other: object) -> bool:
+        """Whether it is the model of an equal scene."""
+        return self.scene == other.scene if isinstance(other, Model) else NotImplemented
+
+    __hash__ = None  # type: ignore[assignment]
+
     def __reduce__(self) -> tuple[type[Model], tuple[Scene]]:
         """So that what follows from the scene does not go to another process."""
         return type(self), (self.scene,)
@@ -68,7 +74,12 @@ class Model:
     @cached_property
     def outputs(self) -> list[Variable]:
         """The outputs of the FMU, but for derivatives."""
-        return list(all_outputs(self.scene))
+        return list(self._own_outputs.values())
+
+    @cached_property
+    def _own_outputs(self) -> dict[str, Variable]:
+        """The outputs of the FMU, but for derivatives, by their names."""
+        return all_outputs(self.scene)
 
     @cached_property
     def outputs_by_name(self) -> dict[str, Variable]:
@@ -164,7 +175,9 @@ class Model:
         Raises:
             UnknownNameError: when there is none of a name, or like a pattern.
         """
-        there = {variable.name: variable for variable in self.outputs}
+        if not wanted:
+            return []
+        there = self._own_outputs
         return [there[name] for name in self._named(wanted, there, "no output")]
 
     def columns_named(self, wanted: str | Iterable[str]) -> dict[str, int]:

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
 
 from chain_impact.kernel.status import FRICTION_WITH_RIGID_WALLS, STATUS_TEXT
 from chain_impact.scene.candidates import point_wall_pairs, stop_pairs
 from chain_impact.scene.names import AXES
 from chain_impact.scene.scene import Scene
+from chain_impact.scene.tables import Inputs, Outputs
 from chain_impact.variables.variable import OBSERVED, Variable
 
+SHAPES = 64  # of scenes, whose outputs are kept
 OWNERS = {
     **dict.fromkeys(("point_position", "point_velocity", "point_acceleration"), "point"),
     **dict.fromkeys(("angle", "angular_velocity", "angular_acceleration"), "link"),
@@ -47,56 +51,113 @@ def _output(
     )
 
 
-def all_outputs(scene: Scene) -> Iterator[Variable]:
-    """The outputs that the scene asks for, with those of its candidates."""
-    asked = scene.outputs
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shape:
+    """All of a scene that its outputs depend on: scenes of one shape have the same outputs.
+
+    Attributes:
+        links: how many.
+        pinned: whether the base is.
+        pairs: the pairs of a point and a wall that can touch.
+        stops: the stops, as such pairs of a joint and a wall.
+        wall_names: as of the scene.
+        contact_friction: whether a contact may have dry friction.
+        friction_joints: the joints with dry friction.
+        asked: which outputs the scene asks for.
+        inputs: which inputs it has.
+    """
+
+    links: int
+    pinned: bool
+    pairs: tuple[tuple[int, int], ...]
+    stops: tuple[tuple[int, int], ...]
+    wall_names: tuple[str, ...]
+    contact_friction: bool
+    friction_joints: tuple[int, ...]
+    asked: Outputs
+    inputs: Inputs
+
+    @property
+    def has_friction(self) -> bool:
+        """Whether a contact or a joint may have dry friction."""
+        return self.contact_friction or bool(self.friction_joints)
+
+
+def shape_of(scene: Scene) -> Shape:
+    """The shape of a scene."""
+    return Shape(
+        links=len(scene.chain.links),
+        pinned=scene.chain.base == "pinned",
+        pairs=tuple(point_wall_pairs(scene)),
+        stops=() if scene.stops.exponent is None else tuple(stop_pairs(scene)),
+        wall_names=scene.wall_names,
+        contact_friction=scene.has_contact_friction,
+        friction_joints=scene.friction_joints,
+        asked=scene.outputs,
+        inputs=scene.inputs,
+    )
+
+
+def all_outputs(scene: Scene) -> dict[str, Variable]:
+    """The outputs that the scene asks for, by their names, those of its candidates too. They are kept."""
+    return _of_shape(shape_of(scene))
+
+
+@lru_cache(SHAPES)
+def _of_shape(shape: Shape) -> dict[str, Variable]:
+    """The outputs of all scenes of a shape, made once: that takes as long as a short simulation."""
+    return {variable.name: variable for variable in _outputs(shape)}
+
+
+def _outputs(shape: Shape) -> Iterator[Variable]:
+    asked = shape.asked
     if asked.points:
-        yield from _points(scene)
+        yield from _points(shape)
     if asked.links:
-        yield from _links(scene)
+        yield from _links(shape)
     if asked.contacts:
-        yield from _contacts(scene)
-        yield from _stops(scene)
-        yield from _joint_friction(scene)
+        yield from _contacts(shape)
+        yield from _stops(shape)
+        yield from _joint_friction(shape)
     if asked.energies:
-        yield from _energies(scene)
-    yield from _last_impact(scene)
-    yield from _latest_impacts(scene)
+        yield from _energies(shape)
+    yield from _last_impact(shape)
+    yield from _latest_impacts(shape)
     if asked.solver:
-        yield from _statistics(scene)
+        yield from _statistics(shape)
 
 
-def _points(scene: Scene) -> Iterator[Variable]:
+def _points(shape: Shape) -> Iterator[Variable]:
     vectors = (("position", "", "m"), ("velocity", "v", "m/s"), ("acceleration", "a", "m/s2"))
-    for k in range(len(scene.chain.links) + 1):
-        held = k == 0 and scene.chain.base == "pinned"
+    for k in range(shape.links + 1):
+        held = k == 0 and shape.pinned
         for quantity, prefix, unit in vectors:
             for j, axis in enumerate(AXES):
                 name, text = f"point[{k}].{prefix}{axis}", f"point {k}: {axis} of the {quantity}"
                 yield _output(name, unit, text, "output", f"point_{quantity}", k, j, held=held)
 
 
-def _links(scene: Scene) -> Iterator[Variable]:
+def _links(shape: Shape) -> Iterator[Variable]:
     rotations = (
         ("angle", "rad", "angle, absolute, from +x"),
         ("angular_velocity", "rad/s", "angular velocity, absolute"),
         ("angular_acceleration", "rad/s2", "angular acceleration, absolute"),
     )
-    for i in range(len(scene.chain.links)):
+    for i in range(shape.links):
         for quantity, unit, text in rotations:
             yield _output(f"link[{i + 1}].{quantity}", unit, f"link {i + 1}: {text}", "output", quantity, i)
 
 
-def _contacts(scene: Scene) -> Iterator[Variable]:
+def _contacts(shape: Shape) -> Iterator[Variable]:
     touches = (
         ("force", "N", "force of the wall, along its normal"),
         ("penetration", "m", "penetration, 0 when apart"),
         ("penetration_rate", "m/s", "rate of penetration, positive when closing, 0 when apart"),
         ("impulse", "N.s", "impulse of the wall since the start, along its normal"),
     )
-    rubs = scene.has_contact_friction
-    for c, (point, number) in enumerate(point_wall_pairs(scene)):
-        wall = scene.wall_names[number]
+    rubs = shape.contact_friction
+    for c, (point, number) in enumerate(shape.pairs):
+        wall = shape.wall_names[number]
         for quantity, unit, text in touches:
             name, where = f"contact[{point}].{wall}.{quantity}", f"point {point} at {wall}"
             least = 0.0 if quantity == "penetration" else None
@@ -117,9 +178,9 @@ def _contact_friction(name: str, where: str, c: int) -> Iterator[Variable]:
     yield _sticking(name, where, "sticking", c)
 
 
-def _joint_friction(scene: Scene) -> Iterator[Variable]:
+def _joint_friction(shape: Shape) -> Iterator[Variable]:
     """The dry friction in joints."""
-    for joint in scene.friction_joints:
+    for joint in shape.friction_joints:
         name, where = f"joint[{joint}]", f"joint {joint}"
         text = f"{where}: moment of dry friction on link {joint}"
         place = ("output", "friction", "joint_moment", joint - 1)
@@ -134,7 +195,7 @@ def _sticking(name: str, where: str, field: str, index: int) -> Variable:
     return _output(f"{name}.sticking", "1", text, *place, minimum=0.0, maximum=1.0)
 
 
-def _stops(scene: Scene) -> Iterator[Variable]:
+def _stops(shape: Shape) -> Iterator[Variable]:
     """The outputs of each joint with a stop: the kernel puts them in the place of its first candidate."""
     touches = (
         ("force", "stop_moment", "N.m", "moment of its stops, positive at joint_min"),
@@ -142,7 +203,7 @@ def _stops(scene: Scene) -> Iterator[Variable]:
         ("impulse", "stop_impulse", "N.m.s", "impulse of its stops since the start, positive at joint_min"),
     )
     first: dict[int, int] = {}
-    for c, (joint, _) in enumerate(stop_pairs(scene), len(point_wall_pairs(scene))):
+    for c, (joint, _) in enumerate(shape.stops, len(shape.pairs)):
         first.setdefault(joint, c)
     for joint, c in first.items():
         for quantity, key, unit, text in touches:
@@ -151,7 +212,7 @@ def _stops(scene: Scene) -> Iterator[Variable]:
             yield _output(name, unit, f"joint {joint}: {text}", "output", quantity, c, minimum=least)
 
 
-def _energies(scene: Scene) -> Iterator[Variable]:
+def _energies(shape: Shape) -> Iterator[Variable]:
     texts = {
         "kinetic": "kinetic energy",
         "potential": "potential energy of gravity, zero at the origin",
@@ -160,19 +221,19 @@ def _energies(scene: Scene) -> Iterator[Variable]:
         "supplied": "energy supplied by the inputs since the start",
         "total": "kinetic, potential and elastic energy",
     }
-    if not (scene.inputs.joint_torques or scene.inputs.tip_force):
+    if not (shape.inputs.joint_torques or shape.inputs.tip_force):
         del texts["supplied"]
-    if scene.has_friction:
+    if shape.has_friction:
         texts["dissipated"] = "energy lost in contacts, joint damping and dry friction since the start"
     for key, text in texts.items():
         yield _output(f"energy.{key}", "J", text, "output", key, minimum=0.0 if key == "kinetic" else None)
-    if scene.has_friction:
+    if shape.has_friction:
         text = "energy lost in dry friction since the start, part of energy.dissipated"
         yield _output("energy.friction", "J", text, "output", "friction", "dissipated")
 
 
-def _last_impact(scene: Scene) -> Iterator[Variable]:
-    walls, of_stop = _wall_numbers(scene), _of_stops(scene)
+def _last_impact(shape: Shape) -> Iterator[Variable]:
+    walls, of_stop = _wall_numbers(shape), _of_stops(shape)
     texts = {
         "count": ("", "impacts since the start"),
         "last_time": ("s", "time of the last impact, of the start before the first"),
@@ -182,8 +243,8 @@ def _last_impact(scene: Scene) -> Iterator[Variable]:
     }
     limits = {
         "count": (0, None),
-        "last_point": (-1, len(scene.chain.links)),
-        "last_wall": (0, len(scene.wall_names)),
+        "last_point": (-1, shape.links),
+        "last_wall": (0, len(shape.wall_names)),
         "last_speed": (0.0, None),
     }
     for key, (unit, text) in texts.items():
@@ -191,12 +252,12 @@ def _last_impact(scene: Scene) -> Iterator[Variable]:
         yield _output(f"impact.{key}", unit, text, "impact", key, minimum=least, maximum=most)
 
 
-def _latest_impacts(scene: Scene) -> Iterator[Variable]:
-    walls, of_stop = _wall_numbers(scene), _of_stops(scene)
+def _latest_impacts(shape: Shape) -> Iterator[Variable]:
+    walls, of_stop = _wall_numbers(shape), _of_stops(shape)
     quantities = (
         ("time", "s", "time of its onset, 0 if there is none", None, None),
-        ("point", "", f"point, -1 if there is none{of_stop['point']}", -1, len(scene.chain.links)),
-        ("wall", "", f"wall: 0 if there is none, {walls}", 0, len(scene.wall_names)),
+        ("point", "", f"point, -1 if there is none{of_stop['point']}", -1, shape.links),
+        ("wall", "", f"wall: 0 if there is none, {walls}", 0, len(shape.wall_names)),
         ("speed", "m/s", f"approach speed at its onset{of_stop['speed']}", 0.0, None),
         ("end", "s", "time of its end, the present time if it lasts", None, None),
         (
@@ -216,14 +277,14 @@ def _latest_impacts(scene: Scene) -> Iterator[Variable]:
         ("max_penetration", "m", f"largest penetration so far{of_stop['penetration']}", 0.0, None),
         ("impulse", "N.s", f"impulse of the wall so far{of_stop['impulse']}", None, None),
     )
-    for j in range(scene.outputs.impacts):
+    for j in range(shape.asked.impacts):
         of = "latest impact" if j == 0 else f"latest impact but {j}"
         for key, unit, text, least, most in quantities:
             name = f"impact[{j + 1}].{key}"
             yield _output(name, unit, f"{of}: {text}", "latest", key, j, minimum=least, maximum=most)
 
 
-def _of_stops(scene: Scene) -> dict[str, str]:
+def _of_stops(shape: Shape) -> dict[str, str]:
     """What the quantities of an impact are of a stop, in words; nothing for a scene without stops."""
     texts = {
         "point": "; of a stop its joint",
@@ -232,22 +293,22 @@ def _of_stops(scene: Scene) -> dict[str, str]:
         "penetration": "; of a stop the angle in rad",
         "impulse": "; of a stop in N.m.s",
     }
-    return texts if scene.stops.exponent is not None else dict.fromkeys(texts, "")
+    return texts if shape.stops else dict.fromkeys(texts, "")
 
 
-def _wall_numbers(scene: Scene) -> str:
+def _wall_numbers(shape: Shape) -> str:
     """The numbers of the walls in words.
 
     They are integers and no enumeration: importers count those from 1, with no room for "none".
     """
-    return ", ".join(f"{w} {wall}" for w, wall in enumerate(scene.wall_names, 1))
+    return ", ".join(f"{w} {wall}" for w, wall in enumerate(shape.wall_names, 1))
 
 
-def _statistics(scene: Scene) -> Iterator[Variable]:
+def _statistics(shape: Shape) -> Iterator[Variable]:
     statuses = {
         code: text
         for code, text in STATUS_TEXT.items()
-        if code != FRICTION_WITH_RIGID_WALLS or scene.has_contact_friction
+        if code != FRICTION_WITH_RIGID_WALLS or shape.contact_friction
     }
     listed = "; ".join(f"{code} {text}" for code, text in statuses.items())
     texts = {

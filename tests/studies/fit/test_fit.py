@@ -1,11 +1,13 @@
 """Fits from end to end: values, intervals, several data sets, bounds, what is left out."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from chain_impact import fit, load_scene, simulate
+from chain_impact import SceneError, fit, load_scene, simulate
+from chain_impact.studies.fit.fit import _not_random
 from tests.measurements import FREE, NOISE, TIP, TRUE, impacts, motion, scene
 from tests.refusal import refusal
 
@@ -195,6 +197,38 @@ def test_residuals_that_are_no_noise_are_said():
     assert said.startswith(
         "Neighbouring residuals are correlated, so they are not only noise: point[4].y (0.9"
     )
+
+
+def test_the_last_residual_of_a_data_set_is_no_neighbour_of_the_next_ones_first():
+    def said(residuals):
+        """What is said of residuals with a row for each data set."""
+        count = residuals.size
+        made = SimpleNamespace(
+            data=[[0.0] * len(row) for row in residuals],
+            residuals=residuals.ravel(),
+            sigma=np.ones(count),
+            used=np.full(count, True),
+            columns={"point[1].y": np.full(count, True)},
+        )
+        return list(_not_random(made))
+
+    grows = np.linspace(-1.0, 1.0, 40)
+    assert said(grows.reshape(40, 1)) == [], "single values have no neighbours"
+    assert said(np.stack([grows, -grows], axis=1)) == [], "within a data set they differ"
+    assert len(said(grows.reshape(4, 10))) == len(said(grows.reshape(1, 40))) == 1
+
+
+@pytest.mark.parametrize("free", [["contact.restitution"], list(FREE)])
+def test_data_in_another_unit_of_time_are_asked_about(free):
+    columns, _ = motion(2.0, count=40)
+    columns["time"] = 1e3 * columns["time"]
+    try:
+        notes = fit(START, columns, free).notes
+    except SceneError as error:
+        notes = [str(error)]
+    asked = "data lasts 2000 s, 1000 times as long as the scene, 2 s: is its time in s, and not in ms?"
+    assert any(asked in note for note in notes)
+    assert not any("bound" in note for note in notes)
 
 
 def test_an_input_can_be_free():

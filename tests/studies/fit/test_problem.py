@@ -122,11 +122,13 @@ def test_a_scene_that_cannot_start_is_refused(monkeypatch):
 
 
 def test_bounds_that_are_reached():
-    """Within a hundredth of a standard error, or of round-off where both bounds are known."""
+    """Within a hundredth of a standard error and of the way, or of round-off where both bounds are known."""
     columns, _ = motion(0.3, count=5)
     one = problem([columns], [scene()], ["contact.restitution", "link[1].joint_damping", "initial.x"])
     place = np.array([0.7, 1e-7, 0.5])
     assert one.bounds_reached(place, np.array([0.01, 1e-8, np.inf])) == {}
     assert one.bounds_reached(place, np.array([0.01, 1e-4, np.inf])) == {1: "lower"}
-    assert one.bounds_reached(place, np.array([100.0, np.inf, 1.0])) == {0: "lower"}
+    assert one.bounds_reached(place, np.array([1e17, np.inf, 1.0])) == {}, "nothing is known of it"
+    near = np.array([1e-3, 1e-7, 0.5])
+    assert one.bounds_reached(near, np.array([100.0, np.inf, 1.0])) == {0: "lower"}
     assert one.bounds_reached(np.array([1.0 - 1e-12, 1e-7, 0.5]), np.full(3, 1e-20)) == {0: "upper"}

@@ -1,8 +1,10 @@
 """Scenes as files that keep what they can of the file that they came from."""
 
+import shutil
+
 import pytest
 
-from chain_impact import load_scene, model_names
+from chain_impact import SceneError, load_scene, model_names, with_law
 from chain_impact.scene.scene import parse_scene, scene_path
 from chain_impact.studies.fit.scene_file import updated, write_scene
 
@@ -96,6 +98,36 @@ def test_a_law_of_ones_own_is_found_from_another_folder(tmp_path):
     write_scene(scene, tmp_path / "deep" / "fitted.toml", tmp_path / "ball.toml")
     assert load_scene(tmp_path / "deep" / "fitted.toml").contact.stiffness == 2e7
     assert 'law_file = "../spring.py"' in (tmp_path / "deep" / "fitted.toml").read_text()
+
+
+def springy(penetration, stiffness):
+    """A spring."""
+    return stiffness * penetration
+
+
+@pytest.mark.parametrize("like", [None, "ball.toml"])
+def test_a_law_that_only_the_cache_has_is_written_beside_the_scene(tmp_path, monkeypatch, like):
+    monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
+    (tmp_path / "ball.toml").write_text(TEXT)
+    scene, file = with_law(load_scene(tmp_path / "ball.toml"), springy), tmp_path / "fitted.toml"
+    write_scene(scene, file, like and tmp_path / like)
+    shutil.rmtree(tmp_path / "cache")
+    loaded = load_scene(file)
+    assert loaded.contact.law_file == str(tmp_path / "springy.py")
+    assert loaded == scene.with_values({"contact.law_file": str(tmp_path / "springy.py")})
+    assert 'law_file = "springy.py"' in file.read_text()
+
+
+def test_the_file_of_another_law_is_not_replaced(tmp_path, monkeypatch):
+    monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path / "cache"))
+    scene, taken = with_law(parse_scene(TEXT, "ball.toml"), springy), tmp_path / "springy.py"
+    write_scene(scene, tmp_path / "one.toml")
+    write_scene(scene, tmp_path / "two.toml")  # the same law may be there
+    taken.write_text("mine")
+    with pytest.raises(SceneError, match=r"springy\.py: is another file than the contact law springy"):
+        write_scene(scene, tmp_path / "three.toml")
+    assert taken.read_text() == "mine"
+    assert not (tmp_path / "three.toml").exists()
 
 
 STOPPED = """

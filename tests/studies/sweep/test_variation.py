@@ -66,7 +66,7 @@ def test_intervals():
         ("contact.stiffness", "1:log", "must be a list"),
         ("contact.stiffness", [], "must be a list"),
         ("contact.model", "1:3:3", "must be a list of choices"),
-        ("contact.model", "florez", "must be one of 1"),
+        ("contact.model", "florez", "must be one of 1 .*; the nearest is flores$"),
         ("contact.model", "19", "= 19 must be one of 1"),
         ("contact.model", "1.5", "= 1.5 must be one of 1"),
         ("simulation.stop_time", "0,1", "= 0 must be a finite number > 0"),

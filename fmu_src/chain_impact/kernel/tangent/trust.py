@@ -33,7 +33,7 @@ REASONS = {
 
 REASONS_AT_STOPS = REASONS | {
     GRAZING: "its joint reaches the stop so slowly that the tolerance leaves open whether it does so at all",
-    AT_FLOOR: "its joint's speed is below stops.minimum_impact_speed, which the contact law takes instead",
+    AT_FLOOR: "its joint's speed is below stop.minimum_impact_speed, which the contact law takes instead",
     SIMULTANEOUS: "several contacts begin at one moment, and what follows depends on which is first",
     JUMP: "the moment of its contact law jumps where the joint turns back",
 }

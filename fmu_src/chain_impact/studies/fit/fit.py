@@ -27,7 +27,8 @@ from chain_impact.studies.fit.unknown import unknown
 VISIBLE = 0.01  # mean square of residuals in standard deviations; smaller ones do not matter
 LARGEST = 700.0  # whose exponential is a number
 FEW = 10  # values of a column, below which its standard deviation is estimated roughly
-ALIKE = 2.0  # correlation of neighbours times √n, which chance exceeds in 2 % of all cases
+ALIKE = 2.0  # correlation of neighbours times √n of n pairs, which chance exceeds in 2 % of all cases
+LONG = 100.0  # times the scene's stop time: data that last so long may have their time in another unit
 
 
 def fit(
@@ -74,6 +75,7 @@ def fit(
     """
     require("scipy", "fit")
     scene, progress = scene_of(scene), progress or silent
+    usual = scene.simulation.stop_time
     if stop_time is not None:
         scene = scene.with_values({"simulation.stop_time": stop_time})
     for name, value in (sigma or {}).items():
@@ -91,12 +93,16 @@ def fit(
         if late
         else []
     )
+    remarks = [*_long(usual, whole), *beyond]
     _check_sigma(scene, sigma or {}, measured)
 
     def one(scenes: Sequence[Scene], progress: Progress) -> Fit:
         parameters = parameters_of(scenes, free, free_each, bounds or {})
-        found = _fit(Problem(scenes, measured, parameters, notify), progress)
-        return replace(found, notes=(*beyond, *found.notes))
+        try:
+            found = _fit(Problem(scenes, measured, parameters, notify), progress)
+        except SceneError as error:
+            raise SceneError("; ".join([str(error), *remarks])) from None
+        return replace(found, notes=(*remarks, *found.notes))
 
     if laws:
         from chain_impact.studies.fit.laws import rank
@@ -194,6 +200,17 @@ def _scenes(scene: Scene, count: int, set_each: Mapping[str, Sequence[float]]) -
     ]
 
 
+def _long(stop_time: float, data: Sequence[Measurements]) -> Iterator[str]:
+    """A question where data last far longer than the scene, until its stop time [s]."""
+    for one in data:
+        last = float(np.nanmax(one.order, initial=0.0))
+        if last >= LONG * stop_time:
+            yield (
+                f"{one.source} lasts {last:g} s, {last / stop_time:.0f} times as long as the scene, "
+                f"{stop_time:g} s: is its time in s, and not in ms?"
+            )
+
+
 def _check_sigma(scene: Scene, sigma: Iterable[str], measured: Sequence[Measurements]) -> None:
     """Refuse a standard deviation of a column that is not there."""
     names = {name for one in measured for name in one.quantity}
@@ -268,16 +285,20 @@ def _notes(
 def _not_random(result: Fit) -> Iterator[str]:
     """Columns in which residuals are like their neighbours: the lag-1 correlation r has √n r > ALIKE.
 
-    Of independent residuals √n r has about the standard normal distribution (R. L. Anderson, Annals of
-    Mathematical Statistics 13 (1942) 1).
+    Neighbours are of one data set. Of independent residuals √n r of n pairs has about the standard normal
+    distribution (R. L. Anderson, Annals of Mathematical Statistics 13 (1942) 1).
     """
     found = []
+    data_set = np.repeat(np.arange(len(result.data)), [len(one) for one in result.data])
     for name, mine in result.columns.items():
-        residuals = (result.residuals / result.sigma)[mine & result.used]
-        squares = float(residuals @ residuals)
-        alike = float(residuals[1:] @ residuals[:-1]) / squares if squares > 0.0 else 0.0
-        visible = squares > VISIBLE * len(residuals)
-        if visible and math.sqrt(len(residuals)) * alike > ALIKE:
+        used = mine & result.used
+        residuals = (result.residuals / result.sigma)[used]
+        pairs = np.flatnonzero(np.diff(data_set[used]) == 0)
+        square = float((residuals**2).mean()) if len(pairs) else 0.0
+        if square <= VISIBLE:
+            continue
+        alike = float((residuals[pairs] * residuals[pairs + 1]).mean()) / square
+        if math.sqrt(len(pairs)) * alike > ALIKE:
             found.append(f"{name} ({alike:.2f})")
     if found:
         yield (

@@ -19,7 +19,7 @@ from chain_impact.studies.fit.data import DURATION, QUANTITIES, Measurements
 from chain_impact.studies.fit.parameters import Parameter
 
 SMALLEST = 1e-300  # so that a column of zeros has a size
-AT_BOUND = 0.01  # standard errors from a bound are at the bound, and so is
+AT_BOUND = 0.01  # standard errors from a bound are at the bound, if it is as near by the way to it; so is
 AT_BOUND_PART = 1e-9  # of the distance between both bounds
 LATE = 1.25  # how much later than measured an impact of the model may be, as a factor of its time
 
@@ -168,10 +168,20 @@ class Problem:
             place: on the scale of the search, shape (P,).
             errors: standard error of each with all others held, shape (P,).
         """
-        known = np.stack([AT_BOUND * errors, AT_BOUND_PART * (self.high - self.low)])
-        near = np.where(np.isfinite(known), known, 0.0).max(axis=0)
-        lower, upper = place - self.low <= near, self.high - place <= near
+        lower = place - self.low <= self._near(self.low, errors)
+        upper = self.high - place <= self._near(self.high, errors)
         return {int(p): "lower" if lower[p] else "upper" for p in np.flatnonzero(lower | upper)}
+
+    def _near(self, bounds: np.ndarray, errors: np.ndarray) -> np.ndarray:
+        """How far from its bound each parameter is at it, shape (P,).
+
+        That is a part of its standard error, but also of the way from the start to the bound: the standard
+        error of what the data do not tell is so large that all values would be near.
+        """
+        way = np.abs(self.start - bounds)
+        known = AT_BOUND * np.minimum(errors, np.where(way > 0.0, way, np.inf))
+        near = np.stack([np.where(np.isfinite(errors), known, 0.0), AT_BOUND_PART * (self.high - self.low)])
+        return np.asarray(np.where(np.isfinite(near), near, 0.0).max(axis=0))
 
     def fault(self, evaluation: Evaluation) -> str:
         """Why a model did not reach the end; empty if all did."""

@@ -7,8 +7,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from chain_impact.compilation import cache
 from chain_impact.extras import require
 from chain_impact.results.recording import written_whole
+from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, parse_scene, scene_to_dict
 from chain_impact.scene.text_file import text_of
 
@@ -16,7 +18,7 @@ PASSES = 3  # a default can follow from a value that was left to another default
 
 
 def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) -> None:
-    """Write a scene file.
+    """Write a scene file, and beside it the file of a law that only the cache has, as of ``with_law``.
 
     Args:
         scene: what it shall hold.
@@ -24,17 +26,19 @@ def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) 
         like: a scene file, of which all stays as it is but what differs; without, all keys are written.
 
     Raises:
-        SceneError: when the file that it is like holds no scene.
+        SceneError: when the file that it is like holds no scene, or another law is where its law would be.
         MissingExtraError: when tomlkit is not installed.
         OSError: when a file cannot be read or written.
     """
-    path = Path(path)
+    path, law = Path(path), scene.contact.law_file
     if like is None:
         text = require("tomlkit", "fit").dumps(scene_to_dict(scene))
     else:
         text = updated(text_of(Path(like)), scene, str(Path(like)))
-        if scene.contact.law_file and Path(like).parent.resolve() != path.parent.resolve():
-            text = _with_law_file(text, os.path.relpath(scene.contact.law_file, path.parent))
+    if law and cache.holds(Path(law)):
+        text = _with_law_file(text, _copied(Path(law), path.parent))
+    elif law and like is not None and Path(like).parent.resolve() != path.parent.resolve():
+        text = _with_law_file(text, os.path.relpath(law, path.parent))
     with written_whole(path) as fresh:
         fresh.write_text(text, encoding="utf-8")
 
@@ -50,6 +54,20 @@ def updated(text: str, scene: Scene, source: str) -> str:
             break
         text = _once(text, scene_to_dict(present), scene_to_dict(scene))
     return text
+
+
+def _copied(law: Path, folder: Path) -> str:
+    """Put the file of a law into a folder, unless it is there; return its name."""
+    copy, source = folder / law.name, law.read_bytes()
+    if not copy.exists():
+        with written_whole(copy) as fresh:
+            fresh.write_bytes(source)
+    elif copy.read_bytes() != source:
+        raise SceneError(
+            f"{copy}: is another file than the contact law {law.stem}, which has to be there beside the "
+            "scene: save the scene in another folder"
+        )
+    return law.name
 
 
 def _with_law_file(text: str, file: str) -> str:

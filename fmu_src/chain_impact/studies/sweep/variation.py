@@ -10,7 +10,7 @@ import numpy as np
 from chain_impact.scene.angles import in_radians, or_degrees, radians_hint
 from chain_impact.scene.checks import warn
 from chain_impact.scene.names import friction_hint
-from chain_impact.scene.reading import SceneError, UnknownNameError
+from chain_impact.scene.reading import SceneError, UnknownNameError, nearest_choice
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.model import Model, model_of
 from chain_impact.variables.variable import Variable
@@ -147,7 +147,7 @@ def _number(variable: Variable, value: object, source: str) -> float:
     try:
         return float(in_radians(value, variable.unit))
     except (TypeError, ValueError):
-        needed = variable.allowed + or_degrees(variable.unit)
+        needed = variable.allowed + or_degrees(variable.unit) + nearest_choice(value, names)
         raise SceneError(f"{source}: {variable.name} = {value} must be {needed}") from None
 
 

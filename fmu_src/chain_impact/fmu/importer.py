@@ -1,0 +1,154 @@
+"""fmpy as the importer of an FMU, in a process that is left as it was found.
+
+Several threads may run FMUs at once, so nothing that belongs to the whole process is changed for a run:
+neither its streams nor its working folder.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import logging
+import os
+import shutil
+import tempfile
+import threading
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from types import FunctionType, SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from chain_impact.scene.reading import SceneError
+from chain_impact.simulation.record_scene import RunError
+from chain_impact.system import HOST, PLATFORMS
+
+WARNING = 1  # fmi2Warning; what is worse comes after it
+SLAVES = "chain_impact.fmu"
+"""The name of the logger of slaves in Python, see slave.py."""
+_here = threading.local()  # what the FMU that this thread runs has said, and what it has logged
+
+
+def read_fmu(path: Path) -> Any:
+    """The model description of an FMU, as fmpy gives it.
+
+    Raises:
+        SceneError: when the file is no FMU.
+    """
+    import fmpy  # takes half a second
+
+    try:
+        return fmpy.read_model_description(str(path))
+    except OSError:
+        raise
+    except Exception as error:  # whatever zipfile, lxml and fmpy's own checks raise
+        reason = str(error).strip('"')
+        raise SceneError(f"{path}: not a readable FMU: {reason}") from None
+
+
+def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
+    """Simulate an FMU for FMI 2.0 or 3.0 with fmpy; return its rows.
+
+    Args:
+        path: the FMU.
+        description: its model description, as ``read_fmu`` gives it.
+        options: those of ``fmpy.simulate_fmu``.
+
+    Raises:
+        RunError: when it fails, with the first reason that the FMU gave.
+    """
+    import fmpy
+
+    _here.said, _here.logged = [], []
+    try:
+        # fmpy leaves what it has unpacked when a call fails
+        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+            fmpy.extract(str(path), folder)
+            _place_binaries(Path(folder, "binaries"), fmpy.platform)
+            instance = _instance(description, folder)
+            kind = "CoSimulation" if description.coSimulation else "ModelExchange"
+            rows: np.ndarray = fmpy.simulate_fmu(
+                folder, model_description=description, fmu_instance=instance, fmi_type=kind, **options
+            )
+            instance.freeInstance()
+    except Exception as error:  # fmpy's exceptions have no common class
+        # the first that is said: after it, an importer may go on to the next refusal
+        reason = (_here.said or _here.logged or [str(error)])[0]
+        raise RunError(f"{path}: {reason}") from None
+    finally:
+        del _here.said, _here.logged
+    return rows
+
+
+def _log(*call: Any) -> None:
+    """Take what an FMU says to its importer, in the thread that calls it."""
+    status, _category, message = call[-3:]  # before them FMI 2.0 has a name that FMI 3.0 does not have
+    if status > WARNING and hasattr(_here, "logged"):
+        _here.logged.append(message.decode(errors="replace"))
+
+
+def _heard(record: logging.LogRecord) -> bool:
+    """Take what a slave says where this thread runs it: it becomes an error. All else is logged."""
+    said = getattr(_here, "said", None)
+    if said is not None:
+        said.append(record.getMessage())
+    return said is None
+
+
+logging.getLogger(SLAVES).addFilter(_heard)
+
+
+def _instance(description: Any, folder: str) -> Any:
+    """An instance of an unpacked FMU, which says all to ``_log``."""
+    from fmpy import fmi2, fmi3
+
+    modes = description.coSimulation or description.modelExchange
+    named = {"guid": description.guid, "modelIdentifier": modes.modelIdentifier, "unzipDirectory": folder}
+    stepped = modes is description.coSimulation
+    if description.fmiVersion != "2.0":
+        instance = _in_place(fmi3.FMU3Slave if stepped else fmi3.FMU3Model)(**named)
+        instance.instantiate(loggingOn=True, logMessage=_log)
+        return instance
+    instance = _in_place(fmi2.FMU2Slave if stepped else fmi2.FMU2Model)(**named)
+    instance.instantiate(callbacks=_callbacks(), loggingOn=True)
+    return instance
+
+
+@cache
+def _callbacks() -> Any:
+    """What FMUs for FMI 2.0 call: the same for all, as fmpy's library keeps the logger of the last one."""
+    from fmpy import fmi2
+
+    callbacks = fmi2.fmi2CallbackFunctions()
+    callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(_log)
+    callbacks.allocateMemory, callbacks.freeMemory = (
+        getattr(fmi2.defaultCallbacks, name) for name in ("allocateMemory", "freeMemory")
+    )
+    with suppress(Exception):  # fmpy has no such library for ARM; without it, values stay out of messages
+        from fmpy.logging import addLoggerProxy
+
+        addLoggerProxy(ctypes.byref(callbacks))
+    return callbacks
+
+
+@cache
+def _in_place(kind: type) -> type:
+    """A kind of fmpy's instances that loads its library without a change of the working folder.
+
+    fmpy's constructor changes that of the whole process meanwhile, and for good where it fails. So it is
+    given a module ``os`` in which that does nothing.
+    """
+    base = kind.__mro__[-2]  # of all of fmpy's kinds
+    fmpys: Any = base.__init__  # type: ignore[misc]
+    still = SimpleNamespace(**{**vars(os), "chdir": lambda _folder: None})
+    load = FunctionType(fmpys.__code__, {**fmpys.__globals__, "os": still}, "__init__", fmpys.__defaults__)
+    return type(kind.__name__, (kind, type("InPlace", (base,), {"__init__": load})), {})
+
+
+def _place_binaries(binaries: Path, folder: str) -> None:
+    """Put this machine's binaries where fmpy looks: on ARM it looks for those of x86-64, too."""
+    names = [HOST, PLATFORMS[HOST].fmi3] if HOST and folder != HOST else []
+    for name in names:
+        if (binaries / name).is_dir():
+            shutil.copytree(binaries / name, binaries / folder, dirs_exist_ok=True)

@@ -1,0 +1,39 @@
+"""Equality of what holds arrays, of which ``==`` gives a value for each number."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+
+def same(one: Any, other: Any) -> bool:
+    """The method ``__eq__`` of a dataclass: two of one kind are equal if all that they hold is."""
+    if type(other) is not type(one):
+        return False
+    return all(equal(getattr(one, it.name), getattr(other, it.name)) for it in fields(one) if it.compare)
+
+
+def equal(first: Any, second: Any) -> bool:
+    """Whether two values are equal, also if they are, or hold, arrays; NaN equals NaN."""
+    match first, second:
+        case (np.ndarray(), _) | (_, np.ndarray()):
+            return type(first) is type(second) and _equal_arrays(first, second)
+        case Mapping(), Mapping():
+            return first.keys() == second.keys() and all(equal(first[key], second[key]) for key in first)
+        case (list(), list()) | (tuple(), tuple()):
+            return len(first) == len(second) and all(map(equal, first, second))
+        case float(), float():
+            return first == second or (math.isnan(first) and math.isnan(second))
+    return bool(first == second)
+
+
+def _equal_arrays(first: np.ndarray, second: np.ndarray) -> bool:
+    if (first.dtype, first.shape) != (second.dtype, second.shape):
+        return False
+    if first.dtype.names:
+        return all(_equal_arrays(first[name], second[name]) for name in first.dtype.names)
+    return np.array_equal(first, second, equal_nan=first.dtype.kind == "f")

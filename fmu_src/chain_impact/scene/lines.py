@@ -1,0 +1,65 @@
+"""Lines of a scene file: where a key stands, and what to say of a line that is no valid TOML."""
+
+from __future__ import annotations
+
+import re
+
+from chain_impact.scene.angles import degrees_pattern
+from chain_impact.scene.names import Place
+from chain_impact.scene.text_file import comma_in
+
+LISTS = ("chain.links", "walls")
+"""The tables of which there can be several, each headed by ``[[…]]``."""
+_NAME = r"""(?:[\w-]+|"[^"]*"|'[^']*')"""
+_DOTTED = rf"{_NAME}(?:\s*\.\s*{_NAME})*"
+_HEAD = re.compile(rf"\s*(\[\[?)\s*({_DOTTED})\s*\]\]?")
+_KEY = re.compile(rf"\s*({_DOTTED})\s*=")
+_DEGREES = re.compile(rf"[=\[,](?:{degrees_pattern('rad')}|\s*([^\s,\"']+)\s*°)(?=[\s,\]#]|$)")
+
+
+def line_of(text: str, place: Place) -> int | None:
+    """The number of the line, from 1, with a key or with the nearest table around it; None if there is none.
+
+    Args:
+        text: a scene file.
+        place: the path of the key, ``("chain", "links", 0, "mass")``.
+    """
+    best: tuple[int, int | None] = (0, None)  # how many steps of the path the line has, its number
+    table: Place = ()
+    counts: dict[Place, int] = {}
+    inside = ""  # the quotes of a text over several lines
+    for number, line in enumerate(text.splitlines(), 1):
+        if not inside and (head := _HEAD.match(line)):
+            table = _steps(head[2])
+            if head[1] == "[[":
+                counts[table] = counts.get(table, -1) + 1
+                table = (*table, counts[table])
+            here = table
+        elif not inside and (key := _KEY.match(line)):
+            here = (*table, *_steps(key[1]))
+        else:
+            here = ()
+        if len(here) > best[0] and place[: len(here)] == here:
+            best = len(here), number
+        for quotes in ('"""', "'''"):
+            if inside in ("", quotes) and line.count(quotes) % 2:
+                inside = "" if inside else quotes
+    return best[1]
+
+
+def _steps(dotted: str) -> Place:
+    """The steps of a dotted key."""
+    return tuple(step.strip("\"'") for step in re.findall(_NAME, dotted))
+
+
+def fault_hint(text: str, fault: str) -> str:
+    """What to write in place of the line of a TOML file that a parser's fault names; nothing if not known."""
+    named = re.search(r"at line (\d+)", fault)
+    lines = text.splitlines()
+    line = lines[int(named[1]) - 1] if named and int(named[1]) <= len(lines) else ""
+    if head := _HEAD.match(line):
+        name = ".".join(map(str, _steps(head[2])))
+        return f"; of several, each begins with [[{name}]]" if name in LISTS and head[1] == "[" else ""
+    if degrees := _DEGREES.search(line):
+        return f'; an angle in degrees is text: "{degrees[1] or degrees[2]} deg"'
+    return comma_in(text, fault)

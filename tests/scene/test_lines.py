@@ -1,0 +1,97 @@
+"""Errors of a scene file name the line, and what to write there."""
+
+import pytest
+
+from chain_impact import SceneError, load_scene, parse_scene
+from chain_impact.scene.lines import line_of
+
+TEXT = '''name = "Ball"
+description = """
+[contact]
+radius = -1
+"""
+chain.base = "free"
+[[chain.links]]
+length = 0.1
+mass = 0.5
+
+[[chain.links]]  # the second
+length = 0.2
+mass = 0.5
+[box]
+y_min = 0
+[contact]
+points = [0]
+wall.y_min.restitution = 0.5
+[initial]
+position = [0.0, 1.0]
+angles = [0.0,
+  0.0]
+'''
+
+
+@pytest.mark.parametrize(
+    ("place", "line"),
+    [
+        (("name",), 1),
+        (("chain", "base"), 6),
+        (("chain", "links", 0, "mass"), 9),
+        (("chain", "links", 1, "mass"), 13),
+        (("chain", "links", 1, "inertia"), 11),
+        (("contact", "points", 0), 17),
+        (("contact", "radius"), 16),
+        (("contact", "wall", "y_min", "restitution"), 18),
+        (("initial", "angles", 1), 21),
+        (("solver", "method"), None),
+        ((), None),
+    ],
+)
+def test_the_line_of_a_key_or_of_the_table_around_it(place, line):
+    assert line_of(TEXT, place) == line
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "line"),
+    [
+        ("length = 0.2", "length = -0.2", 12),
+        ("length = 0.2", "lenght = 0.2", 12),
+        ("mass = 0.5\n[box]", "[box]", 11),
+        ("angles = [0.0,\n  0.0]", "angles = [0.0, 1, 2]", 21),
+        ("points = [0]", "points = 0", 17),
+        ("[box]", "[walls]\nname = 'floor'\n[box]", 14),
+    ],
+)
+def test_an_error_names_the_line(before, after, line):
+    assert before in TEXT
+    with pytest.raises(SceneError, match=rf"^ball\.toml: .* \(at line {line}\)$"):
+        parse_scene(TEXT.replace(before, after, 1), "ball.toml")
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "hint"),
+    [
+        (
+            "[[chain.links]]",
+            "[chain.links]",
+            r"at line 11, .*; of several, each begins with \[\[chain\.links\]\]$",
+        ),
+        ("[0.0,\n  0.0]", "[5 deg,\n 0.0]", r'; an angle in degrees is text: "5 deg"$'),
+        ("[box]", "[[walls]]\nangle = -1.5e1 deg # up\n[box]", r'at line 15.*; .* text: "-1\.5e1 deg"$'),
+        ("[box]", "[[walls]]\nangle = 5°\n[box]", r'; an angle in degrees is text: "5 deg"$'),
+        ("y_min = 0", "y_min = 0,5", r"; a number has a decimal point: 0\.5$"),
+    ],
+)
+def test_what_is_no_toml_is_told_what_to_write(before, after, hint):
+    with pytest.raises(SceneError, match=rf"^ball\.toml: not valid TOML: .*{hint}"):
+        parse_scene(TEXT.replace(before, after), "ball.toml")
+
+
+def test_a_reversed_wall_is_asked_about():
+    text = TEXT + "[[walls]]\nname = 'ramp'\npoint = [0.0, 0.5]\nnormal = [0.0, -1.0]\n"
+    with pytest.raises(
+        SceneError, match=r"in the wall ramp; must be outside; no point is: is its normal reversed\?$"
+    ):
+        parse_scene(text, "ball.toml")
+    with pytest.raises(SceneError, match=r"in the wall x_min; must be outside$"):
+        load_scene("four_link_box").with_values({"box.x_min": 2.5})
+    assert parse_scene(text.replace("-1.0]", "1.0]"), "ball.toml").walls
