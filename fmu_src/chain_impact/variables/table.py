@@ -9,7 +9,7 @@ wall, no candidate and no input that is not in it.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import fields
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -22,8 +22,10 @@ from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.scene.candidates import point_wall_pairs
+from chain_impact.scene.derived import rule_of
+from chain_impact.scene.limits import keys
 from chain_impact.scene.names import AXES, STOPS, Place, name_of, sensitivity_name
-from chain_impact.scene.scene import Scene
+from chain_impact.scene.scene import Scene, scene_keys
 from chain_impact.scene.tables import Box, Contact, Initial, Link, Material, Solver, Stops, Wall
 from chain_impact.variables.units import quotient
 from chain_impact.variables.variable import Item, Variable
@@ -32,6 +34,12 @@ WORD = 8  # bytes of every scalar in the record
 BEHIND = "behind"
 """The field of the instances of dual numbers behind an instance (model.py)."""
 
+GIVEN_PLACES: dict[Place, Place] = {
+    **{("model", key): ("model", f"given_{key}") for key in ("center_of_mass", "inertia")},
+    ("stops", "exponent"): ("stops", "given_exponent"),
+    ("stops", "restitution"): ("given", "stop_restitution"),
+}
+"""Where the value in use of a parameter that may be derived is, and where what is given of it."""
 FRICTION = ("friction", "static_friction")
 """The coefficients of dry friction."""
 _METHODS = tuple(
@@ -76,7 +84,7 @@ def word_index(dtype: np.dtype, place: Place) -> int:
 @cache
 def _rules(table: type) -> dict[str, Mapping[str, Any]]:
     """The metadata of each key of a table of the scene."""
-    return {entry.name: entry.metadata for entry in fields(table) if not entry.metadata.get("file_only")}
+    return {entry.name: entry.metadata for entry in keys(table) if not entry.metadata.get("file_only")}
 
 
 def _parameter(
@@ -92,11 +100,13 @@ def _parameter(
     entries = {"type": "real", "variability": "fixed", "unit": rule["unit"], **limits, **changes}
     # the attributes of FMI have closed limits only
     open_limit = "" if rule["above"] is None else f"; must be > {rule['above']:g}"
+    given = GIVEN_PLACES.get(place[:2])
     return Variable(
         name=name_of(path, walls),
         causality="parameter",
         description=description.format(rule["description"]) + open_limit,
         place=place,
+        given_place=given and (*given, *place[2:]),
         scene_path=path,
         **entries,
     )
@@ -104,6 +114,16 @@ def _parameter(
 
 def parameters(scene: Scene) -> Iterator[Variable]:
     """The parameters of the scene's FMU."""
+    derived, rules = set(scene.derived_places), dict(scene_keys())
+    for variable in _parameters(scene):
+        if variable.scene_path in derived and variable.given_place:
+            rule = rule_of(variable.scene_path, rules)
+            yield replace(variable, rule=rule, description=f"{variable.description}; unless set: {rule.text}")
+        else:
+            yield variable
+
+
+def _parameters(scene: Scene) -> Iterator[Variable]:
     rules, rubbing = _rules(Scene) | _rules(Box), scene.friction_joints
     for j, axis in enumerate(AXES):
         path: Place = ("gravity", j)
@@ -186,8 +206,10 @@ def _stop_parameters(scene: Scene) -> Iterator[Variable]:
         yield _law_parameter(scene)
     for key, rule in _rules(Stops).items():
         path = ("stops", key)
-        if key in ("stiffness", "restitution"):
-            yield _parameter(rule, ("given", f"stop_{key}"), path, variability="tunable")
+        if key == "stiffness":
+            yield _parameter(rule, ("given", "stop_stiffness"), path, variability="tunable")
+        elif key == "restitution":
+            yield _parameter(rule, path, path, variability="tunable")
         elif key != "model":
             yield _parameter(rule, path, path)
 

@@ -143,11 +143,13 @@ def test_what_follows_from_the_parameters_varies_with_them():
             0.5 * math.cos(angle), rel=1e-15
         )
         assert of("point_position", "link[1].length", k, 0) == pytest.approx(math.cos(angle), rel=1e-15)
-    # ½ v_C² for the mass, the inertia held
+    # ½ v_C² + ½ ω² L²/12 for the mass, with which the inertia of a uniform rod grows
     vx, vy = case.scene.initial.velocity
     omega, arm = case.scene.initial.angular_velocities[0], case.scene.chain.links[0].center_of_mass
     speed = (vx - omega * arm * math.sin(angle), vy + omega * arm * math.cos(angle))
-    assert of("kinetic", "link[1].mass") == pytest.approx(0.5 * math.hypot(*speed) ** 2, rel=1e-14)
+    turning = 0.5 * (omega * case.scene.chain.links[0].length) ** 2 / 12
+    by_mass = 0.5 * math.hypot(*speed) ** 2 + turning
+    assert of("kinetic", "link[1].mass") == pytest.approx(by_mass, rel=1e-14)
     # the momentum
     result = instance.record["output"]
     momentum = sum(
@@ -163,7 +165,7 @@ def test_what_follows_from_the_parameters_varies_with_them():
 
 PARAMETERS = {
     "model": (
-        *("gravity", "length", "mass", "center_of_mass", "inertia", "wall"),
+        *("gravity", "length", "mass", "given_center_of_mass", "given_inertia", "wall"),
         *("joint_damping", "joint_stiffness", "joint_rest_angle", "joint_friction"),
     ),
     "walls": ("x", "y", "angle"),

@@ -25,7 +25,7 @@ from chain_impact.scene.scene import Scene, scene_keys
 from chain_impact.scene.tables import Outputs
 from chain_impact.variables.model import Model
 from chain_impact.variables.table import WORD, word_index
-from chain_impact.variables.variable import Item, Variable, variable_row
+from chain_impact.variables.variable import Item, Variable
 
 EVERYTHING = Outputs()
 """What the page draws, whatever the scene's FMU shows."""
@@ -99,7 +99,7 @@ def layout(record: np.dtype) -> dict[str, Any]:
 
 def parameter(model: Model, variable: Variable) -> dict[str, Any]:
     """A parameter of the FMU: its word, its range and what it means."""
-    _, _, word, _, low, high, _ = variable_row(variable, model.word(variable))
+    _, _, _, _, low, high, _, word = model.table_row(variable)
     return {
         "name": variable.name,
         "word": word,
