@@ -24,8 +24,8 @@ joint_max = 0.4
 length = 0.3
 mass = 0.25
 inertia = 0.004
-joint_min = -0.5
-joint_max = 1.5
+joint_min = 0.7
+joint_max = 0.9
 
 [[chain.links]]
 length = 0.2
@@ -44,10 +44,20 @@ friction = 0.2
 angles = [0.2, 1.0, 0.6]
 
 [simulation]
-stop_time = 0.6
+stop_time = 0.9
 step_size = 0.002
 """
 """Links that leave both, one and no value of their shape to the default, stops that leave their law to it."""
+
+PARAMETER_CHANGES = (
+    {"link[1].length": 0.55},
+    {"link[2].length": 0.35, "link[1].mass": 0.8, "link[3].mass": 0.2},
+    {"contact.restitution": 0.45},
+    {"contact.exponent": 1.25},
+    {"link[1].length": 0.55, "link[1].center_of_mass": 0.25},  # as the scene derives it from its own length
+    {"link[1].length": 0.55, "link[1].inertia": 0.02, "contact.restitution": 0.4, "stop.restitution": 0.9},
+)
+"""Changes that an FMU takes, too."""
 
 
 def finger() -> Scene:

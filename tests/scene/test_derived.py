@@ -22,7 +22,7 @@ CHANGES = [
     {"contact.restitution": 0.45, "stop.restitution": 0.9},
     {"contact.points": [3], "chain.base": "pinned"},
     {"initial.angular_velocity[2]": 1.5},
-    {"link[1].joint_max": None, "link[2].joint_min": None},
+    {"link[1].joint_max": None, "link[2].joint_min": None, "link[2].joint_max": None},
 ]
 
 

@@ -1,7 +1,8 @@
 """What the page knows of its scene: the record, where in it things are, parameters, outputs and walls.
 
 The kernel in the page starts from this record. A parameter is set as the native FMU sets one: a number is put
-in its word, and the kernel derives all else when it initializes.
+in its word, and the kernel derives all else when it initializes. What the scene derives from other parameters
+the page shows as it follows from them.
 """
 
 from __future__ import annotations
@@ -111,7 +112,21 @@ def parameter(model: Model, variable: Variable) -> dict[str, Any]:
         "text": variable.description,
         "items": [[item.name, sentence(item)] for item in variable.items],
         "start": json.loads(model.start_text(variable)),
+        "derived": derived(model, variable),
     }
+
+
+def derived(model: Model, variable: Variable) -> dict[str, Any] | None:
+    """How the value of a parameter follows from others: their product, divided by a number.
+
+    None if it does not, or from what the page cannot change.
+    """
+    if variable.rule is None:
+        return None
+    table = variable.name.rpartition(".")[0]
+    factors = [key if "." in key else f"{table}.{key}" for key in variable.rule.factors]
+    known = all(name in model.parameter_paths for name in factors)
+    return {"factors": factors, "divisor": variable.rule.divisor} if known else None
 
 
 def sentence(item: Item) -> str:
