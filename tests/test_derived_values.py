@@ -112,6 +112,23 @@ def test_a_derivative_is_that_of_the_edited_file(name):
     assert (np.abs(slopes - wanted)[:, until].max(axis=1) < 1e-5 * size).all()
 
 
+def test_a_derivative_by_the_length_is_the_sum_of_those_with_the_rest_held():
+    """By the length, half of that by the centre of mass, and m L/6 of that by the inertia."""
+    given = finger().with_values(finger().values)
+    names = ["link[1].length", "link[1].center_of_mass", "link[1].inertia", "link[1].mass"]
+    outputs, times = ["point[3].x", "energy.kinetic"], np.linspace(0.0, 0.9, 91)
+    values = np.array([given.values[name] for name in names])
+    parts = DifferentiatedRun(given, names, outputs).run(values, times).slopes
+    of = [names[0], names[3]]
+    found = DifferentiatedRun(finger(), of, outputs).run(values[[0, 3]], times).slopes
+    length, _, _, mass = values
+    by_length = parts[..., 0] + parts[..., 1] / 2.0 + mass * length / 6.0 * parts[..., 2]
+    by_mass = parts[..., 3] + length**2 / 12.0 * parts[..., 2]
+    for k, expected in enumerate((by_length, by_mass)):
+        scale = np.nanmax(np.abs(expected), axis=0)
+        np.testing.assert_allclose(found[..., k] / scale, expected / scale, rtol=0.0, atol=1e-10)
+
+
 def test_a_scene_with_all_given_changes_nothing_else():
     """Its values as they are, given in the file."""
     scene = finger().with_values(finger().values)
