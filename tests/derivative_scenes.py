@@ -24,8 +24,8 @@ ORACLE = "tests.derivatives"
 class Case:
     """A scene with constant inputs, parameters to differentiate by, and times to look at [s].
 
-    All values of the scene are given: a derivative is that with all others held. Those through what is derived are sums of these, see
-    tests/test_derived_values.py.
+    All values of the scene are given: a derivative is that with all others held. Those through what is
+    derived are sums of these, see tests/test_derived_values.py.
     """
 
     scene: Scene

@@ -1,4 +1,4 @@
-"""What a scene derives follows the parameters of its FMU until it is set, in a process without this package."""
+"""What a scene derives follows the parameters of its FMU until it is set."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,13 @@ from tests.fmu.test_use import trajectory
 from tests.shared import once, shared_folder
 
 STOP, STEP = 0.75, 2.0**-7  # s; sums of such a step are exact, so that all clocks agree to the last bit
-DERIVED = ("link[1].center_of_mass", "link[1].inertia", "link[2].center_of_mass", "stop.exponent", "stop.restitution")
+DERIVED = (
+    "link[1].center_of_mass",
+    "link[1].inertia",
+    "link[2].center_of_mass",
+    "stop.exponent",
+    "stop.restitution",
+)
 
 
 @pytest.fixture(scope="module")

@@ -53,7 +53,9 @@ def test_a_value_that_is_given_as_it_would_be_derived_is_given():
     same = scene.with_values({"link[1].inertia": scene.values["link[1].inertia"]})
     assert same.values == scene.values
     assert same != scene
-    assert same.with_values({"link[1].mass": 9.0}).values["link[1].inertia"] == scene.values["link[1].inertia"]
+    assert (
+        same.with_values({"link[1].mass": 9.0}).values["link[1].inertia"] == scene.values["link[1].inertia"]
+    )
 
 
 def test_a_scene_tells_what_it_derives_and_how():

@@ -1,7 +1,8 @@
 """What a scene derives: the values that its file leaves to a default that follows from other values.
 
-They stay derived until they are given: a scene is changed, written and compared by what is given, and ``Scene.derived_places`` has the
-paths of the rest. The kernel does the same with the parameters of a record: kernel/model/derived.py.
+They stay derived until they are given: a scene is changed, written and compared by what is given, and
+``Scene.derived_places`` has the paths of the rest. The kernel does the same with the parameters of a record:
+kernel/model/derived.py.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ def of_every_link(found: Iterable[Place], data: Mapping[str, Any]) -> Iterator[P
                 yield path
 
 
-def without_derived(data: dict[str, Any], derived: Iterable[Place], kept: Container[Place] = ()) -> None:
+def without_derived(data: Any, derived: Iterable[Place], kept: Container[Place] = ()) -> None:
     """Remove from the data of a scene what is derived, but for some paths."""
     for path in derived:
         if path not in kept:
@@ -38,7 +39,9 @@ def without_derived(data: dict[str, Any], derived: Iterable[Place], kept: Contai
 
 def above(paths: Iterable[Any]) -> set[Place]:
     """The paths to all that holds what is at some paths; what is no path has none."""
-    proper = [path for path in paths if isinstance(path, tuple) and all(isinstance(one, str | int) for one in path)]
+    proper = [
+        path for path in paths if isinstance(path, tuple) and all(isinstance(one, str | int) for one in path)
+    ]
     return {path[:k] for path in proper for k in range(1, len(path))}
 
 

@@ -225,7 +225,7 @@ def _plain(value: Any) -> Any:
     dataclasses.asdict would copy each number, which takes longer.
     """
     if is_dataclass(value):
-        parts = ((entry.name, getattr(value, entry.name)) for entry in keys(type(value)))
+        parts = ((entry.name, getattr(value, entry.name)) for entry in keys(value.__class__))
         return {name: _plain(part) for name, part in parts if part is not None}
     if isinstance(value, Mapping):
         return {name: _plain(part) for name, part in value.items()}
@@ -344,7 +344,7 @@ def _names(scene: Scene) -> dict[str, Place]:
 def _leaves(value: Any, path: Place = (), unit: str = "") -> Iterator[tuple[Place, Any]]:
     """Yield the path of every single value, and the value; entries of a list of quantities are single."""
     if is_dataclass(value):
-        for entry in (entry for entry in keys(type(value)) if not entry.metadata.get("file_only")):
+        for entry in (entry for entry in keys(value.__class__) if not entry.metadata.get("file_only")):
             inner = getattr(value, entry.name)
             yield from _leaves(inner, (*path, entry.name), entry.metadata.get("unit", ""))
     elif isinstance(value, Mapping):

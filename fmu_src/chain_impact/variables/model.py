@@ -303,7 +303,7 @@ def _fill_stops(d: Any, scene: Scene) -> None:
 
 
 def _fill_given(d: Any, scene: Scene) -> None:
-    """Put what is given of the parameters that may be derived in their places; see kernel/model/derived.py."""
+    """Put what is given of the parameters that may be derived in its place; see kernel/model/derived.py."""
     derived = set(scene.derived_places)
     for i, link in enumerate(scene.chain.links):
         for name in ("center_of_mass", "inertia"):

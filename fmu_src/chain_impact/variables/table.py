@@ -93,6 +93,7 @@ def _parameter(
     path: Place,
     description: str = "{}",
     walls: Sequence[str] = (),
+    *,
     derived: Container[Place] = (),
     **changes: Any,
 ) -> Variable:

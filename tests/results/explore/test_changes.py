@@ -100,7 +100,8 @@ def test_what_follows_from_others_is_shown_as_in_the_edited_file(worker, changes
         """([scene, given]) => {
           const changes = new Changes(scene);
           changes.set(given);
-          const all = () => Object.fromEntries(scene.parameters.map(({ name }) => [name, changes.valueOf(name)]));
+          const names = scene.parameters.map(({ name }) => name);
+          const all = () => Object.fromEntries(names.map((name) => [name, changes.valueOf(name)]));
           const [shown, text] = [all(), changes.texts().map(([name]) => name)];
           for (const name of Object.keys(given)) changes.reset(name);
           return [shown, text, all()];
