@@ -105,7 +105,7 @@ def clear_run(d, time):
 
 
 def derive_chain(d):
-    """Derive what is not given, the recursion's constants of each link, scales, and the joints' resistance."""
+    """Derive what is not given, the recursion's constants of each link, scales, and how joints resist."""
     model = d.model
     d.stops.exponent = in_use(d.stops.given_exponent, d.contact.exponent)
     model.damped, model.sprung = 0, 0

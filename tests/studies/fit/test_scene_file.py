@@ -59,7 +59,7 @@ def test_only_values_change_and_comments_keep_their_column():
 
 
 def test_what_is_derived_is_not_written():
-    """The inertia of a fitted scene is that of a rod of the new mass, and the file leaves it to the default."""
+    """The inertia of a fitted scene is that of a rod of the new mass; the file leaves it to the default."""
     before = TEXT.replace("count = 1\n", "")
     scene = parse_scene(before, "ball.toml").with_values({"link[1].mass": 0.625})
     text = updated(before, scene, "ball.toml")
