@@ -25,7 +25,7 @@ from chain_impact.scene.limits import allowed
 from chain_impact.scene.scene import Scene, scene_keys
 from chain_impact.scene.tables import Outputs
 from chain_impact.variables.model import Model
-from chain_impact.variables.table import WORD, word_index
+from chain_impact.variables.table import UNLESS_SET, WORD, word_index
 from chain_impact.variables.variable import Item, Variable
 
 EVERYTHING = Outputs()
@@ -109,7 +109,7 @@ def parameter(model: Model, variable: Variable) -> dict[str, Any]:
         "high": high,
         "allowed": variable.allowed,
         "unit": variable.unit,
-        "text": variable.description,
+        "text": variable.description.partition(UNLESS_SET)[0],
         "items": [[item.name, sentence(item)] for item in variable.items],
         "start": json.loads(model.start_text(variable)),
         "derived": derived(model, variable),
@@ -117,7 +117,7 @@ def parameter(model: Model, variable: Variable) -> dict[str, Any]:
 
 
 def derived(model: Model, variable: Variable) -> dict[str, Any] | None:
-    """How the value of a parameter follows from others: their product, divided by a number.
+    """How the value of a parameter follows from others: their product, divided by a number; and in words.
 
     None if it does not, or from what the page cannot change.
     """
@@ -126,7 +126,8 @@ def derived(model: Model, variable: Variable) -> dict[str, Any] | None:
     table = variable.name.rpartition(".")[0]
     factors = [key if "." in key else f"{table}.{key}" for key in variable.rule.factors]
     known = all(name in model.parameter_paths for name in factors)
-    return {"factors": factors, "divisor": variable.rule.divisor} if known else None
+    rule = {"factors": factors, "divisor": variable.rule.divisor, "text": UNLESS_SET + variable.rule.text}
+    return rule if known else None
 
 
 def sentence(item: Item) -> str:
