@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from typing import Any, get_args, get_origin
 
 from chain_impact.scene.angles import degrees_pattern
-from chain_impact.scene.limits import Derived, without_none
+from chain_impact.scene.limits import Derived, keys, without_none
 from chain_impact.scene.reading import entry_type
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.tables import Wall
@@ -27,7 +27,7 @@ def schema() -> dict[str, Any]:
 
 
 def _table(table: Any) -> dict[str, Any]:
-    entries = dataclasses.fields(table)
+    entries = keys(table)
     rules: dict[str, Any] = {"type": "object", "additionalProperties": False}
     rules |= {"description": _sentence(table.__doc__)} if table is not Scene else {}
     rules["properties"] = {entry.name: _key(entry) for entry in entries}
@@ -37,7 +37,7 @@ def _table(table: Any) -> dict[str, Any]:
         rules["oneOf"] = [{"required": ["angle"]}, {"required": ["normal"]}]
     for entry in entries:
         file = entry.metadata.get("extended_by")
-        if file in table.__dataclass_fields__:
+        if file in {one.name for one in entries}:
             # without the file only the choices of the registry are allowed
             has_file = {"required": [file], "properties": {file: {"minLength": 1}}}
             choices = {"properties": {entry.name: {"enum": list(entry.metadata["choices"])}}}
@@ -48,7 +48,7 @@ def _table(table: Any) -> dict[str, Any]:
 def _is_needed(entry: Any) -> bool:
     """Whether a key, or something in a table, has no default."""
     if dataclasses.is_dataclass(entry.type):
-        return any(_is_needed(inner) for inner in dataclasses.fields(entry.type))
+        return any(_is_needed(inner) for inner in keys(entry.type))
     return entry.metadata["default"] is dataclasses.MISSING
 
 

@@ -94,7 +94,8 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
             cls.wrappers.add(wrapper)
             atexit.register(_release, wrapper)
         self.modelName, self.guid, self.words = cls.model["name"], cls.model["guid"], cls.model["words"]
-        self.table = cls.model["variables"]  # value reference → name, type, word, kind, low, high, allowed
+        # value reference → name, type, word, kind, low, high, allowed, second word to which a set value goes
+        self.table = cls.model["variables"]
         self.real_words = {vr: row[2] for vr, row in enumerate(self.table) if row[1] == "real"}
         self.integer_words = {vr: row[2] for vr, row in enumerate(self.table) if row[1] == "integer"}
         self.block = bytearray(cls.start)
@@ -206,14 +207,14 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
         for vr, value in zip(vrs, values):  # noqa: B905, not in Python 3.8
             if vr not in words:
                 raise SlaveError(f"{call}: the value reference {vr} is of another type or of nothing", self)
-            name, _, word, kind, low, high, allowed = self.table[vr]
+            name, _, word, kind, low, high, allowed, set_word = self.table[vr]
             if self.phase > SETTABLE_UNTIL[kind]:
                 what = {"input": "an input", "output": "an output"}.get(kind, f"a {kind} parameter")
                 raise SlaveError(f"{call}: {name} is {what} and cannot be set {PHASES[self.phase]}", self)
             if not low <= value <= high:  # false for NaN, too
                 raise SlaveError(f"{call}: {name} = {value!r} must be {allowed}", self)
-            if memory[word] != value:
-                memory[word] = value
+            if memory[set_word] != value:
+                memory[word] = memory[set_word] = value
                 changed = True
         if changed:
             self.observed = False

@@ -12,7 +12,7 @@ import numpy as np
 
 from chain_impact import simulate
 from chain_impact.scene.candidates import point_wall_pairs
-from chain_impact.scene.scene import Scene, scene_from_dict
+from chain_impact.scene.scene import Scene, scene_from_dict, scene_to_dict
 from tests.derivatives import FIELDS, Derivatives, differentiate
 from tests.kept_answers import Arrays, kept
 from tests.problems import default_scene, of_law
@@ -22,12 +22,20 @@ ORACLE = "tests.derivatives"
 
 @dataclass(frozen=True)
 class Case:
-    """A scene with constant inputs, parameters to differentiate by, and times to look at [s]."""
+    """A scene with constant inputs, parameters to differentiate by, and times to look at [s].
+
+    All values of the scene are given: a derivative is that with all others held. Those through what is
+    derived are sums of these, see tests/test_derived_values.py.
+    """
 
     scene: Scene
     parameters: tuple[str, ...]
     times: tuple[float, ...]
     inputs: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self):
+        data = scene_to_dict(self.scene, derived=True)
+        object.__setattr__(self, "scene", scene_from_dict(data, self.scene.name))
 
     def value(self, parameter: str) -> float:
         """The value of a parameter or of an input."""

@@ -21,7 +21,7 @@ class Rubbing(Chain):
     """A chain with dry friction: its motion is that of tests/coulomb.py."""
 
     def run(self, times):
-        scene, friction = separated(scene_to_dict(self.scene))
+        scene, friction = separated(scene_to_dict(self.scene, derived=True))
         motion, walls = coulomb.simulate(scene, friction, times), self.scene.wall_names
         onsets = [
             (one.time, one.place[0], walls.index(one.place[1]), one.speed)

@@ -45,7 +45,7 @@ def kept(work_out: Callable[[], Arrays], module: str, scene: Scene, *given: Any)
         scene: what it was given, …
         given: … besides numbers, names, and sequences and dictionaries of these.
     """
-    tables = {name: table for name, table in scene_to_dict(scene).items() if name not in IDLE}
+    tables = {name: table for name, table in scene_to_dict(scene, derived=True).items() if name not in IDLE}
     text = json.dumps([tables, *given, sources(module)], sort_keys=True, default=np.ndarray.tolist)
     file = FOLDER / f"{hashlib.sha256(text.encode()).hexdigest()[:16]}.npz"
     if not file.exists():

@@ -46,7 +46,6 @@ def set_motion(record, random, motion):
     mass = random.uniform(0.1, 3.0)
     record["model"]["gravity"] = 0.0, -gravity
     record["model"]["length"], record["model"]["mass"] = length, mass
-    record["model"]["center_of_mass"], record["model"]["inertia"] = 0.5 * length, mass * length**2 / 12.0
     record["initial"]["velocity"], record["initial"]["angular_velocity"] = velocity, spin
     record["initial"]["angle"] = angle
     record["solver"]["tolerance"] = 10.0 ** random.uniform(-12.0, -3.0)

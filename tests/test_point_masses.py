@@ -143,7 +143,7 @@ def test_links_that_could_turn_without_moving_mass_are_refused(base, links, reas
 def test_the_kernel_refuses_them_too():
     """An importer may set what it likes."""
     instance = Instance(double([0.0, 0.0]))
-    instance.record["model"]["center_of_mass"][1] = 0.0
+    instance.record["model"]["given_center_of_mass"][1] = 0.0
     assert initialize(instance) == MASS_MATRIX_SINGULAR
 
 

@@ -252,7 +252,8 @@ def test_info_of_a_scene_has_its_values_and_every_variable(run):
     values, listing = said.split("\nVariables of the FMU\n")
     assert values.startswith("PinnedArm  Two-link arm pinned at the origin")
     assert "\n  link[2].mass = 0.6\n" in values
-    assert "\n  contact.points = [1, 2]\n" in values
+    assert "\n  contact.points = [1, 2]  # derived: all that move\n" in values
+    assert "\n  link[2].center_of_mass = 0.2  # derived: length / 2\n" in values
     assert "\n  box.x_max = 0.3\n" in values
     assert "x_min" not in values
     check_variables(listing, load_scene("pinned_arm"))

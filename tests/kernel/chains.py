@@ -105,7 +105,7 @@ def stopped_chain(count: int, base: str = "free", **more: Any) -> tuple[Scene, P
     d.candidate.wall[own:] = [6, 7] * len(joints)  # the box has 4 numbers, and there are 2 other walls
     d.model.joint_min[:] = -1.0 - 0.1 * np.arange(1, count + 1)
     d.model.joint_max[:] = -d.model.joint_min
-    d.stops.exponent, d.stops.minimum_impact_speed = 1.5, 1e-3
+    d.stops.given_exponent, d.stops.minimum_impact_speed = 1.5, 1e-3
     d.given.stop_stiffness, d.given.stop_restitution = 1e5, 0.5
     assert initialize(d, 0.0) == OK
     return scene, d

@@ -203,10 +203,12 @@ def test_a_parameter_out_of_its_range_is_refused(record, field, value):
     shape = prepared()[1][record]._record.dtype[field].shape
     for i in range(shape[0]) if shape else [None]:
         _, d = prepared()
-        if i is None:
-            d[record][field] = value
-        else:
-            d[record][field][i] = value
+        # of what may be derived, first the value in use, and what is given at last
+        for name in (field, f"given_{field}")[: 1 + (f"given_{field}" in d[record]._record.dtype.names)]:
+            if i is None:
+                d[record][name] = value
+            else:
+                d[record][name][i] = value
         assert check_parameters(d) == (OK if good else PARAMETER_OUT_OF_RANGE)
         if record == "model":
             assert check_links(d) == check_parameters(d)

@@ -71,7 +71,7 @@ def test_the_scene_as_data_is_the_same_scene():
     data = scene_to_dict(scene)
     assert data["contact"]["wall"] == {"y_max": {"restitution": 0.25}}
     assert scene_from_dict(data, "again") == scene
-    assert scene.with_values(scene.values) == scene
+    assert scene.with_values(scene.values).values == scene.values
     assert hash(scene) == hash(scene_from_dict(data, "again"))
 
 

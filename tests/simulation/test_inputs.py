@@ -270,7 +270,7 @@ def test_of_many_inputs_some_are_named():
     scene = with_values(load_scene("pinned_arm"), {("inputs", "tip_force"): True})
     links = [{"length": 0.1, "mass": 0.1}] * 30
     table = scene_to_dict(scene) | {"chain": {"base": "pinned", "links": links}}
-    table["initial"] = {"angles": [0.0] * 30}
+    table |= {"box": {}, "initial": {"angles": [0.0] * 30}}
     message = r"it has joint\[1\].torque, (.*, ){5}…, tip.force.y, and"
     with pytest.raises(SceneError, match=message):
         simulate(scene_from_dict(table, "test"), inputs={"joint[31].torque": 1.0})

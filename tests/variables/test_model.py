@@ -12,6 +12,7 @@ from chain_impact import CONTACT_LAWS, load_scene, simulate
 from chain_impact.fmu.documents import documents
 from chain_impact.fmu.native_target import native_fmi3_files
 from chain_impact.kernel.integration.sundman import NO_CONTACT
+from chain_impact.kernel.model.derived import DERIVED
 from chain_impact.scene.candidates import candidates
 from chain_impact.scene.scene import SOLVER_METHODS, model_names, scene_to_dict, with_values
 from chain_impact.variables import model as model_module
@@ -53,7 +54,7 @@ def test_each_value_of_the_scene_stands_where_its_variable_is(model):
     for variable in Model(scene).variables:
         if variable.causality != "parameter" or variable.scene_path is None:
             continue
-        value = reduce(operator.getitem, variable.scene_path, scene_to_dict(scene))
+        value = reduce(operator.getitem, variable.scene_path, scene_to_dict(scene, derived=True))
         word = word_index(instance.dtype, variable.place)
         if variable.items:
             assert variable.items[integers[word] - 1].name == value, variable.name
@@ -150,7 +151,8 @@ def test_stops_and_materials_stand_in_the_record():
     assert d["candidate"]["wall"][20:].tolist() == [4, 5, 5]
     assert d["stops"]["law"] == 0, "that of contact"
     assert (d["stops"]["exponent"], d["stops"]["minimum_impact_speed"]) == (1.5, 1e-3)
-    assert (d["given"]["stop_stiffness"], d["given"]["stop_restitution"]) == (1e5, 0.7)
+    assert (d["given"]["stop_stiffness"], d["stops"]["restitution"]) == (1e5, 0.7)
+    assert d["stops"]["given_exponent"] == d["given"]["stop_restitution"] == DERIVED
     assert d["walls"]["stiffness"].tolist() == [0.0, 0.0, 0.0, 1e6] + [0.0] * 23
     assert d["walls"]["restitution"].tolist() == [0.25] + [-1.0] * 26
 

@@ -15,6 +15,7 @@ from chain_impact.cli.screen import variable_table
 from chain_impact.fmu.importer import read_fmu
 from chain_impact.fmu.run import EXPERIMENT, platforms_of
 from chain_impact.scene.scene import load_scene
+from chain_impact.variables.table import UNLESS_SET
 
 
 def add(verbs: Verbs) -> None:
@@ -35,15 +36,16 @@ def run(options: argparse.Namespace) -> int:
         if held.defaultExperiment:
             times = (held.defaultExperiment.stopTime, held.defaultExperiment.stepSize)
             facts += zip(EXPERIMENT, times, strict=True)
-        facts += [(v.name, _start(v)) for v in variables if v.causality == "parameter"]
+        facts += [(v.name, _start_and_rule(v)) for v in variables if v.causality == "parameter"]
     else:
         from chain_impact.variables.model import Model
 
         scene = load_scene(options.source)
         name, description, variables = scene.name, scene.description, Model(scene).variables
         shown = {"name", "description"}  # in the headline
+        derived = scene.derived
         facts += [
-            (name, _as_set(value))
+            (name, f"{_as_set(value)}  # derived: {derived[name]}" if name in derived else _as_set(value))
             for name, value in scene.values.items()
             if name not in shown and value not in (None, "", ())
         ]
@@ -59,6 +61,12 @@ def _as_set(value: object) -> object:
     if isinstance(value, bool):
         return str(value).lower()
     return list(value) if isinstance(value, tuple) else value
+
+
+def _start_and_rule(variable: Any) -> object:
+    """The start value, and how it follows from others unless it is set."""
+    _, follows, rule = (variable.description or "").partition(UNLESS_SET)
+    return f"{_start(variable)}  # derived: {rule}" if follows else _start(variable)
 
 
 def _start(variable: Any) -> object:

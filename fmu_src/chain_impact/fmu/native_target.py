@@ -14,7 +14,7 @@ from chain_impact.fmu.model_description import TOKEN, model_description
 from chain_impact.fmu.table import guid_of, model_table, packed
 from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
-from chain_impact.variables.variable import LARGEST, variable_row
+from chain_impact.variables.variable import LARGEST
 
 PLATFORMS = tuple(system.PLATFORMS)
 """All for which the kernel can be compiled."""
@@ -40,11 +40,8 @@ def native_files(model: Model, kernels: Mapping[str, Path], _scratch: Path) -> d
 def native_fmi3_files(model: Model, kernels: Mapping[str, Path], _scratch: Path) -> dict[str, bytes]:
     """Likewise for FMI 3.0."""
     place = word_index(model.start.dtype, ("step", "time"))
-    time = ["time", "real", place, "independent", -LARGEST, LARGEST, ""]
-    arrays = [
-        (variable_row(array.variable, model.word(array.variable)), array.length)
-        for array in array_variables(model)
-    ]
+    time = ["time", "real", place, "independent", -LARGEST, LARGEST, "", place]
+    arrays = [(model.table_row(array.variable), array.length) for array in array_variables(model)]
     kernels = {system.PLATFORMS[platform].fmi3: library for platform, library in kernels.items()}
     description = model_description(model, tool(), 3)
     return _files(model, kernels, description, TOKEN[3], [(time, 1), *arrays])

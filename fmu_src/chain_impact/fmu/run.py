@@ -28,6 +28,7 @@ from chain_impact.scene.reading import SceneError, UnknownNameError, nearest_cho
 from chain_impact.simulation.record_scene import RunError, value_of
 from chain_impact.simulation.simulate import check_size
 from chain_impact.system import PLATFORMS
+from chain_impact.variables.table import UNLESS_SET
 
 EXPERIMENT = ("simulation.stop_time", "simulation.step_size")
 """What can be set of an FMU besides its parameters, for this run only."""
@@ -89,8 +90,10 @@ def record_fmu(
     walls, stops = _walls(values), ranges_from(values)
     names = [*dict.fromkeys((*WALLS, *walls)), *(STOPS if stops else ())]
     named = {name: _named(parameters[name], value) for name, value in values.items()}
+    derived = [name for name, one in parameters.items() if UNLESS_SET in (one.description or "")]
 
     def recording(rows: np.ndarray) -> Recording:
+        followed = {name: float(rows[name][0]) for name in derived}
         columns = {name: rows[name] for name in outputs}
         return Recording(
             name=description.modelName,
@@ -98,7 +101,7 @@ def record_fmu(
             columns=columns,
             impacts=impacts_from_outputs(rows, names, stops),
             walls=walls,
-            parameters=named,
+            parameters=named | followed,
             stops=stops,
             stick_slip=phases_from_columns(np.asarray(rows["time"]), columns, names),
             wall_names=tuple(names),
@@ -116,7 +119,7 @@ def record_fmu(
             path,
             description,
             start_values=start_values,
-            output=outputs,
+            output=outputs + derived,
             stop_time=stop_time,
             output_interval=step_size,
             step_finished=step_finished,

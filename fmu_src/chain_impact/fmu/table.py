@@ -12,11 +12,10 @@ from typing import Any
 from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
-from chain_impact.variables.variable import variable_row
 
 # as in compilation/c_interface/common/instance.h
 HEAD, CHECKED_FROM = struct.Struct("<8sQQ40s11q"), 24
-ROW, PLACE = struct.Struct("<ddqqiiii"), struct.Struct("<q")
+ROW, PLACE = struct.Struct("<ddqqqiiii"), struct.Struct("<q")
 MAGIC = b"chaintab"
 TYPES, KINDS = ("real", "integer"), ("fixed", "tunable", "input", "output", "independent")
 
@@ -31,7 +30,7 @@ def model_table(model: Model) -> dict[str, Any]:
     }
     return {
         "name": model.scene.name,
-        "variables": [variable_row(variable, model.word(variable)) for variable in variables],
+        "variables": [model.table_row(variable) for variable in variables],
         "first_output": sum(variable.causality != "output" for variable in variables),
         "words": {name: word_index(layout, place) for name, place in places.items()},
         "statuses": {str(status): text for status, text in STATUS_TEXT.items()},
@@ -64,8 +63,11 @@ def packed(model: dict[str, Any], record: bytes, further: Sequence[tuple[list[An
         return len(texts) - len(content.encode()) - 1
 
     rows = b"".join(
-        ROW.pack(low, high, word, length, TYPES.index(type_), KINDS.index(kind), text(name), text(allowed))
-        for (name, type_, word, kind, low, high, allowed), length in variables
+        ROW.pack(
+            *(low, high, word, set_word, length),
+            *(TYPES.index(type_), KINDS.index(kind), text(name), text(allowed)),
+        )
+        for (name, type_, word, kind, low, high, allowed, set_word), length in variables
     )
     codes = range(max(map(int, model["statuses"])) + 1)
     statuses = b"".join(

@@ -28,6 +28,7 @@ from chain_impact.kernel.integration.switching import begin_explicit, stable
 from chain_impact.kernel.integration.trial import clear_trial
 from chain_impact.kernel.model.contact import clear_contacts, clear_loads
 from chain_impact.kernel.model.contact_law import start_laws
+from chain_impact.kernel.model.derived import in_use, inertia_of_rod, middle
 from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
 from chain_impact.kernel.model.equations import clear_moments, state_rate
 from chain_impact.kernel.model.friction import clear_friction
@@ -104,13 +105,16 @@ def clear_run(d, time):
 
 
 def derive_chain(d):
-    """Derive the recursion's constants of each link, the absolute scales, and the joints' resistance."""
+    """Derive what is not given, the recursion's constants of each link, scales, and how joints resist."""
     model = d.model
+    d.stops.exponent = in_use(d.stops.given_exponent, d.contact.exponent)
     model.damped, model.sprung = 0, 0
     model.middle = 0 if model.pinned else len(model.length) // 2  # as in `accelerations`
     model.size, model.reach = 0.0, 0.0
     for i in range(len(model.length)):
-        c = model.center_of_mass[i]
+        c = in_use(model.given_center_of_mass[i], middle(model.length[i]))
+        model.center_of_mass[i] = c
+        model.inertia[i] = in_use(model.given_inertia[i], inertia_of_rod(model.mass[i], model.length[i]))
         model.center_of_mass_ratio[i] = c / model.length[i]
         # I + m c²
         model.proximal_inertia[i] = model.inertia[i] + model.mass[i] * c * c

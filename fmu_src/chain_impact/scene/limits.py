@@ -6,7 +6,7 @@ import functools
 import operator
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, dataclass, field
+from dataclasses import MISSING, Field, dataclass, field, fields
 from pathlib import Path
 from types import NoneType
 from typing import Any, TypedDict, Unpack, get_args
@@ -36,10 +36,31 @@ class Limits(TypedDict, total=False):
 
 @dataclass(frozen=True, slots=True)
 class Derived:
-    """A default that follows from the values read before it: in words, and computed."""
+    """A default that follows from the values read before it.
+
+    Attributes:
+        text: in words.
+        value: computed from the values read before; None where there is none.
+        factors: of a parameter, the keys whose product it is, of the same table if they have no dot, …
+        divisor: … divided by this.
+        constant: whether only its being there follows from other values.
+    """
 
     text: str
     value: Callable[[Mapping[str, Any]], Any]
+    factors: tuple[str, ...] = ()
+    divisor: int = 1
+    constant: bool = False
+
+
+NO_KEY = {"key": False}
+"""The metadata of a field that stands in no file."""
+
+
+@functools.cache
+def keys(table: Any) -> tuple[Field[Any], ...]:
+    """The fields of a table that are keys of the scene file."""
+    return tuple(entry for entry in fields(table) if entry.metadata.get("key", True))
 
 
 def quantity(unit: str, description: str, default: Any = MISSING, **limits: Unpack[Limits]) -> Any:

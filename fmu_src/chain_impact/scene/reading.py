@@ -6,12 +6,12 @@ import functools
 import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import MISSING, Field, fields, is_dataclass
+from dataclasses import MISSING, Field, is_dataclass
 from numbers import Integral, Real
 from typing import Any, get_args, get_origin
 
 from chain_impact.scene.angles import in_radians, or_degrees
-from chain_impact.scene.limits import Derived, allowed, extended, keeps, without_none
+from chain_impact.scene.limits import Derived, allowed, extended, keeps, keys, without_none
 from chain_impact.scene.names import Place, nearest
 
 ALIKE = 0.7  # from this ratio on, a name may be meant for another
@@ -96,7 +96,7 @@ def _has(text: str, start: int, parts: Sequence[str]) -> bool:
 
 def keys_of(table: Any, prefix: str = "") -> Iterator[tuple[str, Field[Any]]]:
     """Yield every table and key of a dataclass, `chain.links[].mass` for one, with its field."""
-    for entry in fields(table):
+    for entry in keys(table):
         key = prefix + entry.name
         yield key, entry
         if is_dataclass(inner := entry_type(entry.type)):
@@ -112,10 +112,15 @@ def entry_type(kind: Any) -> Any:
 
 
 class Reader:
-    """Reads data into the dataclass ``root`` and those it is made of; ``label`` names what is at a path."""
+    """Reads data into the dataclass ``root`` and those it is made of; ``label`` names what is at a path.
+
+    Attributes:
+        derived: the paths of the values that defaults have derived, in the data.
+    """
 
     def __init__(self, root: Any, label: Callable[[Place], str]) -> None:
         self.root, self.label = root, label
+        self.derived: list[Place] = []
 
     def read(self, data: Any) -> Any:
         """Return the dataclass, or raise a SceneError."""
@@ -125,12 +130,13 @@ class Reader:
         """Return `data` as a `table`; `known` is what was read before."""
         if not isinstance(data, Mapping):
             raise self._refusal(path, data, "a table")
+        entries = {entry.name: entry for entry in keys(table)}
         for name in data:
-            if name not in table.__dataclass_fields__:
+            if name not in entries:
                 raise SceneError(self._unknown(table, path, name), (*path, name))
         values: dict[str, Any] = {}
         scope = dict(known)
-        for entry in fields(table):
+        for entry in entries.values():
             where = (*path, entry.name)
             rule = extended(entry.metadata, scope)
             value = data.get(entry.name)
@@ -141,6 +147,8 @@ class Reader:
                 raise SceneError(f"{self.label(where)} is missing{meaning}", where)
             if isinstance(value, Derived):
                 value = value.value(scope)
+                if value is not None:
+                    self.derived.append(where)
             # what is None still is not there, such as a wall
             read = None if value is None else self._value(entry.type, rule, value, where, scope)
             values[entry.name] = scope[entry.name] = read
@@ -199,7 +207,7 @@ class Reader:
         """Name the key most like `name`: of the same table, else of another one; else all of this table."""
         name = shown(name).strip("'")
         what = f"{self.label((*path, name))} is unknown"
-        here = [entry.name for entry in fields(table)]
+        here = [entry.name for entry in keys(table)]
         prefix = "".join("[]" if isinstance(step, int) else f".{step}" for step in path).removeprefix(".")
         if near := nearest(name, here, at_least=ALIKE):
             return f"{what}; the nearest key is {prefix}{'.' * bool(prefix)}{near}"
@@ -211,7 +219,9 @@ class Reader:
         """Say that one table is where a list of them has to be, and what else belongs elsewhere."""
         name = self.label(path)
         moved = [
-            self._keys()[key] for key in value if key not in item.__dataclass_fields__ and key in self._keys()
+            self._keys()[key]
+            for key in value
+            if key in self._keys() and key not in {entry.name for entry in keys(item)}
         ]
         others = "".join(f"; {key.rpartition('.')[2]} belongs in [{key.rpartition('.')[0]}]" for key in moved)
         return f"{name} is one table, must be a list of tables: write [[{name}]]{others}"

@@ -10,7 +10,7 @@ import operator
 import os
 import tomllib
 from collections.abc import Iterator, Mapping
-from dataclasses import Field, asdict, dataclass, fields, is_dataclass, replace
+from dataclasses import Field, asdict, dataclass, field, is_dataclass, replace
 from numbers import Integral
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -19,8 +19,9 @@ from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.scene import checks, friction, scene_text, stops
+from chain_impact.scene.derived import above, of_every_link, rule_of, without_derived
 from chain_impact.scene.half_planes import HalfPlane, half_planes
-from chain_impact.scene.limits import quantity
+from chain_impact.scene.limits import NO_KEY, keys, quantity
 from chain_impact.scene.lines import fault_hint, line_of
 from chain_impact.scene.models import SCENE_FILE, model_names, scene_path
 from chain_impact.scene.names import STOPS, Place, name_of, parameter_hint, place_in_file
@@ -66,6 +67,14 @@ class Scene:
     outputs: Outputs
     solver: Solver
     simulation: Simulation
+    derived_places: tuple[Place, ...] = field(default=(), metadata=NO_KEY)
+
+    @property
+    def derived(self) -> dict[str, str]:
+        """The values that follow from others, as no one has given them: name → rule, "length / 2"."""
+        rules, walls = dict(scene_keys()), [wall.name for wall in self.walls]
+        found = ((path, rule_of(path, rules)) for path in self.derived_places)
+        return {name_of(path, walls): rule.text for path, rule in found if not rule.constant}
 
     @property
     def wall_names(self) -> tuple[str, ...]:
@@ -194,7 +203,9 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
 
     hints: list[str] = []
     try:
-        scene: Scene = Reader(Scene, label).read(data)
+        reader = Reader(Scene, label)
+        scene: Scene = reader.read(data)
+        scene = replace(scene, derived_places=tuple(sorted(of_every_link(reader.derived, data))))
         scene = checks.with_angles(checks.with_law_path(scene, Path(source).parent))
         scene = checks.with_materials(scene)
         hints = checks.angle_hints(scene)
@@ -208,9 +219,15 @@ def _validated(data: Mapping[str, Any], source: str, in_file: bool) -> Scene:
     return scene
 
 
-def scene_to_dict(scene: Scene) -> dict[str, Any]:
-    """Return the scene as plain dicts, lists and values that TOML can hold, without what is missing."""
-    return _without_empty(_plain(scene))
+def scene_to_dict(scene: Scene, *, derived: bool = False) -> dict[str, Any]:
+    """Return the scene as plain dicts, lists and values that TOML can hold, without what is missing.
+
+    With ``derived``, also the values that the scene derives from others: read again, these are given.
+    """
+    data = _plain(scene)
+    if not derived:
+        without_derived(data, scene.derived_places)
+    return _without_empty(data)
 
 
 def _plain(value: Any) -> Any:
@@ -219,7 +236,7 @@ def _plain(value: Any) -> Any:
     dataclasses.asdict would copy each number, which takes longer.
     """
     if is_dataclass(value):
-        parts = ((entry.name, getattr(value, entry.name)) for entry in fields(value))
+        parts = ((entry.name, getattr(value, entry.name)) for entry in keys(value.__class__))
         return {name: _plain(part) for name, part in parts if part is not None}
     if isinstance(value, Mapping):
         return {name: _plain(part) for name, part in value.items()}
@@ -251,8 +268,8 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[Place, 
     and a solver method can be given by their number in the FMU, too. A path can replace a name:
     `("chain", "links", 0, "mass")`.
 
-    None removes the key, so that its default holds. All other values stay, also those that a default has
-    derived from a value that changes.
+    None removes the key, so that its default holds. All other values that are given stay, and what a default
+    derives follows them, as in a scene file that is edited.
 
     Raises SceneError when a name is unknown, a path leads nowhere, or the scene becomes invalid.
     """
@@ -270,6 +287,8 @@ def with_values(scene: SceneSource, changes: Mapping[str, Any] | Mapping[Place, 
 def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
     """As with_values: all is read anew."""
     data = _plain(scene)
+    # of a derived list of which one value is given, all are given
+    without_derived(data, scene.derived_places, kept=above(path for path, _ in values))
     for path, value in values:
         try:
             *parents, last = path
@@ -280,7 +299,7 @@ def _with_any(scene: Scene, values: list[tuple[Any, Any]]) -> Scene:
 
 
 _INDEPENDENT: dict[str, frozenset[str]] = {
-    name: frozenset(entry.name for entry in fields(table))
+    name: frozenset(entry.name for entry in keys(table))
     for name, table in (("inputs", Inputs), ("solver", Solver), ("simulation", Simulation))
 }
 """The tables, and their keys, on which no other value of a scene depends."""
@@ -336,7 +355,7 @@ def _names(scene: Scene) -> dict[str, Place]:
 def _leaves(value: Any, path: Place = (), unit: str = "") -> Iterator[tuple[Place, Any]]:
     """Yield the path of every single value, and the value; entries of a list of quantities are single."""
     if is_dataclass(value):
-        for entry in (entry for entry in fields(value) if not entry.metadata.get("file_only")):
+        for entry in (entry for entry in keys(value.__class__) if not entry.metadata.get("file_only")):
             inner = getattr(value, entry.name)
             yield from _leaves(inner, (*path, entry.name), entry.metadata.get("unit", ""))
     elif isinstance(value, Mapping):

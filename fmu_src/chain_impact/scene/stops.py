@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import fields
 from typing import TYPE_CHECKING
 
 from chain_impact.scene.checks import START_TOLERANCE, check_law
+from chain_impact.scene.limits import keys
 from chain_impact.scene.names import STOPS
 from chain_impact.scene.reading import SceneError, shown
-from chain_impact.scene.tables import Chain
+from chain_impact.scene.tables import Chain, Stops
 
 if TYPE_CHECKING:
     from chain_impact.scene.scene import Scene
@@ -29,7 +29,7 @@ def check_stops(scene: Scene) -> None:
 
 
 def _refuse_table(scene: Scene) -> None:
-    for entry in fields(scene.stops):
+    for entry in keys(Stops):
         if (value := getattr(scene.stops, entry.name)) is not None:
             needed = "must be left out: no link has a joint_min or joint_max"
             raise SceneError(f"stops.{entry.name} = {shown(value)} {needed}")

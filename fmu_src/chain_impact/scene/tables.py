@@ -21,22 +21,30 @@ XML_TEXT = (r"[^\x00-\x08\x0B\x0C\x0E-\x1F\uD800-\uDFFF\uFFFE\uFFFF]*", "text wi
 _NAME = (r"[A-Za-z][A-Za-z0-9_.*\[\]]*", "the name of a parameter or an input, with * for any text")
 _PYTHON_FILE = (r"|[^\x00]*\.py", "the path of a Python file, from the folder of the scene")
 
-_MIDDLE = Derived("length / 2", lambda link: link["length"] / 2)
-_ROD = Derived("mass * length^2 / 12", lambda link: link["mass"] * link["length"] * link["length"] / 12)
+
+def _product(text: str, *factors: str, divisor: int) -> Derived:
+    """The product of some values of the same table, divided by a number."""
+    return Derived(text, lambda known: math.prod(known[key] for key in factors) / divisor, factors, divisor)
+
+
+_MIDDLE = _product("length / 2", "length", divisor=2)
+_ROD = _product("mass * length^2 / 12", "mass", "length", "length", divisor=12)
 _MOVABLE = Derived("all that move", lambda known: tuple(known["chain"].movable_points))
-_ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links))
+_ZEROS = Derived("zeros", lambda known: (0.0,) * len(known["chain"].links), constant=True)
 
 
 def _of_contact(key: str) -> Derived:
     """The value of a key of the table ``contact``, where there are stops."""
     return Derived(
-        "that of [contact]", lambda known: getattr(known["contact"], key) if known["chain"].stops else None
+        "that of [contact]",
+        lambda known: getattr(known["contact"], key) if known["chain"].stops else None,
+        (f"contact.{key}",),
     )
 
 
 def _with_stops(value: float) -> Derived:
     """A value, where there are stops."""
-    return Derived(f"{value:g}", lambda known: value if known["chain"].stops else None)
+    return Derived(f"{value:g}", lambda known: value if known["chain"].stops else None, constant=True)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

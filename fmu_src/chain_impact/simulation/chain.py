@@ -25,7 +25,7 @@ from chain_impact.scene.scene import Scene, SceneSource, scene_of
 from chain_impact.simulation.instance import Instance, SimulationError, in_order
 from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
-from chain_impact.variables.variable import Variable, variable_row
+from chain_impact.variables.variable import Variable
 
 STATE = struct.Struct("<8s16sqqq")  # magic, the scene's digest, whether it has started, contacts, changes
 MAGIC = b"chainsav"
@@ -33,9 +33,10 @@ MAGIC = b"chainsav"
 
 @dataclass(frozen=True, slots=True)
 class _Place:
-    """Where a variable is in the record, and what may be written there."""
+    """Where a variable is in the record, where else a value for it is written, and what that may be."""
 
     word: int
+    set_word: int
     whole: bool
     kind: str
     low: float
@@ -47,7 +48,7 @@ class _Place:
 
 @dataclass(frozen=True, slots=True)
 class _Selection:
-    """Several variables that are read at once: words, which are integers, whether any is an output."""
+    """Several variables that are read at once: words, which are integers, whether any is worked out."""
 
     words: np.ndarray
     whole: np.ndarray
@@ -85,7 +86,7 @@ class Chain:
         self._integers = self._reals.view(np.int64)
         self._start = self._reals.copy()
         dtype = self._instance.record.dtype
-        self._places = {v.name: _place(v, word_index(dtype, v.place)) for v in model.variables}
+        self._places = {v.name: _place(v, model.table_row(v)) for v in model.variables}
         self._time_word = word_index(dtype, ("step", "time"))
         self._changed_word = word_index(dtype, ("given", "changed"))
         self._finished_word = word_index(dtype, ("finished", "count"))
@@ -191,11 +192,11 @@ class Chain:
             SceneError: when it cannot be set at this time, or not to that value.
         """
         given = {values: value} if isinstance(values, str) else values
-        words = [self._checked(name, value) for name, value in given.items()]
-        for word, whole, number in words:
-            memory = self._integers if whole else self._reals
-            if memory[word] != number:
-                memory[word] = number
+        checked = [self._checked(name, value) for name, value in given.items()]
+        for place, number in checked:
+            memory = self._integers if place.whole else self._reals
+            if memory[place.set_word] != number:
+                memory[place.word] = memory[place.set_word] = number
                 self._observed = False
                 if self._stepped:
                     self._integers[self._changed_word] = AT_ONCE
@@ -275,13 +276,13 @@ class Chain:
         selection = _Selection(
             words=np.array([place.word for place in places], int),
             whole=np.flatnonzero([place.whole for place in places]),
-            observed=any(place.kind == "output" for place in places),
+            observed=any(place.kind == "output" or place.word != place.set_word for place in places),
         )
         self._selections[key] = selection
         return selection
 
-    def _checked(self, name: str, value: Any) -> tuple[int, bool, float]:
-        """The word of a variable, whether it holds an integer, and the value for it."""
+    def _checked(self, name: str, value: Any) -> tuple[_Place, float]:
+        """The place of a variable, and the value for it."""
         place = self._places.get(name)
         if place is None:
             raise UnknownNameError(self.scene.name, name, self._places, "no variable", self._hint(name))
@@ -299,7 +300,7 @@ class Chain:
             raise SceneError(
                 f"{self.scene.name}: {name} = {shown(value)} must be {place.allowed}{or_degrees(place.unit)}"
             )
-        return place.word, place.whole, number
+        return place, number
 
     def _hint(self, name: str) -> str | None:
         """Of an input or a friction that the scene does not have: the key that makes it."""
@@ -320,7 +321,7 @@ def _restored(scene: Scene, state: bytes) -> Chain:
     return chain
 
 
-def _place(variable: Variable, word: int) -> _Place:
-    _, _, _, kind, low, high, allowed = variable_row(variable, word)
+def _place(variable: Variable, row: list[Any]) -> _Place:
+    _, _, word, kind, low, high, allowed, set_word = row
     choices = tuple(item.name for item in variable.items)
-    return _Place(word, variable.type != "real", kind, low, high, allowed, choices, variable.unit)
+    return _Place(word, set_word, variable.type != "real", kind, low, high, allowed, choices, variable.unit)

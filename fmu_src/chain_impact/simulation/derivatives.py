@@ -267,7 +267,7 @@ class DifferentiatedRun:
         self._model = Model(scene_of(scene))
         self._inputs = dict(inputs or {})
         varied = self._model.varied_by(parameters)
-        self._places = [variable.place for variable in varied]
+        self._places = [variable.set_place for variable in varied]
         self._count, self._width = len(self._places), len(outputs)
         words = self._model.columns_named(outputs)
         output_indices = [words[name] for name in outputs]

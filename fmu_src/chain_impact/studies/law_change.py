@@ -74,6 +74,8 @@ def law_values(scene: Scene, law: str, impact: np.void | None) -> Changes:
             if len(path) == 1:
                 changes[*path, "exponent"] = needed
             changes[*path, "stiffness"] = _equally_deep(stiffness, exponent, needed, impact)
+    if scene.stops.model and ("contact", "exponent") in changes:  # which these may have theirs from
+        changes["stops", "exponent"] = scene.stops.exponent
     return changes
 
 

@@ -18,6 +18,7 @@ from chain_impact.kernel.integration.methods import SOLVER_METHODS
 from chain_impact.kernel.integration.sundman import NO_CONTACT
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.contact_law import USER_LAW
+from chain_impact.kernel.model.derived import DERIVED
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.record.instance import instance_dtype
 from chain_impact.kernel.tangent.directions import DIRECTIONS, tangent_dtype
@@ -27,7 +28,7 @@ from chain_impact.scene.reading import matching
 from chain_impact.scene.scene import Scene
 from chain_impact.variables.outputs import all_outputs
 from chain_impact.variables.table import BEHIND, derivatives, inputs, parameters, word_index
-from chain_impact.variables.variable import Variable
+from chain_impact.variables.variable import Variable, variable_row
 
 LINK_PARAMETERS = (
     *("length", "mass", "center_of_mass", "inertia"),
@@ -137,6 +138,11 @@ class Model:
         """Where a variable is in an instance of the FMU, counted in words."""
         return word_index(self.start.dtype, variable.place)
 
+    def table_row(self, variable: Variable) -> list[Any]:
+        """What an importer has to know of a variable, as ``variable_row`` gives it."""
+        words = (word_index(self.start.dtype, place) for place in (variable.place, variable.set_place))
+        return variable_row(variable, *words)
+
     def start_text(self, variable: Variable) -> str:
         """The start value of a variable, as the shortest text that reads back as the same number."""
         words = self.start.view(np.float64 if variable.type == "real" else np.int64)
@@ -211,7 +217,7 @@ class Model:
         block = np.zeros(1, self.layout)
         _fill(block[0], self.scene, self.candidates)
         block[0]["step"]["regularized"] = NO_CONTACT
-        return _with_tangents(block, [variable.place for variable in varied]) if varied else block
+        return _with_tangents(block, [variable.set_place for variable in varied]) if varied else block
 
     def _named(
         self,
@@ -278,6 +284,7 @@ def _fill(d: Any, scene: Scene, pairs: Sequence[tuple[int, int]]) -> None:
     _fill_walls(d, scene)
     if scene.stops.exponent is not None:
         _fill_stops(d, scene)
+    _fill_given(d, scene)
 
 
 def _fill_walls(d: Any, scene: Scene) -> None:
@@ -303,10 +310,21 @@ def _fill_stops(d: Any, scene: Scene) -> None:
         d["model"]["joint_min"][joint - 1], d["model"]["joint_max"][joint - 1] = ends
     d["candidate"]["stop"][-len(found) :] = [1 if stop == "joint_min" else -1 for _, stop in found]
     d["stops"]["law"] = _law_number(stops.model) if stops.model else 0
-    for name in ("exponent", "minimum_impact_speed"):
+    for name in ("exponent", "restitution", "minimum_impact_speed"):
         d["stops"][name] = getattr(stops, name)
-    for name in ("stiffness", "restitution"):
-        d["given"][f"stop_{name}"] = getattr(stops, name)
+    d["given"]["stop_stiffness"] = stops.stiffness
+
+
+def _fill_given(d: Any, scene: Scene) -> None:
+    """Put what is given of the parameters that may be derived in its place; see kernel/model/derived.py."""
+    derived = set(scene.derived_places)
+    for i, link in enumerate(scene.chain.links):
+        for name in ("center_of_mass", "inertia"):
+            is_derived = ("chain", "links", i, name) in derived
+            d["model"][f"given_{name}"][i] = DERIVED if is_derived else getattr(link, name)
+    places = {"exponent": ("stops", "given_exponent"), "restitution": ("given", "stop_restitution")}
+    for name, (part, field) in places.items():
+        d[part][field] = DERIVED if ("stops", name) in derived else getattr(scene.stops, name) or 0.0
 
 
 def _law_number(name: str) -> int:

@@ -8,8 +8,7 @@ wall, no candidate and no input that is not in it.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import fields
+from collections.abc import Container, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -22,6 +21,7 @@ from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.model.geometry import WALLS
 from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.scene.candidates import point_wall_pairs
+from chain_impact.scene.limits import keys
 from chain_impact.scene.names import AXES, STOPS, Place, name_of, sensitivity_name
 from chain_impact.scene.scene import Scene
 from chain_impact.scene.tables import Box, Contact, Initial, Link, Material, Solver, Stops, Wall
@@ -32,6 +32,14 @@ WORD = 8  # bytes of every scalar in the record
 BEHIND = "behind"
 """The field of the instances of dual numbers behind an instance (model.py)."""
 
+GIVEN_PLACES: dict[Place, Place] = {
+    **{("model", key): ("model", f"given_{key}") for key in ("center_of_mass", "inertia")},
+    ("stops", "exponent"): ("stops", "given_exponent"),
+    ("stops", "restitution"): ("given", "stop_restitution"),
+}
+"""Where the value in use of a parameter that may be derived is, and where what is given of it."""
+UNLESS_SET = "; unless set: "
+"""In the description of a parameter that the scene derives: the rule stands behind it."""
 FRICTION = ("friction", "static_friction")
 """The coefficients of dry friction."""
 _METHODS = tuple(
@@ -76,7 +84,7 @@ def word_index(dtype: np.dtype, place: Place) -> int:
 @cache
 def _rules(table: type) -> dict[str, Mapping[str, Any]]:
     """The metadata of each key of a table of the scene."""
-    return {entry.name: entry.metadata for entry in fields(table) if not entry.metadata.get("file_only")}
+    return {entry.name: entry.metadata for entry in keys(table) if not entry.metadata.get("file_only")}
 
 
 def _parameter(
@@ -85,18 +93,29 @@ def _parameter(
     path: Place,
     description: str = "{}",
     walls: Sequence[str] = (),
+    *,
+    derived: Container[Place] = (),
     **changes: Any,
 ) -> Variable:
-    """The parameter that sets the value at ``path``, by the ``rule`` of its key; {} is its description."""
+    """The parameter that sets the value at ``path``, by the ``rule`` of its key; {} is its description.
+
+    ``derived`` are the paths of what the scene derives.
+    """
     limits = {limit: rule[limit] for limit in ("minimum", "above", "maximum")}
     entries = {"type": "real", "variability": "fixed", "unit": rule["unit"], **limits, **changes}
     # the attributes of FMI have closed limits only
     open_limit = "" if rule["above"] is None else f"; must be > {rule['above']:g}"
+    given = GIVEN_PLACES.get(place[:2])
+    follows = rule["default"] if path in derived else None
     return Variable(
         name=name_of(path, walls),
         causality="parameter",
-        description=description.format(rule["description"]) + open_limit,
+        description=description.format(rule["description"])
+        + open_limit
+        + (f"{UNLESS_SET}{follows.text}" if given and follows else ""),
         place=place,
+        given_place=given and (*given, *place[2:]),
+        rule=follows if given else None,
         scene_path=path,
         **entries,
     )
@@ -105,6 +124,7 @@ def _parameter(
 def parameters(scene: Scene) -> Iterator[Variable]:
     """The parameters of the scene's FMU."""
     rules, rubbing = _rules(Scene) | _rules(Box), scene.friction_joints
+    derived = frozenset(scene.derived_places)
     for j, axis in enumerate(AXES):
         path: Place = ("gravity", j)
         yield _parameter(rules["gravity"], ("model", *path), path, f"{axis} of the {{}}")
@@ -114,7 +134,8 @@ def parameters(scene: Scene) -> Iterator[Variable]:
                 continue
             if key == "joint_friction" and i + 1 not in rubbing:
                 continue
-            yield _parameter(rule, ("model", key, i), ("chain", "links", i, key), f"link {i + 1}: {{}}")
+            path = ("chain", "links", i, key)
+            yield _parameter(rule, ("model", key, i), path, f"link {i + 1}: {{}}", derived=derived)
     for w, wall in enumerate(WALLS):
         if getattr(scene.box, wall) is not None:
             yield _parameter(rules[wall], ("model", "wall", w), ("box", wall), "position of the {}")
@@ -184,12 +205,15 @@ def _material_parameters(scene: Scene) -> Iterator[Variable]:
 def _stop_parameters(scene: Scene) -> Iterator[Variable]:
     if scene.stops.model is None and not point_wall_pairs(scene):
         yield _law_parameter(scene)
+    derived = frozenset(scene.derived_places)
     for key, rule in _rules(Stops).items():
         path = ("stops", key)
-        if key in ("stiffness", "restitution"):
-            yield _parameter(rule, ("given", f"stop_{key}"), path, variability="tunable")
+        if key == "stiffness":
+            yield _parameter(rule, ("given", "stop_stiffness"), path, variability="tunable")
+        elif key == "restitution":
+            yield _parameter(rule, path, path, derived=derived, variability="tunable")
         elif key != "model":
-            yield _parameter(rule, path, path)
+            yield _parameter(rule, path, path, derived=derived)
 
 
 def _initial_values(scene: Scene) -> Iterator[Variable]:

@@ -7,7 +7,7 @@ import sys
 from dataclasses import dataclass
 from typing import Any
 
-from chain_impact.scene.limits import allowed
+from chain_impact.scene.limits import Derived, allowed
 from chain_impact.scene.names import Place
 
 LARGEST = sys.float_info.max
@@ -35,6 +35,9 @@ class Variable:
         unit: name of the unit, a key of ``UNITS``; "" unless real.
         description: one line.
         place: path into the instance record, ``("model", "length", 2)`` for one.
+        given_place: likewise, of what is given of a parameter that may be derived, where ``place`` has the
+            value in use (kernel/model/derived.py); None for all others.
+        rule: how the scene derives it, None if it is given.
         scene_path: path of a parameter into the scene file, for ``scene.with_values``; None for all others.
         minimum: value >= minimum, if any.
         above: value > above, if any.
@@ -50,6 +53,8 @@ class Variable:
     unit: str
     description: str
     place: Place
+    given_place: Place | None = None
+    rule: Derived | None = None
     scene_path: Place | None = None
     minimum: float | None = None
     above: float | None = None
@@ -78,6 +83,11 @@ class Variable:
         return ".".join(step for step in self.place[1:] if isinstance(step, str))
 
     @property
+    def set_place(self) -> Place:
+        """The place of the record that makes it another value, and from which derivatives start."""
+        return self.given_place or self.place
+
+    @property
     def index(self) -> tuple[int, ...]:
         """The place of the value in its field."""
         return tuple(step for step in self.place if isinstance(step, int))
@@ -91,8 +101,11 @@ class Variable:
         return allowed(float, {"choices": None, "unit": self.unit, **limits})
 
 
-def variable_row(variable: Variable, word: int) -> list[Any]:
-    """Name, type, word, kind, lowest and highest value that can be set, and these in words."""
+def variable_row(variable: Variable, word: int, set_word: int) -> list[Any]:
+    """Name, type, word, kind, lowest and highest value that can be set, these in words, and a second word.
+
+    What is set is written to both words, ``place`` and ``set_place``.
+    """
     kind = variable.variability if variable.causality == "parameter" else variable.causality
     low, high = -LARGEST, LARGEST
     if variable.items:
@@ -104,4 +117,4 @@ def variable_row(variable: Variable, word: int) -> list[Any]:
     if variable.maximum is not None:
         high = variable.maximum
     type_ = "real" if variable.type == "real" else "integer"
-    return [variable.name, type_, word, kind, low, high, variable.allowed]
+    return [variable.name, type_, word, kind, low, high, variable.allowed, set_word]

@@ -163,7 +163,7 @@ def test_what_follows_from_the_parameters_varies_with_them():
 
 PARAMETERS = {
     "model": (
-        *("gravity", "length", "mass", "center_of_mass", "inertia", "wall"),
+        *("gravity", "length", "mass", "given_center_of_mass", "given_inertia", "wall"),
         *("joint_damping", "joint_stiffness", "joint_rest_angle", "joint_friction"),
     ),
     "walls": ("x", "y", "angle"),

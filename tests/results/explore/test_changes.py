@@ -7,6 +7,7 @@ import pytest
 from chain_impact import SceneError, SimulationError, load_scene, simulate
 from chain_impact.kernel import status
 from chain_impact.results.explore.description import description
+from tests.derived_scenes import FINGER, edited, finger
 from tests.results.explore.conftest import needs_browser, packed_module
 
 pytestmark = needs_browser
@@ -79,3 +80,38 @@ def test_a_value_is_not_set_back_where_it_does_not_go_with_another(worker):
     )
     assert fault == "box.x_max = -1 must be > 0 [m], which is x_min + 2 contact.radius"
     assert values == {"box.x_min": -5, "box.x_max": -1}
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"link[1].length": 0.6, "link[2].mass": 0.2},
+        {"contact.restitution": 0.45, "contact.exponent": 1.25},
+        {"link[1].length": 0.6, "link[1].inertia": 0.02, "stop.restitution": 0.9, "contact.restitution": 0.4},
+        {"link[1].length": 0.6, "link[1].center_of_mass": 0.25},  # as it would be in the scene
+    ],
+    ids=str,
+)
+def test_what_follows_from_others_is_shown_as_in_the_edited_file(worker, changes):
+    """And follows them again once it is set back."""
+    scene, expected = finger(), edited(FINGER, changes)
+    given = json.loads(json.dumps(description(scene, [])))
+    shown, text, back = worker.evaluate(
+        """([scene, given]) => {
+          const changes = new Changes(scene);
+          changes.set(given);
+          const names = scene.parameters.map(({ name }) => name);
+          const all = () => Object.fromEntries(names.map((name) => [name, changes.valueOf(name)]));
+          const [shown, text] = [all(), changes.texts().map(([name]) => name)];
+          for (const name of Object.keys(given)) changes.reset(name);
+          return [shown, text, all()];
+        }""",
+        [given, changes],
+    )
+    for name in ("center_of_mass", "inertia"):
+        for link in (1, 2, 3):
+            assert shown[f"link[{link}].{name}"] == expected.values[f"link[{link}].{name}"]
+    for name in ("stop.restitution", "stop.exponent"):
+        assert shown[name] == expected.values[name]
+    assert set(text) == set(changes)
+    assert back == {one["name"]: one["start"] for one in given["parameters"]}

@@ -8,6 +8,7 @@ import pytest
 from chain_impact import SimulationError, load_scene, model_names, simulate
 from chain_impact.results.explore.description import description
 from tests.compilation.test_browser import SINH
+from tests.derived_scenes import FINGER, PARAMETER_CHANGES, edited, finger
 from tests.results.explore.conftest import needs_browser, packed_module
 from tests.stops import knee
 
@@ -48,6 +49,11 @@ def assert_same_bits(found, result):
 def test_every_output_of_every_model_has_the_bits_of_simulate(kernel, model):
     scene = load_scene(model)
     assert_same_bits(kernel(scene), simulate(scene))
+
+
+@pytest.mark.parametrize("changes", PARAMETER_CHANGES, ids=str)
+def test_what_the_scene_derives_follows_changed_parameters(kernel, changes):
+    assert_same_bits(kernel(finger(), changes), simulate(edited(FINGER, changes)))
 
 
 @pytest.mark.parametrize(("model", "changes"), CHANGES)

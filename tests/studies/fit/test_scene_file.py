@@ -60,12 +60,19 @@ def test_only_values_change_and_comments_keep_their_column():
     )
 
 
-def test_a_default_that_would_follow_is_written():
-    """The inertia of a fitted scene is what it was: not that of a rod of the new mass."""
-    scene = parse_scene(TEXT, "ball.toml")
-    text = updated(TEXT, scene.with_values({"link[1].mass": 0.625}), "ball.toml")
-    assert parse_scene(text, "ball.toml").values["link[1].inertia"] == scene.values["link[1].inertia"]
-    assert "mass = 0.625" in text
+def test_what_is_derived_is_not_written():
+    """The inertia of a fitted scene is that of a rod of the new mass; the file leaves it to the default."""
+    before = TEXT.replace("count = 1\n", "")
+    scene = parse_scene(before, "ball.toml").with_values({"link[1].mass": 0.625})
+    text = updated(before, scene, "ball.toml")
+    assert text == before.replace("mass = 0.5      # kg", "mass = 0.625    # kg")
+    assert parse_scene(text, "ball.toml") == scene
+
+
+def test_a_given_value_that_is_derived_again_is_removed():
+    text = TEXT.replace("count = 1\n", "inertia = 0.2\n")
+    scene = parse_scene(text, "ball.toml").with_values({"link[1].inertia": None})
+    assert updated(text, scene, "ball.toml") == TEXT.replace("count = 1\n", "")
 
 
 def test_equal_links_that_differ_are_written_one_by_one():

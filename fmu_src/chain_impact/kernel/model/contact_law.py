@@ -21,6 +21,7 @@ from chain_impact.kernel.laws.contact_laws import (
     RATE_EXPONENTS,
     damping_factor,
 )
+from chain_impact.kernel.model.derived import in_use
 from chain_impact.kernel.status import (
     EXPONENT_NOT_ALLOWED,
     FRICTION_WITH_RIGID_WALLS,
@@ -65,6 +66,7 @@ def update_laws(d):
     if status != OK:
         return status
     d.contact.any_force, d.contact.any_rigid, d.contact.any_friction = 0, 0, 0
+    d.stops.restitution = in_use(d.given.stop_restitution, d.given.restitution)
     for c in range(d.candidates):
         first = d.law.same_as[c]
         if first == c:
@@ -114,7 +116,7 @@ def given_stiffness(d, c):
 def given_restitution(d, c):
     """The given restitution of candidate c."""
     if d.candidate.stop[c] != 0:
-        return d.given.stop_restitution
+        return in_use(d.given.stop_restitution, d.given.restitution)
     own = d.walls.restitution[d.candidate.wall[c]]
     return own if own >= 0.0 else d.given.restitution
 

@@ -24,8 +24,9 @@ def model_dtype(links: int) -> np.dtype:
         ("gravity", REAL, (2,)),  # m/s²
         ("length", REAL, (links,)),  # m
         ("mass", REAL, (links,)),  # kg
-        ("center_of_mass", REAL, (links,)),  # m from the proximal joint
-        ("inertia", REAL, (links,)),  # kg·m² about the centre of mass
+        # m from the proximal joint, and kg·m² about the centre of mass, as they are given; or DERIVED
+        ("given_center_of_mass", REAL, (links,)),
+        ("given_inertia", REAL, (links,)),
         ("joint_damping", REAL, (links,)),  # N·m·s/rad at the proximal joint
         ("joint_stiffness", REAL, (links,)),  # N·m/rad, likewise
         ("joint_rest_angle", REAL, (links,)),  # rad, at which the spring is slack
@@ -36,6 +37,8 @@ def model_dtype(links: int) -> np.dtype:
         ("pinned", INTEGER),  # 1: the base cannot move
         ("driven", INTEGER),  # 1: there are inputs
         # derived at initialization
+        ("center_of_mass", REAL, (links,)),  # m from the proximal joint
+        ("inertia", REAL, (links,)),  # kg·m² about the centre of mass
         ("damped", INTEGER),  # 1: some joint has damping
         ("sprung", INTEGER),  # 1: some joint has a spring
         ("stopped", INTEGER),  # 1: some joint has a stop, …
@@ -73,16 +76,19 @@ def contact_dtype() -> np.dtype:
 
 
 @given(AT_START)
-@written_by()
+@written_by("initialize.py", restitution="model/contact_law.py")
 def stops_dtype() -> np.dtype:
-    """The contact law of the stops in joints; stiffness and restitution are in `given`.
+    """The contact law of the stops in joints; the given stiffness and restitution are in `given`.
 
-    variables/model.py sets it.
+    variables/model.py sets what is not derived.
     """
     return record(
         ("law", INTEGER),  # number of the contact law, from 1; 0: that of the walls
-        ("exponent", REAL),
+        ("given_exponent", REAL),  # or DERIVED: that of `contact`
         ("minimum_impact_speed", REAL),  # rad/s
+        # derived
+        ("exponent", REAL),
+        ("restitution", REAL),  # for who reads it: the laws have it for each candidate
     )
 
 
@@ -137,7 +143,7 @@ def given_dtype(links: int) -> np.dtype:
         ("friction", REAL),  # coefficient of sliding …
         ("static_friction", REAL),  # … and of static friction; if it is less, that of sliding holds
         ("stop_stiffness", REAL),  # N·m/rad^exponent
-        ("stop_restitution", REAL),
+        ("stop_restitution", REAL),  # or DERIVED: that of the walls
         ("joint_torque", REAL, (links,)),  # as in `inputs`
         ("tip_force", REAL, (2,)),
         ("course", course_dtype(links)),

@@ -1,7 +1,8 @@
 """What the page knows of its scene: the record, where in it things are, parameters, outputs and walls.
 
 The kernel in the page starts from this record. A parameter is set as the native FMU sets one: a number is put
-in its word, and the kernel derives all else when it initializes.
+in its word, and the kernel derives all else when it initializes. What the scene derives from other parameters
+the page shows as it follows from them.
 """
 
 from __future__ import annotations
@@ -24,8 +25,8 @@ from chain_impact.scene.limits import allowed
 from chain_impact.scene.scene import Scene, scene_keys
 from chain_impact.scene.tables import Outputs
 from chain_impact.variables.model import Model
-from chain_impact.variables.table import WORD, word_index
-from chain_impact.variables.variable import Item, Variable, variable_row
+from chain_impact.variables.table import UNLESS_SET, WORD, word_index
+from chain_impact.variables.variable import Item, Variable
 
 EVERYTHING = Outputs()
 """What the page draws, whatever the scene's FMU shows."""
@@ -99,7 +100,7 @@ def layout(record: np.dtype) -> dict[str, Any]:
 
 def parameter(model: Model, variable: Variable) -> dict[str, Any]:
     """A parameter of the FMU: its word, its range and what it means."""
-    _, _, word, _, low, high, _ = variable_row(variable, model.word(variable))
+    _, _, _, _, low, high, _, word = model.table_row(variable)
     return {
         "name": variable.name,
         "word": word,
@@ -108,10 +109,25 @@ def parameter(model: Model, variable: Variable) -> dict[str, Any]:
         "high": high,
         "allowed": variable.allowed,
         "unit": variable.unit,
-        "text": variable.description,
+        "text": variable.description.partition(UNLESS_SET)[0],
         "items": [[item.name, sentence(item)] for item in variable.items],
         "start": json.loads(model.start_text(variable)),
+        "derived": derived(model, variable),
     }
+
+
+def derived(model: Model, variable: Variable) -> dict[str, Any] | None:
+    """How the value of a parameter follows from others: their product, divided by a number; and in words.
+
+    None if it does not, or from what the page cannot change.
+    """
+    if variable.rule is None:
+        return None
+    table = variable.name.rpartition(".")[0]
+    factors = [key if "." in key else f"{table}.{key}" for key in variable.rule.factors]
+    known = all(name in model.parameter_paths for name in factors)
+    rule = {"factors": factors, "divisor": variable.rule.divisor, "text": UNLESS_SET + variable.rule.text}
+    return rule if known else None
 
 
 def sentence(item: Item) -> str:

@@ -14,8 +14,6 @@ from chain_impact.scene.reading import SceneError
 from chain_impact.scene.scene import Scene, parse_scene, scene_to_dict
 from chain_impact.scene.text_file import text_of
 
-PASSES = 3  # a default can follow from a value that was left to another default
-
 
 def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) -> None:
     """Write a scene file, and beside it the file of a law that only the cache has, as of ``with_law``.
@@ -44,16 +42,9 @@ def write_scene(scene: Scene, path: str | Path, like: str | Path | None = None) 
 
 
 def updated(text: str, scene: Scene, source: str) -> str:
-    """The text of a scene file with the values of a scene; what has them already stays as it is.
-
-    A value that the text leaves to a default is written where the default would give another one.
-    """
-    for _ in range(PASSES):
-        present = parse_scene(text, source)
-        if present == scene:
-            break
-        text = _once(text, scene_to_dict(present), scene_to_dict(scene))
-    return text
+    """The text of a scene file with what is given of a scene; what has that already stays as it is."""
+    present = parse_scene(text, source)
+    return text if present == scene else _changed(text, scene_to_dict(present), scene_to_dict(scene))
 
 
 def _copied(law: Path, folder: Path) -> str:
@@ -78,8 +69,8 @@ def _with_law_file(text: str, file: str) -> str:
     return str(tomlkit.dumps(document))
 
 
-def _once(text: str, present: dict[str, Any], wanted: dict[str, Any]) -> str:
-    """The text with what differs in it written; what it leaves to defaults can change with that."""
+def _changed(text: str, present: dict[str, Any], wanted: dict[str, Any]) -> str:
+    """The text with what differs in it written."""
     tomlkit = require("tomlkit", "fit")
     document = tomlkit.parse(text)
     if any("count" in link for link in document["chain"]["links"]) and wanted["chain"] != present["chain"]:
@@ -94,7 +85,10 @@ def _once(text: str, present: dict[str, Any], wanted: dict[str, Any]) -> str:
 
 
 def _update(table: Any, wanted: Mapping[str, Any], present: Mapping[str, Any]) -> None:
-    """Write the values of a table that differ."""
+    """Write the values of a table that differ, and remove those that no one gives."""
+    for key in present:
+        if key not in wanted and key in table:
+            del table[key]
     for key, value in wanted.items():
         before = present.get(key)
         if value == before:

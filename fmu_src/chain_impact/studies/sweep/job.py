@@ -1,8 +1,8 @@
 """What all runs of a sweep have in common, and one block of them in the kernel.
 
 A run begins with the parameters and initial values of the scene's instance record, and those that vary are
-written to their places. So a parameter is set as the FMU sets it: that one value, and nothing that a default
-has made of it.
+written to their places. So a parameter is set as the FMU sets it, and the kernel derives from it what the
+scene derives.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ def job_of(source: Scene | Model, variations: Sequence[Variation], outputs: Sequ
     variables = [variation.variable for variation in variations]
     return Job(
         model,
-        tuple(variable.place for variable in variables),
+        tuple(variable.set_place for variable in variables),
         tuple(variable.type for variable in variables),
         tuple(dict.fromkeys(outputs)),
     )

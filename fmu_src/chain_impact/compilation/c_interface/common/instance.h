@@ -16,7 +16,8 @@ enum { FIXED, TUNABLE, INPUT, OUTPUT, TIME }; /* Variable.kind */
 
 typedef struct {
     double low, high;     /* that can be set, both included */
-    int64_t word, length; /* of the record, and how many words from there: more than one of an array */
+    int64_t word, set_word; /* of the record; what is set is written to both */
+    int64_t length;         /* how many words from there: more than one of an array */
     int32_t type, kind;
     int32_t name, allowed; /* texts */
 } Variable;

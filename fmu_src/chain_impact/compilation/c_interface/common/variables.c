@@ -104,9 +104,9 @@ int set(Instance *one, const char *call, Element element, const uint32_t vr[], s
     int changed = 0;
     for (size_t i = 0; i < count; i++) {
         const Variable *at = variable(one, vr[i], element);
-        Word *word = one->record + at->word, new = word_at(element, values, i);
+        Word *word = one->record + at->set_word, new = word_at(element, values, i);
         changed |= at->type == REAL ? word->real != new.real : word->integer != new.integer;
-        *word = new;
+        one->record[at->word] = *word = new;
     }
     if (!changed) return OK;
     one->observed = 0;

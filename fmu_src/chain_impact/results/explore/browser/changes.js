@@ -25,7 +25,14 @@ export class Changes {
   }
 
   valueOf(name) {
-    return this.values[name] ?? this.starts[name];
+    return this.#valueIn(this.values, name);
+  }
+
+  /** The value among some changes: the changed one, else what follows from others, else that of the scene. */
+  #valueIn(values, name) {
+    const { derived } = this.parameters.get(name) ?? {};
+    if (name in values || !derived) return values[name] ?? this.starts[name];
+    return derived.factors.reduce((product, factor) => product * this.#valueIn(values, factor), 1) / derived.divisor;
   }
 
   isChanged(name) {
@@ -46,15 +53,18 @@ export class Changes {
     return value;
   }
 
-  /** The changes, these or those of another time, with others beside them, checked; what equals the scene's value is no change. */
+  /**
+   * The changes, these or those of another time, with others beside them, checked. What equals the scene's value is no
+   * change, but for one that follows from others in the scene: it stays then, whatever they are.
+   */
   with(given, from = this.values) {
     const values = { ...from };
     for (const [name, one] of Object.entries(given)) {
       const value = this.numberOf(name, one);
-      if (value === this.starts[name]) delete values[name];
+      if (value === this.starts[name] && !this.parameters.get(name).derived) delete values[name];
       else values[name] = value;
     }
-    checkTogether((name) => values[name] ?? this.starts[name], this.parameters);
+    checkTogether((name) => this.#valueIn(values, name), this.parameters);
     return values;
   }
 
@@ -64,7 +74,8 @@ export class Changes {
   }
 
   reset(name) {
-    this.set({ [name]: this.starts[name] });
+    const others = Object.entries(this.values).filter(([changed]) => changed !== name);
+    this.replace(this.with({}, Object.fromEntries(others)));
   }
 
   /** Take these changes in place of all others. */

@@ -50,11 +50,11 @@ function explain(row) {
 
 /** A field for a number, or a choice, that follows the changes. */
 export function valueField(changes, parameter) {
-  const { name, items, text, allowed } = parameter;
+  const { name, items, text, allowed, derived } = parameter;
   const field = items.length
     ? make("select", {}, ...items.map(([id], k) => new Option(id, String(k + 1))))
     : make("input", { type: "text", autocomplete: "off", spellcheck: false });
-  field.title = `${name}: ${text}; ${allowed}`;
+  field.title = `${name}: ${text}; ${allowed}${derived?.text ?? ""}`;
   field.setAttribute("aria-label", name);
   field.addEventListener("change", () => attempt(field, () => changes.set({ [name]: field.value })));
   const refresh = () => {
