@@ -53,8 +53,8 @@ STATUS_TEXT = {
     "solver.work_limit: take shorter communication steps or raise it",
     FRICTION_WITH_RIGID_WALLS: f"newton_impact has no contact friction: {WITHOUT_FRICTION}: choose a law "
     "with a force, or set the coefficients of friction to 0",
-    FORCES_NOT_FOUND: "at an event no choice of points that rigid walls hold, and of contacts and joints "
-    "that stick, agrees with all forces: change the initial state, the friction or the tolerance a little",
+    FORCES_NOT_FOUND: "at an event no forces have been found that agree with all that is held: change the "
+    "initial state or solver.tolerance a little",
 }
 
 STATUS_NAME = {
