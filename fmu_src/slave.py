@@ -28,6 +28,7 @@ from typing import Any, ClassVar
 from xml.etree import ElementTree
 
 from pythonfmu import Fmi2Slave
+from pythonfmu.enums import Fmi2Status
 
 # bytes at the start of the block: the numbers of links, candidates, elements and instances of dual numbers
 SIZES = 32
@@ -169,8 +170,12 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
         """Return reals; the kernel works outputs out when they are first read after a change."""
         if not self.observed and max(vrs, default=0) >= self.model["first_output"]:
             self._initialize()
-            self._kernel().observe(self.address)
-            self.observed = True
+            status = self._kernel().observe(self.address)
+            self.observed = not status
+            if status and self.phase == STEPPING:
+                # the outputs are those before; other values may still be set
+                text = f"fmi2GetReal: what has been set cannot act: {self._text(status)}"
+                self.log(text, Fmi2Status.warning)
         reals, words = self.reals, self.real_words
         try:
             return [reals[words[vr]] for vr in vrs]

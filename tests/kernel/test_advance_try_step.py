@@ -13,6 +13,7 @@ from chain_impact.kernel.integration.trial import (
     INACCURATE,
     NOT_LOCATED,
     UNBALANCED,
+    UNSOLVED,
     add_error,
     conclude,
     refuse,
@@ -117,6 +118,22 @@ def test_what_cannot_be_located_or_repeated_is_refused(monkeypatch):
         assert Landing(monkeypatch, bends=True, errors=[0.2, error]).run(0.4) == (*refused, done)
     landing = Landing(monkeypatch, bends=True, onset=None)
     assert landing.run(0.4) == (*refused, ["roll back", ("try", 0.4), "accept", *BACK])
+
+
+@pytest.mark.parametrize(("unsolved", "left", "refused"), [(0, 0.9, False), (1, 0.0, True), (0, 1.1, True)])
+def test_a_step_without_the_forces_of_constraints_is_refused(monkeypatch, unsolved, left, refused):
+    """Not found at all, or a held point moves by more than the tolerance, of the largest acceleration."""
+    landing = Landing(monkeypatch, bends=False)
+    check_energy = loop.check_energy
+
+    def fails(d, theta):
+        check_energy(d, theta)
+        d.rigid.unsolved, d.rigid.most_left = unsolved, left * d.solver.tolerance
+
+    monkeypatch.setattr(loop, "check_energy", fails)
+    result, _, noted = landing.run(-1.0)
+    assert result == (UNSOLVED if refused else ACCEPTED)
+    assert ("roll back" in noted) == refused
 
 
 def test_a_refused_step_is_not_repeated_for_an_event_that_was_found_before(monkeypatch):

@@ -25,6 +25,7 @@ from chain_impact.kernel.integration.step_size import in_flight
 from chain_impact.kernel.integration.switching import stable
 from chain_impact.kernel.model.latest import LATEST
 from chain_impact.kernel.status import (
+    FORCES_NOT_FOUND,
     MASS_MATRIX_SINGULAR,
     NOT_FINITE,
     OK,
@@ -214,6 +215,42 @@ def test_a_parameter_out_of_its_range_is_refused(record, field, value):
             assert check_links(d) == check_parameters(d)
         if not good:
             assert initialize(d, 0.0) == d.statistics.status == PARAMETER_OUT_OF_RANGE
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+@pytest.mark.parametrize(
+    ("part", "field", "place"),
+    [
+        ("contact", "radius", None),
+        *(("model", "wall", w) for w in range(4)),
+        ("walls", "x", 0),
+        ("walls", "y", 1),
+    ],
+)
+def test_a_radius_or_a_wall_that_is_no_number_is_refused(part, field, place, value):
+    _, d = prepared()
+    assert check_parameters(d) == OK
+    if place is None:
+        d[part][field] = value
+    else:
+        d[part][field][place] = value
+    assert check_parameters(d) == PARAMETER_OUT_OF_RANGE
+    assert initialize(d, 0.0) == d.statistics.status == PARAMETER_OUT_OF_RANGE
+
+
+def test_a_negative_radius_is_refused():
+    _, d = prepared()
+    d.contact.radius = -1e-9
+    assert initialize(d, 0.0) == PARAMETER_OUT_OF_RANGE
+
+
+def test_a_start_without_a_clearance_or_without_forces_is_refused():
+    _, d = prepared()
+    assert initialize(d, 0.0) == OK
+    d.rigid.unsolved = 1
+    assert check_start(d) == FORCES_NOT_FOUND
+    d.candidate.offset[0] = math.nan
+    assert check_start(d) == STARTS_INSIDE_WALL
 
 
 @pytest.mark.parametrize("number", [0, 1, len(SOLVER_METHODS), len(SOLVER_METHODS) + 1])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from chain_impact.kernel.status import STATUS_TEXT, STEP_TOO_LONG
+from chain_impact.kernel.status import STATUS_TEXT
 from chain_impact.kernel.tangent.directions import DIRECTIONS
 from chain_impact.scene.scene import load_scene
 from chain_impact.simulation.simulate import simulate
@@ -147,6 +147,6 @@ def test_numbers_of_points_and_walls_have_the_limits_that_their_texts_tell():
     assert limits["impact.count"] == (0, None)
     assert limits["impact[1].peak_force"] == limits["impact[1].max_penetration"] == (0.0, None)
     assert limits["solver.steps"] == (0, None)
-    assert limits["solver.status"] == (0, STEP_TOO_LONG), "but for the status of dry friction"
+    assert limits["solver.status"] == (0, max(STATUS_TEXT))
     rubbing = all_outputs(BOX.with_values({"contact.friction": 0.1}))
     assert rubbing["solver.status"].maximum == max(STATUS_TEXT)

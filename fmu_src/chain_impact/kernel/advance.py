@@ -39,12 +39,13 @@ from chain_impact.kernel.integration.last_step import (
 from chain_impact.kernel.integration.methods import IS_IMPLICIT, LANDS, MEASURES_START, attempt, prepare
 from chain_impact.kernel.integration.sundman import regularize, time_rate_now
 from chain_impact.kernel.integration.switching import choose_method
-from chain_impact.kernel.model.constraints import any_point_held
+from chain_impact.kernel.model.constraints import any_point_held, clear_unsolved
 from chain_impact.kernel.model.contact import clear_loads, keep_end_forces, latch, set_kink_sides
 from chain_impact.kernel.model.contact_law import update_laws
 from chain_impact.kernel.model.equations import clear_stage_notes, state_rate
 from chain_impact.kernel.model.inputs import apply_inputs, inputs_continue, limit_to_piece
 from chain_impact.kernel.status import (
+    FORCES_NOT_FOUND,
     LOG_FULL,
     NOT_FINITE,
     OK,
@@ -187,6 +188,7 @@ def apply_pending_inputs(d):
     Returns:
         A status: while a point touches a wall, a law with penetration cannot change to a rigid one.
     """
+    clear_unsolved(d)
     apply_inputs(d)
     status = update_laws(d)
     if status == OK:
@@ -194,7 +196,7 @@ def apply_pending_inputs(d):
         recompute_active_set(d)
         reinit_modes(d, False)
         set_kink_sides(d)  # the law may have changed
-    return status
+    return check_solved(d, status)
 
 
 def latch_again(d):
@@ -215,13 +217,19 @@ def recompute_active_set(d):
 
 def take_step(d):
     """Take one accepted step, up to the first event in it; returns a status."""
-    status = check_events(d, begin_step(d))
+    clear_unsolved(d)
+    status = check_solved(d, check_events(d, begin_step(d)))
     if status == OK:
         status = find_step(d)
     if status == OK:
         count_step(d, IS_IMPLICIT[d.step.last_method])
         status = check_balance(d)
     return status if status != OK else check_work(d)
+
+
+def check_solved(d, status):
+    """FORCES_NOT_FOUND if forces or modes at an event have not been found, else ``status``."""
+    return FORCES_NOT_FOUND if status == OK and d.rigid.unsolved else status
 
 
 def find_step(d):
@@ -262,6 +270,8 @@ def try_step(d, h):
         theta = land(d, theta)
     if trial.accepted(d):
         check_energy(d, theta)
+    if trial.accepted(d) and (d.rigid.unsolved or d.rigid.most_left > d.solver.tolerance):
+        trial.refuse(d, trial.UNSOLVED)
     if not trial.accepted(d):
         roll_back(d)
         drop_events(d)

@@ -24,11 +24,19 @@ def advance_awhile(d, time):
 
 
 def observe_now(d):
-    """Fill the outputs with the values at the communication point; returns a status."""
-    if d.statistics.status == OK and d.given.changed and reinit(d) != OK:
-        request_reinit(d)  # another parameter may still be set before the next step
+    """Fill the outputs with the values at the communication point.
+
+    Returns:
+        The status of the run or, while it can go on, why it cannot with what has been set: the outputs are
+        then those of the parameters before, and another one may still be set before the next step.
+    """
+    status = d.statistics.status
+    if status == OK and d.given.changed:
+        status = reinit(d)
+        if status != OK:
+            request_reinit(d)
     observe(d)
-    return d.statistics.status
+    return status
 
 
 def trajectory(d, times, output, rows):

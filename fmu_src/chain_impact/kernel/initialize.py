@@ -26,6 +26,7 @@ from chain_impact.kernel.integration.methods import IS_IMPLICIT, SOLVER_METHODS,
 from chain_impact.kernel.integration.step_size import in_flight, keep_for_flight, propose
 from chain_impact.kernel.integration.switching import begin_explicit, stable
 from chain_impact.kernel.integration.trial import clear_trial
+from chain_impact.kernel.model.constraints import clear_unsolved
 from chain_impact.kernel.model.contact import clear_contacts, clear_loads
 from chain_impact.kernel.model.contact_law import start_laws
 from chain_impact.kernel.model.derived import in_use, inertia_of_rod, middle
@@ -35,6 +36,7 @@ from chain_impact.kernel.model.friction import clear_friction
 from chain_impact.kernel.model.geometry import clear_joints, clearance, place_walls
 from chain_impact.kernel.model.inputs import apply_inputs
 from chain_impact.kernel.status import (
+    FORCES_NOT_FOUND,
     MASS_MATRIX_SINGULAR,
     NOT_FINITE,
     OK,
@@ -87,6 +89,7 @@ def clear_run(d, time):
     """Clear the data of an earlier run, for one that starts at ``time`` [s]."""
     clear_contacts(d, time)
     clear_friction(d)
+    clear_unsolved(d)
     clear_impulses(d)
     clear_moments(d)
     clear_joints(d.work.load)
@@ -156,14 +159,23 @@ def check_parameters(d):
     ):
         if not (value > 0.0 and math.isfinite(value)):
             return PARAMETER_OUT_OF_RANGE
-    for w in range(d.candidates):
-        if not math.isfinite(d.walls.x[w] + d.walls.y[w] + d.walls.angle[w]):
-            return PARAMETER_OUT_OF_RANGE
+    if not (d.contact.radius >= 0.0 and walls_are_finite(d)):
+        return PARAMETER_OUT_OF_RANGE
     if d.model.stopped and not stops_in_range(d):
         return PARAMETER_OUT_OF_RANGE
     if not 1 <= d.solver.method <= len(SOLVER_METHODS):
         return UNKNOWN_METHOD
     return OK
+
+
+def walls_are_finite(d):
+    """Whether the places of the walls, the radius of the points with them, are finite numbers."""
+    total = d.contact.radius
+    for w in range(len(d.model.wall)):
+        total += d.model.wall[w]
+    for w in range(len(d.walls.angle)):
+        total += d.walls.x[w] + d.walls.y[w] + d.walls.angle[w]
+    return math.isfinite(total)
 
 
 def stops_in_range(d):
@@ -214,6 +226,6 @@ def check_start(d):
         return NOT_FINITE
     for c in range(d.candidates):
         gap, _ = clearance(d, c)
-        if gap < -OVERLAP:
+        if not gap >= -OVERLAP:
             return STARTS_INSIDE_WALL
-    return OK
+    return FORCES_NOT_FOUND if d.rigid.unsolved else OK

@@ -16,7 +16,8 @@ ENERGY_NOT_KEPT = 12
 MASS_MATRIX_SINGULAR = 13
 STEP_TOO_LONG = 14
 FRICTION_WITH_RIGID_WALLS = 15
-LAST_STATUS = FRICTION_WITH_RIGID_WALLS
+FORCES_NOT_FOUND = 16
+LAST_STATUS = FORCES_NOT_FOUND
 LOG_FULL = -1  # not a fault: collect the finished contacts, then continue
 PAUSED = -2  # not a fault: the caller may continue
 ONSET_DUE = -3  # not a fault: contacts begin at the time reached and are not yet applied
@@ -52,6 +53,8 @@ STATUS_TEXT = {
     "solver.work_limit: take shorter communication steps or raise it",
     FRICTION_WITH_RIGID_WALLS: f"newton_impact has no contact friction: {WITHOUT_FRICTION}: choose a law "
     "with a force, or set the coefficients of friction to 0",
+    FORCES_NOT_FOUND: "at an event no forces have been found that agree with all that is held: change the "
+    "initial state or solver.tolerance a little",
 }
 
 STATUS_NAME = {
@@ -71,6 +74,7 @@ STATUS_NAME = {
     MASS_MATRIX_SINGULAR: "mass_matrix_singular",
     STEP_TOO_LONG: "step_too_long",
     FRICTION_WITH_RIGID_WALLS: "friction_with_rigid_walls",
+    FORCES_NOT_FOUND: "forces_not_found",
 }
 
 

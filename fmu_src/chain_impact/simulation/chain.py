@@ -14,7 +14,7 @@ import numpy as np
 
 from chain_impact.compilation.work import Notify
 from chain_impact.kernel.model.inputs import AT_ONCE
-from chain_impact.kernel.status import OK
+from chain_impact.kernel.status import OK, STATUS_TEXT
 from chain_impact.results.impacts import IMPACT_DTYPE
 from chain_impact.results.stick_slip import CHANGE_DTYPE, phases_of
 from chain_impact.results.summary import plural
@@ -112,16 +112,18 @@ class Chain:
         """The contacts so far in order of onset, see ``IMPACT_DTYPE``; the end of one that lasts is NaN."""
         self._ready()
         before = self._reals.copy()
-        self._instance.observe()  # what was set acts at once
-        lasting = self._instance.open_contacts()  # drops what was solved ahead, so on a copy
-        self._reals[:] = before
+        try:
+            self._observe()  # what was set acts at once
+            lasting = self._instance.open_contacts()  # drops what was solved ahead, so on a copy
+        finally:
+            self._reals[:] = before
         return in_order([*self._impacts, lasting])[1]
 
     @property
     def stick_slip(self) -> np.ndarray:
         """The phases of dry friction so far, see ``STICK_SLIP_DTYPE``; the end of one that lasts is NaN."""
         self._ready()
-        self._instance.observe()  # what was set acts at once
+        self._observe()  # what was set acts at once
         self._collect()
         return phases_of(self._instance.all_changes)
 
@@ -166,12 +168,13 @@ class Chain:
 
         Raises:
             UnknownNameError: when there is none of that name.
+            SceneError: when an output is asked for, and what has been set cannot act.
         """
         key = names if isinstance(names, str) else tuple(names)
         selection = self._selections.get(key) or self._select(key)
         if selection.observed and not self._observed:
             self._ready()
-            self._instance.observe()
+            self._observe()
             self._observed = True
         values = self._reals[selection.words]
         if selection.whole.size:
@@ -260,6 +263,13 @@ class Chain:
         if not self._initialized:
             self._instance.initialize()
             self._initialized, self._observed = True, False
+
+    def _observe(self) -> None:
+        """Fill the outputs; say why what has been set cannot act, if so."""
+        status = self._instance.observe()
+        if status != self._instance.status:
+            at = f"{self.scene.name}: at t = {self.time:.9g} s"
+            raise SceneError(f"{at} what has been set cannot act: {STATUS_TEXT[status]}")
 
     def _collect(self) -> None:
         if self._integers[self._finished_word] or self._integers[self._changes_word]:

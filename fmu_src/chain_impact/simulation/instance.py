@@ -150,9 +150,13 @@ class Instance:
         """The whole record as numbers, each in its word; a view."""
         return self._block.view(np.float64)
 
-    def observe(self) -> None:
-        """Fill the outputs of the record with what holds at the present time."""
-        self._kernel.observe(self._address)
+    def observe(self) -> int:
+        """Fill the outputs of the record with what holds at the present time; return the status.
+
+        If what has been set cannot act, the outputs are those before; the run can go on with others.
+        """
+        status: int = self._kernel.observe(self._address)
+        return status
 
     def is_sound(self, words: np.ndarray) -> bool:
         """Whether the words of a record can be those of an instance with this kernel."""

@@ -102,7 +102,7 @@ def test_sliding_at_rest_may_accelerate_backward_by_round_off(one, part, wrong):
     d.work.acceleration.x[1 - d.candidate.place[c]] = 50.0
     for sign in (1, -1):
         d.element.mode[c], d.element.undecided[c] = sign, 1
-        backward = -sign * part * AGAINST * 50.0
+        backward = -sign * part * AGAINST * (50.0 + d.model.gravity_size + d.model.size)
         place = d.candidate.place[c]
         d.work.acceleration.x[place] = backward * d.candidate.normal_y[c]
         d.work.acceleration.y[place] = -backward * d.candidate.normal_x[c]
@@ -123,6 +123,7 @@ def test_a_choice_ends_even_where_no_mode_is_right(monkeypatch):
     evaluations = ROUNDS + 4 * len(chain.elements)
     assert d.statistics.rhs_evaluations - before == evaluations
     assert len(rounds) == evaluations + 1
+    assert d.rigid.unsolved == 1
     changes = [sum(np.array(a) != np.array(b)) for a, b in itertools.pairwise(rounds)]
     many = friction_modes.MAX_STALLED_PIVOTS + 1
     assert changes == [len(chain.elements)] * many + [1] * (evaluations - many)

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from chain_impact import CONTACT_LAWS, SceneError, load_scene
-from chain_impact.kernel.laws.contact_laws import LAW_COUNT, LEAST_RESTITUTIONS, viscoelastic_rebound
+from chain_impact.kernel.laws.contact_laws import LAW_COUNT, LEAST_RESTITUTIONS
 from chain_impact.kernel.status import OK, RESTITUTION_NOT_ALLOWED
 from chain_impact.scene.scene import with_values
 from chain_impact.simulation.instance import Instance
@@ -193,11 +193,6 @@ def test_other_laws_realise_the_known_figures(law, figures):
 def test_kelvin_voigt_cut_off_has_a_closed_form(law, e):
     exact = e ** (1 - 2 / math.pi * math.atan(-math.log(e) / math.pi))
     assert realised(CONTACT_LAWS[law], e) == pytest.approx(exact, rel=1e-10)
-
-
-@pytest.mark.parametrize("damping", [0.0, 1e-3, 0.1, 1.0, 10.0, 300.0])
-def test_viscoelastic_rebound_is_that_of_an_independent_integration(damping):
-    assert viscoelastic_rebound(damping) == pytest.approx(rebound(1.5, 0.5, damping).restitution, abs=2e-10)
 
 
 # --- what the registry says --------------------------------------------------------------------------------

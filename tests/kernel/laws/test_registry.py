@@ -5,7 +5,7 @@ import math
 import pytest
 
 from chain_impact.kernel.laws import registry
-from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS, _logarithmic_damping, _slowing
+from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS, _logarithmic_damping
 from chain_impact.kernel.laws.registry import contact_law
 
 
@@ -47,15 +47,6 @@ def test_the_half_cycles_of_a_linear_oscillator_shrink_to_the_restitution(scale,
     ratio = _logarithmic_damping(scale, e) / scale
     assert 0.0 <= ratio < 1.0
     assert math.exp(-math.pi * ratio / math.sqrt(1.0 - ratio**2)) == pytest.approx(e, rel=1e-13)
-
-
-@pytest.mark.parametrize("damping", [0.0, 0.7, 30.0])
-def test_a_viscoelastic_sphere_is_slowed_by_its_force(damping):
-    """dw/ds = −F dt/ds with F = δ^{3/2} + g δ^{1/2} δ̇, δ = z² and dt = 2 z ds."""
-    for z in (0.0, 0.2, 1.3):
-        for w in (-0.8, 0.0, 1.0):
-            force = (z * z) ** 1.5 + damping * math.sqrt(z * z) * w
-            assert _slowing(z, w, damping) == pytest.approx(-force * 2.0 * z, rel=1e-14)
 
 
 @pytest.mark.parametrize("law", CONTACT_LAWS.values(), ids=CONTACT_LAWS)

@@ -11,11 +11,9 @@ import pytest
 from chain_impact.kernel.chain import sincos
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.integration import dense
-from chain_impact.kernel.laws import contact_laws, user_law
+from chain_impact.kernel.laws import user_law
 from chain_impact.kernel.model import contact_force
 from chain_impact.kernel.tangent import rules
-from tests.complex_laws import viscoelastic_factor
-from tests.complex_step import TINY
 from tests.kernel.tangent.dual import Dual
 
 DEPTH, EXPONENT = [0.3, -1.0, 2.0], [0.7, 0.2, 0.0]  # slopes
@@ -92,22 +90,6 @@ def test_the_force_of_a_user_at_no_depth(monkeypatch):
     )
     assert found.value == 5.0
     assert found.slope.tolist() == [0.0]
-
-
-@pytest.mark.parametrize("e", [0.2, 0.6, 0.95, 0.99999])
-def test_the_factor_of_kuwabara_and_kono(e):
-    found = rules.kuwabara_kono(Dual(e, [2.0]))
-    assert found.value == contact_laws.kuwabara_kono(e)
-    right = viscoelastic_factor(complex(e, TINY)).imag / TINY
-    np.testing.assert_allclose(found.slope, [2.0 * right], rtol=3e-5 if e > 0.999 else 1e-7)
-
-
-@pytest.mark.parametrize("e", [1.001e-12, 0.999e-12, 1e-300])
-def test_the_factor_of_kuwabara_and_kono_at_hardly_any_restitution(e):
-    """It is 1.176 e^(−3/5), and there is an end to its search."""
-    found = rules.kuwabara_kono(Dual(e, [2.0]))
-    assert found.value == pytest.approx(1.176079022 * e**-0.6, rel=1e-9)
-    np.testing.assert_allclose(found.slope, [-1.2 * found.value / e], rtol=1e-3)
 
 
 def test_a_constant_of_a_joint_that_is_zero_may_vary():

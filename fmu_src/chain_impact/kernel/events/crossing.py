@@ -11,6 +11,7 @@ from chain_impact.kernel.events.exclusion import keep_start, set_clearance, sund
 from chain_impact.kernel.events.kinds import END, NONE, ONSET
 from chain_impact.kernel.events.marks import mark
 from chain_impact.kernel.events.sampling import locate_at
+from chain_impact.kernel.integration.bracket import TRIES, next_guess
 from chain_impact.kernel.integration.dense import rate_bounds, rate_bounds_along
 from chain_impact.kernel.integration.methods import bound_curvatures
 from chain_impact.kernel.integration.sundman import NO_CONTACT
@@ -121,7 +122,7 @@ def find_root(d, c, a, b):
         return theta
     resolution = max(4e-16 * abs(d.step.end), 1e-16) / d.step.size
     low, high, theta = a, b, b
-    for _ in range(100):
+    for tries in range(TRIES):
         value, slope = d.search.clear_end[c], d.search.clear_end_rate[c] * d.step.size
         if value > 0.0:
             low = theta
@@ -129,9 +130,7 @@ def find_root(d, c, a, b):
             high = theta
         if value == 0.0 or high - low <= resolution:
             break
-        guess = theta - value / slope
-        if not low < guess < high:
-            guess = 0.5 * (low + high)
+        guess = next_guess(low, high, theta - value / slope, tries)
         if abs(guess - theta) <= 0.25 * resolution:
             break
         theta = guess

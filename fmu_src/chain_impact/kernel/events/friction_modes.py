@@ -15,7 +15,7 @@ from chain_impact.kernel.events.friction_events import excess, rest_speed
 from chain_impact.kernel.events.kinds import SLIDING_ENDS, STICKING_ENDS
 from chain_impact.kernel.events.marks import drop_changes
 from chain_impact.kernel.integration.last_step import reset_step
-from chain_impact.kernel.model.constraints import MAX_STALLED_PIVOTS, ROUNDS, count_stalls
+from chain_impact.kernel.model.constraints import MAX_STALLED_PIVOTS, ROUNDS, count_stalls, note_unsolved
 from chain_impact.kernel.model.equations import located_rate
 from chain_impact.kernel.model.friction import (
     NO_FRICTION,
@@ -32,8 +32,8 @@ from chain_impact.kernel.model.geometry import along_tangent
 from chain_impact.kernel.model.holding import project_state
 from chain_impact.kernel.work_limit import count_evaluations
 
-# Of the largest acceleration: a sliding element at rest that accelerates by no more against its direction
-# keeps sliding.
+# Of the largest acceleration, gravity and a link length per second squared: a sliding element at rest that
+# accelerates by no more against its direction keeps sliding. If others hold it, that is round-off.
 AGAINST = 1e-9
 # Of a link length per second: what sticks or has just stopped may have a speed of this size, by errors at
 # loose tolerances. With a larger one it slides.
@@ -118,7 +118,7 @@ def against(force):
 
 
 def choose_modes(d):
-    """Change the modes of undecided elements until all are consistent."""
+    """Change the modes of undecided elements until all are consistent, or note that this is unsolved."""
     own, rate = d.friction, d.work.rate
     fewest, stalls_left = own.count + 1, MAX_STALLED_PIVOTS
     for _ in range(ROUNDS + 4 * own.count):
@@ -137,6 +137,7 @@ def choose_modes(d):
                 if stalls_left < 0:
                     break
     list_sticking(d)
+    note_unsolved(d)
 
 
 def count_inconsistent(d):
@@ -154,7 +155,7 @@ def is_inconsistent(d, e):
     if d.element.mode[e] == STICKS:
         return abs(d.element.force[e]) > d.element.limit[e] + 0.5 * excess(d, e)
     acceleration = d.element.mode[e] * along_tangent(d, e, d.work.acceleration)
-    return acceleration < -AGAINST * largest(d, d.work.acceleration)
+    return acceleration < -AGAINST * (largest(d, d.work.acceleration) + d.model.gravity_size + d.model.size)
 
 
 def clear_changes(d):

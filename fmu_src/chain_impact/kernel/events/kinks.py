@@ -11,12 +11,12 @@ from chain_impact.kernel.events.crossing import SIMULTANEOUS
 from chain_impact.kernel.events.kinds import KINK, NONE
 from chain_impact.kernel.events.marks import drop_events, mark
 from chain_impact.kernel.events.sampling import first_contact, first_passage, locate_at
+from chain_impact.kernel.integration.bracket import TRIES, next_guess
 from chain_impact.kernel.model.contact import kink_height
 from chain_impact.kernel.model.contact_force import note_crossing
 
 SAMPLES = 8  # samples of a step
 RESOLUTION = 1e-15  # fraction of a step, to which a kink is located
-TRIES = 60
 
 
 def find_kink(d, touch):
@@ -67,8 +67,8 @@ def find_kink_root(d, c, low, high):
     if crossed(d, c) or at_low == at_high:
         return low
     last = 0
-    for _ in range(TRIES):
-        theta = high - at_high * (high - low) / (at_high - at_low)
+    for tries in range(TRIES):
+        theta = next_guess(low, high, high - at_high * (high - low) / (at_high - at_low), tries)
         locate_at(d, theta)
         height = kink_height(d, c)
         if crossed(d, c):

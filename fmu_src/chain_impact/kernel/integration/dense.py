@@ -3,6 +3,7 @@
 import numpy as np
 
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
+from chain_impact.kernel.integration.bracket import TRIES, next_guess
 
 POWERS = ((1, 0), (1, 1), (2, 1), (2, 2), (3, 2), (3, 3), (4, 3))  # p, q of θᵖ (1−θ)^q, with F₀ to F₆
 DENSE_COEFFICIENTS = len(POWERS)
@@ -44,7 +45,7 @@ def regularized_fraction(d, elapsed):
         return 1.0
     # t increases with θ as long as u ≥ 0, and dt/dθ = h p: Newton's method inside a bracket
     low, high, theta = 0.0, 1.0, 0.5
-    for _ in range(60):
+    for tries in range(TRIES):
         error = interpolate_component(step, theta, clock) - elapsed
         if error == 0.0:
             break
@@ -54,9 +55,7 @@ def regularized_fraction(d, elapsed):
         else:
             low = theta
         slope = step.size * time_rate(u)
-        guess = theta - error / slope if slope > 0.0 else high
-        if not low < guess < high:
-            guess = 0.5 * (low + high)
+        guess = next_guess(low, high, theta - error / slope if slope > 0.0 else high, tries)
         if abs(guess - theta) <= RESOLUTION:
             break
         theta = guess

@@ -10,6 +10,7 @@ import math
 ACCEPTED, INACCURATE, NOT_FINITE = 0, 1, 2
 NOT_LOCATED = 3  # refused: an event in it cannot be located
 UNBALANCED = 4  # refused: it violates the energy balance
+UNSOLVED = 5  # refused: the forces of constraints have not been found in it
 # The error that a refused step counts as, whatever its own: the next try is a seventh as long, or an eighth
 # if it is implicit.
 FAR_OFF = 1e6
@@ -45,7 +46,7 @@ def result_of(error):
 
 
 def refuse(d, result):
-    """Refuse the tried step: NOT_LOCATED or UNBALANCED."""
+    """Refuse the tried step: NOT_LOCATED, UNBALANCED or UNSOLVED."""
     d.trial.result, d.trial.error = result, FAR_OFF
 
 

@@ -20,6 +20,7 @@ import math
 
 from chain_impact.kernel.dispatch import dispatch
 from chain_impact.kernel.laws.registry import CONTACT_LAWS, contact_law
+from chain_impact.kernel.laws.viscoelastic import viscoelastic_factor
 
 # ---- the Hunt–Crossley family ---------------------------------------------------------------------------
 
@@ -255,11 +256,6 @@ def jankowski(e):
     return 9.0 * math.sqrt(5.0) * (1.0 - e * e) / (e * (e * (9.0 * math.pi - 16.0) + 16.0))
 
 
-# Below this restitution, f(e) of Kuwabara and Kono is its limit, to 1e-10. The numerical solution of the
-# impact would not end, as its steps would be lost to round-off.
-LEAST_SOLVED = 1e-12
-
-
 @contact_law(
     "Kuwabara & Kono",
     "Kuwabara & Kono 1987, Jpn J Appl Phys 26:1230",
@@ -278,46 +274,7 @@ def kuwabara_kono(e):
     """
     if not e > 0.0:
         return math.inf
-    if 1.0 - e < 1e-6:
-        return (1.0 - e) / 1.153449
-    if e < LEAST_SOLVED:
-        return 1.17607902252 * e**-0.6
-    # e′(f) falls from 1, as 1 − 1.153449 f, and tends to 1.31 f^(−5/3)
-    low, high = 0.0, 2.0 * e**-0.6
-    while high - low > 1e-14 * high:
-        middle = 0.5 * (low + high)
-        if viscoelastic_rebound(middle) > e:
-            low = middle
-        else:
-            high = middle
-    return 0.5 * (low + high)
-
-
-def viscoelastic_rebound(damping):
-    """The restitution e′ of m = K = v₀ = 1 under F = max(0, δ^{3/2} + g δ^{1/2} δ̇), for the damping g.
-
-    In z = √δ, w = δ̇ and a variable s with dt = 2z ds the equations are those of a polynomial,
-    dz/ds = w, dw/ds = −2z²(z² + g w). While F > 0, w falls; −e′ is its minimum.
-    """
-    h = 1e-3 / (1.0 + damping) ** (1.0 / 3.0)
-    z, w, slope = 0.0, 1.0, 0.0
-    while True:
-        # the classical method of Runge and Kutta, of order 4
-        z1, w1 = w, slope
-        z2, w2 = w + 0.5 * h * w1, _slowing(z + 0.5 * h * z1, w + 0.5 * h * w1, damping)
-        z3, w3 = w + 0.5 * h * w2, _slowing(z + 0.5 * h * z2, w + 0.5 * h * w2, damping)
-        z4, w4 = w + h * w3, _slowing(z + h * z3, w + h * w3, damping)
-        z += h * (z1 + 2.0 * (z2 + z3) + z4) / 6.0
-        before, last = w, slope
-        w += h * (w1 + 2.0 * (w2 + w3) + w4) / 6.0
-        slope = _slowing(z, w, damping)
-        if w < 0.0 and (slope >= 0.0 or z <= 0.0):
-            # the slope is nearly linear over the step: w falls until the slope is zero
-            return -(before + 0.5 * h * last * last / (last - slope))
-
-
-def _slowing(z, w, damping):
-    return -2.0 * z * z * (z * z + damping * w)
+    return viscoelastic_factor(e)
 
 
 # ---- rigid walls ------------------------------------------------------------------------------------------

@@ -25,9 +25,10 @@ from chain_impact.kernel.model.geometry import (
 )
 
 # In a toggle position of a pinned chain the mobility of a point is 0, and its effective mass infinite; a
-# million times the chain's mass behaves like that. Where a contact begins, this is relative to the mobility
-# of all links as one mass; where a constraint is active, to that of one mass that is the mean of the links.
+# million times the chain's mass behaves like that. This is relative to the mobility of all links as one mass.
 LEAST_MOBILITY = 1e-6
+# Iterations of constraints.py for what sticks, where no rigid wall holds a point.
+SWEEPS = 5
 # D of a held point over the mean mass of a link. An iteration in constraints.py leaves 1/(D W) of the
 # residual: two or three suffice. A larger D would lose digits of the chain's inertia, a smaller one takes
 # more of them.
@@ -39,14 +40,23 @@ def mean_mass(d):
     return d.model.energy / (d.model.size * d.model.size * d.links)
 
 
-def least_mobility(d):
-    """The least mobility [1/kg] of what sticks: in a toggle position no impulse moves it."""
-    return LEAST_MOBILITY / mean_mass(d)
-
-
 def holding_impedance(d):
     """An impedance [kg] so large that it holds a point, up to a millionth of its free motion."""
     return STIFF * mean_mass(d)
+
+
+def held_mobility(d, mobility):
+    """The W′ [1/kg] for which m/W′ is the impulse that n = SWEEPS iterations find for a single constraint.
+
+    They leave m/(1 + D W)ⁿ, so that W′ = W/(1 − (1 + D W)⁻ⁿ). That is W, but for a motion that can hardly be
+    held: in a toggle position, where W = 0, it is 1/(n D).
+    """
+    rest = 1.0 / holding_impedance(d)
+    left = rest / (rest + max(0.0, mobility))
+    total = 1.0
+    for _ in range(SWEEPS - 1):
+        total = 1.0 + left * total
+    return (rest + max(0.0, mobility)) / total
 
 
 def factorize_contacts(d, links, impedance, time, factors):

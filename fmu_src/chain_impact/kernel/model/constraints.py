@@ -12,22 +12,26 @@ with an impedance D at the points of the active set the recursion solves, in O(N
 
     (M + Jᵀ D J) z = Jᵀ D m,   p ← p + D (m − J z),   m = target − u,
 
-the iteration of an augmented Lagrangian: each one reduces the residual m to about 1/(D W) of it, down to
+the iteration of an augmented Lagrangian: each one reduces the residual m to 1/(1 + D W) of it, down to
 round-off, and the constraints may be dependent. D is a million times a link's mass: a few iterations suffice.
+At rigid walls the iteration goes on until the residual is round-off, and D grows where that would be slow.
 
 What sticks by dry friction (friction.py) is a constraint too, of its tangential motion, and is always in the
 active set: an equality. Of the possible solutions for dependent constraints the iteration finds the one with
 the least Σ p²/D. So with D in proportion to the limits of friction the sticking elements share their load in
 that proportion. Motions that can hardly be held, as one that changes the length of a straight chain on a
-floor, are left free: the forces that hold them could have any size.
+floor, are left free: the forces that hold them could have any size. In between, where D W is about 1, the
+forces are those after a given number of iterations: a smooth function of the state. If the progress of the
+residual decided on the number, forces would jump by a part of it within a step.
 """
 
 import math
 
 from chain_impact.kernel.model.compliance import (
+    SWEEPS,
     factorize_contacts,
+    held_mobility,
     holding_impedance,
-    least_mobility,
     mean_mass,
     solve_contacts,
 )
@@ -35,10 +39,10 @@ from chain_impact.kernel.model.friction import any_sticking
 from chain_impact.kernel.model.geometry import along_normal, along_tangent
 from chain_impact.kernel.work_limit import count_other_work, work_exceeded
 
-# Near a toggle position 1/W is far more than the mass of a link. If an iteration does not halve the residual,
-# D grows by the factor STIFFER, up to STIFFEST times that mass; beyond it the residual is only round-off.
-STIFFEST, STIFFER = 1e12, 1e3
-MAX_ITERATIONS = 30  # iterations; reached only in toggle positions, where the last ones change nothing
+# Near a toggle position 1/W is far more than the mass of a link. If an iteration leaves more than SLOW of the
+# residual, D grows by the factor STIFFER, up to STIFFEST times that mass; beyond it the residual is only
+# round-off.
+STIFFEST, STIFFER, SLOW = 1e12, 1e3, 0.1
 # As a share of 1/(mean mass of a link). If W of a point is less, as near a toggle position, it has lost
 # digits, and the iteration is used instead.
 LEAST_SINGLE = 1e-3
@@ -79,8 +83,7 @@ def solve_equality(d, scale):
             ``impulse``, u in ``reached`` and Δ in ``change``.
         scale: the largest motion of a point, to which round-off is relative.
     """
-    own, link = d.rigid, d.work.link
-    mean, impedance = mean_mass(d), holding_impedance(d)
+    own, link, impedance = d.rigid, d.work.link, holding_impedance(d)
     set_impedance(d, 0.0)
     factorize_contacts(d, link, own.impedance, 0.0, d.work.factors)
     row = only_active(d)
@@ -89,21 +92,37 @@ def solve_equality(d, scale):
     set_impedance(d, impedance)
     factorize_contacts(d, link, own.impedance, 0.0, own.factors)
     clear_impulses(d)
-    before = math.inf
-    for i in range(MAX_ITERATIONS):
-        worst = find_residual(d)
-        exact = worst <= ROUND_OFF * scale
-        stalls = not exact and not worst < 0.5 * before
-        final = worst <= SIGN_TOLERANCE * scale or impedance >= STIFFEST * mean or not any_point_held(d)
-        if (exact or (stalls and final)) and iterated_enough(d, i):
+    if any_point_held(d):
+        hold_points(d, scale, impedance)
+    else:
+        hold_sticking(d, scale)
+
+
+def hold_sticking(d, scale):
+    """Iterate until the residual is round-off, but at most SWEEPS times."""
+    for i in range(SWEEPS):
+        if find_residual(d) <= ROUND_OFF * scale and iterated_enough(d, i):
             return
-        if stalls and not final:
-            # near a toggle position a point has far more inertia than a link
+        correct_impulses(d)
+
+
+def hold_points(d, scale, impedance):
+    """Iterate until the residual is round-off, or no impedance [kg] reduces it, as constraints contradict.
+
+    This ends: each iteration but the last leaves less than SLOW of the residual, or D grows, which it does
+    twice.
+    """
+    own, before, worst, iterations = d.rigid, math.inf, find_residual(d), 0
+    while worst > ROUND_OFF * scale or not iterated_enough(d, iterations):
+        slow = worst > ROUND_OFF * scale and not worst < SLOW * before
+        if slow and worst > SIGN_TOLERANCE * scale and impedance < STIFFEST * mean_mass(d):
             impedance *= STIFFER
             set_impedance(d, impedance)
-            factorize_contacts(d, link, own.impedance, 0.0, own.factors)
-        before = worst
+            factorize_contacts(d, d.work.link, own.impedance, 0.0, own.factors)
+        elif slow and iterated_enough(d, iterations):
+            return
         correct_impulses(d)
+        before, worst, iterations = worst, find_residual(d), iterations + 1
 
 
 def only_active(d):
@@ -130,7 +149,7 @@ def solve_single(d, row):
     solve_contacts(d, d.work.link, d.work.factors, own.impulse, own.change)
     mobility = along_constraint(d, row, d.work.motion)
     if row >= d.touch.active_count:
-        mobility = max(least_mobility(d), mobility)
+        mobility = held_mobility(d, mobility)
     elif mobility * mean_mass(d) < LEAST_SINGLE:
         return False
     impulse = (own.target[row] - own.start[row]) / mobility
@@ -189,6 +208,7 @@ def solve_lcp(d, scale):
     Block principal pivoting (after Júdice & Pires 1994, Comput Oper Res 21:587): candidates with p < 0 leave
     the active set and those with u < target enter it, all at once as long as fewer and fewer are violated,
     else only the last, which terminates if W is positive definite (Murty 1974, Linear Algebra Appl 9:65).
+    Otherwise it is noted that the problem is unsolved.
     """
     own, first = d.rigid, d.touch.compliant_count
     count = d.touch.active_count - first
@@ -205,6 +225,17 @@ def solve_lcp(d, scale):
                 own.in_active_set[k] = 1 - own.in_active_set[k]
                 if stalls_left < 0:
                     break
+    note_unsolved(d)
+
+
+def clear_unsolved(d):
+    """Begin to note whether forces or modes have not been found."""
+    d.rigid.unsolved = 0
+
+
+def note_unsolved(d):
+    """Note that forces or modes have not been found: a tried step is refused; at an event the run ends."""
+    d.rigid.unsolved = 1
 
 
 def count_stalls(wrong, fewest, stalls_left):

@@ -12,11 +12,11 @@ from chain_impact.kernel.chain.state import (
     time_at,
     velocity_at,
 )
-from chain_impact.kernel.model.constraints import any_constraint
+from chain_impact.kernel.model.constraints import any_constraint, clear_unsolved
 from chain_impact.kernel.model.contact import apply_contacts
 from chain_impact.kernel.model.contact_force import clear_crossings
 from chain_impact.kernel.model.friction import clear_margins
-from chain_impact.kernel.model.holding import add_constraint_forces, clear_least_forces
+from chain_impact.kernel.model.holding import add_constraint_forces, clear_held
 from chain_impact.kernel.model.inputs import ensure_inputs
 
 
@@ -62,9 +62,10 @@ def loaded_rate(d, y, dissipated, rate):
 
 
 def clear_stage_notes(d):
-    """Reset what the stages of a step record: crossings of kinks, least forces, and margins of friction."""
+    """Reset what the stages of a step record: crossings of kinks, what walls hold, and margins."""
+    clear_unsolved(d)
     clear_crossings(d)
-    clear_least_forces(d)
+    clear_held(d)
     clear_margins(d)
 
 

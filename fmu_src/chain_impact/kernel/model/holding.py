@@ -41,8 +41,9 @@ def start_from_clearances(d, derivative):
         d.rigid.start[k] = 0.0
 
 
-def clear_least_forces(d):
-    """Begin to record the least forces of the contacts without a force law."""
+def clear_held(d):
+    """Begin to record the least forces and the largest accelerations of the points that rigid walls hold."""
+    d.rigid.most_left = 0.0
     for k in range(d.touch.compliant_count, d.touch.active_count):
         d.rigid.least_force[d.touch.active_index[k]] = 0.0
 
@@ -77,6 +78,7 @@ def add_constraint_forces(d, y, rate):
         for k in range(d.touch.compliant_count, d.touch.active_count):
             c = d.touch.active_index[k]
             own.least_force[c] = min(own.least_force[c], own.impulse[k])
+            own.most_left = max(own.most_left, abs(own.reached[k]) / scale) if scale > 0.0 else own.most_left
             keep_force(d, c, own.impulse[k])
     if any_sticking(d):
         rate[dissipated_at(d.links)] += keep_static_forces(d)

@@ -7,7 +7,7 @@ eliminations of their own.
 from chain_impact.kernel.chain.kinematics import accelerate_points
 from chain_impact.kernel.chain.recursion import set_middle, solve
 from chain_impact.kernel.chain.state import coordinate_count, velocity_at
-from chain_impact.kernel.model.compliance import least_mobility
+from chain_impact.kernel.model.compliance import held_mobility
 from chain_impact.kernel.model.geometry import add_along_tangent, along_tangent, clear_loads_of
 
 
@@ -27,7 +27,7 @@ def add_sticking_force(d, y, rate):
     clear_loads_of(d, d.work.load)
     add_along_tangent(d, e, d.work.load, 1.0)
     set_middle(d, kept, kept.middle_xx, kept.middle_xy, kept.middle_yy)
-    mobility = max(least_mobility(d), solve(d, d.work.link, kept, d.work.load, own.change))
+    mobility = held_mobility(d, solve(d, d.work.link, kept, d.work.load, own.change))
     # λ = −a_t/W_tt
     force = -along_tangent(d, e, d.work.acceleration) / mobility
     for j in range(coordinate_count(d.links)):

@@ -10,13 +10,12 @@ from chain_impact.kernel.chain import sincos, springs
 from chain_impact.kernel.chain.state import sundman_u_at, time_at
 from chain_impact.kernel.events import friction_modes
 from chain_impact.kernel.integration import dense
-from chain_impact.kernel.laws import contact_laws, user_law
+from chain_impact.kernel.laws import user_law
 from chain_impact.kernel.model import constraints, contact_force, holding
 from chain_impact.kernel.tangent.directions import carried, value, varies
 from chain_impact.kernel.tangent.friction import choose_modes, contact_resistance
 
 DIFFERENCE = 1e-3  # relative step in an argument of a user's law, for its slopes by differences
-REBOUND_DIFFERENCE = 0.03  # likewise in a damping, for the slope of its restitution
 ITERATIONS = 3  # of the forces of constraints
 
 
@@ -96,26 +95,6 @@ def user_force(depth, rate, speed, mass, stiffness, exponent, restitution):
     return total + carried(0.0, slope_along(6, DIFFERENCE * at[6], at), restitution)
 
 
-def kuwabara_kono(e):
-    """f(e), the root of e′(f) = e, has the slope 1/(de′/df): by central differences of order 6."""
-    f = contact_laws.kuwabara_kono(value(e))
-    if value(e) < contact_laws.LEAST_SOLVED:
-        return carried(f, -0.6 * f / value(e), e)
-    h = REBOUND_DIFFERENCE * f
-    # e′ = 1 − 1.153449 f near f = 0
-    slope = -1.153449
-    if f > 1e-3:
-        # (45 (R₁ − R₋₁) − 9 (R₂ − R₋₂) + (R₃ − R₋₃))/(60 h)
-        rise = 45.0 * rebound_change(f, h) - 9.0 * rebound_change(f, 2.0 * h) + rebound_change(f, 3.0 * h)
-        slope = rise / (60.0 * h)
-    return carried(f, 1.0 / slope, e)
-
-
-def rebound_change(f, h):
-    """e′(f + h) − e′(f − h)."""
-    return contact_laws.viscoelastic_rebound(f + h) - contact_laws.viscoelastic_rebound(f - h)
-
-
 def slope_along(argument, h, at):
     """The slope of the user's law along one of its arguments, by central differences of order 4."""
     if h == 0.0:
@@ -145,7 +124,6 @@ RULES = {
     contact_force.power: power,
     friction_modes.choose_modes: choose_modes,
     contact_force.user_force: user_force,
-    contact_laws.kuwabara_kono: kuwabara_kono,
     dense.fraction: fraction,
     sincos.polar: polar,
     springs.resists: resists,

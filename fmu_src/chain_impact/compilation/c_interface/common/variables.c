@@ -18,7 +18,8 @@ static const Variable *variable(const Instance *one, uint32_t vr, Element elemen
     return vr < one->table->variable_count && all[vr].type == type ? all + vr : NULL;
 }
 
-/* See that the outputs in the record are those of the present time, if one of them is asked for. */
+/* See that the outputs in the record are those of the present time, if one of them is asked for. If the kernel cannot go
+   on with what has been set, they are those before it, with a warning: other values may still be set. */
 static int refresh(Instance *one, const char *call, const uint32_t vr[], size_t count) {
     const Variable *all = in_table(one->table, one->table->variables_at);
     for (size_t i = 0; i < count && !one->observed; i++) {
@@ -26,7 +27,9 @@ static int refresh(Instance *one, const char *call, const uint32_t vr[], size_t 
         if (one->phase == INSTANTIATED)
             return say(one, ERROR, "%s: outputs cannot be read %s", call, when(one));
         if (start(one, call) != OK) return ERROR;
-        observe(one->record);
+        int fault = observe(one->record);
+        if (fault && IN(one->phase) & (IN(STEPPING) | IN(EVENT)))
+            return say(one, WARNING, "%s: what has been set cannot act: %s", call, status_text(one->table, fault));
         one->observed = 1;
     }
     return OK;
@@ -62,13 +65,14 @@ int get(Instance *one, const char *call, Element element, const uint32_t vr[], s
             return say(one, ERROR, "%s: the value reference %u is no %s's", call, vr[i],
                        one->interface->types[element != FLOAT64S]);
     if (!fits(one, call, element, vr, count, length)) return ERROR;
-    if (refresh(one, call, vr, count) != OK) return ERROR;
+    int status = refresh(one, call, vr, count);
+    if (status == ERROR) return ERROR;
     for (size_t i = 0, at = 0; i < count; i++) {
         const Variable *from = variable(one, vr[i], element);
         const Word *word = from->kind == TIME ? &(const Word){.real = one->time} : one->record + from->word;
         for (int64_t k = 0; k < from->length; k++) store(word[k], element, values, at++);
     }
-    return OK;
+    return status;
 }
 
 static Word word_at(Element element, const void *values, size_t i) {
