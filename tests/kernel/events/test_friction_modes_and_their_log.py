@@ -20,7 +20,7 @@ from chain_impact.kernel.events.friction_modes import (
 )
 from chain_impact.kernel.events.kinds import NONE, SLIDING_ENDS, STICKING_ENDS
 from chain_impact.kernel.events.marks import pending_changes
-from chain_impact.kernel.model.constraints import ROUNDS
+from chain_impact.kernel.model.constraints import ROUNDS, UNSOLVED
 from chain_impact.kernel.model.friction import NO_FRICTION, STICKS
 from tests.kernel.rubbing import AtRest, rubbing_chain
 
@@ -123,7 +123,7 @@ def test_a_choice_ends_even_where_no_mode_is_right(monkeypatch):
     evaluations = ROUNDS + 4 * len(chain.elements)
     assert d.statistics.rhs_evaluations - before == evaluations
     assert len(rounds) == evaluations + 1
-    assert d.rigid.unsolved == 1
+    assert d.rigid.unsolved == UNSOLVED
     changes = [sum(np.array(a) != np.array(b)) for a, b in itertools.pairwise(rounds)]
     many = friction_modes.MAX_STALLED_PIVOTS + 1
     assert changes == [len(chain.elements)] * many + [1] * (evaluations - many)
