@@ -109,6 +109,21 @@ def test_sliding_at_rest_may_accelerate_backward_by_round_off(one, part, wrong):
         assert is_inconsistent(d, c) == wrong
 
 
+@pytest.mark.parametrize(("part", "wrong"), [(1.9, False), (2.1, True)])
+def test_sliding_at_rest_may_accelerate_backward_as_what_sticks_does(one, part, wrong):
+    """What is held has an acceleration of the size of the error with which it is."""
+    d, c = one
+    other = d.candidates - 1
+    assert d.candidate.place[other] != d.candidate.place[c]
+    d.work.acceleration.x[:], d.work.acceleration.y[:] = 0.0, 0.0
+    d.friction.stuck_count, d.element.stuck[0] = 1, other
+    d.element.mode[c], d.element.undecided[c] = 1, 1
+    for e, along in ((other, 1e-3), (c, -part * 1e-3)):
+        d.work.acceleration.x[d.candidate.place[e]] = along * d.candidate.normal_y[e]
+        d.work.acceleration.y[d.candidate.place[e]] = -along * d.candidate.normal_x[e]
+    assert is_inconsistent(d, c) == wrong
+
+
 def test_a_choice_ends_even_where_no_mode_is_right(monkeypatch):
     """First all that are wrong change at once; after as many rounds as may fail, only the last one does."""
     chain = AtRest(0, "free", 2, True)
