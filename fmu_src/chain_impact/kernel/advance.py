@@ -26,6 +26,7 @@ from chain_impact.kernel.integration.impulse import (
     commit_impulses,
     reset_impulse_step,
     set_impulse_stage_at_end,
+    settle_impulses,
 )
 from chain_impact.kernel.integration.last_step import (
     accept,
@@ -275,8 +276,10 @@ def try_step(d, h):
     if not trial.accepted(d):
         roll_back(d)
         drop_events(d)
-    elif theta >= 0.0:
+        return
+    if theta >= 0.0:
         truncate_step(d, theta)
+    settle_impulses(d)
 
 
 def must_land(d, theta):
