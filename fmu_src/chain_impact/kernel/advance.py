@@ -184,10 +184,11 @@ def reinit(d):
 
 
 def apply_pending_inputs(d):
-    """Apply the given inputs and parameters, and update the active set; invalid ones change nothing.
+    """Apply the given inputs and parameters, and update the active set; invalid parameters change nothing.
 
     Returns:
-        A status: while a point touches a wall, a law with penetration cannot change to a rigid one.
+        A status: while a point touches a wall, a law with penetration cannot change to a rigid one. Where no
+        forces are found for what has been set, it has been applied.
     """
     clear_unsolved(d)
     apply_inputs(d)
