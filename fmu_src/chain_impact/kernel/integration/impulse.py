@@ -10,7 +10,7 @@ when contacts last began or ended. A scene that does not request impulses has no
 from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.integration.dense import interpolate_component
 
-SAMPLES = 8  # of the dense output of a step
+SAMPLES = 16  # of the dense output of a step
 
 
 def clear_impulses(d):
@@ -100,14 +100,17 @@ def take_impulse(d, wall, amount):
 def impulse_at(d, theta, k):
     """The impulse of the k-th contact at the fraction θ of the last step.
 
-    It is not beyond those at the ends of the step, nor above samples of the dense output later in the step.
-    So it falls by less than the error of the dense output.
+    It is that of the dense output, but for errors: it is not above samples of it later in the step, and not
+    below the last of them before θ.
     """
-    own, value = d.impulse, min(d.impulse.state_end[k], interpolate_component(d.impulse, theta, k))
-    for i in range(1, SAMPLES):
-        if theta < i / SAMPLES < d.step.kept:
-            value = min(value, interpolate_component(own, i / SAMPLES, k))
-    return max(own.state[k], value)
+    own, below, above = d.impulse, d.impulse.state_end[k], d.impulse.state_end[k]
+    for i in range(SAMPLES):
+        sample = d.step.kept * (SAMPLES - 1 - i) / SAMPLES
+        below = min(above, interpolate_component(own, sample, k))
+        if sample <= theta:
+            break
+        above = below
+    return max(own.state[k], below, min(above, interpolate_component(own, theta, k)))
 
 
 def append_impulses(d):
