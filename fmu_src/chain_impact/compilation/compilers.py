@@ -92,8 +92,8 @@ NO_LAW = """long long user_law_present(void) { return 0; }
 double user_law_force(double a, double b, double c, double d, double e, double f, double g) { return 0.0; }
 """
 _DECLARED_ABOVE = re.compile(
-    r"^declare .*@(chain_links|chain_candidates|chain_elements|user_law_present|user_law_force|usual_registers"
-    r"|put_registers_back)\(.*$\n",
+    r"^declare .*@(chain_links|chain_candidates|chain_elements|user_law_present|user_law_force"
+    r"|usual_registers|put_registers_back)\(.*$\n",
     re.M,
 )
 _OF_NUMBA = re.compile(r"undefined symbol: _?numba_(\w+)")
