@@ -100,7 +100,14 @@ _OF_NUMBA = re.compile(r"undefined symbol: _?numba_(\w+)")
 
 
 def complete(module: str, links: int | None, registers: str = REGISTERS) -> str:
-    """A lowered kernel with the sizes of a record, which it leaves open: for N links, or None for any."""
+    """A lowered kernel with what it leaves open.
+
+    Args:
+        module: the kernel in LLVM's language, as lower.py writes it.
+        links: the number of links that it is for, from which the sizes of a record follow; None for any.
+        registers: the functions that set the floating-point registers: declared, as the C interface has them,
+            or those that do nothing.
+    """
     name = "chain_links"
     sizes = HELD.format(name=name, word=0) if links is None else CONSTANT.format(name=name, number=links)
     for word, held in enumerate(("chain_candidates", "chain_elements"), 1):
