@@ -9,6 +9,7 @@ machine differ.
 from __future__ import annotations
 
 import argparse
+import ctypes
 import math
 import os
 import subprocess
@@ -44,6 +45,10 @@ WITH_DERIVATIVES = (ready.DERIVATIVES, ready.WIDE)
 MODELS = ("four_link_box", "rod_drop", "pinned_arm", "ramp")
 SPRING = "def mine(penetration):\n    return 1e6 * penetration\n"
 TABLE = "time,point[4].x\n" + "".join(f"{0.1 * i:.1f},{{}}\n" for i in range(4))
+
+# C's functions for the rounding, and its number for upwards
+C_LIBRARY = {"win64": "ucrtbase", "darwin64": "libSystem.B.dylib", "aarch64-darwin": "libSystem.B.dylib"}
+UPWARDS = {"win64": 0x200, "linux64": 0x800, "darwin64": 0x800}
 
 
 def check(function: Callable[[], str | None]) -> Callable[[], str | None]:
@@ -93,6 +98,27 @@ def all_kinds_of_kernels_give_the_same_bits() -> str:
         blocks[found.name] = block.tobytes()
     assert len(set(blocks.values())) <= 1, f"not the same: {', '.join(blocks)}"
     return f"{len(blocks)} kernels"
+
+
+@check
+def a_process_that_rounds_upwards() -> None:
+    scene, blocks = ci.load_scene("four_link_box"), []
+    c, kernel = (
+        ctypes.CDLL(C_LIBRARY.get(system.HOST, "libm.so.6")),
+        instance.kernel_for(scene, None, derivatives=False),
+    )
+    for rounding in (0, UPWARDS.get(system.HOST, 0x400000)):
+        block = Model(scene).new_instance()
+        assert c.fesetround(rounding) == 0
+        try:
+            assert kernel.initialize(block.ctypes.data, 0.0) == 0
+            assert kernel.advance(block.ctypes.data, 2.0) == 0
+            assert kernel.observe(block.ctypes.data) == 0
+            assert c.fegetround() == rounding
+        finally:
+            c.fesetround(0)
+        blocks.append(block.tobytes())
+    assert blocks[0] == blocks[1]
 
 
 @check

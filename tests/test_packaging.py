@@ -96,7 +96,14 @@ def test_checks_of_the_smoke_suite_pass_here(tmp_path, monkeypatch):
     """Those that take little time."""
     smoke = loaded("smoke")
     monkeypatch.chdir(tmp_path)
-    for check in (smoke.kernels, smoke.scenes, smoke.steps_by_hand, smoke.sweeps, smoke.laws_side_by_side):
+    for check in (
+        smoke.kernels,
+        smoke.a_process_that_rounds_upwards,
+        smoke.scenes,
+        smoke.steps_by_hand,
+        smoke.sweeps,
+        smoke.laws_side_by_side,
+    ):
         assert check in smoke.CHECKS
         check()
 

@@ -74,6 +74,20 @@ def test_the_kernel_does_not_allocate(what):
     assert not [name for name in ("NRT_Allocate", "NRT_MemInfo_alloc", "malloc") if name in module]
 
 
+@pytest.mark.parametrize("what", [library.KERNEL, library.DERIVATIVES])
+def test_every_function_that_it_offers_computes_with_the_usual_registers(what):
+    """None of its arithmetic is inlined, as it could be moved to before they are set."""
+    module = library._lowered_kernel(what, lambda _: None)
+    for name in ENTRY_POINTS | ({"trajectory_with"} if what == library.DERIVATIVES else set()):
+        (body,) = re.findall(rf"^define [^\n]*@{name}\(.*?^\}}", module, re.M | re.S)
+        calls = re.findall(r"call [^\n]*@\S+?\(.*", body)
+        assert "@usual_registers()" in calls[0]
+        assert "@put_registers_back(" in calls[-1]
+        assert len(calls) == 3
+        attributes = re.findall(r"#\d+$", calls[1])
+        assert re.search(rf"^attributes {attributes[0]} = {{[^}}]*noinline", module, re.M)
+
+
 def test_a_kernel_for_any_number_of_links_gives_the_same_bits_as_one_for_four():
     scene = load_scene("four_link_box")
     outputs = []

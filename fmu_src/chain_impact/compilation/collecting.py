@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import gc
 from collections.abc import Callable, Container, Iterator
+from functools import partialmethod
 from typing import Any
 
 from llvmlite import binding as llvm
@@ -25,6 +26,10 @@ IDLE = frozenset(
 """Steps of numba that look for what a kernel does not have, and take a tenth of the time: closures,
 expressions of whole arrays, functions that numba inlines, ``with``. Without them the lowered kernel has the
 same bytes."""
+
+USUAL_REGISTERS, PUT_BACK = "usual_registers", "put_registers_back"
+"""C functions around each call of the kernel: c_interface/common/registers.c."""
+WORD = ir.IntType(64)
 
 
 class Library(codegen.JITCodeLibrary):
@@ -87,7 +92,8 @@ def collect_only(any_python: bool = False) -> None:
     codegen.JITCPUCodegen._library_class = Library
     codegen.JITCPUCodegen.set_env = _nothing
     cpu.CPUContext.call_conv = property(Convention)
-    cpu.CPUContext.create_cfunc_wrapper = _entry_point
+    # a user's law is called by the kernel only
+    cpu.CPUContext.create_cfunc_wrapper = partialmethod(_entry_point, guarded=not any_python)
     base.BaseContext.get_abi_sizeof = _remembered(base.BaseContext.get_abi_sizeof, lambda _, kind: str(kind))
     types.Function.get_call_type = _remembered(  # type: ignore[method-assign]
         types.Function.get_call_type,
@@ -104,8 +110,13 @@ def _plain_index(context: Any, builder: Any, kind: Any, index: Any, _size: Any) 
     return context.cast(builder, index, kind, types.intp)
 
 
-def _entry_point(context: Any, library: Library, description: Any, *_: Any) -> None:
-    """The C function that returns the result of a function itself, or 0 where Python would raise."""
+def _entry_point(
+    context: Any, library: Library, description: Any, *_: Any, guarded: bool = True, **__: Any
+) -> None:
+    """The C function that returns the result of a function itself, or 0 where Python would raise.
+
+    A guarded one computes with the usual floating-point registers, whatever its caller has set.
+    """
     module = context.create_module("entry point")
     result, arguments = description.restype, description.argtypes
     inner = ir.Function(
@@ -114,9 +125,20 @@ def _entry_point(context: Any, library: Library, description: Any, *_: Any) -> N
     kind = ir.FunctionType(context.get_value_type(result), [context.get_value_type(one) for one in arguments])
     entry = ir.Function(module, kind, description.llvm_cfunc_wrapper_name)
     builder = ir.IRBuilder(entry.append_basic_block("entry"))
+    held = builder.call(_external(module, WORD, USUAL_REGISTERS), ()) if guarded else None
     _, value = context.call_conv.call_function(builder, inner, result, arguments, entry.args)
+    if held:
+        builder.call(_external(module, ir.VoidType(), PUT_BACK, WORD), [held])
+        # an inlined function could compute before the registers are set, or after they are put back
+        for call in builder.block.instructions:
+            if isinstance(call, ir.CallInstr):
+                call.attributes.add("noinline")
     builder.ret(value)
     library.add_ir_module(module)
+
+
+def _external(module: ir.Module, result: ir.Type, name: str, *arguments: ir.Type) -> ir.Function:
+    return ir.Function(module, ir.FunctionType(result, arguments), name)
 
 
 def _runs_passes(leave_out: Container[str]) -> Callable[..., None]:

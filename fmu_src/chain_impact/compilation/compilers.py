@@ -75,24 +75,44 @@ CONSTANT = """define internal i64 @{name}(ptr %instance) alwaysinline {{
 LAW = """declare hidden i64 @user_law_present()
 declare hidden double @user_law_force(double, double, double, double, double, double, double)
 """
+REGISTERS = """declare hidden i64 @usual_registers()
+declare hidden void @put_registers_back(i64)
+"""
+# WebAssembly has no such registers: there it always computes in the usual way
+NO_REGISTERS = """define internal i64 @usual_registers() alwaysinline {
+  ret i64 0
+}
+define internal void @put_registers_back(i64 %registers) alwaysinline {
+  ret void
+}
+"""
 # C code that is linked to a kernel: the first beside a user's law, the second where there is none
 LAW_IS_PRESENT = "long long user_law_present(void) { return 1; }\n"
 NO_LAW = """long long user_law_present(void) { return 0; }
 double user_law_force(double a, double b, double c, double d, double e, double f, double g) { return 0.0; }
 """
 _DECLARED_ABOVE = re.compile(
-    r"^declare .*@(chain_links|chain_candidates|chain_elements|user_law_present|user_law_force)\(.*$\n", re.M
+    r"^declare .*@(chain_links|chain_candidates|chain_elements|user_law_present|user_law_force"
+    r"|usual_registers|put_registers_back)\(.*$\n",
+    re.M,
 )
 _OF_NUMBA = re.compile(r"undefined symbol: _?numba_(\w+)")
 
 
-def complete(module: str, links: int | None) -> str:
-    """A lowered kernel with the sizes of a record, which it leaves open: for N links, or None for any."""
+def complete(module: str, links: int | None, registers: str = REGISTERS) -> str:
+    """A lowered kernel with what it leaves open.
+
+    Args:
+        module: the kernel in LLVM's language, as lower.py writes it.
+        links: the number of links that it is for, from which the sizes of a record follow; None for any.
+        registers: the functions that set the floating-point registers: declared, as the C interface has them,
+            or those that do nothing.
+    """
     name = "chain_links"
     sizes = HELD.format(name=name, word=0) if links is None else CONSTANT.format(name=name, number=links)
     for word, held in enumerate(("chain_candidates", "chain_elements"), 1):
         sizes += HELD.format(name=held, word=word)
-    return _DECLARED_ABOVE.sub("", module) + sizes + LAW
+    return _DECLARED_ABOVE.sub("", module) + sizes + LAW + registers
 
 
 def lower(module: Path, law: Path | None = None, plain: str | None = None) -> None:

@@ -115,6 +115,7 @@ const char *when(const Instance *one); /* is now, in words */
 const char *status_text(const Table *table, int status); /* of the kernel */
 typedef struct { char text[32]; } Number;
 Number number(double value); /* in as few digits as tell it from all others */
+Number rounded(double value); /* to nine digits */
 
 /* table.c */
 const Table *read_table(const Instance *draft, const char *resources, const char **reason);

@@ -1,9 +1,12 @@
 /* The life of an instance, and its steps. Which call is answered when follows the standard's table (4.2.4 of FMI 2.0)
    or state machine (2.3 and 4.2 of FMI 3.0); a call that is refused changes nothing. */
 #include "instance.h"
+#include "registers.h"
 
 #include <math.h>
 #include <string.h>
+
+#pragma STDC FENV_ACCESS ON /* what is computed stays between the calls of registers.h */
 
 /* by how much the importer's clock may differ: a part of the step, and the round-off of adding steps up */
 static const double TIME_TOLERANCE = 1e-9, ROUND_OFF = 1e-12;
@@ -73,10 +76,14 @@ int set_logging(Instance *one, const char *call, int on, size_t count, const cha
 int set_up(Instance *one, const char *call, int with_tolerance, double tolerance, double start_time, int with_stop,
            double stop_time) {
     if (!allowed(one, call, IN(INSTANTIATED))) return ERROR;
-    if (!isfinite(start_time) || (with_stop && !(stop_time >= start_time)))
+    uint64_t registers = usual_registers();
+    int possible = isfinite(start_time) && (!with_stop || stop_time >= start_time);
+    int other_tolerance = with_tolerance && tolerance != one->record[one->table->tolerance_word].real;
+    put_registers_back(registers);
+    if (!possible)
         return say(one, ERROR, "%s: start time %s s, stop time %s s", call, number(start_time).text,
                    with_stop ? number(stop_time).text : "None");
-    if (with_tolerance && tolerance != one->record[one->table->tolerance_word].real)
+    if (other_tolerance)
         say(one, OK, "the importer's tolerance %s is not used: set the parameter solver.tolerance",
             number(tolerance).text);
     one->time = start_time;
@@ -127,19 +134,24 @@ int reset(Instance *one, const char *call) {
 int fail(Instance *one, int status, int fault) {
     one->phase = FAILED;
     one->time = one->record[one->table->time_word].real;
-    return say(one, status, "the simulation stopped at t = %.9g s: %s", one->time, status_text(one->table, fault));
+    return say(one, status, "the simulation stopped at t = %s s: %s", rounded(one->time).text,
+               status_text(one->table, fault));
 }
 
 /* The bounds on the solver's work, by solver.work_limit, end every step. */
 int do_step(Instance *one, const char *call, double now, double size, int *onset_due) {
     if (!allowed(one, call, IN(STEPPING))) return ERROR;
-    if (!(size > 0.0 && size < INFINITY))
-        return say(one, ERROR, "%s: the step size %s s is not > 0", call, number(size).text);
+    uint64_t registers = usual_registers();
     double slack = TIME_TOLERANCE * size + ROUND_OFF * fabs(one->time), time = fmax(one->time, now + size);
-    if (!(fabs(now - one->time) <= slack))
+    int is_step = size > 0.0 && size < INFINITY, is_now = fabs(now - one->time) <= slack;
+    int ends_in_time = time <= one->stop_time + slack;
+    put_registers_back(registers);
+    if (!is_step)
+        return say(one, ERROR, "%s: the step size %s s is not > 0", call, number(size).text);
+    if (!is_now)
         return say(one, ERROR, "%s: the time %s s is not the present %s s", call, number(now).text,
                    number(one->time).text);
-    if (time > one->stop_time + slack)
+    if (!ends_in_time)
         return say(one, ERROR, "%s: %s s lies beyond the stop time %s s", call, number(time).text,
                    number(one->stop_time).text);
     one->observed = 0;

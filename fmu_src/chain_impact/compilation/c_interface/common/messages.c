@@ -1,10 +1,13 @@
 /* What is said to the importer, and what every call checks first. */
 #include "instance.h"
+#include "registers.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#pragma STDC FENV_ACCESS ON /* what is computed stays between the calls of registers.h */
 
 enum { LONGEST = 2000 }; /* bytes of a message */
 
@@ -53,6 +56,7 @@ int given(const Instance *one, const char *call, const char *name, const void *a
 }
 
 Number number(double value) {
+    uint64_t registers = usual_registers();
     Number found = {"nan"};
     for (int digits = 15; digits <= 17 && value == value; digits++) {
         snprintf(found.text, sizeof found.text, "%.*g", digits, value);
@@ -61,6 +65,15 @@ Number number(double value) {
     char *comma = strchr(found.text, ','); /* of the importer's locale */
     if (comma) *comma = '.';
     if (found.text[strspn(found.text, "-0123456789")] == '\0') strcat(found.text, ".0");
+    put_registers_back(registers);
+    return found;
+}
+
+Number rounded(double value) {
+    uint64_t registers = usual_registers();
+    Number found;
+    snprintf(found.text, sizeof found.text, "%.9g", value);
+    put_registers_back(registers);
     return found;
 }
 

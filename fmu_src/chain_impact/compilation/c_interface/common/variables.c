@@ -1,8 +1,11 @@
 /* Getting and setting variables (2.1.7 of FMI 2.0, 2.2.6.2 of FMI 3.0): the table says which words of the record each
    one is. */
 #include "instance.h"
+#include "registers.h"
 
 #include <limits.h>
+
+#pragma STDC FENV_ACCESS ON /* what is computed stays between the calls of registers.h */
 
 enum { BEFORE = IN(INSTANTIATED) | IN(INITIALIZING), AT_ANY_TIME = BEFORE | IN(STEPPING) | IN(EVENT) };
 static const unsigned SETTABLE[] = {
@@ -87,10 +90,14 @@ static int check(const Instance *one, const char *call, Element element, uint32_
     const char *name = text_of(one->table, at->name), *range = text_of(one->table, at->allowed);
     if (!(SETTABLE[at->kind] & IN(one->phase)))
         return say(one, ERROR, "%s: %s is %s and cannot be set %s", call, name, KINDS[at->kind], when(one));
+    uint64_t registers = usual_registers();
     double value = at->type == REAL ? new.real : (double)new.integer;
-    if (at->low <= value && value <= at->high) return OK; /* false for NaN, too */
-    if (at->type == INTEGER) return say(one, ERROR, "%s: %s = %.0f must be %s", call, name, value, range);
-    return say(one, ERROR, "%s: %s = %s must be %s", call, name, number(value).text, range);
+    int in_range = at->low <= value && value <= at->high; /* false for NaN, too */
+    put_registers_back(registers);
+    if (in_range) return OK;
+    if (at->type == INTEGER)
+        return say(one, ERROR, "%s: %s = %lld must be %s", call, name, (long long)new.integer, range);
+    return say(one, ERROR, "%s: %s = %s must be %s", call, name, number(new.real).text, range);
 }
 
 /* Set all of the values or, if one is refused, none. */
@@ -106,12 +113,14 @@ int set(Instance *one, const char *call, Element element, const uint32_t vr[], s
     for (size_t i = 0; i < count; i++)
         if (check(one, call, element, vr[i], word_at(element, values, i)) != OK) return ERROR;
     int changed = 0;
+    uint64_t registers = usual_registers();
     for (size_t i = 0; i < count; i++) {
         const Variable *at = variable(one, vr[i], element);
         Word *word = one->record + at->set_word, new = word_at(element, values, i);
         changed |= at->type == REAL ? word->real != new.real : word->integer != new.integer;
         one->record[at->word] = *word = new;
     }
+    put_registers_back(registers);
     if (!changed) return OK;
     one->observed = 0;
     if (IN(one->phase) & BEFORE)

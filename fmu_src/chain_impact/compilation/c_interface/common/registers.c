@@ -1,0 +1,37 @@
+/* Each exported function of the kernel calls these (chain_impact/compilation/collecting.py). They are in a file of their
+   own, so that no compiler moves arithmetic across a call of them. The flags of past exceptions are put back, too. */
+#include "registers.h"
+
+#if defined(__x86_64__)
+
+static const uint32_t USUAL = 0x1f80; /* no exception ends the process, to nearest, denormal numbers are kept, no flags */
+
+uint64_t usual_registers(void) {
+    uint32_t before;
+    __asm__ volatile("stmxcsr %0" : "=m"(before));
+    __asm__ volatile("ldmxcsr %0" : : "m"(USUAL));
+    return before;
+}
+
+void put_registers_back(uint64_t registers) {
+    uint32_t before = (uint32_t)registers;
+    __asm__ volatile("ldmxcsr %0" : : "m"(before));
+}
+
+#elif defined(__aarch64__)
+
+/* The control register in the lower half, the flags in the upper one. All zeros are the usual ones. */
+uint64_t usual_registers(void) {
+    uint64_t control, flags;
+    __asm__ volatile("mrs %0, fpcr" : "=r"(control));
+    __asm__ volatile("mrs %0, fpsr" : "=r"(flags));
+    put_registers_back(0);
+    return flags << 32 | control;
+}
+
+void put_registers_back(uint64_t registers) {
+    __asm__ volatile("msr fpcr, %0" : : "r"(registers & UINT32_MAX));
+    __asm__ volatile("msr fpsr, %0" : : "r"(registers >> 32));
+}
+
+#endif

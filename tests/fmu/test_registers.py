@@ -1,0 +1,101 @@
+"""FMUs in a host that has set the processor's floating-point registers: registers.c, and one in Python."""
+
+import platform
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from chain_impact.compilation.compilers import INCLUDES
+from tests.fmu.importer import Instance
+from tests.fmu.interface import Binary
+from tests.fmu.zig import WARNINGS, zig
+from tests.registers import TRAPS, WITHOUT_TRAPS, make_library
+
+pytestmark = pytest.mark.skipif(
+    sys.platform != "linux" or platform.machine() != "x86_64", reason="registers.c is for x86-64 and Linux"
+)
+SOURCE = Path(__file__).with_name("registers.c")
+ROOT = Path(__file__).parents[2]
+# a law of contact and a vectorised division; rigid walls; dry friction; a kernel for any number of links
+MODELS = ["four_link_box", "kneed_leg", "sliding_rod", "triple_pendulum"]
+WAYS = 16  # traps or none, denormal numbers are kept or not, four roundings
+USUAL = "1f80"
+STACK = 64  # KiB, of the thread in which the host calls the FMU
+STEPS = 300  # of 1/512 s
+
+
+@pytest.fixture(scope="module")
+def hosts(tmp_path_factory):
+    """The program for each version of FMI."""
+    folder = tmp_path_factory.mktemp("hosts")
+    for version in (2, 3):
+        options = [*WARNINGS, f"-DFMI={version}", *(f"-I{place}" for place in INCLUDES)]
+        zig(folder, *options, SOURCE, "-ldl", "-lm", "-pthread", "-o", folder / f"fmi{version}")
+    return folder
+
+
+@pytest.fixture(scope="module", params=MODELS)
+def ways(request, strict, hosts):
+    """What the program prints of a model: registers → bytes of the stack that were used, and values."""
+    binary = Binary(strict[request.param])
+    version, resources = 3 if binary.fmi3 else 2, binary.folder / "resources"
+    location = f"{resources}/" if binary.fmi3 else resources.as_uri()
+    outputs = [
+        node.get("valueReference")
+        for node in binary.nodes
+        if node.get("causality") == "output"
+        and (node.find("Real") is not None or node.tag == "Float64")
+        and node.find("Dimension") is None
+    ]
+    command = [hosts / f"fmi{version}", binary.c._name, binary.guid.decode(), location, STACK, STEPS]
+    command += [binary.references["gravity.x"], *outputs]
+    done = subprocess.run([*map(str, command)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, (done.returncode, done.stderr)
+    lines = [line.split() for line in done.stdout.splitlines()]
+    return {registers: (int(stack), values) for registers, stack, *values in lines}
+
+
+def test_the_bits_are_the_same_whatever_a_host_has_set(ways):
+    """The program itself ends if a call ends with other registers than before, or in a signal."""
+    assert len(ways) == WAYS
+    _, usual = ways[USUAL]
+    assert len(set(usual)) > STEPS
+    for registers, (_, values) in ways.items():
+        assert values == usual, registers
+
+
+def test_the_stack_of_a_thread_that_the_docs_tell_is_enough(ways):
+    (told,) = re.findall(r"a stack of (\d+) KiB", (ROOT / "docs" / "fmu.md").read_text(encoding="utf-8"))
+    assert max(stack for stack, _ in ways.values()) < 1024 * int(told)
+
+
+# The function before the test runs in the clean process: it holds all that it uses.
+
+
+def rows_with(fmu, library, ways, step, steps):
+    """The outputs with the registers in each way; the steps are sums that are not rounded."""
+    import ctypes
+
+    library, usual, rows = ctypes.CDLL(library), ways[0], []
+    for way in ways:
+        instance = Instance(fmu).start()
+        library.set_registers(way)
+        try:
+            rows.append(instance.run([i * step for i in range(1, steps + 1)]))
+            left = library.registers() & ~0x3F
+        finally:
+            library.set_registers(usual)
+        if left != way:
+            raise RuntimeError(f"registers {way:x} are {left:x} after the run")
+    return rows
+
+
+def test_an_fmu_in_a_host_in_python_gives_the_same_bits(fmus, clean, tmp_path):
+    library = make_library(tmp_path)
+    ways = [*WITHOUT_TRAPS, TRAPS]
+    usual, *others = clean(rows_with, fmus["four_link_box"], str(library), ways, 1 / 512, STEPS)
+    assert len(usual) == STEPS
+    assert others == [usual] * len(ways[1:])

@@ -1,0 +1,45 @@
+"""The processor's floating-point registers, set from Python as a host may have set them: for x86-64."""
+
+from __future__ import annotations
+
+import ctypes
+import platform
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from tests.fmu.zig import zig
+
+USUAL, FLUSH, ROUNDING = 0x1F80, 0x8040, 0x2000
+ROUNDINGS = [USUAL + way * ROUNDING for way in range(4)]
+WITHOUT_TRAPS = [*ROUNDINGS, *(one | FLUSH for one in ROUNDINGS)]
+# Fortran's -ffpe-trap=invalid,zero,overflow; an inexact result would end Python itself
+TRAPS = USUAL & ~(0x80 | 0x200 | 0x400)
+ON_X86 = pytest.mark.skipif(
+    platform.machine() not in {"x86_64", "AMD64"}, reason="these are the registers of x86-64"
+)
+_SOURCE = """unsigned registers(void) { return __builtin_ia32_stmxcsr(); }
+void set_registers(unsigned value) { __builtin_ia32_ldmxcsr(value); }
+"""
+
+
+def make_library(folder: Path) -> Path:
+    """A library with the functions ``registers`` and ``set_registers``, in a folder."""
+    source, library = folder / "registers.c", folder / "registers.so"
+    source.write_text(_SOURCE)
+    zig(folder, "-shared", "-fPIC", "-Wno-missing-prototypes", source, "-o", library)
+    return library
+
+
+@contextmanager
+def registers(library: ctypes.CDLL, value: int) -> Iterator[None]:
+    """Within it they have this value, and in the end they must still have it, but for the flags."""
+    library.set_registers(value)
+    try:
+        yield
+        now = library.registers() & ~0x3F
+    finally:
+        library.set_registers(USUAL)
+    assert now == value

@@ -1,0 +1,52 @@
+"""Runs in a Python process in which somebody has set the processor's floating-point registers."""
+
+import ctypes
+
+import numpy as np
+import pytest
+
+from chain_impact import load_scene, simulate
+from chain_impact.simulation.instance import Instance
+from tests.registers import FLUSH, ON_X86, TRAPS, USUAL, WITHOUT_TRAPS, make_library, registers
+
+pytestmark = ON_X86
+MODELS = ["four_link_box", "kneed_leg", "sliding_rod"]
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    return ctypes.CDLL(str(make_library(tmp_path_factory.mktemp("registers"))))
+
+
+def whole_run(model):
+    """Everything from the file to the result."""
+    result = simulate(load_scene(model), stop_time=0.5)
+    return [result.points.tobytes(), result.energy.tobytes(), result.impacts.tobytes()]
+
+
+@pytest.mark.parametrize("value", [USUAL | FLUSH, TRAPS], ids=["no denormal numbers", "traps"])
+@pytest.mark.parametrize("model", MODELS)
+def test_simulate_gives_the_same_bits(library, model, value):
+    usual = whole_run(model)
+    with registers(library, value):
+        found = whole_run(model)
+    assert found == usual
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_a_kernel_gives_the_same_bits_whatever_rounds_its_caller(library, model):
+    """It is given the same record and times: Python itself rounds as the process does."""
+    times, found = np.arange(257) / 512, []
+    for value in WITHOUT_TRAPS:
+        instance = Instance(load_scene(model))
+        rows = np.zeros(len(times), instance.record["output"].dtype)
+        library.set_registers(value)
+        try:
+            instance.initialize()
+            count = instance.trajectory(times, rows)
+            assert library.registers() == value  # and no flag is raised
+        finally:
+            library.set_registers(USUAL)
+        assert count == len(times)
+        found.append(rows.tobytes())
+    assert found == found[:1] * len(WITHOUT_TRAPS)
