@@ -61,6 +61,17 @@ TESTED_ELSEWHERE = {
     "scene/tables.py": "scene/test_scene.py",
     "scene/limits.py": "scene/test_checks.py",
     "fmu/check_references.py": "fmu/test_references.py",
+    **{
+        f"fmu/{name}.py": "fmu/test_validate.py"
+        for name in (
+            "archive",
+            "check_description",
+            "check_structure",
+            "check_variables",
+            "findings",
+            "trial",
+        )
+    },
     "scene/half_planes.py": "test_walls.py",
     "scene/models.py": "test_models.py",
     "kernel/integration/combination.py": "kernel/integration/test_explicit.py",

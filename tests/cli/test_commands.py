@@ -1,6 +1,7 @@
 """The command line: what each command does, and what it says when that goes wrong on the way."""
 
 import csv
+import json
 import re
 import subprocess
 import sys
@@ -324,6 +325,28 @@ def test_validate_names_each_problem(run, here, fmu):
     assert (code, errors) == (1, "")
     assert "gravity.y" in said
     assert "stone" in said
+    assert "no problems found" not in said
+
+
+def test_validate_says_as_json_what_it_says_in_words(run, here, fmu):
+    code, said, errors = run("validate", fmu, "--json")
+    found = json.loads(said)
+    assert (code, errors, found["fmu"], found["findings"]) == (0, "", str(fmu), [])
+    assert found["notes"][0].startswith("experiment default: passed, ")
+    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile("odd.fmu", "w") as new:
+        for name in old.namelist():
+            new.writestr(name, old.read(name).replace(b'unit="kg"', b'unit="stone"'))
+    code, said, errors = run("validate", "odd.fmu", "--json")
+    assert (code, errors) == (1, "")
+    found = json.loads(said)
+    assert found["notes"] == []
+    assert found["findings"][0] == {
+        "text": "unit = 'stone' must be defined in UnitDefinitions",
+        "file": "modelDescription.xml",
+        "variable": "link[1].mass",
+        "attribute": "unit",
+    }
+    assert len(found["findings"]) == len(run("validate", "odd.fmu")[1].splitlines())
 
 
 # --- arguments, and what all commands share --------------------------------------------------------------

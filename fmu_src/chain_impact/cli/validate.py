@@ -44,6 +44,7 @@ def run(options: argparse.Namespace) -> int:
         text = {"fmu": str(options.fmu), "findings": findings, "notes": list(found.notes)}
         say(json.dumps(text, indent=2, ensure_ascii=False))
     else:
-        for line in [*(found.findings or ["no problems found"]), *found.notes]:
+        lines = [str(finding) for finding in found.findings] or ["no problems found"]
+        for line in [*lines, *found.notes]:
             say(f"{options.fmu}: {line}")
     return 1 if found.findings else 0

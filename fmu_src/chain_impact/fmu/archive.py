@@ -30,8 +30,8 @@ def archive_findings(path: Path) -> list[Finding]:
         largest = max(entries, key=lambda entry: entry.file_size)
         found.append(
             Finding(
-                f"its {largest.file_size / 1e9:.3g} GB, unpacked, make the FMU {size / 1e9:.3g} GB: nothing is "
-                f"unpacked of one that has more than {LARGEST / 1e9:.3g} GB",
+                f"its {largest.file_size / 1e9:.3g} GB, unpacked, make the FMU {size / 1e9:.3g} GB: nothing "
+                f"is unpacked of one that has more than {LARGEST / 1e9:.3g} GB",
                 largest.filename,
             )
         )

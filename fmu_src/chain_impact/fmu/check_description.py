@@ -1,22 +1,25 @@
-"""The model description of an FMU against the FMI standard: fmpy's checks, and those that it does not make."""
+"""The model description of an FMU against the FMI standard: fmpy's checks, and those it lacks."""
 
 from __future__ import annotations
 
+import json
 import re
 import zipfile
+import zlib
 from pathlib import Path
 from xml.etree import ElementTree
 
 from chain_impact.fmu.archive import archive_findings
 from chain_impact.fmu.check_structure import structure_findings
 from chain_impact.fmu.check_variables import variable_findings, variables_of
-from chain_impact.fmu.findings import Finding
+from chain_impact.fmu.findings import DESCRIPTION, Finding
 
+TABLE = "resources/model.json"
 VERSIONS = ("2.0", "3.0")
 _PART = r"[A-Za-z_]\w*(\[\d+(,\d+)*\])?"
 PLAIN_NAME = re.compile(rf"{_PART}(\.{_PART})*", re.ASCII)
 """Names of the structured convention; but for derivatives and what is quoted, which are allowed, too."""
-_NAMED = re.compile(r'[Vv]ariable "([^"]+)"')  # in fmpy's sentences
+_NAMED = re.compile(r'[Vv]ariable (?:name )?"([^"]+)"')  # in fmpy's sentences
 _TWICE = ("unit", "displayUnit", "valueReference")  # what fmpy looks at, too
 
 
@@ -31,10 +34,11 @@ def description_findings(path: Path) -> list[Finding]:
         return found
     with zipfile.ZipFile(path) as fmu:
         try:
-            root = ElementTree.fromstring(fmu.read("modelDescription.xml"))
+            root = ElementTree.fromstring(fmu.read(DESCRIPTION))
+            own_guid = _own_guid(fmu)
         except ElementTree.ParseError as error:
             return [Finding(f"is no XML: {error}")]
-        except (zipfile.BadZipFile, RuntimeError, EOFError) as error:
+        except (zipfile.BadZipFile, zlib.error, RuntimeError, ValueError, EOFError) as error:
             return [Finding(f"cannot be unpacked: {error}")]
     version = root.get("fmiVersion", "")
     if not version.startswith(VERSIONS):
@@ -45,7 +49,15 @@ def description_findings(path: Path) -> list[Finding]:
     if broken := structure_findings(root, variables):
         return broken
     own = variable_findings(root, variables)
+    if own_guid not in (None, root.get("guid")):
+        own.append(Finding(f"guid = {root.get('guid')} is not that of {TABLE}, {own_guid}", attribute="guid"))
     return own + _of_fmpy(path, own)
+
+
+def _own_guid(fmu: zipfile.ZipFile) -> str | None:
+    """The GUID that an FMU of the kind pythonfmu was made with: its binary compares none."""
+    table = json.loads(fmu.read(TABLE)) if TABLE in fmu.namelist() else None
+    return table.get("guid") if isinstance(table, dict) else None
 
 
 def _of_fmpy(path: Path, known: list[Finding]) -> list[Finding]:

@@ -44,14 +44,16 @@ class Variable:
         text = self.attributes.get("start")
         if text is None:
             return []
-        return [text] if self.type in TEXTS or self.size == 1 and " " not in text.strip() else text.split()
+        return [text] if self.type in TEXTS or (self.size == 1 and " " not in text.strip()) else text.split()
 
     @property
     def exact(self) -> bool:
         """Whether its start is its value at the start, not a guess."""
         causality, initial = (self.attributes.get(name, "") for name in ("causality", "initial"))
         given = causality in ("parameter", "structuralParameter", "input")
-        return initial == "exact" or not initial and (given or self.attributes.get("variability") == "constant")
+        return initial == "exact" or (
+            not initial and (given or self.attributes.get("variability") == "constant")
+        )
 
     def value(self, text: str) -> Value:
         """A value of this variable as a number, a truth value or a text; NaN if it is none."""
@@ -129,7 +131,12 @@ def _of_limits(variable: Variable) -> Iterator[tuple[str, str]]:
 
 def _of_start(variable: Variable) -> Iterator[tuple[str, str]]:
     start, low, high = variable.start, variable.bound("min"), variable.bound("max")
-    if start and variable.size is not None and variable.type not in TEXTS and len(start) not in {1, variable.size}:
+    if (
+        start
+        and variable.size is not None
+        and variable.type not in TEXTS
+        and len(start) not in {1, variable.size}
+    ):
         yield "start", f"there are {len(start)} values, and the dimensions make {variable.size}"
     for text in start if variable.type not in (*TEXTS, "Boolean") else ():
         value = float(variable.value(text))
@@ -168,7 +175,9 @@ def _aliases(variables: Sequence[Variable]) -> list[Finding]:
         other = first.setdefault((base, one.reference), one)
         if other is one:
             continue
-        pairs = [(one.attributes.get(key), other.attributes.get(key)) for key in ("causality", "unit", "start")]
+        pairs = [
+            (one.attributes.get(key), other.attributes.get(key)) for key in ("causality", "unit", "start")
+        ]
         reason = ""
         if all(causality in ("parameter", "input") for causality in pairs[0]):
             reason = "both can be set"

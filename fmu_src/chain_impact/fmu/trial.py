@@ -1,7 +1,7 @@
-"""An FMU's binary on trial: ``python -m chain_impact.fmu.trial FMU REPORT BINARY``, a process that it may crash.
+"""An FMU's binary on trial: ``python -m chain_impact.fmu.trial FMU REPORT BINARY``, a process of its own.
 
-The report is a file, as an FMU may print what it likes. It has a line of JSON for each call before it is made,
-for each finding and for each experiment, so that who reads it knows where the process has ended.
+The report is a file, as an FMU may print what it likes. It has a line of JSON for each call before it is
+made, for each finding and for each experiment, so that who reads it knows in which call the process ended.
 """
 
 from __future__ import annotations
@@ -99,7 +99,7 @@ class Trial:
 
     def values(self) -> dict[str, list[Value]]:
         """The values of all variables that can be read, by their names."""
-        found = {}
+        found: dict[str, list[Value]] = {}
         for one in self.variables:
             size = 1 if one.size is None else one.size
             if one.type in ("Clock", "Binary") or "clocks" in one.attributes or one.size is None:
@@ -112,7 +112,9 @@ class Trial:
             except CallError as error:
                 self.found(f"cannot be read as {size} {kind}: {error}", one)
                 continue
-            texts = [value.decode(errors="replace") if isinstance(value, bytes) else value for value in values]
+            texts = [
+                value.decode(errors="replace") if isinstance(value, bytes) else value for value in values
+            ]
             found[one.name] = [bool(value) for value in texts] if kind == "Boolean" else texts
         return found
 
@@ -167,8 +169,8 @@ class Trial:
         for one in self.variables:
             if one.name in first and not _all_close(first[one.name], again.get(one.name, [])):
                 self.found(
-                    f"is {_text(first[one.name][0])} after a step, and {_text(again[one.name][0])} after the same "
-                    f"step from the restored state ({how})",
+                    f"is {_text(first[one.name][0])} after a step, and {_text(again[one.name][0])} after the "
+                    f"same step from the restored state ({how})",
                     one,
                 )
                 return  # one is enough: others follow from it

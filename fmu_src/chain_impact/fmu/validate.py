@@ -60,16 +60,17 @@ def validation(path: str | os.PathLike[str], timeout: float = TIMEOUT) -> Valida
     modes = [mode for kind in ("CoSimulation", "ModelExchange") for mode in root.iterfind(kind)]
     if not modes:
         return Validation(findings, [f"not run: it has no CoSimulation or ModelExchange, only {_UNTRIED}"])
-    binary, missing = _binary(modes[0], names)
+    binary, missing = _binary(modes[0], names, second=root.get("fmiVersion") == "2.0")
     if missing:
         return Validation([*findings, missing], [])
     tried = _tried(path, binary, timeout, experiments=not findings)
     return Validation([*findings, *tried.findings], tried.notes)
 
 
-def _binary(mode: Element, names: set[str]) -> tuple[str, Finding | None]:
+def _binary(mode: Element, names: set[str], *, second: bool) -> tuple[str, Finding | None]:
     """The file that an importer loads on this machine, and what is wrong if it is not there."""
     platforms = [HOST, PLATFORMS[HOST].fmi3] if HOST else []
+    platforms = platforms if second else platforms[::-1]
     file = f"{mode.get('modelIdentifier', '')}{PLATFORMS[HOST].suffix if HOST else ''}"
     places = [f"binaries/{platform}/{file}" for platform in platforms]
     for place in places:
