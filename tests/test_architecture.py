@@ -32,7 +32,7 @@ TESTED_ELSEWHERE = {
     "cli/report.py": "cli/test_commands.py",
     "cli/simulate.py": "cli/test_commands.py",
     "cli/sweep.py": "cli/test_sweep_command.py",
-    "cli/validate.py": "cli/test_commands.py",
+    "cli/validate.py": "cli/test_validate_command.py",
     "compilation/collecting.py": "compilation/test_lower.py",
     "compilation/compilers.py": "compilation/test_library.py",
     "compilation/entry_points.py": "simulation/test_simulate.py",
@@ -69,7 +69,6 @@ TESTED_ELSEWHERE = {
             "check_structure",
             "check_variables",
             "findings",
-            "trial",
         )
     },
     "scene/half_planes.py": "test_walls.py",

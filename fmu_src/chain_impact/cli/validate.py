@@ -42,7 +42,7 @@ def run(options: argparse.Namespace) -> int:
     if options.json:
         findings = [asdict(finding) for finding in found.findings]
         text = {"fmu": str(options.fmu), "findings": findings, "notes": list(found.notes)}
-        say(json.dumps(text, indent=2, ensure_ascii=False))
+        say(json.dumps(text, indent=2))
     else:
         lines = [str(finding) for finding in found.findings] or ["no problems found"]
         for line in [*lines, *found.notes]:

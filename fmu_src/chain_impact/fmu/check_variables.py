@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element
@@ -80,7 +81,9 @@ def variables_of(root: Element) -> list[Variable]:
     for node in root.iterfind("TypeDefinitions/*"):
         inner = node[0] if node.tag == "SimpleType" and len(node) else node
         shared = {key: text for key, text in inner.attrib.items() if key not in ("name", "description")}
-        types[node.get("name", "")] = shared, [int(item.get("value", "0")) for item in inner.iter("Item")]
+        values = [item.get("value", "") for item in inner.iter("Item")]
+        choices = [int(value) for value in values if re.fullmatch(r"-?[0-9]+", value)]
+        types[node.get("name", "")] = shared, choices
     nodes = root.findall("ModelVariables/*")
     starts = {node.get("valueReference"): node.get("start", "") for node in nodes}
     found = []
