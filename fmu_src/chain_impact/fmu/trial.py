@@ -27,6 +27,7 @@ T = TypeVar("T")
 CLOSE = 1e-6  # relative: a start may be written with six digits
 TINY = 1e-12
 SAID = 300  # characters, of what an FMU says
+SILENT = "it does not say why; its binary may be made for another GUID or token, or for other resources"
 
 
 class CallError(Exception):
@@ -79,7 +80,8 @@ class Trial:
         try:
             return function(*arguments)
         except Exception as error:  # of fmpy, which has no class for them
-            said = self.reasons()[before:] or [str(error).replace(self.folder + os.sep, "")]
+            otherwise = SILENT if without else str(error).replace(self.folder + os.sep, "")
+            said = self.reasons()[before:] or [otherwise]
             result = f"gives {without}" if without else "fails"
             raise CallError(f"{name} {result}: {' '.join(said[0].split())[:SAID]}") from None
 
@@ -101,11 +103,11 @@ class Trial:
         """The values of all variables that can be read, by their names."""
         found: dict[str, list[Value]] = {}
         for one in self.variables:
-            size = 1 if one.size is None else one.size
-            if one.type in ("Clock", "Binary") or "clocks" in one.attributes or one.size is None:
+            size = one.size
+            if one.type in ("Clock", "Binary") or "clocks" in one.attributes or size is None:
                 continue
-            kind = "Int64" if not self.second else "Integer"
-            kind = kind if one.type == "Enumeration" else one.type
+            whole = "Integer" if self.second else "Int64"
+            kind = whole if one.type == "Enumeration" else one.type
             get, arguments = getattr(self.fmu, f"get{kind}"), [[int(one.reference)]]
             try:
                 values = self.call(f"Get{kind}", "", get, *arguments, *([] if self.second else [size]))
