@@ -32,7 +32,7 @@ TESTED_ELSEWHERE = {
     "cli/report.py": "cli/test_commands.py",
     "cli/simulate.py": "cli/test_commands.py",
     "cli/sweep.py": "cli/test_sweep_command.py",
-    "cli/validate.py": "cli/test_commands.py",
+    "cli/validate.py": "cli/test_validate_command.py",
     "compilation/collecting.py": "compilation/test_lower.py",
     "compilation/compilers.py": "compilation/test_library.py",
     "compilation/entry_points.py": "simulation/test_simulate.py",
@@ -61,6 +61,16 @@ TESTED_ELSEWHERE = {
     "scene/tables.py": "scene/test_scene.py",
     "scene/limits.py": "scene/test_checks.py",
     "fmu/check_references.py": "fmu/test_references.py",
+    **{
+        f"fmu/{name}.py": "fmu/test_validate.py"
+        for name in (
+            "archive",
+            "check_description",
+            "check_structure",
+            "check_variables",
+            "findings",
+        )
+    },
     "scene/half_planes.py": "test_walls.py",
     "scene/models.py": "test_models.py",
     "kernel/integration/combination.py": "kernel/integration/test_explicit.py",

@@ -302,30 +302,6 @@ def test_info_into_a_closed_pipe_is_quiet(fmu):
             assert process.stderr.read() == b""
 
 
-# --- validate --------------------------------------------------------------------------------------------
-
-
-def test_validate_of_a_good_fmu(run, fmu):
-    code, said, errors = run("validate", fmu)
-    first, second = said.splitlines()
-    assert (code, first, errors) == (0, f"{fmu}: no problems found", "")
-    assert second.startswith(f"{fmu}: experiment default: passed, ")
-
-
-def test_validate_names_each_problem(run, here, fmu):
-    with zipfile.ZipFile(fmu) as old, zipfile.ZipFile("odd.fmu", "w") as new:
-        for name in old.namelist():
-            content = old.read(name)
-            if name == "modelDescription.xml":
-                content = content.replace(b'name="gravity.x"', b'name="gravity.y"')
-                content = content.replace(b'unit="kg"', b'unit="stone"')
-            new.writestr(name, content)
-    code, said, errors = run("validate", "odd.fmu")
-    assert (code, errors) == (1, "")
-    assert "gravity.y" in said
-    assert "stone" in said
-
-
 # --- arguments, and what all commands share --------------------------------------------------------------
 
 

@@ -214,10 +214,18 @@ def test_a_broken_fmu(refused, broken, verb):
     refused(2, r"broken\.fmu: not a readable FMU: \w+", verb, broken)
 
 
-def test_validate_of_a_broken_fmu(run, broken):
+def test_validate_of_a_broken_fmu(run, refused, broken):
+    if not zipfile.is_zipfile(broken):
+        refused(2, r"broken\.fmu: not a readable FMU: \w+", "validate", broken)
+        return
     code, said, errors = run("validate", broken)
     assert (code, errors) == (1, "")
-    assert len(said.splitlines()) == 1
+    assert re.fullmatch(r"broken\.fmu: modelDescription\.xml: is (not in the FMU|no XML): [^\n]+\n", said)
+
+
+@pytest.mark.parametrize("timeout", ["0", "nan", "inf", "soon"])
+def test_validate_with_a_time_that_is_none(refused, fmu, timeout):
+    refused(2, "--timeout", "validate", fmu, "--timeout", timeout)
 
 
 def test_the_fmu_of_something_else(refused, run, here, fmu):

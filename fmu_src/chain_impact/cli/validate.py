@@ -1,32 +1,50 @@
-"""`chain-impact validate`: an FMU against the FMI standard and its own reference results."""
+"""`chain-impact validate`: an FMU against the FMI standard, its own description and its reference results."""
 
 from __future__ import annotations
 
 import argparse
+import json
+import zipfile
+from dataclasses import asdict
 from pathlib import Path
 
-from chain_impact.cli.options import Verbs
+from chain_impact.cli.options import UsageError, Verbs
 from chain_impact.cli.progress import say
+from chain_impact.fmu.validate import TIMEOUT, validation
+from chain_impact.scene.reading import SceneError
 
 
 def add(verbs: Verbs) -> None:
     """Add the verb to the grammar."""
     validate = verbs.add_parser(
-        "validate", help="check an FMU against the FMI standard, and run its experiments"
+        "validate", help="check an FMU against the FMI standard, and run it and its experiments"
     )
     validate.add_argument("fmu", metavar="FMU", type=Path)
+    validate.add_argument("--json", action="store_true", help="print findings and notes as JSON")
+    validate.add_argument(
+        "--timeout",
+        metavar="SECONDS",
+        type=float,
+        default=TIMEOUT,
+        help="how long the binary of the FMU may run, in a process of its own; default: %(default)g",
+    )
     validate.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> int:
     """Check an FMU; the exit code is 1 if something is wrong."""
-    from chain_impact.fmu.build import validate_fmu
-    from chain_impact.fmu.check_references import check_references
-
-    options.fmu.stat()  # a file that is not there is no FMU with problems
-    problems = validate_fmu(options.fmu)
-    # what is no valid FMU is not run
-    outcomes = [] if problems else check_references(options.fmu)
-    for line in [*(problems or ["no problems found"]), *(outcome.text for outcome in outcomes)]:
-        say(f"{options.fmu}: {line}")
-    return 0 if not problems and all(outcome.passed for outcome in outcomes) else 1
+    if not 0.0 < options.timeout < float("inf"):
+        raise UsageError(f"--timeout {options.timeout} must be a finite number > 0 [s]")
+    try:
+        found = validation(options.fmu, options.timeout)
+    except zipfile.BadZipFile as error:
+        raise SceneError(f"{options.fmu}: not a readable FMU: {error}") from None
+    if options.json:
+        findings = [asdict(finding) for finding in found.findings]
+        text = {"fmu": str(options.fmu), "findings": findings, "notes": list(found.notes)}
+        say(json.dumps(text, indent=2))
+    else:
+        lines = [str(finding) for finding in found.findings] or ["no problems found"]
+        for line in [*lines, *found.notes]:
+            say(f"{options.fmu}: {line}")
+    return 1 if found.findings else 0

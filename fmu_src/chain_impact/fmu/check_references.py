@@ -65,12 +65,14 @@ class Experiment:
         results: columns of what comes out, ``time`` among them.
         tolerances: name of an output → how far it may be off.
         stimuli: columns of the inputs, ``time`` among them, if any.
+        shared: whether the results are a table that FMUs with other variables have, too.
     """
 
     settings: Mapping[str, float]
     results: Mapping[str, np.ndarray]
     tolerances: Mapping[str, float]
     stimuli: Mapping[str, np.ndarray] | None = None
+    shared: bool = False
 
 
 def check_references(path: Path) -> list[Outcome]:
@@ -122,7 +124,7 @@ def _experiments(files: Mapping[str, bytes]) -> Iterator[tuple[str, Callable[[],
 
 
 def _default_experiment(files: Mapping[str, bytes], table: str) -> Experiment:
-    return Experiment({}, _columns(files, table), {})
+    return Experiment({}, _columns(files, table), {}, shared=True)
 
 
 def _experiment(files: Mapping[str, bytes], file: str, node: Element) -> Experiment:
@@ -211,6 +213,8 @@ def _checked(path: Path, description: Any, experiment: Experiment) -> str:
     variables = {variable.name: variable for variable in description.modelVariables}
     time, settings = experiment.results["time"], experiment.settings
     names = [name for name in experiment.results if name != "time"]
+    if experiment.shared:
+        names = [name for name in names if name in variables]
     for name in [*names, *(experiment.stimuli or {})]:
         if name not in variables and name != "time":
             raise UncheckedError(f"the FMU has no variable {name}")

@@ -12,7 +12,8 @@ import os
 import shutil
 import tempfile
 import threading
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from types import FunctionType, SimpleNamespace
@@ -20,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from chain_impact.fmu.archive import archive_findings
 from chain_impact.scene.reading import SceneError
 from chain_impact.simulation.record_scene import RunError
 from chain_impact.system import HOST, PLATFORMS
@@ -39,8 +41,10 @@ def read_fmu(path: Path) -> Any:
     import fmpy  # takes half a second
 
     try:
+        for finding in archive_findings(path):
+            raise SceneError(f"{path}: not a readable FMU: {finding}")
         return fmpy.read_model_description(str(path))
-    except OSError:
+    except (OSError, SceneError):
         raise
     except Exception as error:  # whatever zipfile, lxml and fmpy's own checks raise
         reason = str(error).strip('"')
@@ -60,25 +64,33 @@ def simulated(path: Path, description: Any, **options: Any) -> np.ndarray:
     """
     import fmpy
 
+    with listening() as reasons:
+        try:
+            # fmpy leaves what it has unpacked when a call fails
+            with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+                fmpy.extract(str(path), folder)
+                instance = loaded(description, folder)
+                instantiate(instance)
+                kind = "CoSimulation" if description.coSimulation else "ModelExchange"
+                rows: np.ndarray = fmpy.simulate_fmu(
+                    folder, model_description=description, fmu_instance=instance, fmi_type=kind, **options
+                )
+                instance.freeInstance()
+        except Exception as error:  # fmpy's exceptions have no common class
+            # the first that is said: after it, an importer may go on to the next refusal
+            reason = [*reasons(), str(error)][0]
+            raise RunError(f"{path}: {reason}") from None
+    return rows
+
+
+@contextmanager
+def listening() -> Iterator[Callable[[], list[str]]]:
+    """Take what the FMUs say that this thread runs; yields a function that returns it, the first first."""
     _here.said, _here.logged = [], []
     try:
-        # fmpy leaves what it has unpacked when a call fails
-        with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-            fmpy.extract(str(path), folder)
-            _place_binaries(Path(folder, "binaries"), fmpy.platform)
-            instance = _instance(description, folder)
-            kind = "CoSimulation" if description.coSimulation else "ModelExchange"
-            rows: np.ndarray = fmpy.simulate_fmu(
-                folder, model_description=description, fmu_instance=instance, fmi_type=kind, **options
-            )
-            instance.freeInstance()
-    except Exception as error:  # fmpy's exceptions have no common class
-        # the first that is said: after it, an importer may go on to the next refusal
-        reason = (_here.said or _here.logged or [str(error)])[0]
-        raise RunError(f"{path}: {reason}") from None
+        yield lambda: [*_here.said, *_here.logged]
     finally:
         del _here.said, _here.logged
-    return rows
 
 
 def _log(*call: Any) -> None:
@@ -99,22 +111,29 @@ def _heard(record: logging.LogRecord) -> bool:
 logging.getLogger(SLAVES).addFilter(_heard)
 
 
-def _instance(description: Any, folder: str) -> Any:
-    """An instance of an unpacked FMU, which says all to ``_log``."""
-    from fmpy import fmi2, fmi3
+def loaded(description: Any, folder: str) -> Any:
+    """An unpacked FMU with its library loaded; nothing of it but what the library does by itself has run."""
+    from fmpy import fmi2, fmi3, platform
 
+    _place_binaries(Path(folder, "binaries"), platform)
     modes = description.coSimulation or description.modelExchange
     named = {"guid": description.guid, "modelIdentifier": modes.modelIdentifier, "unzipDirectory": folder}
     stepped = modes is description.coSimulation
     if description.fmiVersion != "2.0":
-        instance = _in_place(fmi3.FMU3Slave if stepped else fmi3.FMU3Model)(**named)
-        instance.instantiate(loggingOn=True, logMessage=_log)
-        return instance
-    instance = _in_place(fmi2.FMU2Slave if stepped else fmi2.FMU2Model)(**named)
-    with _ALONE:
-        callbacks = _callbacks()
-    instance.instantiate(callbacks=callbacks, loggingOn=True)
-    return instance
+        return _in_place(fmi3.FMU3Slave if stepped else fmi3.FMU3Model)(**named)
+    return _in_place(fmi2.FMU2Slave if stepped else fmi2.FMU2Model)(**named)
+
+
+def instantiate(fmu: Any) -> None:
+    """Make the instance of a loaded FMU, which says all to ``_log``."""
+    from fmpy import fmi2
+
+    if isinstance(fmu, fmi2.FMU2Slave | fmi2.FMU2Model):
+        with _ALONE:
+            callbacks = _callbacks()
+        fmu.instantiate(callbacks=callbacks, loggingOn=True)
+    else:
+        fmu.instantiate(loggingOn=True, logMessage=_log)
 
 
 _ALONE = threading.Lock()

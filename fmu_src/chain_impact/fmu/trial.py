@@ -1,0 +1,243 @@
+"""An FMU's binary on trial: ``python -m chain_impact.fmu.trial FMU REPORT BINARY``, a process of its own.
+
+The report is a file, as an FMU may print what it likes. It has a line of JSON for each call before it is
+made, for each finding and for each experiment, so that who reads it knows in which call the process ended.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any, TypeVar
+from xml.etree import ElementTree
+
+from chain_impact.fmu.check_references import check_references
+from chain_impact.fmu.check_variables import REALS, Value, Variable, variables_of
+from chain_impact.fmu.findings import COMPLETE, DESCRIPTION, Finding
+from chain_impact.fmu.importer import instantiate, listening, loaded
+from chain_impact.fmu.references import MANIFEST
+
+T = TypeVar("T")
+CLOSE = 1e-6  # relative: a start may be written with six digits
+TINY = 1e-12
+SAID = 300  # characters, of what an FMU says
+SILENT = "it does not say why; its binary may be made for another GUID or token, or for other resources"
+
+
+class CallError(Exception):
+    """A call of the FMU that failed, after which no other is made."""
+
+
+class Trial:
+    """The calls of an FMU, one after the other."""
+
+    def __init__(self, path: Path, folder: str, binary: str, tell: Callable[..., None]) -> None:
+        """Unpack it."""
+        import fmpy
+
+        fmpy.extract(str(path), folder)
+        self.description = fmpy.read_model_description(folder, validate=False)
+        self.variables = variables_of(ElementTree.parse(Path(folder, DESCRIPTION)).getroot())
+        self.second = self.description.fmiVersion == "2.0"
+        self.folder, self.binary, self.tell = folder, binary, tell
+
+    def run(self, reasons: Callable[[], list[str]]) -> None:
+        """Load, instantiate, read the start values, take a step, save and restore, free.
+
+        Raises:
+            CallError: when a call fails, with a sentence.
+        """
+        self.reasons = reasons
+        self.fmu = self.call("the loader", "", loaded, self.description, self.folder)
+        self.call("Instantiate", "no instance", instantiate, self.fmu)
+        experiment = self.description.defaultExperiment
+        start = _number(experiment, "startTime", 0.0)
+        if self.second:
+            self.call("SetupExperiment", "", self.fmu.setupExperiment, None, start)
+            self.call("EnterInitializationMode", "", self.fmu.enterInitializationMode)
+        else:
+            self.call("EnterInitializationMode", "", self.fmu.enterInitializationMode, None, start)
+        self.compare_starts()
+        self.call("ExitInitializationMode", "", self.fmu.exitInitializationMode)
+        if self.description.coSimulation:
+            self.steps(start, self.step_size())
+            self.call("Terminate", "", self.fmu.terminate)
+        else:
+            self.values()
+        self.call("FreeInstance", "", self.fmu.freeInstance)
+
+    def call(self, name: str, without: str, function: Callable[..., T], *arguments: Any) -> T:
+        """Call the FMU; ``without`` says what it did not give."""
+        name = name if " " in name else f"fmi{2 if self.second else 3}{name}"
+        self.tell(call=name)
+        before = len(self.reasons())
+        try:
+            return function(*arguments)
+        except Exception as error:  # of fmpy, which has no class for them
+            otherwise = SILENT if without else str(error).replace(self.folder + os.sep, "")
+            said = self.reasons()[before:] or [otherwise]
+            result = f"gives {without}" if without else "fails"
+            raise CallError(f"{name} {result}: {' '.join(said[0].split())[:SAID]}") from None
+
+    def step_size(self) -> float:
+        """A step that the FMU should be able to take [s]."""
+        experiment, stepper = self.description.defaultExperiment, self.description.coSimulation
+        fixed = _number(stepper, "fixedInternalStepSize", 0.0)
+        length = _number(experiment, "stopTime", 1.0) - _number(experiment, "startTime", 0.0)
+        return fixed or _number(experiment, "stepSize", 0.0) or max(length, 0.0) / 500 or 1e-3
+
+    def found(self, text: str, variable: Variable | None = None, attribute: str = "") -> None:
+        """Tell what was found."""
+        if variable:
+            self.tell(finding=asdict(Finding(text, DESCRIPTION, variable.name, attribute)))
+        else:
+            self.tell(finding=asdict(Finding(text, self.binary)))
+
+    def values(self) -> dict[str, list[Value]]:
+        """The values of all variables that can be read, by their names."""
+        found: dict[str, list[Value]] = {}
+        for one in self.variables:
+            size = one.size
+            if one.type in ("Clock", "Binary") or "clocks" in one.attributes or size is None:
+                continue
+            whole = "Integer" if self.second else "Int64"
+            kind = whole if one.type == "Enumeration" else one.type
+            get, arguments = getattr(self.fmu, f"get{kind}"), [[int(one.reference)]]
+            try:
+                values = self.call(f"Get{kind}", "", get, *arguments, *([] if self.second else [size]))
+            except CallError as error:
+                self.found(f"cannot be read as {size} {kind}: {error}", one)
+                continue
+            texts = [
+                value.decode(errors="replace") if isinstance(value, bytes) else value for value in values
+            ]
+            found[one.name] = [bool(value) for value in texts] if kind == "Boolean" else texts
+        return found
+
+    def compare_starts(self) -> None:
+        """Compare what the FMU starts with, and what its description says that it does."""
+        values = self.values()
+        for one in self.variables:
+            if one.exact and one.start and one.name in values:
+                own = values[one.name]
+                said = [one.value(text) for text in one.start]
+                said = said * len(own) if len(said) == 1 else said
+                if len(said) == len(own) and not _all_close(said, own):
+                    first = next(i for i in range(len(own)) if not _close(said[i], own[i]))
+                    place = f"[{first}]" if len(own) > 1 else ""
+                    self.found(
+                        f"start{place} = {_text(said[first])}, and the FMU itself starts with "
+                        f"{_text(own[first])}",
+                        one,
+                        "start",
+                    )
+
+    def steps(self, start: float, step: float) -> None:
+        """Take a step, and one that is repeated where the FMU says that its state can be restored."""
+        self.step(start, step)
+        values = self.values()
+        for one in self.variables:
+            for value in values.get(one.name, []) if one.type in (*REALS, "Integer", "Enumeration") else ():
+                low, high = one.bound("min"), one.bound("max")
+                if low <= high and (float(value) < low or float(value) > high):
+                    side = f"below min = {low:.9g}" if float(value) < low else f"above max = {high:.9g}"
+                    self.found(f"is {_text(value)} after a step of {step:.9g} s, {side}", one)
+        if not self.description.coSimulation.canGetAndSetFMUstate:
+            return
+        state = self.call("GetFMUState", "", self.fmu.getFMUState)
+        self.restored("SetFMUState", state, start + step, step)
+        if self.description.coSimulation.canSerializeFMUstate:
+            self.call("SetFMUState", "", self.fmu.setFMUState, state)
+            content = self.call("SerializeFMUState", "", self.fmu.serializeFMUState, state)
+            again = self.call("DeserializeFMUState", "", self.fmu.deserializeFMUState, content)
+            self.call("SetFMUState", "", self.fmu.setFMUState, state)
+            self.restored("DeserializeFMUState", again, start + step, step)
+            self.call("FreeFMUState", "", self.fmu.freeFMUState, again)
+        self.call("FreeFMUState", "", self.fmu.freeFMUState, state)
+
+    def restored(self, how: str, state: Any, time: float, step: float) -> None:
+        """Step, restore a state, step again: it must come to the same."""
+        self.step(time, step)
+        first = self.values()
+        self.call("SetFMUState", "", self.fmu.setFMUState, state)
+        self.step(time, step)
+        again = self.values()
+        for one in self.variables:
+            if one.name in first and not _all_close(first[one.name], again.get(one.name, [])):
+                self.found(
+                    f"is {_text(first[one.name][0])} after a step, and {_text(again[one.name][0])} after the "
+                    f"same step from the restored state ({how})",
+                    one,
+                )
+                return  # one is enough: others follow from it
+
+    def step(self, time: float, step: float) -> None:
+        """Take a step."""
+        self.call("DoStep", "", self.fmu.doStep, time, step, False)
+
+
+def _number(holder: Any, name: str, otherwise: float) -> float:
+    """A number of a description, which may be missing or no number."""
+    try:
+        number = float(getattr(holder, name, None) or otherwise)
+    except ValueError:
+        return otherwise
+    return number if math.isfinite(number) else otherwise
+
+
+def _close(one: Value, other: Value) -> bool:
+    if isinstance(one, str) or isinstance(other, str):
+        return one == other
+    both = math.isnan(one) and math.isnan(other)
+    return both or math.isclose(one, other, rel_tol=CLOSE, abs_tol=TINY)
+
+
+def _all_close(some: Sequence[Value], others: Sequence[Value]) -> bool:
+    return len(some) == len(others) and all(map(_close, some, others))
+
+
+def _text(value: Value) -> str:
+    return f"{value:.9g}" if isinstance(value, float) else repr(value)
+
+
+def _tried(path: Path, binary: str, tell: Callable[..., None]) -> Iterator[Finding]:
+    """What a trial of the binary ends with."""
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder, listening() as reasons:
+        try:
+            Trial(path, folder, binary, tell).run(reasons)
+        except CallError as error:
+            yield Finding(str(error), binary)
+
+
+def main() -> None:
+    """Try the FMU that the command line names."""
+    path, binary = Path(sys.argv[1]), sys.argv[3]
+    with Path(sys.argv[2]).open("w", encoding="utf-8") as report:
+        findings = 0
+
+        def tell(**what: Any) -> None:
+            nonlocal findings
+            findings += "finding" in what
+            print(json.dumps(what), file=report, flush=True)
+
+        for finding in _tried(path, binary, tell):
+            tell(finding=asdict(finding))
+        if not findings and "--experiments" in sys.argv:  # what is at fault needs no longer run to be told
+            tell(call="the experiments")
+            for outcome in check_references(path):
+                if outcome.passed:
+                    tell(passed=outcome.text)
+                else:
+                    tell(finding=asdict(Finding(outcome.text, MANIFEST)))
+        tell(call=COMPLETE)
+    os._exit(0)  # what an FMU does as its host ends is not on trial
+
+
+if __name__ == "__main__":
+    main()

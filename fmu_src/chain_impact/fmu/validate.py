@@ -1,0 +1,125 @@
+"""All that can be found wrong with an FMU: its zip, its description, its binary, its reference results."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import zipfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+from chain_impact.fmu.check_description import description_findings
+from chain_impact.fmu.findings import COMPLETE, DESCRIPTION, Finding
+from chain_impact.system import HOST, PLATFORMS
+
+TIMEOUT = 300.0
+"""Seconds that the binary of an FMU has, by default."""
+_UNTRIED = "ScheduledExecution"
+
+
+@dataclass(frozen=True, slots=True)
+class Validation:
+    """What came out of it.
+
+    Attributes:
+        findings: what is wrong.
+        notes: experiments that passed, and what was not checked.
+    """
+
+    findings: Sequence[Finding]
+    notes: Sequence[str]
+
+
+def validation(path: str | os.PathLike[str], timeout: float = TIMEOUT) -> Validation:
+    """Check an FMU and run it in a process of its own, so that it may crash or hang.
+
+    Args:
+        path: the FMU, for co-simulation or model exchange, of FMI 2.0 or 3.0, of any tool.
+        timeout: how long its binary may run [s].
+
+    Raises:
+        OSError: when the file cannot be read.
+        zipfile.BadZipFile: when it is no zip.
+    """
+    path = Path(path)
+    findings = description_findings(path)
+    if any(not finding.variable and finding.attribute == "" for finding in findings):
+        return Validation(findings, [])
+    with zipfile.ZipFile(path) as fmu:
+        names = set(fmu.namelist())
+        root = ElementTree.fromstring(fmu.read(DESCRIPTION))
+    modes = [mode for kind in ("CoSimulation", "ModelExchange") for mode in root.iterfind(kind)]
+    if not modes:
+        return Validation(findings, [f"not run: it has no CoSimulation or ModelExchange, only {_UNTRIED}"])
+    binary, missing = _binary(modes[0], names, second=root.get("fmiVersion") == "2.0")
+    if missing:
+        return Validation([*findings, missing], [])
+    tried = _tried(path, binary, timeout, experiments=not findings)
+    return Validation([*findings, *tried.findings], tried.notes)
+
+
+def _binary(mode: Element, names: set[str], *, second: bool) -> tuple[str, Finding | None]:
+    """The file that an importer loads on this machine, and what is wrong if it is not there."""
+    platforms = [HOST, PLATFORMS[HOST].fmi3] if HOST else []
+    platforms = platforms if second else platforms[::-1]
+    file = f"{mode.get('modelIdentifier', '')}{PLATFORMS[HOST].suffix if HOST else ''}"
+    places = [f"binaries/{platform}/{file}" for platform in platforms]
+    for place in places:
+        if place in names:
+            return place, None
+    others = sorted({name.split("/")[1] for name in names if re.fullmatch(r"binaries/[^/]+/[^/]+", name)})
+    there = f"it has folders for {', '.join(others)}" if others else "it has no binary at all"
+    wanted = places[0] if places else "binaries"
+    said = f"is not in the FMU, so there is no binary for {HOST or 'this platform'}: {there}"
+    return "", Finding(said, wanted)
+
+
+def _tried(path: Path, binary: str, timeout: float, *, experiments: bool) -> Validation:
+    """Run the binary in a process of its own."""
+    with tempfile.TemporaryDirectory(prefix="chain-impact-", ignore_cleanup_errors=True) as folder:
+        report, errors = Path(folder, "report"), Path(folder, "errors")
+        command = [sys.executable, "-P", "-m", "chain_impact.fmu.trial", str(path), str(report), binary]
+        with errors.open("wb") as stream:
+            process = subprocess.Popen(
+                [*command, *(["--experiments"] if experiments else [])],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=stream,
+                env={**os.environ, "TMPDIR": folder, "TEMP": folder},  # a crash leaves nothing behind
+            )
+            try:
+                code = process.wait(timeout)
+                end = _end(code, errors.read_text(encoding="utf-8", errors="replace"))
+            except subprocess.TimeoutExpired:
+                end = f"has not come back after {timeout:.9g} s"
+            finally:
+                process.kill()
+                process.wait()
+        lines: list[dict[str, Any]] = []
+        if report.is_file():
+            # a process that was ended may leave half of a line
+            whole = report.read_text(encoding="utf-8").rpartition("\n")[0]
+            lines = [json.loads(line) for line in whole.splitlines()]
+    findings = [Finding(**line["finding"]) for line in lines if "finding" in line]
+    calls = [line["call"] for line in lines if "call" in line]
+    if COMPLETE not in calls:
+        findings.append(Finding(f"{calls[-1] if calls else 'the trial'} {end}", binary))
+    return Validation(findings, [line["passed"] for line in lines if "passed" in line])
+
+
+def _end(code: int, said: str) -> str:
+    """How a process has ended, in words."""
+    if code < 0:
+        return f"crashes the process: {signal.Signals(-code).name}"
+    last = said.strip().splitlines()[-1:]
+    how = f"0x{code:X}" if code > 2**16 else str(code)
+    return f"ends the process, exit code {how}" + "".join(f": {line}" for line in last)
