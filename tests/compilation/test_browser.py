@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from chain_impact.compilation import browser, compilers
+from chain_impact.compilation import browser, compilers, ready
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.library import browser_module
 
@@ -110,7 +110,7 @@ def test_powers_of_special_numbers_are_those_of_the_c_library(mathematics):
 
 def test_without_a_compiler_a_sentence_says_what_to_do(tmp_path, monkeypatch):
     monkeypatch.setenv("CHAIN_IMPACT_CACHE", str(tmp_path))
-    monkeypatch.setattr(compilers, "find_spec", lambda _: None)
+    monkeypatch.setattr(ready, "find_spec", lambda _: None)
     with pytest.raises(BuildError, match="a page that computes needs a compiler: "):
         browser_module()
 

@@ -18,6 +18,8 @@ from chain_impact.kernel.integration.trial import (
     conclude,
     refuse,
 )
+from chain_impact.kernel.model import constraints
+from chain_impact.kernel.model.constraints import MOVING, SOLVED
 from tests.kernel.chains import chain
 
 SIZE = 0.01  # s
@@ -120,15 +122,17 @@ def test_what_cannot_be_located_or_repeated_is_refused(monkeypatch):
     assert landing.run(0.4) == (*refused, ["roll back", ("try", 0.4), "accept", *BACK])
 
 
-@pytest.mark.parametrize(("unsolved", "left", "refused"), [(0, 0.9, False), (1, 0.0, True), (0, 1.1, True)])
-def test_a_step_without_the_forces_of_constraints_is_refused(monkeypatch, unsolved, left, refused):
-    """Not found at all, or a held point moves by more than the tolerance, of the largest acceleration."""
+UNFOUND = [(SOLVED, False), (MOVING, True), (constraints.UNSOLVED, True)]
+
+
+@pytest.mark.parametrize(("unsolved", "refused"), UNFOUND)
+def test_a_step_without_the_forces_of_constraints_is_refused(monkeypatch, unsolved, refused):
     landing = Landing(monkeypatch, bends=False)
     check_energy = loop.check_energy
 
     def fails(d, theta):
         check_energy(d, theta)
-        d.rigid.unsolved, d.rigid.most_left = unsolved, left * d.solver.tolerance
+        d.rigid.unsolved = unsolved
 
     monkeypatch.setattr(loop, "check_energy", fails)
     result, _, noted = landing.run(-1.0)

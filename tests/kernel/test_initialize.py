@@ -23,6 +23,7 @@ from chain_impact.kernel.integration.method import EXPLICIT
 from chain_impact.kernel.integration.methods import METHOD_COUNT, SOLVER_METHODS
 from chain_impact.kernel.integration.step_size import in_flight
 from chain_impact.kernel.integration.switching import stable
+from chain_impact.kernel.model.constraints import UNSOLVED
 from chain_impact.kernel.model.latest import LATEST
 from chain_impact.kernel.status import (
     FORCES_NOT_FOUND,
@@ -247,7 +248,7 @@ def test_a_negative_radius_is_refused():
 def test_a_start_without_a_clearance_or_without_forces_is_refused():
     _, d = prepared()
     assert initialize(d, 0.0) == OK
-    d.rigid.unsolved = 1
+    d.rigid.unsolved = UNSOLVED
     assert check_start(d) == FORCES_NOT_FOUND
     d.candidate.offset[0] = math.nan
     assert check_start(d) == STARTS_INSIDE_WALL

@@ -6,7 +6,7 @@ import re
 import pytest
 
 from chain_impact import BuildError, SceneError, explore, load_scene
-from chain_impact.compilation import compilers
+from chain_impact.compilation import ready
 
 LAW = "def mine(penetration, stiffness):\n    return stiffness * penetration\n"
 SCENE = """name = "Mine"
@@ -51,6 +51,6 @@ def test_a_scene_that_cannot_be_read_leaves_no_file(tmp_path):
 def test_a_law_of_the_users_own_needs_the_compilers_and_says_so(tmp_path, monkeypatch):
     (tmp_path / "mine.py").write_text(LAW)
     (tmp_path / "mine.toml").write_text(SCENE)
-    monkeypatch.setattr(compilers, "find_spec", lambda _: None)
+    monkeypatch.setattr(ready, "find_spec", lambda _: None)
     with pytest.raises(BuildError, match=r"mine\.py: a contact law of one's own needs a compiler: "):
         explore(tmp_path / "mine.toml", tmp_path / "a.html")

@@ -23,12 +23,10 @@ from pathlib import Path
 
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.places import base_folder, explained, stand_in, trusted, writable
-from chain_impact.compilation.sources import fingerprint
+from chain_impact.compilation.sources import COMPILERS, fingerprint
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.system import removal
 
-COMPILERS = {"llvmlite": "0.50.0", "numba": "0.68.1", "ziglang": "0.17.0"}
-"""The compilers and their versions, which must agree; those of the extra in pyproject.toml."""
 UNUSED = 30 * 24 * 3600.0  # s, after which a folder for other sources is removed
 LINKER = "chain-impact-zig-"  # and a version: the name of the folder that this linker keeps for itself
 _OURS = re.compile(rf"[0-9a-f]{{16}}|{LINKER}.*")  # folders for some sources and compilers, and of linkers

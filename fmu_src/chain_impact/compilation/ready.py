@@ -20,7 +20,7 @@ from typing import Any
 from chain_impact.compilation import browser, cache, compilers
 from chain_impact.compilation.compilers import DERIVATIVES, KERNEL, PROCESSORS, WIDE
 from chain_impact.compilation.errors import BuildError
-from chain_impact.compilation.sources import PACKAGE, fingerprint
+from chain_impact.compilation.sources import COMPILERS, PACKAGE, fingerprint
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.extras import how_to_install
 from chain_impact.system import HOST, WIDE_PLATFORMS, cores
@@ -40,7 +40,7 @@ FIRST_SIZES: tuple[int | None, ...] = (None, 1, 2, 4)
 """The usual ones: a kernel for any chain, and those of most models."""
 SIZES: tuple[int | None, ...] = (None, *range(1, LARGEST_EXACT + 1))
 """What a wheel for release has."""
-REQUIREMENTS = [*(f"{name}=={version}" for name, version in cache.COMPILERS.items()), "numpy>=2.0,<3"]
+REQUIREMENTS = [*(f"{name}=={version}" for name, version in COMPILERS.items()), "numpy>=2.0,<3"]
 """What has to be installed to compile kernels."""
 
 
@@ -50,7 +50,7 @@ def require_compilers(purpose: str) -> None:
     Raises:
         BuildError: when one of them is not; ``purpose`` begins its sentence.
     """
-    missing = [name for name in cache.COMPILERS if find_spec(name) is None]
+    missing = [name for name in COMPILERS if find_spec(name) is None]
     if missing:
         how = how_to_install("compiler")
         raise BuildError(f"{purpose} needs a compiler: {how} ({', '.join(missing)} missing)")

@@ -1,4 +1,4 @@
-"""What a kernel is made of: a fingerprint of the sources that its machine code follows from."""
+"""What a kernel is made of: a fingerprint of the sources and compilers that its machine code follows from."""
 
 from __future__ import annotations
 
@@ -19,13 +19,15 @@ COMPILED = (
     *("compilation/c_interface", "compilation/mathematics"),
 )
 """Folders and files of the package: kernels follow from nothing else in it."""
+COMPILERS = {"llvmlite": "0.50.0", "numba": "0.68.1", "ziglang": "0.17.0"}
+"""The compilers and their versions, which must agree; those of the extra in pyproject.toml."""
 LANGUAGES = (".py", ".c", ".h")
 
 
 @cache
 def fingerprint() -> str:
-    """16 hexadecimal digits that change whenever one of the sources does, wherever the package is."""
-    digest = hashlib.sha256()
+    """16 hexadecimal digits that change with any of the sources and compilers, wherever the package is."""
+    digest = hashlib.sha256(repr(COMPILERS).encode())
     for source in sorted(_sources()):
         name, content = source.relative_to(PACKAGE).as_posix().encode(), source.read_bytes()
         digest.update(len(name).to_bytes(8, "big") + name + len(content).to_bytes(8, "big") + content)

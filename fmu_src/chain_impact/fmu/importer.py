@@ -111,8 +111,14 @@ def _instance(description: Any, folder: str) -> Any:
         instance.instantiate(loggingOn=True, logMessage=_log)
         return instance
     instance = _in_place(fmi2.FMU2Slave if stepped else fmi2.FMU2Model)(**named)
-    instance.instantiate(callbacks=_callbacks(), loggingOn=True)
+    with _ALONE:
+        callbacks = _callbacks()
+    instance.instantiate(callbacks=callbacks, loggingOn=True)
     return instance
+
+
+_ALONE = threading.Lock()
+"""So that several threads that run their first FMU at once make the callbacks once."""
 
 
 @cache

@@ -26,6 +26,7 @@ from chain_impact.kernel.integration.impulse import (
     commit_impulses,
     reset_impulse_step,
     set_impulse_stage_at_end,
+    settle_impulses,
 )
 from chain_impact.kernel.integration.last_step import (
     accept,
@@ -39,7 +40,7 @@ from chain_impact.kernel.integration.last_step import (
 from chain_impact.kernel.integration.methods import IS_IMPLICIT, LANDS, MEASURES_START, attempt, prepare
 from chain_impact.kernel.integration.sundman import regularize, time_rate_now
 from chain_impact.kernel.integration.switching import choose_method
-from chain_impact.kernel.model.constraints import any_point_held, clear_unsolved
+from chain_impact.kernel.model.constraints import SOLVED, UNSOLVED, any_point_held, clear_unsolved
 from chain_impact.kernel.model.contact import clear_loads, keep_end_forces, latch, set_kink_sides
 from chain_impact.kernel.model.contact_law import update_laws
 from chain_impact.kernel.model.equations import clear_stage_notes, state_rate
@@ -183,10 +184,11 @@ def reinit(d):
 
 
 def apply_pending_inputs(d):
-    """Apply the given inputs and parameters, and update the active set; invalid ones change nothing.
+    """Apply the given inputs and parameters, and update the active set; invalid parameters change nothing.
 
     Returns:
-        A status: while a point touches a wall, a law with penetration cannot change to a rigid one.
+        A status: while a point touches a wall, a law with penetration cannot change to a rigid one. Where no
+        forces are found for what has been set, it has been applied.
     """
     clear_unsolved(d)
     apply_inputs(d)
@@ -229,7 +231,7 @@ def take_step(d):
 
 def check_solved(d, status):
     """FORCES_NOT_FOUND if forces or modes at an event have not been found, else ``status``."""
-    return FORCES_NOT_FOUND if status == OK and d.rigid.unsolved else status
+    return FORCES_NOT_FOUND if status == OK and d.rigid.unsolved == UNSOLVED else status
 
 
 def find_step(d):
@@ -270,13 +272,15 @@ def try_step(d, h):
         theta = land(d, theta)
     if trial.accepted(d):
         check_energy(d, theta)
-    if trial.accepted(d) and (d.rigid.unsolved or d.rigid.most_left > d.solver.tolerance):
+    if trial.accepted(d) and d.rigid.unsolved != SOLVED:
         trial.refuse(d, trial.UNSOLVED)
     if not trial.accepted(d):
         roll_back(d)
         drop_events(d)
-    elif theta >= 0.0:
+        return
+    if theta >= 0.0:
         truncate_step(d, theta)
+    settle_impulses(d)
 
 
 def must_land(d, theta):

@@ -28,8 +28,8 @@ def observe_now(d):
     """Fill the outputs with the values at the communication point.
 
     Returns:
-        The status of the run or, while it can go on, why it cannot with what has been set: the outputs are
-        then those of the parameters before, and another one may still be set before the next step.
+        The status of the run or, while it can go on, why it cannot with what has been set: another value may
+        still be set before the next step. If a parameter is invalid, the outputs are those of the one before.
     """
     status = d.statistics.status
     if status == OK and d.given.changed:

@@ -26,7 +26,7 @@ from chain_impact.kernel.integration.methods import IS_IMPLICIT, SOLVER_METHODS,
 from chain_impact.kernel.integration.step_size import in_flight, keep_for_flight, propose
 from chain_impact.kernel.integration.switching import begin_explicit, stable
 from chain_impact.kernel.integration.trial import clear_trial
-from chain_impact.kernel.model.constraints import clear_unsolved
+from chain_impact.kernel.model.constraints import UNSOLVED, clear_unsolved
 from chain_impact.kernel.model.contact import clear_contacts, clear_loads
 from chain_impact.kernel.model.contact_law import start_laws
 from chain_impact.kernel.model.derived import in_use, inertia_of_rod, middle
@@ -228,4 +228,4 @@ def check_start(d):
         gap, _ = clearance(d, c)
         if not gap >= -OVERLAP:
             return STARTS_INSIDE_WALL
-    return FORCES_NOT_FOUND if d.rigid.unsolved else OK
+    return FORCES_NOT_FOUND if d.rigid.unsolved == UNSOLVED else OK

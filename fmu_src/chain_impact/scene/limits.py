@@ -41,9 +41,10 @@ class Derived:
     Attributes:
         text: in words.
         value: computed from the values read before; None where there is none.
-        factors: of a parameter, the keys whose product it is, of the same table if they have no dot, …
-        divisor: … divided by this.
-        constant: whether only its being there follows from other values.
+        factors: of a parameter: it is the product of these keys over the divisor. A key without a dot is of
+            the same table.
+        divisor: see factors.
+        constant: whether the value is always the same, and other values only decide whether it exists.
     """
 
     text: str

@@ -112,7 +112,11 @@ class Chain:
 
     @property
     def impacts(self) -> np.ndarray:
-        """The contacts so far in order of onset, see ``IMPACT_DTYPE``; the end of one that lasts is NaN."""
+        """The contacts so far in order of onset, see ``IMPACT_DTYPE``; the end of one that lasts is NaN.
+
+        Raises:
+            SceneError: when what has been set cannot act.
+        """
         self._ready()
         before = self._reals.copy()
         try:
@@ -124,7 +128,11 @@ class Chain:
 
     @property
     def stick_slip(self) -> np.ndarray:
-        """The phases of dry friction so far, see ``STICK_SLIP_DTYPE``; the end of one that lasts is NaN."""
+        """The phases of dry friction so far, see ``STICK_SLIP_DTYPE``; the end of one that lasts is NaN.
+
+        Raises:
+            SceneError: when what has been set cannot act.
+        """
         self._ready()
         self._observe()  # what was set acts at once
         self._collect()

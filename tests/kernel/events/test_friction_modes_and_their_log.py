@@ -20,7 +20,7 @@ from chain_impact.kernel.events.friction_modes import (
 )
 from chain_impact.kernel.events.kinds import NONE, SLIDING_ENDS, STICKING_ENDS
 from chain_impact.kernel.events.marks import pending_changes
-from chain_impact.kernel.model.constraints import ROUNDS
+from chain_impact.kernel.model.constraints import ROUNDS, UNSOLVED
 from chain_impact.kernel.model.friction import NO_FRICTION, STICKS
 from tests.kernel.rubbing import AtRest, rubbing_chain
 
@@ -109,6 +109,21 @@ def test_sliding_at_rest_may_accelerate_backward_by_round_off(one, part, wrong):
         assert is_inconsistent(d, c) == wrong
 
 
+@pytest.mark.parametrize(("part", "wrong"), [(1.9, False), (2.1, True)])
+def test_sliding_at_rest_may_accelerate_backward_as_what_sticks_does(one, part, wrong):
+    """What is held has an acceleration of the size of the error with which it is."""
+    d, c = one
+    other = d.candidates - 1
+    assert d.candidate.place[other] != d.candidate.place[c]
+    d.work.acceleration.x[:], d.work.acceleration.y[:] = 0.0, 0.0
+    d.friction.stuck_count, d.element.stuck[0] = 1, other
+    d.element.mode[c], d.element.undecided[c] = 1, 1
+    for e, along in ((other, 1e-3), (c, -part * 1e-3)):
+        d.work.acceleration.x[d.candidate.place[e]] = along * d.candidate.normal_y[e]
+        d.work.acceleration.y[d.candidate.place[e]] = -along * d.candidate.normal_x[e]
+    assert is_inconsistent(d, c) == wrong
+
+
 def test_a_choice_ends_even_where_no_mode_is_right(monkeypatch):
     """First all that are wrong change at once; after as many rounds as may fail, only the last one does."""
     chain = AtRest(0, "free", 2, True)
@@ -123,7 +138,7 @@ def test_a_choice_ends_even_where_no_mode_is_right(monkeypatch):
     evaluations = ROUNDS + 4 * len(chain.elements)
     assert d.statistics.rhs_evaluations - before == evaluations
     assert len(rounds) == evaluations + 1
-    assert d.rigid.unsolved == 1
+    assert d.rigid.unsolved == UNSOLVED
     changes = [sum(np.array(a) != np.array(b)) for a, b in itertools.pairwise(rounds)]
     many = friction_modes.MAX_STALLED_PIVOTS + 1
     assert changes == [len(chain.elements)] * many + [1] * (evaluations - many)

@@ -7,7 +7,7 @@ import pytest
 
 from chain_impact import CONTACT_LAWS, load_scene, simulate
 from chain_impact.scene.candidates import candidates
-from chain_impact.scene.scene import with_values
+from chain_impact.scene.scene import scene_from_dict, with_values
 from chain_impact.simulation.instance import Instance
 from tests import random_scenes
 from tests.problems import GRAVITY, default_scene, dropped_ball, of_law
@@ -74,6 +74,35 @@ def test_each_impact_has_its_own(law):
         change = impact["impact_speed"] + impact["separation_speed"]
         weight = GRAVITY * (impact["end"] - impact["onset"])
         assert impact["impulse"] == pytest.approx(mass * (change + weight), rel=1e-8)
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+def test_points_that_a_rigid_wall_releases_have_the_integral_of_their_force(tolerance):
+    """A chain lies on the floor, and its tip is drawn up: one point after the other leaves."""
+    lying = {
+        "name": "Drawn",
+        "chain": {"links": [{"length": 0.5, "mass": 1.0}] * 3},
+        "box": {"y_min": 0.0},
+        "contact": {"model": "newton_impact", "restitution": 0.0},
+        "inputs": {"tip_force": True},
+        "initial": {"angles": [0.0] * 3},
+    }
+    result = simulate(
+        scene_from_dict(lying, "lying"),
+        0.5,
+        1e-4,
+        tolerance=tolerance,
+        inputs={"tip.force.y": lambda t: 60.0 * t, "tip.force.x": lambda t: 3.0 * t},
+    )
+    force, impulse = result.outputs["force"], result.outputs["impulse"]
+    floor = force.max(axis=0) > 0.0
+    assert floor.sum() == 4
+    assert (force[-1, floor] == 0.0).sum() >= 2, "released"
+    # where no row is between a force and its end, by Simpson's rule
+    released = (force[2::2] == 0.0) != (force[:-2:2] == 0.0)
+    steps = (force[:-2:2] + 4.0 * force[1:-1:2] + force[2::2]) / 6.0 * 2e-4
+    errors = np.where(released, 0.0, np.abs(np.diff(impulse[::2], axis=0) - steps)).sum(axis=0)
+    assert errors.max() < 300.0 * tolerance * impulse.max()
 
 
 def test_they_do_not_depend_on_communication_points():

@@ -11,11 +11,11 @@ from chain_impact.kernel.integration.impulse import (
     give_impulses,
     impulse_at,
     impulse_count,
-    keep_impulses_rising,
     reset_impulse_step,
     roll_back_impulses,
     set_impulse_stage,
     set_impulse_stage_at_end,
+    settle_impulses,
     truncate_impulses,
 )
 from chain_impact.kernel.model.contact import keep_end_forces
@@ -101,24 +101,27 @@ def test_totals_are_those_at_the_end_of_the_step(d):
     assert d.impulse.total.tolist() == before.tolist()
 
 
-def test_one_that_would_fall_stays(d):
-    d.impulse.state_end[:2], d.impulse.tried[:2] = (5.0, 5.0), (4.9, 5.5)
-    keep_impulses_rising(d)
-    assert values(d, "tried") == [[5.0, 5.5]]
+def test_one_that_has_fallen_stays_as_it_was(d):
+    d.impulse.state[:2], d.impulse.state_end[:2] = (5.0, 5.0), (4.9, 5.5)
+    settle_impulses(d)
+    assert values(d, "state_end") == [[5.0, 5.5]]
 
 
-def test_what_a_wall_gives_is_shared_by_the_forces_if_one_would_fall(d):
+def test_of_points_that_a_rigid_wall_holds_the_sum_stays(d):
     make_rigid(d)
     d.candidate.wall[TOUCHED] = 2
-    d.impulse.state_end[:2], d.impulse.tried[:2] = (5.0, 1.0), (4.0, 3.0)
-    d.touch.force_end[TOUCHED] = 3.0, 1.0
-    keep_impulses_rising(d)
-    assert values(d, "tried") == [[5.75, 1.25]]
+    d.impulse.state[:2], d.impulse.state_end[:2] = (5.0, 1.0), (4.0, 3.0)
+    settle_impulses(d)
+    assert values(d, "state_end") == [[5.0, 2.0]]
+    # never by more than the other one has been given
+    d.impulse.state_end[:2] = 4.0, 1.5
+    settle_impulses(d)
+    assert values(d, "state_end") == [[5.0, 1.0]]
     # other walls have nothing to do with it
     d.candidate.wall[TOUCHED] = 2, 3
-    d.impulse.tried[:2] = 4.0, 3.0
-    keep_impulses_rising(d)
-    assert values(d, "tried") == [[5.0, 3.0]]
+    d.impulse.state_end[:2] = 4.0, 3.0
+    settle_impulses(d)
+    assert values(d, "state_end") == [[5.0, 3.0]]
 
 
 @pytest.mark.parametrize("kept", [1.0, 0.7])

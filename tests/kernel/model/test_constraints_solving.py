@@ -6,17 +6,25 @@ import pytest
 from chain_impact.kernel.model import constraints
 from chain_impact.kernel.model.compliance import (
     STIFF,
+    SWEEPS,
     factorize_contacts,
+    held_mobility,
     holding_impedance,
     mean_mass,
     solve_contacts,
 )
 from chain_impact.kernel.model.constraints import (
+    MOVING,
     SIGN_TOLERANCE,
+    SOLVED,
+    UNSOLVED,
     clear_impulses,
+    clear_unsolved,
     correct_impulses,
     count_violations,
     find_residual,
+    note_moving,
+    note_unsolved,
     only_active,
     set_impedance,
     solve_equality,
@@ -168,3 +176,45 @@ def test_the_complementary_impulses_do_not_depend_on_the_guess(seed, guess):
     solve_lcp(d, np.abs(own.start).max())
     np.testing.assert_allclose(own.impulse[:4], expected, rtol=0, atol=1e-9 * max(1.0, expected.max()))
     assert ((own.impulse[:4] > 0.0) <= (own.in_active_set[:4] == 1)).all()
+
+
+def test_a_chain_that_is_nearly_straight_is_held_by_a_smooth_force():
+    """The share of a motion that sweeps leave is (1 + D W)⁻ⁿ, also that which one element alone leaves."""
+    d, *_ = problem()
+    amount = holding_impedance(d)
+    for part in (0.0, 1e-6, 0.1, 1.0, 30.0, 1e6):
+        mobility = part / amount
+        left = 1.0 - mobility / held_mobility(d, mobility)
+        assert left == pytest.approx((1.0 + part) ** -SWEEPS, rel=1e-9, abs=1e-15)
+    assert held_mobility(d, -1e-30) == held_mobility(d, 0.0) == pytest.approx(1.0 / (SWEEPS * amount))
+
+
+def test_points_that_cannot_be_held_are_told_by_what_is_left():
+    """Two constraints on one motion that contradict each other: the search ends, and half of it is left."""
+    d, *_ = problem(pressed=(1, 1, 0, 0))
+    own = d.rigid
+    d.touch.active_index[1] = d.touch.active_index[0]
+    own.start[:2], own.target[:2] = 0.0, (1.0, -1.0)
+    before = d.limits.other_work
+    assert solve_equality(d, 1.0) == pytest.approx(1.0, rel=1e-6)
+    assert d.limits.other_work - before <= 20
+    for tolerated, noted in ((2.0, SOLVED), (0.5, MOVING)):
+        clear_unsolved(d)
+        note_moving(d, tolerated)
+        assert d.rigid.unsolved == noted
+    note_unsolved(d)
+    note_moving(d, 0.5)
+    assert d.rigid.unsolved == UNSOLVED
+
+
+@pytest.mark.parametrize("part", [0.5, 1.0, 2.0])
+def test_a_point_that_hardly_moves_is_held_in_a_few_iterations(monkeypatch, part):
+    """Where D W is about 1 the residual would take 30 iterations and more to become round-off."""
+    d, _, _, _, w = problem(pressed=(0, 1, 0, 0))
+    monkeypatch.setattr(constraints, "LEAST_SINGLE", 1e9)
+    monkeypatch.setattr(constraints, "holding_impedance", lambda _: part / w[1, 1])
+    monkeypatch.setattr(constraints, "STIFFEST", 1e12 * part / w[1, 1] / mean_mass(d))
+    before = d.limits.other_work
+    assert solve_equality(d, 2.0) <= 2e-15
+    assert d.limits.other_work - before <= 22
+    assert d.rigid.impulse[1] == pytest.approx((d.rigid.target - d.rigid.start)[1] / w[1, 1], rel=1e-12)

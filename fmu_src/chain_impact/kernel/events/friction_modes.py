@@ -33,7 +33,8 @@ from chain_impact.kernel.model.holding import project_state
 from chain_impact.kernel.work_limit import count_evaluations
 
 # Of the largest acceleration, gravity and a link length per second squared: a sliding element at rest that
-# accelerates by no more against its direction keeps sliding. If others hold it, that is round-off.
+# accelerates by no more against its direction, or by no more than twice what sticks does, keeps sliding. If
+# others hold it, that is an error.
 AGAINST = 1e-9
 # Of a link length per second: what sticks or has just stopped may have a speed of this size, by errors at
 # loose tolerances. With a larger one it slides.
@@ -155,7 +156,15 @@ def is_inconsistent(d, e):
     if d.element.mode[e] == STICKS:
         return abs(d.element.force[e]) > d.element.limit[e] + 0.5 * excess(d, e)
     acceleration = d.element.mode[e] * along_tangent(d, e, d.work.acceleration)
-    return acceleration < -AGAINST * (largest(d, d.work.acceleration) + d.model.gravity_size + d.model.size)
+    return acceleration < -unsure_acceleration(d)
+
+
+def unsure_acceleration(d):
+    """An acceleration [m/s²] of an element that may be an error: round-off, or as of what sticks."""
+    left = 0.0
+    for i in range(d.friction.stuck_count):
+        left = max(left, abs(along_tangent(d, d.element.stuck[i], d.work.acceleration)))
+    return AGAINST * (largest(d, d.work.acceleration) + d.model.gravity_size + d.model.size) + 2.0 * left
 
 
 def clear_changes(d):

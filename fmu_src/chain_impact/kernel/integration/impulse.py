@@ -70,40 +70,38 @@ def set_tried_impulses(d, z, first, first_of_friction):
         d.friction_impulse.tried[k] = z[first_of_friction + k]
 
 
-def keep_impulses_rising(d):
-    """Correct the impulses of the step that was tried that would fall: no wall pulls.
+def settle_impulses(d):
+    """Correct the impulses of the last step, which has its final end, that have fallen: no wall pulls.
 
     The quadrature of a step has weights of both signs, so that the error of a force that is close to 0 can
-    exceed it: such an impulse stays as it is. Where points all but coincide, the stages share the force that
-    holds them with errors of any size: of what a wall gives to all that it holds, each then has the share
-    that it has at the start of the step.
+    exceed it: such an impulse stays as it was. Where points that a rigid wall holds all but coincide, only
+    the sum of their forces is accurate: it stays, too.
     """
     own = d.impulse
-    for k in range(d.touch.compliant_count, impulse_count(d)):
-        if own.tried[k] < own.state_end[k]:
-            share_impulse(d, d.candidate.wall[d.touch.active_index[k]])
     for k in range(impulse_count(d)):
-        own.tried[k] = max(own.tried[k], own.state_end[k])
+        fallen = own.state[k] - own.state_end[k]
+        if fallen > 0.0:
+            own.state_end[k] = own.state[k]
+            if k >= d.touch.compliant_count:
+                take_impulse(d, d.candidate.wall[d.touch.active_index[k]], fallen)
 
 
-def share_impulse(d, wall):
-    """Share what a wall gives in the step that was tried by the forces with which it holds points now."""
-    own, first, given, force = d.impulse, d.touch.compliant_count, 0.0, 0.0
-    for k in range(first, impulse_count(d)):
-        c = d.touch.active_index[k]
-        if d.candidate.wall[c] == wall and d.candidate.stop[c] == 0:
-            given += own.tried[k] - own.state_end[k]
-            force += max(0.0, d.touch.force_end[c])
-    for k in range(first, impulse_count(d)):
-        c = d.touch.active_index[k]
-        if d.candidate.wall[c] == wall and d.candidate.stop[c] == 0 and force > 0.0:
-            own.tried[k] = own.state_end[k] + given * max(0.0, d.touch.force_end[c]) / force
+def take_impulse(d, wall, amount):
+    """Take an amount [N·s] from the held point to which a wall has given most in the last step."""
+    own, most, taker = d.impulse, 0.0, -1
+    for k in range(d.touch.compliant_count, impulse_count(d)):
+        given = own.state_end[k] - own.state[k]
+        if d.candidate.wall[d.touch.active_index[k]] == wall and given > most:
+            most, taker = given, k
+    if taker >= 0:
+        own.state_end[taker] -= min(amount, most)
 
 
 def impulse_at(d, theta, k):
     """The impulse of the k-th contact at the fraction θ of the last step.
 
-    It is not beyond those at the ends of the step, nor above the dense output later in the step: it rises.
+    It is not beyond those at the ends of the step, nor above samples of the dense output later in the step.
+    So it falls by less than the error of the dense output.
     """
     own, value = d.impulse, min(d.impulse.state_end[k], interpolate_component(d.impulse, theta, k))
     for i in range(1, SAMPLES):
@@ -136,7 +134,7 @@ def roll_back_impulses(d):
 def truncate_impulses(d, theta):
     """Set the impulses at the end of the last step to those at its fraction θ."""
     for k in range(impulse_count(d)):
-        d.impulse.state_end[k] = max(d.impulse.state[k], interpolate_component(d.impulse, theta, k))
+        d.impulse.state_end[k] = interpolate_component(d.impulse, theta, k)
     for k in range(friction_count(d)):
         d.friction_impulse.state_end[k] = interpolate_component(d.friction_impulse, theta, k)
 

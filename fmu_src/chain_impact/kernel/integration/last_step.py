@@ -17,9 +17,9 @@ from chain_impact.kernel.chain.state import dissipated_at, omega_at, sundman_u_a
 from chain_impact.kernel.integration.dense import fraction, interpolate
 from chain_impact.kernel.integration.impulse import (
     append_impulses,
-    keep_impulses_rising,
     reset_impulse_step,
     roll_back_impulses,
+    settle_impulses,
     truncate_impulses,
 )
 from chain_impact.kernel.integration.method import EXPLICIT
@@ -71,7 +71,6 @@ def accept(d):
     if any_constraint(d):
         project_state(d, d.trial.state)
         keep_anchors(d)
-    keep_impulses_rising(d)
     step, y = d.step, d.trial.state
     for j in range(len(step.state)):
         step.state[j] = step.state_end[j]
@@ -129,6 +128,7 @@ def truncate_to_output_time(d):
     theta = fraction(d, step.time)
     interpolate(step, theta, step.state_end)
     truncate_impulses(d, theta)
+    settle_impulses(d)
     step.kept = theta
     step.end = step.time
     mark_jump(d)

@@ -51,9 +51,8 @@ SERIES = (
     1.232169309263561e-12,
 )
 """The coefficients of P, for the Chebyshev polynomials of 2r − 1."""
-NEAREST = (
-    1e-12  # 1 − e: nearer to 1, P is that of e = 1, and its derivative, which is not finite, has no effect
-)
+# For a smaller 1 − e, P of e = 1 is used: the derivative of r by e is infinite there.
+NEAREST = 1e-12
 
 
 def viscoelastic_factor(e):

@@ -53,6 +53,7 @@ SIGN_TOLERANCE = 1e-12  # of the largest value: a wrong sign within it does not 
 MAX_STALLED_PIVOTS = 3
 # Of the impedance of what sticks with the largest limit: with less, the residual would fall too slowly.
 LEAST_SHARE = 1e-2
+SOLVED, MOVING, UNSOLVED = 0, 1, 2  # d.rigid.unsolved
 ROUNDS = 30  # plus 4 for each candidate: a bound on the pivots, far above any number that was observed
 
 
@@ -82,20 +83,23 @@ def solve_equality(d, scale):
         d: the instance, with the points located; ``d.rigid`` holds the problem and, afterwards, p in
             ``impulse``, u in ``reached`` and Δ in ``change``.
         scale: the largest motion of a point, to which round-off is relative.
+
+    Returns:
+        The largest residual that rigid walls leave, or 0 if they hold no point.
     """
     own, link, impedance = d.rigid, d.work.link, holding_impedance(d)
     set_impedance(d, 0.0)
     factorize_contacts(d, link, own.impedance, 0.0, d.work.factors)
     row = only_active(d)
     if row >= 0 and solve_single(d, row):
-        return
+        return 0.0
     set_impedance(d, impedance)
     factorize_contacts(d, link, own.impedance, 0.0, own.factors)
     clear_impulses(d)
     if any_point_held(d):
-        hold_points(d, scale, impedance)
-    else:
-        hold_sticking(d, scale)
+        return hold_points(d, scale, impedance)
+    hold_sticking(d, scale)
+    return 0.0
 
 
 def hold_sticking(d, scale):
@@ -111,6 +115,9 @@ def hold_points(d, scale, impedance):
 
     This ends: each iteration but the last leaves less than SLOW of the residual, or D grows, which it does
     twice.
+
+    Returns:
+        The largest residual.
     """
     own, before, worst, iterations = d.rigid, math.inf, find_residual(d), 0
     while worst > ROUND_OFF * scale or not iterated_enough(d, iterations):
@@ -120,9 +127,10 @@ def hold_points(d, scale, impedance):
             set_impedance(d, impedance)
             factorize_contacts(d, d.work.link, own.impedance, 0.0, own.factors)
         elif slow and iterated_enough(d, iterations):
-            return
+            break
         correct_impulses(d)
         before, worst, iterations = worst, find_residual(d), iterations + 1
+    return worst
 
 
 def only_active(d):
@@ -229,13 +237,20 @@ def solve_lcp(d, scale):
 
 
 def clear_unsolved(d):
-    """Begin to note whether forces or modes have not been found."""
-    d.rigid.unsolved = 0
+    """Begin to note what has not been found: a tried step is refused then."""
+    d.rigid.unsolved = SOLVED
 
 
 def note_unsolved(d):
-    """Note that forces or modes have not been found: a tried step is refused; at an event the run ends."""
-    d.rigid.unsolved = 1
+    """Note that forces or modes have not been found: at an event the run ends."""
+    d.rigid.unsolved = UNSOLVED
+
+
+def note_moving(d, tolerated):
+    """Note if a point that a rigid wall holds has more than the ``tolerated`` acceleration [m/s²]."""
+    for k in range(d.touch.compliant_count, d.touch.active_count):
+        if d.rigid.unsolved == SOLVED and abs(d.rigid.residual[k]) > tolerated:
+            d.rigid.unsolved = MOVING
 
 
 def count_stalls(wrong, fewest, stalls_left):

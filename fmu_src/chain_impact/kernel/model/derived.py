@@ -3,10 +3,11 @@
 A scene derives them as it is read, and they stay derived: whoever changes a length changes the centre of mass
 and the inertia with it. So the record has a place for what is given, which holds DERIVED where nothing is,
 and a place for the value in use. The kernel fills the latter: at initialization, or, of a value that can be
-set at any time, when such values are applied. Who sets such a value writes both places: from then on it is
-given, and it can be read before the kernel has worked with it. Sweeps and the page write the first only, as
-they read nothing before. So what changes a parameter, be it a sweep, ``Chain.set``, an FMU or the page, gives
-what the edited scene file gives, and a tangent instance has the derivatives through what is derived.
+set at any time, when such values are applied. ``Chain.set`` and FMUs write a value that is set into both
+places, for example into ``given_inertia`` and ``inertia``: it is given from then on, and can be read at once.
+Sweeps and the page write only the place for what is given, as they read nothing before the run. So a changed
+parameter gives what the edited scene file gives, and a tangent instance has the derivatives through what is
+derived.
 """
 
 DERIVED = -1.0

@@ -16,7 +16,7 @@ from chain_impact.kernel.model.constraints import any_constraint, clear_unsolved
 from chain_impact.kernel.model.contact import apply_contacts
 from chain_impact.kernel.model.contact_force import clear_crossings
 from chain_impact.kernel.model.friction import clear_margins
-from chain_impact.kernel.model.holding import add_constraint_forces, clear_held
+from chain_impact.kernel.model.holding import add_constraint_forces, clear_least_forces
 from chain_impact.kernel.model.inputs import ensure_inputs
 
 
@@ -62,10 +62,10 @@ def loaded_rate(d, y, dissipated, rate):
 
 
 def clear_stage_notes(d):
-    """Reset what the stages of a step record: crossings of kinks, what walls hold, and margins."""
+    """Reset what the stages of a step record: crossings of kinks, forces not found or least, margins."""
     clear_unsolved(d)
     clear_crossings(d)
-    clear_held(d)
+    clear_least_forces(d)
     clear_margins(d)
 
 

@@ -13,6 +13,7 @@ from chain_impact.kernel.model.constraints import (
     activate_all,
     along_constraint,
     constraint_rows,
+    note_moving,
     set_impulse,
     solve_equality,
     solve_lcp,
@@ -41,9 +42,8 @@ def start_from_clearances(d, derivative):
         d.rigid.start[k] = 0.0
 
 
-def clear_held(d):
-    """Begin to record the least forces and the largest accelerations of the points that rigid walls hold."""
-    d.rigid.most_left = 0.0
+def clear_least_forces(d):
+    """Begin to record the least forces of the contacts without a force law."""
     for k in range(d.touch.compliant_count, d.touch.active_count):
         d.rigid.least_force[d.touch.active_index[k]] = 0.0
 
@@ -73,12 +73,12 @@ def add_constraint_forces(d, y, rate):
     else:
         scale = start_from_accelerations(d, y, rate)
         activate_all(d)
-        solve_equality(d, scale)
+        if solve_equality(d, scale) > d.solver.tolerance * scale:
+            note_moving(d, d.solver.tolerance * scale)
         add_change(d, rate, velocity_at(d.links))
         for k in range(d.touch.compliant_count, d.touch.active_count):
             c = d.touch.active_index[k]
             own.least_force[c] = min(own.least_force[c], own.impulse[k])
-            own.most_left = max(own.most_left, abs(own.reached[k]) / scale) if scale > 0.0 else own.most_left
             keep_force(d, c, own.impulse[k])
     if any_sticking(d):
         rate[dissipated_at(d.links)] += keep_static_forces(d)

@@ -94,7 +94,6 @@ def latest_dtype() -> np.dtype:
     start="model/holding.py",
     resistance="model/holding.py",
     least_force="model/holding.py",
-    most_left="model/holding.py",
     sample="events/contact_log.py",
 )
 def rigid_dtype(links: int, candidates: int, elements: int) -> np.dtype:
@@ -107,7 +106,7 @@ def rigid_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("factors", factors_dtype(links)),  # with an impedance at the points of the active set
         # m, m/s or m/s², rad …: the change of the coordinates by the impulses
         ("change", REAL, (coordinate_count(links),)),
-        ("unsolved", INTEGER),  # 1: forces or modes have not been found, since a step or a try of it began
+        ("unsolved", INTEGER),  # since a step or a try of it began, see kernel/model/constraints.py
         ("in_active_set", INTEGER, (rows,)),  # 1: its impulse may differ from 0
         ("violated", INTEGER, (rows,)),  # 1: its impulse or residual has the wrong sign
         ("start", REAL, (rows,)),  # normal or tangential motion without impulses, m, m/s or m/s², …
@@ -118,8 +117,6 @@ def rigid_dtype(links: int, candidates: int, elements: int) -> np.dtype:
         ("impedance", REAL, (rows,)),  # kg, D
         ("resistance", REAL, (rows,)),  # kg, of the contacts with a force law to a projection; else 0
         ("sample", REAL, (2, candidates)),  # N, the last two sampled forces
-        # of the largest acceleration: the largest of a held point, which should have none, in the stages
-        ("most_left", REAL),
         (
             "least_force",
             REAL,

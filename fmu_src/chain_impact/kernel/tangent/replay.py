@@ -23,7 +23,12 @@ from chain_impact.kernel.events.exclusion import RELATCH_RATIO
 from chain_impact.kernel.events.kinds import END, ONSET, RELATCH
 from chain_impact.kernel.events.marks import copy_marks, pending_changes
 from chain_impact.kernel.integration import explicit
-from chain_impact.kernel.integration.impulse import friction_count, friction_integrand_at_end, impulse_count
+from chain_impact.kernel.integration.impulse import (
+    friction_count,
+    friction_integrand_at_end,
+    impulse_count,
+    settle_impulses,
+)
 from chain_impact.kernel.integration.last_step import (
     accept,
     choose_variable,
@@ -62,6 +67,7 @@ def replay(d, t):
         if d.step.kept != 1.0:
             truncate_step(t, d.step.kept)
         take_values(d, t)
+    settle_impulses(t)
     copy_marks(d, t)
     move_end(t)
 
