@@ -3,8 +3,8 @@
 One file that needs nothing but Python's standard library, 3.8 or later, and knows names and status but no
 physics. The instance of the simulation is one block of memory that the kernel works on, laid out by
 chain_impact/kernel/record/; every variable is one 8-byte word of it. ``model.json`` says which word and
-what may be set when; ``instance.bin`` is the block with the start values. chain_impact/fmu/build.py writes
-both.
+what may be set when, and a checksum of ``instance.bin``, the block with the start values.
+chain_impact/fmu/build.py writes both.
 
 Errors: to a pythonfmu slave only OK, Discard and, by raising, Fatal are open. Importers take Discard for a
 step that was too long: fmpy ends without a word and returns the results up to there. So whatever goes wrong
@@ -90,6 +90,8 @@ class ChainImpact(Fmi2Slave):  # type: ignore[misc]
         if not cls.model:
             cls.model = json.loads((resources / "model.json").read_text(encoding="utf-8"))
             cls.start = (resources / "instance.bin").read_bytes()
+        if zlib.crc32(cls.start) != cls.model["start_checksum"]:
+            raise SlaveError("the FMU's file resources/instance.bin is damaged", self)
         wrapper = resources.parent / "binaries" / "linux64" / f"{cls.model['name']}.so"
         if sys.platform == "linux" and wrapper not in cls.wrappers:
             cls.wrappers.add(wrapper)

@@ -136,6 +136,18 @@ def only_ours(found: os.stat_result) -> bool:
     return ours and not found.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
 
 
+def others_can_write(found: os.stat_result) -> bool:
+    """Whether a user of this machine other than this one and root can put files into a folder.
+
+    A group of the same number as the user's is that of this user alone, as many systems make it. In Windows,
+    what is in the user's own folder is closed to the others.
+    """
+    if SYSTEM == WINDOWS:
+        return False
+    user, groups = os.getuid(), stat.S_IWGRP if found.st_gid not in (0, os.getuid()) else 0
+    return found.st_uid not in (0, user) or bool(found.st_mode & (groups | stat.S_IWOTH))
+
+
 def remove_lock(lock: Any) -> None:
     """Release a lock (filelock's) and remove its file.
 

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from types import SimpleNamespace
 
 import platformdirs
 import pytest
@@ -17,6 +18,8 @@ from chain_impact.compilation import cache, places
 from chain_impact.compilation.cache import cache_folder, clear, entries, made
 from chain_impact.compilation.errors import BuildError
 from chain_impact.compilation.places import base_folder
+
+MARK = 8  # bytes of a checksum
 
 
 @pytest.fixture(autouse=True)
@@ -28,8 +31,9 @@ def _empty(tmp_path, monkeypatch):
 
 
 def files():
-    """All that can be seen in the folder for these sources."""
-    return sorted(path.name for path in cache_folder().iterdir() if not path.name.endswith(".lock"))
+    """All that is in the folder for these sources, but for locks and checksums."""
+    others = (".lock", ".crc32")
+    return sorted(path.name for path in cache_folder().iterdir() if not path.name.endswith(others))
 
 
 def test_a_file_is_made_once():
@@ -205,6 +209,7 @@ def foreign(request, read_only, tmp_path, monkeypatch):
     if request.param == "of another user":
         other = read_only.stat().st_uid + 1
         monkeypatch.setattr(places.os, "getuid", lambda: other)
+        monkeypatch.setattr(places.system, "others_can_write", lambda _: False)  # the cache itself
     folder = places.stand_in_path(read_only)
     if request.param == "a link":
         (tmp_path / "elsewhere").mkdir(mode=0o700)
@@ -229,6 +234,64 @@ def test_a_temporary_folder_that_others_can_write_is_not_used(foreign):
     assert (foreign / cache_folder().name / "b.so").read_text() == "foreign"
 
 
+@pytest.fixture(params=["of another user", "that others can write", "that a group can write"])
+def shared(request, monkeypatch):
+    """A cache in which another user may have put a library, which would be run."""
+    base = made("a.so", lambda path: path.write_text("foreign")).parents[1]
+    places.writable.cache_clear()
+    user = base.stat().st_uid
+    if request.param == "of another user":
+        monkeypatch.setattr(places.os, "getuid", lambda: user + 1)
+        base = _owned_by(base, user + 2, monkeypatch)
+    elif request.param == "that a group can write":
+        monkeypatch.setattr(places.os, "getuid", lambda: user)
+        base.chmod(0o770)
+        _owned_by(base, user, monkeypatch, group=user + 7)
+    else:
+        base.chmod(0o777)
+    yield base
+    places.writable.cache_clear()
+
+
+def _owned_by(folder, user, monkeypatch, group=0):
+    """Say that a folder has other owners: who is not root cannot give it to them."""
+    real = places.system.others_can_write
+
+    def seen(found):
+        return real(SimpleNamespace(st_mode=found.st_mode, st_uid=user, st_gid=group))
+
+    monkeypatch.setattr(places.system, "others_can_write", seen)
+    return folder
+
+
+def test_a_cache_that_others_can_write_is_refused(shared):
+    assert cache.find("a.so") is None
+    with pytest.raises(BuildError) as caught:
+        made("a.so", lambda path: path.write_text("own"))
+    assert str(caught.value) == (
+        f"nothing can be kept in {shared} (other users can write there): {places.ADVICE}"
+    )
+    assert entries() == []
+
+
+def test_a_cache_is_made_for_its_user_only():
+    made("a.so", lambda path: path.write_text("whole"))
+    assert stat.S_IMODE(base_folder().stat().st_mode) == 0o700
+
+
+@pytest.mark.parametrize("damage", ["cut", "empty", "changed", "without its checksum"])
+def test_what_is_damaged_is_made_again(damage):
+    """A library that is cut would end the process with SIGBUS."""
+    file = made("a.so", lambda path: path.write_text("whole"))
+    if damage == "without its checksum":
+        cache._mark(file).unlink()
+    else:
+        file.write_text({"cut": "who", "empty": "", "changed": "whale"}[damage])
+    assert cache.find("a.so") is None
+    assert made("a.so", lambda path: path.write_text("anew")).read_text() == "anew"
+    assert cache.find("a.so") == file
+
+
 def test_what_stands_in_is_told_and_removed(read_only):
     other = made("b.so", lambda path: path.write_text("1234567"))
     assert [entry.files for entry in entries()] == [("a.so",), ("b.so",)]
@@ -236,7 +299,7 @@ def test_what_stands_in_is_told_and_removed(read_only):
     assert lines[1].startswith(f"cache    {read_only}, ")
     assert lines[3].startswith(f"stand-in {other.parents[1]}, ")
     assert all("(in use): " in lines[row] for row in (2, 4))
-    assert clear() == len("whole") + 7
+    assert clear() == len("whole") + 7 + 2 * MARK
     assert entries() == []
 
 
@@ -322,11 +385,11 @@ def test_what_is_there_is_told_and_removed():
     for name in ("mine", "zig"):  # what is not ours stays
         (base_folder() / name).mkdir()
     own, linker = sorted(entries(), key=lambda entry: len(entry.path.name))
-    assert (own.path, own.size, own.files) == (cache_folder(), 5, ("a.so",))
+    assert (own.path, own.size, own.files) == (cache_folder(), 5 + MARK, ("a.so",))
     assert (linker.path, linker.files) == (zig, ())
     lines = list(cache_report([], entries(), cache_folder()))
     assert lines[0] == "ready    –"
     assert "(in use): a.so" in "".join(lines)
     assert "of the linker" in "".join(lines)
-    assert clear() == 5
+    assert clear() == 5 + MARK
     assert sorted(path.name for path in base_folder().iterdir()) == ["mine", "zig"]

@@ -148,6 +148,36 @@ def test_a_fault_is_seen_where_the_importer_does_not_log(fmus, clean):
     assert said == f"RodDrop: the simulation cannot start: {beyond}\n"
 
 
+def with_damaged_start(fmu, folder):
+    """A start that was edited by hand, in an FMU that is otherwise whole."""
+    import contextlib
+    import io
+    import zipfile
+
+    import fmpy
+
+    damaged = f"{folder}/RodDrop.fmu"
+    with zipfile.ZipFile(fmu) as whole, zipfile.ZipFile(damaged, "w") as other:
+        for name in whole.namelist():
+            content = whole.read(name)
+            if name == "resources/instance.bin":
+                content = content[:5000] + bytes([content[5000] ^ 1]) + content[5001:]
+            other.writestr(name, content)
+    said = io.StringIO()
+    with contextlib.redirect_stderr(said):
+        try:
+            fmpy.simulate_fmu(damaged)
+        except Exception as error:
+            return [str(error), said.getvalue()]
+    return ["", said.getvalue()]
+
+
+def test_a_damaged_start_is_refused(fmus, clean, tmp_path):
+    error, said = clean(with_damaged_start, fmus["rod_drop"], str(tmp_path))
+    assert "instantiate" in error
+    assert said == "RodDrop: the FMU's file resources/instance.bin is damaged\n"
+
+
 def escaped(fmu):
     """What the wrapper takes for a printf format."""
     import sys

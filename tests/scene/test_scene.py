@@ -301,6 +301,21 @@ def test_a_message_is_one_line_even_for_a_file_name_of_two():
     assert refusal(parse_scene, "", "two\nlines.toml") == "two lines.toml: name is missing (model name)"
 
 
+@pytest.mark.parametrize("name", ["con", "NUL", "Aux", "prn", "com1", "LPT9"])
+def test_a_name_that_windows_reserves_is_refused(name):
+    text = MINIMAL.replace(MINIMAL.splitlines()[0], f'name = "{name}"')
+    message = refusal(parse_scene, text, SOURCE)
+    assert message.startswith(
+        f"{SOURCE}: name = '{name}' must be letters, digits and _, not beginning with a digit, "
+    )
+    assert "no name that Windows reserves: con, prn, aux, nul, com1 to com9, lpt1 to lpt9" in message
+
+
+@pytest.mark.parametrize("name", ["con1", "console", "_nul", "com0", "com10", "lpt"])
+def test_a_name_that_only_resembles_one_is_a_name(name):
+    assert parse_scene(MINIMAL.replace(MINIMAL.splitlines()[0], f'name = "{name}"'), SOURCE).name == name
+
+
 @pytest.mark.parametrize("name", ["no_such_model", "missing.toml", "empty", "a\0b", "x" * 5000, ""])
 def test_what_is_no_scene_file_is_refused_with_the_models(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)

@@ -1,6 +1,7 @@
 """A chain stepped by hand: the same bits as simulate(), states, what can be set and what is refused."""
 
 import math
+import zlib
 
 import numpy as np
 import pytest
@@ -126,11 +127,23 @@ def test_the_state_of_another_scene_is_refused(arm):
 
 
 def test_a_damaged_state_is_refused_and_changes_nothing(arm):
+    """One bit of it, wherever it is: in a number that may have any value no other check could tell."""
+    chain = Chain(arm)
+    chain.step(0.2)
+    state = chain.save()
+    for at in [*range(len(state) - 7 * 40, len(state), 7), 8, 40, len(state) // 2]:
+        damaged = state[:at] + bytes([state[at] ^ 1]) + state[at + 1 :]
+        assert "restore: the " in refusal(chain.restore, damaged)
+    assert chain.save() == state
+
+
+def test_a_state_with_a_new_checksum_that_the_kernel_cannot_go_on_with_is_refused(arm):
     chain = Chain(arm)
     state = chain.save()
     head = len(state) - chain._reals.nbytes
-    damaged = state[:head] + b"\xff" * 16 + state[head + 16 :]
-    assert "the state is damaged" in refusal(chain.restore, damaged)
+    checked = state[16:head] + b"\xff" * 16 + state[head + 16 :]
+    forged = state[:8] + zlib.crc32(checked).to_bytes(8, "little") + checked
+    assert "the state is damaged" in refusal(chain.restore, forged)
     assert chain.save() == state
 
 

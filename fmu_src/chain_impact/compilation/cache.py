@@ -1,7 +1,8 @@
 """The cache of compiled kernels: a folder for these sources and these compilers.
 
-One process makes a file while others that need it wait. A file appears when it is whole. Where the folder
-can only be read, what is made is kept in a temporary one (places.py).
+One process makes a file while others that need it wait. A file appears when it is whole, with its checksum
+beside it: what is cut or damaged later is made again. Where the folder can only be read, what is made is kept
+in a temporary one; where others can write, nothing is read (places.py).
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import re
 import shutil
 import tempfile
 import time
+import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
@@ -20,7 +22,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from chain_impact.compilation.errors import BuildError
-from chain_impact.compilation.places import base_folder, explained, stand_in, writable
+from chain_impact.compilation.places import base_folder, explained, stand_in, trusted, writable
 from chain_impact.compilation.sources import COMPILERS, fingerprint
 from chain_impact.compilation.work import Notify, announce
 from chain_impact.system import removal
@@ -62,19 +64,36 @@ def _version(compiler: str) -> str:
 
 
 def find(name: str) -> Path | None:
-    """The file or folder of that name in the cache folder, or in what stands in for it, if it is there."""
+    """The file or folder of that name in the cache folder, or in what stands in for it, if it is whole."""
     for folder in (place / _present() for place in _places()):
-        if (folder / name).exists():
+        if _is_whole(folder / name):
             with suppress(OSError):  # somebody else's cache can be read
                 os.utime(folder)  # it is in use
             return folder / name
     return None
 
 
+def _is_whole(path: Path) -> bool:
+    """Whether a folder, or a file as it was made, is there."""
+    try:
+        return path.is_dir() or _mark(path).read_bytes() == _checksum(path)
+    except OSError:
+        return False
+
+
+def _mark(file: Path) -> Path:
+    """The file with the checksum of another one."""
+    return file.with_name(f".{file.name}.crc32")
+
+
+def _checksum(file: Path) -> bytes:
+    return b"%08x" % zlib.crc32(file.read_bytes())
+
+
 def _places() -> list[Path]:
-    """The user's cache, and what stands in for it if that is there."""
+    """The user's cache, and what stands in for it, each if it is there and nobody else can write in it."""
     base = base_folder()
-    return [base, *filter(None, [stand_in(base)])]
+    return [*filter(trusted, [base]), *filter(None, [stand_in(base)])]
 
 
 def holds(file: Path) -> bool:
@@ -104,6 +123,8 @@ def made(name: str, make: Callable[[Path], None], notify: Notify = announce) -> 
             if not find(name):
                 with _scratch(folder, name) as scratch:
                     make(scratch / name)
+                    if not (scratch / name).is_dir():
+                        _mark(folder / name).write_bytes(_checksum(scratch / name))
                     (scratch / name).replace(folder / name)
                 _prune(folder)
     return folder / name

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 from typing import Any
@@ -11,6 +12,7 @@ from numba.core.errors import NumbaError
 
 from chain_impact.compilation.functions import LAW_FORCE, MODULES, compiled
 from chain_impact.compilation.law_file import LawError, UserLaw
+from chain_impact.compilation.law_syntax import FUNCTIONS
 from chain_impact.kernel.laws.user_law import ARGUMENTS
 
 MEMORY = "NRT required"  # numba says so where a function needs memory of its own
@@ -27,12 +29,15 @@ def law_entry(law: UserLaw) -> dict[str, tuple[Any, Callable[..., Any]]]:
 
 
 def _checked_function(law: UserLaw) -> Callable[..., float]:
-    """Run the file of a law, and return its function with all of ``ARGUMENTS``, which can be compiled.
+    """The function of a law with all of ``ARGUMENTS``, which can be compiled.
+
+    Python evaluates the constants of its file and reaches nothing but what law_syntax.py lists.
 
     Raises:
         LawError: when it cannot be compiled.
     """
-    space: dict[str, Any] = {"__name__": law.id}
+    known = {**FUNCTIONS, "__import__": lambda *_: math}
+    space: dict[str, Any] = {"__name__": law.id, "__builtins__": known}
     try:
         exec(compile(law.source, f"{law.id}.py", "exec"), space)
         MODULES.add(f"{law.id}.")  # a law may call other functions of its file
@@ -50,7 +55,7 @@ def _checked_function(law: UserLaw) -> Callable[..., float]:
         if MEMORY in str(error):
             raise LawError("makes arrays or lists; a law can use numbers only") from None
         raise LawError(f"does not compile: {_reason(error)}") from None
-    except Exception as error:  # whatever the file does
+    except Exception as error:  # as of a division by zero in a constant
         raise LawError(f"cannot be run: {type(error).__name__}: {error}") from None
     return function
 

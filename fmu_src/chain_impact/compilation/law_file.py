@@ -1,6 +1,6 @@
 """A user's own contact law: a Python file with a function of its name, to be linked to the kernel.
 
-A scene is validated by a look at the file; only the build of a kernel runs it (compilation/law.py).
+A scene is validated by a look at the file (law_syntax.py); the build of a kernel compiles it (law.py).
 """
 
 from __future__ import annotations
@@ -12,16 +12,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from inspect import getsource
 from pathlib import Path
-from typing import Any
 
+from chain_impact.compilation.law_syntax import LawError, check_syntax
 from chain_impact.kernel.laws.contact_laws import CONTACT_LAWS
 from chain_impact.kernel.laws.user_law import ARGUMENTS
 
-ONLY_IMPORT = "math"
-
-
-class LawError(ValueError):
-    """A file that holds no usable law: the end of a sentence that begins with the file's name."""
+__all__ = ["LawError", "UserLaw", "parse_law", "read_law", "source_of"]
 
 
 @dataclass(frozen=True)
@@ -69,31 +65,15 @@ def parse_law(name: str, source: str) -> UserLaw:
         raise LawError(f"must have the name of its law: another one than {name}, which is {kind} already")
     try:
         tree = ast.parse(source)
-    except (SyntaxError, ValueError) as error:
-        raise LawError(f"is not valid Python: {error}") from None
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        raise LawError(f"is not valid Python: {str(error) or 'it is too deep'}") from None
     functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
     if name not in functions:
         raise LawError(f"must define the function {name}")
-    for node in ast.walk(tree):
-        _check_statement(node)
+    check_syntax(tree, source)
     summary = (ast.get_docstring(functions[name]) or "a user's law").split("\n")[0]
     arguments = _arguments(functions[name])
     return UserLaw(name, source, re.sub(r"[^ -~\u00a0-\ud7ff]", " ", summary), arguments)
-
-
-def _check_statement(node: ast.AST) -> None:
-    """Refuse what a law cannot do in a kernel without Python, or what its file does not tell of."""
-    imported = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-    imported += ["." * node.level + (node.module or "")] if isinstance(node, ast.ImportFrom) else []
-    for module in imported:
-        if module != ONLY_IMPORT:
-            raise LawError(f"imports {module} in line {_line(node)}; a law can import {ONLY_IMPORT} only")
-    if isinstance(node, ast.Raise | ast.Assert):
-        raise LawError(f"raises in line {_line(node)}; a law has to return a force")
-
-
-def _line(node: Any) -> int:
-    return int(node.lineno)
 
 
 def _arguments(function: ast.FunctionDef) -> tuple[str, ...]:
@@ -115,6 +95,6 @@ def source_of(function: Callable[..., float]) -> str:
     if not getattr(function, "__name__", "<").isidentifier():
         raise LawError("has no name: give a named function, written with def")
     try:
-        return f"import {ONLY_IMPORT}\n\n\n{textwrap.dedent(getsource(function))}"
+        return f"import math\n\n\n{textwrap.dedent(getsource(function))}"
     except (OSError, TypeError) as error:
         raise LawError(f"has no source that can be read ({error})") from None

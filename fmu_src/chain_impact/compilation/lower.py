@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 from llvmlite import binding as llvm
-from numba import cfunc
+from numba import cfunc, int64
 
 from chain_impact.compilation import reuse
 from chain_impact.compilation.collecting import Library, collect_only
@@ -22,7 +22,10 @@ from chain_impact.compilation.entry_points import Entries, entry_points
 from chain_impact.compilation.functions import OPTIONS
 from chain_impact.compilation.law import law_entry
 from chain_impact.compilation.law_file import LawError, read_law
+from chain_impact.compilation.record_type import INSTANCE
 from chain_impact.compilation.sources import fingerprint
+from chain_impact.kernel import entry
+from chain_impact.kernel.tangent import entry as tangent_entry
 from chain_impact.kernel.tangent.entry import HOOKS
 
 TRIPLE = "x86_64-unknown-linux-gnu"  # what the passes that are run here take for the target
@@ -95,7 +98,11 @@ def main() -> None:
         else:
             if what == "derivatives":
                 reuse.take(Path(given[0]).read_text())
-            entries = entry_points(derivatives=what == "derivatives")
+            derivatives = what == "derivatives"
+            entries = entry_points(derivatives=derivatives)
+            # for the C interface, which is given a record by a file
+            words = tangent_entry.record_words if derivatives else entry.record_words
+            entries["record_words"] = (int64(INSTANCE), words)
     except LawError as error:
         print(" ".join(str(error).split()), file=sys.stderr)
         sys.exit(BAD_LAW)

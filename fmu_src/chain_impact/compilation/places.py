@@ -19,6 +19,7 @@ from chain_impact.compilation.errors import BuildError
 READ_ONLY = (errno.EACCES, errno.EPERM, errno.EROFS)
 NO_PLACE = (*READ_ONLY, errno.ENOSPC, errno.EDQUOT, errno.ENOTDIR)
 LITTLE = 1_000_000  # bytes: a folder with less space is full
+OTHERS = "other users can write there"
 ADVICE = "free space there, or set CHAIN_IMPACT_CACHE to another folder"
 
 
@@ -51,6 +52,14 @@ def stand_in(base: Path) -> Path | None:
     return path if system.only_ours(found) else None
 
 
+def trusted(base: Path) -> bool:
+    """Whether the folder of the cache is there, and nobody else can put kernels into it: they are run."""
+    try:
+        return not system.others_can_write(base.stat())
+    except OSError:
+        return False
+
+
 @functools.cache
 def writable(base: Path) -> Path:
     """The folder, made if need be; or its stand-in where it can only be read.
@@ -60,18 +69,22 @@ def writable(base: Path) -> Path:
     """
     with explained(base):
         try:
-            base.mkdir(parents=True, exist_ok=True)
+            with suppress(FileExistsError):
+                base.mkdir(mode=0o700, parents=True)
             tempfile.TemporaryFile(dir=base).close()
-            return base
         except OSError as error:
             if error.errno not in READ_ONLY:
                 raise
+        else:
+            if not trusted(base):
+                raise PermissionError(errno.EACCES, OTHERS, str(base))
+            return base
     folder = stand_in_path(base)
     with explained(folder):
         with suppress(FileExistsError):
             folder.mkdir(mode=0o700)
         if not stand_in(base):
-            raise PermissionError(errno.EACCES, "other users can write there", str(folder))
+            raise PermissionError(errno.EACCES, OTHERS, str(folder))
         return folder
 
 

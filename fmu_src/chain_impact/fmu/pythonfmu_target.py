@@ -6,6 +6,7 @@ import json
 import subprocess
 import sys
 import zipfile
+import zlib
 from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
@@ -66,7 +67,8 @@ def _staged(model: Model, kernels: Mapping[str, Path]) -> dict[str, bytes]:
     files = {"instance.bin": model.start.tobytes()}
     for platform, library in sorted(kernels.items()):
         files[f"kernel-{platform}{library.suffix}"] = library.read_bytes()
-    slave, table = slave_source(), model_table(model)
+    checksum = zlib.crc32(files["instance.bin"])
+    slave, table = slave_source(), {**model_table(model), "start_checksum": checksum}
     tool = f"chain-impact {version('chain-impact')} with PythonFMU {version('pythonfmu')}"
     description = model_description(model, tool, 2)
 

@@ -27,7 +27,7 @@ from chain_impact.scene.models import SCENE_FILE, model_names, scene_path
 from chain_impact.scene.names import STOPS, Place, name_of, parameter_hint, place_in_file
 from chain_impact.scene.reading import Reader, SceneError, UnknownNameError, keys_of, shown
 from chain_impact.scene.tables import (
-    IDENTIFIER,
+    MODEL_NAME,
     XML_TEXT,
     Box,
     Chain,
@@ -50,7 +50,7 @@ SceneSource: TypeAlias = "Scene | str | os.PathLike[str]"
 class Scene:
     """All that a simulation needs. Made, and validated, by the functions of this module."""
 
-    name: str = quantity("", "model name", matching=IDENTIFIER)
+    name: str = quantity("", "model name", matching=MODEL_NAME)
     description: str = quantity("", "what the scene shows", "", matching=XML_TEXT)
     author: str = quantity("", "who has made the model, for its FMU", "", matching=XML_TEXT)
     copyright: str = quantity("", "copyright of the model, for its FMU", "", matching=XML_TEXT)

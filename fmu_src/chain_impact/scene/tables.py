@@ -17,6 +17,12 @@ from chain_impact.scene.reading import SceneError
 MAX_LINKS = 1000
 
 IDENTIFIER = (r"[A-Za-z_][A-Za-z0-9_]*", "letters, digits and _, not beginning with a digit")
+_RESERVED = ("con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10)))
+_ANY_CASE = "|".join("".join(f"[{c.upper()}{c}]" if c.isalpha() else c for c in name) for name in _RESERVED)
+MODEL_NAME = (  # of files, too
+    rf"(?!(?:{_ANY_CASE})$){IDENTIFIER[0]}",
+    f"{IDENTIFIER[1]}, and no name that Windows reserves: con, prn, aux, nul, com1 to com9, lpt1 to lpt9",
+)
 XML_TEXT = (r"[^\x00-\x08\x0B\x0C\x0E-\x1F\uD800-\uDFFF\uFFFE\uFFFF]*", "text without control characters")
 _NAME = (r"[A-Za-z][A-Za-z0-9_.*\[\]]*", "the name of a parameter or an input, with * for any text")
 _PYTHON_FILE = (r"|[^\x00]*\.py", "the path of a Python file, from the folder of the scene")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 import struct
+import zlib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import astuple, dataclass
 from functools import cached_property
@@ -27,8 +28,10 @@ from chain_impact.variables.model import Model
 from chain_impact.variables.table import word_index
 from chain_impact.variables.variable import Variable
 
-STATE = struct.Struct("<8s16sqqq")  # magic, the scene's digest, whether it has started, contacts, changes
-MAGIC = b"chainsav"
+# magic, CRC-32 of what follows it, the scene's digest, whether it has started, contacts, changes
+STATE = struct.Struct("<8sQ16sqqq")
+CHECKED_FROM = 16
+MAGIC = b"chainsv2"
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,20 +223,21 @@ class Chain:
         self._collect()
         impacts = np.concatenate([np.zeros(0, IMPACT_DTYPE), *self._impacts])
         changes = self._instance.all_changes
-        head = STATE.pack(MAGIC, self._digest, self._stepped, len(impacts), len(changes))
-        return head + impacts.tobytes() + changes.tobytes() + self._reals.tobytes()
+        head = STATE.pack(MAGIC, 0, self._digest, self._stepped, len(impacts), len(changes))
+        checked = head[CHECKED_FROM:] + impacts.tobytes() + changes.tobytes() + self._reals.tobytes()
+        return MAGIC + zlib.crc32(checked).to_bytes(8, "little") + checked
 
     def restore(self, state: bytes) -> None:
         """Go to a saved state.
 
         Raises:
-            SceneError: when it is no state of a chain of this scene.
+            SceneError: when it is no state of a chain of this scene, or damaged.
         """
         if not isinstance(state, bytes | bytearray | memoryview):
             found = f"restore({shown(state)})"
             raise SceneError(f"{self.scene.name}: {found} must be given the bytes that save() returned")
         state = bytes(state)
-        magic, digest, stepped, *counts = STATE.unpack_from(state.ljust(STATE.size, b"\0"))
+        magic, checksum, digest, stepped, *counts = STATE.unpack_from(state.ljust(STATE.size, b"\0"))
         changes_at = STATE.size + counts[0] * IMPACT_DTYPE.itemsize
         record_at = changes_at + counts[1] * CHANGE_DTYPE.itemsize
         if (
@@ -244,7 +248,7 @@ class Chain:
         ):
             raise SceneError(f"{self.scene.name}: restore: the bytes are no state of this scene")
         words = np.frombuffer(state, offset=record_at).copy()
-        if not self._instance.is_sound(words):
+        if checksum != zlib.crc32(state[CHECKED_FROM:]) or not self._instance.is_sound(words):
             raise SceneError(f"{self.scene.name}: restore: the state is damaged")
         self._reals[:] = words
         self._impacts = [np.frombuffer(state, IMPACT_DTYPE, counts[0], STATE.size).copy()]

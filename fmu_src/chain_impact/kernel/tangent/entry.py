@@ -103,6 +103,11 @@ HOOKS = {
 """Function of kernel/hooks.py → what it does in a kernel that carries derivatives."""
 
 
+def record_words(d):
+    """How many numbers of 8 bytes the record of an instance and its tangent instances has."""
+    return len(words(d)) + d.tangents * len(words(block(d, 0)))
+
+
 def trajectory_with(d, times, output_indices, values, slopes):
     """Advance to each of the times [s] in turn, and sample some outputs and their derivatives.
 

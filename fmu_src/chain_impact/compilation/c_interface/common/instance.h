@@ -119,6 +119,7 @@ Number rounded(double value); /* to nine digits */
 
 /* table.c */
 const Table *read_table(const Instance *draft, const char *resources, const char **reason);
+int is_whole(const Table *table); /* whole.c: whether nothing in it leads beyond it, or beyond the record */
 uint32_t checksum(const void *bytes, size_t size); /* CRC-32 of zlib and PNG */
 const void *in_table(const Table *table, int64_t place);
 const char *text_of(const Table *table, int64_t place);
@@ -131,5 +132,6 @@ extern int32_t advance_to_onset(Word *record, double time);
 extern int32_t event_update(Word *record);
 extern int32_t observe(Word *record);
 extern int32_t sound(Word *record);
+extern int64_t record_words(Word *record); /* that a record with the sizes at its start has */
 
 #endif

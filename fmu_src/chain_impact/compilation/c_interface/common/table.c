@@ -101,6 +101,10 @@ const Table *read_table(const Instance *draft, const char *resources, const char
             head.checksum != checksum((char *)table + begin, head.size - begin)) {
             draft->release(table);
             table = NULL;
+        } else if (!is_whole(table)) {
+            *reason = "has a file model.bin that is not for this binary, or damaged";
+            draft->release(table);
+            table = NULL;
         }
     }
     close(file);

@@ -1,0 +1,60 @@
+/* Whether a table is one for this binary: every place in it lies in the file, every word in the record, and the record
+   has the size that the kernel works on. A checksum tells damage only: who changes a file can make its checksum anew. */
+#include "instance.h"
+
+/* sizes at the start of a record: of links, candidates, elements and dual numbers, far more than any chain has */
+enum { SIZES = 4 };
+static const int64_t MOST[SIZES] = {1 << 24, 1 << 24, 1 << 24, 1 << 16};
+
+/* Whether so many items of a size lie in the file, behind its head, from a place whose numbers can be read there. */
+static int lies_in(const Table *table, int64_t place, int64_t count, uint64_t size) {
+    if (place < (int64_t)sizeof *table || place % (int64_t)sizeof(int64_t) != 0 || count < 0) return 0;
+    uint64_t from = (uint64_t)place;
+    return from <= table->size && (uint64_t)count <= (table->size - from) / size;
+}
+
+/* Whether a text begins there; the last byte of the file ends it, if nothing before does. */
+static int is_text(const Table *table, int64_t place) {
+    return place >= 0 && place < (int64_t)table->size - table->texts_at;
+}
+
+static int is_word(const Table *table, int64_t word) {
+    return word >= SIZES && word < table->record_size / (int64_t)sizeof(Word);
+}
+
+static int is_variable(const Table *table, const Variable *one) {
+    return (one->type == REAL || one->type == INTEGER) && one->kind >= FIXED && one->kind <= TIME &&
+           is_text(table, one->name) && is_text(table, one->allowed) && is_word(table, one->word) &&
+           is_word(table, one->set_word) && one->length >= 1 && one->length <= table->record_size &&
+           is_word(table, one->word + one->length - 1);
+}
+
+/* Whether the record is as long as the kernel takes it to be, and every index in it is within its bounds. */
+static int is_record(const Table *table) {
+    Word *record = (Word *)((char *)table + table->record_at);
+    const int64_t words = table->record_size / (int64_t)sizeof *record;
+    if (words < SIZES || table->record_size % (int64_t)sizeof *record != 0) return 0;
+    for (int i = 0; i < SIZES; i++)
+        if (record[i].integer < (i == 0) || record[i].integer > MOST[i]) return 0;
+    return record_words(record) == words && sound(record) == 1;
+}
+
+int is_whole(const Table *table) {
+    const char *bytes = (const char *)table;
+    if (table->guid[sizeof table->guid - 1] || bytes[table->size - 1]) return 0; /* texts without an end */
+    if (table->texts_at < (int64_t)sizeof *table || (uint64_t)table->texts_at > table->size) return 0;
+    if (!lies_in(table, table->variables_at, table->variable_count, sizeof(Variable)) ||
+        !lies_in(table, table->statuses_at, table->status_count, sizeof(int64_t)) ||
+        !lies_in(table, table->record_at, table->record_size, 1))
+        return 0;
+    if (!is_word(table, table->time_word) || !is_word(table, table->changed_word) ||
+        !is_word(table, table->tolerance_word) || table->first_output < 0)
+        return 0;
+    const Variable *variables = in_table(table, table->variables_at);
+    for (int64_t i = 0; i < table->variable_count; i++)
+        if (!is_variable(table, variables + i)) return 0;
+    const int64_t *statuses = in_table(table, table->statuses_at);
+    for (int64_t i = 0; i < table->status_count; i++)
+        if (!is_text(table, statuses[i])) return 0;
+    return is_record(table);
+}

@@ -1,0 +1,205 @@
+"""What a file with a law may contain: a list of what is allowed, so that nobody's file runs anything else.
+
+Python evaluates the constants of a file and what its functions' heads need; the functions themselves are
+compiled and never run by Python. Numbers, tuples of numbers, functions of ``math`` and those of the file are
+all the values that there can be, as no other name can be reached.
+"""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import math
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
+
+FUNCTIONS: dict[str, Callable[..., Any]] = {
+    function.__name__: function for function in (abs, bool, float, int, max, min, pow, range, round)
+}
+"""The functions of Python that a law can call."""
+LONG = {"comb", "dist", "factorial", "fsum", "isqrt", "lcm", "perm", "prod", "sumprod"}
+"""Functions of ``math`` that a kernel does not have, and that can take long where Python evaluates them."""
+MATH = {name for name in dir(math) if name[0] != "_"} - LONG
+"""What a law can use of ``math``."""
+ALLOWED = (
+    "a law's file can have: import math, constants, and functions with arithmetic, comparisons, if, for, "
+    f"while, the functions of math, {', '.join(FUNCTIONS)} and those of the file"
+)
+
+EXPRESSIONS = (
+    *(ast.BinOp, ast.UnaryOp, ast.BoolOp, ast.Compare, ast.IfExp, ast.Call, ast.keyword),
+    *(ast.Constant, ast.Name, ast.Attribute, ast.Tuple, ast.Subscript, ast.Yield),
+    *(ast.Load, ast.Store),
+    *(ast.Add, ast.Sub, ast.Mult, ast.Div, ast.FloorDiv, ast.Mod, ast.Pow, ast.UAdd, ast.USub),
+    *(ast.And, ast.Or, ast.Not, ast.Eq, ast.NotEq, ast.Lt, ast.LtE, ast.Gt, ast.GtE),
+)
+TOP = (ast.FunctionDef, ast.Import, ast.ImportFrom, ast.Assign, ast.AnnAssign)
+STATEMENTS = (
+    *(ast.AugAssign, ast.If, ast.For, ast.While, ast.Break, ast.Continue, ast.Pass, ast.Return, ast.Expr),
+    *(ast.arguments, ast.arg, ast.alias),
+)
+NODES = {ast.Module, *TOP, *STATEMENTS, *EXPRESSIONS}
+ANNOTATIONS = {"bool", "float", "int"}
+LONGEST = 40  # letters of what is refused, in its sentence
+WORDS = {"inf", "-inf", "+inf", "nan", "infinity", "-infinity"}
+"""What may stand in ``float("nan")``: there are no other texts in a law but its docstrings."""
+
+
+class LawError(ValueError):
+    """A file that holds no usable law: the end of a sentence that begins with the file's name."""
+
+
+def check_syntax(tree: ast.Module, source: str) -> None:
+    """Refuse a file that has anything but what a law can have, before any of it is run.
+
+    Raises:
+        LawError: with the line, and what is allowed.
+    """
+    for node in ast.walk(tree):
+        _check_common(node)
+    refused = next(_refused(tree), None)
+    if refused is not None:
+        found = " ".join((ast.get_source_segment(source, refused) or type(refused).__name__).split())
+        said = found.encode("ascii", "backslashreplace").decode()
+        said = said if len(said) <= LONGEST else f"{said[: LONGEST - 3]}..."
+        raise LawError(f"has {said} in line {_line(refused)}; {ALLOWED}")
+
+
+def _check_common(node: ast.AST) -> None:
+    """Refuse what people write in good faith, each with a sentence of its own."""
+    imported = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+    imported += ["." * node.level + (node.module or "")] if isinstance(node, ast.ImportFrom) else []
+    for module in imported:
+        if module != math.__name__:
+            raise LawError(f"imports {module} in line {_line(node)}; a law can import math only")
+    if isinstance(node, ast.Raise | ast.Assert):
+        raise LawError(f"raises in line {_line(node)}; a law has to return a force")
+    if isinstance(node, ast.List | ast.ListComp | ast.Dict | ast.Set):
+        raise LawError(f"makes arrays or lists in line {_line(node)}; a law can use numbers only")
+
+
+def _line(node: Any) -> int:
+    return int(node.lineno)
+
+
+def _refused(tree: ast.Module) -> Iterator[ast.AST]:
+    """Each part of a file that is not allowed, as far as it can be pointed at."""
+    names = _Names(tree)
+    for node in ast.walk(tree):
+        for child in ast.iter_child_nodes(node):
+            if type(child) not in NODES:
+                yield child if hasattr(child, "lineno") else node
+        if not names.allow(node):
+            yield next(iter(getattr(node, "decorator_list", ())), node)
+    for statement in tree.body:
+        if isinstance(statement, ast.Assign | ast.AnnAssign):
+            yield from names.not_constant(statement.value)
+        elif not isinstance(statement, TOP) and not _is_text(statement):
+            yield statement
+    for node in ast.walk(tree):
+        if isinstance(node, ast.arguments):
+            for default in filter(None, (*node.defaults, *node.kw_defaults)):
+                yield from names.not_constant(default, calls=False)
+
+
+def _is_text(statement: ast.AST) -> bool:
+    """Whether a statement is a text only, as a docstring is."""
+    value = statement.value if isinstance(statement, ast.Expr) else None
+    return isinstance(value, ast.Constant) and isinstance(value.value, str)
+
+
+class _Names:
+    """The names that a file gives to something, and the rules that need them."""
+
+    def __init__(self, tree: ast.Module) -> None:
+        self._all = set(_bound(ast.walk(tree)))
+        heads = [node for node in tree.body if isinstance(node, ast.FunctionDef)]
+        constants = [node for node in tree.body if isinstance(node, ast.Assign | ast.AnnAssign)]
+        imports = [node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)]
+        own = {*_bound(heads), *_bound(part for node in constants for part in ast.walk(node))}
+        imported = set(_bound(part for node in imports for part in ast.walk(node)))
+        self._top = own | imported
+        self._callable = (imported | set(FUNCTIONS)) - own
+        self._math = {
+            alias.asname or alias.name
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Import)
+            for alias in node.names
+        }
+        self._texts = {id(text) for node in ast.walk(tree) for text in _texts(node)}
+
+    def allow(self, node: ast.AST) -> bool:
+        """Whether a part of the file, as far as it is not its own parts, is allowed anywhere in a law."""
+        fine = True
+        match node:
+            case ast.Name(id=name):
+                known = name in self._all or name in FUNCTIONS or not hasattr(builtins, name)
+                fine = known and not name.startswith("__")
+            case ast.Attribute(value=ast.Name(id=name), attr=attribute, ctx=ast.Load()):
+                fine = name in self._math and attribute in MATH
+            case ast.Attribute():
+                fine = False
+            case ast.Subscript(ctx=context):
+                fine = isinstance(context, ast.Load)
+            case ast.Constant(value=value):
+                fine = id(node) in self._texts or value is None or isinstance(value, bool | int | float)
+            case ast.FunctionDef(name=name, decorator_list=decorators, returns=kind):
+                plain = not decorators and not getattr(node, "type_params", None)
+                fine = plain and not name.startswith("__") and _is_annotation(kind)
+            case ast.arg(arg=name, annotation=kind):
+                fine = not name.startswith("__") and _is_annotation(kind)
+            case ast.AnnAssign(annotation=kind):
+                fine = _is_annotation(kind)
+            case ast.keyword(arg=keyword):
+                fine = keyword is not None
+            case ast.ImportFrom(names=aliases):
+                fine = all(alias.name in MATH for alias in aliases)
+            case ast.alias(asname=name):
+                fine = not (name or "").startswith("__")
+        return fine
+
+    def not_constant(self, value: ast.AST | None, *, calls: bool = True) -> Iterator[ast.AST]:
+        """The parts of what Python evaluates that make it more than a constant.
+
+        Args:
+            value: an expression.
+            calls: whether functions of ``math`` and of Python may be called in it.
+        """
+        for node in ast.walk(value) if value else ():
+            match node:
+                case ast.Name(id=name) if name not in self._top and hasattr(builtins, name):
+                    if name not in FUNCTIONS:
+                        yield node
+                case ast.Call(func=ast.Name(id=name)):
+                    if not calls or name not in self._callable:
+                        yield node
+                case ast.Call(func=function):
+                    if not calls or not isinstance(function, ast.Attribute):
+                        yield node
+                case ast.Yield():
+                    yield node
+
+
+def _bound(nodes: Iterable[ast.AST]) -> Iterator[str]:
+    """The names that some parts of a file give to something."""
+    for node in nodes:
+        match node:
+            case ast.Name(id=name, ctx=ast.Store()) | ast.arg(arg=name) | ast.FunctionDef(name=name):
+                yield name
+            case ast.alias(name=name, asname=other):
+                yield other or name
+
+
+def _texts(node: ast.AST) -> Iterator[ast.AST]:
+    """The text that a part of a file may be: a statement, or the word in ``float("nan")``."""
+    match node:
+        case ast.Expr(value=text) if _is_text(node):
+            yield text
+        case ast.Call(func=ast.Name(id="float"), args=[ast.Constant(value=str(word)) as text]):
+            if word.strip().lower() in WORDS:
+                yield text
+
+
+def _is_annotation(kind: ast.AST | None) -> bool:
+    """Whether this is no annotation, or one of a number."""
+    return kind is None or (isinstance(kind, ast.Name) and kind.id in ANNOTATIONS)
