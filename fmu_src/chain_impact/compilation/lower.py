@@ -24,7 +24,7 @@ from chain_impact.compilation.law import law_entry
 from chain_impact.compilation.law_file import LawError, read_law
 from chain_impact.compilation.record_type import INSTANCE
 from chain_impact.compilation.sources import fingerprint
-from chain_impact.kernel import entry
+from chain_impact.kernel.tangent import blocks
 from chain_impact.kernel.tangent import entry as tangent_entry
 from chain_impact.kernel.tangent.entry import HOOKS
 
@@ -101,7 +101,7 @@ def main() -> None:
             derivatives = what == "derivatives"
             entries = entry_points(derivatives=derivatives)
             # for the C interface, which is given a record by a file
-            words = tangent_entry.record_words if derivatives else entry.record_words
+            words = tangent_entry.record_words if derivatives else blocks.record_words
             entries["record_words"] = (int64(INSTANCE), words)
     except LawError as error:
         print(" ".join(str(error).split()), file=sys.stderr)

@@ -7,7 +7,6 @@ from chain_impact.kernel.initialize import initialize
 from chain_impact.kernel.model.inputs import request_reinit
 from chain_impact.kernel.observe import observe
 from chain_impact.kernel.status import LOG_FULL, OK, PAUSED
-from chain_impact.kernel.tangent.blocks import words
 from chain_impact.kernel.work_limit import UNLIMITED, allow_any_length, work_done, work_of_a_call
 
 
@@ -38,11 +37,6 @@ def observe_now(d):
             request_reinit(d)
     observe(d)
     return status
-
-
-def record_words(d):
-    """How many numbers of 8 bytes the record of an instance with the sizes at its start has."""
-    return len(words(d))
 
 
 def trajectory(d, times, output, rows):
