@@ -71,6 +71,7 @@ def calls(monkeypatch):
         "check_turns",
         "mark_jump",
         "truncate_step",
+        "settle_impulses",
         "accept",
         "ensure_rate",
         "ensure_points",
@@ -102,19 +103,20 @@ def repeated(monkeypatch, calls, d, t):
 @pytest.mark.parametrize("method", [EXPLICIT, IMPLICIT])
 def test_a_whole_step_is_made_once_more(monkeypatch, calls, method):
     done = repeated(monkeypatch, calls, *instances(method=method, events=(NONE, KINK)))
-    assert done == [("make", method, 0.2), ("check_turns",), ("take_values",), ("move_end", NONE, KINK)]
+    end = [("take_values",), ("settle_impulses",), ("move_end", NONE, KINK)]
+    assert done == [("make", method, 0.2), ("check_turns",), *end]
 
 
 def test_a_step_that_was_cut_is_made_whole_and_cut(monkeypatch, calls):
     done = repeated(monkeypatch, calls, *instances(kept=0.25, events=(NONE, ONSET)))
-    cut = [("truncate_step", 0.25), ("take_values",), ("move_end", NONE, ONSET)]
+    cut = [("truncate_step", 0.25), ("take_values",), ("settle_impulses",), ("move_end", NONE, ONSET)]
     assert done == [("make", EXPLICIT, 0.2), ("check_turns",), *cut]
 
 
 def test_up_to_the_end_of_its_contact_a_step_is_made_short(monkeypatch, calls):
     """Beyond the end the slope of the force has a kink."""
     done = repeated(monkeypatch, calls, *instances(1, (NONE, END), kept=0.25))
-    short = [("take_values",), ("mark_jump",), ("move_end", NONE, END)]
+    short = [("take_values",), ("mark_jump",), ("settle_impulses",), ("move_end", NONE, END)]
     assert done == [("make", EXPLICIT, 0.05), ("check_turns",), *short]
 
 
