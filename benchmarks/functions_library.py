@@ -13,6 +13,7 @@ from chain_impact.compilation.cache import linker_folder, made
 from chain_impact.system import HOST
 
 HERE = Path(__file__).parent
+REGISTERS = compilers.INTERFACE / "common" / "registers.c"
 PROGRAM, KERNEL_FUNCTIONS = HERE / "lower_functions.py", HERE / "kernel_functions.py"
 
 
@@ -55,7 +56,7 @@ def link(lowered: str, links: int | None, library: Path) -> None:
     functions = library.with_name("functions.o")
     compilers.compile_kernel(lowered, functions, HOST, links)
     compilers.prepare_zig(HOST)
-    compilers._zig_library(HOST, library, functions)
+    compilers._zig_library(HOST, library, functions, REGISTERS)
 
 
 def zig(folder: Path, *arguments: object) -> None:
