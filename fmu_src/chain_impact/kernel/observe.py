@@ -5,7 +5,7 @@ from chain_impact.kernel.chain.kinematics import accelerate_points, locate_point
 from chain_impact.kernel.chain.state import ANGLES, dissipated_at, omega_at, supplied_at
 from chain_impact.kernel.events.contact_log import update_latest
 from chain_impact.kernel.integration.dense import fraction, interpolate, interpolate_component
-from chain_impact.kernel.integration.impulse import friction_count, impulse_at, impulse_count
+from chain_impact.kernel.integration.impulse import friction_count, impulse_count, impulse_within
 from chain_impact.kernel.model.contact import contact_force
 from chain_impact.kernel.model.energy import mechanical_energy, stored_energy
 from chain_impact.kernel.model.equations import located_rate
@@ -57,7 +57,7 @@ def fill_outputs(d):
             out.force[c] = contact_force(d, c, gap, gap_rate)
             out.penetration[c], out.penetration_rate[c] = -gap, -gap_rate
     for k in range(impulse_count(d)):
-        out.impulse[d.touch.active_index[k]] = impulse_at(d, theta, k)
+        out.impulse[d.touch.active_index[k]] = impulse_within(d, theta, k)
     if d.elements > 0:
         observe_friction(d, theta)
     out.kinetic, out.potential = mechanical_energy(d, y)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from chain_impact.kernel.chain.kinematics import largest, locate_points
+from chain_impact.kernel.events.contact_log import end_contact
 from chain_impact.kernel.events.impulses import (
     GAIN,
     NEAR,
@@ -14,7 +15,6 @@ from chain_impact.kernel.events.impulses import (
     apply_impulses,
     end_changed_contacts,
     end_rebounding_contacts,
-    end_rigid_contact,
     end_unstopped_contacts,
     find_impulses,
     handle_impact,
@@ -308,7 +308,7 @@ def test_a_neighbour_without_an_impulse_was_not_met(event, impulse, met):
 def test_a_contact_that_ends_is_logged_with_the_largest_force_that_held_it():
     d, *_ = touching(1, (1, 6), kinds=NONE)
     d.touch.onset[:], d.touch.peak_force[:] = 1.0, 3.0
-    end_rigid_contact(d, 6)
+    end_contact(d, 6, True)
     assert d.finished.peak_force[0] == 3.0
     assert d.finished.point[0] == d.candidate.point[6]
     assert d.touch.active.tolist() == [int(c == 1) for c in range(d.candidates)]

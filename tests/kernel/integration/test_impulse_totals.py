@@ -9,8 +9,8 @@ from chain_impact.kernel.integration.impulse import (
     append_impulses,
     commit_impulses,
     give_impulses,
-    impulse_at,
     impulse_count,
+    impulse_within,
     reset_impulse_step,
     roll_back_impulses,
     set_impulse_stage,
@@ -117,7 +117,12 @@ def test_of_points_that_a_rigid_wall_holds_the_sum_stays(d):
     d.impulse.state_end[:2] = 4.0, 1.5
     settle_impulses(d)
     assert values(d, "state_end") == [[5.0, 1.0]]
-    # other walls have nothing to do with it
+    # stops of other joints have nothing to do with it
+    d.candidate.stop[TOUCHED], d.impulse.state_end[:2] = 1, (4.0, 3.0)
+    settle_impulses(d)
+    assert values(d, "state_end") == [[5.0, 3.0]]
+    # nor have other walls
+    d.candidate.stop[TOUCHED] = 0
     d.candidate.wall[TOUCHED] = 2, 3
     d.impulse.state_end[:2] = 4.0, 3.0
     settle_impulses(d)
@@ -132,7 +137,7 @@ def test_a_course_that_falls_is_below_all_that_follows(d, kept):
     d.impulse.dense[:3, 0], d.impulse.state[0] = (1.0, -1.9, 2.0), 3.0
     d.impulse.state_end[0] = interpolate_component(d.impulse, kept, 0)
     dense = np.array([interpolate_component(d.impulse, theta, 0) for theta in thetas])
-    course = np.array([impulse_at(d, theta, 0) for theta in thetas])
+    course = np.array([impulse_within(d, theta, 0) for theta in thetas])
     assert np.diff(dense).min() < -1e-3
     assert np.diff(course).min() >= 0.0
     assert (course[0], course[-1]) == (3.0, d.impulse.state_end[0])

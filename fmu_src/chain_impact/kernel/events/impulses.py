@@ -208,7 +208,7 @@ def end_rebounding_contacts(d):
         if d.touch.event[c] == NEIGHBOUR and d.rigid.impulse[k] <= 0.0:
             deactivate(d, c)  # it takes no part in the impact
         elif d.rigid.reached[k] > max(slow, STICK * d.law.minimum_impact_speed[c]):
-            end_rigid_contact(d, c)
+            end_contact(d, c, True)
     list_touching(d)
 
 
@@ -218,13 +218,8 @@ def end_changed_contacts(d):
     for k in range(d.touch.compliant_count, d.touch.active_count):
         c = d.touch.active_index[k]
         if not d.law.impulsive[c]:
-            end_rigid_contact(d, c)
+            end_contact(d, c, True)
     list_touching(d)
-
-
-def end_rigid_contact(d, c):
-    """End and log a contact. One of no duration has an impulse, and a peak force of 0."""
-    end_contact(d, c, True)
 
 
 def update_active_set(d):
@@ -253,7 +248,7 @@ def end_unstopped_contacts(d):
     scale = largest(d, d.work.velocity)
     for k in range(d.touch.compliant_count, d.touch.active_count):
         if not d.rigid.in_active_set[k] and d.rigid.reached[k] > SIGN_TOLERANCE * scale:
-            end_rigid_contact(d, d.touch.active_index[k])
+            end_contact(d, d.touch.active_index[k], True)
     list_touching(d)
 
 
@@ -265,7 +260,7 @@ def release_contacts(d):
         released = not d.rigid.in_active_set[k]
         require(d, k, RELEASE_GAP * d.model.size if released else 0.0)
         if released:
-            end_rigid_contact(d, d.touch.active_index[k])
+            end_contact(d, d.touch.active_index[k], True)
             parting = True
     if parting:
         solve_positions(d)

@@ -10,7 +10,7 @@ when contacts last began or ended. A scene that does not request impulses has no
 from chain_impact.kernel.chain.state import time_at
 from chain_impact.kernel.integration.dense import interpolate_component
 
-SAMPLES = 16  # of the dense output of a step
+COURSE_SAMPLES = 16  # of the dense output of a step
 
 
 def clear_impulses(d):
@@ -79,11 +79,12 @@ def settle_impulses(d):
     """
     own = d.impulse
     for k in range(impulse_count(d)):
-        fallen = own.state[k] - own.state_end[k]
+        c, fallen = d.touch.active_index[k], own.state[k] - own.state_end[k]
         if fallen > 0.0:
             own.state_end[k] = own.state[k]
-            if k >= d.touch.compliant_count:
-                take_impulse(d, d.candidate.wall[d.touch.active_index[k]], fallen)
+            # the stops of all joints have one number, and nothing in common
+            if k >= d.touch.compliant_count and d.candidate.stop[c] == 0:
+                take_impulse(d, d.candidate.wall[c], fallen)
 
 
 def take_impulse(d, wall, amount):
@@ -97,15 +98,15 @@ def take_impulse(d, wall, amount):
         own.state_end[taker] -= min(amount, most)
 
 
-def impulse_at(d, theta, k):
+def impulse_within(d, theta, k):
     """The impulse of the k-th contact at the fraction θ of the last step.
 
     It is that of the dense output, but for errors: it is not above samples of it later in the step, and not
     below the last of them before θ.
     """
     own, below, above = d.impulse, d.impulse.state_end[k], d.impulse.state_end[k]
-    for i in range(SAMPLES):
-        sample = d.step.kept * (SAMPLES - 1 - i) / SAMPLES
+    for i in range(COURSE_SAMPLES):
+        sample = d.step.kept * (COURSE_SAMPLES - 1 - i) / COURSE_SAMPLES
         below = min(above, interpolate_component(own, sample, k))
         if sample <= theta:
             break
